@@ -1,0 +1,198 @@
+"""Design files: TOML to ``Design`` and back, with every error told in the words of the file."""
+
+import difflib
+import math
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
+
+from cycloid_mj.design.model import Design, Section
+from cycloid_mj.design.presets import PRESETS
+from cycloid_mj.design.units import file_key, source_of, unit_of
+from cycloid_mj.errors import DesignError, UsageError
+
+LARGEST_INTEGER = 2**63 - 1
+"""TOML's integers have 64 bits; a larger one counts as infinite."""
+
+
+def resolve(name_or_file: str, changes: Sequence[str] = ()) -> Design:
+    """Give the design of a preset's name or a TOML file, with ``table.key=value`` changes applied.
+
+    Raises
+    ------
+    UsageError
+        The name is no preset and the file does not exist.
+    DesignError
+        The file cannot be read or is not a valid design.
+    """
+    design = PRESETS.get(name_or_file)
+    if design is None:
+        design = load(Path(name_or_file))
+    return override(design, changes)
+
+
+def load(path: Path) -> Design:
+    """Read a design file."""
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except FileNotFoundError as error:
+        raise UsageError(_unknown_design(path)) from error
+    except (OSError, ValueError) as error:
+        raise DesignError(f"cannot read the design file {path}: {_reason(error)}; give a TOML text file") from error
+    return loads(text, str(path))
+
+
+def loads(text: str, where: str = "the design") -> Design:
+    """Give the design of a TOML text; keys left out keep the values of the preset ``pin``."""
+    try:
+        tables = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise DesignError(f"{where} is not TOML: {error}; `cycloid-mj design show pin` prints a whole file") from error
+    if not tables:
+        raise DesignError(f"{where} is empty; start from the output of `cycloid-mj design show pin`")
+    return _validated(_to_si(Design, tables, where), where)
+
+
+def override(design: Design, changes: Sequence[str]) -> Design:
+    """Give the design with ``table.key=value`` changes in the file's words, e.g. ``load.torque_nm=36``."""
+    tables = dict(_tables(design))
+    for change in changes:
+        path, equals, value = change.partition("=")
+        keys = path.strip().split(".")
+        if not equals or len(keys) > 2 or not all(keys):
+            raise UsageError(f"--set {change!r}: expected table.key=value, e.g. --set load.torque_nm=36")
+        table = tables if len(keys) == 1 else tables.setdefault(keys[0], {})
+        if not isinstance(table, dict):
+            raise UsageError(f"--set {change!r}: {keys[0]} is a value, not a table")
+        table[keys[-1]] = _parsed(value.strip())
+    return _validated(_to_si(Design, tables, "--set"), "--set") if changes else design
+
+
+def dump(design: Design) -> str:
+    """Give the complete commented design file of a design; reading it back gives an equal design."""
+    lines = ["# cycloid_mj design file. Units stand in the key names."]
+    lines += ["# (assumed): not given in the paper (Hsieh 2014) and chosen here.", ""]
+    for name, field, value in _fields(design):
+        if isinstance(value, Section):
+            lines += ["", f"# {(type(value).__doc__ or '').strip()}", f"[{name}]"]
+            lines += [_line(key, inner, item) for key, inner, item in _fields(value)]
+        else:
+            lines.append(_line(name, field, value))
+    return "\n".join(lines) + "\n"
+
+
+def _line(name: str, field: FieldInfo, value: Any) -> str:
+    """One commented line; the source is told only of a value that is still the preset's."""
+    source = source_of(field) if value == field.default else ""
+    note = f" ({source})" if source else ""
+    return f"{file_key(name, field)} = {_toml(_to_file(field, value))}  # {field.description}{note}"
+
+
+def _toml(value: Any) -> str:
+    """Give a value as TOML; the words that the model allows need no escapes."""
+    return f'"{value}"' if isinstance(value, str) else repr(value)
+
+
+def _to_file(field: FieldInfo, value: Any) -> Any:
+    return unit_of(field).from_si(value) if isinstance(value, float) else value
+
+
+def _fields(section: Section) -> Iterator[tuple[str, FieldInfo, Any]]:
+    for name, field in type(section).model_fields.items():
+        yield name, field, getattr(section, name)
+
+
+def _tables(section: Section) -> Iterator[tuple[str, Any]]:
+    """Give a section as the keys and values of its file."""
+    for name, field, value in _fields(section):
+        if isinstance(value, Section):
+            yield name, dict(_tables(value))
+        else:
+            yield file_key(name, field), _to_file(field, value)
+
+
+def _to_si(section: type[Section], table: Mapping[str, Any], where: str, prefix: str = "") -> dict[str, Any]:
+    """Translate the keys of the file to the names of the model and numbers to SI."""
+    known = {file_key(name, field): (name, field) for name, field in section.model_fields.items()}
+    values: dict[str, Any] = {}
+    for key, value in table.items():
+        if key not in known:
+            raise DesignError(f"{where}: unknown key {prefix}{key:.80}; {_nearest(key, list(known), prefix)}")
+        name, field = known[key]
+        inner = field.annotation
+        if isinstance(inner, type) and issubclass(inner, Section):
+            if not isinstance(value, Mapping):
+                raise DesignError(f"{where}: {key} is a table; write [{key}] and its keys below")
+            values[name] = _to_si(inner, value, where, f"{prefix}{key}.")
+        elif isinstance(value, int) and abs(value) > LARGEST_INTEGER:
+            values[name] = math.inf if value > 0 else -math.inf
+        elif inner is float and isinstance(value, (int, float)) and not isinstance(value, bool):
+            values[name] = unit_of(field).to_si(float(value))
+        else:
+            values[name] = value
+    return values
+
+
+def _validated(values: dict[str, Any], where: str) -> Design:
+    try:
+        return Design.model_validate(values, strict=True)
+    except ValidationError as error:
+        raise DesignError("; ".join(_told(details, where) for details in error.errors())) from error
+
+
+def _told(details: ErrorDetails, where: str) -> str:
+    """One validation error in the words of the file: key, value, what is allowed."""
+    section: type[Section] = Design
+    field: FieldInfo | None = None
+    keys = []
+    for name in details["loc"]:
+        field = section.model_fields.get(str(name))
+        keys.append(file_key(str(name), field) if field else str(name))
+        if field and isinstance(field.annotation, type) and issubclass(field.annotation, Section):
+            section = field.annotation
+    got = details["input"]
+    if field is None:
+        return f"{where}: {'.'.join(keys)}: {details['msg']}"
+    unit = unit_of(field)
+    shown = unit.from_si(got) if isinstance(got, float) else got
+    bounds = {name: bound for name, bound in details.get("ctx", {}).items() if isinstance(bound, (int, float))}
+    words = {"gt": "more than", "ge": "at least", "lt": "less than", "le": "at most"}
+    limits = [f"{words[name]} {unit.from_si(float(bound)):g}" for name, bound in bounds.items() if name in words]
+    allowed = " and ".join(limits) if limits else details["msg"]
+    return f"{where}: {'.'.join(keys)} = {shown!r:.80} is not allowed: {allowed} ({field.description})"
+
+
+def _nearest(key: str, known: list[str], prefix: str) -> str:
+    """Name the key meant: the same word in another table, else the most alike in this table, else anywhere."""
+    everywhere = [f"{table}.{name}" for table, keys in _tables(Design()) if isinstance(keys, dict) for name in keys]
+    same = [name for name in everywhere if name.endswith(f".{key}")]
+    here = [prefix + name for name in difflib.get_close_matches(key, known, n=1)]
+    meant = same or here or difflib.get_close_matches(prefix + key, everywhere, n=1)
+    if meant:
+        return f"did you mean {' or '.join(meant)}?"
+    return "known keys here: " + ", ".join(prefix + name for name in known)
+
+
+def _unknown_design(path: Path) -> str:
+    presets = ", ".join(PRESETS)
+    folder = path.parent if path.parent.is_dir() else Path()
+    files = [str(folder / name) for name in sorted(item.name for item in folder.glob("*.toml"))]
+    near = difflib.get_close_matches(str(path), [*PRESETS, *files], n=1)
+    hint = f"did you mean {near[0]}?" if near else "`cycloid-mj design show pin > my.toml` makes a file to start from"
+    return f"no design {str(path)!r}: it is neither a preset ({presets}) nor a file; {hint}"
+
+
+def _parsed(value: str) -> Any:
+    try:
+        return tomllib.loads(f"value = {value}")["value"]
+    except (ValueError, RecursionError):
+        return value
+
+
+def _reason(error: Exception) -> str:
+    return (error.strerror or str(error)) if isinstance(error, OSError) else str(error)

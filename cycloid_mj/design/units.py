@@ -1,0 +1,126 @@
+"""Units of the design file: the suffix a key carries there, and the factor to SI."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import Field
+from pydantic.fields import FieldInfo
+
+PAPER = "Hsieh 2014"
+ASSUMED = "assumed"
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit of the design file.
+
+    One file unit is ``multiplier / divisor`` SI units. Division by a power of ten is exactly rounded where
+    multiplication by its inverse is not, so 40.75 mm becomes the float nearest to 0.04075 m.
+    """
+
+    suffix: str
+    divisor: float = 1.0
+    multiplier: float = 1.0
+
+    def to_si(self, value: float) -> float:
+        """Convert a value of the file to SI."""
+        return value * self.multiplier / self.divisor
+
+    def from_si(self, value: float) -> float:
+        """Convert an SI value to the shortest number in the file's unit that ``to_si`` turns into it again.
+
+        Every value that came from a file has one. An SI value that falls between two of the file's floats
+        has none: then the nearest number is given, whose SI value differs in the last bit.
+        """
+        near = value * self.divisor / self.multiplier
+        shortened = [float(f"{near:.{digits}g}") for digits in (14, 15, 16)]
+        beside = [near + step * math.ulp(near) for step in (0, -1, 1, -2, 2, -3, 3)]
+        return next((number for number in shortened + beside if self.to_si(number) == value), near)
+
+
+NONE = Unit("")
+MILLIMETRE = Unit("mm", divisor=1e3)
+MICROMETRE = Unit("um", divisor=1e6)
+RPM = Unit("rpm", divisor=60.0, multiplier=2.0 * math.pi)
+DEGREE = Unit("deg", divisor=180.0, multiplier=math.pi)
+SECOND = Unit("s")
+MICROSECOND = Unit("us", divisor=1e6)
+NEWTON = Unit("n")
+NEWTON_METRE = Unit("nm")
+NEWTON_PER_METRE = Unit("n_m")
+MEGAPASCAL = Unit("mpa", multiplier=1e6)
+DENSITY = Unit("kg_m3")
+INERTIA = Unit("kg_m2")
+ACCELERATION = Unit("m_s2")
+KILOWATT = Unit("kw", multiplier=1e3)
+HERTZ = Unit("hz")
+
+
+def quantity(default: Any, text: str, unit: Unit = NONE, source: str = ASSUMED, **bounds: Any) -> Any:
+    """Declare one value of the design.
+
+    Parameters
+    ----------
+    default
+        Value of the preset ``pin``, in the file's unit.
+    text
+        What the value is; printed as its comment in the design file.
+    unit
+        Unit of the file; the value itself is kept in SI.
+    source
+        Where the default comes from: the paper, or assumed.
+    bounds
+        ``gt``, ``ge``, ``lt``, ``le`` in the file's unit.
+    """
+    in_si: dict[str, Any] = {name: unit.to_si(bound) for name, bound in bounds.items()}
+    value = unit.to_si(default) if isinstance(default, float) else default
+    if isinstance(value, float):
+        in_si["allow_inf_nan"] = False
+    return Field(default=value, description=text, json_schema_extra={"unit": unit.suffix, "source": source}, **in_si)
+
+
+def choice(default: str, text: str, source: str = ASSUMED, pattern: str | None = None) -> Any:
+    """Declare one value of the design that is a word."""
+    return Field(default=default, description=text, pattern=pattern, json_schema_extra={"unit": "", "source": source})
+
+
+UNITS = {
+    unit.suffix: unit
+    for unit in (
+        NONE,
+        MILLIMETRE,
+        MICROMETRE,
+        RPM,
+        DEGREE,
+        SECOND,
+        MICROSECOND,
+        NEWTON,
+        NEWTON_METRE,
+        NEWTON_PER_METRE,
+        MEGAPASCAL,
+        DENSITY,
+        INERTIA,
+        ACCELERATION,
+        KILOWATT,
+        HERTZ,
+    )
+}
+
+
+def unit_of(field: FieldInfo) -> Unit:
+    """Give the file's unit of a declared value."""
+    extra = field.json_schema_extra
+    return UNITS[str(extra["unit"])] if isinstance(extra, dict) else NONE
+
+
+def source_of(field: FieldInfo) -> str:
+    """Give where the default of a declared value comes from."""
+    extra = field.json_schema_extra
+    return str(extra["source"]) if isinstance(extra, dict) else ASSUMED
+
+
+def file_key(name: str, field: FieldInfo) -> str:
+    """Give the key of a declared value in the file: its name and its unit."""
+    suffix = unit_of(field).suffix
+    return f"{name}_{suffix}" if suffix else name

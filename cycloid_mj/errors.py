@@ -1,0 +1,32 @@
+"""The errors a user can meet: each message says what went wrong, what was got, what is allowed, what to do next."""
+
+
+class CycloidError(Exception):
+    """Root of every error this package raises on purpose.
+
+    Its message is one clear line for the user; the command line prints it without a traceback.
+    """
+
+    exit_code = 1
+
+
+class UsageError(CycloidError):
+    """A wrong name, flag or value on the command line."""
+
+    exit_code = 2
+
+
+class DesignError(CycloidError):
+    """A design that cannot be read, is not valid, or cannot be built."""
+
+
+class LogError(CycloidError):
+    """A log that cannot be written or read."""
+
+
+class ContactError(CycloidError):
+    """Contact parameters that MuJoCo cannot represent, or a MuJoCo build whose structures are not as expected."""
+
+
+class RunError(CycloidError):
+    """A simulation that went wrong and was stopped; its log holds what came before."""
