@@ -1,0 +1,33 @@
+"""Whether a design can be built and would work: each geometric and mechanical check with its reason and remedy.
+
+Symbols: N ring teeth, c eccentricity, E pin-circle radius, rho pin radius [m]. As in the parts, the clearance is cut
+from the gear (profile and holes) or added to sockets and bore. Where no source sets a limit it is assumed here and
+stated: ``WALL_SHARE``, ``PLAY_SHARE``, ``OVERLOAD`` and ``PLAUSIBLE``.
+"""
+
+from cycloid_mj.checks.body import balance, body_checks
+from cycloid_mj.checks.limit import Check, Limit
+from cycloid_mj.checks.mechanics import OVERLOAD, PLAUSIBLE, PLAY_SHARE, mechanical_checks
+from cycloid_mj.checks.teeth import WALL_SHARE, tooth_checks
+from cycloid_mj.design import Design
+from cycloid_mj.errors import DesignError
+
+__all__ = ["OVERLOAD", "PLAUSIBLE", "PLAY_SHARE", "WALL_SHARE", "Check", "Limit", "check", "require_sound"]
+
+
+def check(design: Design) -> tuple[Check, ...]:
+    """Give every check of a design, passed or not.
+
+    What rests on a failed check is left out: undercut where there are loops, balance of an unsound gear.
+    """
+    shape = (*tooth_checks(design), *body_checks(design))
+    whole = all(item.passed for item in shape) and design.shaft.radius < design.shaft.counterweight_radius
+    return (*shape, *([balance(design)] if whole else []), *mechanical_checks(design))
+
+
+def require_sound(design: Design) -> None:
+    """Raise DesignError that tells each failed check in a line of its own; warnings pass."""
+    failed = [item for item in check(design) if not item.passed and item.severity == "error"]
+    if failed:
+        lines = "\n".join(f"  {item}" for item in failed)
+        raise DesignError(f"the design {design.name!r} cannot be built:\n{lines}")

@@ -1,0 +1,113 @@
+"""Checks of the gear's body: its bore, the output holes, the walls between them, and its balance."""
+
+import math
+from collections.abc import Iterator
+
+from cycloid_mj import profile
+from cycloid_mj.checks.limit import Check, Limit, millimetres, verdict
+from cycloid_mj.checks.teeth import WALL_SHARE, pitches, profile_offset, wall, wall_needed
+from cycloid_mj.design import Design
+from cycloid_mj.design.units import MILLIMETRE
+from cycloid_mj.profile import CycloidGear
+
+HOLE_TOLERANCE = 1e-9
+"""Relative; lets a hole of output pin + eccentricity pass in spite of rounding, and nothing else."""
+
+
+def body_checks(design: Design) -> Iterator[Check]:
+    """Check bore and holes of the gear."""
+    circle = design.output.pin_circle_radius
+    bore, hole = _bore(design), _hole(design)
+    below_root = design.gear.eccentricity + profile_offset(design)
+    root = design.ring.pin_circle_radius - below_root
+    root_told = f"the root of the lobes (radius {millimetres(root)})"
+    yield verdict(
+        design,
+        "bore",
+        Limit("gear.bore_radius", "less than", root - wall(design) - design.clearance.cam),
+        wall_needed(design, f"between the bore and {root_told}"),
+        Limit("ring.pin_circle_radius", "more than", (bore + below_root) / (1 - WALL_SHARE)),
+        Limit("ring.pin_radius", "less than", root - wall(design) - bore + design.ring.pin_radius),
+    )
+    yield verdict(
+        design,
+        "holes_to_bore",
+        Limit("gear.bore_radius", "less than", circle - hole - wall(design) - design.clearance.cam),
+        wall_needed(design, "between the bore and the output holes"),
+        Limit("output.pin_circle_radius", "more than", bore + wall(design) + hole),
+    )
+    yield verdict(
+        design,
+        "holes_to_root",
+        Limit("output.pin_circle_radius", "less than", root - wall(design) - hole),
+        wall_needed(design, f"between the output holes and {root_told}"),
+        Limit("ring.pin_circle_radius", "more than", (circle + hole + below_root) / (1 - WALL_SHARE)),
+    )
+    yield _neighbouring_holes(design)
+    yield _hole_size(design)
+
+
+def balance(design: Design) -> Check:
+    """Check that a half disc, at most as thick as the shaft is long, balances gear and cam.
+
+    Needs a sound gear and a counterweight that stands out from the shaft.
+
+    Static moments about the axis: w c (S_gear + S_cam) < 2/3 (R^3 - r^3) L with the face width w, areas S, radii R and
+    r of counterweight and shaft, and the shaft's length L.
+    """
+    gear, shaft, ring = design.gear, design.shaft, design.ring
+    mesh = CycloidGear(ring.teeth, gear.eccentricity, ring.pin_circle_radius, ring.pin_radius)
+    cut_out = math.pi * (_bore(design) ** 2 + design.output.pins * _hole(design) ** 2)
+    area = profile.area(mesh, profile_offset(design)) - cut_out + math.pi * gear.bore_radius**2
+    moment = gear.face_width * gear.eccentricity * area
+    moment_per_length = 2 / 3 * (shaft.counterweight_radius**3 - shaft.radius**3)
+    return verdict(
+        design,
+        "balance",
+        Limit("shaft.counterweight_radius", "more than", math.cbrt(shaft.radius**3 + 1.5 * moment / shaft.length)),
+        "a smaller half-disc counterweight cannot balance the gear within the length of the shaft",
+        Limit("shaft.length", "more than", moment / moment_per_length),
+    )
+
+
+def _neighbouring_holes(design: Design) -> Check:
+    output, circle = design.output, design.output.pin_circle_radius
+    half_pitch = circle * math.sin(math.pi / output.pins)
+    taken = _hole(design) + wall(design) / 2
+    return verdict(
+        design,
+        "neighbouring_holes",
+        Limit("output.hole_radius", "less than", half_pitch - wall(design) / 2 - design.clearance.output),
+        wall_needed(design, "between neighbouring output holes"),
+        Limit("output.pins", "less than", pitches(taken / circle)),
+        Limit("output.pin_circle_radius", "more than", taken / math.sin(math.pi / output.pins)),
+        tied=True,
+    )
+
+
+def _hole_size(design: Design) -> Check:
+    """Check that a hole is exactly as large as its pin's orbit: the one limit from both sides."""
+    orbit = design.output.pin_radius + design.gear.eccentricity
+    hole = design.output.hole_radius
+    passed = abs(hole - orbit) <= HOLE_TOLERANCE * orbit
+    key, number = "output.hole_radius_mm", f"{MILLIMETRE.from_si(orbit):.14g}"
+    return Check(
+        name="hole_size",
+        passed=passed,
+        got=f"{MILLIMETRE.from_si(hole):.14g} mm",
+        limit=f"{number} mm (output pin + eccentricity)",
+        why="an output pin, orbiting at the eccentricity, jams in a smaller hole;"
+        " a larger one adds play, which belongs to clearance.output_um",
+        remedy="" if passed else f"{'raise' if hole < orbit else 'lower'} {key} to {number}",
+        key=key,
+    )
+
+
+def _bore(design: Design) -> float:
+    """Radius of the gear's bore [m]: the cam and its clearance."""
+    return design.gear.bore_radius + design.clearance.cam
+
+
+def _hole(design: Design) -> float:
+    """Radius of a hole as it is cut [m], with its clearance."""
+    return design.output.hole_radius + design.clearance.output

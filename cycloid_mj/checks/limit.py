@@ -1,0 +1,147 @@
+"""One check, and the bound on one value of the design that most checks consist of."""
+
+import math
+import operator
+from dataclasses import dataclass
+from typing import Literal
+
+from pydantic.fields import FieldInfo
+
+from cycloid_mj.design import Design, override
+from cycloid_mj.design.units import MILLIMETRE, Unit, file_key, unit_of
+from cycloid_mj.errors import DesignError
+
+SIDES = {"less than": operator.lt, "at most": operator.le, "more than": operator.gt, "at least": operator.ge}
+UPPER = ("less than", "at most")
+STRICT = ("less than", "more than")
+SYMBOLS = {"mpa": "MPa", "nm": "N m", "kw": "kW", "kg_m3": "kg/m3"}
+
+STRICT_MARGIN = 1e-9
+"""Relative; a remedy stays that far inside a strict limit, so that rounding cannot undo it."""
+
+SMALLEST = 1e-30
+"""SI; smaller bounds, and 0, are no remedy."""
+
+Severity = Literal["error", "warning"]
+
+
+@dataclass(frozen=True)
+class Check:
+    """One verdict on a design.
+
+    `got` and `limit` are short texts in the file's units, about the value of the file's `key`; `why` says what the
+    limit is there for; `remedy` names the keys to change, in which direction and to which number (empty if passed). A
+    failed check of severity "error" means that the design cannot be built; a "warning" is told and stops nothing.
+    """
+
+    name: str
+    passed: bool
+    got: str
+    limit: str
+    why: str
+    remedy: str
+    severity: Severity = "error"
+    key: str = ""
+
+    def __str__(self) -> str:
+        """Tell the check in one line."""
+        told = f"{self.name}: {self.key} is {self.got}, must be {self.limit}: {self.why}"
+        return f"{told}; {self.remedy}" if self.remedy else told
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A `bound` [SI] on the value at `key` (table.field of the model); `side` is a word of ``SIDES``."""
+
+    key: str
+    side: str
+    bound: float
+
+    def value(self, design: Design) -> float:
+        """Give the design's value [SI]."""
+        table, name = self.key.split(".")
+        return float(getattr(getattr(design, table), name))
+
+    def holds(self, design: Design) -> bool:
+        """Tell whether the design keeps the limit."""
+        return bool(SIDES[self.side](self.value(design), self.bound))
+
+    def told(self, design: Design) -> tuple[str, str]:
+        """Give value and limit as texts in the file's unit."""
+        return told(self.value(design), self.side, self.bound, unit_of(self._field(design)))
+
+    def remedy(self, design: Design) -> str:
+        """Tell the change that keeps the limit, rounded to the safe side; empty if the file allows none."""
+        if not SMALLEST < abs(self.bound) < math.inf:
+            return ""
+        number = self._number(design)
+        try:
+            override(design, [f"{self.file_key(design)}={number}"])
+        except DesignError:
+            return ""
+        turn, beyond = ("lower", "less") if self.side in UPPER else ("raise", "more")
+        return f"{turn} {self.file_key(design)} to {number} or {beyond}"
+
+    def file_key(self, design: Design) -> str:
+        """Give the key as the design file has it, with its unit."""
+        table, name = self.key.split(".")
+        return f"{table}.{file_key(name, self._field(design))}"
+
+    def _number(self, design: Design) -> str:
+        """Give the last number of four digits (or the last integer) inside the limit, in the file's unit."""
+        unit, whole = unit_of(self._field(design)), self._field(design).annotation is int
+        inward = -1 if self.side in UPPER else 1
+        margin = STRICT_MARGIN * abs(self.bound) if self.side in STRICT else 0.0
+        bound = unit.from_si(self.bound + inward * margin)
+        step = 1.0 if whole else 10.0 ** (math.floor(math.log10(abs(bound))) - 3)
+        steps = math.floor(bound / step) if inward < 0 else math.ceil(bound / step)
+        return f"{steps * step:.10g}"
+
+    def _field(self, design: Design) -> FieldInfo:
+        table, name = self.key.split(".")
+        return type(getattr(design, table)).model_fields[name]
+
+
+def verdict(
+    design: Design, name: str, limit: Limit, why: str, *instead: Limit, severity: Severity = "error", tied: bool = False
+) -> Check:
+    """Check one limit of a design.
+
+    Parameters
+    ----------
+    design, name, limit, why, severity
+        As in ``Check``.
+    instead
+        Limits on other keys that would do as well: further remedies.
+    tied
+        Whether the checked value is tied to others, so that changing it alone is no remedy.
+    """
+    passed = limit.holds(design)
+    got, allowed = limit.told(design)
+    remedy = "" if passed else _remedy(design, [*([] if tied else [limit]), *instead])
+    return Check(name, passed, got, allowed, why, remedy, severity, limit.file_key(design))
+
+
+def _remedy(design: Design, limits: list[Limit]) -> str:
+    """Tell each single change that helps, or that none does."""
+    single = [remedy for limit in limits if (remedy := limit.remedy(design))]
+    together = " and ".join(limit.file_key(design) for limit in limits)
+    return ", or ".join(single) or f"no single change that the file allows is enough: change {together} together"
+
+
+def told(value: float, side: str, bound: float, unit: Unit) -> tuple[str, str]:
+    """Give a value and its limit [SI] as texts in a unit, with as many digits as tell them apart, and at least four."""
+    symbol = SYMBOLS.get(unit.suffix, unit.suffix)
+    a, b = unit.from_si(value), unit.from_si(bound)
+    digits = next((n for n in range(4, 17) if _shortened(a, n) != _shortened(b, n)), 4)
+    return f"{_shortened(a, digits)} {symbol}".rstrip(), f"{side} {_shortened(b, digits)} {symbol}".rstrip()
+
+
+def millimetres(length: float) -> str:
+    """Give a length [m] as text."""
+    return f"{_shortened(MILLIMETRE.from_si(length), 4)} mm"
+
+
+def _shortened(number: float, digits: int) -> str:
+    """Round to significant digits, without the exponent that large numbers would get."""
+    return f"{float(f'{number:.{digits}g}'):.16g}"

@@ -1,0 +1,34 @@
+"""Every part of the reducer as exact extruded outlines: its mass properties and its watertight mesh.
+
+The parts follow from a ``Design`` alone; what does not fit together is refused here, in the words of the design file.
+"""
+
+from cycloid_mj.solid.accuracy import VISUAL_CHORD_ERROR, mass_chord_error
+from cycloid_mj.solid.gear import gear_solid
+from cycloid_mj.solid.housing import housing_solid, pin_solid
+from cycloid_mj.solid.inertia import MassProperties, mass_properties
+from cycloid_mj.solid.mesh import Mesh, mesh
+from cycloid_mj.solid.output import output_centres, output_solid
+from cycloid_mj.solid.parts import parts
+from cycloid_mj.solid.polygon import circle
+from cycloid_mj.solid.prism import Prism, Solid
+from cycloid_mj.solid.shaft import shaft_solid
+
+__all__ = [
+    "VISUAL_CHORD_ERROR",
+    "MassProperties",
+    "Mesh",
+    "Prism",
+    "Solid",
+    "circle",
+    "gear_solid",
+    "housing_solid",
+    "mass_chord_error",
+    "mass_properties",
+    "mesh",
+    "output_centres",
+    "output_solid",
+    "parts",
+    "pin_solid",
+    "shaft_solid",
+]

@@ -1,0 +1,31 @@
+"""All parts of a reducer by name."""
+
+from cycloid_mj.design import Design
+from cycloid_mj.solid.gear import gear_solid
+from cycloid_mj.solid.housing import housing_solid, pin_solid
+from cycloid_mj.solid.output import output_solid
+from cycloid_mj.solid.prism import Solid
+from cycloid_mj.solid.shaft import balanced_shaft
+
+
+def parts(design: Design, chord_error: float | None = None) -> dict[str, Solid]:
+    """Give housing, shaft, gear, pin (one of N; only where the ring has pins) and output, each in its own frame.
+
+    Parameters
+    ----------
+    design
+        The design.
+    chord_error
+        Largest distance of a chord from its curve [m]; right for mass properties when left out.
+
+    Raises
+    ------
+    DesignError
+        A part cannot be made, or the parts do not fit into each other.
+    """
+    gear = gear_solid(design, chord_error)
+    solids = [housing_solid(design, chord_error), balanced_shaft(design, gear, chord_error), gear]
+    if design.ring.kind == "pin":
+        solids.append(pin_solid(design, chord_error))
+    solids.append(output_solid(design, chord_error))
+    return {solid.name: solid for solid in solids}
