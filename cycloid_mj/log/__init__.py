@@ -1,0 +1,35 @@
+"""Logs: a `Run` as an MCAP file that Foxglove, Rerun and every MCAP tool can open.
+
+The room owns the file format; this text is its one definition.
+
+Format, version "1"
+-------------------
+A log is an MCAP file (https://mcap.dev/spec). Its records come in this order:
+
+1. Metadata ``cycloid_mj``: ``{"format": "1"}``. An MCAP file without it was not written by this package.
+2. Metadata ``provenance``: flat text -> text.
+3. One attachment for each file kept with the run (``design.toml``, ``model.xml``, ...).
+4. Chunks, zstd-compressed, each with whole samples of every group, pushed to the operating system one by one: a
+   killed process loses only the chunk it was filling. The first chunk opens with the schemas and channels.
+5. Metadata ``cycloid_mj.end``: ``{"complete": "true" or "false", "note": text, "samples": count}``.
+6. End of data with its CRC, summary and index, as MCAP has them.
+
+Each group of columns is one channel: topic ``/output_pins``, protobuf message ``cycloid_mj.OutputPins``, one message
+per sample. Groups are sampled at the same times, and a column name occurs in one group only. The messages of sample
+i carry sequence number i (modulo 2**32) and log time = publish time = round(1e9 t) [ns].
+
+A message is flat: field 1 is the double ``time`` t [s], fields 2, 3, ... are the columns, all doubles. Zeros are
+written explicitly and fields in order, so every message of a channel has the same length and the same key bytes; a
+packed numpy record of key bytes and ``<f8`` values *is* the encoder and the decoder. The schema is a serialized
+FileDescriptorSet (proto3); the unit of each column is its comment there, and again in the channel's metadata under
+``units``, as JSON name -> unit.
+
+Channels without ``units`` in their metadata belong to viewers (scenes, frames); the reader passes over them, as it does
+over records of other kinds.
+"""
+
+from cycloid_mj.log.encoding import FORMAT, Group
+from cycloid_mj.log.reader import read
+from cycloid_mj.log.writer import LogWriter
+
+__all__ = ["FORMAT", "Group", "LogWriter", "read"]

@@ -1,0 +1,188 @@
+"""The records of an MCAP file, each checked before it is believed.
+
+mcap's own readers trust lengths, skip the CRC of attachments and lose what precedes a cut; here every length is held
+against the bytes there are, and every CRC is verified.
+"""
+
+import struct
+import zlib
+from collections import defaultdict
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+import numpy.typing as npt
+from mcap.data_stream import ReadDataStream
+from mcap.opcode import Opcode
+from mcap.records import Attachment, Channel, Chunk, Metadata, Schema
+from mcap.stream_reader import get_chunk_data_stream
+
+from cycloid_mj.errors import LogError
+
+Bytes = npt.NDArray[np.uint8]
+
+MAGIC = b"\x89MCAP0\r\n"
+HEAD = struct.Struct("<BQ")  # opcode, length of the content
+MESSAGE_HEAD = np.dtype(
+    [
+        ("opcode", "u1"),
+        ("length", "<u8"),
+        ("channel", "<u2"),
+        ("sequence", "<u4"),
+        ("log_time", "<u8"),
+        ("publish_time", "<u8"),
+    ]
+)
+_START_OF_MESSAGE = struct.Struct("<BQH")  # opcode, length, channel
+
+
+@dataclass(frozen=True)
+class Record:
+    """A record of the file: what it is, what it holds, and the byte where it starts."""
+
+    opcode: int
+    content: bytes
+    offset: int
+
+
+@dataclass(frozen=True)
+class Messages:
+    """What one chunk holds: schemas and channels by id, and the messages of each channel.
+
+    `of` maps a channel's id to its whole message records, shape (k, length), in the order of the file; messages of one
+    channel that differ in length are left out and named in `ragged`.
+    """
+
+    schemas: dict[int, Any]
+    channels: dict[int, Any]
+    of: dict[int, Bytes]
+    ragged: frozenset[int]
+
+
+def corrupt(path: Path, what: str) -> LogError:
+    """Give the error for a log whose bytes contradict themselves."""
+    return LogError(f"log {path} is corrupt: {what}; take an undamaged copy, or run the simulation again")
+
+
+@contextmanager
+def reading(path: Path, what: str) -> Iterator[None]:
+    """Turn whatever a parser of others says about malformed bytes into one LogError."""
+    try:
+        yield
+    except Exception as problem:
+        reason = str(problem).splitlines()[0] if str(problem) else type(problem).__name__
+        raise corrupt(path, f"{what} ({reason})") from problem
+
+
+def walk(stream: BinaryIO, path: Path) -> Iterator[Record]:
+    """Give the records of the data section that are wholly there, in order.
+
+    The last one is DATA_END if and only if the file is whole; otherwise it was cut, and the walk ends before the cut.
+
+    Raises
+    ------
+    LogError
+        The file is no MCAP file, or its data do not have the CRC they should have.
+    """
+    size = stream.seek(0, 2)
+    sealed = _has_seal(stream, size)
+    stream.seek(0)
+    if stream.read(len(MAGIC)) != MAGIC:
+        raise LogError(f"{path} is not an MCAP file: give a log of `cycloid-mj`, whose name ends in .mcap")
+    crc = zlib.crc32(MAGIC)
+    while True:
+        offset = stream.tell()
+        head = stream.read(HEAD.size)
+        opcode, length = HEAD.unpack(head) if len(head) == HEAD.size else (0, 0)
+        # No record has opcode 0: these are bytes that were reserved but never written.
+        if opcode == 0 or length > size - stream.tell():
+            break
+        content = stream.read(length)
+        if opcode == Opcode.DATA_END:
+            _check_data_crc(content, crc, path)
+            if sealed:
+                yield Record(opcode, content, offset)
+            return
+        crc = zlib.crc32(content, zlib.crc32(head, crc))
+        yield Record(opcode, content, offset)
+    if sealed:
+        raise corrupt(path, f"no record can be read at byte {offset} of {size}")
+
+
+def metadata(record: Record, path: Path) -> tuple[str, dict[str, str]]:
+    """Give name and entries of a metadata record."""
+    with reading(path, f"malformed metadata at byte {record.offset}"):
+        parsed = Metadata.read(_stream(record.content))
+    return parsed.name, parsed.metadata
+
+
+def attachment(record: Record, path: Path) -> tuple[str, bytes]:
+    """Give name and content of an attachment whose CRC is right."""
+    with reading(path, f"malformed attachment at byte {record.offset}"):
+        (crc,) = struct.unpack("<I", record.content[-4:])
+        if zlib.crc32(record.content[:-4]) != crc:
+            raise ValueError("its CRC is wrong")
+        parsed = Attachment.read(_stream(record.content))
+    return parsed.name, parsed.data
+
+
+def messages(record: Record, path: Path) -> Messages:
+    """Give what a chunk holds; its CRC must be right."""
+    with reading(path, f"malformed chunk at byte {record.offset}"):
+        chunk = Chunk.read(_stream(record.content))
+        inner, size = get_chunk_data_stream(chunk)
+        data = inner.read(size)
+        if size != chunk.uncompressed_size or zlib.crc32(data) != chunk.uncompressed_crc:
+            raise ValueError("its CRC or length is wrong")
+        return _messages(data)
+
+
+def _messages(data: bytes) -> Messages:
+    schemas, channels = {}, {}
+    starts: dict[int, list[int]] = defaultdict(list)
+    position = 0
+    while position < len(data):
+        opcode, length, channel = _START_OF_MESSAGE.unpack_from(data, position)
+        if opcode == Opcode.MESSAGE:
+            starts[channel].append(position)
+        elif opcode == Opcode.SCHEMA:
+            schema = Schema.read(_stream(data[position + HEAD.size : position + HEAD.size + length]))
+            schemas[schema.id] = schema
+        elif opcode == Opcode.CHANNEL:
+            described = Channel.read(_stream(data[position + HEAD.size : position + HEAD.size + length]))
+            channels[described.id] = described
+        position += HEAD.size + length
+    of = {channel: rows for channel, where in starts.items() if (rows := _rows(data, where)) is not None}
+    return Messages(schemas, channels, of, frozenset(starts.keys() - of.keys()))
+
+
+def _rows(data: bytes, starts: list[int]) -> Bytes | None:
+    """Give the records at `starts`, shape (k, length); None if their lengths differ."""
+    _, length = HEAD.unpack_from(data, starts[0])
+    size = HEAD.size + length
+    if size < MESSAGE_HEAD.itemsize:
+        return None
+    rows = np.lib.stride_tricks.sliding_window_view(np.frombuffer(data, dtype=np.uint8), size)[starts]
+    heads = rows[:, : MESSAGE_HEAD.itemsize].view(MESSAGE_HEAD)
+    return rows if (heads["length"] == length).all() else None
+
+
+def _has_seal(stream: BinaryIO, size: int) -> bool:
+    stream.seek(max(0, size - len(MAGIC)))
+    return size >= 2 * len(MAGIC) and stream.read() == MAGIC
+
+
+def _check_data_crc(content: bytes, crc: int, path: Path) -> None:
+    with reading(path, "malformed end of data"):
+        (expected,) = struct.unpack("<I", content)
+    # By MCAP's rules 0 means that the writer took no CRC, as tools that repack a log do.
+    if expected not in (0, crc):
+        raise corrupt(path, "its data do not have the CRC they were written with")
+
+
+def _stream(content: bytes) -> ReadDataStream:
+    return ReadDataStream(BytesIO(content))

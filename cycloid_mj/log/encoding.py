@@ -1,0 +1,155 @@
+"""The wire format of one group of columns: flat protobuf messages of doubles, all of one length."""
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from google.protobuf.descriptor_pb2 import FieldDescriptorProto, FileDescriptorSet
+
+from cycloid_mj.errors import LogError
+
+Array = npt.NDArray[np.float64]
+Bytes = npt.NDArray[np.uint8]
+
+FORMAT = "1"
+PACKAGE = "cycloid_mj"
+TIME = "time"
+FIXED64 = 1  # protobuf's wire type of a double
+
+_SNAKE = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
+
+
+@dataclass(frozen=True)
+class Group:
+    """Columns that are logged together, one message per sample.
+
+    Attributes
+    ----------
+    topic
+        Name of the channel, such as "/output_pins".
+    units
+        Column name -> unit, in the order of the message's fields 2, 3, ... (field 1 is the time).
+
+    Raises
+    ------
+    LogError
+        A name is not in snake_case, or a column is called "time".
+    """
+
+    topic: str
+    units: Mapping[str, str]
+
+    def __post_init__(self) -> None:
+        if not self.topic.startswith("/") or not _SNAKE.fullmatch(self.topic[1:]):
+            raise LogError(
+                f"topic {self.topic!r} of a log is not a slash and a snake_case name, such as '/output_pins'"
+            )
+        for name in self.units:
+            if not _SNAKE.fullmatch(name) or name == TIME:
+                raise LogError(f"column {name!r} of {self.topic} is not a snake_case name other than 'time'")
+
+    @property
+    def message(self) -> str:
+        """Full name of the protobuf message, such as "cycloid_mj.OutputPins"."""
+        return f"{PACKAGE}.{''.join(word.capitalize() for word in self.topic[1:].split('_'))}"
+
+    @property
+    def fields(self) -> list[tuple[str, int, int]]:
+        """Name, number and type of each field of the message."""
+        return [(name, number, FieldDescriptorProto.TYPE_DOUBLE) for number, name in enumerate((TIME, *self.units), 1)]
+
+    @cached_property
+    def offsets(self) -> npt.NDArray[np.intp]:
+        """Where the values of a message start."""
+        return np.cumsum([len(_key(number)) + 8 for _, number, _ in self.fields]) - 8
+
+    @cached_property
+    def record(self) -> np.dtype[np.void]:
+        """Packed record of one message, with the values as fields and gaps for the key bytes."""
+        names, formats = [TIME, *self.units], ["<f8"] * self.offsets.size
+        layout = {"names": names, "formats": formats, "offsets": self.offsets.tolist(), "itemsize": self.zeros.size}
+        return np.dtype(layout)  # type: ignore[call-overload]
+
+    @cached_property
+    def zeros(self) -> Bytes:
+        """The message of zeros, shape (size,): all key bytes, all values 0."""
+        return np.frombuffer(b"".join(_key(number) + bytes(8) for _, number, _ in self.fields), dtype=np.uint8)
+
+    @cached_property
+    def key_bytes(self) -> npt.NDArray[np.intp]:
+        """Where a message has key bytes: everywhere but in the values."""
+        return np.setdiff1d(np.arange(self.zeros.size), self.offsets[:, np.newaxis] + np.arange(8))
+
+    def encode(self, time: Array, values: Array) -> Bytes:
+        """Give the messages of k samples, shape (k, size), from `time` (k,) [s] and `values` (k, columns)."""
+        messages = np.tile(self.zeros, (time.size, 1))
+        records = messages.view(self.record)[:, 0]
+        records[TIME] = time
+        for column, name in enumerate(self.units):
+            records[name] = values[:, column]
+        return messages
+
+    def decode(self, messages: Bytes) -> npt.NDArray[np.void]:
+        """Give the records of k messages of shape (k, size), without a copy.
+
+        Raises
+        ------
+        LogError
+            A message has another length or other key bytes than this group.
+        """
+        if messages.shape[1] != self.zeros.size:
+            raise LogError(f"messages of {self.topic} have {messages.shape[1]} bytes, its schema {self.zeros.size}")
+        if (messages[:, self.key_bytes] != self.zeros[self.key_bytes]).any():
+            raise LogError(f"messages of {self.topic} have other fields than its schema")
+        return messages.view(self.record)[:, 0]
+
+    def schema(self) -> bytes:
+        """Give the serialized FileDescriptorSet of the message, with the units as comments."""
+        files = FileDescriptorSet()
+        package, name = self.message.split(".")
+        file = files.file.add(name=f"{package}{self.topic}.proto", package=package, syntax="proto3")
+        message = file.message_type.add(name=name)
+        for line, ((field, number, kind), unit) in enumerate(
+            zip(self.fields, ("s", *self.units.values()), strict=True)
+        ):
+            message.field.add(name=field, number=number, type=kind, label=FieldDescriptorProto.LABEL_OPTIONAL)
+            file.source_code_info.location.add(
+                path=[4, 0, 2, line], span=[line, 0, 0], trailing_comments=f" [{unit}]\n"
+            )
+        return files.SerializeToString(deterministic=True)
+
+    def metadata(self) -> dict[str, str]:
+        """Give the metadata of the channel: the units."""
+        return {"units": json.dumps(dict(self.units))}
+
+
+def group_of(channel: Any, schema: Any) -> Group:
+    """Give the group that an MCAP `channel` with its `schema` describes.
+
+    Raises
+    ------
+    LogError
+        The schema is not one flat message of doubles that starts with the time.
+    Exception
+        Whatever protobuf or json have to say about malformed text.
+    """
+    units = json.loads(channel.metadata["units"])
+    (file,) = FileDescriptorSet.FromString(schema.data).file
+    (message,) = file.message_type
+    fields = [(field.name, field.number, field.type) for field in message.field]
+    group = Group(channel.topic, {name: str(units[name]) for name, _, _ in fields[1:]})
+    if fields != group.fields or channel.message_encoding != "protobuf":
+        raise LogError(f"the schema of {channel.topic} is not a flat message of doubles that starts with the time")
+    return group
+
+
+def _key(number: int) -> bytes:
+    """Give the varint that announces field `number` as a double (protobuf encoding, "Message Structure")."""
+    value = number << 3 | FIXED64
+    groups = [value >> shift & 0x7F for shift in range(0, max(value.bit_length(), 1), 7)]
+    return bytes([*(group | 0x80 for group in groups[:-1]), groups[-1]])

@@ -1,0 +1,168 @@
+"""The reader of logs: from an MCAP file, whole or cut, to a `Run`."""
+
+import os
+from collections import defaultdict
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+import numpy.typing as npt
+from mcap.opcode import Opcode
+
+from cycloid_mj.errors import LogError
+from cycloid_mj.log import container
+from cycloid_mj.log.encoding import FORMAT, PACKAGE, TIME, Group, group_of
+from cycloid_mj.record import Run
+
+Array = npt.NDArray[np.float64]
+Bytes = npt.NDArray[np.uint8]
+
+END = f"{PACKAGE}.end"
+
+
+@dataclass(frozen=True)
+class _Contents:
+    """What a file holds: metadata and attachments by name; the rest by its id in the file."""
+
+    metadata: dict[str, dict[str, str]] = field(default_factory=dict)
+    attachments: dict[str, bytes] = field(default_factory=dict)
+    schemas: dict[int, Any] = field(default_factory=dict)
+    groups: dict[int, Group] = field(default_factory=dict)
+    blocks: dict[int, list[Bytes]] = field(default_factory=lambda: defaultdict(list))
+
+
+def read(path: str | os.PathLike[str]) -> Run:
+    """Give the run that a log holds.
+
+    A log that was cut, by a killed process or a full disk, gives the samples of all its whole chunks, as a run that is
+    not complete and whose note says how far it goes.
+
+    Raises
+    ------
+    LogError
+        There is no such file, it is no log of this package or of another format version, it is corrupt, or it holds
+        no samples.
+    """
+    path = Path(path)
+    try:
+        with _opened(path) as stream:
+            contents, whole = _scan(stream, path)
+    except OSError as problem:
+        raise LogError(f"cannot read log {path}: {problem.strerror or problem}") from problem
+    tables = {channel: _table(group, contents.blocks[channel], path) for channel, group in contents.groups.items()}
+    samples = min((table.size for table in tables.values()), default=0)
+    if whole:
+        _check_count(contents, [table.size for table in tables.values()], path)
+    if samples == 0:
+        raise LogError(
+            f"log {path} holds no samples: the run was stopped before the first chunk was written; run it again"
+        )
+    return _joined(contents, {channel: table[:samples] for channel, table in tables.items()}, whole, path)
+
+
+def _opened(path: Path) -> BinaryIO:
+    if not path.exists():
+        raise LogError(f"no log {path}: {_alternatives(path)}")
+    if not path.is_file():
+        what = "a folder" if path.is_dir() else "no regular file"
+        raise LogError(f"{path} is {what}: give a log, such as run.mcap")
+    if path.stat().st_size == 0:
+        raise LogError(f"log {path} is empty: the run was stopped before it wrote anything; run it again")
+    return path.open("rb")
+
+
+def _alternatives(path: Path) -> str:
+    if not path.parent.is_dir():
+        return f"there is no folder {path.parent} either"
+    names = sorted(entry.name for entry in path.parent.glob("*.mcap"))
+    nearest = get_close_matches(path.name, names, n=3, cutoff=0.3) or names[:3]
+    return f"nearest in that folder: {', '.join(nearest)}" if nearest else "there is no .mcap file in that folder"
+
+
+def _scan(stream: BinaryIO, path: Path) -> tuple[_Contents, bool]:
+    """Give what the file holds, and whether it is whole."""
+    contents = _Contents()
+    whole = False
+    for record in container.walk(stream, path):
+        if record.opcode == Opcode.METADATA:
+            name, entries = container.metadata(record, path)
+            contents.metadata.setdefault(name, entries)
+        elif record.opcode == Opcode.ATTACHMENT:
+            name, content = container.attachment(record, path)
+            contents.attachments[name] = content
+        elif record.opcode == Opcode.CHUNK:
+            _identify(contents, path)
+            _take(contents, container.messages(record, path), path)
+        whole = record.opcode == Opcode.DATA_END
+    _identify(contents, path)
+    return contents, whole
+
+
+def _identify(contents: _Contents, path: Path) -> None:
+    """Refuse an MCAP file of others, or of a format this reader does not know."""
+    if PACKAGE not in contents.metadata:
+        raise LogError(f"{path} is an MCAP file, but not a log of cycloid_mj: it lacks the metadata {PACKAGE!r}")
+    version = contents.metadata[PACKAGE].get("format")
+    if version != FORMAT:
+        raise LogError(
+            f"log {path} has format {version!r}, this program reads {FORMAT!r}: use the version that wrote it"
+        )
+
+
+def _take(contents: _Contents, messages: container.Messages, path: Path) -> None:
+    """Add the messages of a chunk that belong to groups of columns."""
+    contents.schemas.update(messages.schemas)
+    for id, channel in messages.channels.items():
+        if "units" in channel.metadata and id not in contents.groups:
+            with container.reading(path, f"malformed schema of {channel.topic}"):
+                contents.groups[id] = group_of(channel, contents.schemas[channel.schema_id])
+    for id, group in contents.groups.items():
+        if id in messages.ragged:
+            raise container.corrupt(path, f"messages of {group.topic} differ in length")
+        if id in messages.of:
+            contents.blocks[id].append(messages.of[id])
+
+
+def _table(group: Group, blocks: list[Bytes], path: Path) -> npt.NDArray[np.void]:
+    """Give the records of a group, shape (n,), none of which is missing before the last."""
+    if not blocks:
+        return np.empty(0, dtype=group.record)
+    split = container.MESSAGE_HEAD.itemsize
+    with container.reading(path, f"malformed messages of {group.topic}"):
+        table = np.concatenate([group.decode(block[:, split:]) for block in blocks])
+    sequence = np.concatenate([block[:, :split].view(container.MESSAGE_HEAD)["sequence"][:, 0] for block in blocks])
+    if (sequence != np.arange(table.size, dtype=np.uint32)).any():
+        raise container.corrupt(path, f"messages of {group.topic} are missing or out of order")
+    return table
+
+
+def _check_count(contents: _Contents, sizes: list[int], path: Path) -> None:
+    """Hold the messages of a whole file against the count it ends with."""
+    written = contents.metadata.get(END, {}).get("samples")
+    if any(str(size) != written for size in sizes):
+        raise container.corrupt(path, f"it says it has {written} samples, but has {min(sizes)}")
+
+
+def _joined(contents: _Contents, tables: dict[int, Any], whole: bool, path: Path) -> Run:
+    """Give the run of all groups, which must share their times and have columns of their own."""
+    first, *others = tables.values()
+    time = first[TIME]
+    if any((other[TIME] != time).any() for other in others):
+        raise container.corrupt(path, "its groups of columns were not sampled at the same times")
+    groups = contents.groups
+    units = {name: unit for group in groups.values() for name, unit in group.units.items()}
+    if len(units) != sum(len(group.units) for group in groups.values()):
+        raise container.corrupt(path, "a column is in two groups")
+    columns = {name: table[name] for id, table in tables.items() for name in groups[id].units}
+    end = contents.metadata.get(END, {})
+    note, complete = end.get("note", ""), end.get("complete") == "true"
+    if not whole:
+        cut = f"the log was cut: {time.size} samples, up to {time[-1]:.9g} s, could be read"
+        note, complete = "; ".join(filter(None, (note, cut))), False
+    try:
+        provenance = contents.metadata.get("provenance", {})
+        return Run(time, columns, units, provenance, contents.attachments, complete, note)
+    except LogError as problem:
+        raise container.corrupt(path, str(problem)) from problem
