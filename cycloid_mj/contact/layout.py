@@ -1,0 +1,83 @@
+"""Where MuJoCo keeps the arrays that the collider reads: found from the Python bindings, checked on two models.
+
+The C structures change between MuJoCo releases. Each array of the bindings is a view on MuJoCo's own memory, so its
+address stands somewhere in ``mjModel`` or ``mjData``; the offset of that place is what the collider needs.
+"""
+
+import ctypes
+from dataclasses import astuple, dataclass
+from functools import cache
+from typing import Any
+
+import mujoco
+
+from cycloid_mj.errors import ContactError
+
+_WORD = ctypes.sizeof(ctypes.c_void_p)
+_SPAN = 8192
+_PROBE = """
+<mujoco><size nuser_geom="{user}"/><worldbody>
+<geom type="sphere" size="1" user="1"/>
+<body><joint type="slide"/><geom type="cylinder" size="1 1" user="2"/></body>{more}
+</worldbody></mujoco>
+"""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Byte offsets of pointers: four in ``mjModel``, two in ``mjData``."""
+
+    geom_size: int
+    geom_priority: int
+    geom_user: int
+    geom_type: int
+    geom_xpos: int
+    geom_xmat: int
+
+
+@cache
+def discover() -> Layout:
+    """Find the layout of the MuJoCo release that is installed.
+
+    Raises
+    ------
+    ContactError
+        The structures are not as expected; the message names the field and the release.
+    """
+    first = _layout(mujoco.MjModel.from_xml_string(_PROBE.format(user=3, more="")))
+    body = '<body><joint/><geom type="box" size="1 1 1" user="5"/></body>'
+    second = _layout(mujoco.MjModel.from_xml_string(_PROBE.format(user=7, more=body * 5)))
+    if first != second:
+        raise ContactError(_strange(f"two models disagree: {astuple(first)} and {astuple(second)}"))
+    return first
+
+
+def _layout(model: Any) -> Layout:
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    # Pointers of mjModel follow its sizes, which start the structure; those of mjData follow the energies.
+    in_data = data.energy.ctypes.data - data._address
+    return Layout(
+        geom_size=_offset(model._address, 0, model.geom_size, "mjModel.geom_size"),
+        geom_priority=_offset(model._address, 0, model.geom_priority, "mjModel.geom_priority"),
+        geom_user=_offset(model._address, 0, model.geom_user, "mjModel.geom_user"),
+        geom_type=_offset(model._address, 0, model.geom_type, "mjModel.geom_type"),
+        geom_xpos=_offset(data._address, in_data, data.geom_xpos, "mjData.geom_xpos"),
+        geom_xmat=_offset(data._address, in_data, data.geom_xmat, "mjData.geom_xmat"),
+    )
+
+
+def _offset(structure: int, start: int, array: Any, name: str) -> int:
+    """Give the offset of the last pointer to the array: empty arrays before it may share its address."""
+    words = (ctypes.c_size_t * (_SPAN // _WORD)).from_address(structure + start)
+    places = [start + _WORD * i for i, word in enumerate(words) if word == array.ctypes.data]
+    if not places:
+        raise ContactError(_strange(f"{name} was not found"))
+    return places[-1]
+
+
+def _strange(what: str) -> str:
+    return (
+        f"MuJoCo {mujoco.__version__} keeps its structures in a way this collider does not know ({what}); "
+        "install a release it was tested with: pip install 'mujoco==3.17.0'"
+    )

@@ -1,0 +1,59 @@
+"""MuJoCo's own shared library, as loaded by its Python bindings, and its table of collision functions."""
+
+import ctypes
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import mujoco
+
+from cycloid_mj.errors import ContactError
+
+CYLINDER = int(mujoco.mjtGeom.mjGEOM_CYLINDER)
+TYPES = int(mujoco.mjtGeom.mjNGEOMTYPES)
+
+
+@cache
+def library() -> ctypes.CDLL:
+    """Give the library that the bindings use; opening it again gives the same one."""
+    folders = [Path(folder) for folder in mujoco.__path__]
+    found = [path for folder in folders for name in ("libmujoco*", "mujoco.dll") for path in sorted(folder.rglob(name))]
+    for path in found:
+        opened = ctypes.CDLL(str(path))
+        opened.mj_versionString.restype = ctypes.c_char_p
+        if opened.mj_versionString().decode() == mujoco.mj_versionString():
+            return opened
+    raise ContactError(
+        f"the shared library of MuJoCo {mujoco.__version__} was not found in {', '.join(map(str, folders))}; "
+        "install MuJoCo again with pip"
+    )
+
+
+def collision_table() -> Any:
+    """Give ``mjCOLLISIONFUNC`` as a writable array of ``TYPES * TYPES`` addresses."""
+    return (ctypes.c_void_p * (TYPES * TYPES)).in_dll(library(), "mjCOLLISIONFUNC")
+
+
+def function_address(name: str) -> int:
+    """Give the address of a function of MuJoCo's C API."""
+    address = ctypes.cast(getattr(library(), name), ctypes.c_void_p).value
+    if not address:
+        raise ContactError(f"MuJoCo {mujoco.__version__} has no function {name}; install a tested release")
+    return address
+
+
+@contextmanager
+def exact_xml() -> Iterator[None]:
+    """Let MuJoCo write every digit of a double in XML inside this block; its default is six, coarser than 1 um here."""
+    setter = getattr(library(), "_mjPRIVATE__set_xml_precision", None)
+    getter = getattr(library(), "_mjPRIVATE__get_xml_precision", None)
+    if setter is None or getter is None:
+        raise ContactError(f"MuJoCo {mujoco.__version__} cannot write exact XML; install a tested release")
+    before = getter()
+    setter(17)
+    try:
+        yield
+    finally:
+        setter(before)

@@ -1,0 +1,320 @@
+"""``Design`` -> ``MjSpec``: bodies, joints, geoms, pairs, actuators and sensors of the reducer.
+
+Frame: +x right, +y up, z along the crank axis; crank angle counter-clockwise, zero with the gear centre at (0, +c).
+The gear and the free pins move in the plane (two slides and a hinge); shaft and output turn on hinges.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from cycloid_mj.contact.collider import USER_DATA, Role
+from cycloid_mj.contact.law import ContactLaw, contact_law, solver_parameters
+from cycloid_mj.contact.library import exact_xml
+from cycloid_mj.design import Design
+from cycloid_mj.mjcf import names
+from cycloid_mj.mjcf.names import Pair
+from cycloid_mj.solid import VISUAL_CHORD_ERROR, MassProperties, Mesh, mass_properties, mesh, parts
+from cycloid_mj.statics import palmgren_stiffness
+
+SERVO_BANDWIDTH = 2e4
+"""Bandwidth [rad/s] of the position servo that makes the crank follow its law; critically damped."""
+
+_VISUAL, _CONTACT = 2, 3
+_COLOURS = {
+    names.HOUSING: (0.55, 0.58, 0.62, 1.0),
+    names.SHAFT: (0.80, 0.62, 0.25, 1.0),
+    names.GEAR: (0.25, 0.47, 0.70, 1.0),
+    "pin": (0.83, 0.84, 0.86, 1.0),
+    names.OUTPUT: (0.36, 0.62, 0.42, 1.0),
+}
+_PLANAR = (("x", (1.0, 0.0, 0.0)), ("y", (0.0, 1.0, 0.0)))
+_Z = (0.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class ReducerModel:
+    """A model ready to run.
+
+    Attributes
+    ----------
+    spec, model
+        The editable and the compiled model.
+    pairs
+        Every mating pair, in the order of the log's force columns.
+    laws
+        The contact law of each kind of pair.
+    servo_gains
+        kp [N m/rad] and kv [N m s/rad] of the crank's servo.
+    crank_inertia
+        Inertia of shaft and rotor about the crank axis [kg m2].
+    """
+
+    spec: Any
+    model: Any
+    pairs: tuple[Pair, ...]
+    laws: Mapping[str, ContactLaw]
+    servo_gains: tuple[float, float]
+    crank_inertia: float
+
+
+def build(design: Design) -> ReducerModel:
+    """Build the contact model of a design.
+
+    Raises
+    ------
+    DesignError
+        A part of the design cannot be made.
+    ContactError
+        MuJoCo cannot represent a contact's stiffness at this time step.
+    """
+    solids = parts(design)
+    masses = {name: mass_properties(solid) for name, solid in solids.items()}
+    spec = _empty(design)
+    for name, solid in parts(design, VISUAL_CHORD_ERROR).items():
+        _add_mesh(spec, name, mesh(solid))
+    crank_inertia = _add_bodies(spec, design, masses)
+    gains = _add_actuators(spec, crank_inertia)
+    _add_sensors(spec, design)
+    mating = names.pairs(design)
+    laws = contact_laws(design, masses)
+    model = _add_pairs(spec, mating, laws)
+    return ReducerModel(spec, model, mating, laws, gains, crank_inertia)
+
+
+def xml(spec: Any) -> str:
+    """Give the MJCF of a compiled spec with every digit of every number."""
+    with exact_xml():
+        return str(spec.to_xml())
+
+
+def contact_laws(design: Design, masses: Mapping[str, MassProperties]) -> dict[str, ContactLaw]:
+    """Give the contact law of each kind of pair: one line-contact stiffness, damping by each pair's own mass."""
+    stiffness = palmgren_stiffness(design.contact.working_force, design.gear.face_width)
+    gear = 1.0 / masses[names.GEAR].mass
+    pin = 1.0 / masses["pin"].mass if names.has_free_pins(design) else 0.0
+    output = design.output.pin_circle_radius**2 / masses[names.OUTPUT].inertia[2, 2]
+    mobility = {"pin_gear": gear + pin, "tooth": gear, "cam": gear, "output": gear + output}
+    if pin:
+        mobility["pin_socket"] = pin
+    return {
+        kind: contact_law(
+            stiffness=float(stiffness),
+            damping_ratio=design.contact.damping_ratio,
+            effective_mass=1.0 / inverse_mass,
+            friction=getattr(design.friction, kind),
+            timestep=design.settings.timestep,
+        )
+        for kind, inverse_mass in mobility.items()
+    }
+
+
+def ring_angles(design: Design) -> Any:
+    """Angles of the ring pins, clockwise from +y [rad], shape (N,)."""
+    return 2.0 * np.pi * np.arange(design.ring.teeth) / design.ring.teeth
+
+
+def output_angles(design: Design) -> Any:
+    """Angles of the output pins and holes, clockwise from +y [rad]."""
+    return 2.0 * np.pi * np.arange(design.output.pins) / design.output.pins
+
+
+def _at(radius: float, angle: float) -> list[float]:
+    return [radius * np.sin(angle), radius * np.cos(angle), 0.0]
+
+
+def _empty(design: Design) -> Any:
+    spec = mujoco.MjSpec()
+    spec.modelname = f"cycloid_{design.name}"
+    spec.nuser_geom = USER_DATA
+    option = spec.option
+    option.timestep = design.settings.timestep
+    option.gravity = [design.environment.gravity_x, design.environment.gravity_y, 0.0]
+    option.integrator = mujoco.mjtIntegrator.mjINT_EULER
+    option.solver = mujoco.mjtSolver.mjSOL_NEWTON
+    option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    option.impratio = 10.0
+    option.iterations = 100
+    option.tolerance = 1e-10
+    option.disableflags = int(mujoco.mjtDisableBit.mjDSBL_AUTORESET | mujoco.mjtDisableBit.mjDSBL_MULTICCD)
+    option.enableflags = int(mujoco.mjtEnableBit.mjENBL_ENERGY)
+    reach = design.housing.outer_radius
+    spec.stat.extent = 2.0 * reach
+    spec.stat.center = [0.0, 0.0, 0.0]
+    spec.worldbody.add_light(pos=[reach, 2 * reach, 6 * reach], dir=[-0.2, -0.3, -1.0])
+    spec.worldbody.add_camera(name="front", pos=[0.0, 0.0, -4 * reach], xyaxes=[-1, 0, 0, 0, 1, 0])
+    return spec
+
+
+def _add_mesh(spec: Any, part: str, shape: Mesh) -> None:
+    spec.add_mesh(
+        name=part,
+        uservert=shape.vertices.ravel().tolist(),
+        userface=shape.faces.ravel().tolist(),
+        inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_EXACT,
+    )
+
+
+def _visual(body: Any, part: str) -> None:
+    """Show a part's mesh on a body, without mass or contact."""
+    body.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_MESH,
+        meshname=part,
+        group=_VISUAL,
+        contype=0,
+        conaffinity=0,
+        mass=0.0,
+        rgba=list(_COLOURS[part]),
+    )
+
+
+def _contact_geom(body: Any, name: str, role: Role, radius: float, half_width: float, **attributes: Any) -> None:
+    """Add a cylinder for the collider: no mass, no contact but by explicit pair."""
+    body.add_geom(
+        name=name,
+        type=mujoco.mjtGeom.mjGEOM_CYLINDER,
+        size=[radius, half_width, 0.0],
+        priority=int(role),
+        group=_CONTACT,
+        contype=0,
+        conaffinity=0,
+        mass=0.0,
+        rgba=[0.9, 0.4, 0.2, 0.3],
+        **attributes,
+    )
+
+
+def _inertial(body: Any, properties: MassProperties) -> None:
+    inertia = properties.inertia
+    body.explicitinertial = True
+    body.mass = properties.mass
+    body.ipos = properties.centroid.tolist()
+    body.fullinertia = [inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+
+
+def _planar(body: Any, name: str, start: tuple[float, float], turn: str) -> None:
+    """Let a body move in the plane; the slides read its position, starting at ``start``."""
+    for (axis, direction), ref in zip(_PLANAR, start, strict=True):
+        body.add_joint(name=f"{name}_{axis}", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=direction, ref=ref)
+    body.add_joint(name=turn, type=mujoco.mjtJoint.mjJNT_HINGE, axis=_Z)
+
+
+def _add_bodies(spec: Any, design: Design, masses: Mapping[str, MassProperties]) -> float:
+    """Add housing, ring, shaft, gear and output; give the inertia on the crank [kg m2]."""
+    half = 0.5 * design.gear.face_width
+    housing = spec.worldbody.add_body(name=names.HOUSING)
+    _visual(housing, names.HOUSING)
+    _add_ring(spec, housing, design, masses)
+
+    shaft = spec.worldbody.add_body(name=names.SHAFT)
+    rotor = design.drive.rotor_inertia
+    shaft.add_joint(name=names.CRANK_JOINT, type=mujoco.mjtJoint.mjJNT_HINGE, axis=_Z, armature=rotor)
+    _inertial(shaft, masses[names.SHAFT])
+    _visual(shaft, names.SHAFT)
+    cam = [0.0, design.gear.eccentricity, 0.0]
+    _contact_geom(shaft, names.CAM, Role.INNER, design.gear.bore_radius, half, pos=cam)
+
+    _add_gear(spec, design, masses[names.GEAR])
+
+    output = spec.worldbody.add_body(name=names.OUTPUT)
+    output.add_joint(name=names.OUTPUT_JOINT, type=mujoco.mjtJoint.mjJNT_HINGE, axis=_Z)
+    _inertial(output, masses[names.OUTPUT])
+    _visual(output, names.OUTPUT)
+    for number, angle in enumerate(output_angles(design), start=1):
+        place = _at(design.output.pin_circle_radius, angle)
+        _contact_geom(output, names.output_pin(number), Role.INNER, design.output.pin_radius, half, pos=place)
+
+    properties = masses[names.SHAFT]
+    return float(properties.inertia[2, 2] + properties.mass * np.sum(properties.centroid[:2] ** 2) + rotor)
+
+
+def _add_ring(spec: Any, housing: Any, design: Design, masses: Mapping[str, MassProperties]) -> None:
+    half, radius = 0.5 * design.gear.face_width, design.ring.pin_radius
+    free = names.has_free_pins(design)
+    for number, angle in enumerate(ring_angles(design), start=1):
+        place = _at(design.ring.pin_circle_radius, angle)
+        if not free:
+            _contact_geom(housing, names.pin(number), Role.PIN, radius, half, pos=place)
+            continue
+        _contact_geom(housing, names.socket(number), Role.OUTER, radius + design.clearance.pin_socket, half, pos=place)
+        pin = spec.worldbody.add_body(name=names.pin(number), pos=place)
+        _planar(pin, names.pin(number), (0.0, 0.0), f"{names.pin(number)}_angle")
+        _inertial(pin, masses["pin"])
+        _visual(pin, "pin")
+        _contact_geom(pin, names.pin(number), Role.PIN, radius, half)
+
+
+def _add_gear(spec: Any, design: Design, properties: MassProperties) -> None:
+    half, eccentricity = 0.5 * design.gear.face_width, design.gear.eccentricity
+    gear = spec.worldbody.add_body(name=names.GEAR, pos=[0.0, eccentricity, 0.0])
+    _planar(gear, names.GEAR, (0.0, eccentricity), "gear_angle")
+    _inertial(gear, properties)
+    _visual(gear, names.GEAR)
+    ring = design.ring
+    offset = ring.pin_radius + design.clearance.pin_gear
+    # MuJoCo drops a pair whose bounding boxes are apart: this cylinder reaches every pin at every crank angle.
+    reach = ring.pin_circle_radius + 2.0 * eccentricity
+    teeth = [ring.pin_circle_radius, eccentricity, float(ring.teeth), offset]
+    _contact_geom(gear, names.TEETH, Role.TEETH, reach, half, userdata=teeth)
+    _contact_geom(gear, names.BORE, Role.OUTER, design.gear.bore_radius + design.clearance.cam, half)
+    hole = design.output.hole_radius + design.clearance.output
+    for number, angle in enumerate(output_angles(design), start=1):
+        place = _at(design.output.pin_circle_radius, angle)
+        _contact_geom(gear, names.hole(number), Role.OUTER, hole, half, pos=place)
+
+
+def _add_actuators(spec: Any, crank_inertia: float) -> tuple[float, float]:
+    """Add the crank's servo and the load's torque; give the servo's gains."""
+    kp, kv = crank_inertia * SERVO_BANDWIDTH**2, 2.0 * crank_inertia * SERVO_BANDWIDTH
+    drive = spec.add_actuator(name=names.DRIVE, target=names.CRANK_JOINT, trntype=mujoco.mjtTrn.mjTRN_JOINT)
+    drive.set_to_position(kp=kp, kv=kv)
+    load = spec.add_actuator(name=names.LOAD, target=names.OUTPUT_JOINT, trntype=mujoco.mjtTrn.mjTRN_JOINT)
+    load.set_to_motor()
+    return kp, kv
+
+
+def _add_sensors(spec: Any, design: Design) -> None:
+    joint, actuator = mujoco.mjtObj.mjOBJ_JOINT, mujoco.mjtObj.mjOBJ_ACTUATOR
+    kind = mujoco.mjtSensor
+    seen = {
+        "crank_angle": (kind.mjSENS_JOINTPOS, joint, names.CRANK_JOINT),
+        "crank_speed": (kind.mjSENS_JOINTVEL, joint, names.CRANK_JOINT),
+        "crank_torque": (kind.mjSENS_ACTUATORFRC, actuator, names.DRIVE),
+        "gear_vx": (kind.mjSENS_JOINTVEL, joint, "gear_x"),
+        "gear_vy": (kind.mjSENS_JOINTVEL, joint, "gear_y"),
+        "gear_speed": (kind.mjSENS_JOINTVEL, joint, "gear_angle"),
+        "output_angle": (kind.mjSENS_JOINTPOS, joint, names.OUTPUT_JOINT),
+        "output_speed": (kind.mjSENS_JOINTVEL, joint, names.OUTPUT_JOINT),
+        "load_torque": (kind.mjSENS_ACTUATORFRC, actuator, names.LOAD),
+    }
+    for group in names.sensors(design).values():
+        for name in group:
+            speed = name.endswith("_speed")
+            angle = name.removesuffix("_speed") + "_angle" if speed else name
+            default = (kind.mjSENS_JOINTVEL if speed else kind.mjSENS_JOINTPOS, joint, angle)
+            sort, what, which = seen.get(name, default)
+            spec.add_sensor(name=name, type=sort, objtype=what, objname=which)
+
+
+def _add_pairs(spec: Any, mating: tuple[Pair, ...], laws: Mapping[str, ContactLaw]) -> Any:
+    """Add the explicit pairs with each contact's physics; give the compiled model."""
+    model = spec.compile()
+    for pair in mating:
+        bodies = [model.geom(name).bodyid[0] for name in (pair.on, pair.by)]
+        inverse_weight = float(sum(model.body_invweight0[body, 0] for body in bodies))
+        parameters = solver_parameters(laws[pair.kind], inverse_weight)
+        spec.add_pair(
+            name=pair.name,
+            geomname1=pair.on,
+            geomname2=pair.by,
+            condim=parameters.condim,
+            friction=list(parameters.friction),
+            solref=list(parameters.solref),
+            solimp=list(parameters.solimp),
+            margin=0.0,
+            gap=0.0,
+        )
+    return spec.compile()

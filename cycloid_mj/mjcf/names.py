@@ -1,0 +1,96 @@
+"""Every name of the model: bodies, joints, geoms, pairs and sensors. Sensors are named as the log's columns."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from cycloid_mj.design import Design
+
+SHAFT, GEAR, OUTPUT, HOUSING = "shaft", "gear", "output", "housing"
+CRANK_JOINT, OUTPUT_JOINT = "crank", "output"
+DRIVE, LOAD = "drive", "load"
+TEETH, BORE, CAM = "teeth", "bore", "cam"
+
+
+def pin(number: int) -> str:
+    """Name ring pin 1, 2, ... (1 at +y, clockwise)."""
+    return f"pin_{number}"
+
+
+def socket(number: int) -> str:
+    """Name the socket of a ring pin."""
+    return f"socket_{number}"
+
+
+def hole(number: int) -> str:
+    """Name the gear's hole of an output pin."""
+    return f"hole_{number}"
+
+
+def output_pin(number: int) -> str:
+    """Name output pin 1, 2, ... (1 at +y, clockwise)."""
+    return f"output_pin_{number}"
+
+
+@dataclass(frozen=True)
+class Pair:
+    """One mating pair.
+
+    Attributes
+    ----------
+    name
+        Name of the ``<pair>`` and stem of its columns in the log.
+    kind
+        ``pin_gear``, ``pin_socket``, ``tooth``, ``cam`` or ``output``: the key of its clearance and friction.
+    on
+        Geom whose body feels the logged force: the gear, or the pin in its socket.
+    by
+        Geom that exerts it.
+    """
+
+    name: str
+    kind: str
+    on: str
+    by: str
+
+
+def has_free_pins(design: Design) -> bool:
+    """Tell whether the ring's pins are bodies of their own."""
+    return design.ring.kind == "pin" and design.ring.pins == "free"
+
+
+def pairs(design: Design) -> tuple[Pair, ...]:
+    """Give every mating pair of a design."""
+    return tuple(_pairs(design))
+
+
+def _pairs(design: Design) -> Iterator[Pair]:
+    ring = range(1, design.ring.teeth + 1)
+    yield from (Pair(pin(i), "pin_gear", TEETH, pin(i)) for i in ring)
+    if has_free_pins(design):
+        yield from (Pair(socket(i), "pin_socket", pin(i), socket(i)) for i in ring)
+    yield Pair(CAM, "cam", BORE, CAM)
+    yield from (Pair(output_pin(i), "output", hole(i), output_pin(i)) for i in range(1, design.output.pins + 1))
+
+
+def sensors(design: Design) -> dict[str, dict[str, str]]:
+    """Give the sensors as groups of column name and unit, in the order of the model."""
+    reducer = {
+        "crank_angle": "rad",
+        "crank_speed": "rad/s",
+        "crank_torque": "N m",
+        "gear_x": "m",
+        "gear_y": "m",
+        "gear_angle": "rad",
+        "gear_vx": "m/s",
+        "gear_vy": "m/s",
+        "gear_speed": "rad/s",
+        "output_angle": "rad",
+        "output_speed": "rad/s",
+        "load_torque": "N m",
+    }
+    pins: dict[str, str] = {}
+    if has_free_pins(design):
+        for i in range(1, design.ring.teeth + 1):
+            stem = pin(i)
+            pins |= {f"{stem}_x": "m", f"{stem}_y": "m", f"{stem}_angle": "rad", f"{stem}_speed": "rad/s"}
+    return {"/reducer": reducer, "/pins": pins} if pins else {"/reducer": reducer}
