@@ -5,7 +5,8 @@ wrong; the samples up to then have been given out already.
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Generator, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,10 +16,10 @@ import numpy.typing as npt
 
 from cycloid_mj.contact.collider import installed
 from cycloid_mj.contact.forces import PairForces, pair_forces, pair_index
-from cycloid_mj.design import Design
+from cycloid_mj.design import Design, dump
 from cycloid_mj.errors import RunError
 from cycloid_mj.kinematics import CrankLaw
-from cycloid_mj.mjcf import ReducerModel, build, sensors
+from cycloid_mj.mjcf import ReducerModel, build, sensors, xml
 from cycloid_mj.record import Run
 
 Array = npt.NDArray[np.float64]
@@ -106,7 +107,13 @@ def simulate(design: Design) -> Run:
     for topic, names in groups.items():
         table = np.concatenate([block.values[topic] for block in run])
         values |= {name: table[:, i] for i, name in enumerate(names)}
-    return Run(time=time, columns=values, units=units, provenance=provenance(design))
+    return Run(
+        time=time,
+        columns=values,
+        units=units,
+        provenance=provenance(design),
+        attachments=attachments(reducer, design),
+    )
 
 
 def provenance(design: Design) -> dict[str, str]:
@@ -123,7 +130,12 @@ def provenance(design: Design) -> dict[str, str]:
     }
 
 
-def blocks(reducer: ReducerModel, design: Design) -> Iterator[Block]:
+def attachments(reducer: ReducerModel, design: Design) -> dict[str, bytes]:
+    """Give the files that make a log complete: the design file and the model."""
+    return {"design.toml": dump(design).encode(), "model.xml": xml(reducer.spec).encode()}
+
+
+def blocks(reducer: ReducerModel, design: Design) -> Generator[Block, None, None]:
     """Run a model and give its samples block by block.
 
     Raises
@@ -136,7 +148,7 @@ def blocks(reducer: ReducerModel, design: Design) -> Iterator[Block]:
     law = CrankLaw(design.drive.speed, design.drive.ramp)
     data = initial_state(reducer, design)
     recorder = _Recorder(reducer, design)
-    with installed():
+    with installed(), _no_log_file():
         for first in range(0, plan.samples, _BLOCK):
             taken, problem = _advance(
                 reducer, design, data, plan, law, range(first, min(first + _BLOCK, plan.samples)), recorder
@@ -145,6 +157,16 @@ def blocks(reducer: ReducerModel, design: Design) -> Iterator[Block]:
                 yield taken
             if problem:
                 raise RunError(problem)
+
+
+@contextmanager
+def _no_log_file() -> Iterator[None]:
+    """Keep MuJoCo's warnings out of the working folder's MUJOCO_LOG.TXT: every sample is checked for them."""
+    mujoco.set_mju_user_warning(lambda message: None)
+    try:
+        yield
+    finally:
+        mujoco.set_mju_user_warning(None)
 
 
 def initial_state(reducer: ReducerModel, design: Design) -> Any:

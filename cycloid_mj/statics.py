@@ -142,6 +142,29 @@ def palmgren_stiffness(force: npt.ArrayLike, length: npt.ArrayLike) -> Array:
     return np.asarray(force, float) ** 0.1 * np.asarray(length, float) ** 0.8 / PALMGREN
 
 
+def line_contact_constant(force: float, length: float, modulus: float, depth: float) -> float:
+    """Constant a in the compliance factor a + ln kappa of a line contact, 2 ln(4 D/b) - 1 with Hertz's b.
+
+    Each body's approach, from the contact to a point at the depth D, is F (1 - nu^2)/(pi E L) [2 ln(4 D/b) - 1]
+    (Johnson 1985, Contact Mechanics, section 5.6). `force` F [N] over the `length` L [m], `modulus` E* [Pa], `depth`
+    D [m], the same for both bodies.
+    """
+    b_squared_kappa = 4 * force / (math.pi * length * modulus)
+    return 2 * math.log(4 * depth) - math.log(b_squared_kappa) - 1
+
+
+def line_contact_stiffness(
+    force: float, length: float, modulus: float, depth: float, relative_curvature: npt.ArrayLike
+) -> Array:
+    """Secant stiffness pi E* L / (a + ln kappa) [N/m] of a line contact, a from `line_contact_constant`.
+
+    `relative_curvature` kappa [1/m] as in `hertz_line_contact`; where b would pass 2 D/e, the bodies are conformal and
+    the formula no longer holds: callers keep kappa above that.
+    """
+    constant = line_contact_constant(force, length, modulus, depth)
+    return math.pi * modulus * length / (constant + np.log(np.asarray(relative_curvature, float)))
+
+
 def _sharing(arms: Array, gear_normals: Array, torque: Array, crank_angle: Array) -> LoadSharing:
     """Share the torque and balance the gear: the eccentric holds the pushes along minus the gear's normals."""
     forces = share_load(arms, torque)

@@ -7,12 +7,14 @@ import numpy as np
 import pytest
 
 from cycloid_mj.contact import collider, gap
+from cycloid_mj.contact.law import curvature_law
 from cycloid_mj.contact.layout import discover
 from cycloid_mj.contact.library import CYLINDER, TYPES, collision_table
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.mjcf import build
-from cycloid_mj.profile import CycloidGear, trochoid
+from cycloid_mj.profile import CycloidGear, curvature, trochoid
 from cycloid_mj.simulate import initial_state
+from cycloid_mj.solid.gear import tooth_profile
 
 PAPER = CycloidGear(ring_teeth=36, eccentricity=1e-3, pin_circle_radius=40.75e-3, pin_radius=2.25e-3)
 OTHERS = (
@@ -144,7 +146,7 @@ def without_pairs(spec):
     return bare.compile()
 
 
-def inject(model, data, reducer) -> None:
+def inject(model, data, reducer, design) -> None:
     """Add the contacts of our gap functions by MuJoCo's public API: an independent way in."""
     law = reducer.model
     number = {law.pair(i).name: i for i in range(law.npair)}
@@ -153,16 +155,21 @@ def inject(model, data, reducer) -> None:
         delta = data.geom_xpos[by] - data.geom_xpos[on]
         if pair.kind == "pin_gear":
             frame = data.geom_xmat[on].reshape(3, 3)
-            radius, eccentricity, teeth, offset = model.geom_user[on]
             x, y, _ = frame.T @ delta
-            _, distance, nx, ny = gap.trochoid_distance(x, y, radius, eccentricity, teeth)
-            dist = distance + offset - model.geom_size[by, 0]
+            gear, clearance = tooth_profile(design), design.clearance.pin_gear
+            t, distance, nx, ny = gap.trochoid_distance(
+                x, y, gear.pin_circle_radius, gear.eccentricity, float(gear.ring_teeth)
+            )
+            dist = distance + clearance
+            relative = curvature(gear, t, gear.pin_radius + clearance) + 1.0 / gear.pin_radius
+            scale = curvature_law(design).factor(relative)
             normal = frame @ [nx, ny, 0.0]
             point = data.geom_xpos[by] - (model.geom_size[by, 0] + 0.5 * dist) * normal
         else:
             inner, outer = (on, by) if pair.kind == "pin_socket" else (by, on)
             away = data.geom_xpos[inner] - data.geom_xpos[outer]
             inner_radius, outer_radius = model.geom_size[[inner, outer], 0]
+            scale = 1.0
             dist, nx, ny = gap.circle_in_circle(away[0], away[1], inner_radius, outer_radius)
             outward = np.array([nx, ny, 0.0])
             point = data.geom_xpos[inner] + (inner_radius + 0.5 * dist) * outward
@@ -171,17 +178,18 @@ def inject(model, data, reducer) -> None:
             continue
         i = number[pair.name]
         contact = mujoco.MjContact()
-        contact.dist, contact.pos, contact.dim = dist, point, law.pair_dim[i]
+        contact.dist, contact.pos, contact.dim = scale * dist, point, law.pair_dim[i]
         contact.frame = np.concatenate([normal, [-normal[1], normal[0], 0.0], [0.0, 0.0, 1.0]])
         contact.geom = [on, by]
         contact.friction = law.pair_friction[i]
         contact.solref, contact.solimp = law.pair_solref[i], law.pair_solimp[i]
+        contact.solreffriction = law.pair_solreffriction[i]
         contact.includemargin = 0.0
         contact.exclude = 0
         mujoco.mj_addContact(model, data, contact)
 
 
-def injected_step(model, data, reducer) -> None:
+def injected_step(model, data, reducer, design) -> None:
     """One semi-implicit Euler step, stage by stage, with injected contacts."""
     mujoco.mj_fwdPosition(model, data)
     mujoco.mj_kinematics(model, data)
@@ -189,7 +197,7 @@ def injected_step(model, data, reducer) -> None:
     mujoco.mj_crb(model, data)
     mujoco.mj_factorM(model, data)
     mujoco.mj_collision(model, data)
-    inject(model, data, reducer)
+    inject(model, data, reducer, design)
     mujoco.mj_makeConstraint(model, data)
     mujoco.mj_transmission(model, data)
     mujoco.mj_projectConstraint(model, data)
@@ -214,8 +222,9 @@ def test_collider_equals_injected_contacts() -> None:
             with collider.installed():
                 mujoco.mj_step(model, data)
         else:
-            injected_step(model, data, reducer)
+            injected_step(model, data, reducer, design)
     assert by_collider.ncon > 30
     assert by_injection.ncon == by_collider.ncon
-    np.testing.assert_allclose(by_injection.qpos, by_collider.qpos, rtol=0.0, atol=1e-12)
-    np.testing.assert_allclose(by_injection.qvel, by_collider.qvel, rtol=0.0, atol=1e-7)
+    # The contacts come in another order, and rattling light pins amplify the rounding; clearances are 1e-6.
+    np.testing.assert_allclose(by_injection.qpos, by_collider.qpos, rtol=0.0, atol=1e-10)
+    np.testing.assert_allclose(by_injection.qvel, by_collider.qvel, rtol=0.0, atol=1e-5)

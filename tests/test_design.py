@@ -26,7 +26,15 @@ ASSUMED_HERE = {
     "shaft": {"radius_mm", "length_mm", "counterweight_radius_mm"},
     "housing": {"outer_radius_mm"},
     "friction": {"pin_gear", "pin_socket", "tooth", "cam", "output"},
-    "contact": {"working_force_n", "damping_ratio", "max_penetration_um"},
+    "contact": {
+        "stiffness_law",
+        "stiffness_n_m",
+        "working_force_n",
+        "cam_rollers",
+        "damping_ratio",
+        "creep_speed_mm_s",
+        "max_penetration_um",
+    },
     "material": {"poisson", "density_kg_m3"},
     "drive": {"ramp_s", "hold_s", "rotor_inertia_kg_m2"},
     "load": {"torque_nm", "rise_s"},
@@ -158,7 +166,7 @@ def test_the_file_has_every_key_and_says_what_is_assumed() -> None:
 
 def test_a_key_states_its_unit() -> None:
     # Numbers without a unit in their key are counts, ratios and friction coefficients, and nothing else.
-    bare = {"teeth", "pins", "damping_ratio", "poisson"}
+    bare = {"teeth", "pins", "cam_rollers", "damping_ratio", "poisson"}
     for table, field in Design.model_fields.items():
         for name, inner in getattr(field.annotation, "model_fields", {}).items():
             if inner.annotation in (int, float) and table != "friction":

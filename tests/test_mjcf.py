@@ -65,13 +65,25 @@ def test_pairs_state_the_physics(reducer) -> None:
         assert (stiffness, damping) == pytest.approx((law.stiffness, law.damping), rel=1e-9)
         assert 1.0 / regularisation == pytest.approx(law.added_mass, rel=1e-9)
         assert model.pair_dim[number] == (3 if law.friction else 1)
+        if law.friction:
+            creep = -model.pair_solreffriction[number, 1] / impedance / regularisation * model.opt.impratio
+            assert creep == pytest.approx(law.creep, rel=1e-9)
 
 
 def test_the_xml_is_the_model(reducer, design) -> None:
     """Compiled from its XML, the model moves bit for bit alike; six digits would not do."""
     text = xml(reducer.spec)
     again = mujoco.MjModel.from_xml_string(text)
-    for name in ("body_pos", "geom_size", "geom_user", "pair_solref", "pair_solimp", "body_mass", "qpos0"):
+    for name in (
+        "body_pos",
+        "geom_size",
+        "geom_user",
+        "pair_solref",
+        "pair_solreffriction",
+        "pair_solimp",
+        "body_mass",
+        "qpos0",
+    ):
         np.testing.assert_array_equal(getattr(again, name), getattr(reducer.model, name), err_msg=name)
     states = []
     for model in (reducer.model, again):

@@ -129,11 +129,10 @@ def test_no_friction_loses_nothing() -> None:
 def ended(design: Design) -> tuple[int, str]:
     """Samples given before the end, and the error."""
     reducer = build(design)
-    samples = 0
+    given: list[int] = []
     with pytest.raises(RunError) as error:
-        for block in blocks(reducer, design):
-            samples += len(block.time)
-    return samples, str(error.value)
+        given.extend(len(block.time) for block in blocks(reducer, design))
+    return sum(given), str(error.value)
 
 
 def test_a_deep_contact_ends_the_run() -> None:
@@ -143,7 +142,13 @@ def test_a_deep_contact_ends_the_run() -> None:
 
 
 def test_a_jumped_tooth_ends_the_run() -> None:
-    changes = [*QUICK, "load.torque_nm=20000.0", "load.rise_s=0.001", "contact.max_penetration_um=1000.0", 'ring.pins="fixed"']
+    changes = [
+        *QUICK,
+        "load.torque_nm=20000.0",
+        "load.rise_s=0.001",
+        "contact.max_penetration_um=1000.0",
+        'ring.pins="fixed"',
+    ]
     samples, message = ended(changed(*changes))
     assert samples > 1
     assert "jumped" in message or "deep" in message
@@ -151,7 +156,9 @@ def test_a_jumped_tooth_ends_the_run() -> None:
 
 def test_a_step_too_long_ends_the_run(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
-    _, message = ended(changed("drive.ramp_s=0.0", "drive.hold_s=0.2", "settings.timestep_us=60.0", "load.torque_nm=36"))
+    _, message = ended(
+        changed("drive.ramp_s=0.0", "drive.hold_s=0.2", "settings.timestep_us=60.0", "load.torque_nm=36")
+    )
     assert "timestep_us" in message
     assert not list(tmp_path.iterdir()), "MuJoCo's own log file is not wanted"
 

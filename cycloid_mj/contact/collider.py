@@ -6,6 +6,7 @@ MuJoCo does not use for explicit pairs); every other pair goes on to the origina
 state: all it needs stands in the ``mjModel`` and ``mjData`` that it is called with.
 """
 
+import math
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,14 +17,19 @@ from typing import Any
 import llvmlite.binding
 from numba import cfunc, njit, types
 
-from cycloid_mj.contact.gap import circle_in_circle, trochoid_distance
+from cycloid_mj.contact.gap import circle_in_circle, trochoid_curvature, trochoid_distance
 from cycloid_mj.contact.layout import Layout, discover
 from cycloid_mj.contact.library import CYLINDER, TYPES, collision_table
 from cycloid_mj.contact.memory import read_address, read_float, read_int, write_float
+from cycloid_mj.contact.ring import is_monotone, offset_root, root_minimum, root_start
 from cycloid_mj.errors import ContactError
 
-USER_DATA = 4
-"""Numbers of ``geom user`` in a model of ours: for teeth E [m], c [m], N and the inward offset of the flank [m]."""
+USER_DATA = 7
+"""Numbers of ``geom user`` in a model of ours, given for the teeth.
+
+E [m], c [m], N, the inward offset of the flank from the trochoid [m]; then what makes the stiffness follow the relative
+curvature, ``law.CurvatureLaw``: reference and constant of the compliance [1]; the deflection at working force [m].
+"""
 
 _SIGNATURE = types.int32(types.intp, types.intp, types.intp, types.int32, types.int32, types.float64)
 _ENTRY = CYLINDER * TYPES + CYLINDER
@@ -38,9 +44,12 @@ class Role(IntEnum):
     TEETH = 0x63796D02
     INNER = 0x63796D03
     OUTER = 0x63796D04
+    LOBE = 0x63796D05
 
 
-_PIN, _TEETH, _INNER, _OUTER = (int(role) for role in Role)
+_PIN, _TEETH, _INNER, _OUTER, _LOBE = (int(role) for role in Role)
+_CONTACT = 80
+_SCAN = 64
 
 
 @njit(cache=True, inline="always")
@@ -58,6 +67,21 @@ def _write_contact(out: int, gap: float, x: float, y: float, z: float, nx: float
     write_float(out + 72, 0.0)
 
 
+@njit(cache=True, inline="always")
+def _stiffness_factor(curvature: float, reference: float, constant: float) -> float:
+    """Give the factor on the stiffness at a relative curvature [1/m]; 1 where the law is switched off."""
+    if reference == 0.0:
+        return 1.0
+    least = math.exp(0.5 * reference - constant)
+    return reference / (constant + math.log(max(curvature, least)))
+
+
+@njit(cache=True, inline="always")
+def _pressed(gap: float, factor: float) -> float:
+    """Give the gap that makes MuJoCo's constant stiffness act as ``factor`` times as much on a penetration."""
+    return factor * gap if gap < 0.0 else gap
+
+
 def _compile(layout: Layout) -> Any:
     at_size, at_priority, at_user = layout.geom_size, layout.geom_priority, layout.geom_user
     at_xpos, at_xmat = layout.geom_xpos, layout.geom_xmat
@@ -73,15 +97,130 @@ def _compile(layout: Layout) -> Any:
         dx, dy = px - read_float(xpos + 24 * teeth), py - read_float(xpos + 24 * teeth + 8)
         cosine, sine = read_float(xmat), read_float(xmat + 24)
         x, y = cosine * dx + sine * dy, cosine * dy - sine * dx
-        _, distance, nx, ny = trochoid_distance(x, y, radius, eccentricity, number)
+        t, distance, nx, ny = trochoid_distance(x, y, radius, eccentricity, number)
         gap = distance + offset - pin_radius
         if not gap < margin:
             return 0
+        bend = trochoid_curvature(t, radius, eccentricity, number)
+        relative = bend / (1.0 - offset * bend) + 1.0 / pin_radius
+        factor = _stiffness_factor(relative, read_float(user + 32), read_float(user + 40))
         wx, wy = cosine * nx - sine * ny, sine * nx + cosine * ny
         depth = pin_radius + 0.5 * gap
         z = read_float(xpos + 24 * teeth + 16)
-        _write_contact(out, gap, px - depth * wx, py - depth * wy, z, sign * wx, sign * wy)
+        _write_contact(out, _pressed(gap, factor), px - depth * wx, py - depth * wy, z, sign * wx, sign * wy)
         return 1
+
+    @njit(cache=True)
+    def lobe_on_teeth(model: int, data: int, out: int, teeth: int, lobe: int, sign: float, margin: float) -> int:
+        user = read_address(model + at_user) + 8 * USER_DATA * teeth
+        radius, eccentricity = read_float(user), read_float(user + 8)
+        number, offset = read_float(user + 16), read_float(user + 24)
+        reference, constant, deflection = read_float(user + 32), read_float(user + 40), read_float(user + 48)
+        ring_radius = read_float(read_address(model + at_size) + 24 * lobe)
+        xpos, xmat = read_address(data + at_xpos), read_address(data + at_xmat)
+        px, py = read_float(xpos + 24 * lobe), read_float(xpos + 24 * lobe + 8)
+        z = read_float(xpos + 24 * teeth + 16)
+        # The gear in the lobe's frame: axis of the ring at the origin, lobe on +y.
+        lc, ls = read_float(xmat + 72 * lobe), read_float(xmat + 72 * lobe + 24)
+        gc, gs = read_float(xmat + 72 * teeth), read_float(xmat + 72 * teeth + 24)
+        dx, dy = read_float(xpos + 24 * teeth) - px, read_float(xpos + 24 * teeth + 8) - py
+        gx, gy = lc * dx + ls * dy, lc * dy - ls * dx + radius
+        cosine, sine = lc * gc + ls * gs, lc * gs - ls * gc
+
+        ax, ay = -gx, radius - gy
+        t, distance, nx, ny = trochoid_distance(
+            cosine * ax + sine * ay, cosine * ay - sine * ax, radius, eccentricity, number
+        )
+        arc_gap = distance + offset - ring_radius
+        wx, wy = cosine * nx - sine * ny, sine * nx + cosine * ny
+        share = eccentricity * number / radius
+        # Beyond the fan of its normals the arc ends: the gap goes on falling along the flank of the root.
+        has_arc = abs(wx) <= share and arc_gap < margin
+        bend = trochoid_curvature(t, radius, eccentricity, number)
+        arc_factor = _stiffness_factor(bend / (1.0 - offset * bend) + 1.0 / ring_radius, reference, constant)
+        arc_x, arc_y = wx, wy
+
+        count = 0
+        turn = (number - 1.0) * math.atan2(sine, cosine)
+        crank = turn - 2.0 * math.pi * math.floor(turn / (2.0 * math.pi) + 0.5)
+        monotone = is_monotone(radius, eccentricity, number)
+        low = math.acos(share)
+        high = 2.0 * math.pi - low
+        for side in range(2):
+            # The root on the clockwise side is that of the next lobe: one pitch further clockwise.
+            own = side == 0
+            pitch = 0.0 if own else 2.0 * math.pi / number
+            start = root_start(crank - pitch, radius, eccentricity, number) if monotone else math.pi
+            if start == 0.0:
+                continue
+            pc, ps = math.cos(pitch), -math.sin(pitch)
+            rx, ry = pc * gx + ps * gy, pc * gy - ps * gx
+            rc, rs = pc * cosine + ps * sine, pc * sine - ps * cosine
+            bottom, top = (low, math.pi) if own else (math.pi, high)
+            pieces = 1 if monotone else _SCAN
+            for piece in range(pieces):
+                left = bottom + (top - bottom) * piece / pieces
+                right = bottom + (top - bottom) * (piece + 1) / pieces
+                found, phase, distance, t, wx, wy = root_minimum(
+                    left,
+                    right,
+                    start if monotone else 0.5 * (left + right),
+                    radius,
+                    eccentricity,
+                    number,
+                    rc,
+                    rs,
+                    rx,
+                    ry,
+                )
+                gap = distance + offset - ring_radius
+                if not (found and gap < margin):
+                    continue
+                x, y, _, _, curvature = offset_root(phase, radius, eccentricity, number)
+                bend = trochoid_curvature(t, radius, eccentricity, number)
+                relative = bend / (1.0 - offset * bend) - curvature / (1.0 - ring_radius * curvature)
+                factor = _stiffness_factor(relative, reference, constant)
+                if has_arc and deflection > 0.0:
+                    # Lines with less than a deflection of gap between them are one patch, shared half and half.
+                    between = 0.5 * (phase + (low if own else high))
+                    mx, my, _, _, _ = offset_root(between, radius, eccentricity, number)
+                    ex, ey = mx - rx, my - ry
+                    _, middle, _, _ = trochoid_distance(
+                        rc * ex + rs * ey, rc * ey - rs * ex, radius, eccentricity, number
+                    )
+                    rise = middle + offset - ring_radius - max(gap, arc_gap)
+                    apart = min(1.0, max(0.0, rise / deflection))
+                    factor = (0.5 + 0.5 * apart) * (arc_factor + apart * (factor - arc_factor))
+                    arc_factor *= 0.5 + 0.5 * apart
+                depth = ring_radius + 0.5 * gap
+                qx, qy = x - depth * wx, y - depth * wy
+                # Back from the root's frame to the lobe's, and to the world.
+                fx, fy = pc * qx - ps * qy, pc * qy + ps * qx - radius
+                vx, vy = pc * wx - ps * wy, pc * wy + ps * wx
+                _write_contact(
+                    out + _CONTACT * count,
+                    _pressed(gap, factor),
+                    px + lc * fx - ls * fy,
+                    py + lc * fy + ls * fx,
+                    z,
+                    sign * (lc * vx - ls * vy),
+                    sign * (lc * vy + ls * vx),
+                )
+                count += 1
+        if has_arc:
+            depth = ring_radius + 0.5 * arc_gap
+            vx, vy = lc * arc_x - ls * arc_y, lc * arc_y + ls * arc_x
+            _write_contact(
+                out + _CONTACT * count,
+                _pressed(arc_gap, arc_factor),
+                px - depth * vx,
+                py - depth * vy,
+                z,
+                sign * vx,
+                sign * vy,
+            )
+            count += 1
+        return count
 
     @njit(cache=True)
     def inner_in_outer(model: int, data: int, out: int, inner: int, outer: int, sign: float, margin: float) -> int:
@@ -105,6 +244,10 @@ def _compile(layout: Layout) -> Any:
             return pin_on_teeth(model, data, out, geom1, geom2, 1.0, margin)
         if role1 == _PIN and role2 == _TEETH:
             return pin_on_teeth(model, data, out, geom2, geom1, -1.0, margin)
+        if role1 == _TEETH and role2 == _LOBE:
+            return lobe_on_teeth(model, data, out, geom1, geom2, 1.0, margin)
+        if role1 == _LOBE and role2 == _TEETH:
+            return lobe_on_teeth(model, data, out, geom2, geom1, -1.0, margin)
         if role2 == _OUTER and role1 in (_INNER, _PIN):
             return inner_in_outer(model, data, out, geom1, geom2, 1.0, margin)
         if role1 == _OUTER and role2 in (_INNER, _PIN):

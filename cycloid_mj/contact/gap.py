@@ -96,6 +96,18 @@ def trochoid_distance(
 
 
 @njit(cache=True, inline="always")
+def trochoid_curvature(t: float, radius: float, eccentricity: float, teeth: float) -> float:
+    """Give the signed curvature of the trochoid [1/m], positive where it is convex.
+
+    From l^2 = E^2 + c^2 N^2 - 2 E c N cos B: kappa = (E^2 + c^2 N^3 - E c N (N+1) cos B) / l^3 with B = (N-1) t.
+    """
+    base = eccentricity * teeth
+    product = radius * base * math.cos((teeth - 1.0) * t)
+    l2 = radius * radius + base * base - 2.0 * product
+    return (radius * radius + base * base * teeth - (teeth + 1.0) * product) / (l2 * math.sqrt(l2))
+
+
+@njit(cache=True, inline="always")
 def circle_in_circle(dx: float, dy: float, inner: float, outer: float) -> tuple[float, float, float]:
     """Give gap [m] and unit normal from inner to outer circle; (dx, dy) leads from outer to inner centre."""
     distance = math.sqrt(dx * dx + dy * dy)

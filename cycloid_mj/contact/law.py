@@ -8,20 +8,91 @@ K and C come from physics; the added mass is as small as the time step allows.
 import math
 from dataclasses import dataclass
 
+from cycloid_mj import statics
+from cycloid_mj.design import Design
 from cycloid_mj.errors import ContactError
 
-_LEAST_SHARE = 1e-3
+IMPRATIO = 10.0
+"""MuJoCo's ``impratio``: the ratio of the normal to the frictional regularisation R.
+
+While a contact slides, MuJoCo's convex cone adds friction * creep * speed / impratio to the normal force. At 1 the
+teeth would push each other apart at every touch, and the gear would chatter the more, the longer the step.
+"""
+
+_LEAST_SHARE = 1e-2
 _IMPEDANCE = (1e-4, 0.9999)
 
 
 @dataclass(frozen=True)
 class ContactLaw:
-    """Stiffness K [N/m], damping C [N s/m], added mass 1/R [kg] and friction coefficient of one contact."""
+    """The law of one contact.
+
+    Attributes
+    ----------
+    stiffness, damping
+        K [N/m] and C [N s/m] along the normal.
+    added_mass
+        1/R [kg].
+    friction
+        Coulomb's coefficient [1].
+    creep
+        Friction per sliding speed [N s/m] as long as it is below Coulomb's limit.
+    """
 
     stiffness: float
     damping: float
     added_mass: float
     friction: float
+    creep: float = 0.0
+
+
+@dataclass(frozen=True)
+class CurvatureLaw:
+    """How the stiffness of a tooth contact follows the local relative curvature kappa.
+
+    The compliance is in proportion to ``constant + ln kappa`` and has the value ``reference`` for a pin on a flat; a
+    ``reference`` of 0 switches the law off. At most the stiffness doubles: a contact that is more conformal than that
+    is no line contact any more.
+
+    Attributes
+    ----------
+    reference, constant
+        Dimensionless; see ``statics.line_contact_constant``.
+    stiffness
+        Of a pin on a flat [N/m].
+    deflection
+        Of a pin on a flat under the working force [m]: lines with less of a gap between them are one patch.
+    """
+
+    reference: float
+    constant: float
+    stiffness: float
+    deflection: float
+
+    def factor(self, relative_curvature: float) -> float:
+        """Give the stiffness at a relative curvature [1/m] as a share of that of a pin on a flat."""
+        if self.reference == 0.0:
+            return 1.0
+        least = math.exp(0.5 * self.reference - self.constant)
+        return self.reference / (self.constant + math.log(max(relative_curvature, least)))
+
+
+def curvature_law(design: Design) -> CurvatureLaw:
+    """Give the stiffness of a design's tooth contacts from material, face width, pin radius and working force."""
+    force, depth = design.contact.working_force, design.ring.pin_radius
+    length = design.gear.face_width
+    modulus = statics.contact_modulus(design.material.youngs_modulus, design.material.poisson)
+    constant = statics.line_contact_constant(force, length, modulus, depth)
+    reference = constant - math.log(depth)
+    if reference <= 1.0:
+        raise ContactError(
+            f"contact.working_force_n = {force:g} flattens a pin of radius {1e3 * depth:g} mm beyond a line contact; "
+            "lower it, or use a wider face or a stiffer material"
+        )
+    given = design.contact.stiffness
+    stiffness = given or float(statics.line_contact_stiffness(force, length, modulus, depth, 1.0 / depth))
+    local = design.contact.stiffness_law == "local"
+    return CurvatureLaw(reference if local else 0.0, constant, stiffness, force / stiffness)
 
 
 @dataclass(frozen=True)
@@ -31,11 +102,12 @@ class SolverParameters:
     condim: int
     friction: tuple[float, float, float, float, float]
     solref: tuple[float, float]
+    solreffriction: tuple[float, float]
     solimp: tuple[float, float, float, float, float]
 
 
 def contact_law(
-    stiffness: float, damping_ratio: float, effective_mass: float, friction: float, timestep: float
+    stiffness: float, damping_ratio: float, effective_mass: float, friction: float, creep: float, timestep: float
 ) -> ContactLaw:
     """Give the law of a contact between two bodies of a given effective mass.
 
@@ -46,18 +118,20 @@ def contact_law(
     damping_ratio
         Share of the critical damping 2 sqrt(K m).
     effective_mass
-        m [kg], 1/m = sum of both bodies' inverse masses along the normal.
+        m [kg]: the bodies' mass along the normal, divided by the number of contacts that share it, so that the body
+        on all of them together is damped by this ratio.
     friction
         Coulomb friction coefficient [1].
+    creep
+        Friction per sliding speed below Coulomb's limit [N s/m].
     timestep
-        Time step dt [s]. A free pin sits between two contacts, so each can count on half its mass: with the added
-        mass, K dt^2 is at most half of m/2 + 1/R (the oscillation of the contact is resolved) and
-        K dt^2/2 + C dt at most all of it (half of what the explicit step would bear).
+        Time step dt [s]. The added mass keeps K dt^2 within half of m + 1/R, which resolves the oscillation, and C dt
+        within m + 1/R.
     """
     damping = 2.0 * damping_ratio * math.sqrt(stiffness * effective_mass)
-    stiff = stiffness * timestep**2
-    needed = max(2.0 * stiff, 0.5 * stiff + damping * timestep) - 0.5 * effective_mass
-    return ContactLaw(stiffness, damping, max(needed, _LEAST_SHARE * effective_mass), friction)
+    resolved = 2.0 * stiffness * timestep**2 - effective_mass
+    damped = damping * timestep - effective_mass
+    return ContactLaw(stiffness, damping, max(resolved, damped, _LEAST_SHARE * effective_mass), friction, creep)
 
 
 def solver_parameters(law: ContactLaw, inverse_weight: float) -> SolverParameters:
@@ -70,24 +144,28 @@ def solver_parameters(law: ContactLaw, inverse_weight: float) -> SolverParameter
     inverse_weight
         Sum of both bodies' translational ``body_invweight0`` [1/kg], MuJoCo's estimate of A in R = (1-d)/d A.
 
+    MuJoCo allows impedances from 0.0001 to 0.9999: an added mass below 0.0001 of the bodies' own is raised to that.
+
     Raises
     ------
     ContactError
-        The added mass lies outside what MuJoCo's impedance can represent.
+        The added mass is larger than MuJoCo's impedance can represent.
     """
-    regularisation = 1.0 / law.added_mass
-    impedance = inverse_weight / (regularisation + inverse_weight)
     low, high = _IMPEDANCE
-    if not low <= impedance <= high:
+    impedance = max(inverse_weight / (1.0 / law.added_mass + inverse_weight), low)
+    if not impedance <= high:
         raise ContactError(
-            f"a contact of stiffness {law.stiffness:.3g} N/m needs an added mass of {law.added_mass:.3g} kg, impedance "
-            f"{impedance:.3g}, but MuJoCo allows {low} to {high}; lengthen or shorten settings.timestep_us"
+            f"a contact of stiffness {law.stiffness:.3g} N/m needs an added mass of {law.added_mass:.3g} kg at this "
+            f"time step, {law.added_mass * inverse_weight:.3g} times that of its bodies; MuJoCo allows "
+            f"{high / (1.0 - high):.3g} times: shorten settings.timestep_us or lower the contact's stiffness"
         )
+    regularisation = (1.0 - impedance) / impedance * inverse_weight
     scale = regularisation * impedance
     slide = (law.friction, law.friction, 0.0, 0.0, 0.0)
     return SolverParameters(
         condim=3 if law.friction > 0.0 else 1,
         friction=slide,
         solref=(-law.stiffness * scale, -law.damping * scale),
+        solreffriction=(-1.0, -law.creep * scale / IMPRATIO) if law.friction > 0.0 else (0.0, 0.0),
         solimp=(impedance, impedance, 1.0, 0.5, 1.0),
     )

@@ -91,11 +91,25 @@ class Friction(Section):
 class ContactLaw(Section):
     """Stiffness and damping of the line contacts."""
 
-    working_force: float = quantity(
-        100.0, "force at which a contact has its secant line-contact stiffness (Palmgren)", u.NEWTON, gt=0.0, le=1e6
+    stiffness_law: Literal["local", "uniform"] = choice(
+        "local", "local: follows the relative curvature along the tooth; uniform: a pin on a flat everywhere"
     )
+    stiffness: float = quantity(
+        0.0, "stiffness of a pin on a flat; 0: from material and working force", u.NEWTON_PER_METRE, ge=0.0, le=1e12
+    )
+    working_force: float = quantity(
+        100.0, "force at which a line contact has its secant stiffness", u.NEWTON, gt=0.0, le=1e6
+    )
+    cam_rollers: int = quantity(20, "rollers of the cam's bearing, which share its load (Stribeck)", ge=3, le=1000)
     damping_ratio: float = quantity(
         0.5, "damping of a contact as a share of critical (0.5: restitution 0.16, lubricated)", gt=0.0, le=2.0
+    )
+    creep_speed: float = quantity(
+        20.0,
+        "sliding speed at which friction is whole under the working force",
+        u.MILLIMETRE_PER_SECOND,
+        gt=0.0,
+        le=1e4,
     )
     max_penetration: float = quantity(50.0, "a contact deeper than this ends the run", u.MICROMETRE, gt=0.0, le=1000.0)
 

@@ -53,6 +53,7 @@ MEGAPASCAL = Unit("mpa", multiplier=1e6)
 DENSITY = Unit("kg_m3")
 INERTIA = Unit("kg_m2")
 ACCELERATION = Unit("m_s2")
+MILLIMETRE_PER_SECOND = Unit("mm_s", divisor=1e3)
 KILOWATT = Unit("kw", multiplier=1e3)
 HERTZ = Unit("hz")
 
@@ -102,6 +103,7 @@ UNITS = {
         DENSITY,
         INERTIA,
         ACCELERATION,
+        MILLIMETRE_PER_SECOND,
         KILOWATT,
         HERTZ,
     )

@@ -12,16 +12,18 @@ import mujoco
 import numpy as np
 
 from cycloid_mj.contact.collider import USER_DATA, Role
-from cycloid_mj.contact.law import ContactLaw, contact_law, solver_parameters
+from cycloid_mj.contact.law import IMPRATIO, ContactLaw, contact_law, curvature_law, solver_parameters
 from cycloid_mj.contact.library import exact_xml
 from cycloid_mj.design import Design
 from cycloid_mj.mjcf import names
 from cycloid_mj.mjcf.names import Pair
 from cycloid_mj.solid import VISUAL_CHORD_ERROR, MassProperties, Mesh, mass_properties, mesh, parts
-from cycloid_mj.statics import palmgren_stiffness
 
 SERVO_BANDWIDTH = 2e4
 """Bandwidth [rad/s] of the position servo that makes the crank follow its law; critically damped."""
+
+STRIBECK = 4.08
+"""Load of the most loaded roller of a bearing without play as a share of the mean load per roller F/Z."""
 
 _VISUAL, _CONTACT = 2, 3
 _COLOURS = {
@@ -92,23 +94,38 @@ def xml(spec: Any) -> str:
 
 
 def contact_laws(design: Design, masses: Mapping[str, MassProperties]) -> dict[str, ContactLaw]:
-    """Give the contact law of each kind of pair: one line-contact stiffness, damping by each pair's own mass."""
-    stiffness = palmgren_stiffness(design.contact.working_force, design.gear.face_width)
+    """Give the contact law of each kind of pair: line-contact stiffness, damping by the pair's own effective mass.
+
+    The cam turns in a roller bearing (assumed): the roller in the middle of the loaded half carries 4.08/Z of the load
+    (Stribeck; Harris, Rolling Bearing Analysis) through two contacts in series, each as stiff as a pin on a flat.
+    """
+    law = curvature_law(design)
     gear = 1.0 / masses[names.GEAR].mass
-    pin = 1.0 / masses["pin"].mass if names.has_free_pins(design) else 0.0
     output = design.output.pin_circle_radius**2 / masses[names.OUTPUT].inertia[2, 2]
-    mobility = {"pin_gear": gear + pin, "tooth": gear, "cam": gear, "output": gear + output}
-    if pin:
-        mobility["pin_socket"] = pin
+    pin_radius, hole = design.output.pin_radius, design.output.hole_radius + design.clearance.output
+    factors = {
+        "cam": design.contact.cam_rollers / (2.0 * STRIBECK),
+        "output": law.factor(1.0 / pin_radius - 1.0 / hole),
+    }
+    # Half of the ring's and of the output's contacts carry at a time; a free pin lies between two.
+    mobility = {"cam": gear, "output": (gear + output) * design.output.pins / 2.0}
+    if names.has_free_pins(design):
+        pin, rho = 1.0 / masses["pin"].mass, design.ring.pin_radius
+        factors |= {"pin_gear": 1.0, "pin_socket": law.factor(1.0 / rho - 1.0 / (rho + design.clearance.pin_socket))}
+        mobility |= {"pin_gear": 2.0 * (gear + pin), "pin_socket": 2.0 * pin}
+    else:
+        tooth = "tooth" if design.ring.kind == "nonpin" else "pin_gear"
+        factors[tooth], mobility[tooth] = 1.0, gear * design.ring.teeth / 2.0
     return {
         kind: contact_law(
-            stiffness=float(stiffness),
+            stiffness=law.stiffness * factor,
             damping_ratio=design.contact.damping_ratio,
-            effective_mass=1.0 / inverse_mass,
+            effective_mass=float(1.0 / mobility[kind]),
             friction=getattr(design.friction, kind),
+            creep=getattr(design.friction, kind) * design.contact.working_force / design.contact.creep_speed,
             timestep=design.settings.timestep,
         )
-        for kind, inverse_mass in mobility.items()
+        for kind, factor in factors.items()
     }
 
 
@@ -136,10 +153,10 @@ def _empty(design: Design) -> Any:
     option.integrator = mujoco.mjtIntegrator.mjINT_EULER
     option.solver = mujoco.mjtSolver.mjSOL_NEWTON
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
-    option.impratio = 10.0
+    option.impratio = IMPRATIO
     option.iterations = 100
     option.tolerance = 1e-10
-    option.disableflags = int(mujoco.mjtDisableBit.mjDSBL_AUTORESET | mujoco.mjtDisableBit.mjDSBL_MULTICCD)
+    option.disableflags = int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
     option.enableflags = int(mujoco.mjtEnableBit.mjENBL_ENERGY)
     reach = design.housing.outer_radius
     spec.stat.extent = 2.0 * reach
@@ -236,6 +253,10 @@ def _add_ring(spec: Any, housing: Any, design: Design, masses: Mapping[str, Mass
     free = names.has_free_pins(design)
     for number, angle in enumerate(ring_angles(design), start=1):
         place = _at(design.ring.pin_circle_radius, angle)
+        if design.ring.kind == "nonpin":
+            turned = [np.cos(0.5 * angle), 0.0, 0.0, -np.sin(0.5 * angle)]
+            _contact_geom(housing, names.lobe(number), Role.LOBE, radius, half, pos=place, quat=turned)
+            continue
         if not free:
             _contact_geom(housing, names.pin(number), Role.PIN, radius, half, pos=place)
             continue
@@ -253,11 +274,13 @@ def _add_gear(spec: Any, design: Design, properties: MassProperties) -> None:
     _planar(gear, names.GEAR, (0.0, eccentricity), "gear_angle")
     _inertial(gear, properties)
     _visual(gear, names.GEAR)
-    ring = design.ring
-    offset = ring.pin_radius + design.clearance.pin_gear
+    ring, law = design.ring, curvature_law(design)
+    clearance = design.clearance.tooth if ring.kind == "nonpin" else design.clearance.pin_gear
+    offset = ring.pin_radius + clearance
     # MuJoCo drops a pair whose bounding boxes are apart: this cylinder reaches every pin at every crank angle.
     reach = ring.pin_circle_radius + 2.0 * eccentricity
     teeth = [ring.pin_circle_radius, eccentricity, float(ring.teeth), offset]
+    teeth += [law.reference, law.constant, law.deflection]
     _contact_geom(gear, names.TEETH, Role.TEETH, reach, half, userdata=teeth)
     _contact_geom(gear, names.BORE, Role.OUTER, design.gear.bore_radius + design.clearance.cam, half)
     hole = design.output.hole_radius + design.clearance.output
@@ -313,6 +336,7 @@ def _add_pairs(spec: Any, mating: tuple[Pair, ...], laws: Mapping[str, ContactLa
             condim=parameters.condim,
             friction=list(parameters.friction),
             solref=list(parameters.solref),
+            solreffriction=list(parameters.solreffriction),
             solimp=list(parameters.solimp),
             margin=0.0,
             gap=0.0,

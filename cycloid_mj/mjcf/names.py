@@ -16,6 +16,11 @@ def pin(number: int) -> str:
     return f"pin_{number}"
 
 
+def lobe(number: int) -> str:
+    """Name lobe 1, 2, ... of the internal gear (1 at +y, clockwise)."""
+    return f"lobe_{number}"
+
+
 def socket(number: int) -> str:
     """Name the socket of a ring pin."""
     return f"socket_{number}"
@@ -65,7 +70,10 @@ def pairs(design: Design) -> tuple[Pair, ...]:
 
 def _pairs(design: Design) -> Iterator[Pair]:
     ring = range(1, design.ring.teeth + 1)
-    yield from (Pair(pin(i), "pin_gear", TEETH, pin(i)) for i in ring)
+    if design.ring.kind == "nonpin":
+        yield from (Pair(lobe(i), "tooth", TEETH, lobe(i)) for i in ring)
+    else:
+        yield from (Pair(pin(i), "pin_gear", TEETH, pin(i)) for i in ring)
     if has_free_pins(design):
         yield from (Pair(socket(i), "pin_socket", pin(i), socket(i)) for i in ring)
     yield Pair(CAM, "cam", BORE, CAM)

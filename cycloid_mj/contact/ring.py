@@ -1,0 +1,157 @@
+"""Exact contact of the cycloid gear with one lobe of the double-enveloping internal gear, in any pose near the ideal.
+
+Offset gear and ring outwards by the pin radius rho: the gear becomes the trochoid T, the arc of a lobe shrinks to the
+pin centre P, and the flanks Sigma become the curve S between two centres (``envelope`` with rho = 0). The gap between
+the surfaces is the signed distance from S and P to T, and a line of contact is a minimum of it along the chain
+P - S - P: at P where the distance grows to both sides, or inside a root where the common normal makes it stationary.
+
+The root counter-clockwise of a lobe is B0 < B < 2 pi - B0; its half B <= pi belongs to this lobe, the other half to
+the next lobe. Angles are clockwise from the lobe, as in Hsieh 2014, Eqs 8-11; lengths in metres. Points are given in
+the lobe's frame: the ring's axis at the origin, the lobe on +y.
+"""
+
+import math
+
+from numba import njit
+
+from cycloid_mj.contact.gap import trochoid_curvature, trochoid_distance
+
+_MARGIN = 0.03
+"""Crank angle [rad] beyond the ideal range of a root in which a displaced gear may touch it."""
+
+_ROUNDS = 30
+_PHASE_TOLERANCE = 1e-12
+
+
+@njit(cache=True)
+def offset_root(B: float, radius: float, eccentricity: float, teeth: float) -> tuple[float, float, float, float, float]:
+    """Give the point x, y of S at B, the clockwise angle psi of its normal, its arc rate and its curvature 1/R [1/m].
+
+    The arc rate is positive and R is the concave radius of S (``envelope.sigma_radius`` at rho = 0).
+    """
+    base = eccentricity * teeth
+    sine, cosine = math.sin(B), math.cos(B)
+    alpha = math.atan2(-base * sine, radius - base * cosine)
+    K = radius * radius - base * base
+    l2 = radius * radius + base * base - 2.0 * radius * base * cosine
+    length = math.sqrt(l2)
+    crank = ((teeth - 2.0) * B - (teeth - 1.0) * (math.pi + 2.0 * alpha)) / teeth
+    psi = (math.pi - 2.0 * B - (teeth - 2.0) * alpha) / teeth
+    h = ((teeth - 1.0) * K + l2) / (teeth * length)
+    x = base * math.sin(crank) + h * math.sin(psi)
+    y = base * math.cos(crank) + h * math.cos(psi)
+    rate = ((teeth + 1.0) * length + (teeth - 1.0) * K * K / (l2 * length)) / (teeth * teeth)
+    turning = (teeth + 2.0 - (teeth - 2.0) * K / l2) / (2.0 * teeth)
+    return x, y, psi, rate, turning / rate
+
+
+@njit(cache=True)
+def is_monotone(radius: float, eccentricity: float, teeth: float) -> bool:
+    """Tell whether the contact runs through a root once a turn: c N / E <= (N-2)/N."""
+    return eccentricity * teeth * teeth <= radius * (teeth - 2.0)
+
+
+@njit(cache=True)
+def ideal_root_phase(crank: float, radius: float, eccentricity: float, teeth: float) -> float:
+    """Give B of the contact in the root at a clockwise crank angle in the ideal mesh (``is_monotone`` designs).
+
+    The crank angle rises with B from -B0 to B0 - 2 pi/N, point-symmetric about B = pi and concave before it, so that
+    Newton's method from the end converges from one side.
+    """
+    base = eccentricity * teeth
+    K = radius * radius - base * base
+    middle = -math.pi / teeth
+    mirrored = crank > middle
+    target = 2.0 * middle - crank if mirrored else crank
+    B = math.acos(base / radius)
+    for _ in range(_ROUNDS):
+        cosine = math.cos(B)
+        alpha = math.atan2(-base * math.sin(B), radius - base * cosine)
+        l2 = radius * radius + base * base - 2.0 * radius * base * cosine
+        value = ((teeth - 2.0) * B - (teeth - 1.0) * (math.pi + 2.0 * alpha)) / teeth
+        step = (target - value) * teeth / ((teeth - 1.0) * K / l2 - 1.0)
+        B = min(math.pi, B + step)
+        if abs(step) < 1e-5:
+            break
+    return 2.0 * math.pi - B if mirrored else B
+
+
+@njit(cache=True)
+def _distance_slope(
+    B: float, radius: float, eccentricity: float, teeth: float, cosine: float, sine: float, gx: float, gy: float
+) -> tuple[float, float, float, float, float, float]:
+    """Distance of S(B) to the gear's trochoid, its slope along S, its curvature, foot t and the normal in the frame."""
+    x, y, psi, _, curvature = offset_root(B, radius, eccentricity, teeth)
+    dx, dy = x - gx, y - gy
+    t, distance, nx, ny = trochoid_distance(
+        cosine * dx + sine * dy, cosine * dy - sine * dx, radius, eccentricity, teeth
+    )
+    wx, wy = cosine * nx - sine * ny, sine * nx + cosine * ny
+    # B runs counter-clockwise: the tangent of S is minus the derivative of u(psi).
+    slope = -wx * math.cos(psi) + wy * math.sin(psi)
+    # Both curvatures are large and nearly equal: that of the trochoid's parallel through S(B) counts.
+    parallel = trochoid_curvature(t, radius, eccentricity, teeth)
+    bend = parallel / (1.0 + parallel * distance) - curvature
+    return distance, slope, bend, t, wx, wy
+
+
+@njit(cache=True)
+def root_minimum(
+    low: float,
+    high: float,
+    start: float,
+    radius: float,
+    eccentricity: float,
+    teeth: float,
+    cosine: float,
+    sine: float,
+    gx: float,
+    gy: float,
+) -> tuple[bool, float, float, float, float, float]:
+    """Find the minimum of the gap inside a root between two phases, from a good start.
+
+    Newton's method on the slope, kept in the bracket by the slope's sign: the gap falls, then rises.
+
+    Returns
+    -------
+    found
+        Whether there is a minimum strictly inside.
+    B, distance, t
+        Its phase, the signed distance [m] and the trochoid parameter of the gear's point.
+    normal_x, normal_y
+        Outward normal of the gear.
+    """
+    bottom, top = low, high
+    B = min(high, max(low, start))
+    for _ in range(_ROUNDS):
+        distance, slope, bend, t, wx, wy = _distance_slope(B, radius, eccentricity, teeth, cosine, sine, gx, gy)
+        if slope < 0.0:
+            bottom = B
+        else:
+            top = B
+        _, _, _, rate, _ = offset_root(B, radius, eccentricity, teeth)
+        step = -slope / (rate * bend) if bend > 0.0 else (0.5 * (top - B) if slope < 0.0 else 0.5 * (bottom - B))
+        after = B + step
+        if after <= bottom or after >= top:
+            after = 0.5 * (bottom + top)
+        if abs(after - B) < _PHASE_TOLERANCE or abs(slope) < 1e-14:
+            inside = low + 1e-9 < B < high - 1e-9
+            return inside and bend > 0.0, B, distance, t, wx, wy
+        B = after
+    return False, B, distance, t, wx, wy
+
+
+@njit(cache=True)
+def root_start(crank: float, radius: float, eccentricity: float, teeth: float) -> float:
+    """Give the phase to start the search of a root from, or 0 where it can have no contact.
+
+    ``crank`` is the clockwise crank angle [rad] from the lobe that the root belongs to; the ideal mesh has contact for
+    -B0 < crank < B0 - 2 pi/N, and poses within the clearances differ from it by less than the margin. The middle of a
+    root is so nearly conformal that they move the contact there by many degrees, into either half or into both.
+    """
+    low = math.acos(eccentricity * teeth / radius)
+    last = low - 2.0 * math.pi / teeth
+    if not -low - _MARGIN <= crank <= last + _MARGIN:
+        return 0.0
+    phase = ideal_root_phase(min(last, max(-low, crank)), radius, eccentricity, teeth)
+    return min(2.0 * math.pi - low - 1e-3, max(low + 1e-3, phase))
