@@ -1,0 +1,13 @@
+"""What a run says, held against the closed form: a `Run`'s `Findings`, their table and the series behind them.
+
+Transmission error is the gear's (or the output's) angle less the one that the measured crank angle asks for. The
+closed form of everything but the crank is evaluated at the *measured* crank angle and speed, so that the servo's lag
+is judged once, in the crank's own line.
+"""
+
+from cycloid_mj.analysis.findings import Findings
+from cycloid_mj.analysis.judge import analyze, judge
+from cycloid_mj.analysis.series import Compared, PinPath, Series, series
+from cycloid_mj.analysis.table import Row, table
+
+__all__ = ["Compared", "Findings", "PinPath", "Row", "Series", "analyze", "judge", "series", "table"]

@@ -1,0 +1,154 @@
+"""The findings of a run: few numbers, each with its unit in its name."""
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Crank:
+    """Mean speed, and the largest deviation from the law of the drive, relative to its constant speed."""
+
+    speed_rad_s: float
+    max_relative_error: float | None
+
+
+@dataclass(frozen=True)
+class SpeedFindings:
+    """Speed of the gear or the output against -omega_i/(N-1) (Eq. 12): the means, and the error at each sample."""
+
+    theory_rad_s: float
+    mean_rad_s: float
+    rms_error_rad_s: float
+    peak_error_rad_s: float
+
+
+@dataclass(frozen=True)
+class PathFindings:
+    """Distance of the point q from its place by Eq. 16."""
+
+    q_mm: tuple[float, float]
+    rms_error_um: float
+    max_error_um: float
+
+
+@dataclass(frozen=True)
+class VelocityFindings:
+    """Size of the difference between the velocity of q and Eq. 17, or between its speed and Eq. 18."""
+
+    rms_error_mm_s: float
+    max_error_mm_s: float
+
+
+@dataclass(frozen=True)
+class AccelerationFindings:
+    """Size of the difference between the mean acceleration of q from sample to sample and Eq. 19 half-way."""
+
+    rms_error_m_s2: float
+    max_error_m_s2: float
+
+
+@dataclass(frozen=True)
+class TransmissionError:
+    """Angle of the gear or the output less -theta/(N-1) at the measured crank angle theta."""
+
+    peak_to_peak_arcsec: float
+    mean_arcsec: float
+
+
+@dataclass(frozen=True)
+class ContactSummary:
+    """Contacts that carry a force, on average; the deepest penetration; the largest force of one contact."""
+
+    mean_active: float
+    max_penetration_um: float
+    peak_force_n: float
+
+
+@dataclass(frozen=True)
+class Pin1:
+    """Ring pin 1: how far its centre leaves the socket's, and its mean speed of rotation."""
+
+    max_radial_um: float
+    mean_spin_rad_s: float
+
+
+@dataclass(frozen=True)
+class Ramp:
+    """The point q while the crank speeds up (Eqs 16-20 with their tangential terms)."""
+
+    q_path: PathFindings
+    q_speed: VelocityFindings
+    q_acceleration: AccelerationFindings | None
+    samples: int
+
+
+@dataclass(frozen=True)
+class Power:
+    """Mean power into the crank and out at the load; mean torques, and the crank's without losses, T/(N-1)."""
+
+    input_w: float
+    output_w: float
+    crank_torque_nm: float
+    ideal_crank_torque_nm: float
+    load_torque_nm: float
+
+
+@dataclass(frozen=True)
+class Loss:
+    """Mean power that one kind of mating pair takes: by sliding, and by its normal forces (damping)."""
+
+    pair: str
+    friction_w: float
+    normal_w: float
+
+
+@dataclass(frozen=True)
+class Window:
+    """The settled part of the hold that was judged."""
+
+    start_s: float
+    end_s: float
+    samples: int
+    crank_turns: float
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What a run says. None stands where a quantity does not exist or the run does not tell it."""
+
+    design: str
+    contact: str | None
+    log: str | None
+    timestep_s: float
+    steps: int | None
+    wall_s: float | None
+    crank: Crank
+    gear_speed: SpeedFindings
+    q_path: PathFindings
+    q_speed: VelocityFindings
+    transmission_error: TransmissionError
+    contact_summary: ContactSummary
+    pin1: Pin1 | None
+    q_speed_magnitude: VelocityFindings
+    q_acceleration: AccelerationFindings | None
+    ramp: Ramp | None
+    output_speed: SpeedFindings
+    output_transmission_error: TransmissionError
+    efficiency: float | None
+    power: Power
+    losses: tuple[Loss, ...]
+    window: Window
+    complete: bool
+    note: str
+
+    def as_json(self) -> dict[str, Any]:
+        """Give the findings as dicts, lists, numbers, text and None only."""
+        plain: dict[str, Any] = _plain(self)
+        return plain
+
+
+def _plain(value: Any) -> Any:
+    if dataclasses.is_dataclass(value):
+        return {field.name: _plain(getattr(value, field.name)) for field in dataclasses.fields(value)}
+    return [_plain(item) for item in value] if isinstance(value, tuple) else value

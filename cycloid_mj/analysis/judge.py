@@ -1,0 +1,199 @@
+"""The judgement of a run: from its series to its findings.
+
+Extremes and rms are over every settled sample of the hold, means over its whole crank turns (whole mesh periods where
+it is shorter than a turn); `crank.max_relative_error` is over the whole run, `ramp` over the ramp.
+"""
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj import kinematics
+from cycloid_mj.analysis.findings import (
+    AccelerationFindings,
+    ContactSummary,
+    Crank,
+    Findings,
+    Loss,
+    PathFindings,
+    Pin1,
+    Power,
+    Ramp,
+    SpeedFindings,
+    TransmissionError,
+    VelocityFindings,
+    Window,
+)
+from cycloid_mj.analysis.series import Compared, Series, gear_of, series
+from cycloid_mj.analysis.window import Mask
+from cycloid_mj.record import Run
+
+Array = npt.NDArray[np.float64]
+
+ARCSEC = 3600 * 180 / np.pi
+COARSEST_SAMPLING = np.radians(5.0)
+"""Crank angle from sample to sample beyond which velocities tell no acceleration: the error is its square / 24."""
+
+
+def analyze(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None, log: str | None = None) -> Findings:
+    """Judge a run against its closed form.
+
+    Parameters
+    ----------
+    run, q, settle
+        As `series` takes them.
+    log
+        Where the run was read from; only passed on.
+
+    Raises
+    ------
+    LogError
+        The run has no design, lacks a column, or did not reach the hold.
+    UsageError
+        `q` is no point, or `settle` is negative.
+    """
+    return judge(series(run, q, settle), log)
+
+
+def judge(motion: Series, log: str | None = None) -> Findings:
+    """Judge a series; see `analyze`."""
+    run, told = motion.run, motion.run.provenance
+    power = _power(motion)
+    return Findings(
+        design=motion.design.name,
+        contact=told.get("contact"),
+        log=log,
+        timestep_s=float(told.get("timestep_s", motion.design.settings.timestep)),
+        steps=int(told["steps"]) if "steps" in told else None,
+        wall_s=float(told["wall_s"]) if "wall_s" in told else None,
+        crank=_crank(motion),
+        gear_speed=_speed(motion.gear_speed, motion),
+        q_path=_path(motion, motion.hold),
+        q_speed=_velocity(motion.q_velocity, motion.hold),
+        transmission_error=_transmission_error(motion.gear_angle, motion),
+        contact_summary=_contacts(motion),
+        pin1=_pin_1(motion),
+        q_speed_magnitude=_velocity(motion.q_velocity.size, motion.hold),
+        q_acceleration=_acceleration(motion, motion.hold),
+        ramp=_ramp(motion),
+        output_speed=_speed(motion.output_speed, motion),
+        output_transmission_error=_transmission_error(motion.output_angle, motion),
+        efficiency=power.output_w / power.input_w if motion.design.load.torque > 0 and power.input_w > 0 else None,
+        power=power,
+        losses=_losses(motion),
+        window=_window(motion),
+        complete=run.complete,
+        note=run.note,
+    )
+
+
+def _crank(motion: Series) -> Crank:
+    nominal = abs(motion.design.drive.speed)
+    mean = _mean(motion.crank_speed.simulated, motion)
+    return Crank(mean, _peak(motion.crank_speed.error) / nominal if nominal else None)
+
+
+def _speed(speed: Compared, motion: Series) -> SpeedFindings:
+    return SpeedFindings(
+        theory_rad_s=_mean(speed.theory, motion),
+        mean_rad_s=_mean(speed.simulated, motion),
+        rms_error_rad_s=_rms(speed.error[motion.hold]),
+        peak_error_rad_s=_peak(speed.error[motion.hold]),
+    )
+
+
+def _path(motion: Series, rows: Mask) -> PathFindings:
+    q_x, q_y = (float(value) for value in 1e3 * motion.q)
+    error = motion.q_position.error_size[rows]
+    return PathFindings((q_x, q_y), 1e6 * _rms(error), 1e6 * _peak(error))
+
+
+def _velocity(velocity: Compared, rows: Mask) -> VelocityFindings:
+    error = velocity.error_size[rows]
+    return VelocityFindings(1e3 * _rms(error), 1e3 * _peak(error))
+
+
+def _acceleration(motion: Series, rows: Mask) -> AccelerationFindings | None:
+    """Compare velocity differences with Eq. 19 at the mean crank angle, speed and acceleration between samples."""
+    inner = np.flatnonzero(rows[1:] & rows[:-1])
+    if inner.size == 0 or _peak(np.diff(motion.crank_angle)[inner]) > COARSEST_SAMPLING:
+        return None
+    step = np.diff(motion.time)
+    angle, speed = (_middle(values) for values in (motion.crank_angle, motion.crank_speed.simulated))
+    crank_acceleration = np.diff(motion.crank_speed.simulated) / step
+    path = kinematics.point_path(gear_of(motion.design), motion.q, angle, speed, crank_acceleration)
+    simulated = np.diff(motion.q_velocity.simulated, axis=0) / step[:, np.newaxis]
+    error = Compared(simulated, path.acceleration).error_size[inner]
+    return AccelerationFindings(_rms(error), _peak(error))
+
+
+def _transmission_error(angle: Compared, motion: Series) -> TransmissionError:
+    peak_to_peak = np.ptp(angle.error[motion.hold])
+    return TransmissionError(ARCSEC * float(peak_to_peak), ARCSEC * _mean(angle.error, motion))
+
+
+def _contacts(motion: Series) -> ContactSummary:
+    run, hold = motion.run, motion.hold
+    return ContactSummary(
+        mean_active=_mean(run["contacts"], motion),
+        max_penetration_um=1e6 * float(run["penetration"][hold].max()),
+        peak_force_n=float(run["peak_force"][hold].max()),
+    )
+
+
+def _pin_1(motion: Series) -> Pin1 | None:
+    pin = motion.pin_1
+    return Pin1(1e6 * _peak(pin.radial[motion.hold]), _mean(pin.spin, motion)) if pin else None
+
+
+def _ramp(motion: Series) -> Ramp | None:
+    rows = motion.ramp
+    if not rows.any():
+        return None
+    velocity = _velocity(motion.q_velocity, rows)
+    return Ramp(_path(motion, rows), velocity, _acceleration(motion, rows), int(rows.sum()))
+
+
+def _power(motion: Series) -> Power:
+    run = motion.run
+    load_torque = _mean(run["load_torque"], motion)
+    return Power(
+        input_w=_mean(run["crank_torque"] * run["crank_speed"], motion),
+        output_w=_mean(-run["load_torque"] * run["output_speed"], motion),
+        crank_torque_nm=_mean(run["crank_torque"], motion),
+        ideal_crank_torque_nm=load_torque / motion.design.lobes,
+        load_torque_nm=load_torque,
+    )
+
+
+def _losses(motion: Series) -> tuple[Loss, ...]:
+    """Give the losses of each kind of pair that was ever in touch."""
+    run = motion.run
+    ends = ("_friction_power", "_normal_power")
+    kinds = sorted({name.removesuffix(ends[0]) for name in run.columns if name.endswith(ends[0])})
+    found = []
+    for kind in kinds:
+        friction, normal = (run.columns.get(kind + end, np.zeros(len(run))) for end in ends)
+        if friction.any() or normal.any():
+            found.append(Loss(kind, _mean(friction, motion), _mean(normal, motion)))
+    return tuple(found)
+
+
+def _window(motion: Series) -> Window:
+    time, angle = motion.time[motion.hold], motion.crank_angle[motion.hold]
+    return Window(float(time[0]), float(time[-1]), time.size, float(abs(angle[-1] - angle[0]) / (2 * np.pi)))
+
+
+def _mean(values: Array, motion: Series) -> float:
+    return float(np.mean(values[motion.whole_periods]))
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _peak(values: Array) -> float:
+    return float(np.max(np.abs(values)))
+
+
+def _middle(values: Array) -> Array:
+    return (values[1:] + values[:-1]) / 2

@@ -1,0 +1,256 @@
+"""The motion of a run beside its closed form, sample by sample."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj import kinematics
+from cycloid_mj.analysis import window
+from cycloid_mj.analysis.window import Mask
+from cycloid_mj.design import Design, loads
+from cycloid_mj.errors import LogError, UsageError
+from cycloid_mj.kinematics import CrankLaw
+from cycloid_mj.profile import CycloidGear
+from cycloid_mj.record import Run
+
+Array = npt.NDArray[np.float64]
+
+DESIGN_FILE = "design.toml"
+MOTION = (
+    *("crank_angle", "crank_speed", "crank_torque", "load_torque", "output_angle", "output_speed"),
+    *("gear_x", "gear_y", "gear_angle", "gear_vx", "gear_vy", "gear_speed"),
+    *("contacts", "penetration", "peak_force"),
+)
+PIN_1 = ("pin_1_x", "pin_1_y", "pin_1_speed")
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """One quantity, `simulated` and by `theory`, at the same samples: both (n,) or both (n, 2), locked."""
+
+    simulated: Array
+    theory: Array
+
+    def __post_init__(self) -> None:
+        self.simulated.setflags(write=False)
+        self.theory.setflags(write=False)
+
+    @cached_property
+    def error(self) -> Array:
+        """Simulated less theory."""
+        return self.simulated - self.theory
+
+    @cached_property
+    def error_size(self) -> Array:
+        """Size of the error, shape (n,): of the vector where the quantity is one."""
+        return np.linalg.norm(self.error, axis=1) if self.error.ndim == 2 else np.abs(self.error)
+
+    @cached_property
+    def size(self) -> "Compared":
+        """Compare the lengths of the vectors, shape (n,)."""
+        return Compared(np.linalg.norm(self.simulated, axis=1), np.linalg.norm(self.theory, axis=1))
+
+    def at(self, rows: Mask | slice) -> "Compared":
+        """Give some of the samples."""
+        return Compared(self.simulated[rows], self.theory[rows])
+
+
+@dataclass(frozen=True, eq=False)
+class PinPath:
+    """Motion of ring pin 1 in its socket.
+
+    Attributes
+    ----------
+    position
+        Displacement of its centre from the socket's [m], shape (n, 2).
+    radial
+        Size of that [m], shape (n,).
+    spin
+        Its speed of rotation [rad/s], counter-clockwise positive, shape (n,).
+    clearance
+        How far the centre can go before the pin touches the socket [m].
+    """
+
+    position: Array
+    radial: Array
+    spin: Array
+    clearance: float
+
+
+@dataclass(frozen=True, eq=False)
+class Series:
+    """A run beside its closed form; n samples.
+
+    Attributes
+    ----------
+    run
+        The run, up to the first sample that holds something else than numbers.
+    design
+        Its design.
+    q
+        The point of the gear that is followed, gear frame [m], shape (2,).
+    ramp, hold
+        Masks of the samples in the ramp and in the settled hold, shape (n,).
+    crank_speed
+        Against the law of the drive [rad/s].
+    gear_angle, gear_speed, output_angle, output_speed
+        Against Eq. 12 at the measured crank [rad], [rad/s]. The errors of the angles are the transmission errors.
+    q_position, q_velocity
+        Against Eqs 16 and 17 at the measured crank; from the initial gear centre [m], [m/s], (n, 2).
+    pin_1
+        Ring pin 1; None if the ring has no free pins.
+    """
+
+    run: Run
+    design: Design
+    q: Array
+    ramp: Mask
+    hold: Mask
+    crank_speed: Compared
+    gear_angle: Compared
+    gear_speed: Compared
+    output_angle: Compared
+    output_speed: Compared
+    q_position: Compared
+    q_velocity: Compared
+    pin_1: PinPath | None
+
+    @property
+    def time(self) -> Array:
+        """Times of the samples [s], shape (n,)."""
+        return self.run.time
+
+    @property
+    def crank_angle(self) -> Array:
+        """Measured crank angle [rad], shape (n,)."""
+        return self.run["crank_angle"]
+
+    @property
+    def whole_periods(self) -> slice:
+        """Samples over which means are taken: whole crank turns of the hold, or whole mesh periods if it is shorter."""
+        first = int(np.argmax(self.hold))
+        part = window.whole_periods(self.crank_angle[first:], 2 * np.pi / self.design.ring.teeth)
+        return slice(first, first + part.stop)
+
+    @property
+    def one_turn(self) -> slice:
+        """Samples of one crank turn of the hold, from crank angle 0 where the hold is long enough."""
+        first = int(np.argmax(self.hold))
+        part = window.one_turn(self.crank_angle[first:])
+        return slice(first + part.start, first + part.stop)
+
+
+def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None) -> Series:
+    """Hold the motion of a run against the closed form.
+
+    Parameters
+    ----------
+    run
+        From memory or from a log, with its ``design.toml``.
+    q
+        Point of the gear, gear frame [m]; by default the centre of hole 1, on +y.
+    settle
+        Time after the ramp that is not judged [s]; see `window.in_hold`.
+
+    Raises
+    ------
+    LogError
+        The run has no design, lacks a column, or did not reach the hold.
+    UsageError
+        `q` is no point, or `settle` is negative.
+    """
+    design = design_of(run)
+    pinned = design.ring.kind == "pin" and design.ring.pins == "free"
+    run = _usable(run, (*MOTION, *PIN_1) if pinned else MOTION)
+    hold = window.in_hold(design, run.time, settle)
+    gear = gear_of(design)
+    q = _point(q, design)
+    crank_angle, crank_speed = run["crank_angle"], run["crank_speed"]
+    angle, speed = kinematics.gear_rotation(gear, crank_angle), kinematics.gear_speed(crank_speed, gear.lobes)
+    path = kinematics.point_path(gear, q, crank_angle, crank_speed)
+    position, velocity = _point_motion(run, gear, q)
+    return Series(
+        run=run,
+        design=design,
+        q=q,
+        ramp=window.in_ramp(design, run.time),
+        hold=hold,
+        crank_speed=Compared(crank_speed, CrankLaw(design.drive.speed, design.drive.ramp).speed_at(run.time)),
+        gear_angle=Compared(run["gear_angle"], angle),
+        gear_speed=Compared(run["gear_speed"], speed),
+        output_angle=Compared(run["output_angle"], angle),
+        output_speed=Compared(run["output_speed"], speed),
+        q_position=Compared(position, path.position),
+        q_velocity=Compared(velocity, path.velocity),
+        pin_1=_pin_1(run, design) if pinned else None,
+    )
+
+
+def design_of(run: Run) -> Design:
+    """Give the design that a run carries.
+
+    Raises
+    ------
+    LogError
+        It carries none.
+    DesignError
+        What it carries is no valid design.
+    """
+    if DESIGN_FILE not in run.attachments:
+        raise LogError(f"the run has no attachment {DESIGN_FILE!r}, so its closed form is unknown: simulate it again")
+    try:
+        text = run.attachments[DESIGN_FILE].decode()
+    except UnicodeDecodeError as problem:
+        raise LogError(f"the run's {DESIGN_FILE} is no text ({problem}): simulate it again") from problem
+    return loads(text, f"the run's {DESIGN_FILE}")
+
+
+def gear_of(design: Design) -> CycloidGear:
+    """Give the ideal mesh of a design, without clearance."""
+    ring = design.ring
+    return CycloidGear(ring.teeth, design.gear.eccentricity, ring.pin_circle_radius, ring.pin_radius)
+
+
+def _usable(run: Run, names: tuple[str, ...]) -> Run:
+    """Give the run up to its first sample that is not all numbers; a run that went wrong may end with some."""
+    missing = [name for name in names if name not in run.columns]
+    if missing:
+        raise LogError(
+            f"the run lacks {len(missing)} of the {len(names)} columns that an analysis needs:"
+            f" {', '.join(missing)}; simulate it again"
+        )
+    powers = [name for name in run.columns if name.endswith("_power")]
+    finite = np.isfinite(run.block([*names, *powers])).all(axis=1)
+    if finite.all():
+        return run
+    first = int(np.argmin(finite))
+    cut = f"the samples from {run.time[first]:.9g} s on are not all numbers and were left out"
+    return replace(run.select(slice(0, first)), note="; ".join(filter(None, (run.note, cut))))
+
+
+def _point(q: npt.ArrayLike | None, design: Design) -> Array:
+    point = np.array([0.0, design.output.pin_circle_radius] if q is None else q, dtype=np.float64)
+    if point.shape != (2,) or not np.isfinite(point).all():
+        raise UsageError(f"the point q is {q!r}; give two finite coordinates x, y in the gear frame, in metres")
+    point.setflags(write=False)
+    return point
+
+
+def _point_motion(run: Run, gear: CycloidGear, q: Array) -> tuple[Array, Array]:
+    """Position from the initial gear centre [m] and velocity [m/s] of the gear point q, each (n, 2)."""
+    cos, sin = np.cos(run["gear_angle"]), np.sin(run["gear_angle"])
+    arm = np.stack([q[0] * cos - q[1] * sin, q[0] * sin + q[1] * cos], axis=1)
+    arm_turned = np.stack([-arm[:, 1], arm[:, 0]], axis=1)
+    centre = run.block(["gear_x", "gear_y"]) - kinematics.gear_centre(gear, 0.0)
+    centre_velocity = run.block(["gear_vx", "gear_vy"])
+    return centre + arm, centre_velocity + run["gear_speed"][:, np.newaxis] * arm_turned
+
+
+def _pin_1(run: Run, design: Design) -> PinPath:
+    position = run.block(PIN_1[:2])
+    radial = np.linalg.norm(position, axis=1)
+    for values in (position, radial):
+        values.setflags(write=False)
+    return PinPath(position, radial, run["pin_1_speed"], design.clearance.pin_socket)

@@ -1,0 +1,75 @@
+"""Which samples count: the ramp, the settled hold, and whole periods of the crank within it."""
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.design import Design
+from cycloid_mj.errors import LogError, UsageError
+
+Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
+
+SETTLING = 0.005
+"""Time that a start, the end of the ramp or the load's rise takes to ring out [s]; contacts need 1 to 3 ms."""
+
+FEWEST_SAMPLES = 2
+ROUNDING = 1e-9
+
+
+def in_ramp(design: Design, time: Array) -> Mask:
+    """Mark the samples before the crank's speed is constant, shape (n,)."""
+    return time < design.drive.ramp * (1 - ROUNDING)
+
+
+def in_hold(design: Design, time: Array, settle: float | None = None) -> Mask:
+    """Mark the settled samples at constant crank speed, shape (n,).
+
+    They begin `settle` [s] after the ramp, but never after more than half of the hold that was run. By default
+    `settle` is `SETTLING`, counted from the end of the load's rise where that comes later than the ramp's.
+
+    Raises
+    ------
+    UsageError
+        `settle` is negative or not a number.
+    LogError
+        The run ended before the hold, or with too few samples of it.
+    """
+    ramp = design.drive.ramp
+    held = ~in_ramp(design, time)
+    if held.sum() < FEWEST_SAMPLES:
+        reached = f"it ends at {time[-1]:.6g} s" if time.size else "it has no usable samples"
+        raise LogError(
+            f"the run has {held.sum()} samples at constant crank speed, but an analysis needs at least"
+            f" {FEWEST_SAMPLES}: {reached}, the ramp ends at {ramp:.6g} s; run the design to its end"
+        )
+    if settle is None:
+        loaded = design.load.rise if design.load.torque else 0.0
+        settle = max(loaded - ramp, 0.0) + SETTLING
+    if not settle >= 0.0:
+        raise UsageError(f"the settling time is {settle} s; give 0 s or more, or leave it out")
+    start = ramp + min(settle, (time[-1] - ramp) / 2)
+    return held & (time >= start - ROUNDING * max(ramp, time[-1]))
+
+
+def whole_periods(crank_angle: Array, mesh_period: float) -> slice:
+    """Give the longest first part that lasts whole crank turns, or else whole mesh periods, or else everything.
+
+    Sums over it are free of the ripple that repeats with the turn or the mesh; the odd share of one sample is left.
+    """
+    swept = np.abs(crank_angle - crank_angle[0])
+    span = swept[-1] * swept.size / max(swept.size - 1, 1)
+    for period in (2 * np.pi, mesh_period):
+        count = np.floor(span / period + 1e-6)
+        if count >= 1:
+            return slice(0, int(np.searchsorted(swept, count * period * (1 - 1e-6))))
+    return slice(0, swept.size)
+
+
+def one_turn(crank_angle: Array) -> slice:
+    """Give the first turn from crank angle 0 (modulo a turn), else the first turn from anywhere, else everything."""
+    turns = np.abs(crank_angle) / (2 * np.pi)
+    for start in (np.ceil(turns[0] - 1e-6), turns[0]):
+        first, last = np.searchsorted(turns, [start - 1e-6, start + 1 + 1e-6])
+        if last < turns.size:
+            return slice(int(first), int(last))
+    return slice(0, turns.size)

@@ -1,0 +1,46 @@
+"""Figures of a run, as the paper has them (Figs 5-9), and a drawing of the mechanism.
+
+The only room that knows matplotlib. Every figure is a `Figure` of its own: no window, no global state.
+"""
+
+import numpy.typing as npt
+from matplotlib.figure import Figure
+
+from cycloid_mj.analysis import Series, series
+from cycloid_mj.plots.mechanism import mechanism
+from cycloid_mj.plots.motion import gear_speed_figure, input_figure, transmission_error_figure
+from cycloid_mj.plots.pin import pin_figure
+from cycloid_mj.plots.point import path_figure, velocity_figure
+from cycloid_mj.plots.save import FigureError, save
+from cycloid_mj.record import Run
+
+__all__ = ["FigureError", "figures", "mechanism", "save"]
+
+
+def figures(run: Run | Series, q: npt.ArrayLike | None = None) -> dict[str, Figure]:
+    """Give the figures of a run by name; over one crank turn but for the input.
+
+    Parameters
+    ----------
+    run
+        A run, or its series where they were computed already.
+    q
+        Point of the gear, gear frame [m]; by default the centre of hole 1. The series have their own.
+
+    Raises
+    ------
+    LogError
+        The run has no design, lacks a column, or did not reach the hold.
+    UsageError
+        `q` is no point.
+    """
+    motion = run if isinstance(run, Series) else series(run, q)
+    drawn = {
+        "fig5_input": input_figure(motion),
+        "fig6_gear_speed": gear_speed_figure(motion),
+        "fig7_q_path": path_figure(motion),
+        "fig8_q_speed": velocity_figure(motion),
+    }
+    if motion.pin_1:
+        drawn["fig9_pin1"] = pin_figure(motion, motion.pin_1)
+    return drawn | {"transmission_error": transmission_error_figure(motion)}

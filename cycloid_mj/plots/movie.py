@@ -1,0 +1,104 @@
+"""Frames to a GIF or an MP4 file."""
+
+import importlib
+import os
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from PIL import Image
+
+from cycloid_mj.errors import CycloidError, UsageError
+
+Frame = npt.NDArray[np.uint8]
+
+RATE = 25
+LEAST_RATE, LARGEST_RATE = 1, 50
+"""Frames per second: GIF's clock ticks in hundredths, and viewers slow down what is faster."""
+
+COLOURS = 128
+
+
+def write_movie(frames: Iterable[Frame], path: Path | str, rate: int = RATE) -> None:
+    """Write frames of one size as a movie: ``.gif``, which repeats for ever, or ``.mp4`` (H.264).
+
+    The file takes its name only once it is whole.
+
+    Parameters
+    ----------
+    frames
+        Pictures, shape (height, width, 3), height and width even.
+    path
+        File to write; replaced if it exists.
+    rate
+        Frames per second.
+
+    Raises
+    ------
+    UsageError
+        The name ends neither in .gif nor in .mp4, or the rate is not possible.
+    CycloidError
+        The file cannot be written, or what writes MP4 is not installed.
+    """
+    path = Path(path)
+    writers = {".gif": _write_gif, ".mp4": _write_mp4}
+    if path.suffix.lower() not in writers:
+        raise UsageError(f"an animation is written as .gif or .mp4: cannot write {path}")
+    if not LEAST_RATE <= rate <= LARGEST_RATE:
+        raise UsageError(f"an animation of {rate:g} frames per second: give {LEAST_RATE} to {LARGEST_RATE}")
+    with _named_when_whole(path) as beside:
+        writers[path.suffix.lower()](frames, beside, rate)
+
+
+def _write_gif(frames: Iterable[Frame], path: Path, rate: int) -> None:
+    """Write a GIF whose frames share the palette of the first, so that nothing flickers."""
+    pictures = (Image.fromarray(frame) for frame in frames)
+    first = next(pictures).quantize(COLOURS, dither=Image.Dither.NONE)
+    others = (picture.quantize(palette=first, dither=Image.Dither.NONE) for picture in pictures)
+    # hundredths of a second, so that the frames are as long as the file can say
+    duration = 10 * round(100 / rate)
+    first.save(path, format="GIF", save_all=True, append_images=others, duration=duration, loop=0, disposal=1)
+
+
+def _write_mp4(frames: Iterable[Frame], path: Path, rate: int) -> None:
+    ffmpeg = _ffmpeg()
+    stream = iter(frames)
+    first = next(stream)
+    height, width = first.shape[:2]
+    options: dict[str, Any] = {"fps": rate, "codec": "libx264", "quality": 8, "macro_block_size": 2}
+    writer = ffmpeg.write_frames(str(path), (width, height), output_params=["-f", "mp4"], **options)
+    writer.send(None)
+    for frame in chain([first], stream):
+        writer.send(np.ascontiguousarray(frame).tobytes())
+    writer.close()
+
+
+def _ffmpeg() -> Any:
+    try:
+        return importlib.import_module("imageio_ffmpeg")
+    except ImportError as problem:
+        raise CycloidError(
+            f"MP4 needs imageio-ffmpeg ({problem}): pip install 'cycloid-mj[video]', or write a .gif"
+        ) from problem
+
+
+@contextmanager
+def _named_when_whole(path: Path) -> Iterator[Path]:
+    beside = path.with_name(f".{path.name}.{os.getpid()}.new")
+    try:
+        with beside.open("xb"):
+            pass
+        yield beside
+        os.replace(beside, path)
+    except OSError as problem:
+        reason = problem.strerror or problem
+        raise CycloidError(
+            f"cannot write {path}: {reason}; give a file in a folder that exists and can be written"
+        ) from problem
+    finally:
+        with suppress(OSError):
+            beside.unlink()

@@ -1,0 +1,131 @@
+"""Path and velocity of the point q of the gear (the paper's Figs 7 and 8)."""
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from cycloid_mj.analysis import Compared, Series
+from cycloid_mj.plots.motion import turn_degrees
+from cycloid_mj.plots.style import (
+    BLACK,
+    BLUE,
+    BOTH,
+    ERROR,
+    GREEN,
+    MICROMETRE,
+    ORANGE,
+    SIMULATED,
+    THEORY,
+    VERMILION,
+    centred,
+    crank_axis,
+    keys,
+    legend_above,
+    sheet,
+    square,
+    styled,
+    typeset,
+)
+
+Array = npt.NDArray[np.float64]
+
+_LIGHT = {BLUE: "#9CCBEA", ORANGE: "#F6D9A0", GREEN: "#A5D9CB"}
+
+
+@styled
+def path_figure(motion: Series) -> Figure:
+    """Draw the path of q over a crank turn with Eq. 16, where they differ most in um, and the difference (Fig. 7)."""
+    figure = sheet(5.0)
+    axes = figure.subplot_mosaic("pn;ee", width_ratios=[1.55, 1], height_ratios=[1.5, 1])
+    degrees, position = turn_degrees(motion), motion.q_position.at(motion.one_turn)
+    worst = int(np.argmax(position.error_size))
+    _path(axes["p"], position, motion.q)
+    _magnified(axes["n"], position, worst)
+    _pointer(axes["p"], axes["n"], 1e3 * position.theory[worst])
+    _path_error(axes["e"], degrees, position, worst)
+    return figure
+
+
+@styled
+def velocity_figure(motion: Series) -> Figure:
+    """Draw the velocity of q over a crank turn with Eqs 17 and 18, and its error (Fig. 8)."""
+    figure = sheet(4.2)
+    top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=[1.4, 1])
+    degrees, velocity = turn_degrees(motion), motion.q_velocity.at(motion.one_turn)
+    x, y = (Compared(velocity.simulated[:, i], velocity.theory[:, i]) for i in range(2))
+    parts = (("$v_x$", x, BLUE), ("$v_y$", y, ORANGE), ("$|v|$", velocity.size, GREEN))
+    for _, part, color in parts:
+        top.plot(degrees, 1e3 * part.theory, color=_LIGHT[color], linewidth=3.2)
+        top.plot(degrees, 1e3 * part.simulated, color=color, linewidth=0.9)
+        bottom.plot(degrees, 1e3 * part.error, color=color, linewidth=0.8)
+    top.set_ylabel("velocity of q [mm/s]")
+    top.set_title("Velocity of q")
+    entries = [(label, {"color": color, "linewidth": 1.2}) for label, _, color in parts]
+    under = {"color": "#C9C9C9", "linewidth": 3.2}
+    legend_above(top, *entries, ("closed form", under), ("simulation", {"color": BLACK, "linewidth": 0.9}))
+    centred(bottom, *(1e3 * part.error for _, part, _ in parts))
+    bottom.set_ylabel("error [mm/s]")
+    crank_axis(bottom, degrees)
+    figure.align_ylabels()
+    return figure
+
+
+def _path(axes: Axes, position: Compared, q: Array) -> None:
+    axes.plot(*(1e3 * position.theory.T), **THEORY)
+    axes.plot(*(1e3 * position.simulated.T), **SIMULATED)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.margins(0.08)
+    axes.set_xlabel("x from the initial gear centre [mm]")
+    axes.set_ylabel("y [mm]")
+    axes.set_title(typeset(f"Path of q = ({1e3 * q[0]:.4g}, {1e3 * q[1]:.4g}) mm"))
+    axes.legend(handles=keys(*BOTH), loc="best", frameon=True, framealpha=0.9, edgecolor="none")
+
+
+def _magnified(axes: Axes, position: Compared, worst: int) -> None:
+    """Draw the two paths about sample `worst` in um, each pair of samples joined."""
+    centre = position.theory[worst]
+    theory, simulated = (1e6 * (path - centre).T for path in (position.theory, position.simulated))
+    steps = np.linalg.norm(np.diff(theory.T, axis=0), axis=1)
+    pitch = float(steps[max(0, worst - 1) : worst + 1].mean()) if steps.size else 1.0
+    reach = max(2.5e6 * float(position.error_size[worst]), 1.3 * pitch, 1e-3)
+    axes.plot(*theory, marker="o", markersize=5, **THEORY)
+    axes.plot(*simulated, marker="o", markersize=2.5, **SIMULATED)
+    close = np.abs(theory).max(axis=0) < 3 * reach
+    for start, end in zip(theory.T[close], simulated.T[close], strict=True):
+        axes.plot(*zip(start, end, strict=True), **ERROR)
+    square(axes, reach)
+    axes.set_title("where they differ most")
+    axes.yaxis.tick_right()
+    axes.yaxis.set_label_position("right")
+    for spine in axes.spines.values():
+        spine.set(visible=True, color=VERMILION)
+
+
+def _pointer(axes: Axes, near: Axes, point: Array) -> None:
+    """Mark a point of the path and tie it to the magnified axes."""
+    axes.plot(*point, marker="o", markersize=7, markerfacecolor="none", markeredgecolor=VERMILION, markeredgewidth=1.0)
+    for corner in ((0.0, 0.0), (0.0, 1.0)):
+        axes.annotate(
+            "",
+            xy=(float(point[0]), float(point[1])),
+            xycoords="data",
+            xytext=corner,
+            textcoords=near.transAxes,
+            arrowprops={"arrowstyle": "-", "color": VERMILION, "linewidth": 0.6, "alpha": 0.6, "shrinkB": 3.5},
+            annotation_clip=False,
+        ).set_in_layout(False)
+
+
+def _path_error(axes: Axes, degrees: Array, position: Compared, worst: int) -> None:
+    error, size = 1e6 * position.error, 1e6 * position.error_size
+    axes.plot(degrees, error[:, 0], color=BLUE, linewidth=0.8)
+    axes.plot(degrees, error[:, 1], color=ORANGE, linewidth=0.8)
+    axes.plot(degrees, size, **ERROR)
+    axes.plot(degrees[worst], size[worst], marker="o", markersize=7, markerfacecolor="none", markeredgecolor=VERMILION)
+    axes.axhline(0.0, color=BLACK, linewidth=0.5)
+    axes.margins(y=0.12)
+    axes.set_ylabel(f"error [{MICROMETRE}]")
+    crank_axis(axes, degrees)
+    parts = (("x", BLUE), ("y", ORANGE), ("distance", VERMILION))
+    legend_above(axes, *((name, {"color": color, "linewidth": 1.2}) for name, color in parts))

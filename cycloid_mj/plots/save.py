@@ -1,0 +1,62 @@
+"""Figures to files, the same bytes every time."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from cycloid_mj.errors import CycloidError, UsageError
+from cycloid_mj.plots.style import styled
+
+METADATA: dict[str, dict[str, Any]] = {
+    "png": {"Software": None},
+    "svg": {"Date": None, "Creator": None},
+    "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
+}
+"""What each format would say about when and by what it was written: nothing."""
+
+RESOLUTION = 200
+"""Dots per inch of a PNG."""
+
+
+class FigureError(CycloidError):
+    """A figure that cannot be written."""
+
+
+@styled
+def save(figures: Mapping[str, Figure], folder: Path | str, formats: Sequence[str] = ("png",)) -> list[Path]:
+    """Write figures as `folder`/name.format, making the folder; give the paths.
+
+    Parameters
+    ----------
+    figures
+        Name -> figure.
+    folder
+        Where to.
+    formats
+        Any of png (200 dpi), svg and pdf.
+
+    Raises
+    ------
+    UsageError
+        A format is none of these.
+    FigureError
+        The folder or a file cannot be written.
+    """
+    unknown = [name for name in formats if name not in METADATA]
+    if unknown:
+        raise UsageError(f"no figure format {unknown[0]!r}; there are {', '.join(METADATA)}")
+    folder = Path(folder)
+    paths = []
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, figure in figures.items():
+            for form in formats:
+                path = folder / f"{name}.{form}"
+                figure.savefig(path, format=form, dpi=RESOLUTION, metadata=METADATA[form])
+                paths.append(path)
+    except OSError as problem:
+        reason = problem.strerror or problem
+        raise FigureError(f"cannot write figures to {folder}: {reason}; give a folder that can be written") from problem
+    return paths

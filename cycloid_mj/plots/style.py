@@ -1,0 +1,117 @@
+"""How every figure looks: one style, one palette, and the axes that the figures share.
+
+The palette is Okabe and Ito's, made for colour-blind readers; theory is broad and light under a thin dark simulation,
+so that the two also tell apart in grey.
+"""
+
+from collections.abc import Callable
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib import style
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator, MultipleLocator
+
+Array = npt.NDArray[np.float64]
+P = ParamSpec("P")
+R = TypeVar("R")
+
+ORANGE, SKY, GREEN, BLUE = "#E69F00", "#56B4E9", "#009E73", "#0072B2"
+VERMILION, PURPLE, BLACK, GREY = "#D55E00", "#CC79A7", "#000000", "#8A8A8A"
+
+THEORY: dict[str, Any] = {"color": "#9CCBEA", "linewidth": 3.2, "solid_capstyle": "butt"}
+SIMULATED: dict[str, Any] = {"color": "#0B2E4F", "linewidth": 0.9}
+ERROR: dict[str, Any] = {"color": VERMILION, "linewidth": 0.8}
+BOTH = (("closed form", THEORY), ("simulation", SIMULATED))
+
+MICROMETRE = "\N{MICRO SIGN}m"
+
+WIDTH = 6.5
+"""Width of a figure [in]: a page's text."""
+
+STYLE: dict[str, Any] = {
+    "font.family": "DejaVu Sans",
+    "font.size": 8.0,
+    "axes.titlesize": 8.5,
+    "axes.titlelocation": "left",
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.formatter.useoffset": False,
+    "axes.formatter.limits": (-4, 6),
+    "axes.xmargin": 0.0,
+    "grid.color": "#E3E3E3",
+    "grid.linewidth": 0.5,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.major.size": 2.5,
+    "ytick.major.size": 2.5,
+    "legend.frameon": False,
+    "legend.fontsize": 8.0,
+    "legend.handlelength": 2.2,
+    "path.simplify_threshold": 0.05,
+    "svg.hashsalt": "cycloid_mj",
+    "pdf.fonttype": 42,
+}
+
+
+def styled(draw: Callable[P, R]) -> Callable[P, R]:
+    """Let a function draw in the house style and leave matplotlib's own settings as they were."""
+
+    @wraps(draw)
+    def in_style(*args: P.args, **kwargs: P.kwargs) -> R:
+        with style.context(["default", STYLE]):
+            return draw(*args, **kwargs)
+
+    return in_style
+
+
+def sheet(height: float) -> Figure:
+    """Give an empty figure of the page's width and a height [in]."""
+    return Figure(figsize=(WIDTH, height), layout="constrained")
+
+
+def crank_axis(axes: Axes, degrees: Array) -> None:
+    """Make x the crank angle [deg] over the given span, with ticks at multiples of 45 deg if that is a turn or so."""
+    low, high = float(np.floor(degrees.min() + 1e-3)), float(np.ceil(degrees.max() - 1e-3))
+    axes.set_xlabel("crank angle [deg]")
+    axes.set_xlim(low, max(high, low + 1.0))
+    if 180 <= high - low <= 400:
+        axes.xaxis.set_major_locator(MultipleLocator(45))
+
+
+def centred(axes: Axes, *errors: Array) -> None:
+    """Give an axis of errors the same reach to both sides of zero, and a line at zero."""
+    reach = max(float(np.max(np.abs(error), initial=0.0)) for error in errors)
+    axes.set_ylim(-1.15 * (reach or 1.0), 1.15 * (reach or 1.0))
+    axes.axhline(0.0, color=BLACK, linewidth=0.5)
+
+
+def square(axes: Axes, reach: float) -> None:
+    """Make both axes micrometres, of the same reach to all sides of the origin."""
+    axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
+    axes.set(xlabel=f"x [{MICROMETRE}]", ylabel=f"y [{MICROMETRE}]")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
+
+
+def typeset(text: str) -> str:
+    """Give a text with true minus signs."""
+    return text.replace("-", "\N{MINUS SIGN}")
+
+
+def keys(*entries: tuple[str, dict[str, Any]]) -> list[Line2D]:
+    """Give the entries of a legend from labels and looks."""
+    return [Line2D([], [], label=label, **look) for label, look in entries]
+
+
+def legend_above(axes: Axes, *entries: tuple[str, dict[str, Any]]) -> None:
+    """Put a legend in one line above the axes, at the right."""
+    place: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.2}
+    axes.legend(handles=keys(*entries), ncols=len(entries), **place)
