@@ -1,0 +1,5 @@
+"""``python -m cycloid_mj.cli``."""
+
+from cycloid_mj.cli.app import run
+
+run()

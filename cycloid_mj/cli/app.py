@@ -1,0 +1,104 @@
+"""The table of contents of the command line, and how every mistake is told: one line on stderr and an exit code.
+
+Exit codes: 0 done; 1 a design, run, log or file that failed, or Ctrl-C; 2 a wrong name, flag or value.
+"""
+
+import os
+import sys
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from io import StringIO
+
+from cyclopts import App, CycloptsError, Parameter
+
+from cycloid_mj import __version__
+from cycloid_mj.cli import analyze, design, kinematics, plot, profile, simulate
+from cycloid_mj.cli.mistakes import sentence
+from cycloid_mj.cli.terminal import tell
+from cycloid_mj.errors import CycloidError, UsageError
+
+FAILURE = 1
+
+ABOUT = """Simulate cycloidal speed reducers in MuJoCo and compare with theory.
+
+Results go to stdout, progress and messages to stderr. Exit code: 0 done,
+1 failed, 2 wrong usage. `cycloid-mj COMMAND --help` tells all of a command.
+"""
+
+EXAMPLES = """Start with:
+  cycloid-mj simulate --design pin       # run the paper's pin reducer
+  cycloid-mj plot runs/pin.mcap          # draw that run
+  cycloid-mj design show pin > my.toml   # a design of your own: edit the file
+  cycloid-mj design check my.toml"""
+
+COMMANDS: dict[Callable[..., int], str] = {
+    simulate.simulate: simulate.EXAMPLES,
+    analyze.analyze: analyze.EXAMPLES,
+    plot.plot: plot.EXAMPLES,
+    profile.profile: profile.EXAMPLES,
+    kinematics.kinematics: kinematics.EXAMPLES,
+}
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command, by default that of ``sys.argv``, and give its exit code.
+
+    A mistake of the user's never raises: it is told in one line on stderr.
+    """
+    try:
+        code = _app()(sys.argv[1:] if argv is None else list(argv))
+        sys.stdout.flush()
+        return code or 0
+    except CycloptsError as error:
+        return _failed(sentence(error), UsageError.exit_code)
+    except CycloidError as error:
+        return _failed(str(error), error.exit_code)
+    except KeyboardInterrupt:
+        return _failed("stopped by Ctrl-C", FAILURE)
+    except BrokenPipeError:
+        return FAILURE
+    except OSError as error:
+        file = f" {error.filename}" if error.filename else ""
+        return _failed(f"cannot read or write{file}: {error.strerror or error}", FAILURE)
+    except SystemExit as stop:
+        # rich ends the program itself when a help page meets a closed pipe
+        return stop.code if isinstance(stop.code, int) else FAILURE
+
+
+def run() -> None:
+    """Run the command of ``sys.argv`` and end the process with its exit code."""
+    # a stream that was closed before the start is None
+    sys.stdout = sys.stdout or StringIO()
+    sys.stderr = sys.stderr or StringIO()
+    code = main()
+    try:
+        sys.stdout.flush()
+    except OSError:
+        # the pipe is closed: what is left must not be flushed again, and complained about, when Python ends
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    sys.exit(code)
+
+
+def _app() -> App:
+    app = App(
+        name="cycloid-mj",
+        version=__version__,
+        help=ABOUT,
+        help_epilogue=EXAMPLES,
+        help_format="plaintext",
+        default_parameter=Parameter(negative=(), show_default=False),
+        result_action="return_value",
+        exit_on_error=False,
+        print_error=False,
+        suppress_keyboard_interrupt=False,
+    )
+    for place, (command, examples) in enumerate(COMMANDS.items()):
+        app.command(command, sort_key=place, help_epilogue=examples)
+    app.command(design.commands(sort_key=len(COMMANDS)))
+    return app
+
+
+def _failed(message: str, code: int) -> int:
+    with suppress(OSError):
+        tell(f"error: {message}")
+    return code

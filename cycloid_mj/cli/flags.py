@@ -1,0 +1,159 @@
+"""Flags that several subcommands share: the design, values of the design with its own limits, a point of the gear."""
+
+import math
+import operator
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from cyclopts import Parameter, Token
+from pydantic.fields import FieldInfo
+
+from cycloid_mj.design import Design, override, resolve
+from cycloid_mj.design.units import Unit, file_key, unit_of
+from cycloid_mj.errors import DesignError, UsageError
+
+SYMBOLS = {"nm": "N m"}
+SIDES = {
+    "gt": ("more than", operator.gt),
+    "ge": ("at least", operator.ge),
+    "lt": ("less than", operator.lt),
+    "le": ("at most", operator.le),
+}
+LARGEST_Q = 10_000.0
+"""Bound on a coordinate of q [mm]: twice the largest pin circle."""
+
+MOST_ROWS = 1_000_000
+
+DesignFlag = Annotated[
+    str, Parameter(name="--design", metavar="NAME|FILE", help="Design: pin, nonpin, or a TOML file.")
+]
+SetFlag = Annotated[
+    tuple[str, ...],
+    Parameter(
+        name="--set",
+        metavar="TABLE.KEY=VALUE",
+        help="Change one value of the design, in the words of its file, e.g. load.torque_nm=36. May be repeated.",
+    ),
+]
+PointFlag = Annotated[
+    str | None,
+    Parameter(
+        name="--q",
+        metavar="X,Y",
+        allow_leading_hyphen=True,
+        help="Point q of the gear [mm], in the gear's frame, e.g. 26,0 or -3,4.5. Default: the hole centre on +y.",
+    ),
+]
+JsonFlag = Annotated[bool, Parameter(name="--json", help="Print one JSON object and nothing else on stdout.")]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A flag's value that stands at `table`.`name` of the design and keeps the limits it has there."""
+
+    table: str
+    name: str
+    nonzero: bool = False
+
+    @property
+    def field(self) -> FieldInfo:
+        """The declaration of the value."""
+        section: Any = Design.model_fields[self.table].annotation
+        field: FieldInfo = section.model_fields[self.name]
+        return field
+
+    @property
+    def unit(self) -> Unit:
+        """The unit of the flag and of the file."""
+        return unit_of(self.field)
+
+    @property
+    def symbol(self) -> str:
+        """The unit as it is written."""
+        return SYMBOLS.get(self.unit.suffix, self.unit.suffix)
+
+    @property
+    def key(self) -> str:
+        """The key in the design file, e.g. ``drive.speed_rpm``."""
+        return f"{self.table}.{file_key(self.name, self.field)}"
+
+    @property
+    def range(self) -> str:
+        """The limits in words, in the file's unit."""
+        words = [f"{SIDES[side][0]} {self.unit.from_si(bound):.10g}" for side, bound in self._bounds()]
+        return " and ".join(words) + (", not 0" if self.nonzero else "")
+
+    def require(self, value: float | None) -> None:
+        """Raise ValueError with the limits unless a value [file's unit] keeps them."""
+        if value is None:
+            return
+        si = self.unit.to_si(value)
+        kept = all(SIDES[side][1](si, bound) for side, bound in self._bounds())
+        if not (kept and math.isfinite(si) and (si or not self.nonzero)):
+            raise ValueError(f"must be {self.range} [{self.symbol}]")
+
+    def flag(self, text: str) -> Parameter:
+        """Declare the flag; `text` says what the value is."""
+        default = self.unit.from_si(self.field.default)
+        told = f"{text} [{self.symbol}], {self.range}. Default: the design's {self.key} ({default:g} in the presets)."
+        return Parameter(metavar="X", help=told, validator=self.require)
+
+    def _bounds(self) -> list[tuple[str, float]]:
+        return [(side, getattr(limit, side)) for limit in self.field.metadata for side in SIDES if hasattr(limit, side)]
+
+
+TIMESTEP = Quantity("settings", "timestep")
+SPEED = Quantity("drive", "speed", nonzero=True)
+RAMP = Quantity("drive", "ramp")
+HOLD = Quantity("drive", "hold")
+LOAD = Quantity("load", "torque")
+
+
+def designed(name_or_file: str, changes: Sequence[str], values: Sequence[tuple[Quantity, float | None]]) -> Design:
+    """Give the design of a command line: file or preset, then ``--set``, then the flags.
+
+    Raises
+    ------
+    UsageError
+        No such design, or a change that it does not take.
+    DesignError
+        The file is not a valid design.
+    """
+    design = resolve(name_or_file)
+    try:
+        design = override(design, changes)
+    except DesignError as error:
+        raise UsageError(str(error)) from error
+    return override(design, [f"{quantity.key}={value!r}" for quantity, value in values if value is not None])
+
+
+def point(text: str | None) -> tuple[float, float] | None:
+    """Give q [m] from ``X,Y`` in mm, None from None; raise UsageError if it is no such point."""
+    if text is None:
+        return None
+    try:
+        x, y = (float(word) for word in text.split(","))
+    except ValueError:
+        raise UsageError(f"--q {text!r}: expected X,Y in mm, e.g. --q 26,0") from None
+    if not (abs(x) <= LARGEST_Q and abs(y) <= LARGEST_Q):
+        raise UsageError(f"--q {text}: each coordinate must be from {-LARGEST_Q:g} to {LARGEST_Q:g} mm")
+    return x / 1e3, y / 1e3
+
+
+def whole(_: Any, tokens: Sequence[Token]) -> int:
+    """Give a whole number as it was typed; cyclopts itself would round 1.5 to 2."""
+    try:
+        return int(tokens[0].value)
+    except ValueError:
+        raise ValueError(f"{tokens[0].value!r} is not a whole number") from None
+
+
+def within(low: float, high: float) -> Callable[[Any, Any], None]:
+    """Give a validator: the value must lie from `low` to `high`, both allowed."""
+
+    def require(_: Any, value: float | None) -> None:
+        if value is not None and not low <= value <= high:
+            raise ValueError(f"must be from {low:.10g} to {high:.10g}")
+
+    return require

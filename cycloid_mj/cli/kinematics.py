@@ -1,0 +1,102 @@
+"""``cycloid-mj kinematics``: the closed-form motion of a point of the gear as CSV."""
+
+import math
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from cycloid_mj.cli.flags import MOST_ROWS, RAMP, SPEED, DesignFlag, PointFlag, designed, point, within
+from cycloid_mj.cli.outfile import STDOUT, Columns, CsvFlag, write_csv
+from cycloid_mj.cli.terminal import tell
+from cycloid_mj.design import Design
+from cycloid_mj.errors import UsageError
+
+EXAMPLES = """Examples:
+  cycloid-mj kinematics --design pin --q 0,24 --csv q.csv
+  cycloid-mj kinematics --design pin --q 26,0 --ramp-s 0 --until-s 0.1 --csv -"""
+
+SHORTEST, LONGEST = 1e-12, 1e6
+ROUNDING = 1e-6
+"""Share of a step by which the last sample may lie beyond the end: T/DT is a rounded quotient."""
+
+UntilFlag = Annotated[
+    float | None,
+    Parameter(
+        metavar="T",
+        validator=within(SHORTEST, LONGEST),
+        help=f"Time of the last sample at the latest [s], from {SHORTEST:g} to {LONGEST:g}. "
+        "Default: ramp and hold of the design.",
+    ),
+]
+StepFlag = Annotated[
+    float | None,
+    Parameter(
+        metavar="DT",
+        validator=within(SHORTEST, LONGEST),
+        help=f"Time from one sample to the next [s], from {SHORTEST:g} to {LONGEST:g}. "
+        "Default: one degree of crank at full speed (0.000101626 s at 1640 rpm).",
+    ),
+]
+
+
+def kinematics(
+    *,
+    design: DesignFlag,
+    q: PointFlag = None,
+    csv: CsvFlag,
+    ramp_s: Annotated[float | None, RAMP.flag("Duration of the linear ramp from rest; 0: full speed at once")] = None,
+    until_s: UntilFlag = None,
+    step_s: StepFlag = None,
+    speed_rpm: Annotated[float | None, SPEED.flag("Crank speed after the ramp")] = None,
+) -> int:
+    """Write the ideal motion of a point q of the gear as CSV.
+
+    Columns: t_s, crank_rad, x_mm, y_mm, vx_mm_s, vy_mm_s, ax_mm_s2, ay_mm_s2
+    (Hsieh 2014, Eqs 16, 17, 19, corrected), with x to the right, y up and the
+    crank counter-clockwise. The origin is that of Eq. 16, the initial gear
+    centre: add the eccentricity to y_mm for positions from the reducer's axis.
+    Samples are at the times k DT, k = 0, 1, ..., up to T. Numbers have every
+    digit.
+    """
+    chosen = designed(design, (), [(RAMP, ramp_s), (SPEED, speed_rpm)])
+    columns = _motion(chosen, point(q) or (0.0, chosen.output.pin_circle_radius), until_s, step_s)
+    write_csv(csv, columns)
+    if csv != STDOUT:
+        tell(f"wrote {len(columns['t_s'])} samples to {csv}")
+    return 0
+
+
+def _motion(design: Design, q: tuple[float, float], until: float | None, step: float | None) -> Columns:
+    import numpy as np
+
+    from cycloid_mj.kinematics import CrankLaw, point_path
+    from cycloid_mj.solid.gear import tooth_profile
+
+    law = CrankLaw(design.drive.speed, design.drive.ramp)
+    until = design.drive.ramp + design.drive.hold if until is None else until
+    step = _step(design, step)
+    t = step * np.arange(_rows(until, step))
+    crank = law.angle_at(t)
+    path = point_path(tooth_profile(design), q, crank, law.speed_at(t), law.acceleration_at(t))
+    (x, y), (vx, vy), (ax, ay) = (1e3 * v.T for v in (path.position, path.velocity, path.acceleration))
+    names = ("t_s", "crank_rad", "x_mm", "y_mm", "vx_mm_s", "vy_mm_s", "ax_mm_s2", "ay_mm_s2")
+    return dict(zip(names, (t, crank, x, y, vx, vy, ax, ay), strict=True))
+
+
+def _step(design: Design, step: float | None) -> float:
+    """Time step [s]: the one given, or one degree of crank at full speed."""
+    if step is not None:
+        return step
+    if design.drive.speed == 0.0:
+        raise UsageError("drive.speed_rpm is 0, so a degree of crank takes no time: give --step-s or --speed-rpm")
+    return math.radians(1.0) / abs(design.drive.speed)
+
+
+def _rows(until: float, step: float) -> int:
+    rows = math.floor(until / step + ROUNDING) + 1
+    if rows > MOST_ROWS:
+        raise UsageError(
+            f"--until-s {until:g} in steps of {step:g} s gives {rows:.3g} rows, more than {MOST_ROWS}: "
+            "enlarge --step-s or shorten --until-s"
+        )
+    return rows

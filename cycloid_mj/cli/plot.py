@@ -1,0 +1,43 @@
+"""``cycloid-mj plot``: draw Figs 5-9 of the paper for a logged run."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+from cycloid_mj.cli.analyze import LogName
+from cycloid_mj.cli.flags import PointFlag, point
+from cycloid_mj.cli.outfile import folder
+from cycloid_mj.cli.terminal import say
+
+EXAMPLES = """Examples:
+  cycloid-mj plot runs/pin.mcap
+  cycloid-mj plot runs/pin.mcap --q 26,0 --out figures --format svg"""
+
+Format = Literal["png", "svg", "pdf"]
+FormatFlag = Annotated[Format, Parameter(name="--format", help="File format of the figures. Default: png.")]
+OutFlag = Annotated[
+    str | None,
+    Parameter(
+        metavar="DIR",
+        help="Folder for the figures, made if there is none; figures that it holds are replaced. "
+        "Default: the log's path without .mcap.",
+    ),
+]
+
+
+def plot(log: LogName, /, *, q: PointFlag = None, out: OutFlag = None, format_: FormatFlag = "png") -> int:
+    """Draw Figs 5-9 of the paper (Hsieh 2014) for a logged run.
+
+    The paths of the files are printed, one in a line. The log alone is enough.
+    """
+    place = point(q)
+    from cycloid_mj.log import read
+    from cycloid_mj.plots import figures, save
+
+    run = read(log)
+    drawn = figures(run, place)
+    into = folder(str(Path(log).with_suffix("")) if out is None else out, "the figures")
+    for path in save(drawn, into, (format_,)):
+        say(str(path))
+    return 0

@@ -1,0 +1,87 @@
+"""``cycloid-mj profile``: the outline of the cycloid gear, or of the internal gear, as CSV."""
+
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from cyclopts import Parameter
+
+from cycloid_mj.cli.flags import MOST_ROWS, DesignFlag, designed, whole, within
+from cycloid_mj.cli.outfile import STDOUT, Columns, CsvFlag, write_csv
+from cycloid_mj.cli.terminal import tell
+from cycloid_mj.design import Design
+from cycloid_mj.errors import UsageError
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    Array = npt.NDArray[np.float64]
+
+EXAMPLES = """Examples:
+  cycloid-mj profile --design pin --csv gear.csv --points 7000
+  cycloid-mj profile --design nonpin --part ring --csv -"""
+
+POINTS_PER_TOOTH = 100
+
+Part = Literal["gear", "ring"]
+PointsFlag = Annotated[
+    int | None,
+    Parameter(
+        metavar="N",
+        converter=whole,
+        validator=within(3, MOST_ROWS),
+        help=f"Number of points, from 3 to {MOST_ROWS}. Default: {POINTS_PER_TOOTH} for each lobe or ring tooth.",
+    ),
+]
+PartFlag = Annotated[
+    Part, Parameter(help="gear: the cycloid gear; ring: the internal gear of a nonpin design. Default: gear.")
+]
+
+
+def profile(*, design: DesignFlag, csv: CsvFlag, points: PointsFlag = None, part: PartFlag = "gear") -> int:
+    """Write the outline of the gear as CSV, for CAD or for a check.
+
+    Columns: x_mm, y_mm, nx, ny (outward unit normal), curvature_per_mm
+    (positive where convex). One whole closed outline, clockwise from the
+    valley on +y in the gear's frame, equally spaced by arc length; the first
+    point is not repeated at the end. Numbers have every digit.
+
+    The outline is the nominal profile, the pin radius away from the path of
+    the pins. The clearance that the parts are cut with (clearance.pin_gear_um
+    or clearance.tooth_um) is NOT in it.
+
+    With --part ring: the internal gear in the ring's frame, from the tip of
+    the lobe on +y. Normals point into the bore, curvature is positive on the
+    lobes, and a last column, part, is arc, sigma1 or sigma2.
+    """
+    chosen = designed(design, (), ())
+    columns = _gear(chosen, points) if part == "gear" else _ring(chosen, points)
+    write_csv(csv, columns)
+    if csv != STDOUT:
+        tell(f"wrote {len(columns['x_mm'])} points to {csv}")
+    return 0
+
+
+def _gear(design: Design, points: int | None) -> Columns:
+    from cycloid_mj.profile import sample
+    from cycloid_mj.solid.gear import tooth_profile
+
+    outline = sample(tooth_profile(design), points or POINTS_PER_TOOTH * design.lobes)
+    return _columns(outline.points, outline.normals, outline.curvature)
+
+
+def _ring(design: Design, points: int | None) -> Columns:
+    from cycloid_mj.envelope import sample_ring
+    from cycloid_mj.solid.gear import tooth_profile
+
+    if design.ring.kind == "pin":
+        raise UsageError(
+            f"--part ring: the design {design.name!r} has pins (ring.kind = pin), not an internal gear; "
+            "give a nonpin design, such as --design nonpin"
+        )
+    outline = sample_ring(tooth_profile(design), points or POINTS_PER_TOOTH * design.ring.teeth)
+    return {**_columns(outline.points, outline.normals, outline.curvature), "part": outline.part}
+
+
+def _columns(points: "Array", normals: "Array", curvature: "Array") -> Columns:
+    (x, y), (nx, ny) = points.T, normals.T
+    return {"x_mm": 1e3 * x, "y_mm": 1e3 * y, "nx": nx, "ny": ny, "curvature_per_mm": 1e-3 * curvature}

@@ -1,0 +1,76 @@
+"""How far a run is: a bar with the time left on a terminal, now and then a line elsewhere."""
+
+import sys
+from time import monotonic
+from types import TracebackType
+from typing import Any
+
+from cycloid_mj.cli.terminal import tell
+
+SECONDS_BETWEEN_LINES = 10.0
+
+
+class Progress:
+    """Progress of a run on stderr; a context manager.
+
+    Parameters
+    ----------
+    end
+        Simulated time of the whole run [s].
+    quiet
+        Whether to write nothing.
+    """
+
+    def __init__(self, end: float, quiet: bool = False) -> None:
+        self._end = end
+        self._quiet = quiet
+        self._start = self._told = monotonic()
+        self._bar: Any = None
+
+    def __enter__(self) -> "Progress":
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
+        if self._bar:
+            self._bar.stop()
+
+    def tell(self, text: str) -> None:
+        """Write a message that comes before the first sample."""
+        if not self._quiet:
+            tell(text)
+
+    def reached(self, simulated: float) -> None:
+        """Show that the run has come to `simulated` [s]."""
+        if self._quiet:
+            return
+        if sys.stderr.isatty():
+            self._bar = self._bar or _bar(self._end)
+            self._bar.update(self._bar.task_ids[0], completed=simulated)
+        elif monotonic() - self._told > SECONDS_BETWEEN_LINES:
+            self._told = monotonic()
+            tell(self._line(simulated))
+
+    def _line(self, simulated: float) -> str:
+        share = simulated / self._end
+        left = (monotonic() - self._start) * (1.0 / share - 1.0) if share > 0.0 else float("inf")
+        return f"{share:4.0%}  {simulated:.3f} of {self._end:g} s simulated, about {left:.0f} s left"
+
+
+def _bar(end: float) -> Any:
+    from rich.console import Console
+    from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import Progress as Bar
+
+    bar = Bar(
+        TextColumn("simulating"),
+        BarColumn(),
+        TaskProgressColumn(),
+        TextColumn("{task.completed:.3f} of {task.total:g} s,"),
+        TimeRemainingColumn(),
+        TextColumn("left"),
+        console=Console(stderr=True),
+        transient=True,
+    )
+    bar.add_task("", total=end)
+    bar.start()
+    return bar
