@@ -125,11 +125,11 @@ def contact_law(
     creep
         Friction per sliding speed below Coulomb's limit [N s/m].
     timestep
-        Time step dt [s]. The added mass keeps K dt^2 within half of m + 1/R, which resolves the oscillation, and C dt
-        within m + 1/R.
+        Time step dt [s]. The added mass keeps K dt^2 and C dt within m + 1/R: a quarter and half of what the
+        explicit step bears.
     """
     damping = 2.0 * damping_ratio * math.sqrt(stiffness * effective_mass)
-    resolved = 2.0 * stiffness * timestep**2 - effective_mass
+    resolved = stiffness * timestep**2 - effective_mass
     damped = damping * timestep - effective_mass
     return ContactLaw(stiffness, damping, max(resolved, damped, _LEAST_SHARE * effective_mass), friction, creep)
 

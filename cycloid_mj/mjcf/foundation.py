@@ -1,0 +1,56 @@
+"""How a line contact of known stiffness is shared by the slices of a surface: an elastic foundation.
+
+Each slice is a spring of a stiffness in proportion to its width. Under the working force the springs in touch add up to
+the stiffness of the line contact, however many they are: finer slices are more of them, and softer.
+"""
+
+import math
+
+from cycloid_mj.contact.law import ContactLaw
+from cycloid_mj.convex import Slice
+from cycloid_mj.design import Design
+
+
+def slice_law(law: ContactLaw, factor: float, part: Slice, force: float) -> ContactLaw:
+    """Give the law of one slice.
+
+    Where a gap opens as kappa s^2 / 2 beside the deepest point, a penetration d reaches to s = sqrt(2 d / kappa), and
+    springs of k per width push back with 4/3 s k d. At the working force d = F/K; so k = K / (4/3 s).
+
+    Parameters
+    ----------
+    law
+        Of the whole line contact.
+    factor
+        Its stiffness there, as a share of the law's.
+    part
+        The slice: a face wider than the patch 4/3 s, or a hull that carries alone, has the whole stiffness.
+    force
+        Working force of the line contact [N].
+    """
+    stiffness = law.stiffness * factor
+    patch = 4.0 / 3.0 * math.sqrt(2.0 * force / stiffness / part.curvature)
+    share = min(1.0, part.width / patch)
+    return ContactLaw(
+        stiffness=stiffness * share,
+        damping=law.damping * share,
+        added_mass=law.added_mass * max(1.0, factor) * share,
+        friction=law.friction,
+    )
+
+
+def working_forces(design: Design) -> dict[str, float]:
+    """Give the force of each kind of pair [N] when the most loaded ring contact bears the design's working force F.
+
+    The load T = F c (N-1) N / 4 (ideal load sharing) asks T / (c (N-1)) of the cam, and 4 T / (n R_w) of the most
+    loaded of n output pins on the radius R_w.
+    """
+    force, output = design.contact.working_force, design.output
+    load = force * design.gear.eccentricity * design.lobes * design.ring.teeth / 4.0
+    return {
+        "pin_gear": force,
+        "pin_socket": force,
+        "tooth": force,
+        "cam": load / (design.gear.eccentricity * design.lobes),
+        "output": 4.0 * load / (output.pins * output.pin_circle_radius),
+    }
