@@ -1,7 +1,7 @@
 """The judgement of a run: from its series to its findings.
 
 Extremes and rms are over every settled sample of the hold, means over its whole crank turns (whole mesh periods where
-it is shorter than a turn); `crank.max_relative_error` is over the whole run, `ramp` over the ramp.
+it is shorter than a turn), the peak-to-peak transmission error is that of a crank turn, the mean of all whole turns; `crank.max_relative_error` is over the whole run, `ramp` over the ramp.
 """
 
 import numpy as np
@@ -24,7 +24,7 @@ from cycloid_mj.analysis.findings import (
     Window,
 )
 from cycloid_mj.analysis.series import Compared, Series, gear_of, series
-from cycloid_mj.analysis.window import Mask
+from cycloid_mj.analysis.window import Mask, turn_by_turn
 from cycloid_mj.record import Run
 
 Array = npt.NDArray[np.float64]
@@ -127,8 +127,9 @@ def _acceleration(motion: Series, rows: Mask) -> AccelerationFindings | None:
 
 
 def _transmission_error(angle: Compared, motion: Series) -> TransmissionError:
-    peak_to_peak = np.ptp(angle.error[motion.hold])
-    return TransmissionError(ARCSEC * float(peak_to_peak), ARCSEC * _mean(angle.error, motion))
+    error = angle.error[motion.hold]
+    swings = [np.ptp(error[turn]) for turn in turn_by_turn(motion.crank_angle[motion.hold])]
+    return TransmissionError(ARCSEC * float(np.mean(swings)), ARCSEC * _mean(angle.error, motion))
 
 
 def _contacts(motion: Series) -> ContactSummary:

@@ -1,5 +1,7 @@
 """Which samples count: the ramp, the settled hold, and whole periods of the crank within it."""
 
+from itertools import pairwise
+
 import numpy as np
 import numpy.typing as npt
 
@@ -63,6 +65,14 @@ def whole_periods(crank_angle: Array, mesh_period: float) -> slice:
         if count >= 1:
             return slice(0, int(np.searchsorted(swept, count * period * (1 - 1e-6))))
     return slice(0, swept.size)
+
+
+def turn_by_turn(crank_angle: Array) -> list[slice]:
+    """Give each whole crank turn from the first sample on; everything where it is shorter than one turn."""
+    swept = np.abs(crank_angle - crank_angle[0]) / (2 * np.pi)
+    turns = int(swept[-1] + 1e-6)
+    starts = np.searchsorted(swept, np.arange(turns + 1) - 1e-9)
+    return [slice(int(first), int(last)) for first, last in pairwise(starts)] or [slice(0, swept.size)]
 
 
 def one_turn(crank_angle: Array) -> slice:

@@ -15,7 +15,7 @@ from cycloid_mj.errors import UsageError
 from cycloid_mj.plots.stage import Script, Stage, set_stage, show
 from cycloid_mj.plots.style import styled
 from cycloid_mj.record import Run
-from cycloid_mj.scene import contact_forces, drawing, drawn_radii
+from cycloid_mj.scene import contact_forces, drawing, drawn_radii, gaps
 from cycloid_mj.statics import ideal_load_sharing
 
 Array = npt.NDArray[np.float64]
@@ -83,7 +83,7 @@ def film(scene: Take, width: int = WIDTH) -> Iterator[Image]:
     columns = {name: values[scene.rows] for name, values in motion.run.columns.items()}
     script = Script(
         design=motion.design,
-        drawn=drawing(motion.design, columns, scene.magnification),
+        drawn=drawing(motion.design, gaps(motion.design, columns), scene.magnification),
         acting=contact_forces(motion.design, columns, scene.magnification),
         ideal=_ideal(motion.design, columns),
     )

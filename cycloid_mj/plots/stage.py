@@ -111,7 +111,7 @@ def show(stage: Stage, script: Script, row: int) -> None:
     _move(stage, OUTPUT, drawn.output_pins[row])
     outwards = np.arctan2(*ring_places(script.design).T[::-1])
     _move(stage, SOCKET, np.column_stack([drawn.sockets[row], outwards]))
-    _move(stage, PIN, np.column_stack([drawn.ring[row], drawn.pin_angle[row]]))
+    _move(stage, PIN, np.column_stack([drawn.ring[row], drawn.gaps.pin_angle[row]]))
     if script.design.ring.kind != "pin":
         _set_ring(stage.wall, script, row)
     _show_forces(stage, script, row)
@@ -171,7 +171,9 @@ def _parts(axes: Axes, design: Design, radii: Radii) -> dict[str, list[Any]]:
     return {
         SOCKET: [[_socket(axes, radii.socket)] for _ in range(free * ring.teeth)],
         PIN: [_pin(axes, radii.pin) for _ in range(pinned * ring.teeth)],
-        GEAR: [[_region(axes, [prism.outline, *(h[::-1] for h in prism.holes)], "gear", 1.5), _disc(axes, mark, DARK, 3)]],
+        GEAR: [
+            [_region(axes, [prism.outline, *(h[::-1] for h in prism.holes)], "gear", 1.5), _disc(axes, mark, DARK, 3)]
+        ],
         OUTPUT: [[_disc(axes, (0.0, 0.0, radii.output_pin), LOOKS["output"], 3)] for _ in range(output.pins)],
         SHAFT: [
             [
