@@ -1,7 +1,8 @@
 """The judgement of a run: from its series to its findings.
 
 Extremes and rms are over every settled sample of the hold, means over its whole crank turns (whole mesh periods where
-it is shorter than a turn), the peak-to-peak transmission error is that of a crank turn, the mean of all whole turns; `crank.max_relative_error` is over the whole run, `ramp` over the ramp.
+it is shorter than a turn). The peak-to-peak transmission error is that of a crank turn, the mean of all whole turns;
+`crank.max_relative_error` is over the whole run, `ramp` over the ramp.
 """
 
 import numpy as np
