@@ -87,10 +87,10 @@ def own_cost(reducer: ReducerModel, design: Design) -> tuple[float, float]:
 def main() -> None:
     """Print the table."""
     print(f"MuJoCo {mujoco.__version__}, {platform.machine()}, Python {platform.python_version()}")
-    print(f"median of {REPEATS} passes of 20 000 steps of 2 us (spread); us per step")
+    print(f"median of {REPEATS} passes of 20 000 steps (spread); us per step")
     print(f"{'case':24} {'loop':>14} {'MuJoCo':>14} {'narrow phase':>14} {'loop / MuJoCo':>14}")
     for name, (preset, load, pins) in CASES.items():
-        changes = ["drive.ramp_s=0.0", "drive.hold_s=0.04", f"load.torque_nm={load}", f'ring.pins="{pins}"']
+        changes = ["drive.ramp_s=0.0", "drive.hold_s=0.02", f"load.torque_nm={load}", f'ring.pins="{pins}"']
         design = override(PRESETS[preset], changes)
         reducer = build(design)
         loop_cost(reducer, design)

@@ -152,7 +152,7 @@ class Environment(Section):
 class Settings(Section):
     """How the design is simulated and logged."""
 
-    timestep: float = quantity(2.0, "time step", u.MICROSECOND, gt=0.0, le=1000.0)
+    timestep: float = quantity(1.0, "time step", u.MICROSECOND, gt=0.0, le=1000.0)
     log_rate: float = quantity(10000.0, "samples of every signal per second", u.HERTZ, gt=0.0, le=1e6)
 
 

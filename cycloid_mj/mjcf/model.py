@@ -156,7 +156,8 @@ def _empty(design: Design) -> Any:
     option.impratio = IMPRATIO
     option.iterations = 100
     option.tolerance = 1e-10
-    option.disableflags = int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
+    # One island holds everything in contact: looking for more only costs time.
+    option.disableflags = int(mujoco.mjtDisableBit.mjDSBL_AUTORESET | mujoco.mjtDisableBit.mjDSBL_ISLAND)
     option.enableflags = int(mujoco.mjtEnableBit.mjENBL_ENERGY)
     reach = design.housing.outer_radius
     spec.stat.extent = 2.0 * reach
