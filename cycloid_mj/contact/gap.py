@@ -9,29 +9,51 @@ import math
 from numba import njit
 
 MAX_ROUNDS = 30
-CONVERGED = 1e-13
+NEAR = 3e-7
+"""A Newton step [rad] so small that the error after it, its square times the teeth, is below rounding."""
+
 _SCAN = 64
 
 
-@njit(cache=True, inline="always")
-def trochoid_start(x: float, y: float, radius: float, eccentricity: float, teeth: float) -> float:
-    """Give the parameter of the trochoid point that lies nearest to (x, y) in distance from the gear centre.
+@njit(inline="always")
+def _turned(sine: float, cosine: float, angle: float) -> tuple[float, float]:
+    """Give sine and cosine of an angle increased by a small one: by series where that is exact to rounding."""
+    if abs(angle) > 0.05:
+        s, c = math.sin(angle), math.cos(angle)
+    else:
+        square = angle * angle
+        s = angle * (1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0)))
+        c = 1.0 - square / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0 * (1.0 - square / 56.0)))
+    return sine * c + cosine * s, cosine * c - sine * s
+
+
+@njit(inline="always")
+def trochoid_start(x: float, y: float, radius: float, eccentricity: float, teeth: float) -> tuple[float, float, float]:
+    """Give the parameter of the trochoid point at the distance of (x, y) from the gear centre, its sine and cosine.
 
     On T(t), r^2 = E^2 + c^2 - 2 E c cos((N-1) t), and the polar angle is t - atan2(c sin, E - c cos) of that phase.
     Both invert in closed form; the sign of the phase is that of (N-1) times the polar angle.
     """
+    squared = x * x + y * y
     polar = math.atan2(x, y)
-    cosine = (radius * radius + eccentricity * eccentricity - x * x - y * y) / (2.0 * radius * eccentricity)
+    cosine = (radius * radius + eccentricity * eccentricity - squared) / (2.0 * radius * eccentricity)
     cosine = min(1.0, max(-1.0, cosine))
-    sine = math.copysign(math.sqrt(1.0 - cosine * cosine), math.sin((teeth - 1.0) * polar))
-    return polar + math.atan2(eccentricity * sine, radius - eccentricity * cosine)
+    turns = (teeth - 1.0) * polar / (2.0 * math.pi)
+    sine = math.sqrt(1.0 - cosine * cosine)
+    if turns - math.floor(turns) > 0.5:
+        sine = -sine
+    tilt = eccentricity * sine / (radius - eccentricity * cosine)
+    length = math.sqrt(squared * (1.0 + tilt * tilt))
+    return polar + math.atan(tilt), (x + tilt * y) / length, (y - tilt * x) / length
 
 
-@njit(cache=True)
+@njit
 def trochoid_foot(
-    x: float, y: float, radius: float, eccentricity: float, teeth: float, start: float
+    x: float, y: float, radius: float, eccentricity: float, teeth: float, start: float, st: float, ct: float
 ) -> tuple[float, float, float, float, bool]:
     """Solve for the foot point of (x, y) on T(t) = E u(t) - c u(N t) by Newton's method.
+
+    ``st`` and ``ct`` are sine and cosine of the start.
 
     Returns
     -------
@@ -42,36 +64,38 @@ def trochoid_foot(
     normal_x, normal_y
         Outward unit normal at the foot point.
     converged
-        Whether the last step was below ``CONVERGED`` radians.
+        Whether the last step was below ``NEAR``.
     """
     t = start
+    sn, cn = math.sin(teeth * t), math.cos(teeth * t)
+    base = eccentricity * teeth
+    limit = 0.5 / teeth
     converged = False
     for _ in range(MAX_ROUNDS):
-        st, ct = math.sin(t), math.cos(t)
-        sn, cn = math.sin(teeth * t), math.cos(teeth * t)
         dx = radius * st - eccentricity * sn - x
         dy = radius * ct - eccentricity * cn - y
-        tx = radius * ct - eccentricity * teeth * cn
-        ty = -radius * st + eccentricity * teeth * sn
-        ax = -radius * st + eccentricity * teeth * teeth * sn
-        ay = -radius * ct + eccentricity * teeth * teeth * cn
-        slope = dx * tx + dy * ty
-        curvature = tx * tx + ty * ty + dx * ax + dy * ay
+        tx, ty = radius * ct - base * cn, base * sn - radius * st
+        ax, ay = base * teeth * sn - radius * st, base * teeth * cn - radius * ct
         speed2 = tx * tx + ty * ty
+        curvature = speed2 + dx * ax + dy * ay
         # Gauss-Newton where the point is beyond a centre of curvature: always a descent direction.
-        step = slope / curvature if curvature > 0.1 * speed2 else slope / speed2
-        limit = 0.5 / teeth
-        t -= min(limit, max(-limit, step))
-        if abs(step) < CONVERGED:
+        step = -(dx * tx + dy * ty) / (curvature if curvature > 0.1 * speed2 else speed2)
+        step = min(limit, max(-limit, step))
+        t += step
+        st, ct = _turned(st, ct, step)
+        sn, cn = _turned(sn, cn, teeth * step)
+        if abs(step) < NEAR:
             converged = True
             break
-    # The last step moved t by less than 1e-13 rad: the sines of that round serve.
-    speed = math.sqrt(speed2)
+    tx, ty = radius * ct - base * cn, base * sn - radius * st
+    speed = math.sqrt(tx * tx + ty * ty)
     nx, ny = -ty / speed, tx / speed
+    dx = radius * st - eccentricity * sn - x
+    dy = radius * ct - eccentricity * cn - y
     return t, -(dx * nx + dy * ny), nx, ny, converged
 
 
-@njit(cache=True)
+@njit
 def trochoid_distance(
     x: float, y: float, radius: float, eccentricity: float, teeth: float
 ) -> tuple[float, float, float, float]:
@@ -79,8 +103,8 @@ def trochoid_distance(
 
     Starts in closed form; a point far from the curve, where that may lead to another foot, is searched.
     """
-    start = trochoid_start(x, y, radius, eccentricity, teeth)
-    t, distance, nx, ny, converged = trochoid_foot(x, y, radius, eccentricity, teeth, start)
+    start, st, ct = trochoid_start(x, y, radius, eccentricity, teeth)
+    t, distance, nx, ny, converged = trochoid_foot(x, y, radius, eccentricity, teeth, start, st, ct)
     if converged and abs(distance) < 0.1 * eccentricity:
         return t, distance, nx, ny
     pitch = 2.0 * math.pi / (teeth - 1.0)
@@ -91,11 +115,13 @@ def trochoid_distance(
         ey = radius * math.cos(candidate) - eccentricity * math.cos(teeth * candidate) - y
         if ex * ex + ey * ey < nearest:
             best, nearest = candidate, ex * ex + ey * ey
-    t, distance, nx, ny, converged = trochoid_foot(x, y, radius, eccentricity, teeth, best)
+    t, distance, nx, ny, converged = trochoid_foot(
+        x, y, radius, eccentricity, teeth, best, math.sin(best), math.cos(best)
+    )
     return t, distance, nx, ny
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def trochoid_curvature(t: float, radius: float, eccentricity: float, teeth: float) -> float:
     """Give the signed curvature of the trochoid [1/m], positive where it is convex.
 
@@ -107,7 +133,7 @@ def trochoid_curvature(t: float, radius: float, eccentricity: float, teeth: floa
     return (radius * radius + base * base * teeth - (teeth + 1.0) * product) / (l2 * math.sqrt(l2))
 
 
-@njit(cache=True, inline="always")
+@njit(inline="always")
 def circle_in_circle(dx: float, dy: float, inner: float, outer: float) -> tuple[float, float, float]:
     """Give gap [m] and unit normal from inner to outer circle; (dx, dy) leads from outer to inner centre."""
     distance = math.sqrt(dx * dx + dy * dy)

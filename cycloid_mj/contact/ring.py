@@ -23,7 +23,7 @@ _ROUNDS = 30
 _PHASE_TOLERANCE = 1e-12
 
 
-@njit(cache=True)
+@njit
 def offset_root(B: float, radius: float, eccentricity: float, teeth: float) -> tuple[float, float, float, float, float]:
     """Give the point x, y of S at B, the clockwise angle psi of its normal, its arc rate and its curvature 1/R [1/m].
 
@@ -45,13 +45,13 @@ def offset_root(B: float, radius: float, eccentricity: float, teeth: float) -> t
     return x, y, psi, rate, turning / rate
 
 
-@njit(cache=True)
+@njit
 def is_monotone(radius: float, eccentricity: float, teeth: float) -> bool:
     """Tell whether the contact runs through a root once a turn: c N / E <= (N-2)/N."""
     return eccentricity * teeth * teeth <= radius * (teeth - 2.0)
 
 
-@njit(cache=True)
+@njit
 def ideal_root_phase(crank: float, radius: float, eccentricity: float, teeth: float) -> float:
     """Give B of the contact in the root at a clockwise crank angle in the ideal mesh (``is_monotone`` designs).
 
@@ -76,7 +76,7 @@ def ideal_root_phase(crank: float, radius: float, eccentricity: float, teeth: fl
     return 2.0 * math.pi - B if mirrored else B
 
 
-@njit(cache=True)
+@njit
 def _distance_slope(
     B: float, radius: float, eccentricity: float, teeth: float, cosine: float, sine: float, gx: float, gy: float
 ) -> tuple[float, float, float, float, float, float]:
@@ -95,7 +95,7 @@ def _distance_slope(
     return distance, slope, bend, t, wx, wy
 
 
-@njit(cache=True)
+@njit
 def root_minimum(
     low: float,
     high: float,
@@ -141,7 +141,7 @@ def root_minimum(
     return False, B, distance, t, wx, wy
 
 
-@njit(cache=True)
+@njit
 def root_start(crank: float, radius: float, eccentricity: float, teeth: float) -> float:
     """Give the phase to start the search of a root from, or 0 where it can have no contact.
 
