@@ -288,13 +288,15 @@ def _ring_at(gear: CycloidGear, lobe: npt.NDArray[np.int64], signed: Array) -> R
     """Ring points at arc lengths `signed` [m], positive clockwise, from the tips of the lobes `lobe` (0 on +y)."""
     rho, arc_half = gear.pin_radius, gear.pin_radius * largest_alpha(gear)
     distance, side = np.abs(signed), np.where(signed < 0, -1.0, 1.0)
+    # Lobes are alike: each distance is solved once.
+    unlike, row = np.unique(distance, return_inverse=True)
     B = profile.solve_monotone(
         lambda B: sigma_arc_length(gear, B),
         lambda B: sigma_arc_rate(gear, B),
-        distance - arc_half,
+        unlike - arc_half,
         profile.best_phase(gear),
         np.pi,
-    )
+    )[row]
     alpha = np.minimum(distance / rho, largest_alpha(gear))
     on_arc = distance <= arc_half
     ahead = np.where(on_arc[:, np.newaxis], arc_points(gear, alpha), sigma_points(gear, B) * [-1, 1])
