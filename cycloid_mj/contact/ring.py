@@ -71,7 +71,7 @@ def ideal_root_phase(crank: float, radius: float, eccentricity: float, teeth: fl
         value = ((teeth - 2.0) * B - (teeth - 1.0) * (math.pi + 2.0 * alpha)) / teeth
         step = (target - value) * teeth / ((teeth - 1.0) * K / l2 - 1.0)
         B = min(math.pi, B + step)
-        if abs(step) < 1e-5:
+        if abs(step) < 1e-3:
             break
     return 2.0 * math.pi - B if mirrored else B
 
@@ -80,8 +80,8 @@ def ideal_root_phase(crank: float, radius: float, eccentricity: float, teeth: fl
 def _distance_slope(
     B: float, radius: float, eccentricity: float, teeth: float, cosine: float, sine: float, gx: float, gy: float
 ) -> tuple[float, float, float, float, float, float]:
-    """Distance of S(B) to the gear's trochoid, its slope along S, its curvature, foot t and the normal in the frame."""
-    x, y, psi, _, curvature = offset_root(B, radius, eccentricity, teeth)
+    """Distance of S(B) to the gear's trochoid, its slope along S, the slope's rate over B, foot t and the normal."""
+    x, y, psi, rate, curvature = offset_root(B, radius, eccentricity, teeth)
     dx, dy = x - gx, y - gy
     t, distance, nx, ny = trochoid_distance(
         cosine * dx + sine * dy, cosine * dy - sine * dx, radius, eccentricity, teeth
@@ -92,7 +92,7 @@ def _distance_slope(
     # Both curvatures are large and nearly equal: that of the trochoid's parallel through S(B) counts.
     parallel = trochoid_curvature(t, radius, eccentricity, teeth)
     bend = parallel / (1.0 + parallel * distance) - curvature
-    return distance, slope, bend, t, wx, wy
+    return distance, slope, rate * bend, t, wx, wy
 
 
 @njit
@@ -129,8 +129,7 @@ def root_minimum(
             bottom = B
         else:
             top = B
-        _, _, _, rate, _ = offset_root(B, radius, eccentricity, teeth)
-        step = -slope / (rate * bend) if bend > 0.0 else (0.5 * (top - B) if slope < 0.0 else 0.5 * (bottom - B))
+        step = -slope / bend if bend > 0.0 else (0.5 * (top - B) if slope < 0.0 else 0.5 * (bottom - B))
         after = B + step
         if after <= bottom or after >= top:
             after = 0.5 * (bottom + top)
