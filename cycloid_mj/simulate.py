@@ -5,8 +5,7 @@ wrong; the samples up to then have been given out already.
 """
 
 import math
-from collections.abc import Generator, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Generator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,6 +15,7 @@ import numpy.typing as npt
 
 from cycloid_mj.contact.collider import installed
 from cycloid_mj.contact.forces import PairForces, pair_forces, pair_index
+from cycloid_mj.contact.shared import Shared
 from cycloid_mj.design import Design, dump
 from cycloid_mj.errors import RunError
 from cycloid_mj.kinematics import CrankLaw
@@ -26,6 +26,10 @@ Array = npt.NDArray[np.float64]
 Groups = dict[str, dict[str, str]]
 
 _BLOCK = 100
+# Every sample is checked for MuJoCo's warnings: they need not go to MUJOCO_LOG.TXT in the working folder as well.
+_no_log_file = Shared(
+    lambda: mujoco.set_mju_user_warning(lambda message: None), lambda: mujoco.set_mju_user_warning(None)
+)
 _REDUCER, _PINS, _FORCES = "/reducer", "/pins", "/forces"
 
 
@@ -148,7 +152,7 @@ def blocks(reducer: ReducerModel, design: Design) -> Generator[Block, None, None
     law = CrankLaw(design.drive.speed, design.drive.ramp)
     data = initial_state(reducer, design)
     recorder = _Recorder(reducer, design)
-    with installed(), _no_log_file():
+    with installed(), _no_log_file.made():
         for first in range(0, plan.samples, _BLOCK):
             taken, problem = _advance(
                 reducer, design, data, plan, law, range(first, min(first + _BLOCK, plan.samples)), recorder
@@ -157,16 +161,6 @@ def blocks(reducer: ReducerModel, design: Design) -> Generator[Block, None, None
                 yield taken
             if problem:
                 raise RunError(problem)
-
-
-@contextmanager
-def _no_log_file() -> Iterator[None]:
-    """Keep MuJoCo's warnings out of the working folder's MUJOCO_LOG.TXT: every sample is checked for them."""
-    mujoco.set_mju_user_warning(lambda message: None)
-    try:
-        yield
-    finally:
-        mujoco.set_mju_user_warning(None)
 
 
 def initial_state(reducer: ReducerModel, design: Design) -> Any:

@@ -38,7 +38,7 @@ ASSUMED_HERE = {
     "material": {"poisson", "density_kg_m3"},
     "drive": {"ramp_s", "hold_s", "rotor_inertia_kg_m2"},
     "load": {"torque_nm", "rise_s"},
-    "settings": {"timestep_us", "log_rate_hz"},
+    "settings": {"timestep_us", "log_rate_hz", "scene_rate_hz"},
 }
 # File value and its SI value, as decimals: each carries one rounding and the conversion adds one.
 IN_SI = [

@@ -7,10 +7,8 @@ state: all it needs stands in the ``mjModel`` and ``mjData`` that it is called w
 """
 
 import math
-import threading
 import zlib
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from enum import IntEnum
 from functools import cache
 from pathlib import Path
@@ -25,6 +23,7 @@ from cycloid_mj.contact.layout import Layout, discover
 from cycloid_mj.contact.library import CYLINDER, TYPES, collision_table
 from cycloid_mj.contact.memory import read_address, read_float, read_int, write_float
 from cycloid_mj.contact.ring import is_monotone, offset_root, root_minimum, root_start
+from cycloid_mj.contact.shared import Shared
 from cycloid_mj.errors import ContactError
 
 USER_DATA = 7
@@ -285,22 +284,19 @@ def _collider() -> Any:
     return original, _compile(discover())
 
 
-_lock = threading.Lock()
-_users = 0
+def _install() -> None:
+    _, collider = _collider()
+    collision_table()[_ENTRY] = collider.address
 
 
-@contextmanager
-def installed() -> Iterator[None]:
+def _uninstall() -> None:
+    original, _ = _collider()
+    collision_table()[_ENTRY] = original
+
+
+_installation = Shared(_install, _uninstall)
+
+
+def installed() -> AbstractContextManager[None]:
     """Run MuJoCo with exact conjugate contact inside this ``with`` block; nested and parallel blocks are allowed."""
-    global _users
-    with _lock:
-        original, collider = _collider()
-        collision_table()[_ENTRY] = collider.address
-        _users += 1
-    try:
-        yield
-    finally:
-        with _lock:
-            _users -= 1
-            if not _users:
-                collision_table()[_ENTRY] = original
+    return _installation.made()

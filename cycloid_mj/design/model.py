@@ -154,6 +154,7 @@ class Settings(Section):
 
     timestep: float = quantity(1.0, "time step", u.MICROSECOND, gt=0.0, le=1000.0)
     log_rate: float = quantity(10000.0, "samples of every signal per second", u.HERTZ, gt=0.0, le=1e6)
+    scene_rate: float = quantity(60.0, "3-D frames per second for viewers", u.HERTZ, gt=0.0, le=1e5)
 
 
 class Design(Section):

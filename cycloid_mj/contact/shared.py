@@ -1,0 +1,29 @@
+"""A process-wide change that several runs at a time may want: made by the first, undone by the last."""
+
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+
+class Shared:
+    """A change of global state with its undoing, counted over all that use it."""
+
+    def __init__(self, make: Callable[[], None], undo: Callable[[], None]) -> None:
+        self._make, self._undo = make, undo
+        self._lock = threading.Lock()
+        self._users = 0
+
+    @contextmanager
+    def made(self) -> Iterator[None]:
+        """Keep the change made inside this ``with`` block; nested and parallel blocks are allowed."""
+        with self._lock:
+            if not self._users:
+                self._make()
+            self._users += 1
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._users -= 1
+                if not self._users:
+                    self._undo()
