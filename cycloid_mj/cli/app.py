@@ -12,7 +12,20 @@ from io import StringIO
 from cyclopts import App, CycloptsError, Parameter
 
 from cycloid_mj import __version__
-from cycloid_mj.cli import analyze, design, kinematics, plot, profile, simulate
+from cycloid_mj.cli import (
+    analyze,
+    animate,
+    compare,
+    design,
+    kinematics,
+    log,
+    plot,
+    profile,
+    render,
+    review,
+    simulate,
+    view,
+)
 from cycloid_mj.cli.mistakes import sentence
 from cycloid_mj.cli.terminal import tell
 from cycloid_mj.errors import CycloidError, UsageError
@@ -35,6 +48,11 @@ COMMANDS: dict[Callable[..., int], str] = {
     simulate.simulate: simulate.EXAMPLES,
     analyze.analyze: analyze.EXAMPLES,
     plot.plot: plot.EXAMPLES,
+    review.report: review.EXAMPLES,
+    animate.animate: animate.EXAMPLES,
+    render.render: render.EXAMPLES,
+    view.view: view.EXAMPLES,
+    compare.compare: compare.EXAMPLES,
     profile.profile: profile.EXAMPLES,
     kinematics.kinematics: kinematics.EXAMPLES,
 }
@@ -95,6 +113,7 @@ def _app() -> App:
     for place, (command, examples) in enumerate(COMMANDS.items()):
         app.command(command, sort_key=place, help_epilogue=examples)
     app.command(design.commands(sort_key=len(COMMANDS)))
+    app.command(log.commands(sort_key=len(COMMANDS) + 1))
     return app
 
 

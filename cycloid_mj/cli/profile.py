@@ -1,4 +1,4 @@
-"""``cycloid-mj profile``: the outline of the cycloid gear, or of the internal gear, as CSV."""
+"""``cycloid-mj profile``: the outline of the cycloid gear or of the internal gear, or the contact lines, as CSV."""
 
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -18,22 +18,29 @@ if TYPE_CHECKING:
 
 EXAMPLES = """Examples:
   cycloid-mj profile --design pin --csv gear.csv --points 7000
-  cycloid-mj profile --design nonpin --part ring --csv -"""
+  cycloid-mj profile --design nonpin --part ring --csv -
+  cycloid-mj profile --design nonpin --part curvature --csv lines.csv"""
 
 POINTS_PER_TOOTH = 100
+CRANK_ANGLES = 100
 
-Part = Literal["gear", "ring"]
+Part = Literal["gear", "ring", "curvature"]
 PointsFlag = Annotated[
     int | None,
     Parameter(
         metavar="N",
         converter=whole,
         validator=within(3, MOST_ROWS),
-        help=f"Number of points, from 3 to {MOST_ROWS}. Default: {POINTS_PER_TOOTH} for each lobe or ring tooth.",
+        help=f"Number of points, from 3 to {MOST_ROWS}. Default: {POINTS_PER_TOOTH} for each lobe or ring tooth. With "
+        f"--part curvature: crank angles in a mesh period. Default: {CRANK_ANGLES}.",
     ),
 ]
 PartFlag = Annotated[
-    Part, Parameter(help="gear: the cycloid gear; ring: the internal gear of a nonpin design. Default: gear.")
+    Part,
+    Parameter(
+        help="gear: the cycloid gear; ring: the internal gear of a nonpin design; curvature: the contact lines of gear "
+        "and pins or ring, with their relative curvature. Default: gear."
+    ),
 ]
 
 
@@ -52,9 +59,17 @@ def profile(*, design: DesignFlag, csv: CsvFlag, points: PointsFlag = None, part
     With --part ring: the internal gear in the ring's frame, from the tip of
     the lobe on +y. Normals point into the bore, curvature is positive on the
     lobes, and a last column, part, is arc, sigma1 or sigma2.
+
+    With --part curvature: one row for each line along which the ideal gear
+    touches pins or ring, at crank angles that divide one mesh period, with
+    the columns crank_deg (counter-clockwise), tooth (1 on +y, clockwise),
+    part (pin, arc, sigma1 or sigma2), phase_deg (0 in a valley of the gear,
+    180 on a lobe's tip), x_mm, y_mm (ring's frame), relative_curvature_per_mm
+    (gear's plus ring's) and pressure_mpa (Hertz's, if the line carried the
+    design's contact.working_force_n).
     """
     chosen = designed(design, (), ())
-    columns = _gear(chosen, points) if part == "gear" else _ring(chosen, points)
+    columns = {"gear": _gear, "ring": _ring, "curvature": _curvature}[part](chosen, points)
     write_csv(csv, columns)
     if csv != STDOUT:
         tell(f"wrote {len(columns['x_mm'])} points to {csv}")
@@ -80,6 +95,34 @@ def _ring(design: Design, points: int | None) -> Columns:
         )
     outline = sample_ring(tooth_profile(design), points or POINTS_PER_TOOTH * design.ring.teeth)
     return {**_columns(outline.points, outline.normals, outline.curvature), "part": outline.part}
+
+
+def _curvature(design: Design, crank_angles: int | None) -> Columns:
+    import numpy as np
+
+    from cycloid_mj.contact_lines import contact_lines, mesh_period, pressure
+    from cycloid_mj.solid.gear import tooth_profile
+    from cycloid_mj.statics import contact_modulus
+
+    gear, material = tooth_profile(design), design.material
+    crank_angles = crank_angles or CRANK_ANGLES
+    if crank_angles * design.ring.teeth > MOST_ROWS:
+        raise UsageError(
+            f"--points {crank_angles} gives more than {MOST_ROWS} lines with {design.ring.teeth} teeth: lower it"
+        )
+    lines = contact_lines(gear, design.ring.kind, mesh_period(gear, crank_angles))
+    modulus = contact_modulus(material.youngs_modulus, material.poisson)
+    x, y = 1e3 * lines.points.T
+    return {
+        "crank_deg": np.degrees(lines.crank_angle),
+        "tooth": (lines.tooth + 1).astype(str),
+        "part": lines.part,
+        "phase_deg": np.degrees(lines.phase),
+        "x_mm": x,
+        "y_mm": y,
+        "relative_curvature_per_mm": 1e-3 * lines.relative_curvature,
+        "pressure_mpa": 1e-6 * pressure(lines, design.contact.working_force, design.gear.face_width, modulus),
+    }
 
 
 def _columns(points: "Array", normals: "Array", curvature: "Array") -> Columns:

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Iterable
 from dataclasses import replace
+from json import dumps
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NoReturn
 
@@ -14,7 +15,7 @@ from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.progress import Progress
 from cycloid_mj.cli.report import report
 from cycloid_mj.design import Design
-from cycloid_mj.errors import LogError, RunError, UsageError
+from cycloid_mj.errors import CycloidError, LogError, RunError, UsageError
 
 if TYPE_CHECKING:
     from cycloid_mj.analysis import Findings
@@ -75,15 +76,15 @@ def simulate(
     """
     values = [(TIMESTEP, timestep_us), (SPEED, speed_rpm), (RAMP, ramp_s), (HOLD, hold_s), (LOAD, load_nm)]
     chosen = designed(design, set_, values)
-    _require_possible(chosen)
+    require_possible(chosen)
     path = _log_path(chosen, out, force)
     with Progress(chosen.drive.ramp + chosen.drive.hold, quiet) as progress:
-        steps, wall = _run(chosen, path, force, progress)
+        steps, wall = run_into_log(chosen, path, force, progress)
     report(_judged(path, steps, wall), json)
     return 0
 
 
-def _require_possible(design: Design) -> None:
+def require_possible(design: Design) -> None:
     """Raise UsageError for a run that is too long or stands still, DesignError for an unsound design."""
     drive, timestep = design.drive, design.settings.timestep
     steps = (drive.ramp + drive.hold) / timestep
@@ -123,11 +124,12 @@ def _judged(path: Path, steps: int, wall: float) -> "Findings":
     return replace(findings, steps=steps, wall_s=wall)
 
 
-def _run(design: Design, path: Path, force: bool, progress: Progress) -> tuple[int, float]:
+def run_into_log(design: Design, path: Path, force: bool, progress: Progress) -> tuple[int, float]:
     """Run a design into its log; give steps and wall time [s] of the step loop with its log."""
     progress.tell("preparing the model")
     from cycloid_mj.log import LogWriter
     from cycloid_mj.mjcf import build
+    from cycloid_mj.scene import Scene
     from cycloid_mj.simulate import attachments, blocks, columns, provenance, schedule
 
     plan = schedule(design)
@@ -136,9 +138,25 @@ def _run(design: Design, path: Path, force: bool, progress: Progress) -> tuple[i
     groups = {topic: list(units.items()) for topic, units in columns(reducer, design).items()}
     told = provenance(design) | {"steps": str(plan.steps)}
     start = time.perf_counter()
-    with LogWriter(path, groups, told, attachments(reducer, design), force=force) as log:
+    scene = Scene(design, design.settings.scene_rate)
+    with LogWriter(path, groups, told, attachments(reducer, design), force=force, viewer=scene) as log:
         _record(blocks(reducer, design), log, progress)
-    return plan.steps, time.perf_counter() - start
+        wall = time.perf_counter() - start
+        log.flush()
+        log.close(attachments=_findings(path))
+    return plan.steps, wall
+
+
+def _findings(path: Path) -> dict[str, bytes]:
+    """Give the judgement of a log that is whole but for its end, as an attachment; none if it cannot be judged."""
+    from cycloid_mj.analysis import analyze
+    from cycloid_mj.log import read
+
+    try:
+        findings = analyze(replace(read(path), complete=True, note=""), log=str(path))
+    except CycloidError:
+        return {}
+    return {"findings.json": dumps(findings.as_json(), indent=2).encode()}
 
 
 def _require_held_samples(design: Design, plan: "Schedule") -> None:

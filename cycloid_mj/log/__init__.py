@@ -11,8 +11,9 @@ A log is an MCAP file (https://mcap.dev/spec). Its records come in this order:
 3. One attachment for each file kept with the run (``design.toml``, ``model.xml``, ...).
 4. Chunks, zstd-compressed, each with whole samples of every group, pushed to the operating system one by one: a
    killed process loses only the chunk it was filling. The first chunk opens with the schemas and channels.
-5. Metadata ``cycloid_mj.end``: ``{"complete": "true" or "false", "note": text, "samples": count}``.
-6. End of data with its CRC, summary and index, as MCAP has them.
+5. One attachment for each file that is known only at the end (``findings.json``).
+6. Metadata ``cycloid_mj.end``: ``{"complete": "true" or "false", "note": text, "samples": count}``.
+7. End of data with its CRC, summary and index, as MCAP has them.
 
 Each group of columns is one channel: topic ``/output_pins``, protobuf message ``cycloid_mj.OutputPins``, one message
 per sample. Groups are sampled at the same times, and a column name occurs in one group only. The messages of sample
@@ -24,12 +25,17 @@ packed numpy record of key bytes and ``<f8`` values *is* the encoder and the dec
 FileDescriptorSet (proto3); the unit of each column is its comment there, and again in the channel's metadata under
 ``units``, as JSON name -> unit.
 
-Channels without ``units`` in their metadata belong to viewers (scenes, frames); the reader passes over them, as it does
-over records of other kinds.
+Channels without ``units`` in their metadata belong to viewers: the reader passes over them, as it does over records of
+other kinds. A log from ``cycloid-mj simulate`` has ``/tf`` (``foxglove.FrameTransforms``), ``/scene/parts`` and
+``/scene/forces`` (``foxglove.SceneUpdate``), described in ``cycloid_mj.scene.messages``. Their frames are those of the
+first sample at or after each multiple of 1/rate; the rate [Hz] is in the channel's metadata under ``rate_hz``. They
+follow from the columns, so that a log loses nothing without them: `rewrite` makes them anew.
 """
 
 from cycloid_mj.log.encoding import FORMAT, Group
-from cycloid_mj.log.reader import read
+from cycloid_mj.log.reader import Log, Shown, load, read
+from cycloid_mj.log.rewrite import rewrite
+from cycloid_mj.log.viewer import Viewer
 from cycloid_mj.log.writer import LogWriter
 
-__all__ = ["FORMAT", "Group", "LogWriter", "read"]
+__all__ = ["FORMAT", "Group", "Log", "LogWriter", "Shown", "Viewer", "load", "read", "rewrite"]

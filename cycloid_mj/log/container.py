@@ -54,13 +54,14 @@ class Messages:
     """What one chunk holds: schemas and channels by id, and the messages of each channel.
 
     `of` maps a channel's id to its whole message records, shape (k, length), in the order of the file; messages of one
-    channel that differ in length are left out and named in `ragged`.
+    channel that differ in length are left out and named in `ragged`. `counts` has the number of messages of each.
     """
 
     schemas: dict[int, Any]
     channels: dict[int, Any]
     of: dict[int, Bytes]
     ragged: frozenset[int]
+    counts: dict[int, int]
 
 
 def corrupt(path: Path, what: str) -> LogError:
@@ -157,7 +158,8 @@ def _messages(data: bytes) -> Messages:
             channels[described.id] = described
         position += HEAD.size + length
     of = {channel: rows for channel, where in starts.items() if (rows := _rows(data, where)) is not None}
-    return Messages(schemas, channels, of, frozenset(starts.keys() - of.keys()))
+    counts = {channel: len(where) for channel, where in starts.items()}
+    return Messages(schemas, channels, of, frozenset(starts.keys() - of.keys()), counts)
 
 
 def _rows(data: bytes, starts: list[int]) -> Bytes | None:

@@ -1,7 +1,8 @@
 """The reader of logs: from an MCAP file, whole or cut, to a `Run`."""
 
 import os
-from collections import defaultdict
+from collections import Counter, defaultdict
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
@@ -14,6 +15,7 @@ from mcap.opcode import Opcode
 from cycloid_mj.errors import LogError
 from cycloid_mj.log import container
 from cycloid_mj.log.encoding import FORMAT, PACKAGE, TIME, Group, group_of
+from cycloid_mj.log.viewer import RATE
 from cycloid_mj.record import Run
 
 Array = npt.NDArray[np.float64]
@@ -23,13 +25,49 @@ END = f"{PACKAGE}.end"
 
 
 @dataclass(frozen=True)
+class Shown:
+    """A viewer's topic: name of its schema, messages in the file, and frames per second if that is told."""
+
+    schema: str
+    messages: int
+    rate: float | None
+
+
+@dataclass(frozen=True)
+class Log:
+    """A log as a file.
+
+    Attributes
+    ----------
+    run
+        What it holds.
+    topics
+        Topic -> names of its columns.
+    viewers
+        Topic -> what it holds for viewers.
+    whole
+        Whether the file has its end: it was not cut.
+    size
+        Bytes.
+    """
+
+    run: Run
+    topics: Mapping[str, tuple[str, ...]]
+    viewers: Mapping[str, Shown]
+    whole: bool
+    size: int
+
+
+@dataclass(frozen=True)
 class _Contents:
     """What a file holds: metadata and attachments by name; the rest by its id in the file."""
 
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
     attachments: dict[str, bytes] = field(default_factory=dict)
     schemas: dict[int, Any] = field(default_factory=dict)
+    channels: dict[int, Any] = field(default_factory=dict)
     groups: dict[int, Group] = field(default_factory=dict)
+    counts: Counter[int] = field(default_factory=Counter)
     blocks: dict[int, list[Bytes]] = field(default_factory=lambda: defaultdict(list))
 
 
@@ -45,10 +83,16 @@ def read(path: str | os.PathLike[str]) -> Run:
         There is no such file, it is no log of this package or of another format version, it is corrupt, or it holds
         no samples.
     """
+    return load(path).run
+
+
+def load(path: str | os.PathLike[str]) -> Log:
+    """Give the run that a log holds and how the file holds it; see `read`."""
     path = Path(path)
     try:
         with _opened(path) as stream:
             contents, whole = _scan(stream, path)
+            size = stream.seek(0, os.SEEK_END)
     except OSError as problem:
         raise LogError(f"cannot read log {path}: {problem.strerror or problem}") from problem
     tables = {channel: _table(group, contents.blocks[channel], path) for channel, group in contents.groups.items()}
@@ -59,7 +103,9 @@ def read(path: str | os.PathLike[str]) -> Run:
         raise LogError(
             f"log {path} holds no samples: the run was stopped before the first chunk was written; run it again"
         )
-    return _joined(contents, {channel: table[:samples] for channel, table in tables.items()}, whole, path)
+    run = _joined(contents, {channel: table[:samples] for channel, table in tables.items()}, whole, path)
+    topics = {group.topic: tuple(group.units) for group in contents.groups.values()}
+    return Log(run, topics, _viewers(contents), whole, size)
 
 
 def _opened(path: Path) -> BinaryIO:
@@ -114,6 +160,8 @@ def _identify(contents: _Contents, path: Path) -> None:
 def _take(contents: _Contents, messages: container.Messages, path: Path) -> None:
     """Add the messages of a chunk that belong to groups of columns."""
     contents.schemas.update(messages.schemas)
+    contents.channels.update(messages.channels)
+    contents.counts.update(messages.counts)
     for id, channel in messages.channels.items():
         if "units" in channel.metadata and id not in contents.groups:
             with container.reading(path, f"malformed schema of {channel.topic}"):
@@ -123,6 +171,23 @@ def _take(contents: _Contents, messages: container.Messages, path: Path) -> None
             raise container.corrupt(path, f"messages of {group.topic} differ in length")
         if id in messages.of:
             contents.blocks[id].append(messages.of[id])
+
+
+def _viewers(contents: _Contents) -> dict[str, Shown]:
+    viewers = {}
+    for id, channel in contents.channels.items():
+        if id not in contents.groups:
+            schema = contents.schemas.get(channel.schema_id)
+            rate = _number(channel.metadata.get(RATE, ""))
+            viewers[channel.topic] = Shown(schema.name if schema else "", contents.counts[id], rate)
+    return viewers
+
+
+def _number(text: str) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None
 
 
 def _table(group: Group, blocks: list[Bytes], path: Path) -> npt.NDArray[np.void]:

@@ -1,11 +1,12 @@
 """The writer of logs: samples go to disk as the run goes, chunk by chunk."""
 
 import os
+from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from pathlib import Path, PurePath
+from itertools import chain
+from pathlib import Path
 from types import TracebackType
-from typing import BinaryIO
 
 import numpy as np
 import numpy.typing as npt
@@ -13,12 +14,11 @@ from mcap.writer import Writer
 
 from cycloid_mj.errors import LogError
 from cycloid_mj.log.encoding import FORMAT, PACKAGE, Group
+from cycloid_mj.log.start import attach, started, storable
+from cycloid_mj.log.viewer import RATE, Message, Viewer, due
 
 Array = npt.NDArray[np.float64]
 Groups = Mapping[str, Sequence[tuple[str, str]]]
-
-MEDIA_TYPES = {".json": "application/json", ".toml": "application/toml", ".xml": "application/xml"}
-WHOLE_CHUNKS_ONLY = 1 << 62  # mcap's own limit on chunks, out of the way: chunks end here, between two samples
 
 
 class LogWriter:
@@ -42,6 +42,8 @@ class LogWriter:
         Uncompressed bytes after which samples are compressed and pushed to the operating system.
     force
         Whether to replace an existing log.
+    viewer
+        What makes the messages for viewers of the samples, such as ``scene.Scene``.
 
     Raises
     ------
@@ -58,6 +60,7 @@ class LogWriter:
         *,
         chunk_size: int = 512 * 1024,
         force: bool = False,
+        viewer: Viewer | None = None,
     ) -> None:
         self.path = Path(path)
         self.samples = 0
@@ -68,7 +71,7 @@ class LogWriter:
         size = sum(group.zeros.size for group in self._groups)
         self._chunk = max(1, chunk_size // size)
         preamble = {PACKAGE: {"format": FORMAT}, "provenance": dict(provenance or {})}
-        self._stream, self._mcap = _started(self.path, force, preamble, attachments or {})
+        self._stream, self._mcap = started(self.path, force, preamble, attachments or {})
         self._channels = [
             self._mcap.register_channel(
                 group.topic,
@@ -78,6 +81,9 @@ class LogWriter:
             )
             for group in self._groups
         ]
+        self._viewer = viewer
+        self._frames: Counter[str] = Counter()
+        self._viewer_channels = _viewer_channels(self._mcap, viewer) if viewer else {}
 
     def write(self, time: Array, values: Mapping[str, Array]) -> None:
         """Append k samples.
@@ -102,17 +108,44 @@ class LogWriter:
         start = 0
         while start < time.size:
             stop = min(time.size, start + self._chunk - self.samples % self._chunk)
-            self._append(nanoseconds[start:stop], [block[start:stop] for block in messages])
+            shown = self._shown(time[start:stop], {topic: table[start:stop] for topic, table in values.items()})
+            self._append(nanoseconds[start:stop], [block[start:stop] for block in messages], shown)
+            self._last = float(time[stop - 1])
             start = stop
-        self._last = float(time[-1]) if time.size else self._last
 
-    def close(self, note: str = "", complete: bool = True) -> None:
-        """Finish the log; `note` says why the run ended early if it is not `complete`. A second call does nothing."""
+    def flush(self) -> None:
+        """Push every sample so far to the operating system, so that the log can be read up to here."""
         if not self._open:
             return
-        end = {"complete": "true" if complete else "false", "note": _text(note), "samples": str(self.samples)}
         try:
             self._mcap.flush()
+        except OSError as problem:
+            raise self._failed(problem) from problem
+        self._on_disk = self.samples
+
+    def close(self, note: str = "", complete: bool = True, attachments: Mapping[str, bytes] | None = None) -> None:
+        """Finish the log. A second call does nothing.
+
+        Parameters
+        ----------
+        note
+            Why the run ended early if it is not `complete`.
+        complete
+            Whether the run reached its end.
+        attachments
+            File name -> content, for what is known only now, such as ``findings.json``.
+
+        Raises
+        ------
+        LogError
+            The disk takes no more: the log keeps every chunk before.
+        """
+        if not self._open:
+            return
+        self.flush()
+        end = {"complete": "true" if complete else "false", "note": storable(note), "samples": str(self.samples)}
+        try:
+            attach(self._mcap, attachments or {})
             self._mcap.add_metadata(f"{PACKAGE}.end", end)
             self._mcap.finish()
             self._stream.close()
@@ -130,21 +163,42 @@ class LogWriter:
         with suppress(LogError):
             self.close(note=f"{type(error).__name__}: {error}".removesuffix(": "), complete=False)
 
-    def _append(self, nanoseconds: npt.NDArray[np.uint64], messages: list[npt.NDArray[np.uint8]]) -> None:
-        """Append samples that fit into the chunk being filled."""
+    def _shown(self, time: Array, values: Mapping[str, Array]) -> dict[int, list[Message]]:
+        """Give the viewers' messages of some samples, by their time [ns]."""
+        rows = due(time, self._last, self._viewer.rate) if self._viewer else ()
+        if not (self._viewer and len(rows)):
+            return {}
+        columns = {
+            name: values[group.topic][rows, column] for group in self._groups for column, name in enumerate(group.units)
+        }
+        opening = self._viewer.opening(float(time[0])) if self.samples == 0 else ()
+        shown: dict[int, list[Message]] = defaultdict(list)
+        for message in chain(opening, self._viewer.frames(time[rows], columns)):
+            shown[message[1]].append(message)
+        return shown
+
+    def _append(
+        self,
+        nanoseconds: npt.NDArray[np.uint64],
+        messages: list[npt.NDArray[np.uint8]],
+        shown: Mapping[int, list[Message]],
+    ) -> None:
+        """Append samples that fit into the chunk being filled, each after what viewers are told of it."""
         times = nanoseconds.tolist()
         rows = zip(*(_rows(block) for block in messages), strict=True)
         try:
             for time, row in zip(times, rows, strict=True):
+                for topic, _, content in shown.get(time, ()):
+                    self._mcap.add_message(self._viewer_channels[topic], time, content, time, self._frames[topic])
+                    self._frames[topic] += 1
                 sequence = self.samples & 0xFFFFFFFF
                 for channel, message in zip(self._channels, row, strict=True):
                     self._mcap.add_message(channel, time, message, time, sequence)
                 self.samples += 1
-            if self.samples % self._chunk == 0:
-                self._mcap.flush()
-                self._on_disk = self.samples
         except OSError as problem:
             raise self._failed(problem) from problem
+        if self.samples % self._chunk == 0:
+            self.flush()
 
     def _check(self, time: Array, values: Mapping[str, Array]) -> None:
         topics = [group.topic for group in self._groups]
@@ -171,43 +225,14 @@ class LogWriter:
         )
 
 
-def _started(
-    path: Path, force: bool, preamble: Mapping[str, Mapping[str, str]], attachments: Mapping[str, bytes]
-) -> tuple[BinaryIO, Writer]:
-    """Open the log and write what comes before the samples; leave no trace if that fails."""
-    beside = path.with_name(f".{path.name}.{os.getpid()}.new")
-    try:
-        replace = force and path.is_file()
-        stream = beside.open("wb") if replace else path.open("xb")
-    except FileExistsError:
-        raise LogError(_exists(path)) from None
-    except OSError as problem:
-        raise LogError(_unwritable(path, problem)) from problem
-    try:
-        mcap = _begun(stream, preamble, attachments)
-        if replace:
-            os.replace(beside, path)
-    except BaseException as problem:
-        with suppress(OSError):
-            stream.close()
-        with suppress(OSError):
-            (beside if replace else path).unlink()
-        if isinstance(problem, OSError):
-            raise LogError(_unwritable(path, problem)) from problem
-        raise
-    return stream, mcap
-
-
-def _begun(stream: BinaryIO, preamble: Mapping[str, Mapping[str, str]], attachments: Mapping[str, bytes]) -> Writer:
-    """Write metadata and attachments, and see them leave for the disk."""
-    mcap = Writer(stream, chunk_size=WHOLE_CHUNKS_ONLY, enable_data_crcs=True)
-    mcap.start(library=PACKAGE)
-    for name, entries in preamble.items():
-        mcap.add_metadata(name, {_text(key): _text(value) for key, value in entries.items()})
-    for name, content in attachments.items():
-        mcap.add_attachment(0, 0, _text(name), _media_type(name), content)
-    mcap.flush()
-    return mcap
+def _viewer_channels(mcap: Writer, viewer: Viewer) -> dict[str, int]:
+    """Register the viewer's topics; give the channel of each."""
+    told = {RATE: repr(viewer.rate)}
+    schemas = {name: mcap.register_schema(name, "protobuf", schema) for name, schema in viewer.schemas.values()}
+    return {
+        topic: mcap.register_channel(topic, "protobuf", schemas[name], told)
+        for topic, (name, _) in viewer.schemas.items()
+    }
 
 
 def _checked(groups: Groups) -> list[Group]:
@@ -227,22 +252,3 @@ def _rows(block: npt.NDArray[np.uint8]) -> list[bytes]:
     count, size = block.shape
     joined = block.tobytes()
     return [joined[i : i + size] for i in range(0, count * size, size)]
-
-
-def _media_type(name: str) -> str:
-    return MEDIA_TYPES.get(PurePath(name).suffix, "application/octet-stream")
-
-
-def _text(text: str) -> str:
-    """Give text that UTF-8 can hold: odd bytes of a command line come as lone surrogates."""
-    return text.encode("utf-8", "backslashreplace").decode("utf-8")
-
-
-def _exists(path: Path) -> str:
-    if path.is_file():
-        return f"log {path} exists already: choose another name, or replace it with --force"
-    return f"cannot write log {path}: it is no regular file; give the name of a file, such as run.mcap"
-
-
-def _unwritable(path: Path, problem: OSError) -> str:
-    return f"cannot write log {path}: {problem.strerror or problem}; choose a folder that exists and can be written"

@@ -1,9 +1,7 @@
 """Frames to a GIF or an MP4 file."""
 
 import importlib
-import os
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Iterable
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -13,6 +11,7 @@ import numpy.typing as npt
 from PIL import Image
 
 from cycloid_mj.errors import CycloidError, UsageError
+from cycloid_mj.whole import whole_file
 
 Frame = npt.NDArray[np.uint8]
 
@@ -50,7 +49,7 @@ def write_movie(frames: Iterable[Frame], path: Path | str, rate: int = RATE) -> 
         raise UsageError(f"an animation is written as .gif or .mp4: cannot write {path}")
     if not LEAST_RATE <= rate <= LARGEST_RATE:
         raise UsageError(f"an animation of {rate:g} frames per second: give {LEAST_RATE} to {LARGEST_RATE}")
-    with _named_when_whole(path) as beside:
+    with whole_file(path) as beside:
         writers[path.suffix.lower()](frames, beside, rate)
 
 
@@ -84,21 +83,3 @@ def _ffmpeg() -> Any:
         raise CycloidError(
             f"MP4 needs imageio-ffmpeg ({problem}): pip install 'cycloid-mj[video]', or write a .gif"
         ) from problem
-
-
-@contextmanager
-def _named_when_whole(path: Path) -> Iterator[Path]:
-    beside = path.with_name(f".{path.name}.{os.getpid()}.new")
-    try:
-        with beside.open("xb"):
-            pass
-        yield beside
-        os.replace(beside, path)
-    except OSError as problem:
-        reason = problem.strerror or problem
-        raise CycloidError(
-            f"cannot write {path}: {reason}; give a file in a folder that exists and can be written"
-        ) from problem
-    finally:
-        with suppress(OSError):
-            beside.unlink()

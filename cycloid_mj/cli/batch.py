@@ -1,0 +1,74 @@
+"""Several runs at once, each into a log of its own, with one progress for all of them.
+
+Threads are enough: MuJoCo lets go of Python's lock while it steps.
+"""
+
+import threading
+from collections.abc import Mapping
+from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
+from pathlib import Path
+
+from cycloid_mj.cli.progress import Progress
+from cycloid_mj.cli.simulate import run_into_log
+from cycloid_mj.design import Design
+from cycloid_mj.errors import RunError
+
+
+def run_all(jobs: Mapping[Design, Path], workers: int, force: bool, quiet: bool) -> None:
+    """Run designs into their logs, `workers` at a time.
+
+    Raises
+    ------
+    RunError
+        A run went wrong, or Ctrl-C stopped them: every run has then ended, and each log that was begun is readable.
+    """
+    total = sum(design.drive.ramp + design.drive.hold for design in jobs)
+    with Progress(total, quiet) as progress, ThreadPoolExecutor(workers) as pool:
+        progress.tell(f"{len(jobs)} runs, {workers} at a time")
+        whole = _Whole(progress)
+        runs = [pool.submit(run_into_log, design, path, force, _Part(whole)) for design, path in jobs.items()]
+        try:
+            wait(runs, return_when=FIRST_EXCEPTION)
+            failed = next((run for run in runs if run.done() and run.exception()), None)
+            if failed is not None:
+                failed.result()
+        except KeyboardInterrupt:
+            raise RunError(_stopped(jobs)) from None
+        finally:
+            whole.stop.set()
+            pool.shutdown(wait=False, cancel_futures=True)
+
+
+class _Whole:
+    """What all runs have simulated together, and whether they are to stop."""
+
+    def __init__(self, progress: Progress) -> None:
+        self.stop = threading.Event()
+        self._progress = progress
+        self._simulated = 0.0
+        self._lock = threading.Lock()
+
+    def advance(self, by: float) -> None:
+        with self._lock:
+            self._simulated += by
+            self._progress.reached(self._simulated)
+
+
+class _Part(Progress):
+    """Progress of one run: it adds to the whole's, and stops the run like Ctrl-C where the whole is to stop."""
+
+    def __init__(self, whole: _Whole) -> None:
+        super().__init__(end=0.0, quiet=True)
+        self._whole = whole
+        self._before = 0.0
+
+    def reached(self, simulated: float) -> None:
+        if self._whole.stop.is_set():
+            raise KeyboardInterrupt
+        self._whole.advance(simulated - self._before)
+        self._before = simulated
+
+
+def _stopped(jobs: Mapping[Design, Path]) -> str:
+    folder = next(iter(jobs.values())).parent
+    return f"stopped by Ctrl-C; the logs of the runs so far are in {folder}"

@@ -1,0 +1,275 @@
+"""``cycloid-mj compare``: two or more designs, or logs of them, side by side by the same measures."""
+
+import math
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from cycloid_mj.cli.flags import (
+    HOLD,
+    LOAD,
+    RAMP,
+    SPEED,
+    TIMESTEP,
+    JsonFlag,
+    PointFlag,
+    SetFlag,
+    designed,
+    point,
+    whole,
+    within,
+)
+from cycloid_mj.cli.outfile import folder
+from cycloid_mj.cli.simulate import QuietFlag, require_possible
+from cycloid_mj.cli.verdict import report
+from cycloid_mj.design import Design, override
+from cycloid_mj.errors import LogError, UsageError
+
+if TYPE_CHECKING:
+    from cycloid_mj.analysis import Series
+    from cycloid_mj.comparison import Comparison, Trial, Varied
+
+    Runs = dict[Design, Path]
+    Measured = dict[Design, tuple[Series, Trial]]
+
+EXAMPLES = """Examples:
+  cycloid-mj compare pin nonpin
+  cycloid-mj compare pin nonpin --sweep --out decided
+  cycloid-mj compare pin my.toml --load-nm 20 --set friction.pin_gear=0.02
+  cycloid-mj compare pin-no-load.mcap nonpin-no-load.mcap --json"""
+
+RUNS = "runs/compare"
+TURNS = 6
+DEFAULTS = ("drive.ramp_s=0.0", "settings.log_rate_hz=20000.0")
+
+DesignsOrLogs = Annotated[
+    str,
+    Parameter(
+        metavar="DESIGN|RUN.mcap",
+        help="Two or more designs (pin, nonpin, TOML files), which are run; or logs of such runs, which are read.",
+    ),
+]
+LoadFlag = Annotated[
+    float | None,
+    Parameter(
+        metavar="X",
+        validator=LOAD.require,
+        help=f"Torque of the loaded runs [N m], {LOAD.range}; with 0, there is no load only. Default: the first "
+        "design's rated torque, drive.torque_nm times the ratio (36.68 in the presets).",
+    ),
+]
+RampFlag = Annotated[
+    float | None,
+    Parameter(
+        metavar="X",
+        validator=RAMP.require,
+        help=f"Duration of the linear ramp from rest [s], {RAMP.range}. Default: 0, which starts at full speed.",
+    ),
+]
+HoldFlag = Annotated[
+    float | None,
+    Parameter(
+        metavar="X",
+        validator=HOLD.require,
+        help=f"Duration at constant speed [s], {HOLD.range}. Default: {TURNS} crank turns after the load has come on "
+        "and settled for a turn (0.2661 in the presets).",
+    ),
+]
+OutFlag = Annotated[
+    str | None,
+    Parameter(
+        metavar="DIR",
+        help="Folder of logs and figures, made if there is none. It must not hold any of the logs yet, unless --force; "
+        f"its figures are replaced. Default: {RUNS}, or the next free one of {RUNS}-2, ...; for logs, the first log's "
+        "path with -compare for .mcap.",
+    ),
+]
+ForceFlag = Annotated[bool, Parameter(help="Replace logs that exist.")]
+SweepFlag = Annotated[
+    bool,
+    Parameter(
+        help="Vary contact damping (ratio 0.1, 1), friction of teeth and sockets (0, 0.1) and the pins' "
+        "freedom (fixed) one at a time, to show what decides the rankings. Five times the runs."
+    ),
+]
+JobsFlag = Annotated[
+    int | None,
+    Parameter(
+        metavar="N",
+        converter=whole,
+        validator=within(1, 256),
+        help="Runs at a time, from 1 to 256. Default: one for each processor.",
+    ),
+]
+
+
+def compare(
+    *designs: DesignsOrLogs,
+    set_: SetFlag = (),
+    load_nm: LoadFlag = None,
+    timestep_us: Annotated[float | None, TIMESTEP.flag("Time step; the first design's holds for all")] = None,
+    speed_rpm: Annotated[float | None, SPEED.flag("Crank speed; the first design's holds for all")] = None,
+    ramp_s: RampFlag = None,
+    hold_s: HoldFlag = None,
+    q: PointFlag = None,
+    sweep: SweepFlag = False,
+    out: OutFlag = None,
+    jobs: JobsFlag = None,
+    force: ForceFlag = False,
+    json: JsonFlag = False,
+    quiet: QuietFlag = False,
+) -> int:
+    """Run designs at no load and under load and put them side by side.
+
+    For each load a table: errors of gear speed, path and speed of q,
+    transmission error, contacts and forces, and vibration, which is the
+    acceleration of the gear's centre and of the output about their closed
+    forms. Then, for a pin and a nonpin design, which of the paper's findings
+    on vibration (Hsieh 2014, Figs 6-8) the runs confirm, with the numbers: a
+    rank test (5 %) of the rms values of the crank turns decides. A figure for
+    each measure, and one of the relative curvature of the contact lines, go
+    to --out.
+
+    Every design runs under the settings of the first one (drive, load,
+    environment, settings); --set changes every design. Signals are logged at
+    20 kHz (unless --set settings.log_rate_hz), so vibration is told up to
+    10 kHz. With --json, one JSON object instead of the tables.
+    """
+    place = point(q)
+    logs = [name for name in designs if name.endswith(".mcap")]
+    if logs and len(logs) < len(designs):
+        raise UsageError(f"{logs[0]} is a log, {_first_design(designs)} a design: give designs only, or logs only")
+    if len(designs) < 2:
+        raise UsageError("a comparison needs two designs or more, such as: cycloid-mj compare pin nonpin")
+    if logs:
+        flags = (set_, load_nm, timestep_us, speed_rpm, ramp_s, hold_s, sweep, jobs, force)
+        report(*_from_logs(logs, any(flag not in ((), None, False) for flag in flags), place, out), json)
+        return 0
+    values = [(TIMESTEP, timestep_us), (SPEED, speed_rpm), (RAMP, ramp_s), (HOLD, hold_s)]
+    first = _held_for_turns(designed(designs[0], (*DEFAULTS, *set_), values), set_, hold_s)
+    cases = _cases([designed(name, set_, ()) for name in designs], first, load_nm)
+    report(*_from_runs(cases, sweep, place, out, jobs or os.cpu_count() or 1, force, quiet), json)
+    return 0
+
+
+def _first_design(names: Sequence[str]) -> str:
+    return next(name for name in names if not name.endswith(".mcap"))
+
+
+def _held_for_turns(design: Design, changes: Sequence[str], hold_s: float | None) -> Design:
+    """Give a design with a hold of whole turns after the settling, unless the user has said how long."""
+    told = hold_s is not None or any(change.strip().startswith("drive.hold_s") for change in changes)
+    if told or design.drive.speed == 0.0:
+        return design
+    from cycloid_mj.comparison import settling
+
+    # a sample more: the last turn shall be whole
+    hold = settling(design) + TURNS * 2 * math.pi / abs(design.drive.speed) + 1.0 / design.settings.log_rate
+    return override(design, [f"drive.hold_s={hold!r}"])
+
+
+def _cases(designs: Sequence[Design], first: Design, load_nm: float | None) -> list[Design]:
+    """Give every design under the settings of `first`, at no load and under load."""
+    from cycloid_mj.comparison import conditions, under
+
+    names = [design.name for design in designs]
+    if twice := next((name for name in names if names.count(name) > 1), None):
+        raise UsageError(f"two of the designs are called {twice!r}: give each a name of its own in its file")
+    shared = conditions(first)
+    rated = round(first.drive.torque * first.lobes, 9) if load_nm is None else load_nm
+    return [under(design, shared, load) for load in dict.fromkeys((0.0, rated)) for design in designs]
+
+
+def _from_logs(
+    names: Sequence[str], flagged: bool, place: tuple[float, float] | None, out: str | None
+) -> "tuple[Comparison, list[Path]]":
+    if flagged:
+        raise UsageError("logs are read as they are: give only --q, --out, --json and --quiet with them")
+    from cycloid_mj.comparison import compare as compared
+
+    found = [_measured(Path(name), place) for name in names]
+    comparison = compared([trial for _, trial in found])
+    motions = {trial: motion for motion, trial in found}
+    into = folder(f"{names[0].removesuffix('.mcap')}-compare" if out is None else out, "the figures")
+    return comparison, _drawn(comparison, [motions[trial] for trial in comparison.trials], into)
+
+
+def _from_runs(
+    cases: Sequence[Design],
+    sweep: bool,
+    place: tuple[float, float] | None,
+    out: str | None,
+    workers: int,
+    force: bool,
+    quiet: bool,
+) -> "tuple[Comparison, list[Path]]":
+    from cycloid_mj.cli.batch import run_all
+    from cycloid_mj.comparison import SWEEP, varied
+    from cycloid_mj.comparison import compare as compared
+
+    variations = SWEEP if sweep else ()
+    names = {design: _log_name(design) for design in cases}
+    for variation in variations:
+        for design in cases:
+            words = f"{variation.parameter}-{variation.value}"
+            names.setdefault(variation.of(design), f"{_log_name(design)}-{words.replace(' ', '-')}")
+    for design in names:
+        require_possible(design)
+    into = _folder(out, list(names.values()), force)
+    logs = {design: into / f"{name}.mcap" for design, name in names.items()}
+    run_all(logs, min(workers, len(logs)), force, quiet)
+    motions, trials = {}, {}
+    for design, log in logs.items():
+        motion, trials[design] = _measured(log, place)
+        if design in cases:
+            motions[design] = motion
+    points: list[Varied] = [varied(each, [trials[each.of(design)] for design in cases]) for each in variations]
+    comparison = compared([trials[design] for design in cases], points)
+    return comparison, _drawn(comparison, [motions[design] for design in cases], into)
+
+
+def _log_name(design: Design) -> str:
+    load = design.load.torque
+    return f"{design.name}-{f'{load:g}Nm' if load else 'no-load'}"
+
+
+def _folder(out: str | None, names: Sequence[str], force: bool) -> Path:
+    """Give the folder asked for, or the next one of the usual names that holds none of the logs."""
+    number = 1
+    while True:
+        usual = RUNS if number == 1 else f"{RUNS}-{number}"
+        path = folder(usual if out is None else out, "the logs")
+        existing = next((name for name in names if (path / f"{name}.mcap").exists()), None)
+        if force or existing is None:
+            return path
+        if out is not None:
+            raise LogError(f"log {path / existing}.mcap exists already: give another --out, or --force to replace it")
+        number += 1
+
+
+def _measured(log: Path, place: tuple[float, float] | None) -> "tuple[Series, Trial]":
+    from cycloid_mj.comparison import Trial, measure, settled
+    from cycloid_mj.log import read
+
+    run = read(log)
+    if not run.complete:
+        raise LogError(f"the run of {log} did not reach its end ({run.note}): run it again to compare it")
+    motion = settled(run, place)
+    return motion, Trial(motion.design, measure(motion, str(log)))
+
+
+def _drawn(comparison: "Comparison", motions: "Sequence[Series]", into: Path) -> list[Path]:
+    from cycloid_mj.plots import save
+    from cycloid_mj.plots.comparison import comparison_figures
+    from cycloid_mj.plots.curvature import curvature_figure
+    from cycloid_mj.plots.sweep import sweep_figure
+
+    figures = comparison_figures(motions)
+    first = comparison.at(comparison.loads[0])
+    figures["compare_curvature"] = curvature_figure([trial.design for trial in first])
+    if comparison.sweep and comparison.rankings:
+        figures["compare_sweep"] = sweep_figure(comparison)
+    return save(figures, into)

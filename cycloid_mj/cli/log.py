@@ -1,0 +1,246 @@
+"""``cycloid-mj log``: what is in a log, out of it, and a cut log made whole."""
+
+import json as text_of
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import App, Parameter
+
+from cycloid_mj.cli.analyze import LogName
+from cycloid_mj.cli.flags import JsonFlag, within
+from cycloid_mj.cli.outfile import STDOUT, write_csv
+from cycloid_mj.cli.terminal import say, say_json, say_table, tell
+from cycloid_mj.errors import CycloidError, LogError
+
+if TYPE_CHECKING:
+    from cycloid_mj.log import Log
+    from cycloid_mj.record import Run
+    from cycloid_mj.scene import Scene
+
+EXAMPLES = """Examples:
+  cycloid-mj log info runs/pin.mcap
+  cycloid-mj log csv runs/pin.mcap --columns gear_speed,crank_angle > pin.csv
+  cycloid-mj log repair runs/pin.mcap
+  cycloid-mj log repair runs/pin.mcap slow.mcap --scene-hz 2000"""
+
+LEAST_RATE, LARGEST_RATE = 0.1, 1e5
+
+ColumnsFlag = Annotated[
+    str | None,
+    Parameter(
+        name="--columns", metavar="A,B,...", help="Columns after the time, e.g. gear_speed,gear_x. Default: all."
+    ),
+]
+ForceFlag = Annotated[bool, Parameter(help="Replace the file if it exists.")]
+SceneFlag = Annotated[
+    float | None,
+    Parameter(
+        name="--scene-hz",
+        metavar="X",
+        validator=within(LEAST_RATE, LARGEST_RATE),
+        help="Frames of the 3-D scene per simulated second, made anew from the columns; for slow motion, e.g. 2000. "
+        "Default: as the log has them, or 60.",
+    ),
+]
+
+
+def commands(sort_key: int) -> App:
+    """Give the commands about logs; `sort_key` is their place in the help."""
+    about = "Tell what is in a log, get it out, or make a cut log whole."
+    app = App(name="log", help=about, help_epilogue=EXAMPLES, sort_key=sort_key)
+    subcommands: tuple[Callable[..., int], ...] = (info, columns, csv, parquet, repair, rerun, layout)
+    for place, command in enumerate(subcommands):
+        app.command(command, sort_key=place)
+    return app
+
+
+def info(log: LogName, /, *, json: JsonFlag = False) -> int:
+    """Print what a log holds: its run, topics, attachments and provenance.
+
+    A cut log tells how far it could be read.
+    """
+    from cycloid_mj.log import load
+
+    found = load(log)
+    if json:
+        say_json({"log": log, **_described(found)})
+        return 0
+    run = found.run
+    state = "complete" if run.complete else f"not complete: {run.note or 'no reason is known'}"
+    say(f"{log}: {found.size:,} bytes, {state}")
+    say(f"{len(run):,} samples from {run.time[0]:g} to {run.time[-1]:g} s, {_rate(run):.6g} a second")
+    topics = [(topic, f"{len(names)} columns", f"{len(run):,}") for topic, names in found.topics.items()]
+    topics += [(topic, shown.schema, f"{shown.messages:,}") for topic, shown in found.viewers.items()]
+    say_table("topics", ("topic", "holds", "messages"), topics)
+    say_table("attachments", ("file", "bytes"), [(name, f"{len(data):,}") for name, data in run.attachments.items()])
+    say_table("provenance", ("what", "value"), sorted(run.provenance.items()))
+    return 0
+
+
+def columns(log: LogName, /, *, json: JsonFlag = False) -> int:
+    """List the columns of a log: topic, name and unit."""
+    from cycloid_mj.log import load
+
+    found = load(log)
+    rows = [(topic, name, found.run.units[name]) for topic, names in found.topics.items() for name in names]
+    if json:
+        say_json([dict(zip(("topic", "column", "unit"), row, strict=True)) for row in rows])
+    else:
+        for row in rows:
+            say("\t".join(row))
+    return 0
+
+
+def csv(
+    log: LogName,
+    out: Annotated[str, Parameter(metavar="FILE", help="CSV file; replaced if it exists. Default: stdout.")] = STDOUT,
+    /,
+    *,
+    columns: ColumnsFlag = None,
+) -> int:
+    """Write the time [s] and columns of a log as CSV, every digit of every number."""
+    run = _read(log)
+    names = _names(columns) or list(run.columns)
+    write_csv(out, {"time": run.time, **{name: run[name] for name in names}})
+    if out != STDOUT:
+        tell(f"wrote {len(run)} rows of {len(names) + 1} columns to {out}")
+    return 0
+
+
+def parquet(
+    log: LogName,
+    out: Annotated[
+        str | None, Parameter(metavar="FILE", help="Parquet file; replaced if it exists. Default: RUN.parquet.")
+    ] = None,
+    /,
+    *,
+    columns: ColumnsFlag = None,
+) -> int:
+    """Write the time [s] and columns of a log as Parquet; units and provenance are its metadata.
+
+    It needs DuckDB: pip install 'cycloid-mj[parquet]'.
+    """
+    from cycloid_mj.log.parquet import write_parquet
+
+    path = Path(log).with_suffix(".parquet") if out is None else Path(out)
+    write_parquet(_read(log), path, _names(columns))
+    say(str(path))
+    return 0
+
+
+def repair(
+    log: LogName,
+    out: Annotated[
+        str | None, Parameter(metavar="FILE", help="Log to write; it must not exist. Default: RUN-repaired.mcap.")
+    ] = None,
+    /,
+    *,
+    scene_hz: SceneFlag = None,
+    force: ForceFlag = False,
+) -> int:
+    """Write a cut log anew and whole, up to its last whole chunk, with every topic and attachment.
+
+    With --scene-hz also a whole log is written anew, with more or fewer frames
+    of the 3-D scene. The log itself is left as it is.
+    """
+    from cycloid_mj.log import load, rewrite
+
+    found = load(log)
+    if found.whole and scene_hz is None:
+        tell(f"{log} is whole: there is nothing to repair")
+        return 0
+    source = Path(log)
+    path = source.with_name(f"{source.stem}-repaired.mcap") if out is None else Path(out)
+    if path.exists() and path.samefile(source):
+        raise LogError(f"cannot write {path} over itself: give another file")
+    rewrite(found, path, _scene(found, scene_hz), force=force)
+    tell(found.run.note or f"wrote all {len(found.run)} samples")
+    say(str(path))
+    return 0
+
+
+def rerun(
+    log: LogName,
+    out: Annotated[
+        str | None, Parameter(metavar="FILE", help="Recording to write; replaced if it exists. Default: RUN.rrd.")
+    ] = None,
+    /,
+) -> int:
+    """Write a recording for Rerun (.rrd): the moving parts, the forces and every column.
+
+    Rerun opens the log itself too, but shows no parts of it. This needs the
+    Rerun SDK: pip install 'cycloid-mj[rerun]'.
+    """
+    from cycloid_mj.analysis.series import design_of
+    from cycloid_mj.log import load
+    from cycloid_mj.scene.rerun import write_rerun
+
+    found = load(log)
+    path = Path(log).with_suffix(".rrd") if out is None else Path(out)
+    write_rerun(found.run, design_of(found.run), found.topics, path)
+    say(str(path))
+    return 0
+
+
+def layout(log: LogName, /) -> int:
+    """Print a layout for Foxglove and Lichtblick, with the mechanism and three plots.
+
+    Import it there once: their own 3-D view starts 20 m away and cuts off what
+    is nearer than 0.5 m.
+    """
+    from cycloid_mj.analysis.series import design_of
+    from cycloid_mj.scene.layout import layout as arranged
+
+    say(text_of.dumps(arranged(design_of(_read(log))), indent=2))
+    return 0
+
+
+def _read(log: str) -> "Run":
+    from cycloid_mj.log import read
+
+    run = read(log)
+    if not run.complete:
+        tell(f"note: the run did not reach its end: {run.note}")
+    return run
+
+
+def _names(columns: str | None) -> list[str] | None:
+    return None if columns is None else [name.strip() for name in columns.split(",") if name.strip()]
+
+
+def _scene(found: "Log", rate: float | None) -> "Scene | None":
+    """Give the scene of a log that has a design, at the rate asked for, or at the log's own."""
+    from cycloid_mj.analysis.series import design_of
+    from cycloid_mj.scene import RATE, Scene
+
+    own = [shown.rate for shown in found.viewers.values() if shown.rate]
+    try:
+        return Scene(design_of(found.run), rate or (own[0] if own else RATE))
+    except CycloidError as problem:
+        tell(f"note: the new log has no 3-D scene: {problem}")
+        return None
+
+
+def _described(found: "Log") -> dict[str, Any]:
+    run = found.run
+    return {
+        "bytes": found.size,
+        "whole": found.whole,
+        "complete": run.complete,
+        "note": run.note,
+        "samples": len(run),
+        "start_s": float(run.time[0]),
+        "end_s": float(run.time[-1]),
+        "rate_hz": _rate(run),
+        "topics": {topic: list(names) for topic, names in found.topics.items()},
+        "viewers": {topic: vars(shown) for topic, shown in found.viewers.items()},
+        "attachments": {name: len(data) for name, data in run.attachments.items()},
+        "provenance": dict(run.provenance),
+    }
+
+
+def _rate(run: "Run") -> float:
+    """Give the samples per second [1/s]; 0 of a single one."""
+    span = float(run.time[-1] - run.time[0])
+    return (len(run) - 1) / span if span else 0.0

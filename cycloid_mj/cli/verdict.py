@@ -1,0 +1,57 @@
+"""A comparison on stdout: tables and words for people, or one JSON object."""
+
+import textwrap
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cycloid_mj.cli.terminal import say, say_json, say_table
+
+if TYPE_CHECKING:
+    from cycloid_mj.comparison import Comparison
+
+LINE = 110
+
+
+def report(comparison: "Comparison", figures: Sequence[Path], json: bool) -> None:
+    """Write the comparison: a table for each load and words, or one JSON object."""
+    if json:
+        say_json(comparison.as_json() | {"figures": [str(path) for path in figures]})
+        return
+    from cycloid_mj.comparison import load_words, table
+
+    for load in comparison.loads:
+        window = comparison.at(load)[0].measures.findings.window
+        title = f"{load_words(load)}: from {window.start_s:g} to {window.end_s:g} s ({window.crank_turns:.1f} turns)"
+        say_table(title, *table(comparison, load))
+    for line in _words(comparison):
+        say(line)
+    say("logs: " + " ".join(str(trial.measures.findings.log) for trial in comparison.trials))
+    say("figures: " + " ".join(str(path) for path in figures))
+
+
+def _words(comparison: "Comparison") -> Iterator[str]:
+    """Give what the tables do not say, in lines."""
+    differing = (f"{key} ({', '.join(map(str, each))})" for key, each in comparison.differences.items())
+    yield from _wrapped(f"{', '.join(comparison.designs)} differ in: {'; '.join(differing) or 'nothing'}")
+    if not comparison.rankings:
+        yield "the paper's findings on vibration set a pin against a nonpin design: not judged here"
+        return
+    yield ""
+    yield "The paper (Hsieh 2014, Figs 6-8) finds that the pin design fluctuates more. By the turns of these runs:"
+    for sentence in comparison.summary:
+        yield from _wrapped(sentence, "- ")
+    yield ""
+    yield "In numbers (path and velocity of q without steady shifts):"
+    for ranking in comparison.rankings:
+        yield from _wrapped(ranking.sentence, "- ")
+    if comparison.sweep:
+        yield ""
+        yield "What decides, by the ratio of the rms values:"
+        for sentence in comparison.decisions:
+            yield from _wrapped(sentence, "- ")
+    yield ""
+
+
+def _wrapped(text: str, mark: str = "") -> list[str]:
+    return textwrap.wrap(text, LINE, initial_indent=mark, subsequent_indent=" " * len(mark), break_on_hyphens=False)

@@ -1,0 +1,45 @@
+"""``cycloid-mj view``: MuJoCo's viewer on a model, or on a logged run."""
+
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from cycloid_mj.cli.flags import SetFlag, designed, within
+from cycloid_mj.cli.terminal import tell
+
+EXAMPLES = """Examples:
+  cycloid-mj view pin
+  cycloid-mj view runs/pin.mcap --slow 200"""
+
+SLOW = 100.0
+
+WhatName = Annotated[str, Parameter(metavar="DESIGN|RUN.mcap", help="Design (pin, nonpin, or a TOML file), or a log.")]
+SlowFlag = Annotated[
+    float,
+    Parameter(
+        metavar="X", validator=within(1e-3, 1e6), help=f"How many times slower a log is played. Default: {SLOW:g}."
+    ),
+]
+
+
+def view(what: WhatName, /, *, set_: SetFlag = (), slow: SlowFlag = SLOW) -> int:
+    """Open MuJoCo's viewer on the model of a design, or replay a log there, over and over.
+
+    It needs a display; without one, use `cycloid-mj render` or `cycloid-mj
+    animate`.
+    """
+    from cycloid_mj.scene.viewer import require_display, show_model, show_run
+
+    require_display()
+    if what.endswith(".mcap"):
+        from cycloid_mj.log import read
+
+        tell("close the window to end")
+        show_run(read(what), slow)
+        return 0
+    design = designed(what, set_, ())
+    from cycloid_mj.mjcf import build
+
+    tell("building the model")
+    show_model(build(design).model)
+    return 0

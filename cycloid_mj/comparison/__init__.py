@@ -1,0 +1,33 @@
+"""Designs side by side by the same measures: runs -> `Measures` -> `Comparison`, its table and its words.
+
+A fluctuation is judged turn by turn, so that a verdict on the paper's findings rests on more than one number.
+"""
+
+from cycloid_mj.comparison.comparison import Comparison, compare
+from cycloid_mj.comparison.conditions import conditions, differences, under
+from cycloid_mj.comparison.measures import Measures, measure, settled, settling
+from cycloid_mj.comparison.ranking import Ranking, rankings
+from cycloid_mj.comparison.sweep import SWEEP, Variation, Varied, varied
+from cycloid_mj.comparison.table import table
+from cycloid_mj.comparison.trial import Trial, load_words
+
+__all__ = [
+    "SWEEP",
+    "Comparison",
+    "Measures",
+    "Ranking",
+    "Trial",
+    "Variation",
+    "Varied",
+    "compare",
+    "conditions",
+    "differences",
+    "load_words",
+    "measure",
+    "rankings",
+    "settled",
+    "settling",
+    "table",
+    "under",
+    "varied",
+]

@@ -1,0 +1,163 @@
+"""Two or more designs side by side: the measures of each under each load, and the words about them."""
+
+import dataclasses
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from cycloid_mj.comparison.conditions import conditions, differences
+from cycloid_mj.comparison.ranking import Ranking, rankings, summary
+from cycloid_mj.comparison.sweep import Varied, decisions
+from cycloid_mj.comparison.trial import Trial, load_words
+from cycloid_mj.design import Design
+from cycloid_mj.errors import UsageError
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Designs side by side.
+
+    Attributes
+    ----------
+    designs
+        Names, in the order they were given.
+    conditions
+        Settings that all runs share, in the words of design files.
+    differences
+        What differs between the designs: key -> the value of each.
+    trials
+        The runs, load by load, each in the order of the designs.
+    rankings
+        The paper's findings on vibration, judged; empty unless a pin and a nonpin design are compared.
+    sweep
+        The same with parameters varied.
+    """
+
+    designs: tuple[str, ...]
+    conditions: dict[str, Any]
+    differences: dict[str, tuple[Any, ...]]
+    trials: tuple[Trial, ...]
+    rankings: tuple[Ranking, ...]
+    sweep: tuple[Varied, ...] = ()
+
+    @property
+    def loads(self) -> tuple[float, ...]:
+        """Load torques [N m], rising."""
+        return tuple(sorted({trial.load for trial in self.trials}))
+
+    def at(self, load: float) -> tuple[Trial, ...]:
+        """Give the runs under a load [N m]."""
+        return tuple(trial for trial in self.trials if trial.load == load)
+
+    @property
+    def summary(self) -> list[str]:
+        """Which of the paper's findings on vibration the runs confirm, a sentence for each load and pair."""
+        return summary(self.rankings)
+
+    @property
+    def decisions(self) -> list[str]:
+        """How each ranking answers to each parameter of the sweep, in words."""
+        return decisions(self.rankings, self.sweep)
+
+    def as_json(self) -> dict[str, Any]:
+        """Give the comparison as dicts, lists, numbers, text and None only."""
+        plain: dict[str, Any] = _plain(
+            {
+                "designs": self.designs,
+                "conditions": self.conditions,
+                "differences": self.differences,
+                "runs": [_run(trial) for trial in self.trials],
+                "rankings": [_judged(ranking) for ranking in self.rankings],
+                "summary": self.summary,
+                "sweep": [
+                    {
+                        "parameter": point.parameter,
+                        "value": point.value,
+                        "rankings": [_judged(ranking) for ranking in point.rankings],
+                    }
+                    for point in self.sweep
+                ],
+                "decisions": self.decisions,
+            }
+        )
+        return plain
+
+
+def compare(trials: Sequence[Trial], sweep: Sequence[Varied] = ()) -> Comparison:
+    """Put runs side by side.
+
+    Raises
+    ------
+    UsageError
+        Fewer than two designs; two of one name; a design that lacks a load; or runs under different conditions.
+    """
+    designs = _designs(trials)
+    loads = sorted({trial.load for trial in trials})
+    _require_every_case(trials, list(designs), loads)
+    _require_same_conditions(trials)
+    ordered = tuple(next(t for t in trials if (t.name, t.load) == (name, load)) for load in loads for name in designs)
+    return Comparison(
+        designs=tuple(designs),
+        conditions=conditions(ordered[0].design),
+        differences=differences(list(designs.values())),
+        trials=ordered,
+        rankings=tuple(rankings(ordered)),
+        sweep=tuple(sweep),
+    )
+
+
+def _designs(trials: Sequence[Trial]) -> dict[str, Design]:
+    """Give the designs by name; a name stands for one design, whatever its load."""
+    found: dict[str, Design] = {}
+    for trial in trials:
+        first = found.setdefault(trial.name, trial.design)
+        if differing := list(differences([first, trial.design])):
+            raise UsageError(
+                f"two designs are called {trial.name!r}, but differ in {', '.join(differing[:3])}: "
+                "give each a name of its own in its file"
+            )
+    if len(found) < 2:
+        raise UsageError(f"a comparison needs two designs, got {', '.join(found) or 'none'}: name another one")
+    return found
+
+
+def _require_every_case(trials: Sequence[Trial], names: Sequence[str], loads: Sequence[float]) -> None:
+    cases = [(trial.name, trial.load) for trial in trials]
+    for name in names:
+        for load in loads:
+            count = cases.count((name, load))
+            if count != 1:
+                what = "is missing" if count == 0 else f"is there {count} times"
+                raise UsageError(
+                    f"the run of {name} at {load_words(load)} {what}: give one run of each design under each load"
+                )
+
+
+def _require_same_conditions(trials: Sequence[Trial]) -> None:
+    wanted, first = conditions(trials[0].design), trials[0]
+    for trial in trials[1:]:
+        for key, value in conditions(trial.design).items():
+            if value != wanted[key]:
+                raise UsageError(
+                    f"the runs differ in their settings: {key} is {wanted[key]} for {first.name} at "
+                    f"{load_words(first.load)}, but {value} for {trial.name} at {load_words(trial.load)}; "
+                    "run them with the same"
+                )
+
+
+def _run(trial: Trial) -> dict[str, Any]:
+    return {"design": trial.name, "load_nm": trial.load, **dataclasses.asdict(trial.measures)}
+
+
+def _judged(ranking: Ranking) -> dict[str, Any]:
+    told = {"ratio": ranking.ratio, "verdict": ranking.verdict, "sentence": ranking.sentence}
+    return dataclasses.asdict(ranking) | told
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,57 @@
+"""How much a quantity fluctuates about its closed form: over whole crank turns, and turn by turn."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.analysis import Series
+
+Array = npt.NDArray[np.float64]
+
+ROUNDING = 1e-6
+
+
+@dataclass(frozen=True)
+class Level:
+    """The rms value of a fluctuation over some crank turns, and that of each turn."""
+
+    rms: float
+    by_turn: tuple[float, ...]
+
+
+def turns(motion: Series) -> list[slice]:
+    """Give the samples of each whole crank turn of the settled hold; all of them where it is shorter than a turn."""
+    first = int(np.argmax(motion.hold))
+    swept = np.abs(motion.crank_angle[first:] - motion.crank_angle[first])
+    sample = swept[-1] / max(swept.size - 1, 1)
+    count = int(np.floor((swept[-1] + sample) / (2 * np.pi) + ROUNDING))
+    if count == 0:
+        return [slice(first, motion.time.size)]
+    ends = first + np.searchsorted(swept, 2 * np.pi * (np.arange(count + 1) - ROUNDING))
+    return [slice(int(start), int(stop)) for start, stop in pairwise(ends)]
+
+
+def level(values: Array, parts: Sequence[slice]) -> Level:
+    """Give the level of a signal (n,), or of a vector's size (n, 2), over parts of it."""
+    size = np.linalg.norm(values, axis=1) if values.ndim == 2 else values
+    return Level(_rms(np.concatenate([size[part] for part in parts])), tuple(_rms(size[part]) for part in parts))
+
+
+def unshifted(error: Array, crank_angle: Array, lobes: int) -> Array:
+    """Take from the errors (n, 2) of a path or a velocity what a steady shift explains, by least squares.
+
+    A shift that is constant in the frame of the housing, of the crank or of the gear is play taken up or elastic
+    deflection, not vibration: with x + i y, the terms a + b e^(i theta) + d e^(-i theta/(N-1)) at `crank_angle` theta
+    [rad], shape (n,).
+    """
+    shifts = np.exp(1j * crank_angle[:, np.newaxis] * np.array([0.0, 1.0, -1.0 / lobes]))
+    together = error[:, 0] + 1j * error[:, 1]
+    left = together - shifts @ np.linalg.lstsq(shifts, together, rcond=None)[0]
+    return np.stack([left.real, left.imag], axis=1)
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))

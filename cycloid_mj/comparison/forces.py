@@ -1,0 +1,70 @@
+"""Which teeth carry force, and how much: forces of the mating pairs along a run."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.analysis import Series
+from cycloid_mj.comparison.fluctuation import turns
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Forces:
+    """Teeth that carry force, and forces [N], over whole crank turns.
+
+    A tooth is a ring pin, or a lobe of the internal gear with all its contact lines. `tooth_mean_n` is the mean over
+    time of the force on the most loaded tooth; peaks are the largest of any sample.
+    """
+
+    teeth_mean: float
+    teeth_least: int
+    teeth_most: int
+    tooth_mean_n: float
+    tooth_peak_n: float
+    cam_mean_n: float
+    cam_peak_n: float
+    output_pin_peak_n: float
+
+
+def tooth_forces(motion: Series) -> Array:
+    """Size of the force of each tooth of the ring on the gear [N], shape (n, N)."""
+    stem = "pin" if motion.design.ring.kind == "pin" else "lobe"
+    return _sizes(motion, [f"{stem}_{i}" for i in range(1, motion.design.ring.teeth + 1)])
+
+
+def cam_force(motion: Series) -> Array:
+    """Size of the force of the cam on the gear [N], shape (n,)."""
+    return _sizes(motion, ["cam"])[:, 0]
+
+
+def forces(motion: Series) -> Forces:
+    """Measure the forces of a run.
+
+    Raises
+    ------
+    LogError
+        The run lacks the forces of its pairs.
+    """
+    parts = turns(motion)
+    rows = slice(parts[0].start, parts[-1].stop)
+    teeth, cam = tooth_forces(motion)[rows], cam_force(motion)[rows]
+    output = _sizes(motion, [f"output_pin_{i}" for i in range(1, motion.design.output.pins + 1)])[rows]
+    loaded, largest = np.count_nonzero(teeth, axis=1), teeth.max(axis=1)
+    return Forces(
+        teeth_mean=float(loaded.mean()),
+        teeth_least=int(loaded.min()),
+        teeth_most=int(loaded.max()),
+        tooth_mean_n=float(largest.mean()),
+        tooth_peak_n=float(largest.max()),
+        cam_mean_n=float(cam.mean()),
+        cam_peak_n=float(cam.max()),
+        output_pin_peak_n=float(output.max()),
+    )
+
+
+def _sizes(motion: Series, pairs: list[str]) -> Array:
+    run = motion.run
+    return np.column_stack([np.hypot(run[f"{pair}_force_x"], run[f"{pair}_force_y"]) for pair in pairs])

@@ -1,0 +1,136 @@
+"""What the paper says of the vibration of both designs (Hsieh 2014, Figs 6-8), and what runs say of it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+from cycloid_mj.comparison.fluctuation import Level
+from cycloid_mj.comparison.trial import Trial, load_words
+
+Verdict = Literal["confirmed", "contradicted", "alike", "undecided"]
+
+OUTCOMES = {"confirmed": ("confirmed",), "not confirmed": ("contradicted", "alike"), "undecided": ("undecided",)}
+
+ALIKE = 1.05
+"""Ratio up to which two levels count as alike: what a halved time step changes."""
+
+SIGNIFICANCE = 0.05
+"""Chance of turns as different as those of two designs that do not differ."""
+
+FEWEST_TURNS = 4
+"""Turns of each design from which on the rank test can fall below `SIGNIFICANCE`: 2 of C(8, 4) orders are 3 %."""
+
+
+class Quantity(NamedTuple):
+    """A quantity whose fluctuation is ranked: its name, the paper's figure ("" if it has none), its unit."""
+
+    name: str
+    figure: str
+    unit: str
+
+
+GEAR_SPEED = Quantity("gear speed", "Fig. 6", "rad/s")
+Q_PATH = Quantity("path of q", "Fig. 7", "um")
+Q_VELOCITY = Quantity("velocity of q", "Fig. 8", "mm/s")
+CENTRE = Quantity("acceleration of the gear centre", "", "m/s^2")
+OUTPUT = Quantity("acceleration of the output", "", "rad/s^2")
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """One quantity of a pin and of a nonpin design under one load: levels, and what becomes of the paper's finding.
+
+    The paper finds that the pin design fluctuates more. That is `confirmed` or `contradicted` where a rank test (Mann
+    and Whitney, two-sided, 5 %) tells the crank turns of the two apart; the designs are `alike` where their rms values
+    are within 5 %; else, and with fewer than `FEWEST_TURNS`, it is `undecided`.
+    """
+
+    quantity: str
+    figure: str
+    unit: str
+    load_nm: float
+    pin: str
+    nonpin: str
+    pin_level: Level
+    nonpin_level: Level
+
+    @property
+    def ratio(self) -> float:
+        """Level of the pin design as a multiple of the nonpin design's."""
+        return self.pin_level.rms / self.nonpin_level.rms if self.nonpin_level.rms else float("inf")
+
+    @property
+    def verdict(self) -> Verdict:
+        """What becomes of the paper's finding."""
+        if min(len(self.pin_level.by_turn), len(self.nonpin_level.by_turn)) < FEWEST_TURNS:
+            return "undecided"
+        if 1 / ALIKE <= self.ratio <= ALIKE:
+            return "alike"
+        if self.chance > SIGNIFICANCE:
+            return "undecided"
+        return "confirmed" if self.ratio > 1.0 else "contradicted"
+
+    @property
+    def chance(self) -> float:
+        """Probability of turns as different as these, or more, if both designs were the same."""
+        from scipy.stats import mannwhitneyu
+
+        return float(mannwhitneyu(self.pin_level.by_turn, self.nonpin_level.by_turn).pvalue)
+
+    @property
+    def sentence(self) -> str:
+        """The verdict in words, with the numbers."""
+        found = {
+            "confirmed": f"CONFIRMED, {self.pin} fluctuates more",
+            "contradicted": f"NOT CONFIRMED, {self.nonpin} fluctuates more",
+            "alike": "NOT CONFIRMED, both are alike",
+            "undecided": "UNDECIDED, their turns do not tell them apart",
+        }[self.verdict]
+        claim = f"{self.figure}): {found}" if self.figure else f"not in the paper): {found.split(', ')[1]}"
+        return f"{load_words(self.load_nm)}, {self.quantity} ({claim}: {self._numbers()}"
+
+    def _numbers(self) -> str:
+        levels = ((self.pin, self.pin_level), (self.nonpin, self.nonpin_level))
+        told = (
+            f"{name} {at.rms:.3g} {self.unit} (turns {min(at.by_turn):.3g} to {max(at.by_turn):.3g})"
+            for name, at in levels
+        )
+        return f"rms {', '.join(told)}, ratio {self.ratio:.2f}"
+
+
+def summary(ranked: Sequence[Ranking]) -> list[str]:
+    """Say for each load and pair of designs which of the paper's findings the runs confirm and which not."""
+    lines = []
+    for load, pin, nonpin in dict.fromkeys((ranking.load_nm, ranking.pin, ranking.nonpin) for ranking in ranked):
+        claims = [r for r in ranked if r.figure and (r.load_nm, r.pin, r.nonpin) == (load, pin, nonpin)]
+        told = [
+            f"{words} for {', '.join(found)}"
+            for words, verdicts in OUTCOMES.items()
+            if (found := [f"{r.quantity} ({r.figure})" for r in claims if r.verdict in verdicts])
+        ]
+        lines.append(f"{load_words(load)}, {pin} fluctuates more than {nonpin}: {'; '.join(told)}")
+    return lines
+
+
+def rankings(trials: Sequence[Trial]) -> list[Ranking]:
+    """Rank every pin design against every nonpin design under each load."""
+    pins = [trial for trial in trials if trial.design.ring.kind == "pin"]
+    others = [trial for trial in trials if trial.design.ring.kind == "nonpin"]
+    pairs = [(pin, nonpin) for pin in pins for nonpin in others if pin.load == nonpin.load]
+    return [_ranking(quantity, pin, nonpin) for pin, nonpin in pairs for quantity in _levels(pin)]
+
+
+def _levels(trial: Trial) -> dict[Quantity, Level]:
+    fluctuation, vibration = trial.measures.fluctuation, trial.measures.vibration
+    return {
+        GEAR_SPEED: fluctuation.gear_speed_rad_s,
+        Q_PATH: fluctuation.q_path_um,
+        Q_VELOCITY: fluctuation.q_velocity_mm_s,
+        CENTRE: vibration.gear_centre_m_s2,
+        OUTPUT: vibration.output_rad_s2,
+    }
+
+
+def _ranking(quantity: Quantity, pin: Trial, nonpin: Trial) -> Ranking:
+    levels = _levels(pin)[quantity], _levels(nonpin)[quantity]
+    return Ranking(*quantity, pin.load, pin.name, nonpin.name, *levels)

@@ -1,0 +1,92 @@
+"""What decides a ranking: the same comparison with contact damping, friction and the pins' freedom varied in turn."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from cycloid_mj.comparison.ranking import Ranking, rankings
+from cycloid_mj.comparison.trial import Trial, load_words
+from cycloid_mj.design import Design, override
+
+
+@dataclass(frozen=True)
+class Variation:
+    """One value of a parameter that is varied for every design; `changes` are in the words of design files."""
+
+    parameter: str
+    value: str
+    changes: tuple[str, ...]
+    pins_only: bool = False
+
+    def of(self, design: Design) -> Design:
+        """Give the design with the change, or as it is where it does not concern it."""
+        return design if self.pins_only and design.ring.kind != "pin" else override(design, self.changes)
+
+
+TOOTH_PAIRS = ("pin_gear", "pin_socket", "tooth")
+SWEEP = (
+    *(Variation("damping", value, (f"contact.damping_ratio={value}",)) for value in ("0.1", "1.0")),
+    *(
+        Variation("friction", value, tuple(f"friction.{pair}={value}" for pair in TOOTH_PAIRS))
+        for value in ("0.0", "0.1")
+    ),
+    Variation("pins", "fixed", ('ring.pins="fixed"',), pins_only=True),
+)
+"""Contact damping ratio (0.5 in the presets), friction of teeth and sockets (0.05) and the pins' freedom."""
+
+DECISIVE = 1 / 3
+"""A parameter decides where it leaves less than this share of the designs' difference, the logarithm of the ratio."""
+
+
+@dataclass(frozen=True)
+class Varied:
+    """The rankings at one value of one parameter, every other as in the comparison."""
+
+    parameter: str
+    value: str
+    rankings: tuple[Ranking, ...]
+
+
+def varied(variation: Variation, trials: Sequence[Trial]) -> Varied:
+    """Rank the runs with one variation."""
+    return Varied(variation.parameter, variation.value, tuple(rankings(trials)))
+
+
+def decisions(base: Sequence[Ranking], sweep: Sequence[Varied]) -> list[str]:
+    """Say for each ranking how its ratio answers to each parameter, and which of them decides it."""
+    return [_decision(ranking, _answers(ranking, sweep)) for ranking in base] if sweep else []
+
+
+def _answers(base: Ranking, sweep: Sequence[Varied]) -> dict[str, list[tuple[str, Ranking]]]:
+    """Give parameter -> (value, ranking) of the same quantity, designs and load."""
+    answers: dict[str, list[tuple[str, Ranking]]] = {}
+    for point in sweep:
+        same = next(ranking for ranking in point.rankings if _case(ranking) == _case(base))
+        answers.setdefault(point.parameter, []).append((point.value, same))
+    return answers
+
+
+def _case(ranking: Ranking) -> tuple[str, str, str, float]:
+    return ranking.quantity, ranking.pin, ranking.nonpin, ranking.load_nm
+
+
+def _decision(base: Ranking, answers: Mapping[str, list[tuple[str, Ranking]]]) -> str:
+    told = [f"ratio {base.ratio:.2f}"]
+    told += [
+        f"{parameter} " + ", ".join(f"{value}: {ranking.ratio:.2f}" for value, ranking in points)
+        for parameter, points in answers.items()
+    ]
+    decisive = [
+        parameter
+        for parameter, points in answers.items()
+        if min(_difference(ranking) for _, ranking in points) < DECISIVE * _difference(base)
+    ]
+    if base.verdict == "alike":
+        verdict = "the designs are alike"
+    else:
+        verdict = f"decided by {' and '.join(decisive)}" if decisive else "decided by none of them"
+    return f"{load_words(base.load_nm)}, {base.quantity}, {base.pin} / {base.nonpin}: {'; '.join(told)}: {verdict}"
+
+
+def _difference(ranking: Ranking) -> float:
+    return abs(math.log(ranking.ratio)) if ranking.ratio > 0.0 else math.inf

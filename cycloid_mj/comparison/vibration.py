@@ -1,0 +1,110 @@
+"""Vibration of the gear's centre and of the output: acceleration about the closed form, and its spectrum."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj import kinematics
+from cycloid_mj.analysis import Series
+from cycloid_mj.analysis.series import gear_of
+from cycloid_mj.comparison.fluctuation import Level, level, turns
+
+Array = npt.NDArray[np.float64]
+
+OCTAVES = 1e3 * 2.0 ** np.arange(-5, 7)
+"""Centres of the octave bands [Hz], those of IEC 61260."""
+TURNS_PER_SEGMENT = 2
+
+
+@dataclass(frozen=True, eq=False)
+class Acceleration:
+    """Accelerations less their closed form (Eq. 12, Eq. 14 corrected) at the measured crank.
+
+    Each value is the mean from one sample to the next. `centre` of the gear's centre [m/s^2], (n-1, 2); `output` of
+    the output's rotation [rad/s^2], (n-1,).
+    """
+
+    centre: Array
+    output: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """One-sided power spectral densities at `frequency` [Hz].
+
+    `centre` [(m/s^2)^2/Hz], both components together, and `output` [(rad/s^2)^2/Hz].
+    """
+
+    frequency: Array
+    centre: Array
+    output: Array
+
+
+@dataclass(frozen=True)
+class OctaveBand:
+    """The rms acceleration of the gear's centre and of the output in the octave about `centre_hz`."""
+
+    centre_hz: float
+    gear_centre_m_s2: float
+    output_rad_s2: float
+
+
+@dataclass(frozen=True)
+class Vibration:
+    """The rms accelerations about the closed form up to `band_hz`, half the log rate, and by whole octaves."""
+
+    gear_centre_m_s2: Level
+    output_rad_s2: Level
+    band_hz: float
+    octaves: tuple[OctaveBand, ...]
+
+
+def acceleration(motion: Series) -> Acceleration:
+    """Give the accelerations of a run about their closed form: differences of the velocities' errors."""
+    run = motion.run
+    theory = kinematics.gear_centre_velocity(gear_of(motion.design), run["crank_angle"], run["crank_speed"])
+    centre = run.block(["gear_vx", "gear_vy"]) - theory
+    step = np.diff(motion.time)
+    return Acceleration(np.diff(centre, axis=0) / step[:, np.newaxis], np.diff(motion.output_speed.error) / step)
+
+
+def spectrum(motion: Series) -> Spectrum:
+    """Give the spectra of `acceleration` over whole crank turns, by Welch's method in segments of two turns."""
+    from scipy.signal import welch
+
+    parts = turns(motion)
+    rows = slice(parts[0].start, parts[-1].stop)
+    found = acceleration(motion)
+    segment = min(TURNS_PER_SEGMENT * (parts[0].stop - parts[0].start), len(found.output[rows]))
+    signals = np.column_stack([found.centre, found.output])[rows]
+    frequency, density = welch(signals, 1.0 / _sampling(motion), nperseg=segment, axis=0)
+    return Spectrum(frequency, density[:, :2].sum(axis=1), density[:, 2])
+
+
+def vibration(motion: Series) -> Vibration:
+    """Measure the vibration of a run."""
+    found, parts = acceleration(motion), turns(motion)
+    return Vibration(
+        gear_centre_m_s2=level(found.centre, parts),
+        output_rad_s2=level(found.output, parts),
+        band_hz=0.5 / _sampling(motion),
+        octaves=_octaves(spectrum(motion)),
+    )
+
+
+def _sampling(motion: Series) -> float:
+    return float(np.mean(np.diff(motion.time)))
+
+
+def _octaves(found: Spectrum) -> tuple[OctaveBand, ...]:
+    """Give the bands that lie whole within the spectrum."""
+    width = found.frequency[1] - found.frequency[0]
+    bands = []
+    for middle in OCTAVES:
+        low, high = middle / np.sqrt(2.0), middle * np.sqrt(2.0)
+        if low >= width and high <= found.frequency[-1]:
+            inside = (found.frequency >= low) & (found.frequency < high)
+            centre, output = (np.sqrt(width * part[inside].sum()) for part in (found.centre, found.output))
+            bands.append(OctaveBand(float(middle), float(centre), float(output)))
+    return tuple(bands)

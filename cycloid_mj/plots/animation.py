@@ -1,0 +1,110 @@
+"""The mechanism in motion: which samples of a run are filmed, and the frames."""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+from cycloid_mj.analysis import Series, series
+from cycloid_mj.analysis.series import gear_of
+from cycloid_mj.design import Design
+from cycloid_mj.errors import UsageError
+from cycloid_mj.plots.stage import Script, Stage, set_stage, show
+from cycloid_mj.plots.style import styled
+from cycloid_mj.record import Run
+from cycloid_mj.scene import contact_forces, drawing, drawn_radii, gaps
+from cycloid_mj.statics import ideal_load_sharing
+
+Array = npt.NDArray[np.float64]
+Image = npt.NDArray[np.uint8]
+
+FRAMES = 90
+WIDTH = 640
+LEAST_WIDTH, LARGEST_WIDTH = 200, 4000
+
+
+@dataclass(frozen=True, eq=False)
+class Take:
+    """What is filmed: samples of a run, in order, and how many times as wide gaps are drawn."""
+
+    motion: Series
+    rows: npt.NDArray[np.intp]
+    magnification: float
+
+
+def take(run: Run, magnification: float = 1.0, frames: int = FRAMES, turns: float = 1.0) -> Take:
+    """Choose the samples to film: settled crank turns of the hold, as evenly as the samples allow.
+
+    Parameters
+    ----------
+    run
+        The run.
+    magnification
+        How many times as wide gaps are drawn.
+    frames
+        Number of frames; there are fewer if the run has not as many samples.
+    turns
+        Crank turns, also parts of one; there are fewer if the run has not as many.
+
+    Raises
+    ------
+    LogError
+        The run has no design, lacks a column, or did not reach the hold.
+    UsageError
+        `frames` or `turns` is not positive, or gaps cannot be drawn that wide.
+    """
+    if frames < 1 or not turns > 0.0:
+        raise UsageError(f"an animation of {frames} frames over {turns:g} crank turns: give at least 1 and more than 0")
+    motion = series(run)
+    drawn_radii(motion.design, magnification)
+    start = motion.one_turn.start
+    swept = np.abs(motion.crank_angle[start:] - motion.crank_angle[start]) / (2 * np.pi)
+    wanted = np.linspace(0.0, min(turns, float(swept[-1])), frames, endpoint=False)
+    return Take(motion, start + np.unique(np.searchsorted(swept, wanted)), magnification)
+
+
+@styled
+def film(scene: Take, width: int = WIDTH) -> Iterator[Image]:
+    """Give the frames of a take, shape (height, width, 3), height and width even.
+
+    Raises
+    ------
+    UsageError
+        The width is too small or too large.
+    DesignError
+        A part cannot be drawn.
+    """
+    if not LEAST_WIDTH <= width <= LARGEST_WIDTH:
+        raise UsageError(f"an animation {width} pixels wide: give {LEAST_WIDTH} to {LARGEST_WIDTH}")
+    motion = scene.motion
+    columns = {name: values[scene.rows] for name, values in motion.run.columns.items()}
+    drawn = drawing(motion.design, gaps(motion.design, columns), scene.magnification)
+    script = Script(
+        design=motion.design,
+        drawn=drawn,
+        acting=contact_forces(motion.design, columns, drawn),
+        ideal=_ideal(motion.design, columns),
+    )
+    return _frames(script, set_stage(script, width), columns["crank_angle"], motion.time[scene.rows])
+
+
+def _frames(script: Script, stage: Stage, crank_angle: Array, time: Array) -> Iterator[Image]:
+    canvas = FigureCanvasAgg(stage.figure)
+    for row, now in enumerate(time.tolist()):
+        show(stage, script, row)
+        angle = math.degrees(crank_angle[row]) % 360.0
+        stage.clock.set_text(f"crank at {angle:5.1f}\N{DEGREE SIGN},  {now:.4f} s")
+        canvas.draw()
+        picture = np.asarray(canvas.buffer_rgba())
+        height, width = (2 * (size // 2) for size in picture.shape[:2])
+        yield picture[:height, :width, :3].copy()
+
+
+def _ideal(design: Design, columns: Mapping[str, Array]) -> Array | None:
+    """Give the force on each pin by ideal load sharing, shape (n, N) [N]; None for an internal gear."""
+    if design.ring.kind != "pin":
+        return None
+    return ideal_load_sharing(gear_of(design), columns["load_torque"], columns["crank_angle"]).forces

@@ -1,0 +1,81 @@
+"""Relative curvature of the contact lines, design against design: the paper's argument for the nonpin design."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MultipleLocator
+
+from cycloid_mj import statics
+from cycloid_mj.analysis.series import gear_of
+from cycloid_mj.contact_lines import ContactLines, contact_lines, mesh_period, pressure
+from cycloid_mj.design import Design
+from cycloid_mj.plots.comparison import COLORS
+from cycloid_mj.plots.style import GREY, crank_axis, keys, sheet, styled
+
+CRANK_ANGLES = 120
+"""Crank angles in a mesh period; the lines of all teeth together then lie 1/12 deg of phase apart with 36 teeth."""
+
+ON_TEETH: dict[str, Any] = {"linestyle": "-"}
+ON_SIGMA: dict[str, Any] = {"linestyle": (0, (4, 1.5))}
+PARTS: tuple[tuple[tuple[str, ...], dict[str, Any]], ...] = (
+    (("pin", "arc"), ON_TEETH),
+    (("sigma1",), ON_SIGMA),
+    (("sigma2",), ON_SIGMA),
+)
+WIDEST = 3.4
+
+
+@styled
+def curvature_figure(designs: Sequence[Design]) -> Figure:
+    """Draw relative curvature and Hertz pressure of every contact line of one mesh period against its phase.
+
+    The pressure is that of each design's working force on one line. Phase 0 is a valley of the gear at the tooth,
+    180 deg a lobe's tip.
+    """
+    figure = sheet(4.4)
+    top, bottom = figure.subplots(2, 1, sharex=True)
+    for number, design in enumerate(designs):
+        gear = gear_of(design)
+        lines = contact_lines(gear, design.ring.kind, mesh_period(gear, CRANK_ANGLES))
+        look = {"color": COLORS[number % len(COLORS)], "linewidth": WIDEST / (1 + 1.6 * number)}
+        _draw(top, lines, 1e-3 * lines.relative_curvature, look)
+        _draw(bottom, lines, 1e-6 * _pressure(lines, design), look)
+    top.set_title("Relative normal curvature of the contact lines")
+    top.set_ylabel("curvature [1/mm]")
+    forces = ", ".join(f"{force:g}" for force in dict.fromkeys(design.contact.working_force for design in designs))
+    bottom.set_title(f"Hertz pressure of one line under {forces} N")
+    bottom.set_ylabel("pressure [MPa]")
+    for panel in (top, bottom):
+        panel.set_ylim(bottom=0.0)
+        crank_axis(panel, np.array([0.0, 360.0]))
+        panel.axvline(180.0, color=GREY, linewidth=0.6)
+        panel.xaxis.set_major_locator(MultipleLocator(30))
+    top.set_xlabel("")
+    bottom.set_xlabel("phase of the contact [deg]: 0 valley, 180 tip of the gear's lobe")
+    looks: list[tuple[str, dict[str, Any]]] = [
+        (design.name, {"color": COLORS[n % len(COLORS)]}) for n, design in enumerate(designs)
+    ]
+    kinds: list[tuple[str, dict[str, Any]]] = [
+        ("pin or arc", {"color": GREY, **ON_TEETH}),
+        ("flank Sigma", {"color": GREY, **ON_SIGMA}),
+    ]
+    figure.legend(handles=keys(*looks, *kinds), loc="outside lower center", ncols=len(looks) + 2)
+    return figure
+
+
+def _draw(axes: Axes, lines: ContactLines, values: Any, look: dict[str, Any]) -> None:
+    """Draw values [shape (n,)] over the phase, the two flanks apart."""
+    for parts, style in PARTS:
+        rows = np.flatnonzero(np.isin(lines.part, parts))
+        rows = rows[np.argsort(lines.phase[rows])]
+        if rows.size:
+            axes.plot(np.degrees(lines.phase[rows]), values[rows], **look, **style)
+
+
+def _pressure(lines: ContactLines, design: Design) -> Any:
+    material = design.material
+    modulus = statics.contact_modulus(material.youngs_modulus, material.poisson)
+    return pressure(lines, design.contact.working_force, design.gear.face_width, modulus)

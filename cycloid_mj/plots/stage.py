@@ -1,0 +1,261 @@
+"""The figure of an animation: parts and arrows that move, and bars of the load on the ring."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch, PathPatch
+from matplotlib.path import Path
+from matplotlib.transforms import Affine2D
+
+from cycloid_mj.design import Design
+from cycloid_mj.envelope import sample_ring_by_sagitta
+from cycloid_mj.plots.mechanism import LOOKS
+from cycloid_mj.plots.style import BLACK, BLUE, VERMILION
+from cycloid_mj.scene import ContactForces, Drawing, ring_outline
+from cycloid_mj.scene.drawing import Radii
+from cycloid_mj.scene.pose import GEAR, OUTPUT, SHAFT, ring_places
+from cycloid_mj.solid import circle, gear_solid, housing_solid
+from cycloid_mj.solid.gear import tooth_profile
+from cycloid_mj.solid.polygon import arc
+
+Array = npt.NDArray[np.float64]
+
+CHORD_ERROR = 1e-5
+"""Largest distance of a drawn chord from its curve [m]: a tenth of a pixel."""
+
+WIDTH, HEIGHT = 6.4, 8.0
+"""Size of the figure [in]."""
+
+LONGEST = 0.3
+"""Length of the largest force of a kind, as a share of the housing's radius."""
+
+FORCES = {
+    "pin_gear": ("ring pins", VERMILION),
+    "tooth": ("internal gear", VERMILION),
+    "cam": ("cam", BLACK),
+    "output": ("output pins", BLUE),
+}
+RING = ("pin_gear", "tooth")
+PIN, SOCKET = "pin", "socket"
+DARK = {"color": "#3B4046"}
+SOCKET_LOOK = {"facecolor": "white", "edgecolor": LOOKS["ring"]["edgecolor"], "zorder": 1.2}
+SPAN = math.radians(95.0)
+"""Half of the arc of a socket that is drawn [rad]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """The figure and everything on it that changes from frame to frame."""
+
+    figure: Figure
+    axes: Axes
+    clock: Any
+    parts: Mapping[str, list[Any]]
+    wall: Any
+    arrows: Mapping[str, Any]
+    bars: Any
+    ideal_steps: Any
+
+
+@dataclass(frozen=True, eq=False)
+class Script:
+    """What happens on it, in n frames.
+
+    Attributes
+    ----------
+    design
+        The design.
+    drawn
+        Where everything is.
+    acting
+        The forces.
+    ideal
+        Force on each ring pin by the closed form [N], shape (n, N); None for another ring.
+    """
+
+    design: Design
+    drawn: Drawing
+    acting: ContactForces
+    ideal: Array | None
+
+
+def set_stage(script: Script, width: int) -> Stage:
+    """Draw everything once, `width` pixels wide."""
+    design, acting = script.design, script.acting
+    figure = Figure(figsize=(WIDTH, HEIGHT), dpi=width / WIDTH)
+    axes = figure.add_axes((0.02, 0.262, 0.96, 0.7), aspect="equal")
+    reach = 1.02e3 * design.housing.outer_radius
+    axes.set(xlim=(-reach, reach), ylim=(-reach, reach))
+    axes.axis("off")
+    wall = _wall(axes, design)
+    parts = _parts(axes, design, script.drawn.radii)
+    arrows = {kind: _arrows(axes, design, acting.of(kind)) for kind in FORCES if kind in acting.kinds}
+    figure.text(0.025, 0.972, _title(design, script.drawn.magnification), fontsize=9.5, weight="bold")
+    clock = figure.text(0.975, 0.972, "", fontsize=9.5, ha="right", family="DejaVu Sans Mono")
+    _legend(figure, acting)
+    bars, steps = _load_axes(figure, acting.of(*RING), script.ideal)
+    return Stage(figure, axes, clock, parts, wall, arrows, bars, steps)
+
+
+def show(stage: Stage, script: Script, row: int) -> None:
+    """Set the stage for a frame."""
+    drawn = script.drawn
+    _move(stage, GEAR, [drawn.gear[row]])
+    _move(stage, SHAFT, [drawn.shaft[row]])
+    _move(stage, OUTPUT, drawn.output_pins[row])
+    outwards = np.arctan2(*ring_places(script.design).T[::-1])
+    _move(stage, SOCKET, np.column_stack([drawn.sockets[row], outwards]))
+    _move(stage, PIN, np.column_stack([drawn.ring[row], drawn.gaps.pin_angle[row]]))
+    if script.design.ring.kind != "pin":
+        _set_ring(stage.wall, script, row)
+    _show_forces(stage, script, row)
+
+
+def _move(stage: Stage, part: str, places: Any) -> None:
+    """Move copies of a part to their places: x [m], y [m] and perhaps an angle [rad]."""
+    for artists, (x, y, *angle) in zip(stage.parts[part], places, strict=False):
+        moved = Affine2D().rotate(*(angle or [0.0])).translate(1e3 * x, 1e3 * y) + stage.axes.transData
+        for artist in artists:
+            artist.set_transform(moved)
+
+
+def _show_forces(stage: Stage, script: Script, row: int) -> None:
+    """Set arrows and bars."""
+    for kind, arrows in stage.arrows.items():
+        these = script.acting.of(kind)
+        arrows.set_offsets(1e3 * these.point[row])
+        idle = these.size[row] <= 0.0
+        arrows.set_UVC(*(np.ma.masked_array(part, idle) for part in these.force[row].T))
+    if stage.bars is not None:
+        for bar, size in zip(stage.bars, script.acting.of(*RING).size[row], strict=True):
+            bar.set_height(size)
+    if stage.ideal_steps is not None and script.ideal is not None:
+        stage.ideal_steps.set_data(script.ideal[row])
+
+
+def _title(design: Design, magnification: float) -> str:
+    return design.name + (f",  gaps drawn {magnification:g} times as wide" if magnification > 1 else "")
+
+
+def _wall(axes: Axes, design: Design) -> Any:
+    """Draw the housing: a plain ring where pins and sockets are drawn on it, else the internal gear."""
+    housing = housing_solid(design, CHORD_ERROR).prisms[0]
+    hole = housing.holes[0]
+    if design.ring.kind == "pin":
+        hole = circle(float(np.linalg.norm(hole, axis=1).min()), CHORD_ERROR)
+    return _region(axes, [housing.outline, hole[::-1]], "ring", 1)
+
+
+def _set_ring(wall: Any, script: Script, row: int) -> None:
+    ring = sample_ring_by_sagitta(tooth_profile(script.design), CHORD_ERROR)
+    hole = ring_outline(script.design, ring.points, ring.normals, script.drawn, row)
+    outline = circle(script.design.housing.outer_radius, CHORD_ERROR)
+    wall.set_path(_path([outline, hole]))
+
+
+def _parts(axes: Axes, design: Design, radii: Radii) -> dict[str, list[Any]]:
+    """Draw the parts from the back to the front, each copy in its own frame, as lists of what moves together."""
+    ring, output, gear = design.ring, design.output, design.gear
+    pinned = design.ring.kind == "pin"
+    free = pinned and ring.pins == "free"
+    prism = gear_solid(design, CHORD_ERROR).prisms[0]
+    valley = ring.pin_circle_radius - ring.pin_radius - gear.eccentricity
+    between = 0.5 * (valley + output.pin_circle_radius + output.hole_radius)
+    mark = (0.0, between, 0.2 * output.pin_radius)
+    return {
+        SOCKET: [[_socket(axes, radii.socket)] for _ in range(free * ring.teeth)],
+        PIN: [_pin(axes, radii.pin) for _ in range(pinned * ring.teeth)],
+        GEAR: [
+            [_region(axes, [prism.outline, *(h[::-1] for h in prism.holes)], "gear", 1.5), _disc(axes, mark, DARK, 3)]
+        ],
+        OUTPUT: [[_disc(axes, (0.0, 0.0, radii.output_pin), LOOKS["output"], 3)] for _ in range(output.pins)],
+        SHAFT: [
+            [
+                _disc(axes, (0.0, gear.eccentricity, radii.cam), LOOKS["cam"], 3),
+                _disc(axes, (0.0, 0.0, design.shaft.radius), LOOKS["shaft"], 3),
+                _disc(axes, (0.0, 0.8 * gear.bore_radius, 0.06 * gear.bore_radius), DARK, 3),
+            ]
+        ],
+    }
+
+
+def _socket(axes: Axes, radius: float) -> Any:
+    """Draw the outer half of a socket, +x outwards."""
+    return axes.add_patch(PathPatch(Path(1e3 * arc(radius, -SPAN, SPAN, CHORD_ERROR)), linewidth=0.6, **SOCKET_LOOK))
+
+
+def _pin(axes: Axes, radius: float) -> list[Any]:
+    """Draw a pin with a line on it, so that its rotation shows."""
+    (line,) = axes.plot([0.0, 0.8e3 * radius], [0.0, 0.0], color=LOOKS["pins"]["edgecolor"], linewidth=0.8, zorder=2.1)
+    return [_disc(axes, (0.0, 0.0, radius), LOOKS["pins"], 2), line]
+
+
+def _region(axes: Axes, rings: Sequence[Array], look: str, order: float) -> Any:
+    return axes.add_patch(PathPatch(_path(rings), linewidth=0.6, joinstyle="round", zorder=order, **LOOKS[look]))
+
+
+def _path(rings: Sequence[Array]) -> Path:
+    return Path.make_compound_path(*(Path(1e3 * np.vstack([ring, ring[:1]]), closed=True) for ring in rings))
+
+
+def _disc(axes: Axes, circle: tuple[float, float, float], look: Mapping[str, Any], order: float) -> Any:
+    """Draw a circle: x, y and radius [m]."""
+    x, y, radius = (1e3 * length for length in circle)
+    return axes.add_patch(PathPatch(Path.circle((x, y), radius), linewidth=0.6, zorder=order, **look))
+
+
+def _arrows(axes: Axes, design: Design, these: ContactForces) -> Any:
+    """Draw the arrows of one kind, tips at the contacts, to one scale of their own."""
+    largest = max(float(these.size.max(initial=0.0)), 1e-9)
+    return axes.quiver(
+        *(1e3 * these.point[0]).T,
+        *these.force[0].T,
+        color=FORCES[these.kinds[0]][1],
+        pivot="tip",
+        angles="xy",
+        scale_units="xy",
+        scale=largest / (LONGEST * 1e3 * design.housing.outer_radius),
+        units="width",
+        width=0.005,
+        minlength=0.1,
+        zorder=5,
+    )
+
+
+def _legend(figure: Figure, acting: ContactForces) -> None:
+    """Name the colours of the arrows, with the largest force of each kind."""
+    entries = [
+        Patch(color=colour, label=f"{name}: up to {acting.of(kind).size.max():.4g} N")
+        for kind, (name, colour) in FORCES.items()
+        if kind in acting.kinds
+    ]
+    if entries:
+        title = "force on the gear (arrows of each kind have a scale of their own)"
+        place: dict[str, Any] = {"loc": "upper center", "bbox_to_anchor": (0.5, 0.262)}
+        figure.legend(handles=entries, ncols=len(entries), title=title, title_fontsize=8.0, handlelength=1.2, **place)
+
+
+def _load_axes(figure: Figure, ring: ContactForces, ideal: Array | None) -> tuple[Any, Any]:
+    """Draw the force on each pin or lobe of the ring as bars, and the closed form as steps above them."""
+    if not ring.names:
+        return None, None
+    axes = figure.add_axes((0.095, 0.06, 0.88, 0.125))
+    number = np.arange(1, len(ring.names) + 1)
+    bars = axes.bar(number, ring.size[0], width=0.8, color=VERMILION)
+    top = max(float(ring.size.max()), 1e-9)
+    line = None
+    if ideal is not None and ideal.any():
+        line = axes.stairs(ideal[0], np.arange(number.size + 1) + 0.5, color=BLACK, linewidth=1.0, baseline=None)
+        line.set_label("closed form, no clearance, no friction")
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.97), borderaxespad=0.0)
+        top = max(top, float(ideal.max()))
+    kind = "pin" if ring.kinds[0] == "pin_gear" else "lobe of the internal gear"
+    axes.set(xlim=(0.4, number.size + 0.6), ylim=(0.0, 1.08 * top), ylabel="force [N]")
+    axes.set_xlabel(f"{kind} (1 on +y, clockwise)", labelpad=1.0)
+    return bars, line

@@ -1,0 +1,57 @@
+"""What decides the rankings of a comparison: pin over nonpin, as parameters are varied one at a time."""
+
+import math
+from collections.abc import Sequence
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
+
+from cycloid_mj.comparison import Comparison, Ranking, load_words
+from cycloid_mj.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, keys, sheet, styled
+
+MARKS = ((BLUE, "o"), (VERMILION, "s"), (GREEN, "D"), (PURPLE, "^"), (ORANGE, "v"))
+
+
+@styled
+def sweep_figure(comparison: Comparison) -> Figure:
+    """Draw the ratio of the first pin design's fluctuations to the first nonpin design's, for each variation."""
+    figure = sheet(3.6)
+    panels = figure.subplots(1, len(comparison.loads), sharey=True, squeeze=False)[0]
+    first = comparison.rankings[0]
+    points = [("as it is", comparison.rankings)]
+    points += [(f"{point.parameter} {point.value}", point.rankings) for point in comparison.sweep]
+    names = list(dict.fromkeys(ranking.quantity for ranking in comparison.rankings))
+    for panel, load in zip(panels, comparison.loads, strict=True):
+        for place, (_, rankings) in enumerate(points):
+            chosen = [r for r in rankings if (r.pin, r.nonpin, r.load_nm) == (first.pin, first.nonpin, load)]
+            _mark(panel, place, chosen, names)
+        panel.axhline(1.0, color=BLACK, linewidth=0.6)
+        panel.axvline(0.5, color=GREY, linewidth=0.6, linestyle=":")
+        panel.set_yscale("log")
+        panel.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        panel.yaxis.set_minor_formatter(FuncFormatter(_few))
+        panel.set_xlim(-0.6, len(points) - 0.4)
+        panel.set_xticks(range(len(points)), [words for words, _ in points], rotation=60, ha="right")
+        panel.set_title(load_words(load))
+    panels[0].set_ylabel(f"rms of {first.pin} / rms of {first.nonpin}")
+    looks = [
+        (name, {"color": color, "marker": mark, "linestyle": "none", "markersize": 4.5})
+        for name, (color, mark) in zip(names, MARKS, strict=False)
+    ]
+    figure.legend(handles=keys(*looks), loc="outside lower center", ncols=3, handlelength=1.0)
+    return figure
+
+
+def _mark(panel: Axes, place: int, rankings: Sequence[Ranking], names: Sequence[str]) -> None:
+    for ranking in rankings:
+        color, mark = MARKS[names.index(ranking.quantity)]
+        beside = 0.1 * (names.index(ranking.quantity) - 2)
+        if math.isfinite(ranking.ratio):
+            panel.plot(place + beside, ranking.ratio, marker=mark, color=color, markersize=4.0)
+
+
+def _few(value: float, _: object) -> str:
+    """Label the 2 and the 5 of each decade."""
+    digit = round(value / 10 ** math.floor(math.log10(value)))
+    return f"{value:g}" if digit in (2, 5) else ""

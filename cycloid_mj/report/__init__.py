@@ -1,0 +1,46 @@
+"""The review of logged runs: one HTML page that needs no network, for a screen, a phone or paper.
+
+The page's numbers come from ``analysis`` and the runs; its figures are drawn by the page itself from arrays that it
+carries (``page.js`` and its neighbours), so that they can be zoomed and share one cursor.
+"""
+
+from collections.abc import Mapping
+
+import numpy.typing as npt
+
+from cycloid_mj.analysis import judge, series
+from cycloid_mj.errors import UsageError
+from cycloid_mj.record import Run
+from cycloid_mj.report.page import page
+from cycloid_mj.report.reviewed import Reviewed
+
+__all__ = ["MOST_RUNS", "report"]
+
+MOST_RUNS = 6
+"""Runs that can be told apart in one figure."""
+
+
+def report(runs: Mapping[str, Run], q: npt.ArrayLike | None = None) -> str:
+    """Give the review of runs as one self-contained HTML page; several are set side by side.
+
+    Parameters
+    ----------
+    runs
+        Name of the log -> run.
+    q
+        Point of the gear that is followed, gear frame [m]; by default the centre of hole 1, on +y.
+
+    Raises
+    ------
+    UsageError
+        There is no run, or too many, or `q` is no point.
+    LogError
+        A run has no design, lacks a column, or did not reach the hold.
+    """
+    if not 1 <= len(runs) <= MOST_RUNS:
+        raise UsageError(f"a report of {len(runs)} runs: give 1 to {MOST_RUNS} logs")
+    reviewed = []
+    for log, run in runs.items():
+        motion = series(run, q)
+        reviewed.append(Reviewed(log, motion, judge(motion, log)))
+    return page(reviewed)

@@ -1,0 +1,86 @@
+"""All that the page's figures are drawn from, as JSON."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from cycloid_mj.report.curves import FIGURES, Figure, curves, paths
+from cycloid_mj.report.encode import decimated, encoded
+from cycloid_mj.report.mechanism import mechanism
+from cycloid_mj.report.reviewed import PALETTE, Reviewed, labels
+from cycloid_mj.report.spectrum import order_spectrum
+
+MOST_VALUES = 1_000_000
+"""Values of curves that a page carries, over all runs: 5 MB."""
+
+MOST_SAMPLES = 40_000
+HIGHEST_ORDER = 5
+"""Largest order of the spectrum that is shown, in mesh orders."""
+
+HEIGHTS = {1: 2.2, 2: 1.1, 3: 0.8}
+"""Number of panels of a figure -> height of each, so that figures side by side are about as high."""
+
+
+def figures(reviewed: Sequence[Reviewed]) -> list[Figure]:
+    """Give the figures over time that the runs have something to show in."""
+    pinned = any(item.motion.pin_1 for item in reviewed)
+    return [figure for figure in FIGURES if pinned or figure.name != "pin_1"]
+
+
+def page_data(reviewed: Sequence[Reviewed]) -> dict[str, Any]:
+    """Give all that the page draws from."""
+    return {
+        "figures": [
+            {
+                "name": figure.name,
+                "panels": [{**vars(panel), "height": HEIGHTS[len(figure.panels)]} for panel in figure.panels],
+            }
+            for figure in figures(reviewed)
+        ],
+        "runs": [
+            _run_data(item, name, colour, len(reviewed))
+            for item, name, colour in zip(reviewed, labels(reviewed), PALETTE, strict=False)
+        ],
+    }
+
+
+def _run_data(item: Reviewed, name: str, colour: str, runs: int) -> dict[str, Any]:
+    motion, found = item.motion, curves(item.motion)
+    most = min(MOST_SAMPLES, MOST_VALUES // (runs * len(found)))
+    time, values = decimated(motion.time, np.stack(list(found.values()), axis=1), most)
+    hold, turn = motion.time[motion.hold], motion.time[motion.one_turn]
+    return {
+        "name": name,
+        "colour": colour,
+        "start": float(time[0]),
+        "time": encoded(time - time[0]),
+        "curves": {key: encoded(values[:, column]) for column, key in enumerate(found)},
+        "paths": {key: {part: _part(value) for part, value in path.items()} for key, path in paths(motion).items()},
+        "spans": {"hold": _span(hold), "turn": _span(turn), "all": _span(motion.time)},
+        "mechanism": mechanism(motion),
+        "spectrum": spectrum_data(item),
+    }
+
+
+def _part(value: object) -> object:
+    return encoded(value) if isinstance(value, np.ndarray) else value
+
+
+def _span(time: Any) -> list[float]:
+    return [float(time[0]), float(time[-1])]
+
+
+def spectrum_data(item: Reviewed) -> dict[str, Any] | None:
+    """Give the order spectrum of the gear's speed; None if the hold is too short for one."""
+    found = order_spectrum(item.motion, item.motion.gear_speed.simulated)
+    if found is None:
+        return None
+    teeth = item.motion.design.ring.teeth
+    shown = found.order <= HIGHEST_ORDER * teeth * 1.02
+    return {
+        "order": encoded(found.order[shown]),
+        "amplitude": encoded(1e3 * found.amplitude[shown]),
+        "mesh": teeth,
+        "turns": found.turns,
+    }

@@ -1,0 +1,47 @@
+"""Arrays for the page: as many points as can be told apart, in single precision."""
+
+import base64
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+
+
+def encoded(values: npt.ArrayLike) -> dict[str, Any]:
+    """Give an array of any shape as JSON that the page decodes."""
+    array = np.asarray(values, dtype="<f4")
+    return {"shape": list(array.shape), "f32": base64.b64encode(array.tobytes()).decode()}
+
+
+def decimated(time: Array, values: Array, most: int) -> tuple[Array, Array]:
+    """Give at most about `most` samples of columns that keep every extreme.
+
+    Parameters
+    ----------
+    time
+        Shape (n,).
+    values
+        Shape (n, k).
+    most
+        Samples wanted.
+
+    Returns
+    -------
+    tuple
+        Times (m,) and values (m, k): themselves if there are not more samples, else the smallest and the largest value
+        of each column in each of m/2 spans of time, in the order in which they occur.
+    """
+    count = time.size
+    if count <= most:
+        return time, values
+    width = -(-count // max(1, most // 2))
+    spans = -(-count // width)
+    # the last span is filled up with its last sample, which changes no extreme
+    rows = np.minimum(np.arange(spans * width), count - 1).reshape(spans, width)
+    block = values[rows]
+    low, high = block.argmin(axis=1), block.argmax(axis=1)
+    both = np.stack([np.minimum(low, high), np.maximum(low, high)], axis=1)
+    kept = np.take_along_axis(block, both, axis=1).reshape(2 * spans, -1)
+    return time[rows[:, [0, width // 2]]].ravel(), kept

@@ -1,0 +1,96 @@
+"""The moving mechanism of the page: what is drawn, and one crank turn of gaps and forces."""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.analysis import Series
+from cycloid_mj.analysis.series import gear_of
+from cycloid_mj.design import Design
+from cycloid_mj.envelope import sample_ring_by_sagitta
+from cycloid_mj.report.encode import encoded
+from cycloid_mj.scene import contact_forces, drawn_radii, gaps, largest_magnification
+from cycloid_mj.scene.drawing import tooth_clearance
+from cycloid_mj.solid import gear_solid, housing_solid
+from cycloid_mj.statics import ideal_load_sharing
+
+Array = npt.NDArray[np.float64]
+
+FRAMES = 360
+CHORD_ERROR = 1e-5
+MAGNIFICATIONS = (1, 50, 100, 200, 500, 1000)
+USUAL_MAGNIFICATION = 200
+
+
+def mechanism(motion: Series) -> dict[str, Any]:
+    """Give the mechanism's outlines [mm] and its motion over one settled crank turn."""
+    rows = _rows(motion)
+    columns = {name: values[rows] for name, values in motion.run.columns.items()}
+    return _shape(motion.design) | {"frames": _frames(motion, columns, motion.time[rows])}
+
+
+def _rows(motion: Series) -> npt.NDArray[np.intp]:
+    turn = motion.one_turn
+    return np.unique(np.linspace(turn.start, turn.stop - 1, FRAMES).round().astype(np.intp))
+
+
+def _shape(design: Design) -> dict[str, Any]:
+    ring, output, gear = design.ring, design.output, design.gear
+    hole = housing_solid(design, CHORD_ERROR).prisms[0].holes[0]
+    largest = largest_magnification(design)
+    shape = {
+        "kind": ring.kind,
+        "free": ring.kind == "pin" and ring.pins == "free",
+        "teeth": ring.teeth,
+        "eccentricity": 1e3 * gear.eccentricity,
+        "pinCircle": 1e3 * ring.pin_circle_radius,
+        "pin": 1e3 * ring.pin_radius,
+        "bore": 1e3 * (gear.bore_radius + design.clearance.cam),
+        "outputPins": output.pins,
+        "outputCircle": 1e3 * output.pin_circle_radius,
+        "hole": 1e3 * (output.hole_radius + design.clearance.output),
+        "shaft": 1e3 * design.shaft.radius,
+        "housing": 1e3 * design.housing.outer_radius,
+        "wall": 1e3 * float(np.linalg.norm(hole, axis=1).min()),
+        "clearance": 1e3 * tooth_clearance(design),
+        "gear": encoded(1e3 * gear_solid(design, CHORD_ERROR).prisms[0].outline),
+        "magnifications": [
+            {"times": times, **{name: 1e3 * radius for name, radius in vars(drawn_radii(design, times)).items()}}
+            for times in MAGNIFICATIONS
+            if times <= largest
+        ],
+        "usual": USUAL_MAGNIFICATION,
+    }
+    if ring.kind != "pin":
+        outline = sample_ring_by_sagitta(gear_of(design), CHORD_ERROR)
+        shape |= {"ring": encoded(1e3 * outline.points), "ringNormals": encoded(outline.normals)}
+    return shape
+
+
+def _frames(motion: Series, columns: dict[str, Array], time: Array) -> dict[str, Any]:
+    """Give what changes, in mm, rad and N."""
+    design = motion.design
+    measured, acting = gaps(design, columns), contact_forces(design, columns)
+    deviation = measured.deviation * [1e3, 1e3, 1.0]
+    frames = {
+        "time": encoded(time - time[0]),
+        "start": float(time[0]),
+        "crank": encoded(np.mod(measured.crank_angle, 2 * np.pi * design.lobes)),
+        "deviation": encoded(deviation),
+        "opening": encoded(1e3 * measured.opening),
+        "outputAway": encoded(1e3 * measured.output_away),
+        "force": {kind: encoded(acting.of(*kinds).force) for kind, kinds in GROUPS.items()},
+    }
+    if design.ring.kind == "pin":
+        ideal = ideal_load_sharing(gear_of(design), columns["load_torque"], columns["crank_angle"]).forces
+        frames |= {
+            "away": encoded(1e3 * measured.away),
+            "pinAngle": encoded(np.mod(measured.pin_angle, 2 * np.pi)),
+            "ideal": encoded(ideal),
+        }
+    return frames
+
+
+GROUPS = {"ring": ("pin_gear", "tooth"), "cam": ("cam",), "output": ("output",)}
+"""Forces that share a colour and a scale -> kinds of mating pairs."""

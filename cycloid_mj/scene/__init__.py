@@ -1,0 +1,28 @@
+"""Where every part of a logged run is and what force acts where, from its columns; and the messages that show it.
+
+The room turns a design and columns of samples into poses, contact forces and Foxglove messages. It needs neither
+MuJoCo nor a log: what writes logs takes a `Scene`, what draws takes `poses` and `contact_forces`.
+"""
+
+from cycloid_mj.scene.drawing import Drawing, Gaps, drawing, drawn_radii, gaps, largest_magnification, ring_outline
+from cycloid_mj.scene.force import ContactForces, contact_forces, reference_force
+from cycloid_mj.scene.messages import RATE, Scene
+from cycloid_mj.scene.pose import POSE_COLUMNS, poses, ring_places
+
+__all__ = [
+    "POSE_COLUMNS",
+    "RATE",
+    "ContactForces",
+    "Drawing",
+    "Gaps",
+    "Scene",
+    "contact_forces",
+    "drawing",
+    "drawn_radii",
+    "gaps",
+    "largest_magnification",
+    "poses",
+    "reference_force",
+    "ring_outline",
+    "ring_places",
+]

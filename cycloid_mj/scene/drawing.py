@@ -1,0 +1,267 @@
+"""The mechanism as it is drawn in its plane, with every gap as many times as wide as one wants to see it.
+
+A clearance of 1 um cannot be seen on a part of 100 mm, and parts that were simply moved a thousand times as far would
+slide along each other's curved flanks. So the gear stands where the ideal mesh has it, and everything that touches it
+is placed by its gap to it: along the ideal normal, magnified. What runs in the gear is drawn thinner, so that it fits.
+Each gap, and each overlap by elastic approach, is then drawn to one scale; at magnification 1 the drawing is true.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj import profile
+from cycloid_mj.design import Design
+from cycloid_mj.errors import UsageError
+from cycloid_mj.kinematics import gear_centre, gear_rotation
+from cycloid_mj.profile import CycloidGear
+from cycloid_mj.scene.pose import GEAR, OUTPUT, pin, poses, ring_places
+from cycloid_mj.solid import output_centres
+from cycloid_mj.solid.gear import tooth_profile
+
+Array = npt.NDArray[np.float64]
+
+THINNEST = 0.4
+"""Least radius that a part may be drawn with, as a share of its own."""
+
+ROUNDS = 8
+"""Newton steps to a foot point; four are enough but in a valley whose curvature is nearly the pin's."""
+
+
+@dataclass(frozen=True)
+class Radii:
+    """Radii that the parts are drawn with [m]: gear and holes keep theirs."""
+
+    pin: float
+    socket: float
+    cam: float
+    output_pin: float
+
+
+@dataclass(frozen=True, eq=False)
+class Gaps:
+    """What separates the parts at n times, measured against the ideal mesh at the same crank angle.
+
+    Attributes
+    ----------
+    gear
+        Ideal pose of the gear: x, y [m], angle [rad], shape (n, 3).
+    deviation
+        Measured pose of the gear less the ideal one, shape (n, 3).
+    crank_angle
+        Shape (n,), [rad].
+    opening
+        How much more room than the clearance there is between the gear and each pin, or arc of an internal gear [m],
+        shape (n, N).
+    away
+        Each pin's centre from its socket's [m], shape (n, N, 2); zeros where pins are fixed.
+    pin_angle
+        Rotation of each pin [rad], shape (n, N).
+    output_away
+        Each output pin's centre from its hole's [m], less the eccentricity, shape (n, k).
+    """
+
+    gear: Array
+    deviation: Array
+    crank_angle: Array
+    opening: Array
+    away: Array
+    pin_angle: Array
+    output_away: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """Where everything is drawn at n times, in the frame of the reducer axis; x right, y up, [m] and [rad].
+
+    Attributes
+    ----------
+    magnification
+        How many times as wide gaps are drawn.
+    radii
+        What the parts are drawn with.
+    gaps
+        What separates them.
+    gear, shaft
+        Poses, shape (n, 3).
+    ring
+        Centres of the N pins, or of the lobes of an internal gear, shape (n, N, 2).
+    sockets
+        Centres of the pins' sockets, shape (n, N, 2).
+    output_pins
+        Centres of the output pins, shape (n, k, 2).
+    """
+
+    magnification: float
+    radii: Radii
+    gaps: Gaps
+    gear: Array
+    shaft: Array
+    ring: Array
+    sockets: Array
+    output_pins: Array
+
+
+def largest_magnification(design: Design) -> float:
+    """Give the magnification at which some part would be drawn with less than `THINNEST` of its radius."""
+    slack = 1.0 - THINNEST
+    return 1.0 + slack * min(
+        design.ring.pin_radius / tooth_clearance(design),
+        design.gear.bore_radius / design.clearance.cam,
+        design.output.pin_radius / design.clearance.output,
+    )
+
+
+def tooth_clearance(design: Design) -> float:
+    """Give the normal clearance between gear and ring [m]."""
+    return design.clearance.pin_gear if design.ring.kind == "pin" else design.clearance.tooth
+
+
+def drawn_radii(design: Design, magnification: float = 1.0) -> Radii:
+    """Give the radii that leave each clearance `magnification` times as wide.
+
+    Raises
+    ------
+    UsageError
+        `magnification` is below 1 or beyond `largest_magnification`.
+    """
+    largest = largest_magnification(design)
+    if not 1.0 <= magnification <= largest:
+        raise UsageError(
+            f"gaps cannot be drawn {magnification:g} times as wide: give 1 to {np.floor(largest):g} for this design"
+        )
+    more, play = magnification - 1.0, design.clearance
+    ring = design.ring.pin_radius - more * tooth_clearance(design)
+    return Radii(
+        pin=ring,
+        socket=ring + magnification * play.pin_socket,
+        cam=design.gear.bore_radius - more * play.cam,
+        output_pin=design.output.pin_radius - more * play.output,
+    )
+
+
+def gaps(design: Design, columns: Mapping[str, Array]) -> Gaps:
+    """Measure what separates the parts at the n samples of the columns, shape (n,) each, in SI units.
+
+    Raises
+    ------
+    LogError
+        A column of the parts' motion is missing.
+    """
+    place, crank = poses(design, columns), columns["crank_angle"]
+    mesh = tooth_profile(design)
+    ideal = np.column_stack([gear_centre(mesh, crank), gear_rotation(mesh, crank)])
+    nominal = ring_places(design)
+    pins = np.zeros((crank.size, len(nominal), 3))
+    if pin(1) in place:
+        pins = np.stack([place[pin(number)] for number in range(1, len(nominal) + 1)], axis=1)
+        pins[..., :2] -= nominal
+    return Gaps(
+        gear=ideal,
+        deviation=place[GEAR] - ideal,
+        crank_angle=crank,
+        opening=_opening(mesh, place[GEAR], nominal + pins[..., :2]),
+        away=pins[..., :2],
+        pin_angle=pins[..., 2],
+        output_away=_output_away(design, place),
+    )
+
+
+def ring_normals(design: Design, gear: Array) -> Array:
+    """Give the ideal common normals, from the gear to each pin or lobe, shape (n, N, 2).
+
+    All run through the pitch point, c N from the axis along the eccentricity. `gear` is its ideal pose (n, 3).
+    """
+    normal = ring_places(design) - design.ring.teeth * gear[:, np.newaxis, :2]
+    return normal / np.linalg.norm(normal, axis=2, keepdims=True)
+
+
+def drawing(design: Design, measured: Gaps, magnification: float = 1.0) -> Drawing:
+    """Place everything by its gaps.
+
+    Raises
+    ------
+    UsageError
+        The magnification is not possible; see `drawn_radii`.
+    """
+    gear = measured.gear
+    turned = np.column_stack([-magnification * measured.deviation[:, :2], measured.crank_angle])
+    opening = magnification * measured.opening[..., np.newaxis] * ring_normals(design, gear)
+    ring = ring_places(design) + opening
+    holes = gear[:, np.newaxis, :2] + _turned(output_centres(design), gear[:, 2])
+    outwards = gear[:, np.newaxis, :2] / design.gear.eccentricity
+    in_hole = design.gear.eccentricity + magnification * measured.output_away[..., np.newaxis]
+    return Drawing(
+        magnification=magnification,
+        radii=drawn_radii(design, magnification),
+        gaps=measured,
+        gear=gear,
+        shaft=turned,
+        ring=ring,
+        sockets=ring - magnification * measured.away,
+        output_pins=holes - in_hole * outwards,
+    )
+
+
+def ring_outline(design: Design, outline: Array, normals: Array, drawn: Drawing, row: int) -> Array:
+    """Give the outline (m, 2) [m] of an internal gear in frame `row`, each point moved along its normal.
+
+    Parameters
+    ----------
+    design
+        The design.
+    outline, normals
+        Its points and unit normals into the bore, shape (m, 2).
+    drawn
+        The drawing.
+    row
+        The frame.
+    """
+    gear, deviation = drawn.gear[row], drawn.gaps.deviation[row]
+    opening = np.einsum("mk,mk->m", normals, _displacement(outline - gear[:2], deviation))
+    more = drawn.magnification - 1.0
+    return outline - normals * (more * tooth_clearance(design) + drawn.magnification * opening)[:, np.newaxis]
+
+
+def _opening(mesh: CycloidGear, gear: Array, centres: Array) -> Array:
+    """Give the distance of pin centres (n, N, 2) from the trochoid of a gear in the poses (n, 3), positive outside.
+
+    Newton's method for the foot point, from where the ideal mesh has it.
+    """
+    point = _turned_back(centres - gear[:, np.newaxis, :2], gear[:, 2])
+    t = profile.pin_angles(mesh) + gear[:, 2:]
+    for _ in range(ROUNDS):
+        (tangent, bend), away = profile.trochoid_derivatives(mesh, t), profile.trochoid(mesh, t) - point
+        speed = np.einsum("nik,nik->ni", tangent, tangent)
+        stiffness = speed + np.einsum("nik,nik->ni", away, bend)
+        # beyond a centre of curvature the full step would lead away
+        t = t - np.einsum("nik,nik->ni", away, tangent) / np.maximum(stiffness, 0.2 * speed)
+    return np.einsum("nik,nik->ni", point - profile.trochoid(mesh, t), profile.normals(mesh, t))
+
+
+def _output_away(design: Design, place: Mapping[str, Array]) -> Array:
+    centres = output_centres(design)
+    holes = place[GEAR][:, np.newaxis, :2] + _turned(centres, place[GEAR][:, 2])
+    return np.linalg.norm(_turned(centres, place[OUTPUT][:, 2]) - holes, axis=2) - design.gear.eccentricity
+
+
+def _displacement(arm: Array, deviation: Array) -> Array:
+    """Give how far a point of the gear at `arm` [m] from its centre is from its ideal place, to first order."""
+    turn = deviation[..., 2]
+    return deviation[..., :2] + np.stack([-turn * arm[..., 1], turn * arm[..., 0]], axis=-1)
+
+
+def _turned_back(points: Array, angle: Array) -> Array:
+    """Turn points (n, k, 2) clockwise by n angles [rad]."""
+    cos, sin = np.cos(angle)[:, np.newaxis], np.sin(angle)[:, np.newaxis]
+    x, y = points[..., 0], points[..., 1]
+    return np.stack([cos * x + sin * y, cos * y - sin * x], axis=-1)
+
+
+def _turned(points: Array, angle: Array) -> Array:
+    """Turn points (k, 2) counter-clockwise by n angles [rad], shape (n, k, 2)."""
+    cos, sin = np.cos(angle)[:, np.newaxis], np.sin(angle)[:, np.newaxis]
+    x, y = points.T
+    return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)

@@ -1,0 +1,181 @@
+"""What force acts where: from the columns of a run to arrows on the parts."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.design import Design
+from cycloid_mj.kinematics import gear_centre
+from cycloid_mj.scene.drawing import Drawing, Radii, drawn_radii
+from cycloid_mj.scene.pose import GEAR, OUTPUT, SHAFT, pin, poses, ring_places
+from cycloid_mj.solid import output_centres
+from cycloid_mj.solid.gear import tooth_profile
+
+Array = npt.NDArray[np.float64]
+
+_PAIR = re.compile(r"(?P<stem>[a-z_]*[a-z])(_(?P<number>\d+))?_force_x")
+KINDS = {
+    "pin": "pin_gear",
+    "tooth": "tooth",
+    "lobe": "tooth",
+    "socket": "pin_socket",
+    "cam": "cam",
+    "output_pin": "output",
+}
+"""First word of a mating pair's columns -> its kind."""
+
+LONGEST_SHIFT = 1e-3
+"""Farthest that a contact is moved onto the line of action of its force [m]: friction of 0.5 on a pin of 2 mm."""
+
+
+@dataclass(frozen=True, eq=False)
+class ContactForces:
+    """Forces of k mating pairs at n times.
+
+    Attributes
+    ----------
+    names, kinds
+        Name of each pair (pin_1, ..., cam, output_pin_1, ...) and its kind (pin_gear, tooth, pin_socket, cam, output).
+    point
+        Where each acts, from the reducer axis [m], shape (n, k, 2): on its line of action, at the surface of the pin,
+        lobe, cam or output pin.
+    force
+        The force on the gear, or on the pin in its socket [N], shape (n, k, 2).
+    """
+
+    names: tuple[str, ...]
+    kinds: tuple[str, ...]
+    point: Array
+    force: Array
+
+    @property
+    def size(self) -> Array:
+        """Give the size of each force [N], shape (n, k)."""
+        return np.linalg.norm(self.force, axis=2)
+
+    def of(self, *kinds: str) -> "ContactForces":
+        """Give the pairs of some kinds."""
+        rows = [row for row, kind in enumerate(self.kinds) if kind in kinds]
+        names, found = (tuple(words[row] for row in rows) for words in (self.names, self.kinds))
+        return ContactForces(names, found, self.point[:, rows], self.force[:, rows])
+
+
+def contact_forces(design: Design, columns: Mapping[str, Array], drawn: Drawing | None = None) -> ContactForces:
+    """Give the force and its place in every mating pair that the columns tell of.
+
+    The columns ``<pair>_force_x``, ``_force_y`` and ``_moment`` are a wrench about the origin of the body that feels
+    it. It fixes the line of action; the place on it is where a frictionless contact of the inner part would be, moved
+    onto that line.
+
+    Parameters
+    ----------
+    design
+        The design.
+    columns
+        Name -> values, shape (n,), in SI units.
+    drawn
+        If given, the points are where this drawing of the same samples has the parts.
+
+    Raises
+    ------
+    LogError
+        A column of the parts' motion is missing.
+    """
+    pairs = [match for name in columns if (match := _PAIR.fullmatch(name)) and match["stem"] in KINDS]
+    names = tuple(match.string.removesuffix("_force_x") for match in pairs)
+    kinds = tuple(KINDS[match["stem"]] for match in pairs)
+    count = columns["crank_angle"].size
+    point, force = np.empty((count, len(pairs), 2)), np.empty((count, len(pairs), 2))
+    place = poses(design, columns)
+    true = _measured(design, place)
+    shown = true if drawn is None else _drawn(design, drawn)
+    for row, (name, kind, match) in enumerate(zip(names, kinds, pairs, strict=True)):
+        number = int(match["number"] or 1)
+        wrench = np.stack([columns[f"{name}_{part}"] for part in ("force_x", "force_y", "moment")], axis=1)
+        origin = (place[pin(number)] if kind == "pin_socket" else place[GEAR])[:, :2]
+        along = _direction(wrench[:, :2])
+        aside = _aside(wrench, along, true.surface(kind, number, along) - origin)
+        force[:, row] = wrench[:, :2]
+        point[:, row] = shown.surface(kind, number, along) + aside
+    return ContactForces(names, kinds, point, force)
+
+
+def reference_force(design: Design) -> dict[str, float]:
+    """Give kind of pair -> a force that is typical of it [N], by the load, or by the gear's inertia if that is more.
+
+    With the torque T, half of the N ring contacts share T/(c (N-1)) as a sine: the largest has 4 T/(c N (N-1)), that of
+    n output pins on the radius R has 4 T/(n R), and the cam has T/(c (N-1)).
+    """
+    gear, output, teeth = design.gear, design.output, design.ring.teeth
+    area = np.pi * (design.ring.pin_circle_radius**2 - gear.bore_radius**2 - output.pins * output.hole_radius**2)
+    mass = design.material.density * gear.face_width * max(float(area), 0.0)
+    inertia = mass * (gear.eccentricity * design.drive.speed**2 + abs(design.environment.gravity_y))
+    torque = max(abs(design.load.torque), inertia * gear.eccentricity * design.lobes)
+    cam = torque / (gear.eccentricity * design.lobes)
+    ring, pins = 4 * cam / teeth, 4 * torque / (output.pins * output.pin_circle_radius)
+    return {"pin_gear": ring, "tooth": ring, "pin_socket": ring, "cam": cam, "output": pins}
+
+
+@dataclass(frozen=True, eq=False)
+class _Inner:
+    """Centres of the inner parts of the pairs: ring (n, N, 2), cam (n, 2), output pins (n, k, 2); and their radii."""
+
+    ring: Array
+    cam: Array
+    output_pins: Array
+    radii: Radii
+
+    def surface(self, kind: str, number: int, along: Array) -> Array:
+        """Give where a frictionless contact (n, 2) [m] would be: on the inner part, towards the part that is pushed.
+
+        `along` is the direction of the force (n, 2); a pin in its socket is itself what is pushed.
+        """
+        if kind == "cam":
+            return self.cam + self.radii.cam * along
+        if kind == "output":
+            return self.output_pins[:, number - 1] + self.radii.output_pin * along
+        return self.ring[:, number - 1] + (-self.radii.pin if kind == "pin_socket" else self.radii.pin) * along
+
+
+def _measured(design: Design, place: Mapping[str, Array]) -> _Inner:
+    nominal = ring_places(design)
+    ring = np.broadcast_to(nominal, (len(place[GEAR]), *nominal.shape))
+    if pin(1) in place:
+        ring = np.stack([place[pin(number)][:, :2] for number in range(1, len(nominal) + 1)], axis=1)
+    pins = np.stack([_moved(place[OUTPUT], centre) for centre in output_centres(design)], axis=1)
+    return _Inner(ring, _cam(design, place[SHAFT]), pins, drawn_radii(design))
+
+
+def _drawn(design: Design, drawn: Drawing) -> _Inner:
+    return _Inner(drawn.ring, _cam(design, drawn.shaft), drawn.output_pins, drawn.radii)
+
+
+def _cam(design: Design, shaft: Array) -> Array:
+    return _moved(shaft, gear_centre(tooth_profile(design), 0.0))
+
+
+def _moved(pose: Array, point: Array) -> Array:
+    """Give a body's point (2,) [m] in the frame of the reducer axis, shape (n, 2)."""
+    cos, sin = np.cos(pose[:, 2]), np.sin(pose[:, 2])
+    return pose[:, :2] + np.stack([cos * point[0] - sin * point[1], sin * point[0] + cos * point[1]], axis=1)
+
+
+def _direction(force: Array) -> Array:
+    """Give unit vectors (n, 2); zero where there is no force."""
+    size = np.linalg.norm(force, axis=1, keepdims=True)
+    return np.divide(force, size, out=np.zeros_like(force), where=size > 0)
+
+
+def _aside(wrench: Array, along: Array, arm: Array) -> Array:
+    """Give the shift (n, 2) [m] that brings the point at `arm` from the wrench's origin onto its line of action.
+
+    It is not longer than `LONGEST_SHIFT`: the moment of a force near zero, or of two contacts, says nothing of a place.
+    """
+    size = np.linalg.norm(wrench[:, :2], axis=1)
+    lever = np.divide(wrench[:, 2], size, out=np.zeros_like(size), where=size > 0)
+    surplus = arm[:, 0] * along[:, 1] - arm[:, 1] * along[:, 0] - lever
+    across = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    return np.clip(surplus, -LONGEST_SHIFT, LONGEST_SHIFT)[:, np.newaxis] * across

@@ -1,0 +1,200 @@
+"""The moving mechanism as Foxglove messages: frames, parts and contact forces.
+
+Topics: ``/tf`` (``foxglove.FrameTransforms``, one transform for each part, parent `ROOT`), ``/scene/parts``
+(``foxglove.SceneUpdate``, once: an entity with an embedded GLB for each part, in that part's frame) and
+``/scene/forces`` (``foxglove.SceneUpdate``: an entity of arrows for each kind of mating pair). The parts have a topic
+of their own because a viewer that jumps in time shows the last message of each topic.
+
+A force on the gear is an arrow whose tip is where the contact is. Ring contacts, the cam and the output pins have
+scales of their own, [N/m] in the entities' metadata.
+"""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
+from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
+from google.protobuf.descriptor_pb2 import FileDescriptorSet
+
+from cycloid_mj.design import Design
+from cycloid_mj.errors import UsageError
+from cycloid_mj.scene.force import ContactForces, contact_forces, reference_force
+from cycloid_mj.scene.glb import MEDIA_TYPE, glb
+from cycloid_mj.scene.pose import pin, poses, ring_places
+from cycloid_mj.scene.shape import Colour, shapes
+
+Array = npt.NDArray[np.float64]
+Message = tuple[str, int, bytes]
+"""Topic, time [ns] and serialized content."""
+
+RATE = 60.0
+"""Frames per second of simulated time."""
+
+HIGHEST_RATE = 1e5
+ROOT = "reducer"
+FRAMES, PARTS, FORCES = "/tf", "/scene/parts", "/scene/forces"
+
+ARROW = 0.3
+"""Length of a kind's typical largest force, as a share of the pin-circle radius."""
+
+THICKNESS = 0.012
+"""Diameter of an arrow's shaft, as a share of the pin-circle radius."""
+
+FORCE_COLOURS: dict[str, Colour] = {
+    "pin_gear": (0.84, 0.37, 0.0, 1.0),
+    "tooth": (0.84, 0.37, 0.0, 1.0),
+    "cam": (0.0, 0.0, 0.0, 1.0),
+    "output": (0.0, 0.45, 0.70, 1.0),
+}
+"""Kinds of pairs that are shown: the force in a pin's socket is that of the gear on the pin, and is left out."""
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What a viewer is told of a run: a pure function of the design and of samples.
+
+    Attributes
+    ----------
+    design
+        The design.
+    rate
+        Frames per second of simulated time [1/s].
+
+    Raises
+    ------
+    UsageError
+        `rate` is not positive or too large.
+    """
+
+    design: Design
+    rate: float = RATE
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.rate <= HIGHEST_RATE:
+            raise UsageError(
+                f"a scene cannot have {self.rate:g} frames per second: give more than 0, at most {HIGHEST_RATE:g}"
+            )
+
+    @property
+    def schemas(self) -> dict[str, tuple[str, bytes]]:
+        """Give topic -> name and serialized FileDescriptorSet of its message."""
+        kinds: dict[str, Any] = {FRAMES: FrameTransforms, PARTS: SceneUpdate, FORCES: SceneUpdate}
+        return {topic: (kind.DESCRIPTOR.full_name, _descriptors(kind)) for topic, kind in kinds.items()}
+
+    def opening(self, time: float) -> Iterator[Message]:
+        """Give what is told once, before the first frame, at `time` [s].
+
+        Raises
+        ------
+        DesignError
+            A part of the design cannot be made.
+        """
+        update = SceneUpdate()
+        files = {name: glb(pieces, name) for name, pieces in shapes(self.design).items()}
+        one_pin = files.pop("pin", b"")
+        if one_pin:
+            files |= {pin(number): one_pin for number, _ in enumerate(ring_places(self.design), start=1)}
+        for part, data in files.items():
+            entity = update.entities.add(frame_id=part, id=part, frame_locked=True)
+            entity.timestamp.FromNanoseconds(_nanoseconds(time))
+            model = entity.models.add(data=data, media_type=MEDIA_TYPE)
+            model.pose.orientation.w = 1.0
+            model.scale.x = model.scale.y = model.scale.z = 1.0
+        yield PARTS, _nanoseconds(time), update.SerializeToString(deterministic=True)
+
+    def frames(self, time: Array, columns: Mapping[str, Array]) -> Iterator[Message]:
+        """Give the frames at k times.
+
+        Parameters
+        ----------
+        time
+            Shape (k,), [s].
+        columns
+            Name -> values, shape (k,), in SI units.
+
+        Raises
+        ------
+        LogError
+            A column of the parts' motion is missing.
+        """
+        place = poses(self.design, columns)
+        acting = contact_forces(self.design, columns).of(*FORCE_COLOURS)
+        for row, now in enumerate(time.tolist()):
+            if all(np.isfinite(pose[row]).all() for pose in place.values()):
+                stamp = _nanoseconds(now)
+                yield FRAMES, stamp, _transforms(stamp, {part: pose[row].tolist() for part, pose in place.items()})
+                yield FORCES, stamp, self._arrows(stamp, acting, row)
+
+    def _arrows(self, stamp: int, acting: ContactForces, row: int) -> bytes:
+        update = SceneUpdate()
+        point, force, size = acting.point[row], acting.force[row], acting.size[row]
+        for kind in dict.fromkeys(acting.kinds):
+            entity = update.entities.add(frame_id=ROOT, id=kind)
+            entity.timestamp.FromNanoseconds(stamp)
+            entity.metadata.add(key="scale [N/m]", value=f"{1.0 / self._scales[kind]:.6g}")
+            for pair in np.flatnonzero([this == kind for this in acting.kinds] & (size > 0.0)):
+                length = float(size[pair]) * self._scales[kind]
+                tail = point[pair] - force[pair] * self._scales[kind]
+                angle = float(np.arctan2(force[pair, 1], force[pair, 0]))
+                self._add_arrow(entity.arrows.add(), tail, angle, length, FORCE_COLOURS[kind])
+        return bytes(update.SerializeToString(deterministic=True))
+
+    def _add_arrow(self, arrow: Any, tail: Array, angle: float, length: float, colour: Colour) -> None:
+        """Fill in an arrow along `angle` [rad] on the gear's face towards the output disc."""
+        thickness = THICKNESS * self.design.ring.pin_circle_radius
+        head = min(3.0 * thickness, 0.5 * length)
+        arrow.shaft_length, arrow.head_length = length - head, head
+        arrow.shaft_diameter, arrow.head_diameter = thickness, 2.0 * thickness
+        arrow.color.r, arrow.color.g, arrow.color.b, arrow.color.a = colour
+        _place(arrow.pose.position, arrow.pose.orientation, (float(tail[0]), float(tail[1]), self._face), angle)
+
+    @cached_property
+    def _face(self) -> float:
+        return 0.5 * self.design.gear.face_width + THICKNESS * self.design.ring.pin_circle_radius
+
+    @cached_property
+    def _scales(self) -> dict[str, float]:
+        """Length of an arrow for each newton of force [m/N], by kind of pair."""
+        longest = ARROW * self.design.ring.pin_circle_radius
+        return {kind: longest / force for kind, force in reference_force(self.design).items()}
+
+
+def _transforms(stamp: int, place: Mapping[str, list[float]]) -> bytes:
+    message = FrameTransforms()
+    for part, (x, y, angle) in place.items():
+        transform = message.transforms.add(parent_frame_id=ROOT, child_frame_id=part)
+        transform.timestamp.FromNanoseconds(stamp)
+        _place(transform.translation, transform.rotation, (x, y, 0.0), angle)
+    return bytes(message.SerializeToString(deterministic=True))
+
+
+def _place(position: Any, orientation: Any, at: tuple[float, float, float], angle: float) -> None:
+    """Fill in a place and a rotation about z [rad]."""
+    position.x, position.y, position.z = at
+    orientation.z, orientation.w = math.sin(0.5 * angle), math.cos(0.5 * angle)
+
+
+def _nanoseconds(time: float) -> int:
+    return round(1e9 * time)
+
+
+def _descriptors(message: Any) -> bytes:
+    """Give the FileDescriptorSet of a message, each file after those that it needs."""
+    files: dict[str, Any] = {}
+
+    def add(file: Any) -> None:
+        for needed in file.dependencies:
+            add(needed)
+        if file.name not in files:
+            files[file.name] = file
+
+    add(message.DESCRIPTOR.file)
+    found = FileDescriptorSet()
+    for file in files.values():
+        file.CopyToProto(found.file.add())
+    return bytes(found.SerializeToString(deterministic=True))

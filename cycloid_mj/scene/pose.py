@@ -1,0 +1,67 @@
+"""Where the parts are: from the columns of a run to plane poses in the frame of the reducer axis."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.design import Design
+from cycloid_mj.errors import LogError
+from cycloid_mj.profile import unit
+
+Array = npt.NDArray[np.float64]
+
+HOUSING, SHAFT, GEAR, OUTPUT = "housing", "shaft", "gear", "output"
+POSE_COLUMNS = ("crank_angle", "gear_x", "gear_y", "gear_angle", "output_angle")
+
+
+def pin(number: int) -> str:
+    """Name ring pin 1, 2, ... (1 on +y, clockwise)."""
+    return f"pin_{number}"
+
+
+def ring_places(design: Design) -> Array:
+    """Give the nominal centres of the ring's pins or lobes, shape (N, 2) [m]: the first on +y, then clockwise."""
+    teeth = design.ring.teeth
+    return design.ring.pin_circle_radius * unit(2 * np.pi * np.arange(teeth) / teeth)
+
+
+def poses(design: Design, columns: Mapping[str, Array]) -> dict[str, Array]:
+    """Give part -> x [m], y [m] and angle [rad] at n times, shape (n, 3).
+
+    Parts are housing, shaft, gear, output and, where the ring has pins, pin_1 ... pin_N. Positions are those of the
+    gear's and the pins' centres and of the reducer axis; angles are counter-clockwise.
+
+    Parameters
+    ----------
+    design
+        The design.
+    columns
+        Name -> values, shape (n,), in SI units; fixed pins have no columns and stay in their places.
+
+    Raises
+    ------
+    LogError
+        A column is missing.
+    """
+    missing = [name for name in POSE_COLUMNS if name not in columns]
+    if missing:
+        raise LogError(
+            f"the run lacks the columns {', '.join(missing)}, so its parts cannot be shown: simulate it again"
+        )
+    still = np.zeros_like(columns["crank_angle"])
+    found = {
+        HOUSING: _pose(still, still, still),
+        SHAFT: _pose(still, still, columns["crank_angle"]),
+        GEAR: _pose(columns["gear_x"], columns["gear_y"], columns["gear_angle"]),
+        OUTPUT: _pose(still, still, columns["output_angle"]),
+    }
+    if design.ring.kind == "pin":
+        for number, (x, y) in enumerate(ring_places(design), start=1):
+            away = [columns.get(f"{pin(number)}_{name}", still) for name in ("x", "y", "angle")]
+            found[pin(number)] = _pose(x + away[0], y + away[1], away[2])
+    return found
+
+
+def _pose(x: Array, y: Array, angle: Array) -> Array:
+    return np.stack([x, y, angle], axis=1)

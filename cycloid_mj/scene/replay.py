@@ -1,0 +1,85 @@
+"""A logged run in MuJoCo: its own model in the poses of its samples. No step is taken and no contact computed."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import mujoco
+
+from cycloid_mj.errors import LogError
+from cycloid_mj.record import Run
+
+MODEL_FILE = "model.xml"
+COLUMNS = {"crank": "crank_angle", "output": "output_angle"}
+"""Joint -> column, where their names differ."""
+
+DISC_OPACITY = 0.35
+"""Opacity of the output, which stands between the mechanism and whoever looks at it."""
+
+AZIMUTH, ELEVATION = 90.0, -62.0
+DISTANCE = 1.35
+"""Of the camera, as a share of the model's extent."""
+
+_SKY = {"rgb1": [1.0, 1.0, 1.0], "rgb2": [0.86, 0.9, 0.94], "width": 64, "height": 64}
+
+
+def replay_model(run: Run) -> Any:
+    """Compile the model that a run carries, with a light background.
+
+    Raises
+    ------
+    LogError
+        It carries none, or none that this MuJoCo compiles.
+    """
+    if MODEL_FILE not in run.attachments:
+        raise LogError(f"the run has no attachment {MODEL_FILE!r}, so it cannot be shown in MuJoCo: simulate it again")
+    try:
+        spec = mujoco.MjSpec.from_string(run.attachments[MODEL_FILE].decode())
+        sky, gradient = mujoco.mjtTexture.mjTEXTURE_SKYBOX, mujoco.mjtBuiltin.mjBUILTIN_GRADIENT
+        spec.add_texture(name="sky", type=sky, builtin=gradient, **_SKY)
+        model = spec.compile()
+    except (ValueError, UnicodeDecodeError) as problem:
+        raise LogError(
+            f"MuJoCo {mujoco.__version__} does not take the run's {MODEL_FILE} ({problem}): "
+            f"it was made with {run.provenance.get('mujoco', 'another release')}; install that, or simulate again"
+        ) from problem
+    model.vis.headlight.ambient[:], model.vis.headlight.diffuse[:] = 0.3, 0.4
+    model.light_diffuse[:] = 0.35
+    _see_through(model)
+    return model
+
+
+def aim(camera: Any, model: Any, azimuth: float = AZIMUTH, elevation: float = ELEVATION) -> None:
+    """Let a free camera look at the whole reducer, by default from the output side, where x points right [deg]."""
+    camera.azimuth, camera.elevation = azimuth, elevation
+    camera.distance, camera.lookat[:] = DISTANCE * model.stat.extent, model.stat.center
+
+
+def set_sample(model: Any, data: Any, run: Run, sample: int) -> None:
+    """Put every joint where a sample of the run has it; joints without a column stay.
+
+    Raises
+    ------
+    LogError
+        The run has no column for any joint of the model.
+    """
+    columns = _joint_columns(model, run)
+    for joint, name in columns.items():
+        data.joint(joint).qpos[0] = run[name][sample]
+    data.time = run.time[sample]
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_camlight(model, data)
+
+
+def _joint_columns(model: Any, run: Run) -> Mapping[str, str]:
+    joints = [model.joint(number).name for number in range(model.njnt)]
+    found = {joint: COLUMNS.get(joint, joint) for joint in joints if COLUMNS.get(joint, joint) in run.columns}
+    if not found:
+        raise LogError("no column of the run is the position of a joint of its model: simulate it again")
+    return found
+
+
+def _see_through(model: Any) -> None:
+    output = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, "output")
+    for geom in range(model.ngeom):
+        if model.geom_bodyid[geom] == output:
+            model.geom_rgba[geom, 3] = DISC_OPACITY

@@ -1,0 +1,130 @@
+"""A run for the Rerun viewer: the parts and forces that its MCAP loader passes over, with every column to plot."""
+
+import importlib
+import os
+from collections.abc import Mapping
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.design import Design
+from cycloid_mj.errors import CycloidError
+from cycloid_mj.record import Run
+from cycloid_mj.scene.force import ContactForces, contact_forces
+from cycloid_mj.scene.glb import smoothed
+from cycloid_mj.scene.messages import ARROW, FORCE_COLOURS, THICKNESS
+from cycloid_mj.scene.pose import poses
+from cycloid_mj.scene.shape import Colour, Piece, shapes
+from cycloid_mj.whole import whole_file
+
+Array = npt.NDArray[np.float64]
+
+TIMELINE = "time"
+MECHANISM, SIGNALS = "mechanism", "signals"
+PLOTTED = (("gear_speed",), ("output_speed",), ("crank_torque", "load_torque"), ("peak_force",))
+"""Columns in the plots that the viewer opens with; every other can be dragged there."""
+
+
+def write_rerun(run: Run, design: Design, topics: Mapping[str, tuple[str, ...]], path: str | os.PathLike[str]) -> None:
+    """Write a run as a Rerun recording (.rrd): moving parts, forces on the gear, every column, and a layout.
+
+    Parameters
+    ----------
+    run
+        The run.
+    design
+        Its design.
+    topics
+        Topic -> names of its columns, as they are grouped in the viewer.
+    path
+        File to write; replaced if it exists.
+
+    Raises
+    ------
+    CycloidError
+        Rerun is not installed, or the file cannot be written.
+    LogError
+        A column of the parts' motion is missing.
+    """
+    rr = _rerun()
+    place, acting = poses(design, run.columns), contact_forces(design, run.columns).of(*FORCE_COLOURS)
+    name = "cycloid_mj_" + "_".join(design.name.split())
+    with whole_file(path) as beside:
+        recording = rr.RecordingStream(name)
+        recording.save(str(beside), default_blueprint=_layout(design, topics))
+        time = rr.TimeColumn(TIMELINE, duration=run.time)
+        _log_parts(rr, recording, design, time, place)
+        _log_forces(rr, recording, design, time, acting)
+        for topic, names in topics.items():
+            for column in names:
+                values = rr.Scalars.columns(scalars=run[column])
+                recording.send_columns(f"{SIGNALS}{topic}/{column}", indexes=[time], columns=values)
+        recording.flush()
+        recording.disconnect()
+
+
+def _rerun() -> ModuleType:
+    try:
+        return importlib.import_module("rerun")
+    except ImportError as problem:
+        raise CycloidError(f"Rerun is not installed ({problem}): pip install 'cycloid-mj[rerun]'") from problem
+
+
+def _log_parts(rr: Any, recording: Any, design: Design, time: Any, place: Mapping[str, Array]) -> None:
+    looks = shapes(design)
+    for part, pose in place.items():
+        entity = f"{MECHANISM}/{part}"
+        for piece in looks["pin" if part.startswith("pin_") else part]:
+            recording.log(f"{entity}/{piece.name}", _mesh(rr, piece), static=True)
+        translation = np.column_stack([pose[:, :2], np.zeros(len(pose))])
+        turn = np.zeros((len(pose), 4))
+        turn[:, 2], turn[:, 3] = np.sin(0.5 * pose[:, 2]), np.cos(0.5 * pose[:, 2])
+        if np.ptp(pose, axis=0).any():
+            moved = rr.Transform3D.columns(translation=translation, quaternion=turn)
+            recording.send_columns(entity, indexes=[time], columns=moved)
+        else:
+            recording.log(entity, rr.Transform3D(translation=translation[0], quaternion=turn[0]), static=True)
+
+
+def _mesh(rr: Any, piece: Piece) -> Any:
+    points, normals, faces = smoothed(piece.mesh)
+    shade = _bytes(piece.colour)
+    return rr.Mesh3D(vertex_positions=points, vertex_normals=normals, triangle_indices=faces, albedo_factor=shade)
+
+
+def _bytes(colour: Colour) -> list[int]:
+    return [round(255 * part) for part in colour]
+
+
+def _log_forces(rr: Any, recording: Any, design: Design, time: Any, acting: ContactForces) -> None:
+    """Log the arrows of each kind of pair, their tips at the contacts, on the gear's face towards the output."""
+    reach = design.ring.pin_circle_radius
+    face = 0.5 * design.gear.face_width + THICKNESS * reach
+    for kind in dict.fromkeys(acting.kinds):
+        these = acting.of(kind)
+        scale = ARROW * reach / these.size.max(initial=1e-9)
+        vectors = np.concatenate([scale * these.force, np.zeros((*these.size.shape, 1))], axis=2)
+        origins = np.concatenate([these.point, np.full((*these.size.shape, 1), face)], axis=2) - vectors
+        count, pairs = these.size.shape
+        arrows = rr.Arrows3D.columns(vectors=vectors.reshape(-1, 3), origins=origins.reshape(-1, 3))
+        entity = f"{MECHANISM}/forces/{kind}"
+        look = rr.Arrows3D.from_fields(colors=[_bytes(FORCE_COLOURS[kind])], radii=0.4 * THICKNESS * reach)
+        recording.log(entity, look, static=True)
+        recording.send_columns(entity, indexes=[time], columns=arrows.partition([pairs] * count))
+
+
+def _layout(design: Design, topics: Mapping[str, tuple[str, ...]]) -> Any:
+    """Give the views that the viewer opens with."""
+    rrb = importlib.import_module("rerun.blueprint")
+    at = {name: f"/{SIGNALS}{topic}/{name}" for topic, names in topics.items() for name in names}
+    plots = [
+        rrb.TimeSeriesView(name=", ".join(names), contents=[at[name] for name in names])
+        for names in PLOTTED
+        if all(name in at for name in names)
+    ]
+    reach = design.housing.outer_radius
+    eye = rrb.EyeControls3D(position=[0.8 * reach, 0.6 * reach, 3.2 * reach], look_target=[0, 0, 0], eye_up=[0, 1, 0])
+    mechanism = rrb.Spatial3DView(origin=f"/{MECHANISM}", name="mechanism", eye_controls=eye, line_grid=False)
+    return rrb.Blueprint(rrb.Horizontal(mechanism, rrb.Vertical(*plots)))

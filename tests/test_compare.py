@@ -1,0 +1,364 @@
+"""``cycloid-mj compare``: runs and logs side by side, its files, and every mistake; figures hold the numbers."""
+
+import json
+import math
+import threading
+from contextlib import redirect_stderr, redirect_stdout
+from io import StringIO
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import cycloid_mj.simulate
+from cycloid_mj.cli import main
+from cycloid_mj.cli.compare import RUNS, TURNS
+from cycloid_mj.comparison import SWEEP, settled, settling
+from cycloid_mj.comparison.conditions import conditions
+from cycloid_mj.contact_lines import contact_lines, mesh_period
+from cycloid_mj.design import PRESETS, dump, loads, override
+from cycloid_mj.errors import RunError
+from cycloid_mj.log import read
+from cycloid_mj.plots.comparison import comparison_figures
+from cycloid_mj.plots.curvature import CRANK_ANGLES, curvature_figure
+from cycloid_mj.profile import CycloidGear
+
+PAPER = CycloidGear(36, 1e-3, 40.75e-3, 2.25e-3)
+SHORT = ("--hold-s", "0.012", "--timestep-us", "4", "--set", "load.rise_s=0.001")
+NAMES = ("gear_speed", "q_path", "q_speed", "transmission_error", "teeth", "tooth_force", "cam_force", "vibration")
+
+
+def told(*argv: str) -> tuple[int, str, str]:
+    """Exit code, stdout and stderr of a command."""
+    out, err = StringIO(), StringIO()
+    with redirect_stdout(out), redirect_stderr(err):
+        code = main(list(argv))
+    return code, out.getvalue(), err.getvalue()
+
+
+def rejected(*argv: str) -> tuple[int, str]:
+    """Exit code and message of a mistake, which must be one line."""
+    code, out, err = told(*argv)
+    assert out == ""
+    messages = [line for line in err.splitlines() if "at a time" not in line]
+    assert len(messages) == 1, err
+    assert messages[0].startswith("error: ")
+    return code, messages[0]
+
+
+def design_of(log: str | Path):
+    return loads(read(log).attachments["design.toml"].decode())
+
+
+@pytest.fixture(scope="module")
+def compared(tmp_path_factory):
+    """JSON and folder of a short comparison."""
+    folder = tmp_path_factory.mktemp("compare")
+    code, out, err = told("compare", "pin", "nonpin", *SHORT, "--out", str(folder), "--json", "--quiet")
+    assert (code, err) == (0, "")
+    return json.loads(out, parse_constant=pytest.fail), folder
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Draw no figures."""
+    monkeypatch.setattr("cycloid_mj.cli.compare._drawn", lambda comparison, motions, into: [])
+
+
+@pytest.fixture
+def instant(monkeypatch):
+    """Let each run be done at once, with noise for its motion and no forces; give the designs that were run."""
+    ran = []
+
+    def blocks(reducer, design):
+        ran.append(design)
+        random = np.random.default_rng(len(ran))
+        groups = cycloid_mj.simulate.columns(reducer, design)
+        time = np.arange(round(design.drive.hold * design.settings.log_rate)) / design.settings.log_rate
+        values = {topic: np.zeros((len(time), len(group))) for topic, group in groups.items()}
+        values["/reducer"] = random.normal(size=values["/reducer"].shape)
+        values["/reducer"][:, list(groups["/reducer"]).index("crank_angle")] = design.drive.speed * time
+        yield cycloid_mj.simulate.Block(time, values)
+
+    monkeypatch.setattr(cycloid_mj.simulate, "blocks", blocks)
+    return ran
+
+
+# --- a comparison by runs
+
+
+def test_json_has_a_run_for_each_design_and_load(compared):
+    found, _ = compared
+    assert found["designs"] == ["pin", "nonpin"]
+    cases = [(run["design"], run["load_nm"]) for run in found["runs"]]
+    assert cases == [("pin", 0.0), ("nonpin", 0.0), ("pin", 36.68), ("nonpin", 36.68)]
+    assert found["differences"] == {"ring.kind": ["pin", "nonpin"]}
+    for run in found["runs"]:
+        assert {"findings", "fluctuation", "vibration", "forces"} < set(run)
+        assert run["findings"]["contact_summary"]["mean_active"] > 0
+    loaded = found["runs"][2:]
+    assert all(run["forces"]["teeth_least"] > 8 and run["findings"]["efficiency"] > 0.5 for run in loaded)
+    assert len(found["rankings"]) == 2 * 5
+    assert len(found["summary"]) == 2
+    assert found["sweep"] == []
+
+
+def test_every_run_has_the_same_settings_and_nothing_else_differs(compared):
+    found, _ = compared
+    designs = [design_of(run["findings"]["log"]) for run in found["runs"]]
+    assert all(conditions(design) == found["conditions"] for design in designs)
+    alike = [design.model_copy(update={"name": "", "ring": None, "load": None}) for design in designs]
+    assert all(design == alike[0] for design in alike)
+    assert found["conditions"]["settings.log_rate_hz"] == 20000.0
+
+
+def test_files_of_a_comparison(compared):
+    found, folder = compared
+    figures = [f"compare_{name}.png" for name in (*NAMES, "curvature")]
+    logs = [f"{name}-{load}.mcap" for name in ("pin", "nonpin") for load in ("no-load", "36.68Nm")]
+    assert sorted(path.name for path in folder.iterdir()) == sorted(figures + logs)
+    assert [Path(path).name for path in found["figures"]] == figures
+    assert all((folder / name).read_bytes().startswith(b"\x89PNG") for name in figures)
+
+
+def test_logs_give_the_comparison_again(compared, tmp_path, undrawn):
+    found, _ = compared
+    logs = [run["findings"]["log"] for run in found["runs"]]
+    code, out, err = told("compare", *reversed(logs), "--out", str(tmp_path), "--json")
+    assert (code, err) == (0, "")
+    again = json.loads(out)
+    assert again["designs"] == ["nonpin", "pin"]
+    by_case = {(run["design"], run["load_nm"]): run for run in again["runs"]}
+    assert all(by_case[run["design"], run["load_nm"]] == run for run in found["runs"])
+    assert again["rankings"] == found["rankings"]
+
+
+def test_table_and_words_go_to_stdout(compared, tmp_path, undrawn):
+    found, _ = compared
+    logs = [run["findings"]["log"] for run in found["runs"] if run["load_nm"]]
+    code, out, err = told("compare", *logs, "--out", str(tmp_path))
+    assert (code, err) == (0, "")
+    assert "no load" not in out
+    flat = " ".join(out.split())
+    for words in ("36.68 N m: from", "gear speed error, rms", "vibration of the output", "differ in: ring.kind (pin"):
+        assert words in flat
+    for ranking in found["rankings"][5:]:
+        assert ranking["sentence"] in flat
+
+
+def test_default_hold_is_whole_turns_after_settling(here, instant, undrawn):
+    assert told("compare", "pin", "nonpin", "--quiet")[0] == 0
+    design = instant[0]
+    assert design.drive.ramp == 0.0
+    turn = 2 * math.pi / design.drive.speed
+    assert design.drive.hold == pytest.approx(settling(design) + TURNS * turn, abs=1.5 / design.settings.log_rate)
+    assert f"{design.drive.hold:.4f}" == "0.2661", "the help says how long"
+    assert all(ran.drive == design.drive for ran in instant)
+
+
+def test_next_comparisons_take_free_folders(here, instant, undrawn):
+    for folder in (RUNS, f"{RUNS}-2"):
+        argv = ("compare", "pin", "nonpin", "--load-nm", "0", "--hold-s", "0.02", "--json", "--quiet")
+        found = json.loads(told(*argv)[1])
+        assert {Path(run["findings"]["log"]).parent for run in found["runs"]} == {Path(folder)}
+    assert len(instant) == 4
+
+
+def test_logs_in_a_named_folder_are_replaced_only_by_force(here, instant, undrawn):
+    argv = ("compare", "pin", "nonpin", "--load-nm", "0", "--hold-s", "0.02", "--out", "mine", "--quiet")
+    assert told(*argv)[0] == 0
+    before = Path("mine/pin-no-load.mcap").read_bytes()
+    code, message = rejected(*argv)
+    assert code == 1
+    assert "mine/pin-no-load.mcap exists already" in message
+    assert Path("mine/pin-no-load.mcap").read_bytes() == before
+    assert told(*argv, "--force")[0] == 0
+    assert Path("mine/pin-no-load.mcap").read_bytes() != before
+
+
+def test_the_first_design_rules_the_settings_and_set_changes_all(here, instant, undrawn):
+    slow = override(PRESETS["pin"], ["name=slow", "drive.speed_rpm=820", "drive.torque_nm=0.5", "load.rise_s=0.002"])
+    Path("slow.toml").write_text(dump(slow))
+    assert told("compare", "slow.toml", "nonpin", "--set", "friction.cam=0.01", "--quiet", "--jobs", "1")[0] == 0
+    assert {design.drive.speed for design in instant} == {slow.drive.speed}
+    assert {design.load.rise for design in instant} == {0.002}
+    assert {design.friction.cam for design in instant} == {0.01}
+    assert sorted({design.load.torque for design in instant}) == [0.0, 17.5]
+
+
+def test_sweep_runs_each_different_design_once(here, instant, monkeypatch):
+    monkeypatch.setattr("cycloid_mj.plots.comparison.comparison_figures", lambda motions: {})
+    argv = ("compare", "pin", "nonpin", "--sweep", "--load-nm", "0", "--hold-s", "0.02", "--out", "all", "--json")
+    code, out, err = told(*argv)
+    assert code == 0
+    found = json.loads(out)
+    assert [(point["parameter"], point["value"]) for point in found["sweep"]] == [
+        (variation.parameter, variation.value) for variation in SWEEP
+    ]
+    # fixed pins concern the pin design only
+    assert len(instant) == len(set(instant)) == 2 + 2 * len(SWEEP) - 1
+    assert len(found["decisions"]) == len(found["rankings"]) == 5
+    assert Path("all/pin-no-load-pins-fixed.mcap").exists()
+    assert Path("all/compare_sweep.png").exists()
+    assert err.startswith("11 runs, ")
+
+
+# --- what goes wrong
+
+
+def test_a_run_that_fails_stops_the_others_and_is_told(here, monkeypatch):
+    """The other run ends at its next block, with its log closed and readable."""
+    failed = threading.Event()
+
+    def blocks(reducer, design):
+        groups = cycloid_mj.simulate.columns(reducer, design)
+        for first in range(0, 2000, 2):
+            time = 1e-4 * np.arange(first, first + 2)
+            yield cycloid_mj.simulate.Block(time, {topic: np.zeros((2, len(group))) for topic, group in groups.items()})
+            if design.name == "nonpin":
+                failed.set()
+                raise RunError("the gear jumped a tooth")
+            assert failed.wait(30)
+
+    monkeypatch.setattr(cycloid_mj.simulate, "blocks", blocks)
+    code, message = rejected("compare", "pin", "nonpin", "--load-nm", "0", "--out", "mine", "--jobs", "2")
+    assert code == 1
+    assert "jumped a tooth" in message
+    assert "mine/nonpin-no-load.mcap" in message
+    stopped = read("mine/pin-no-load.mcap")
+    assert (stopped.complete, len(stopped) < 2000) == (False, True)
+
+
+def test_ctrl_c_stops_every_run_and_leaves_readable_logs(here, monkeypatch):
+    monkeypatch.setattr("cycloid_mj.cli.batch.wait", interrupting)
+    code, message = rejected("compare", "pin", "nonpin", "--out", "mine", "--timestep-us", "4", "--jobs", "1")
+    assert code == 1
+    assert "stopped by Ctrl-C" in message
+    assert "mine" in message
+    (log,) = Path("mine").glob("*.mcap")
+    assert not read(log).complete
+
+
+def interrupting(runs, return_when):
+    """Wait until the first log has samples, then press Ctrl-C."""
+    while not any(path.stat().st_size > 30_000 for path in Path("mine").glob("*.mcap")):
+        assert not runs[0].done()
+    raise KeyboardInterrupt
+
+
+def test_a_log_of_a_stopped_run_is_not_compared(compared, tmp_path):
+    found, _ = compared
+    whole = Path(found["runs"][0]["findings"]["log"])
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(whole.read_bytes()[:-100])
+    code, message = rejected("compare", str(cut), found["runs"][1]["findings"]["log"])
+    assert code == 1
+    assert "did not reach its end" in message
+
+
+@pytest.mark.parametrize(
+    ("argv", "words"),
+    [
+        ((), ("two designs",)),
+        (("pin",), ("two designs",)),
+        (("pin", "pin"), ("two of the designs", "'pin'")),
+        (("pin", "ponpin"), ("ponpin", "nonpin")),
+        (("pin", "run.mcap"), ("run.mcap", "pin", "logs only")),
+        (("a.mcap", "b.mcap", "--load-nm", "3"), ("logs are read as they are",)),
+        (("a.mcap", "b.mcap", "--sweep"), ("logs are read as they are",)),
+        (("pin", "nonpin", "--jobs", "0"), ("--jobs", "from 1 to 256")),
+        (("pin", "nonpin", "--load-nm", "nan"), ("--load-nm", "at least -1000000")),
+        (("pin", "nonpin", "--ramp-s", "-1"), ("--ramp-s", "at least 0")),
+        (("pin", "nonpin", "--hold-s", "0"), ("--hold-s", "more than 0")),
+        (("pin", "nonpin", "--set", "drive.speed_rpm=0"), ("drive.speed_rpm",)),
+        (("pin", "nonpin", "--q", "1"), ("--q", "X,Y")),
+        (("pin", "nonpin", "--frob"), ("--frob",)),
+    ],
+)
+def test_wrong_use_is_one_line_and_exit_code_2(argv, words, here):
+    code, message = rejected("compare", *argv)
+    assert code == 2
+    assert all(word.lower() in message.lower() for word in words), message
+    assert not list(here.glob("**/*.mcap"))
+
+
+def test_help_tells_purpose_flags_and_examples():
+    code, out, err = told("compare", "--help")
+    assert (code, err) == (0, "")
+    assert max(map(len, out.splitlines())) <= 80
+    lines = [line.split() for line in out.split("Examples:")[1].splitlines() if "cycloid-mj" in line]
+    assert len(lines) == 4
+    for line in lines:
+        assert "--no-such-flag" in rejected(*line[1:], "--no-such-flag")[1]
+
+
+# --- contact lines
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+def test_profile_writes_the_contact_lines(preset, tmp_path):
+    file = tmp_path / "lines.csv"
+    argv = ("profile", "--design", preset, "--part", "curvature", "--csv", str(file), "--points", "7")
+    code, out, err = told(*argv)
+    header, *rows = (line.split(",") for line in file.read_text().splitlines())
+    assert header == [
+        *("crank_deg", "tooth", "part", "phase_deg", "x_mm", "y_mm"),
+        *("relative_curvature_per_mm", "pressure_mpa"),
+    ]
+    lines = contact_lines(PAPER, preset, mesh_period(PAPER, 7))
+    assert (code, out, err) == (0, "", f"wrote {len(rows)} points to {file}\n")
+    columns = dict(zip(header, zip(*rows, strict=True), strict=True))
+    assert list(columns["part"]) == lines.part.tolist()
+    assert [int(word) for word in columns["tooth"]] == (lines.tooth + 1).tolist()
+    assert [float(word) for word in columns["crank_deg"]] == pytest.approx(np.degrees(lines.crank_angle))
+    curvature = np.array([float(word) for word in columns["relative_curvature_per_mm"]])
+    assert curvature == pytest.approx(1e-3 * lines.relative_curvature)
+    pressure = np.array([float(word) for word in columns["pressure_mpa"]])
+    # 100 N on 10 mm of steel with a Poisson's ratio of 0.3: 0.418 sqrt(F E kappa / L)
+    assert pressure == pytest.approx(0.418 * np.sqrt(100 * 210e3 * curvature / 10), rel=1e-3, abs=1e-6)
+
+
+def test_too_many_lines_are_refused(here):
+    argv = ("profile", "--design", "nonpin", "--part", "curvature", "--csv", "x.csv", "--points", "100000")
+    code, message = rejected(*argv)
+    assert code == 2
+    assert "--points" in message
+
+
+def test_curvature_figure_draws_every_line_of_both_designs():
+    top, bottom = curvature_figure(list(PRESETS.values())).axes
+    drawn = [line for line in top.lines if len(line.get_xdata()) > 2]
+    assert len(drawn) == 1 + 3
+    expected = contact_lines(PAPER, "nonpin", mesh_period(PAPER, CRANK_ANGLES))
+    for line, part in zip(drawn[1:], ("arc", "sigma1", "sigma2"), strict=True):
+        rows = expected.part == part
+        assert np.sort(line.get_ydata()) == pytest.approx(np.sort(1e-3 * expected.relative_curvature[rows]))
+    assert "1/mm" in top.get_ylabel()
+    assert "MPa" in bottom.get_ylabel()
+    assert "100 N" in bottom.get_title(loc="left")
+
+
+# --- figures
+
+
+def test_figures_have_a_panel_for_each_run_and_name_it(compared):
+    found, _ = compared
+    motions = [settled(read(run["findings"]["log"])) for run in found["runs"]]
+    drawn = comparison_figures(motions)
+    assert list(drawn) == [f"compare_{name}" for name in NAMES]
+    for name, figure in drawn.items():
+        titles = [axes.get_title(loc="left") for axes in figure.axes]
+        if name == "compare_vibration":
+            assert titles == ["no load", "36.68 N m", "", ""]
+            assert all(len(axes.lines) >= 2 for axes in figure.axes)
+        else:
+            assert titles == ["pin, no load", "pin, 36.68 N m", "nonpin, no load", "nonpin, 36.68 N m"]
+            assert figure.get_supylabel()
+    speed = drawn["compare_gear_speed"].axes[1].lines[0].get_ydata()
+    assert speed == pytest.approx(1e3 * motions[2].gear_speed.error[motions[2].one_turn])
