@@ -95,6 +95,37 @@ def ideal_ring_load_sharing(gear: CycloidGear, torque: float, crank_angle: float
     return _sharing(arms, gear_normals, np.asarray(torque, float), np.asarray(crank_angle, float))
 
 
+def ideal_output_forces(
+    gear: CycloidGear, pins: int, pin_circle_radius: float, torque: npt.ArrayLike, crank_angle: npt.ArrayLike
+) -> Array:
+    """Share the load between the output pins; each force [N] (..., pins) pushes the gear inwards along the eccentric.
+
+    A pin lies in its hole at -c along the eccentric, so all push the same way, with the arm r sin(angle from the
+    eccentric to the hole) about the gear centre. `pins` on `pin_circle_radius` r [m], the first on +y at crank angle 0,
+    clockwise; `torque` [N m] and `crank_angle` [rad], counter-clockwise, broadcast to the shape (...).
+    """
+    torque, theta = np.broadcast_arrays(torque, crank_angle)
+    turned = theta * gear.ring_teeth / gear.lobes
+    clockwise = 2 * np.pi * np.arange(pins) / pins + turned[..., np.newaxis]
+    # The pins hand on the load itself, where the ring holds against it: the other sign than in `share_load`.
+    return share_load(-pin_circle_radius * np.sin(clockwise), -torque)
+
+
+def cam_force(
+    ring: LoadSharing, output_forces: npt.ArrayLike, crank_angle: npt.ArrayLike, body_force: npt.ArrayLike = (0.0, 0.0)
+) -> Array:
+    """Full force of the cam on the gear [N], (..., 2): it holds the ring, the output pins and the gear's own forces.
+
+    `ring` as shared at `crank_angle` [rad] (...), `output_forces` [N] (..., pins) of `ideal_output_forces`, and
+    `body_force` [N] (..., 2) on the gear's centre: its weight and, turned round, its mass times acceleration.
+    """
+    cos, sin = np.cos(crank_angle), np.sin(crank_angle)
+    radial = ring.eccentric_radial + np.sum(output_forces, axis=-1)
+    outward, forward = np.stack([-sin, cos], axis=-1), np.stack([-cos, -sin], axis=-1)
+    held = radial[..., np.newaxis] * outward + ring.eccentric_tangential[..., np.newaxis] * forward
+    return held - np.asarray(body_force, float)
+
+
 def contact_modulus(
     young: float, poisson: float, young_2: float | None = None, poisson_2: float | None = None
 ) -> float:

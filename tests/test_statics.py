@@ -161,3 +161,48 @@ def test_palmgren_in_millimetres_and_newtons():
     secant = force / statics.palmgren_deflection(force, 7e-3)
     assert statics.palmgren_stiffness(force, 7e-3) == pytest.approx(secant, rel=1e-13)
     assert statics.palmgren_stiffness(0.0, 7e-3) == statics.palmgren_deflection(0.0, 7e-3) == 0
+
+
+@each_gear
+@pytest.mark.parametrize("torque", [7.0, -7.0])
+def test_output_pins_hand_on_the_torque_and_all_push_inwards(gear, torque):
+    """Forces as plain vectors at the holes' centres, with the pins where the geometry puts them."""
+    pins, radius = 8, 0.6 * gear.pin_circle_radius
+    for crank in (0.0, 0.4, -2.0, 11.0):
+        forces = statics.ideal_output_forces(gear, pins, radius, torque, crank)
+        turn = -2 * np.pi * np.arange(pins) / pins + kinematics.gear_rotation(gear, crank)
+        levers = radius * np.stack([-np.sin(turn), np.cos(turn)], axis=-1)
+        inward = -kinematics.gear_centre(gear, crank) / gear.eccentricity
+        pushes = forces[:, None] * inward
+        assert np.all(forces >= 0)
+        assert 0 < np.count_nonzero(forces) <= pins // 2
+        assert np.sum(levers[:, 0] * pushes[:, 1] - levers[:, 1] * pushes[:, 0]) == pytest.approx(torque, rel=1e-12)
+
+
+@each_gear
+@pytest.mark.parametrize("torque", [7.0, -7.0])
+def test_the_cam_holds_ring_output_and_body_forces(gear, torque):
+    body = np.array([3.0, -5.0])
+    for crank in (0.0, 0.4, -2.0):
+        ring = statics.ideal_load_sharing(gear, torque, crank)
+        output = statics.ideal_output_forces(gear, 8, 0.6 * gear.pin_circle_radius, torque, crank)
+        cam = statics.cam_force(ring, output, crank, body)
+        contacts = envelope.arc_contacts(gear, crank)
+        outward = kinematics.gear_centre(gear, crank) / gear.eccentricity
+        held = np.sum(ring.forces[:, None] * contacts.normals, axis=0) - np.sum(output) * outward + body
+        assert np.abs(held + cam).max() < 1e-9 * np.linalg.norm(cam)
+        # Without losses and body forces the crank's torque is the load's, divided by the ratio.
+        ideal = statics.cam_force(ring, output, crank)
+        on_crank = -gear.eccentricity * (outward[0] * ideal[1] - outward[1] * ideal[0])
+        assert on_crank == pytest.approx(-torque / gear.lobes, rel=1e-10)
+
+
+def test_the_cam_of_the_paper_carries_more_than_the_ring_asks_for():
+    """Leaving out the reaction of the output pins gives a cam load that is too small."""
+    ring = statics.ideal_load_sharing(PAPER, TORQUE, CRANKS)
+    output = statics.ideal_output_forces(PAPER, 8, 26e-3, TORQUE, CRANKS)
+    full = np.linalg.norm(statics.cam_force(ring, output, CRANKS), axis=-1)
+    alone = np.hypot(ring.eccentric_tangential, ring.eccentric_radial)
+    assert np.all(full > 1.3 * alone)
+    # Of 8 pins, sin^2 of the loaded ones sums to 2 at every angle, and their sines to 8/pi on average.
+    assert output.sum(axis=-1).mean() == pytest.approx(4 * TORQUE / (np.pi * 26e-3), rel=1e-3)

@@ -15,8 +15,10 @@ from cycloid_mj import __version__
 from cycloid_mj.cli import (
     analyze,
     animate,
+    build,
     compare,
     design,
+    export,
     kinematics,
     log,
     plot,
@@ -24,6 +26,7 @@ from cycloid_mj.cli import (
     render,
     review,
     simulate,
+    validate,
     view,
 )
 from cycloid_mj.cli.mistakes import sentence
@@ -53,6 +56,9 @@ COMMANDS: dict[Callable[..., int], str] = {
     render.render: render.EXAMPLES,
     view.view: view.EXAMPLES,
     compare.compare: compare.EXAMPLES,
+    validate.validate: validate.EXAMPLES,
+    build.build: build.EXAMPLES,
+    export.export: export.EXAMPLES,
     profile.profile: profile.EXAMPLES,
     kinematics.kinematics: kinematics.EXAMPLES,
 }

@@ -102,7 +102,7 @@ class ContactLaw(Section):
     )
     cam_rollers: int = quantity(20, "rollers of the cam's bearing, which share its load (Stribeck)", ge=3, le=1000)
     damping_ratio: float = quantity(
-        0.5, "damping of a contact as a share of critical (0.5: restitution 0.16, lubricated)", gt=0.0, le=2.0
+        0.5, "damping of a contact as a share of critical (0.5: restitution 0.3, lubricated)", gt=0.0, le=2.0
     )
     creep_speed: float = quantity(
         20.0,

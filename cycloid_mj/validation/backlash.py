@@ -1,0 +1,63 @@
+"""Rung 3, the gear's backlash at a locked crank: 2 delta/(c (N-1)), for each kind of ring.
+
+A small torque turns the gear from one stop to the other. delta is the normal clearance of the teeth; for free pins
+that of the sockets comes on top. The cam has next to no clearance, the output's is too large to touch.
+"""
+
+import mujoco
+
+from cycloid_mj.contact.collider import installed
+from cycloid_mj.design import Design
+from cycloid_mj.mjcf import ReducerModel, build
+from cycloid_mj.validation.rig import FREE, KINDS, NONPIN, reducer_of, without_friction, without_gravity
+from cycloid_mj.validation.row import Row, relative
+
+TORQUE = 0.01
+"""Torque that holds the gear at its stop [N m]: it presses the teeth in by less than a thousandth of a clearance."""
+_TRAVEL, _SETTLE, _STOPS = 2000, 250, 8
+
+
+def rows(quick: bool) -> list[Row]:
+    """Give the rows of this rung."""
+    return [_row(kind) for kind in KINDS]
+
+
+def _row(kind: str) -> Row:
+    design = reducer_of(
+        kind,
+        *without_friction(),
+        *without_gravity(),
+        "clearance.cam_um=0.0001",
+        "clearance.output_um=100.0",
+        "drive.rotor_inertia_kg_m2=10.0",
+        "settings.timestep_us=2.0",
+    )
+    low, high = stops(design)
+    measured, closed = 1e6 * (high - low), 1e6 * expected(design, kind)
+    series = " + delta of the sockets" if kind == FREE else ""
+    return relative(f"backlash of the gear, {kind}", measured, closed, "urad", f"2 delta/(c (N-1)){series}", 0.5)
+
+
+def expected(design: Design, kind: str) -> float:
+    """Give the backlash [rad]: the largest arm of a contact about the gear's centre is c (N-1)."""
+    room = design.clearance
+    delta = {FREE: room.pin_gear + room.pin_socket, NONPIN: room.tooth}.get(kind, room.pin_gear)
+    return 2.0 * delta / (design.gear.eccentricity * design.lobes)
+
+
+def stops(design: Design) -> tuple[float, float]:
+    """Give the gear's angles [rad] at its stops, clockwise and counter-clockwise."""
+    reducer = build(design)
+    return _stop(reducer, -TORQUE), _stop(reducer, TORQUE)
+
+
+def _stop(reducer: ReducerModel, torque: float) -> float:
+    """Turn the gear to its stop by a torque [N m]; it settles by being halted now and then."""
+    data = mujoco.MjData(reducer.model)
+    data.joint("gear_angle").qfrc_applied[0] = torque
+    with installed():
+        mujoco.mj_step(reducer.model, data, _TRAVEL)
+        for _ in range(_STOPS):
+            data.qvel[:] = 0.0
+            mujoco.mj_step(reducer.model, data, _SETTLE)
+    return float(data.joint("gear_angle").qpos[0])

@@ -1,0 +1,99 @@
+"""Rung 7, energy: what goes in comes out, is lost in contacts, or is stored; over ramp and hold, at every step.
+
+    input work = output work + friction + normal forces (damping, and elastic energy) + change of kinetic and
+    potential energy
+
+The last row has no friction and a load that comes on with a jolt: there damping is the only loss.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.design import Design
+from cycloid_mj.record import Run
+from cycloid_mj.simulate import simulate
+from cycloid_mj.validation import rig
+from cycloid_mj.validation.rig import FIXED, RATED_LOAD, reducer_of
+from cycloid_mj.validation.row import Row, relative
+
+Array = npt.NDArray[np.float64]
+
+EVERY_STEP = "settings.log_rate_hz=1e6"
+"""The highest log rate: no step of the runs here is shorter than a microsecond."""
+
+
+@dataclass(frozen=True)
+class Balance:
+    """Works over a run [J]: `supplied` to the crank, `delivered` to the load, `friction`, `normal`, `stored`."""
+
+    supplied: float
+    delivered: float
+    friction: float
+    normal: float
+    stored: float
+
+    @property
+    def accounted(self) -> float:
+        """Everything that the input work went to [J]."""
+        return self.delivered + self.friction + self.normal + self.stored
+
+
+def rows(kind: str, quick: bool) -> list[Row]:
+    """Give the row of one kind of ring."""
+    duration = 0.008 if quick else 0.02
+    design = reducer_of(
+        kind,
+        f"drive.ramp_s={duration!r}",
+        f"drive.hold_s={duration!r}",
+        f"load.torque_nm={RATED_LOAD}",
+        "settings.timestep_us=2.0",
+        EVERY_STEP,
+    )
+    found = balance(simulate(design))
+    source = "output + friction + normal + stored"
+    return [relative(f"input work, {kind}", found.supplied, found.accounted, "J", source, 1.0)]
+
+
+def jolt_rows(quick: bool) -> list[Row]:
+    """Give the row of a load with a jolt: the work of the normal forces, extrapolated to a step of zero.
+
+    The log's powers are those at the start of each step, so that their sum errs by the step's first power.
+    """
+    coarse, fine = (balance(simulate(_jolted(timestep))) for timestep in (2.0, 1.0))
+    normal, missing = (2.0 * half - whole for half, whole in zip(_lost(fine), _lost(coarse), strict=True))
+    source = "input - output - stored"
+    return [relative("work of the normal forces in a jolt", 1e3 * normal, 1e3 * missing, "mJ", source, 1.0)]
+
+
+def _jolted(timestep_us: float) -> Design:
+    return reducer_of(
+        FIXED,
+        *rig.without_friction(),
+        "drive.hold_s=0.005",
+        "load.rise_s=0.00001",
+        f"load.torque_nm={RATED_LOAD}",
+        f"settings.timestep_us={timestep_us!r}",
+        EVERY_STEP,
+    )
+
+
+def _lost(found: Balance) -> tuple[float, float]:
+    return found.normal, found.supplied - found.delivered - found.stored
+
+
+def balance(run: Run) -> Balance:
+    """Integrate the logged powers."""
+    energy = run["kinetic_energy"] + run["potential_energy"]
+    return Balance(
+        supplied=_work(run, run["crank_torque"] * run["crank_speed"]),
+        delivered=-_work(run, run["load_torque"] * run["output_speed"]),
+        friction=sum(_work(run, run[name]) for name in run.columns if name.endswith("_friction_power")),
+        normal=sum(_work(run, run[name]) for name in run.columns if name.endswith("_normal_power")),
+        stored=float(energy[-1] - energy[0]),
+    )
+
+
+def _work(run: Run, power: Array) -> float:
+    return float(np.trapezoid(power, run.time))

@@ -1,0 +1,275 @@
+"""The static pose of a loaded reducer at a locked crank: an independent solution of what the simulation settles to.
+
+Parts are rigid, contacts are springs that only push, at the exact gaps; without friction and inertia the pose has the
+least elastic energy less the work of the load. Where the stiffness of a tooth contact follows its curvature, the
+forces are no gradient of an energy: then their balance is solved, from the pose of least energy at uniform stiffness.
+
+The unknowns z [m] are the departures from the ideal pose: gear x, y and turn, turn of the output (both times the
+radius of the output pins), and x, y of every free pin.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import minimize, root
+
+from cycloid_mj import envelope, kinematics, profile
+from cycloid_mj.design import Design
+from cycloid_mj.errors import RunError
+from cycloid_mj.profile import CycloidGear, unit
+from cycloid_mj.solid.gear import profile_offset, tooth_profile
+from cycloid_mj.validation.gaps import Gaps, Pose, pin_gaps, ring_gaps, rotate
+from cycloid_mj.validation.stiffness import tooth_stiffness
+
+Array = npt.NDArray[np.float64]
+
+_SCALE = 1e-6
+"""Unit of length of the search [m]: poses depart from the ideal one by micrometres."""
+_DESCENTS = 100
+"""Most steps down the energy; the balance is solved from there."""
+_IMBALANCE = 1e-4
+"""Largest residual of the balance, as a share of the load."""
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """The solution at one crank angle.
+
+    Attributes
+    ----------
+    gear_turn, output_turn
+        Angles of gear and output less the ideal ones [rad].
+    ring_forces
+        Forces of the ring's pins or lobes on the gear [N], shape (N, 2).
+    cam_force
+        Force of the cam on the gear [N], shape (2,).
+    """
+
+    gear_turn: float
+    output_turn: float
+    ring_forces: Array
+    cam_force: Array
+
+
+@dataclass(frozen=True)
+class Locked:
+    """A reducer whose crank is locked.
+
+    Attributes
+    ----------
+    design, gear
+        The design and its ideal mesh.
+    stiffness
+        Of each kind of pair [N/m]; of teeth, that of a pin on a flat.
+    crank
+        Crank angle [rad].
+    load
+        Generalised force on each unknown [N], shape (unknowns,).
+    roots
+        Roots of an internal gear that the gear may touch.
+    """
+
+    design: Design
+    gear: CycloidGear
+    stiffness: Mapping[str, float]
+    crank: float
+    load: Array
+    roots: npt.NDArray[np.int64]
+
+    @property
+    def has_free_pins(self) -> bool:
+        """Whether the pins' places are unknown."""
+        return self.load.size > 4
+
+    def pose(self, z: Array) -> Pose:
+        """Give the gear's pose."""
+        centre = kinematics.gear_centre(self.gear, self.crank) + z[:2]
+        return Pose(centre, self.angle(z[2]))
+
+    def angle(self, arc: float) -> float:
+        """Give the angle [rad] of gear or output at an arc [m] of the output pins from the ideal one."""
+        return float(kinematics.gear_rotation(self.gear, self.crank)) + arc / self.design.output.pin_circle_radius
+
+
+@dataclass(frozen=True)
+class Springs:
+    """Springs of one kind at one pose; n of them.
+
+    Attributes
+    ----------
+    gap, stiffness
+        [m] and [N/m], shape (n,).
+    slope
+        Derivative of the gaps by the unknowns [1], shape (n, unknowns).
+    push
+        Direction of the force, on the gear (of a socket: on its pin), shape (n, 2).
+    """
+
+    gap: Array
+    stiffness: Array
+    slope: Array
+    push: Array
+
+    @property
+    def force(self) -> Array:
+        """Sizes of the forces [N], shape (n,)."""
+        return -self.stiffness * np.minimum(self.gap, 0.0)
+
+
+def solve(design: Design, stiffness: Mapping[str, float], crank: float) -> Equilibrium:
+    """Solve for the pose at which contacts and load balance.
+
+    Parameters
+    ----------
+    design
+        The design; the load is that of a positive crank speed.
+    stiffness
+        Of each kind of pair [N/m]; of teeth, that of a pin on a flat.
+    crank
+        Crank angle [rad], counter-clockwise.
+
+    Raises
+    ------
+    RunError
+        No balance was found.
+    """
+    locked = _locked(design, stiffness, crank)
+
+    def imbalance(x: Array) -> Array:
+        return _imbalance(locked, _SCALE * x)
+
+    balanced = root(imbalance, _least_energy(locked), method="hybr", tol=1e-10)
+    residual = np.abs(balanced.fun).max()
+    if not residual < _IMBALANCE * np.abs(locked.load).max():
+        raise RunError(f"no static balance at crank angle {crank:.4f} rad: {residual:.3g} N are left over")
+    return _solution(locked, _SCALE * balanced.x)
+
+
+def _least_energy(locked: Locked) -> Array:
+    """Give the pose [_SCALE] of least energy at uniform stiffness."""
+
+    def slope(x: Array) -> Array:
+        return -_imbalance(locked, _SCALE * x, uniform=True)
+
+    def hessian(x: Array) -> Array:
+        return _stiffness_matrix(locked, _SCALE * x) * _SCALE
+
+    def energy(x: Array) -> float:
+        return _energy(locked, _SCALE * x) / _SCALE
+
+    start = np.zeros(locked.load.size)
+    found = minimize(
+        energy, start, jac=slope, hess=hessian, method="trust-exact", options={"gtol": 1e-2, "maxiter": _DESCENTS}
+    )
+    return np.asarray(found.x)
+
+
+def _locked(design: Design, stiffness: Mapping[str, float], crank: float) -> Locked:
+    gear = tooth_profile(design)
+    roots = np.zeros(0, dtype=np.int64)
+    if design.ring.kind == "nonpin":
+        ideal = envelope.sigma_contacts(gear, crank).lobe
+        roots = np.unique((ideal[:, np.newaxis] + [-1, 0, 1]) % gear.ring_teeth)
+    free = design.ring.kind == "pin" and design.ring.pins == "free"
+    load = np.zeros(4 + (2 * gear.ring_teeth if free else 0))
+    load[3] = design.load.torque / design.output.pin_circle_radius
+    return Locked(design, gear, stiffness, crank, load, roots)
+
+
+def _energy(locked: Locked, z: Array) -> float:
+    """Elastic energy at uniform stiffness less the work of the load [J]."""
+    springs = _springs(locked, z, True).values()
+    elastic = sum(0.5 * np.sum(s.stiffness * np.minimum(s.gap, 0.0) ** 2) for s in springs)
+    return float(elastic - locked.load @ z)
+
+
+def _imbalance(locked: Locked, z: Array, uniform: bool = False) -> Array:
+    """Generalised forces of springs and load [N], shape (unknowns,)."""
+    pushes = [s.slope.T @ s.force for s in _springs(locked, z, uniform).values()]
+    return np.asarray(locked.load + np.sum(pushes, axis=0))
+
+
+def _stiffness_matrix(locked: Locked, z: Array) -> Array:
+    """Stiffness of the closed springs [N/m], shape (unknowns, unknowns); their turning with the pose is left out."""
+    closed = [(s.slope[s.gap < 0], s.stiffness[s.gap < 0]) for s in _springs(locked, z, True).values()]
+    return np.asarray(np.sum([slope.T @ (stiffness[:, np.newaxis] * slope) for slope, stiffness in closed], axis=0))
+
+
+def _solution(locked: Locked, z: Array) -> Equilibrium:
+    found = _springs(locked, z, False)
+    ring, cam = found["ring"], found["cam"]
+    forces = np.zeros((locked.gear.ring_teeth, 2))
+    np.add.at(forces, _mesh(locked, z).owner, ring.force[:, np.newaxis] * ring.push)
+    lever = locked.design.output.pin_circle_radius
+    return Equilibrium(z[2] / lever, z[3] / lever, forces, (cam.force[:, np.newaxis] * cam.push)[0])
+
+
+def _springs(locked: Locked, z: Array, uniform: bool) -> dict[str, Springs]:
+    springs = {"ring": _ring(locked, z, uniform), "cam": _cam(locked, z), "output": _output(locked, z)}
+    return springs | {"socket": _sockets(locked, z)} if locked.has_free_pins else springs
+
+
+def _mesh(locked: Locked, z: Array) -> Gaps:
+    pose = locked.pose(z)
+    if locked.design.ring.kind == "nonpin":
+        return ring_gaps(locked.gear, pose, locked.roots)
+    centres = locked.gear.pin_circle_radius * unit(profile.pin_angles(locked.gear))
+    return pin_gaps(locked.gear, pose, centres + (z[4:].reshape(-1, 2) if locked.has_free_pins else 0.0))
+
+
+def _ring(locked: Locked, z: Array, uniform: bool) -> Springs:
+    mesh, pose, design = _mesh(locked, z), locked.pose(z), locked.design
+    count, n = mesh.distance.size, mesh.normals
+    slope = np.zeros((count, z.size))
+    slope[:, :2] = -n
+    slope[:, 2] = -np.sum(n * _quarter_turn(mesh.places - pose.centre), axis=1) / design.output.pin_circle_radius
+    if locked.has_free_pins:
+        slope[:, 4:] = (np.eye(count)[:, :, np.newaxis] * n[:, np.newaxis, :]).reshape(count, -1)
+    clearance = profile_offset(design) - locked.gear.pin_radius
+    kind = "tooth" if design.ring.kind == "nonpin" else "pin_gear"
+    stiffness = np.full(count, locked.stiffness[kind])
+    if not uniform:
+        stiffness = tooth_stiffness(design, locked.stiffness[kind], mesh, pose)
+    return Springs(mesh.distance + clearance, stiffness, slope, -n)
+
+
+def _sockets(locked: Locked, z: Array) -> Springs:
+    shift = z[4:].reshape(-1, 2)
+    distance = np.linalg.norm(shift, axis=1)
+    outward = shift / np.maximum(distance, np.finfo(float).tiny)[:, np.newaxis]
+    slope = np.zeros((len(shift), z.size))
+    slope[:, 4:] = (np.eye(len(shift))[:, :, np.newaxis] * -outward[:, np.newaxis, :]).reshape(len(shift), -1)
+    stiffness = np.full(len(shift), locked.stiffness["pin_socket"])
+    return Springs(locked.design.clearance.pin_socket - distance, stiffness, slope, -outward)
+
+
+def _cam(locked: Locked, z: Array) -> Springs:
+    distance = np.linalg.norm(z[:2])
+    inward = -z[:2] / max(distance, np.finfo(float).tiny)
+    slope = np.zeros((1, z.size))
+    slope[0, :2] = inward
+    gap = np.array([locked.design.clearance.cam - distance])
+    return Springs(gap, np.array([locked.stiffness["cam"]]), slope, inward[np.newaxis])
+
+
+def _output(locked: Locked, z: Array) -> Springs:
+    """Output pins in the gear's holes; a pin pushes its hole outwards, along the line of centres."""
+    output, pose = locked.design.output, locked.pose(z)
+    start = output.pin_circle_radius * unit(2 * np.pi * np.arange(output.pins) / output.pins)
+    on_gear, pins = rotate(start, pose.angle), rotate(start, locked.angle(z[3]))
+    between = pins - pose.centre - on_gear
+    distance = np.linalg.norm(between, axis=1)
+    push = between / distance[:, np.newaxis]
+    slope = np.zeros((output.pins, z.size))
+    slope[:, :2] = push
+    slope[:, 2] = np.sum(push * _quarter_turn(on_gear), axis=1) / output.pin_circle_radius
+    slope[:, 3] = -np.sum(push * _quarter_turn(pins), axis=1) / output.pin_circle_radius
+    room = output.hole_radius + locked.design.clearance.output - output.pin_radius
+    return Springs(room - distance, np.full(output.pins, locked.stiffness["output"]), slope, push)
+
+
+def _quarter_turn(vectors: Array) -> Array:
+    """Turn vectors (n, 2) counter-clockwise by a right angle."""
+    return np.stack([-vectors[:, 1], vectors[:, 0]], axis=-1)

@@ -1,0 +1,165 @@
+"""Gaps of the mesh in any pose near the ideal one, by search over points of the curves; nothing is from `contact`.
+
+The gear is the inward parallel of its trochoid, so the gap of a point of the ring, offset outwards by the pin radius,
+is its signed distance from the trochoid and the clearance. Lengths [m], angles [rad]; rotations counter-clockwise.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+import numpy.typing as npt
+from scipy.spatial import cKDTree
+
+from cycloid_mj import envelope, profile
+from cycloid_mj.profile import CycloidGear, unit
+
+Array = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.int64]
+
+_SAMPLES_PER_LOBE = 200
+_SAMPLES_PER_ROOT = 400
+_NEWTON_ROUNDS = 8
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Pose of the gear: `centre` from the reducer's axis [m], shape (2,), and `angle` [rad]."""
+
+    centre: Array
+    angle: float
+
+    def to_gear(self, points: Array) -> Array:
+        """Give points (n, 2) of the ring's frame in the gear's."""
+        return rotate(points - self.centre, -self.angle)
+
+
+@dataclass(frozen=True)
+class Gaps:
+    """Where gear and ring are nearest; n places.
+
+    Attributes
+    ----------
+    distance
+        Signed distance of the offset ring from the trochoid [m]; the gap is this plus the clearance. Shape (n,).
+    normals
+        Outward unit normals of the gear, ring frame, shape (n, 2).
+    places
+        Points on these normals [m], ring frame, shape (n, 2).
+    t
+        Trochoid parameter of the gear's point [rad], shape (n,).
+    owner
+        Index of the pin or lobe, 0 on +y, clockwise.
+    B
+        Phase on the root [rad]; not a number on an arc or pin.
+    ring_curvature
+        Of the ring's surface [1/m], positive where convex.
+    """
+
+    distance: Array
+    normals: Array
+    places: Array
+    t: Array
+    owner: Indices
+    B: Array
+    ring_curvature: Array
+
+
+def rotate(points: Array, angle: float) -> Array:
+    """Turn points (..., 2) counter-clockwise about the origin by `angle` [rad]."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    return points @ np.array([[cos, sin], [-sin, cos]])
+
+
+def trochoid_distance(gear: CycloidGear, points: Array) -> tuple[Array, Array, Array]:
+    """Give the signed distance [m], the outward normal and the parameter t of the nearest point of the trochoid.
+
+    `points` (n, 2) [m] in the gear's frame. Newton's method on (T - p) . T' = 0 from the nearest of many samples.
+    """
+    tree, samples = _samples(gear)
+    t = samples[tree.query(points)[1]]
+    for _ in range(_NEWTON_ROUNDS):
+        first, second = profile.trochoid_derivatives(gear, t)
+        lead = profile.trochoid(gear, t) - points
+        t = t - _dot(lead, first) / (_dot(first, first) + _dot(lead, second))
+    normals = profile.normals(gear, t)
+    return _dot(points - profile.trochoid(gear, t), normals), normals, t
+
+
+def pin_gaps(gear: CycloidGear, pose: Pose, centres: Array) -> Gaps:
+    """Give the gap of every pin; `centres` (N, 2) [m]."""
+    distance, normals, t = trochoid_distance(gear, pose.to_gear(centres))
+    number = gear.ring_teeth
+    return Gaps(
+        distance=distance,
+        normals=rotate(normals, pose.angle),
+        places=centres,
+        t=t,
+        owner=np.arange(number),
+        B=np.full(number, np.nan),
+        ring_curvature=np.full(number, 1 / gear.pin_radius),
+    )
+
+
+def ring_gaps(gear: CycloidGear, pose: Pose, roots: Indices) -> Gaps:
+    """Give the gap of every arc of the internal gear, and every smallest gap inside the `roots` given.
+
+    Root k lies counter-clockwise of lobe k; its half beyond B = pi belongs to the next lobe. An arc touches only
+    within the fan of its normals, |alpha| <= asin(c N / E).
+    """
+    arcs = pin_gaps(gear, pose, gear.pin_circle_radius * unit(profile.pin_angles(gear)))
+    radial = unit(profile.pin_angles(gear))
+    across = arcs.normals[:, 0] * radial[:, 1] - arcs.normals[:, 1] * radial[:, 0]
+    fan = np.abs(across) <= np.sin(envelope.largest_alpha(gear))
+    return _join(_at(arcs, fan), *(_root_gaps(gear, pose, int(root)) for root in roots))
+
+
+def offset_root(gear: CycloidGear, root: int, B: Array) -> Array:
+    """Points (n, 2) [m] of Sigma in root `root` at the phases B, offset outwards by the pin radius, ring frame."""
+    surface = envelope.sigma_points(gear, B) + gear.pin_radius * unit(envelope.sigma_normal_angle(gear, B))
+    return rotate(surface, -profile.pin_angles(gear)[root])
+
+
+def _root_gaps(gear: CycloidGear, pose: Pose, root: int) -> Gaps:
+    """Find the inner minima of the distance along a root: the lowest of three samples, refined by their parabola."""
+    low = profile.best_phase(gear)
+    B = np.pi - (np.pi - low) * np.cos(np.linspace(0, np.pi, _SAMPLES_PER_ROOT))
+    sampled = trochoid_distance(gear, pose.to_gear(offset_root(gear, root, B)))[0]
+    inner = 1 + np.flatnonzero((sampled[1:-1] < sampled[:-2]) & (sampled[1:-1] <= sampled[2:]))
+    before, here, after = sampled[inner - 1], sampled[inner], sampled[inner + 1]
+    found = _parabola(B[inner - 1], B[inner], B[inner + 1], before, here, after)
+    places = offset_root(gear, root, found)
+    distance, normals, t = trochoid_distance(gear, pose.to_gear(places))
+    return Gaps(
+        distance=distance,
+        normals=rotate(normals, pose.angle),
+        places=places,
+        t=t,
+        owner=np.where(found <= np.pi, root, (root - 1) % gear.ring_teeth),
+        B=found,
+        ring_curvature=-1 / envelope.sigma_radius(gear, found),
+    )
+
+
+def _parabola(x0: Array, x1: Array, x2: Array, y0: Array, y1: Array, y2: Array) -> Array:
+    """Where the parabolas through three points each have their minimum."""
+    left, right = (y1 - y0) / (x1 - x0), (y2 - y1) / (x2 - x1)
+    return (x0 + x1) / 2 - left * (x2 - x0) / (2 * (right - left))
+
+
+@cache
+def _samples(gear: CycloidGear) -> tuple[cKDTree, Array]:
+    t = np.linspace(0, 2 * np.pi, _SAMPLES_PER_LOBE * gear.lobes, endpoint=False)
+    return cKDTree(profile.trochoid(gear, t)), t
+
+
+def _at(gaps: Gaps, rows: npt.NDArray[np.bool_]) -> Gaps:
+    return Gaps(**{name: values[rows] for name, values in vars(gaps).items()})
+
+
+def _join(*parts: Gaps) -> Gaps:
+    return Gaps(**{name: np.concatenate([vars(part)[name] for part in parts]) for name in vars(parts[0])})
+
+
+def _dot(a: Array, b: Array) -> Array:
+    return np.sum(a * b, axis=-1)

@@ -1,0 +1,126 @@
+"""The ladder: every rung's parts, and how they are run, two at a time in processes of their own."""
+
+import multiprocessing
+import os
+import signal
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+from cycloid_mj.errors import CycloidError, UsageError
+from cycloid_mj.validation import (
+    backlash,
+    cam_load,
+    energy,
+    incline,
+    published,
+    sharing,
+    steps,
+    symmetry,
+    two_bodies,
+)
+from cycloid_mj.validation.rig import FIXED, FREE, KINDS, NONPIN
+from cycloid_mj.validation.row import Row
+
+RUNGS = (
+    *("two-body", "friction", "backlash", "sharing", "cam"),
+    *("published", "energy", "steps", "mirror", "gravity"),
+)
+"""Name of every rung, from the ground up."""
+
+WORKERS = 2
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of a rung that runs on its own.
+
+    Attributes
+    ----------
+    rung
+        Name of its rung.
+    rows
+        Gives its rows; takes whether to be quick.
+    cost
+        Seconds that it takes, quick and in full, on one core of 2026: the longest parts start first.
+    """
+
+    rung: str
+    rows: Callable[[bool], list[Row]]
+    cost: tuple[float, float]
+
+
+def _parts() -> Iterator[Part]:
+    yield Part("two-body", two_bodies.rows, (1.0, 1.0))
+    yield Part("friction", incline.rows, (0.2, 0.2))
+    yield Part("backlash", backlash.rows, (4.0, 4.0))
+    for kind in KINDS:
+        yield Part("sharing", partial(sharing.ideal_rows, kind), (1.0, 2.0))
+    yield Part("sharing", sharing.patch_rows, (1.5, 2.5))
+    for kind, cost in ((FIXED, (1.0, 2.0)), (FREE, (2.0, 4.0)), (NONPIN, (7.0, 15.0))):
+        yield Part("sharing", partial(sharing.clearance_rows, kind), cost)
+    yield Part("cam", cam_load.rows, (6.0, 7.0))
+    yield Part("published", published.hertz_rows, (0.1, 0.1))
+    yield Part("published", published.efficiency_rows, (1.0, 2.0))
+    for kind, cost in ((FIXED, (0.7, 2.0)), (FREE, (2.0, 4.0)), (NONPIN, (1.0, 3.0))):
+        yield Part("energy", partial(energy.rows, kind), cost)
+    yield Part("energy", energy.jolt_rows, (2.0, 2.0))
+    for kind, cost in ((FIXED, (3.5, 6.0)), (FREE, (10.0, 25.0)), (NONPIN, (6.0, 12.0))):
+        yield Part("steps", partial(steps.rows, kind), cost)
+    for kind, cost in ((FIXED, (1.0, 1.2)), (FREE, (2.5, 4.0)), (NONPIN, (1.3, 2.0))):
+        yield Part("mirror", partial(symmetry.mirror_rows, kind), cost)
+    yield Part("gravity", partial(symmetry.gravity_rows, FIXED), (4.0, 4.0))
+    yield Part("gravity", partial(symmetry.gravity_rows, FREE), (12.0, 12.0))
+
+
+PARTS = tuple(_parts())
+
+
+def chosen(only: Sequence[str] = ()) -> tuple[Part, ...]:
+    """Give the parts of some rungs, or of all.
+
+    Raises
+    ------
+    UsageError
+        There is no rung of a name.
+    """
+    unknown = [name for name in only if name not in RUNGS]
+    if unknown:
+        raise UsageError(f"there is no rung {unknown[0]!r} to validate; choose from: {', '.join(RUNGS)}")
+    return tuple(part for part in PARTS if not only or part.rung in only)
+
+
+def climb(parts: Sequence[Part], quick: bool = False, workers: int = WORKERS) -> Iterator[tuple[int, list[Row]]]:
+    """Run parts and give the number and the rows of each as it ends, the longest first.
+
+    A part that cannot be run gives one row, which fails and says why.
+    """
+    order = sorted(range(len(parts)), key=lambda number: parts[number].cost[not quick], reverse=True)
+    work = [(number, parts[number], quick) for number in order]
+    workers = min(workers, len(parts), os.cpu_count() or 1)
+    if workers <= 1:
+        yield from map(_run, work)
+        return
+    context = multiprocessing.get_context("spawn")
+    with context.Pool(workers, initializer=_leave_interrupts) as pool:
+        yield from pool.imap_unordered(_run, work)
+
+
+def in_order(found: Iterable[tuple[int, list[Row]]]) -> list[Row]:
+    """Give all rows in the order of the ladder."""
+    return [row for _, rows in sorted(found, key=lambda one: one[0]) for row in rows]
+
+
+def _run(work: tuple[int, Part, bool]) -> tuple[int, list[Row]]:
+    number, part, quick = work
+    try:
+        rows = part.rows(quick)
+    except CycloidError as error:
+        nan = float("nan")
+        rows = [Row("could not be run", nan, nan, "", "", nan, "", 0.0, note=str(error))]
+    return number, [replace(row, rung=part.rung) for row in rows]
+
+
+def _leave_interrupts() -> None:
+    """Let the parent alone see Ctrl-C; it ends its workers."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)

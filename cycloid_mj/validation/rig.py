@@ -1,0 +1,141 @@
+"""Designs and runs of the ladder: the three kinds of ring, idealised where a closed form asks for it."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.contact.law import contact_law, solver_parameters
+from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.mjcf import ReducerModel
+from cycloid_mj.mjcf.names import output_pin
+from cycloid_mj.record import Run
+from cycloid_mj.simulate import attachments, blocks, columns, provenance, simulate
+
+Array = npt.NDArray[np.float64]
+
+FIXED, FREE, NONPIN = "fixed pins", "free pins", "nonpin"
+KINDS = (FIXED, FREE, NONPIN)
+RATED_LOAD = 36.0
+"""Load torque [N m]: the paper's 36.68 N m, rounded."""
+
+SETTLED = 0.01
+"""Start of the samples that count [s]: the load's rise, and the time that `analysis` allows it to ring out."""
+
+PERIODS = 36
+"""Mesh periods in a turn of the crank: the ring teeth of the paper's designs."""
+
+MATING = ("pin_gear", "pin_socket", "tooth", "cam", "output")
+_RING = {FIXED: ("pin", 'ring.pins="fixed"'), FREE: ("pin", 'ring.pins="free"'), NONPIN: ("nonpin", "ring.teeth=36")}
+
+
+def reducer_of(kind: str, *changes: str) -> Design:
+    """Give the paper's design with one kind of ring and ``table.key=value`` changes; it starts at full speed."""
+    preset, ring = _RING[kind]
+    return override(PRESETS[preset], [ring, "drive.ramp_s=0.0", *changes])
+
+
+def changed(design: Design, *changes: str) -> Design:
+    """Give the design with ``table.key=value`` changes."""
+    return override(design, changes)
+
+
+def without_friction() -> list[str]:
+    """Give the changes that switch friction off."""
+    return [f"friction.{kind}=0.0" for kind in MATING]
+
+
+def without_gravity() -> list[str]:
+    """Give the change that switches gravity off."""
+    return ["environment.gravity_y_m_s2=0.0"]
+
+
+def clearances(value_um: float) -> list[str]:
+    """Give the changes that make every clearance the same [um]."""
+    return [f"clearance.{kind}_um={value_um!r}" for kind in MATING]
+
+
+def stiffen_cam(reducer: ReducerModel, stiffness: float) -> None:
+    """Give a compiled model's cam another stiffness [N/m], with the damping and added mass that go with it."""
+    model = reducer.model
+    gear = float(model.body("gear").mass[0])
+    law = contact_law(stiffness, 0.5, gear, 0.0, 0.0, float(model.opt.timestep))
+    pair = next(pair for pair in reducer.pairs if pair.kind == "cam")
+    parameters = solver_parameters(law, inverse_weight(model, pair.on, pair.by))
+    number = model.pair(pair.name).id
+    model.pair_solref[number], model.pair_solimp[number] = parameters.solref, parameters.solimp
+
+
+def part_patches(reducer: ReducerModel) -> None:
+    """Keep the lines of an arc and a root apart in a compiled model, each a whole spring, however near they are."""
+    reducer.model.geom("teeth").user[-1] = 0.0
+
+
+def inverse_weight(model: Any, *geoms: str) -> float:
+    """Give the sum of the ``body_invweight0`` of the bodies of two geoms [1/kg]."""
+    return float(sum(model.body_invweight0[model.geom(name).bodyid[0], 0] for name in geoms))
+
+
+def record(reducer: ReducerModel, design: Design) -> Run:
+    """Run a model that may have been changed after it was built.
+
+    Raises
+    ------
+    RunError
+        The run went wrong.
+    """
+    groups = columns(reducer, design)
+    taken = list(blocks(reducer, design))
+    values: dict[str, Array] = {}
+    for topic, units in groups.items():
+        table = np.concatenate([block.values[topic] for block in taken])
+        values |= {name: table[:, place] for place, name in enumerate(units)}
+    return Run(
+        time=np.concatenate([block.time for block in taken]),
+        columns=values,
+        units={name: unit for units in groups.values() for name, unit in units.items()},
+        provenance=provenance(design),
+        attachments=attachments(reducer, design),
+    )
+
+
+def forces(run: Run, stems: Sequence[str]) -> Array:
+    """Give the logged forces of some pairs [N], shape (samples, pairs, 2)."""
+    return np.stack([run.block([f"{stem}_force_x", f"{stem}_force_y"]) for stem in stems], axis=1)
+
+
+def ring_forces(run: Run, design: Design) -> Array:
+    """Give the forces of the ring's pins or lobes on the gear [N], shape (samples, N, 2)."""
+    stem = "lobe" if design.ring.kind == "nonpin" else "pin"
+    return forces(run, [f"{stem}_{number}" for number in range(1, design.ring.teeth + 1)])
+
+
+def output_forces(run: Run, design: Design) -> Array:
+    """Give the forces of the output pins on the gear [N], shape (samples, pins, 2)."""
+    return forces(run, [output_pin(number) for number in range(1, design.output.pins + 1)])
+
+
+def rated_run(kind: str, rpm: float, periods: int, *changes: str) -> tuple[Run, Design]:
+    """Run at rated load; give the settled samples over whole mesh periods, and the design.
+
+    Raises
+    ------
+    RunError
+        The run went wrong.
+    """
+    design = reducer_of(
+        kind,
+        f"drive.speed_rpm={rpm!r}",
+        f"load.torque_nm={RATED_LOAD}",
+        f"drive.hold_s={SETTLED + periods * 60.0 / (abs(rpm) * PERIODS)!r}",
+        "settings.log_rate_hz=20000.0",
+        *changes,
+    )
+    run = simulate(design)
+    return run.select(run.time >= SETTLED), design
+
+
+def sizes(vectors: Array) -> Array:
+    """Give the lengths of vectors (..., 2), shape (...)."""
+    return np.hypot(vectors[..., 0], vectors[..., 1])

@@ -1,0 +1,135 @@
+"""Rung 8, the step study: the figures of a run at rated load at several time steps, against half the default step.
+
+Steps up to the default one must agree; longer ones are told. The observed order is that of the error's growth.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import astuple, dataclass, replace
+
+import numpy as np
+from scipy.optimize import brentq
+
+from cycloid_mj.analysis import analyze
+from cycloid_mj.design import PRESETS
+from cycloid_mj.errors import RunError
+from cycloid_mj.mjcf.names import CAM
+from cycloid_mj.validation import rig
+from cycloid_mj.validation.rig import PERIODS, rated_run
+from cycloid_mj.validation.row import Row, absolute, relative
+
+STEPS_US = (1.0, 2.0, 5.0, 10.0, 20.0)
+
+
+@dataclass(frozen=True)
+class Figures:
+    """Figures of a run that must not depend on the step.
+
+    Deviation of the gear's speed from the closed form, rms [mrad/s]; mean and peak-to-peak transmission error
+    [arcsec]; rms of the cam's force [N]; efficiency [%].
+    """
+
+    gear_speed: float
+    mean_error: float
+    peak_to_peak: float
+    cam_force: float
+    efficiency: float
+
+
+FIGURES = (
+    ("rms gear speed error", "mrad/s"),
+    ("mean transmission error", "arcsec"),
+    ("p-p transmission error", "arcsec"),
+    ("rms cam force", "N"),
+    ("efficiency", "%"),
+)
+RELATIVE_BOUND, EFFICIENCY_BOUND = 3.0, 0.2
+"""Percent, and points of efficiency."""
+
+Study = Mapping[float, Figures | RunError]
+
+
+def rows(kind: str, quick: bool) -> list[Row]:
+    """Give the rows of one kind of ring."""
+    default = default_step()
+    steps = {default / 2, default} if quick else {default / 2, default, *STEPS_US}
+    study = {step: _figures(kind, step, quick) for step in sorted(steps)}
+    return judged(kind, study, default)
+
+
+def judged(kind: str, study: Study, default: float) -> list[Row]:
+    """Hold each step of a study against its finest: every figure up to the `default` step [us], then the worst."""
+    finest = min(study)
+    reference = study[finest]
+    if isinstance(reference, RunError):
+        raise reference
+    told = []
+    for step, found in study.items():
+        if step == finest:
+            continue
+        source = f"{finest:g} us"
+        if isinstance(found, RunError):
+            bound = EFFICIENCY_BOUND if step <= default else None
+            told.append(absolute(f"{kind}, {step:g} us", math.nan, math.nan, "", source, bound, str(found)))
+            continue
+        compared = _compared(f"{kind}, {step:g} us", found, reference, source)
+        if step <= default:
+            told += compared
+        else:
+            worst = max(compared, key=lambda row: row.error / (row.bound or math.inf))
+            told.append(replace(worst, quantity=f"{worst.quantity} (the worst of five)", bound=None))
+    return [*told, *_order_rows(kind, study)]
+
+
+def default_step() -> float:
+    """Give the default time step [us]."""
+    return 1e6 * PRESETS["pin"].settings.timestep
+
+
+def observed_order(steps: tuple[float, float, float], values: tuple[float, float, float]) -> float:
+    """Give p for which values at three rising steps h go as a + b h^p; not a number where no p from 0.1 to 8 does."""
+
+    def excess(order: float) -> float:
+        powers = [step**order for step in steps]
+        return (values[2] - values[0]) * (powers[1] - powers[0]) - (values[1] - values[0]) * (powers[2] - powers[0])
+
+    low, high = 0.1, 8.0
+    return float(brentq(excess, low, high)) if excess(low) * excess(high) < 0.0 else math.nan
+
+
+def _figures(kind: str, step: float, quick: bool) -> Figures | RunError:
+    """Run one step [us] over a third of a crank turn, or over a whole one; give the error of a run that fails."""
+    try:
+        run, _ = rated_run(kind, 1640.0, 12 if quick else PERIODS, f"settings.timestep_us={step!r}")
+    except RunError as error:
+        return error
+    findings = analyze(run)
+    cam = rig.forces(run, [CAM])[:, 0]
+    return Figures(
+        gear_speed=1e3 * findings.gear_speed.rms_error_rad_s,
+        mean_error=findings.transmission_error.mean_arcsec,
+        peak_to_peak=findings.transmission_error.peak_to_peak_arcsec,
+        cam_force=float(np.sqrt(np.mean(np.sum(cam**2, axis=1)))),
+        efficiency=100.0 * (findings.efficiency or math.nan),
+    )
+
+
+def _compared(name: str, found: Figures, reference: Figures, source: str) -> list[Row]:
+    compared = []
+    for (quantity, unit), ours, finest in zip(FIGURES, astuple(found), astuple(reference), strict=True):
+        judge, bound = (absolute, EFFICIENCY_BOUND) if unit == "%" else (relative, RELATIVE_BOUND)
+        compared.append(judge(f"{quantity}, {name}", ours, finest, unit, source, bound))
+    return compared
+
+
+def _order_rows(kind: str, study: Study) -> list[Row]:
+    """Tell the order of the mean transmission error's convergence over the three finest steps."""
+    steps = sorted(study)[:3]
+    values = [study[step] for step in steps]
+    means = [value.mean_error for value in values if isinstance(value, Figures)]
+    if len(means) < 3:
+        return []
+    order = observed_order((steps[0], steps[1], steps[2]), (means[0], means[1], means[2]))
+    source = "semi-implicit Euler"
+    note = f"of the mean transmission error over {', '.join(f'{step:g}' for step in steps)} us"
+    return [absolute(f"observed order of the step, {kind}", order, 1.0, "", source, None, note)]

@@ -1,0 +1,82 @@
+"""Rungs 9 and 10: the reversed drive mirrors the motion, and gravity adds its own share and nothing else."""
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.design import Design
+from cycloid_mj.mjcf.names import CAM
+from cycloid_mj.record import Run
+from cycloid_mj.solid import gear_solid, mass_properties
+from cycloid_mj.validation import rig
+from cycloid_mj.validation.published import efficiency
+from cycloid_mj.validation.rig import FREE, PERIODS, rated_run
+from cycloid_mj.validation.row import Row, absolute, deviation, relative
+
+Array = npt.NDArray[np.float64]
+
+SPEED, GRAVITY = 1640.0, 9.8
+ARCSEC = 3600.0 * 180.0 / np.pi
+MIRROR_BOUND, CHATTER_BOUND = 0.1, 5.0
+"""Percent; free pins chatter, so that rounding in the last digit grows to a small part of their motion."""
+
+
+def mirror_rows(kind: str, quick: bool) -> list[Row]:
+    """Hold the reversed drive of one kind of ring against the mirror image of the other; gravity is off."""
+    periods = 4 if quick else 12
+    forward, design = rated_run(kind, SPEED, periods, *rig.without_gravity())
+    backward, _ = rated_run(kind, -SPEED, periods, *rig.without_gravity())
+    bound, source = CHATTER_BOUND if kind == FREE else MIRROR_BOUND, "mirror image"
+    curve, mirrored_curve = transmission_error(forward, design), -transmission_error(backward, design)
+    middle = float(np.mean(curve))
+    ring = rig.ring_forces(forward, design)
+    opposite = -np.arange(design.ring.teeth) % design.ring.teeth
+    mirrored_ring = rig.ring_forces(backward, design)[:, opposite] * [-1.0, 1.0]
+    shares = 100.0 * efficiency(backward), 100.0 * efficiency(forward)
+    return [
+        deviation(
+            f"reversed: ripple of the gear, {kind}", mirrored_curve - middle, curve - middle, "arcsec", source, bound
+        ),
+        deviation(f"reversed: forces of the teeth, {kind}", mirrored_ring, ring, "N", source, bound),
+        absolute(f"reversed: efficiency, {kind}", shares[0], shares[1], "%", source, 0.01),
+    ]
+
+
+def gravity_rows(kind: str, quick: bool) -> list[Row]:
+    """Hold gravity off, down and turned by a right angle against each other, over one crank turn.
+
+    The turned mechanism is the same one a quarter of a crank turn later, but for the place of its output pins.
+    """
+    off, design = rated_run(kind, SPEED, PERIODS, *rig.without_gravity())
+    down, _ = rated_run(kind, SPEED, PERIODS, f"environment.gravity_y_m_s2={-GRAVITY}")
+    turned, _ = rated_run(kind, SPEED, PERIODS, *rig.without_gravity(), f"environment.gravity_x_m_s2={GRAVITY}")
+    weight = mass_properties(gear_solid(design)).mass * GRAVITY
+    held = {name: mean_force(run, design) for name, run in (("off", off), ("down", down), ("turned", turned))}
+    added = once_per_turn(down, off, design) * -1j, once_per_turn(turned, off, design)
+    vectors = [np.array([[one.real, one.imag]]) for one in added]
+    means = [float(np.mean(transmission_error(run, design))) for run in (down, off)]
+    shares = 100.0 * efficiency(down), 100.0 * efficiency(off)
+    return [
+        relative(f"gravity: upward force on the gear, {kind}", held["down"][1], weight, "N", "m g", 2.0),
+        relative(f"gravity turned: sideward force, {kind}", -held["turned"][0], weight, "N", "m g", 2.0),
+        absolute(f"gravity off: force, {kind}", float(np.hypot(*held["off"])), 0.0, "N", "nothing", 0.02 * weight),
+        deviation(f"gravity turned: its ripple, {kind}", vectors[1], vectors[0], "arcsec", "a quarter turn later", 5.0),
+        relative(f"gravity: mean turn of the gear, {kind}", means[0], means[1], "arcsec", "gravity off", 0.1),
+        absolute(f"gravity: efficiency, {kind}", shares[0], shares[1], "%", "gravity off", 0.01),
+    ]
+
+
+def transmission_error(run: Run, design: Design) -> Array:
+    """Give the gear's angle less the ideal one [arcsec], shape (n,)."""
+    return ARCSEC * (run["gear_angle"] + run["crank_angle"] / design.lobes)
+
+
+def mean_force(run: Run, design: Design) -> Array:
+    """Give the mean force of all contacts on the gear [N], shape (2,)."""
+    parts = (rig.ring_forces(run, design), rig.output_forces(run, design), rig.forces(run, [CAM]))
+    return np.asarray(np.mean(sum(part.sum(axis=1) for part in parts), axis=0))
+
+
+def once_per_turn(run: Run, without: Run, design: Design) -> complex:
+    """Give the first harmonic, over the crank's turn, of what gravity adds to the transmission error [arcsec]."""
+    added = transmission_error(run, design) - transmission_error(without, design)
+    return complex(2.0 * np.mean(added * np.exp(-1j * run["crank_angle"])))
