@@ -15,8 +15,10 @@ from cycloid_mj import __version__
 from cycloid_mj.cli import (
     analyze,
     animate,
+    build,
     compare,
     design,
+    export,
     kinematics,
     log,
     plot,
@@ -55,6 +57,8 @@ COMMANDS: dict[Callable[..., int], str] = {
     view.view: view.EXAMPLES,
     compare.compare: compare.EXAMPLES,
     validate.validate: validate.EXAMPLES,
+    build.build: build.EXAMPLES,
+    export.export: export.EXAMPLES,
     profile.profile: profile.EXAMPLES,
     kinematics.kinematics: kinematics.EXAMPLES,
 }

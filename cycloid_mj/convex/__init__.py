@@ -1,0 +1,61 @@
+"""Convex pieces for MuJoCo's collision: sliced working surfaces, CoACD for the rest, and their measured quality.
+
+A concave flank cannot be the union of few convex bodies and be exact. So the working surfaces are cut by curvature
+before CoACD sees them; what is behind them carries no contact between the parts, and is CoACD's.
+"""
+
+from cycloid_mj.convex.bearing import gear_bore, gear_holes, pin_sockets
+from cycloid_mj.convex.decompose import coacd_pieces, require_single
+from cycloid_mj.convex.plain import Plain, plain_gear, plain_ring
+from cycloid_mj.convex.quality import Quality, fill, hull_body, polygon_body, surface_quality
+from cycloid_mj.convex.rest import Rest, Sector, decompose, sectors
+from cycloid_mj.convex.settings import CoacdSettings, ConvexSettings
+from cycloid_mj.convex.surface import Place, Slice, Surface, placed_outline, prism
+from cycloid_mj.convex.teeth import gear_teeth, ring_lobes
+from cycloid_mj.design import Design
+
+__all__ = [
+    "CoacdSettings",
+    "ConvexSettings",
+    "Place",
+    "Plain",
+    "Quality",
+    "Rest",
+    "Sector",
+    "Slice",
+    "Surface",
+    "coacd_pieces",
+    "decompose",
+    "fill",
+    "gear_bore",
+    "gear_holes",
+    "gear_teeth",
+    "hull_body",
+    "pin_sockets",
+    "placed_outline",
+    "plain_gear",
+    "plain_ring",
+    "polygon_body",
+    "prism",
+    "require_single",
+    "ring_lobes",
+    "sectors",
+    "surface_quality",
+    "surfaces",
+]
+
+
+def surfaces(design: Design, settings: ConvexSettings) -> tuple[Surface, ...]:
+    """Give every sliced working surface of a design: teeth, bore and holes of the gear, and what they roll in.
+
+    Raises
+    ------
+    DesignError
+        The gear is undercut, or a slice is not convex.
+    """
+    ring: tuple[Surface, ...] = ()
+    if design.ring.kind == "nonpin":
+        ring = (ring_lobes(design, settings),)
+    elif design.ring.pins == "free":
+        ring = (pin_sockets(design, settings),)
+    return (gear_teeth(design, settings), gear_bore(design, settings), gear_holes(design, settings), *ring)

@@ -1,0 +1,114 @@
+"""What is left of each part behind its working surfaces, by sectors: CoACD cuts one sector, and it serves for all."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.convex.bearing import socket_opening
+from cycloid_mj.convex.decompose import coacd_pieces
+from cycloid_mj.convex.measure import pieces_quality, wall_samples
+from cycloid_mj.convex.quality import Quality, require_within
+from cycloid_mj.convex.settings import ConvexSettings
+from cycloid_mj.convex.teeth import gear_base, ring_base
+from cycloid_mj.convex.walls import gear_depth, housing_depth, wall_radius
+from cycloid_mj.design import Design
+from cycloid_mj.profile import unit
+from cycloid_mj.solid import Mesh, Prism, circle, mesh, output_solid, shaft_solid
+from cycloid_mj.solid.polygon import arc
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Sector:
+    """A part's region, or a `count`-th of it that is turned about z for the others; in the part's frame, on +y.
+
+    Its pieces may leave it by `bound` [m]: the depth of the slices before it, so that they do not come through.
+    """
+
+    part: str
+    region: Prism
+    bound: float
+    count: int = 1
+
+
+@dataclass(frozen=True)
+class Rest:
+    """A sector as convex pieces, with their quality."""
+
+    sector: Sector
+    pieces: tuple[Mesh, ...]
+    quality: Quality
+
+
+def sectors(design: Design, settings: ConvexSettings) -> tuple[Sector, ...]:
+    """Give what is left of gear, housing, shaft and output without their sliced surfaces."""
+    error = settings.rest_chord_error
+    bound = settings.depth * design.ring.pin_radius
+    shaft = [Sector("shaft", region, bound) for region in shaft_solid(design, error).prisms]
+    output = [Sector("output", output_solid(design, error).prisms[0], bound)]
+    return (*_gear(design, settings), _housing(design, settings), *shaft, *output)
+
+
+def decompose(sector: Sector, settings: ConvexSettings) -> Rest:
+    """Give the convex pieces of a sector by CoACD, and measure them.
+
+    Raises
+    ------
+    DesignError
+        They leave the sector by more than its bound.
+    """
+    pieces = coacd_pieces(mesh(sector.region), settings.coacd)
+    found = pieces_quality(sector.region, pieces, *wall_samples(sector.region))
+    require_within(sector.part, found, sector.bound, sector.bound)
+    return Rest(sector, pieces, found)
+
+
+def _gear(design: Design, settings: ConvexSettings) -> tuple[Sector, Sector]:
+    """Give the hub with one hole, and the band below one valley."""
+    depth, error, output = gear_depth(design, settings), settings.rest_chord_error, design.output
+    half = design.gear.face_width / 2.0
+    hole = output.hole_radius + design.clearance.output + depth
+    base = gear_base(design, depth, chord_error=error)
+    waist = 0.5 * (output.pin_circle_radius + hole + float(np.linalg.norm(base, axis=1).min()))
+    inner = design.gear.bore_radius + design.clearance.cam + depth
+    eye = circle(hole, error, (0.0, output.pin_circle_radius))
+    hub = Prism(_wedge(inner, waist, math.pi / output.pins, error), (eye,), -half, half)
+    pitch = math.pi / design.lobes
+    edge = float(np.sum(base[-1] * unit(pitch)))
+    outer = np.concatenate([edge * unit([-pitch]), base, edge * unit([pitch])])
+    inner_arc = _arc(waist, -pitch, pitch, error)
+    band = Prism(np.concatenate([outer, inner_arc[::-1]])[::-1], (), -half, half)
+    return Sector("gear", hub, depth, output.pins), Sector("gear", band, depth, design.lobes)
+
+
+def _housing(design: Design, settings: ConvexSettings) -> Sector:
+    """Give the housing behind one lobe, or around one pin."""
+    ring, error, half = design.ring, settings.rest_chord_error, design.gear.face_width / 2.0
+    pitch = math.pi / ring.teeth
+    depth = housing_depth(design, settings)
+    if ring.kind == "nonpin":
+        bore = ring_base(design, depth, chord_error=error)
+    else:
+        radius = ring.pin_radius if ring.pins == "fixed" else ring.pin_radius + design.clearance.pin_socket + depth
+        opening = socket_opening(design, radius)
+        socket = np.array([0.0, ring.pin_circle_radius]) + _arc(radius, -opening, opening, error)
+        edge = math.atan2(socket[-1, 0], socket[-1, 1])
+        land = _arc(wall_radius(design), edge, pitch, error)[1:]
+        bore = np.concatenate([land[::-1] * [-1.0, 1.0], socket, land])
+    outer = _arc(design.housing.outer_radius, -pitch, pitch, error)
+    region = Prism(np.concatenate([outer, bore[::-1]])[::-1], (), -half, half)
+    return Sector("housing", region, depth, ring.teeth)
+
+
+def _wedge(inner: float, outer: float, half_angle: float, chord_error: float) -> Array:
+    """Give a sector of a ring about +y, counter-clockwise."""
+    far, near = (_arc(radius, -half_angle, half_angle, chord_error) for radius in (outer, inner))
+    return np.concatenate([far[::-1], near])
+
+
+def _arc(radius: float, start: float, end: float, chord_error: float) -> Array:
+    """Give points of an arc between clockwise angles from +y."""
+    return arc(radius, math.pi / 2 - start, math.pi / 2 - end, chord_error)

@@ -1,0 +1,133 @@
+"""Parts as files for CAD and printing: STL and OBJ meshes, DXF outlines, STEP solids; in millimetres.
+
+Each part lies in its own frame: housing, shaft and output in that of the reducer axis, gear and pin about their own.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.design import Design
+from cycloid_mj.errors import DesignError
+from cycloid_mj.export.clearance import Clearance, measure
+from cycloid_mj.export.curve import Arc, Circle, Curve, Line, Spline
+from cycloid_mj.export.dxf import dxf_bytes
+from cycloid_mj.export.obj import obj_bytes
+from cycloid_mj.export.section import Section, part_sections
+from cycloid_mj.export.step import SPLINES, read_volume, step_part
+from cycloid_mj.export.stl import read_stl, stl_bytes
+from cycloid_mj.solid import mass_properties, mesh, parts
+
+__all__ = [
+    "CHORD_ERROR",
+    "FORMATS",
+    "Arc",
+    "Circle",
+    "Clearance",
+    "Export",
+    "Format",
+    "Line",
+    "Section",
+    "Spline",
+    "dxf_bytes",
+    "export",
+    "obj_bytes",
+    "part_sections",
+    "read_stl",
+    "read_volume",
+    "step_part",
+    "stl_bytes",
+]
+
+Array = npt.NDArray[np.float64]
+Format = Literal["stl", "obj", "dxf", "step"]
+FORMATS: tuple[Format, ...] = ("stl", "obj", "dxf", "step")
+
+CHORD_ERROR = 1e-6
+"""Chord error of exported meshes [m]."""
+
+VOLUME_TOLERANCE = 1e-3
+"""Relative; OpenCASCADE integrates splines no better, and a lost hole or a filled valley is far more."""
+
+_MILLIMETRES = 1e3
+_POINTS_PER_CURVE = 200
+
+
+@dataclass(frozen=True)
+class Export:
+    """Files by name, and the clearances measured on what is in them."""
+
+    files: dict[str, bytes]
+    clearances: tuple[Clearance, ...]
+
+
+def export(design: Design, file_format: Format, chord_error: float = CHORD_ERROR) -> Export:
+    """Give every part of a design in a format, one file a part.
+
+    Parameters
+    ----------
+    design
+        The design; its clearances are in the outlines.
+    file_format
+        ``stl`` (binary), ``obj``, ``dxf`` (cross-sections: one spline a lobe, arcs, circles) or ``step`` (solids; needs
+        the extra ``cad``).
+    chord_error
+        Largest distance of a mesh's chords from the curve [m]; splines have their own error, 0.01 um.
+
+    Raises
+    ------
+    DesignError
+        A part cannot be made, is not watertight, or has not the volume or the clearance that it should have.
+    CycloidError
+        The extra for STEP is not installed.
+    """
+    if file_format in ("stl", "obj"):
+        return _meshes(design, file_format, chord_error)
+    sections = part_sections(design, SPLINES if file_format == "step" else 1)
+    gear_loops = [_loop_points(loop) for loop in sections["gear"][0].loops]
+    clearances = measure(design, gear_loops, _loop_points(sections["housing"][0].loops[1]))
+    if file_format == "dxf":
+        return Export({f"{name}.dxf": dxf_bytes(stretches) for name, stretches in sections.items()}, clearances)
+    return Export({f"{name}.step": _step(design, name, stretches) for name, stretches in sections.items()}, clearances)
+
+
+def _meshes(design: Design, file_format: Format, chord_error: float) -> Export:
+    solids = parts(design, chord_error)
+    (gear,), (housing,) = solids["gear"].prisms, solids["housing"].prisms
+    clearances = measure(design, [gear.outline, *gear.holes], housing.holes[0])
+    meshes = {name: mesh(solid) for name, solid in solids.items()}
+    if file_format == "stl":
+        files = {f"{name}.stl": stl_bytes(shape, _MILLIMETRES) for name, shape in meshes.items()}
+    else:
+        files = {f"{name}.obj": obj_bytes(shape, name, _MILLIMETRES) for name, shape in meshes.items()}
+    return Export(files, clearances)
+
+
+def _step(design: Design, name: str, stretches: tuple[Section, ...]) -> bytes:
+    """Give a part as STEP if the solid read back from it has the part's volume."""
+    content = step_part(name, stretches)
+    volume, true = read_volume(content), mass_properties(parts(design)[name]).volume
+    if not abs(volume / true - 1.0) <= VOLUME_TOLERANCE:
+        raise DesignError(
+            f"the STEP solid of the {name} has the volume {volume:.6g} m3 instead of {true:.6g} m3; "
+            "export stl instead, and please report this design"
+        )
+    return content
+
+
+def _loop_points(loop: tuple[Curve, ...]) -> Array:
+    return np.concatenate([_curve_points(curve) for curve in loop])
+
+
+def _curve_points(curve: Curve) -> Array:
+    match curve:
+        case Spline():
+            return curve.points(_POINTS_PER_CURVE)
+        case Line():
+            return np.array([curve.start, curve.end])
+        case _:
+            start, end = (curve.start, curve.end) if isinstance(curve, Arc) else (0.0, 2.0 * np.pi)
+            angle = np.linspace(start, end, _POINTS_PER_CURVE)
+            return np.array(curve.centre) + curve.radius * np.column_stack([np.cos(angle), np.sin(angle)])

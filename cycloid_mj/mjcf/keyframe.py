@@ -1,0 +1,54 @@
+"""The states that a model can be reset to: every part where the closed form puts it, at rest or at full speed."""
+
+import math
+from typing import Any
+
+from cycloid_mj.design import Design
+from cycloid_mj.kinematics import gear_centre, gear_rotation, gear_speed
+from cycloid_mj.mjcf import names
+from cycloid_mj.solid.gear import tooth_profile
+
+QUARTERS = (0, 90, 180, 270)
+"""Crank angles of the keyframes [deg]."""
+
+HOME = "home"
+
+
+def keyframe_name(angle: int, speed: float) -> str:
+    """Name the keyframe at a crank angle [deg] and speed [rad/s]: ``home``, ``rest_90``, ``1640rpm_0``, ..."""
+    if speed:
+        return f"{speed * 30.0 / math.pi:.6g}rpm_{angle}"
+    return f"rest_{angle}" if angle else HOME
+
+
+def add_keyframes(spec: Any, design: Design) -> None:
+    """Add keyframes at four crank angles, at rest and at the design's speed, without load."""
+    model = spec.compile()
+    for speed in (0.0, design.drive.speed):
+        for angle in QUARTERS:
+            position, velocity = joint_state(design, math.radians(angle), speed)
+            qpos, qvel = model.qpos0.copy(), [0.0] * model.nv
+            for joint in position:
+                qpos[model.joint(joint).qposadr[0]] = position[joint]
+                qvel[model.joint(joint).dofadr[0]] = velocity[joint]
+            ctrl = [speed if model.actuator(i).name == names.DRIVE else 0.0 for i in range(model.nu)]
+            spec.add_key(name=keyframe_name(angle, speed), qpos=list(qpos), qvel=qvel, ctrl=ctrl)
+
+
+def joint_state(design: Design, crank: float, speed: float) -> tuple[dict[str, float], dict[str, float]]:
+    """Give positions and velocities of the joints of crank, gear and output at a crank angle [rad] and speed [rad/s].
+
+    Hsieh 2014, Eqs 12 and 13 (corrected): the gear's centre runs on a circle, gear and output turn at -speed/(N-1).
+    """
+    gear = tooth_profile(design)
+    x, y = (float(value) for value in gear_centre(gear, crank))
+    turned, slow = float(gear_rotation(gear, crank)), float(gear_speed(speed, gear.lobes))
+    position = {names.CRANK_JOINT: crank, "gear_x": x, "gear_y": y, "gear_angle": turned, names.OUTPUT_JOINT: turned}
+    velocity = {
+        names.CRANK_JOINT: speed,
+        "gear_x": -speed * y,
+        "gear_y": speed * x,
+        "gear_angle": slow,
+        names.OUTPUT_JOINT: slow,
+    }
+    return position, velocity
