@@ -26,7 +26,7 @@ class ContactLines:
 
     `crank_angle` [rad], counter-clockwise; `tooth` index of the pin, or of the lobe whose arc or flank it is (0 on
     +y, clockwise); `part` ("pin", "arc", "sigma1", "sigma2"); `phase` B in [0, 2 pi) [rad], where a
-    counter-clockwise crank under load presses the lines of B < pi; `points` (n, 2) [m] in the ring frame;
+    counter-clockwise crank under load presses the lines of B > pi; `points` (n, 2) [m] in the ring frame;
     `relative_curvature` [1/m].
     """
 

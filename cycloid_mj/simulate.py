@@ -1,13 +1,15 @@
-"""The drive and the step loop: ``Design`` -> blocks of samples, or a whole ``Run``.
+"""The step loop: ``Design`` -> blocks of samples, or a whole ``Run``.
 
 The loop is plain ``mj_step``. It checks itself at every sample and ends with a ``RunError`` that says what went
 wrong; the samples up to then have been given out already.
 """
 
 import math
-from collections.abc import Generator, Mapping
+import re
+from collections.abc import Generator, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal, NamedTuple
 
 import mujoco
 import numpy as np
@@ -16,14 +18,17 @@ import numpy.typing as npt
 from cycloid_mj.contact.collider import installed
 from cycloid_mj.contact.forces import PairForces, pair_forces, pair_index
 from cycloid_mj.contact.shared import Shared
+from cycloid_mj.course import Course, initial_state, ramp_and_hold
 from cycloid_mj.design import Design, dump
 from cycloid_mj.errors import RunError
-from cycloid_mj.kinematics import CrankLaw
 from cycloid_mj.mjcf import ReducerModel, build, sensors, xml
 from cycloid_mj.record import Run
 
 Array = npt.NDArray[np.float64]
 Groups = dict[str, dict[str, str]]
+
+Contact = Literal["profile", "mesh"]
+"""How parts meet: by their exact profiles, or as convex meshes in MuJoCo's own collision."""
 
 _BLOCK = 100
 # Every sample is checked for MuJoCo's warnings: they need not go to MUJOCO_LOG.TXT in the working folder as well.
@@ -94,17 +99,48 @@ def columns(reducer: ReducerModel, design: Design) -> Groups:
     return groups
 
 
-def simulate(design: Design) -> Run:
-    """Run a design in memory.
+def reducer_model(design: Design, contact: Contact = "profile") -> ReducerModel:
+    """Build the model of a design for a kind of contact.
+
+    Raises
+    ------
+    DesignError
+        A part of the design cannot be made, or sliced.
+    ContactError
+        MuJoCo cannot represent a contact's stiffness at this time step.
+    """
+    if contact == "profile":
+        return build(design)
+    from cycloid_mj.mjcf.mesh import build_mesh
+
+    return build_mesh(design)
+
+
+def contact_of(reducer: ReducerModel) -> Contact:
+    """Tell the kind of contact of a model: what the collider needs to know of the exact profiles is user data."""
+    return "profile" if reducer.model.nuser_geom else "mesh"
+
+
+def topics(run: Run) -> dict[str, list[str]]:
+    """Give the names of a run's columns by the topic that a log has them in."""
+    groups: dict[str, list[str]] = {_REDUCER: [], _PINS: [], _FORCES: []}
+    for name in run.columns:
+        force = name.endswith(("_force_x", "_force_y", "_moment"))
+        groups[_FORCES if force else _PINS if re.match(r"pin_\d+_", name) else _REDUCER].append(name)
+    return {topic: names for topic, names in groups.items() if names}
+
+
+def simulate(design: Design, reducer: ReducerModel | None = None, course: Course | None = None) -> Run:
+    """Run a design in memory, on a model of its own or on one that is given, over its own course or another.
 
     Raises
     ------
     RunError
         The run went wrong; nothing is returned.
     """
-    reducer = build(design)
+    reducer = reducer or build(design)
     groups = columns(reducer, design)
-    run = list(blocks(reducer, design))
+    run = list(blocks(reducer, design, course))
     time = np.concatenate([block.time for block in run])
     units = {name: unit for group in groups.values() for name, unit in group.items()}
     values: dict[str, Array] = {}
@@ -115,18 +151,18 @@ def simulate(design: Design) -> Run:
         time=time,
         columns=values,
         units=units,
-        provenance=provenance(design),
+        provenance=provenance(design, contact_of(reducer)),
         attachments=attachments(reducer, design),
     )
 
 
-def provenance(design: Design) -> dict[str, str]:
+def provenance(design: Design, contact: Contact = "profile") -> dict[str, str]:
     """Give what a run stands on: contact method, time step, versions."""
     from cycloid_mj import __version__
 
     return {
         "design": design.name,
-        "contact": "profile",
+        "contact": contact,
         "timestep_s": repr(design.settings.timestep),
         "cycloid_mj": __version__,
         "mujoco": mujoco.__version__,
@@ -135,12 +171,12 @@ def provenance(design: Design) -> dict[str, str]:
 
 
 def attachments(reducer: ReducerModel, design: Design) -> dict[str, bytes]:
-    """Give the files that make a log complete: the design file and the model."""
-    return {"design.toml": dump(design).encode(), "model.xml": xml(reducer.spec).encode()}
+    """Give the files that make a log complete: the design file and the model, with the meshes that it refers to."""
+    return {"design.toml": dump(design).encode(), "model.xml": xml(reducer.spec).encode(), **reducer.spec.assets}
 
 
-def blocks(reducer: ReducerModel, design: Design) -> Generator[Block, None, None]:
-    """Run a model and give its samples block by block.
+def blocks(reducer: ReducerModel, design: Design, course: Course | None = None) -> Generator[Block, None, None]:
+    """Run a model over a course, by default the design's own, and give its samples block by block.
 
     Raises
     ------
@@ -149,13 +185,14 @@ def blocks(reducer: ReducerModel, design: Design) -> Generator[Block, None, None
         solver that did not converge; raised after the samples before it were given.
     """
     plan = schedule(design)
-    law = CrankLaw(design.drive.speed, design.drive.ramp)
-    data = initial_state(reducer, design)
-    recorder = _Recorder(reducer, design)
-    with installed(), _no_log_file.made():
+    course = course or ramp_and_hold(reducer, design)
+    data = initial_state(reducer, design, course)
+    recorder = _Recorder(reducer, design, data)
+    collider = installed() if contact_of(reducer) == "profile" else nullcontext()
+    with collider, _no_log_file.made():
         for first in range(0, plan.samples, _BLOCK):
             taken, problem = _advance(
-                reducer, design, data, plan, law, range(first, min(first + _BLOCK, plan.samples)), recorder
+                reducer, data, plan, course, range(first, min(first + _BLOCK, plan.samples)), recorder
             )
             if len(taken.time):
                 yield taken
@@ -163,38 +200,11 @@ def blocks(reducer: ReducerModel, design: Design) -> Generator[Block, None, None
                 raise RunError(problem)
 
 
-def initial_state(reducer: ReducerModel, design: Design) -> Any:
-    """Give the state at t = 0: crank at 0, everything centred, at rest or (without a ramp) at full speed."""
-    data = mujoco.MjData(reducer.model)
-    if design.drive.ramp == 0.0:
-        speed = design.drive.speed
-        slow = -speed / design.lobes
-        start = {"crank": speed, "gear_x": -design.gear.eccentricity * speed, "gear_angle": slow, "output": slow}
-        for joint, velocity in start.items():
-            data.joint(joint).qvel[0] = velocity
-    return data
-
-
-def load_torque(design: Design, time: npt.ArrayLike) -> Array:
-    """Torque of the load on the output [N m], against its rotation; it rises as a half cosine from zero."""
-    share = np.clip(np.asarray(time, dtype=np.float64) / design.load.rise, 0.0, 1.0)
-    direction = math.copysign(1.0, design.drive.speed)
-    return direction * design.load.torque * 0.5 * (1.0 - np.cos(np.pi * share))
-
-
-def servo_target(reducer: ReducerModel, law: CrankLaw, time: Array) -> Array:
-    """Position command [rad] with which the servo follows the crank law without lag in speed or acceleration."""
-    kp, kv = reducer.servo_gains
-    torque = reducer.crank_inertia * law.acceleration_at(time)
-    return law.angle_at(time) + (kv * law.speed_at(time) + torque) / kp
-
-
 def _advance(
     reducer: ReducerModel,
-    design: Design,
     data: Any,
     plan: Schedule,
-    law: CrankLaw,
+    course: Course,
     samples: range,
     recorder: "_Recorder",
 ) -> tuple[Block, str]:
@@ -202,71 +212,86 @@ def _advance(
     model, ctrl, step = reducer.model, data.ctrl, mujoco.mj_step
     begin, end = samples.start * plan.stride, min(samples.stop * plan.stride, plan.steps)
     time = plan.timestep * np.arange(begin, end, dtype=np.float64)
-    target = servo_target(reducer, law, time)
-    load = load_torque(design, time)
-    rows: list[dict[str, Array]] = []
+    taken: list[_Sample] = []
     problem = ""
-    for number in range(begin, end):
-        ctrl[0] = target[number - begin]
-        ctrl[1] = load[number - begin]
+    for number, command in enumerate(course.commands(time)):
+        ctrl[:] = command
         step(model, data)
         if number % plan.stride == 0:
-            row, problem = recorder.sample(data)
-            rows.append(row)
+            sample, problem = recorder.sample()
+            taken.append(sample)
             if problem:
-                problem = f"at t = {time[number - begin]:.6f} s {problem}"
+                problem = f"at t = {time[number]:.6f} s {problem}"
                 break
-    values = {topic: np.array([row[topic] for row in rows]) for topic in recorder.topics}
-    return Block(time[:: plan.stride][: len(rows)], values), problem
+    return Block(time[:: plan.stride][: len(taken)], recorder.tables(taken)), problem
+
+
+class _Sample(NamedTuple):
+    """One sample as it is read, on the way to the tables of a block."""
+
+    sensors: Array
+    summary: list[float]
+    forces: PairForces
 
 
 class _Recorder:
-    """Reads one sample out of ``MjData`` and judges it."""
+    """Reads samples out of ``MjData`` and judges them.
 
-    def __init__(self, reducer: ReducerModel, design: Design) -> None:
-        model = reducer.model
+    Arrays that keep their place in ``MjData`` are taken hold of once: a sample comes between steps of a few
+    microseconds each.
+    """
+
+    def __init__(self, reducer: ReducerModel, design: Design, data: Any) -> None:
         groups = sensors(design)
-        self._counts = [len(names) for names in groups.values()]
-        self._has_pins = _PINS in groups
-        self.topics = tuple(columns(reducer, design))
-        self._index = pair_index(model, reducer.pairs)
-        self._origins = np.array([model.geom(pair.on).bodyid[0] for pair in reducer.pairs], dtype=np.int32)
+        self._first_pin = len(groups[_REDUCER]) if _PINS in groups else None
+        self._index = pair_index(reducer.model, reducer.pairs)
         kinds = sorted(reducer.laws)
-        self._kinds = np.array([[pair.kind == kind for pair in reducer.pairs] for kind in kinds], dtype=np.float64)
-        self._design = design
-        self._iterations = model.opt.iterations
+        self._kinds = np.array([[pair.kind == kind for kind in kinds] for pair in reducer.pairs], dtype=np.float64)
+        self._deepest, self._lobes = design.contact.max_penetration, design.lobes
+        self._most_iterations = reducer.model.opt.iterations
+        self._data = data
+        self._sensors, self._acceleration, self._energy = data.sensordata, data.qacc, data.energy
+        self._warnings, self._iterations = data.warning.number, data.solver_niter
+        self._gear, self._crank = data.joint("gear_angle").qpos, data.joint("crank").qpos
 
-    def sample(self, data: Any) -> tuple[dict[str, Array], str]:
-        """Give the values of one sample by topic, and what is wrong with it."""
-        found = pair_forces(data, self._index, self._origins)
-        seen = np.array(data.sensordata)
-        powers = np.stack([self._kinds @ found.friction_power, self._kinds @ found.normal_power], axis=1).ravel()
-        iterations = float(np.max(data.solver_niter))
-        summary = [found.active, found.penetration, found.peak_force, iterations, *data.energy]
-        count = self._counts[0]
-        row = {_REDUCER: np.concatenate([seen[:count], summary, powers]), _FORCES: found.wrench.ravel()}
-        if self._has_pins:
-            row[_PINS] = seen[count:]
-        return row, self._problem(data, seen, found, iterations)
+    def sample(self) -> tuple[_Sample, str]:
+        """Give one sample, and what is wrong with it."""
+        found = pair_forces(self._data, self._index)
+        iterations = max(self._iterations.tolist())
+        summary = [found.active, found.penetration, found.peak_force, iterations, *self._energy.tolist()]
+        sample = _Sample(self._sensors.copy(), summary, found)
+        return sample, self._problem(sample, iterations)
 
-    def _problem(self, data: Any, seen: Array, found: PairForces, iterations: float) -> str:
-        if not (np.isfinite(seen).all() and np.isfinite(data.qacc).all()):
+    def tables(self, samples: Sequence[_Sample]) -> dict[str, Array]:
+        """Give the values of samples by topic, one row for each."""
+        count = len(samples)
+        seen = np.array([sample.sensors for sample in samples])
+        summary = np.array([sample.summary for sample in samples])
+        friction = np.array([sample.forces.friction_power for sample in samples]) @ self._kinds
+        normal = np.array([sample.forces.normal_power for sample in samples]) @ self._kinds
+        powers = np.stack([friction, normal], axis=2).reshape(count, -1)
+        wrench = np.array([sample.forces.wrench for sample in samples]).reshape(count, -1)
+        reducer = np.concatenate([seen[:, : self._first_pin], summary, powers], axis=1)
+        if self._first_pin is None:
+            return {_REDUCER: reducer, _FORCES: wrench}
+        return {_REDUCER: reducer, _PINS: seen[:, self._first_pin :], _FORCES: wrench}
+
+    def _problem(self, sample: _Sample, iterations: int) -> str:
+        if not (np.isfinite(sample.sensors).all() and np.isfinite(self._acceleration).all()):
             return "the state is not a number; shorten settings.timestep_us or lower the contact stiffness"
-        for warning in range(int(mujoco.mjtWarning.mjNWARNING)):
-            if data.warning[warning].number:
-                return f"MuJoCo warned: {mujoco.mju_warningText(warning, data.warning[warning].lastinfo)}"
-        limit = self._design.contact.max_penetration
-        if found.penetration > limit:
+        if any(self._warnings.tolist()):
+            warning = int(np.argmax(self._warnings > 0))
+            return f"MuJoCo warned: {mujoco.mju_warningText(warning, self._data.warning[warning].lastinfo)}"
+        depth = sample.forces.penetration
+        if depth > self._deepest:
             return (
-                f"a contact is {found.penetration * 1e6:.1f} um deep, beyond contact.max_penetration_um = "
-                f"{limit * 1e6:g}; shorten settings.timestep_us or lower the load"
+                f"a contact is {depth * 1e6:.1f} um deep, beyond contact.max_penetration_um = "
+                f"{self._deepest * 1e6:g}; shorten settings.timestep_us or lower the load"
             )
-        if iterations >= self._iterations:
-            return (
-                f"the constraint solver did not converge in {iterations:.0f} iterations; shorten settings.timestep_us"
-            )
-        error = float(data.joint("gear_angle").qpos[0] + data.joint("crank").qpos[0] / self._design.lobes)
-        if abs(error) > 0.25 * 2.0 * math.pi / self._design.lobes:
+        if iterations >= self._most_iterations:
+            return f"the constraint solver did not converge in {iterations} iterations; shorten settings.timestep_us"
+        error = self._gear[0] + self._crank[0] / self._lobes
+        if abs(error) > 0.25 * 2.0 * math.pi / self._lobes:
             return (
                 f"the gear jumped a tooth: it is {math.degrees(error):.3f} deg from where the crank puts it; "
                 "check clearances and load"

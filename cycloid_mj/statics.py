@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from scipy.optimize import brentq
 
 from cycloid_mj import envelope, profile
 from cycloid_mj.errors import DesignError
@@ -194,6 +195,47 @@ def line_contact_stiffness(
     """
     constant = line_contact_constant(force, length, modulus, depth)
     return math.pi * modulus * length / (constant + np.log(np.asarray(relative_curvature, float)))
+
+
+def secant_error(
+    working_force: float,
+    length: float,
+    modulus: float,
+    depth: float,
+    relative_curvature: npt.ArrayLike,
+    share: npt.ArrayLike = (0.5, 2.0),
+) -> Array:
+    """Relative error of the force that the secant at the working force gives instead of the line contact's own.
+
+    Both bodies approach by what the line contact takes under `share` (n,) times the `working_force` F [N]: the line of
+    the secant stiffness K(F) then has the force K(F)/K(share F) share F. The other arguments are those of
+    `line_contact_stiffness`; the result has the shape of `share` and `relative_curvature` broadcast, by default half
+    and twice the working force.
+    """
+    at = line_contact_constant(working_force, length, modulus, depth) + np.log(np.asarray(relative_curvature, float))
+    return -np.log(np.asarray(share, float)) / at
+
+
+def conformal_stiffness(force: float, length: float, modulus: float, play: float) -> float:
+    """Secant stiffness [N/m] of a plain bearing, a shaft in a bore of nearly its own radius R.
+
+    The bore is an elastic bed as thick as the radius (assumed; Winkler's foundation, Johnson 1985, section 4.3): it
+    presses with E*/R times its depth. A shaft that is displaced by x = `play` + d is x cos(theta) - play deep up to the
+    angle theta_0 = acos(play/x), so F = E* L [x (theta_0 + sin theta_0 cos theta_0) - 2 play sin theta_0], and R is no
+    matter. The stiffness is F/d, at most pi/2 E* L. `force` F > 0 [N], `length` L [m], `modulus` E* [Pa], `play` [m].
+    """
+    bed = modulus * length
+
+    def surplus(depth: float) -> float:
+        x = play + depth
+        end = math.acos(play / x)
+        return bed * (x * (end + math.sin(end) * math.cos(end)) - 2 * play * math.sin(end)) - force
+
+    # The bed is at least as stiff as the last bracket's end: the force grows without bound.
+    most = 2 * force / (math.pi * bed)
+    while surplus(most) < 0:
+        most *= 2
+    return float(force / brentq(surplus, most * 1e-9, most, xtol=1e-18, rtol=1e-12))
 
 
 def _sharing(arms: Array, gear_normals: Array, torque: Array, crank_angle: Array) -> LoadSharing:

@@ -21,10 +21,11 @@ from numba import cfunc, types
 from cycloid_mj.contact.collider import installed
 from cycloid_mj.contact.library import library
 from cycloid_mj.contact.memory import read_address
+from cycloid_mj.course import initial_state, load_torque, servo_target
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.kinematics import CrankLaw
 from cycloid_mj.mjcf import ReducerModel, build
-from cycloid_mj.simulate import blocks, initial_state, load_torque, schedule, servo_target
+from cycloid_mj.simulate import blocks, schedule
 
 REPEATS = 5
 CASES = {

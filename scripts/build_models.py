@@ -1,7 +1,7 @@
 """Make the folders models/pin and models/nonpin with their READMEs, byte for byte.
 
-With --plain, plain CoACD is measured again for the READMEs (ten minutes); with --pictures, the pictures are rendered
-(OpenGL off-screen is needed; their bytes depend on the machine).
+With --pictures, the pictures are rendered, too (OpenGL off-screen is needed; their bytes depend on the machine). What
+the READMEs tell of other methods is measured by scripts/measure_models.py.
 """
 
 import json
@@ -9,14 +9,13 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from cycloid_mj.convex import CoacdSettings, plain_gear, plain_ring
 from cycloid_mj.design import PRESETS, Design, override
-from cycloid_mj.mjcf.folder import MANIFEST, SCENE, model_files, quality_um, write_folder
+from cycloid_mj.mjcf.folder import MANIFEST, SCENE, model_files, write_folder
 
 MODELS = Path(__file__).parent.parent / "models"
 README = Path(__file__).with_name("model_readme.md")
-PLAIN = "plain_coacd.json"
-THRESHOLDS = (0.05, 0.02)
+OVERVIEW = Path(__file__).with_name("models_readme.md")
+PLAIN, AGREEMENT, FREE = "plain_coacd.json", "agreement.json", "free_running.json"
 STEP = "settings.timestep_us=5.0"
 """At half of it, means of transmission error, torque and cam force differ by less than 1 %."""
 
@@ -61,15 +60,64 @@ def _row(title: str, figures: dict[str, Any]) -> str:
     return f"| {title} | {figures['parts']} | {lengths} | {100 * figures['volume_error']:.2g} % |"
 
 
-def measure_plain() -> dict[str, dict[str, Any]]:
-    """Let CoACD cut the toothed parts whole, and measure it along the true normals."""
-    found = {}
-    for threshold in THRESHOLDS:
-        settings = CoacdSettings(threshold=threshold)
-        gear, ring = plain_gear(PRESETS["pin"], settings), plain_ring(PRESETS["nonpin"], settings)
-        found[f"gear teeth, plain CoACD at threshold {threshold:g}"] = quality_um(gear.quality)
-        found[f"internal gear, plain CoACD at threshold {threshold:g}"] = quality_um(ring.quality)
-    return found
+def measured(name: str) -> Any:
+    """Give what scripts/measure_models.py found."""
+    return json.loads((MODELS / name).read_text(encoding="utf-8"))
+
+
+def overview(manifests: dict[str, dict[str, Any]]) -> str:
+    """Give the README of models/ from the manifests and what was measured."""
+    plain, rows, free = (measured(name) for name in (PLAIN, AGREEMENT, FREE))
+    sliced = {
+        "gear teeth, sliced": manifests["pin"]["surfaces"]["teeth"],
+        "internal gear, sliced": manifests["nonpin"]["surfaces"]["lobe"],
+    }
+    return OVERVIEW.read_text(encoding="utf-8").format(
+        rows="\n".join(_row(title, figures) for title, figures in {**sliced, **plain}.items()),
+        agreement="\n".join(_run_row(row) for row in rows),
+        ratios=_ratios(rows),
+        free="\n".join(_free_row(name, found) for name, found in free.items()),
+        force=PRESETS["pin"].contact.working_force,
+    )
+
+
+def _run_row(row: dict[str, Any]) -> str:
+    """Give a run as a row of the table."""
+    cells = (
+        row["design"],
+        f"{row['load_nm']:g} N m",
+        row["contact"],
+        f"{row['timestep_us']:g}",
+        f"{row['gear_transmission_error_arcsec']:.2f}",
+        f"{row['output_transmission_error_arcsec']:.2f}",
+        f"{row['cam_force_n']:.1f}",
+        f"{row['crank_torque_nm']:.4f}",
+        f"{row['gear_speed_rms_error_percent']:.2f} %",
+        str(row["us_per_step"]),
+    )
+    return f"| {' | '.join(cells)} |"
+
+
+def _free_row(name: str, found: dict[str, float]) -> str:
+    """Give a free run as a row of the table."""
+    keys = ("mean_error", "largest_mesh_period_error", "rms_error", "peak_error")
+    errors = [f"{found[f'{key}_percent']:g} %" for key in keys]
+    return f"| {' | '.join([name, *errors, str(found['warnings'])])} |"
+
+
+def _ratios(rows: list[dict[str, Any]]) -> str:
+    """Tell how much slower mesh contact is, by the step and by what is simulated."""
+    told = []
+    for name in PRESETS:
+        mesh, exact = (
+            [row["us_per_step"] for row in rows if (row["design"], row["contact"]) == (name, contact)]
+            for contact in ("mesh", "profile")
+        )
+        told.append(f"{sum(mesh) / len(mesh) / (sum(exact) / len(exact)):.0f} times for {name}")
+    return (
+        f"A step in mesh contact takes {' and '.join(told)} as long as one in profile contact; for the same time "
+        "simulated, by a step of 5 us against one of 1 us, a fifth of that."
+    )
 
 
 def render(folder: Path) -> None:
@@ -100,22 +148,24 @@ def render(folder: Path) -> None:
 
 
 def main(arguments: list[str]) -> int:
-    """Make both folders."""
-    unknown = set(arguments) - {"--plain", "--pictures"}
-    if unknown:
+    """Make both folders and the README above them."""
+    if set(arguments) - {"--pictures"}:
         print(__doc__, file=sys.stderr)
         return 2
-    MODELS.mkdir(exist_ok=True)
-    if "--plain" in arguments:
-        (MODELS / PLAIN).write_text(json.dumps(measure_plain(), indent=2) + "\n", encoding="utf-8")
-    plain = json.loads((MODELS / PLAIN).read_text(encoding="utf-8"))
+    plain = measured(PLAIN)
+    manifests = {}
     for name, design in designs().items():
         folder = MODELS / name
         folder.mkdir(exist_ok=True)
-        write_folder(files(name, design, plain), folder)
+        made = files(name, design, plain)
+        for stale in {str(path.relative_to(folder)) for path in folder.glob("assets/*")} - set(made):
+            (folder / stale).unlink()
+        write_folder(made, folder)
+        manifests[name] = json.loads(made[MANIFEST])
         if "--pictures" in arguments:
             render(folder)
         print(folder)
+    (MODELS / "README.md").write_text(overview(manifests), encoding="utf-8")
     return 0
 
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from cycloid_mj import kinematics, profile
 from cycloid_mj.design import Design, dump
-from cycloid_mj.mjcf.names import has_free_pins, pairs, sensors
+from cycloid_mj.mjcf.names import pairs, sensors
 from cycloid_mj.record import Run
 from cycloid_mj.scene.pose import ring_places
 from cycloid_mj.solid import output_centres
@@ -58,7 +58,7 @@ def made_run(
         "peak_force": np.full_like(time, 1100.0),
         "cam_friction_power": np.full_like(time, 0.5),
     }
-    if has_free_pins(design):
+    if design.ring.has_moving_pins:
         for i in range(1, design.ring.teeth + 1):
             columns[f"pin_{i}_x"] = scale * 0.8e-6 * np.cos(theta + i)
             columns[f"pin_{i}_y"] = scale * 0.6e-6 * np.sin(theta - i)
@@ -77,15 +77,16 @@ def _forces(design: Design, columns: dict[str, np.ndarray]) -> dict[str, np.ndar
     inwards = -profile.unit(zeta - profile.conjugate_alpha(gear, zeta + theta[:, np.newaxis]))
     sizes = ideal_load_sharing(gear, np.full_like(theta, TORQUE), theta).forces
     stem = "pin" if design.ring.kind == "pin" else "lobe"
+    moving, holder = design.ring.has_moving_pins, "socket" if design.ring.has_sockets else "sleeve"
     found: dict[str, np.ndarray] = {}
     total = np.zeros_like(centre)
     for i, place in enumerate(ring_places(design)):
         force = sizes[:, i : i + 1] * inwards[:, i]
-        pin = np.stack([columns[f"pin_{i + 1}_{axis}"] for axis in "xy"], axis=1) if has_free_pins(design) else 0.0
+        pin = np.stack([columns[f"pin_{i + 1}_{axis}"] for axis in "xy"], axis=1) if moving else 0.0
         point = place + pin + design.ring.pin_radius * inwards[:, i]
         found |= _columns(f"{stem}_{i + 1}", force, point - centre)
-        if has_free_pins(design):
-            found |= _columns(f"socket_{i + 1}", force, np.zeros_like(force))
+        if moving:
+            found |= _columns(f"{holder}_{i + 1}", force, np.zeros_like(force))
         total += force
     found |= _columns("cam", -total, np.zeros_like(total))
     for k, place in enumerate(output_centres(design)):

@@ -160,7 +160,9 @@ def random_design(rng: np.random.Generator) -> Design:
             values[name] = int(value) if field.annotation is int else float(value)
         tables[table] = values
     tables["ring"]["kind"] = str(rng.choice(["pin", "nonpin"]))
-    tables["ring"]["pins"] = str(rng.choice(["free", "fixed"]))
+    if tables["ring"]["kind"] == "nonpin":
+        tables["errors"] |= {"pin_position": 0.0, "pin_radius": 0.0}
+    tables["ring"]["pins"] = str(rng.choice(["free", "fixed", "sleeved"]))
     del tables["name"]
     return Design.model_validate(tables)
 

@@ -295,10 +295,10 @@ def test_main_runs_in_another_thread(here, two_samples):
 
 
 def test_ctrl_c_before_the_run_is_told(here, monkeypatch):
-    def interrupted(design):
+    def interrupted(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("cycloid_mj.mjcf.build", interrupted)
+    monkeypatch.setattr("cycloid_mj.simulate.build", interrupted)
     assert rejected("simulate", "--design", "pin", *SHORT) == (1, "error: stopped by Ctrl-C")
 
 

@@ -10,10 +10,10 @@ from cycloid_mj.contact import collider, gap
 from cycloid_mj.contact.law import curvature_law
 from cycloid_mj.contact.layout import discover
 from cycloid_mj.contact.library import CYLINDER, TYPES, collision_table
+from cycloid_mj.course import initial_state
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.mjcf import build
 from cycloid_mj.profile import CycloidGear, curvature, trochoid
-from cycloid_mj.simulate import initial_state
 from cycloid_mj.solid.gear import tooth_profile
 
 PAPER = CycloidGear(ring_teeth=36, eccentricity=1e-3, pin_circle_radius=40.75e-3, pin_radius=2.25e-3)
@@ -225,6 +225,6 @@ def test_collider_equals_injected_contacts() -> None:
             injected_step(model, data, reducer, design)
     assert by_collider.ncon > 30
     assert by_injection.ncon == by_collider.ncon
-    # The contacts come in another order, and rattling light pins amplify the rounding; clearances are 1e-6.
-    np.testing.assert_allclose(by_injection.qpos, by_collider.qpos, rtol=0.0, atol=1e-10)
-    np.testing.assert_allclose(by_injection.qvel, by_collider.qvel, rtol=0.0, atol=1e-5)
+    # The collider expands near the foot, to 1e-7 rad in the normal, and rattling light pins amplify that.
+    np.testing.assert_allclose(by_injection.qpos, by_collider.qpos, rtol=0.0, atol=1e-9)
+    np.testing.assert_allclose(by_injection.qvel, by_collider.qvel, rtol=0.0, atol=1e-4)

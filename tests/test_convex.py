@@ -215,6 +215,11 @@ def test_coacd_fills_what_is_not_convex() -> None:
     assert rest.quality.volume_error == pytest.approx(0.25, rel=0.01)
 
 
+def test_lobes_too_wide_for_their_hub_are_refused() -> None:
+    with pytest.raises(DesignError, match=r"ring\.teeth = 5 leaves lobes so wide"):
+        sectors(override(PIN, ["ring.teeth=5"]), SETTINGS)
+
+
 def test_settings_out_of_range_are_refused() -> None:
     for wrong in ({"chord_error": 0.0}, {"play_error": 1.0}, {"fewest_facets": 4}, {"depth": 0.6}, {"hulls": 0}):
         with pytest.raises(DesignError, match=next(iter(wrong))):

@@ -20,12 +20,23 @@ FROM_PAPER = {
     "drive": {"power_kw", "torque_nm", "speed_rpm"},
     "environment": {"gravity_x_m_s2", "gravity_y_m_s2"},
 }
+PAIRS = ("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output")
 ASSUMED_HERE = {
-    "gear": {"face_width_mm", "bore_radius_mm"},
-    "output": {"pins", "pin_radius_mm", "pin_circle_radius_mm", "hole_radius_mm", "disc_thickness_mm"},
+    "ring": {"sleeve_thickness_mm"},
+    "gear": {"face_width_mm", "bore_radius_mm", "bearing"},
+    "clearance": {"pin_sleeve_um"},
+    "output": {"rollers", "pins", "pin_radius_mm", "pin_circle_radius_mm", "hole_radius_mm", "disc_thickness_mm"},
     "shaft": {"radius_mm", "length_mm", "counterweight_radius_mm"},
     "housing": {"outer_radius_mm"},
-    "friction": {"pin_gear", "pin_socket", "tooth", "cam", "output"},
+    "errors": {
+        *("seed", "pin_position_um", "pin_radius_um", "hole_position_um", "eccentricity_um"),
+        *("pin_x_um", "pin_y_um", "pin_dr_um", "hole_x_um", "hole_y_um"),
+    },
+    "modification": {"equidistant_um", "pin_circle_um", "rotation_arcsec"},
+    "friction": {*PAIRS, "cam_rolling", "output_rolling"},
+    "stiffness": {f"{pair}_n_m" for pair in PAIRS},
+    "damping": set(PAIRS),
+    "working_force": {f"{pair}_n" for pair in PAIRS},
     "contact": {
         "stiffness_law",
         "stiffness_n_m",
@@ -166,17 +177,17 @@ def test_the_file_has_every_key_and_says_what_is_assumed() -> None:
 
 def test_a_key_states_its_unit() -> None:
     # Numbers without a unit in their key are counts, ratios and friction coefficients, and nothing else.
-    bare = {"teeth", "pins", "cam_rollers", "damping_ratio", "poisson"}
+    bare = {"teeth", "pins", "seed", "cam_rollers", "damping_ratio", "poisson"}
     for table, field in Design.model_fields.items():
         for name, inner in getattr(field.annotation, "model_fields", {}).items():
-            if inner.annotation in (int, float) and table != "friction":
+            if inner.annotation in (int, float) and table not in ("friction", "damping"):
                 assert (unit_of(inner).suffix == "") == (name in bare), f"{table}.{name}"
 
 
 def test_a_changed_value_is_no_longer_called_assumed_or_the_papers() -> None:
     text = dump(override(PRESETS["pin"], ["gear.face_width_mm=12", "gear.eccentricity_mm=0.9"]))
     assert "face_width_mm = 12.0  # face width of gear, pins and ring\n" in text
-    assert lines_noted(text, "assumed")["gear"] == {"bore_radius_mm"}
+    assert lines_noted(text, "assumed")["gear"] == {"bore_radius_mm", "bearing"}
     assert "gear" not in lines_noted(text, "Hsieh 2014")
 
 

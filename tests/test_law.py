@@ -1,14 +1,28 @@
 """The mapping of stiffness, damping and added mass to MuJoCo, on two bodies and one contact."""
 
 import math
+from functools import cache
 
 import mujoco
 import numpy as np
 import pytest
 
+from cycloid_mj import statics
 from cycloid_mj.contact.collider import Role, installed
-from cycloid_mj.contact.law import ContactLaw, contact_law, solver_parameters
+from cycloid_mj.contact.law import (
+    STRIBECK,
+    ContactLaw,
+    contact_law,
+    curvature_law,
+    damping_ratio,
+    pair_stiffness,
+    solver_parameters,
+    working_force,
+)
+from cycloid_mj.design import PRESETS, Design, Ring, override
 from cycloid_mj.errors import ContactError
+from cycloid_mj.mjcf.model import contact_laws
+from cycloid_mj.solid import MassProperties, mass_properties, parts
 
 STIFFNESS, MASS = 2.6e8, 0.05
 
@@ -103,3 +117,106 @@ def test_an_impossible_impedance_is_refused() -> None:
 def test_frictionless_contacts_have_one_dimension() -> None:
     assert solver_parameters(ContactLaw(1e8, 0.0, 0.1, 0.0), 1.0).condim == 1
     assert solver_parameters(ContactLaw(1e8, 0.0, 0.1, 0.05), 1.0).condim == 3
+
+
+KINDS = ("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output")
+RING = {"pin_sleeve": "ring.pins=sleeved", "tooth": "ring.kind=nonpin"}
+
+
+def with_pair(kind: str, *changes: str) -> Design:
+    """Give the paper's design with the ring that has a kind of pair, and ``table.key=value`` changes."""
+    return override(PRESETS["pin"], [RING.get(kind, "ring.pins=free"), *changes])
+
+
+@cache
+def masses(ring: Ring) -> dict[str, MassProperties]:
+    return {name: mass_properties(solid) for name, solid in parts(Design(ring=ring)).items()}
+
+
+def laws_of(design: Design) -> dict[str, ContactLaw]:
+    return contact_laws(design, masses(design.ring))
+
+
+def others(kind: str, before: Design, after: Design) -> None:
+    """Check that no other pair of two designs has another law."""
+    old, new = laws_of(before), laws_of(after)
+    assert {name for name in old if old[name] != new[name]} == {kind}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_each_pair_has_a_stiffness_of_its_own(kind: str) -> None:
+    before, after = with_pair(kind), with_pair(kind, f"stiffness.{kind}_n_m=1.5e8")
+    assert pair_stiffness(before, kind) != 1.5e8
+    assert laws_of(after)[kind].stiffness == 1.5e8
+    others(kind, before, after)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_each_pair_has_a_damping_of_its_own(kind: str) -> None:
+    before, after = with_pair(kind), with_pair(kind, f"damping.{kind}=0.1")
+    assert (damping_ratio(before, kind), damping_ratio(after, kind)) == (0.5, 0.1)
+    assert laws_of(after)[kind].damping == pytest.approx(0.2 * laws_of(before)[kind].damping, rel=1e-12)
+    others(kind, before, after)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_each_pair_has_a_working_force_of_its_own(kind: str) -> None:
+    before, after = with_pair(kind), with_pair(kind, f"working_force.{kind}_n=400")
+    assert working_force(after, kind) == 400.0
+    others(kind, before, after)
+    # The secant stiffness pi E* L / (a + ln kappa) falls by the logarithm of the force in a.
+    modulus = statics.contact_modulus(210e9, 0.3)
+    compliance = [math.pi * modulus * 10e-3 / curvature_law(d, kind).stiffness for d in (before, after)]
+    roller = 400.0 * STRIBECK / 20 if kind == "cam" else 400.0
+    assert compliance[0] - compliance[1] == pytest.approx(math.log(roller / 100.0), rel=1e-9)
+
+
+def test_teeth_follow_their_own_stiffness_and_force() -> None:
+    """The collider's law of the teeth, and the gap below which lines are one patch, follow the tooth pair's keys."""
+    law = curvature_law(with_pair("tooth", "stiffness.tooth_n_m=2e8", "working_force.tooth_n=50"))
+    assert (law.stiffness, law.deflection) == (2e8, 50.0 / 2e8)
+    # Those of the pins do not reach an internal gear.
+    assert curvature_law(with_pair("tooth", "stiffness.pin_gear_n_m=2e8")) == curvature_law(with_pair("tooth"))
+
+
+def test_a_stiffness_for_all_is_that_of_a_pin_on_a_flat() -> None:
+    design = with_pair("pin_gear", "contact.stiffness_n_m=1e8")
+    assert pair_stiffness(design, "pin_gear") == 1e8
+    assert pair_stiffness(design, "cam") == pytest.approx(1e8 * 20 / (2 * STRIBECK), rel=1e-12)
+    assert pair_stiffness(design, "pin_socket") == pytest.approx(2e8, rel=1e-12)
+
+
+def test_by_default_a_pair_works_at_the_force_for_all() -> None:
+    design = with_pair("pin_gear", "contact.working_force_n=70")
+    assert {working_force(design, kind) for kind in KINDS if kind != "cam"} == {70.0}
+    # Its most loaded roller bears 70 N, or ideal load sharing asks N/4 of it of a plain cam.
+    assert working_force(design, "cam") == pytest.approx(70.0 * 20 / STRIBECK, rel=1e-12)
+    assert working_force(override(design, ["gear.bearing=plain"]), "cam") == 70.0 * 36 / 4
+
+
+def test_rollers_have_a_friction_of_their_own() -> None:
+    sliding = ["friction.cam=0.03", "friction.output=0.04"]
+    sliding += ["friction.cam_rolling=0.001", "friction.output_rolling=0.002"]
+    for cam, rollers in (("rolling", "true"), ("plain", "false")):
+        laws = laws_of(with_pair("tooth", *sliding, f"gear.bearing={cam}", f"output.rollers={rollers}"))
+        rolls = cam == "rolling"
+        assert (laws["cam"].friction, laws["output"].friction) == ((0.001, 0.002) if rolls else (0.03, 0.04))
+    laws = laws_of(with_pair("tooth"))
+    assert laws["cam"].friction == laws["output"].friction == 0.0
+    laws = laws_of(with_pair("tooth", "gear.bearing=plain", "output.rollers=false"))
+    assert laws["cam"].friction == laws["output"].friction == 0.05
+
+
+def test_a_plain_cam_is_a_conformal_bearing() -> None:
+    design = with_pair("cam", "gear.bearing=plain")
+    modulus = statics.contact_modulus(210e9, 0.3)
+    assert pair_stiffness(design, "cam") == statics.conformal_stiffness(900.0, 10e-3, modulus, 1e-6)
+    # It is stiffer than the rollers, and no stiffer than a bearing without play.
+    assert pair_stiffness(with_pair("cam"), "cam") < pair_stiffness(design, "cam") < math.pi / 2 * modulus * 10e-3
+
+
+def test_a_working_force_beyond_a_line_contact_is_told_by_its_key() -> None:
+    with pytest.raises(ContactError, match=r"^working_force\.output_n "):
+        curvature_law(with_pair("output", "working_force.output_n=1e6", "gear.face_width_mm=0.1"), "output")
+    with pytest.raises(ContactError, match=r"^contact\.working_force_n "):
+        curvature_law(with_pair("output", "contact.working_force_n=1e6", "gear.face_width_mm=0.1"), "output")

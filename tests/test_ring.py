@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 from cycloid_mj import envelope, profile
 from cycloid_mj.contact.collider import installed
 from cycloid_mj.contact.ring import ideal_root_phase, is_monotone, offset_root
+from cycloid_mj.contact.teeth import Teeth
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.mjcf import build
 from cycloid_mj.profile import CycloidGear, unit
@@ -238,7 +239,7 @@ def test_no_step_in_the_force_when_lines_merge_or_part() -> None:
     """An arc and a flank line that merge share one stiffness; without the sharing the force jumps."""
     shared = Rig(nonpin(), margin=0.0)
     apart = Rig(nonpin(), margin=0.0)
-    apart.model.geom_user[apart.model.geom("teeth").id, 6] = 0.0
+    apart.model.geom_user[apart.model.geom("teeth").id, Teeth._fields.index("deflection")] = 0.0
     assert largest_step(shared) < 0.01
     assert largest_step(apart) > 0.1
 
@@ -261,3 +262,22 @@ def test_contacts_shrink_with_the_normal_curvature(rig: Rig) -> None:
             assert one[0, 1] / other[0, 1] == pytest.approx(expected, rel=2e-3)
             checked += 1
     assert checked > 8
+
+
+def test_roots_passed_over_have_no_contact() -> None:
+    """Without a margin the collider looks only at roots that may touch: it finds all that a wide margin shows."""
+    design = nonpin()
+    narrow, wide = Rig(design, margin=0.0), Rig(design, margin=5e-6)
+    for one in (narrow, wide):  # an open arc within the margin would share its patch with the root
+        one.model.geom_user[one.model.geom("teeth").id, Teeth._fields.index("deflection")] = 0.0
+    rng = np.random.default_rng(11)
+    touching = 0
+    for _ in range(400):
+        crank, angle = rng.uniform(0.0, 2 * np.pi, 2)
+        shift, turn = rng.uniform(0.0, 3e-6) * unit(angle), rng.uniform(-5e-5, 5e-5)
+        found, expected = narrow.contacts(crank, shift, turn), wide.contacts(crank, shift, turn)
+        expected = expected[expected[:, 1] < 0.0]
+        assert len(found) == len(expected)
+        np.testing.assert_allclose(np.sort(found[:, 1]), np.sort(expected[:, 1]), rtol=0.0, atol=1e-12)
+        touching += len(found)
+    assert touching > 1000

@@ -4,14 +4,15 @@ import mujoco
 import numpy as np
 import pytest
 
-from cycloid_mj import simulate as simulation
+from cycloid_mj import course
 from cycloid_mj.analysis import analyze
 from cycloid_mj.contact.collider import installed
+from cycloid_mj.course import initial_state, load_torque
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import RunError
 from cycloid_mj.kinematics import CrankLaw
 from cycloid_mj.mjcf import build
-from cycloid_mj.simulate import blocks, initial_state, load_torque, schedule, simulate
+from cycloid_mj.simulate import blocks, schedule, simulate
 
 QUICK = ["drive.ramp_s=0.0", "drive.hold_s=0.006"]
 
@@ -165,7 +166,7 @@ def test_a_step_too_long_ends_the_run(tmp_path, monkeypatch) -> None:
 
 
 def test_not_a_number_ends_the_run(monkeypatch) -> None:
-    monkeypatch.setattr(simulation, "servo_target", lambda reducer, law, time: np.where(time > 1e-3, np.nan, 0.0))
+    monkeypatch.setattr(course, "servo_target", lambda reducer, law, time: np.where(time > 1e-3, np.nan, 0.0))
     samples, message = ended(changed(*QUICK))
     assert samples > 1
     assert "not a number" in message or "warned" in message

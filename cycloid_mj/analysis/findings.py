@@ -67,7 +67,7 @@ class ContactSummary:
 
 @dataclass(frozen=True)
 class Pin1:
-    """Ring pin 1: how far its centre leaves the socket's, and its mean speed of rotation."""
+    """Ring pin 1: how far its centre (its sleeve's) leaves its place, and its mean speed of rotation."""
 
     max_radial_um: float
     mean_spin_rad_s: float

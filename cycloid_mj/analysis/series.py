@@ -59,18 +59,18 @@ class Compared:
 
 @dataclass(frozen=True, eq=False)
 class PinPath:
-    """Motion of ring pin 1 in its socket.
+    """Motion of ring pin 1 in its socket, or of the sleeve on it.
 
     Attributes
     ----------
     position
-        Displacement of its centre from the socket's [m], shape (n, 2).
+        Displacement of its centre from the socket's (from the pin's) [m], shape (n, 2).
     radial
         Size of that [m], shape (n,).
     spin
         Its speed of rotation [rad/s], counter-clockwise positive, shape (n,).
     clearance
-        How far the centre can go before the pin touches the socket [m].
+        How far the centre can go before they touch [m].
     """
 
     position: Array
@@ -162,8 +162,8 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
         `q` is no point, or `settle` is negative.
     """
     design = design_of(run)
-    pinned = design.ring.kind == "pin" and design.ring.pins == "free"
-    run = _usable(run, (*MOTION, *PIN_1) if pinned else MOTION)
+    moving = design.ring.has_moving_pins
+    run = _usable(run, (*MOTION, *PIN_1) if moving else MOTION)
     hold = window.in_hold(design, run.time, settle)
     gear = gear_of(design)
     q = _point(q, design)
@@ -184,7 +184,7 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
         output_speed=Compared(run["output_speed"], speed),
         q_position=Compared(position, path.position),
         q_velocity=Compared(velocity, path.velocity),
-        pin_1=_pin_1(run, design) if pinned else None,
+        pin_1=_pin_1(run, design) if moving else None,
     )
 
 
@@ -253,4 +253,4 @@ def _pin_1(run: Run, design: Design) -> PinPath:
     radial = np.linalg.norm(position, axis=1)
     for values in (position, radial):
         values.setflags(write=False)
-    return PinPath(position, radial, run["pin_1_speed"], design.clearance.pin_socket)
+    return PinPath(position, radial, run["pin_1_speed"], design.pin_play)

@@ -62,7 +62,7 @@ def _contact(findings: Findings) -> Iterator[Row]:
     yield Row("penetration, largest", _text(contact.max_penetration_um), "", "", "um")
     yield Row("force of one contact, largest", _text(contact.peak_force_n), "", "", "N")
     if pin:
-        yield Row("pin 1, distance from its socket's centre, largest", _text(pin.max_radial_um), "", "", "um")
+        yield Row("pin 1, distance from where it is centred, largest", _text(pin.max_radial_um), "", "", "um")
         yield Row("pin 1, spin, mean", _text(pin.mean_spin_rad_s), "", "", "rad/s")
 
 

@@ -5,6 +5,7 @@ from the gear (profile and holes) or added to sockets and bore. Where no source 
 stated: ``WALL_SHARE``, ``PLAY_SHARE``, ``OVERLOAD`` and ``PLAUSIBLE``.
 """
 
+from cycloid_mj.checks.assembly import assembly_checks
 from cycloid_mj.checks.body import balance, body_checks
 from cycloid_mj.checks.limit import Check, Limit
 from cycloid_mj.checks.mechanics import OVERLOAD, PLAUSIBLE, PLAY_SHARE, mechanical_checks
@@ -18,11 +19,12 @@ __all__ = ["OVERLOAD", "PLAUSIBLE", "PLAY_SHARE", "WALL_SHARE", "Check", "Limit"
 def check(design: Design) -> tuple[Check, ...]:
     """Give every check of a design, passed or not.
 
-    What rests on a failed check is left out: undercut where there are loops, balance of an unsound gear.
+    What rests on a failed check is left out: undercut where there are loops, balance and assembly of an unsound gear.
     """
     shape = (*tooth_checks(design), *body_checks(design))
     whole = all(item.passed for item in shape) and design.shaft.radius < design.shaft.counterweight_radius
-    return (*shape, *([balance(design)] if whole else []), *mechanical_checks(design))
+    of_whole = [balance(design), *assembly_checks(design)] if whole else []
+    return (*shape, *of_whole, *mechanical_checks(design))
 
 
 def require_sound(design: Design) -> None:

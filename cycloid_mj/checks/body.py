@@ -5,10 +5,10 @@ from collections.abc import Iterator
 
 from cycloid_mj import profile
 from cycloid_mj.checks.limit import Check, Limit, millimetres, verdict
-from cycloid_mj.checks.teeth import WALL_SHARE, pitches, profile_offset, wall, wall_needed
+from cycloid_mj.checks.teeth import WALL_SHARE, pitches, wall, wall_needed
 from cycloid_mj.design import Design
 from cycloid_mj.design.units import MILLIMETRE
-from cycloid_mj.profile import CycloidGear
+from cycloid_mj.modification import gear_profile, profile_offset
 
 HOLE_TOLERANCE = 1e-9
 """Relative; lets a hole of output pin + eccentricity pass in spite of rounding, and nothing else."""
@@ -18,7 +18,7 @@ def body_checks(design: Design) -> Iterator[Check]:
     """Check bore and holes of the gear."""
     circle = design.output.pin_circle_radius
     bore, hole = _bore(design), _hole(design)
-    below_root = design.gear.eccentricity + profile_offset(design)
+    below_root = design.gear.eccentricity + profile_offset(design) - design.modification.pin_circle
     root = design.ring.pin_circle_radius - below_root
     root_told = f"the root of the lobes (radius {millimetres(root)})"
     yield verdict(
@@ -55,10 +55,9 @@ def balance(design: Design) -> Check:
     Static moments about the axis: w c (S_gear + S_cam) < 2/3 (R^3 - r^3) L with the face width w, areas S, radii R and
     r of counterweight and shaft, and the shaft's length L.
     """
-    gear, shaft, ring = design.gear, design.shaft, design.ring
-    mesh = CycloidGear(ring.teeth, gear.eccentricity, ring.pin_circle_radius, ring.pin_radius)
+    gear, shaft = design.gear, design.shaft
     cut_out = math.pi * (_bore(design) ** 2 + design.output.pins * _hole(design) ** 2)
-    area = profile.area(mesh, profile_offset(design)) - cut_out + math.pi * gear.bore_radius**2
+    area = profile.area(gear_profile(design), profile_offset(design)) - cut_out + math.pi * gear.bore_radius**2
     moment = gear.face_width * gear.eccentricity * area
     moment_per_length = 2 / 3 * (shaft.counterweight_radius**3 - shaft.radius**3)
     return verdict(

@@ -69,10 +69,8 @@ def _shaft_checks(design: Design) -> Iterator[Check]:
 
 def _play(design: Design) -> Check:
     """Check the sum of the clearances on the way from crank to ring and output."""
-    mesh = ["tooth"] if design.ring.kind == "nonpin" else ["pin_gear", "pin_socket"]
-    if design.ring.pins == "fixed" and "pin_socket" in mesh:
-        mesh.remove("pin_socket")
-    names = [*mesh, "cam", "output"]
+    holders = {"pin_socket": design.ring.has_sockets, "pin_sleeve": design.ring.has_sleeves}
+    names = [design.tooth_pair, *(name for name, holds in holders.items() if holds), "cam", "output"]
     total = sum(getattr(design.clearance, name) for name in names)
     allowed = PLAY_SHARE * min(design.gear.eccentricity, design.ring.pin_radius)
     got, limit = told(total, "at most", allowed, MICROMETRE)

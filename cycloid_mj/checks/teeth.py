@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from cycloid_mj import profile
 from cycloid_mj.checks.limit import Check, Limit, millimetres, verdict
 from cycloid_mj.design import Design
+from cycloid_mj.modification import profile_offset
 from cycloid_mj.profile import CycloidGear
 
 WALL_SHARE = 0.01
@@ -14,25 +15,31 @@ WALL_SHARE = 0.01
 LOOP_MARGIN = 1e-6
 """Relative distance that c N keeps from E, since closer to a loop the closed forms drown in rounding."""
 
+LEAST_CORE = 1 / 3
+"""Assumed: least radius of the pin inside a sleeve, as a share of rho: it carries all of the force in bending."""
+
 BISECTIONS = 60
 
 
 def tooth_checks(design: Design) -> Iterator[Check]:
     """Check the teeth of gear and ring."""
     N, c, E, rho = design.ring.teeth, design.gear.eccentricity, design.ring.pin_circle_radius, design.ring.pin_radius
+    smaller = min(design.modification.pin_circle, 0.0)  # the gear may be generated with a smaller pin circle
     loops = verdict(
         design,
         "loops",
-        Limit("gear.eccentricity", "less than", E / N * (1 - LOOP_MARGIN)),
+        Limit("gear.eccentricity", "less than", (E + smaller) / N * (1 - LOOP_MARGIN)),
         "from E / N on the path of a pin in the gear has loops, which no gear can follow",
-        Limit("ring.teeth", "less than", E / c * (1 - LOOP_MARGIN)),
-        Limit("ring.pin_circle_radius", "more than", N * c / (1 - LOOP_MARGIN)),
+        Limit("ring.teeth", "less than", (E + smaller) / c * (1 - LOOP_MARGIN)),
+        Limit("ring.pin_circle_radius", "more than", N * c / (1 - LOOP_MARGIN) - smaller),
     )
     yield loops
     if loops.passed:
         yield _undercut(design)
     if design.ring.kind == "pin":
         yield _neighbouring_pins(design)
+        if design.ring.has_sleeves:
+            yield _sleeve(design)
         yield verdict(
             design,
             "socket",
@@ -41,12 +48,6 @@ def tooth_checks(design: Design) -> Iterator[Check]:
             Limit("gear.eccentricity", "less than", rho),
         )
     yield _housing(design)
-
-
-def profile_offset(design: Design) -> float:
-    """Give the distance of the gear's profile from the path of the pins [m]: the pin radius and the clearance."""
-    clearance = design.clearance.pin_gear if design.ring.kind == "pin" else design.clearance.tooth
-    return design.ring.pin_radius + clearance
 
 
 def wall(design: Design) -> float:
@@ -67,9 +68,10 @@ def _undercut(design: Design) -> Check:
     polar angle of the profile grows all the way round.
     """
     ring, c, offset = design.ring, design.gear.eccentricity, profile_offset(design)
+    generating = design.ring.pin_circle_radius + design.modification.pin_circle
 
     def spare(eccentricity: float) -> float:
-        gear = CycloidGear(ring.teeth, eccentricity, ring.pin_circle_radius, ring.pin_radius)
+        gear = CycloidGear(ring.teeth, eccentricity, generating, ring.pin_radius)
         return profile.undercut_radius(gear) - offset
 
     flatter = [] if spare(c) > 0 else [Limit("gear.eccentricity", "less than", _falling_root(spare, c))]
@@ -83,7 +85,7 @@ def _undercut(design: Design) -> Check:
 
 
 def _neighbouring_pins(design: Design) -> Check:
-    E, N, play = design.ring.pin_circle_radius, design.ring.teeth, _socket_play(design)
+    E, N, play = design.ring.pin_circle_radius, design.ring.teeth, design.socket_play
     socket = design.ring.pin_radius + play
     room = math.sin(math.pi / N) - WALL_SHARE / 2
     return verdict(
@@ -96,9 +98,22 @@ def _neighbouring_pins(design: Design) -> Check:
     )
 
 
+def _sleeve(design: Design) -> Check:
+    """Check that a sleeve leaves a pin that can hold it: at least a third of rho (assumed)."""
+    ring = design.ring
+    room = (1 - LEAST_CORE) * ring.pin_radius - design.clearance.pin_sleeve
+    return verdict(
+        design,
+        "sleeve",
+        Limit("ring.sleeve_thickness", "at most", room),
+        f"the pin inside the sleeve is to be at least {LEAST_CORE:.0%} as thick as the sleeve is outside (assumed)",
+        Limit("ring.pin_radius", "at least", (ring.sleeve_thickness + design.clearance.pin_sleeve) / (1 - LEAST_CORE)),
+    )
+
+
 def _housing(design: Design) -> Check:
     ring, c = design.ring, design.gear.eccentricity
-    sockets = ring.pin_circle_radius + ring.pin_radius + _socket_play(design)
+    sockets = ring.pin_circle_radius + ring.pin_radius + design.socket_play
     root = ring.pin_circle_radius - ring.pin_radius + 2 * c
     outermost = sockets if ring.kind == "pin" else root
     return verdict(
@@ -112,11 +127,6 @@ def _housing(design: Design) -> Check:
 def pitches(half_pitch_share: float) -> float:
     """Give how many circles fit on a circle, from the half of their pitch as a share of its radius."""
     return math.pi / math.asin(min(half_pitch_share, 1.0))
-
-
-def _socket_play(design: Design) -> float:
-    """Clearance of a socket [m]; fixed pins are pressed in."""
-    return design.clearance.pin_socket if design.ring.pins == "free" else 0.0
 
 
 def _falling_root(function: Callable[[float], float], high: float) -> float:

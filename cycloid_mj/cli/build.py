@@ -1,5 +1,7 @@
 """``cycloid-mj build``: a folder that stock MuJoCo opens, with the reducer in mesh contact."""
 
+import os
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
@@ -7,6 +9,7 @@ from cyclopts import Parameter
 from cycloid_mj.cli.flags import TIMESTEP, DesignFlag, JsonFlag, SetFlag, designed, whole, within
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import say, say_json, say_table, tell
+from cycloid_mj.errors import CycloidError
 
 if TYPE_CHECKING:
     from cycloid_mj.convex import Plain
@@ -72,6 +75,7 @@ def build(
 
     chosen = designed(design, set_, [(TIMESTEP, timestep_us)])
     require_sound(chosen)
+    _require_room(out)
     settings = ConvexSettings(chord_error=chord_error_um * 1e-6)
     settings = replace(settings, coacd=replace(settings.coacd, seed=seed))
     tell("cutting the parts into convex pieces")
@@ -87,6 +91,16 @@ def build(
     say(str(into / SCENE))
     say_table("convex pieces against the true surfaces [um]", HEADER, [_row(*item) for item in told.items()])
     return 0
+
+
+def _require_room(out: str) -> None:
+    """Raise CycloidError, before the work begins, where no folder can be made; make none yet."""
+    there = Path(out)
+    while not there.exists() and there != there.parent:
+        there = there.parent
+    if not there.is_dir() or not os.access(there, os.W_OK):
+        reason = "may not be written to" if there.is_dir() else "is a file"
+        raise CycloidError(f"cannot write the model to {out}: {there} {reason}; give another folder with --out")
 
 
 def _told(manifest: bytes) -> dict[str, dict[str, Any]]:

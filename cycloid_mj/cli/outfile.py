@@ -98,3 +98,10 @@ def _written(file: str) -> Iterator[TextIO]:
         raise CycloidError(
             f"cannot write {file}: {reason}; give a file in a folder that exists and can be written"
         ) from problem
+
+
+def write_text(path: Path, text: str) -> Path:
+    """Write a file whole or not at all, replacing one of that name; raise CycloidError if it cannot be written."""
+    with _written(str(path)) as stream:
+        stream.write(text)
+    return path

@@ -16,7 +16,7 @@ def say(text: str) -> None:
 
 def say_json(value: Any) -> None:
     """Write one JSON object; what is no number there (JSON has no NaN) becomes null."""
-    say(json.dumps(_finite(value), indent=2, allow_nan=False))
+    say(json.dumps(finite(value), indent=2, allow_nan=False))
 
 
 def tell(text: str) -> None:
@@ -42,9 +42,10 @@ def say_table(title: str, header: Sequence[str], rows: Sequence[Sequence[str]]) 
     say(captured.get().rstrip("\n"))
 
 
-def _finite(value: Any) -> Any:
+def finite(value: Any) -> Any:
+    """Give a value with null in place of what is no number: JSON has no NaN."""
     if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
+        return {key: finite(item) for key, item in value.items()}
     if isinstance(value, list):
-        return [_finite(item) for item in value]
+        return [finite(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value

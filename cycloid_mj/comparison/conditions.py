@@ -37,5 +37,5 @@ def under(design: Design, shared: Mapping[str, Any], load: float) -> Design:
 def differences(designs: Sequence[Design]) -> dict[str, tuple[Any, ...]]:
     """Give what differs between designs, load torque apart: key -> the value of each."""
     found = [values(design) for design in designs]
-    keys = [key for key in found[0] if key != "load.torque_nm"]
-    return {key: tuple(each[key] for each in found) for key in keys if len({each[key] for each in found}) > 1}
+    each = {key: tuple(one[key] for one in found) for key in found[0] if key != "load.torque_nm"}
+    return {key: told for key, told in each.items() if any(value != told[0] for value in told)}

@@ -23,7 +23,7 @@ class Variation:
         return design if self.pins_only and design.ring.kind != "pin" else override(design, self.changes)
 
 
-TOOTH_PAIRS = ("pin_gear", "pin_socket", "tooth")
+TOOTH_PAIRS = ("pin_gear", "pin_socket", "pin_sleeve", "tooth")
 SWEEP = (
     *(Variation("damping", value, (f"contact.damping_ratio={value}",)) for value in ("0.1", "1.0")),
     *(

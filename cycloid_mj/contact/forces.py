@@ -1,5 +1,6 @@
 """What MuJoCo's solver found in the contacts of one step, gathered by mating pair."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -38,16 +39,46 @@ class PairForces:
     peak_force: float
 
 
-def pair_index(model: Any, pairs: Any) -> npt.NDArray[np.int32]:
-    """Map two geoms to +-(pair + 1), negative where the first is the ``on`` geom; 0 for none. Shape (ngeom, ngeom)."""
-    index = np.zeros((model.ngeom, model.ngeom), dtype=np.int32)
-    for number, pair in enumerate(pairs, start=1):
-        on, by = model.geom(pair.on).id, model.geom(pair.by).id
-        index[on, by], index[by, on] = -number, number
-    return index
+@dataclass(frozen=True)
+class PairIndex:
+    """Which mating pair two geoms belong to.
+
+    Attributes
+    ----------
+    surface
+        Number of the surface that a geom is, or is a slice of; 0 for none. Shape (ngeom,).
+    pair
+        Of two surfaces: +-(pair + 1), negative where the first is the ``on`` surface; 0 for none. Shape (surfaces + 1,
+        surfaces + 1).
+    origin
+        Body of each pair's ``on`` surface, shape (pairs,).
+    """
+
+    surface: npt.NDArray[np.int32]
+    pair: npt.NDArray[np.int32]
+    origin: npt.NDArray[np.int32]
 
 
-def pair_forces(data: Any, index: npt.NDArray[np.int32], origins: npt.NDArray[np.int32]) -> PairForces:
+def pair_index(model: Any, pairs: Sequence[Any]) -> PairIndex:
+    """Give the index of a model's mating pairs; a geom named ``<surface>/...`` is a slice of that surface."""
+    mating = dict.fromkeys(name for pair in pairs for name in (pair.on, pair.by))
+    number = {name: count for count, name in enumerate(mating, start=1)}
+    surface = np.array([number.get(surface_name(model, geom), 0) for geom in range(model.ngeom)], dtype=np.int32)
+    body = dict(zip(surface.tolist(), model.geom_bodyid.tolist(), strict=True))
+    index = np.zeros((len(number) + 1, len(number) + 1), dtype=np.int32)
+    for count, pair in enumerate(pairs, start=1):
+        on, by = number[pair.on], number[pair.by]
+        index[on, by], index[by, on] = -count, count
+    return PairIndex(surface, index, np.array([body[number[pair.on]] for pair in pairs], dtype=np.int32))
+
+
+def surface_name(model: Any, geom: int) -> str:
+    """Name the surface that a geom is, or is a slice of."""
+    name: str = model.geom(geom).name
+    return name.partition("/")[0]
+
+
+def pair_forces(data: Any, index: PairIndex) -> PairForces:
     """Gather the contacts of the step just taken.
 
     Parameters
@@ -56,10 +87,8 @@ def pair_forces(data: Any, index: npt.NDArray[np.int32], origins: npt.NDArray[np
         ``MjData`` after ``mj_step``: forces, positions and velocities of the start of the step.
     index
         From ``pair_index``.
-    origins
-        Body of each pair's ``on`` geom, shape (pairs,).
     """
-    count = len(origins)
+    count = len(index.origin)
     wrench, friction, normal = np.zeros((count, 3)), np.zeros(count), np.zeros(count)
     contact = data.contact
     active, depth, peak = _gather(
@@ -71,9 +100,10 @@ def pair_forces(data: Any, index: npt.NDArray[np.int32], origins: npt.NDArray[np
         contact.dist,
         data.efc_force,
         data.efc_vel,
-        index,
+        index.surface,
+        index.pair,
         data.xpos,
-        origins,
+        index.origin,
         wrench,
         friction,
         normal,
@@ -91,9 +121,10 @@ def _gather(
     dist: Any,
     force: Any,
     velocity: Any,
-    index: Any,
+    surface: Any,
+    pairs: Any,
     xpos: Any,
-    origins: Any,
+    origin: Any,
     wrench: Any,
     friction: Any,
     normal: Any,
@@ -101,7 +132,7 @@ def _gather(
     active, depth, peak = 0, 0.0, 0.0
     for k in range(len(dist)):
         depth = max(depth, -dist[k])
-        number = index[geom[k, 0], geom[k, 1]]
+        number = pairs[surface[geom[k, 0]], surface[geom[k, 1]]]
         row = address[k]
         if number == 0 or row < 0:
             continue
@@ -112,7 +143,7 @@ def _gather(
             fx += force[row + axis] * frame[k, 3 * axis]
             fy += force[row + axis] * frame[k, 3 * axis + 1]
             friction[pair] -= force[row + axis] * velocity[row + axis]
-        body = origins[pair]
+        body = origin[pair]
         wrench[pair, 0] += sign * fx
         wrench[pair, 1] += sign * fy
         wrench[pair, 2] += sign * ((pos[k, 0] - xpos[body, 0]) * fy - (pos[k, 1] - xpos[body, 1]) * fx)

@@ -5,6 +5,7 @@ the paper's geometry (Hsieh 2014, Eqs 2-7); lengths in metres.
 """
 
 import math
+from typing import NamedTuple
 
 from numba import njit
 
@@ -131,6 +132,82 @@ def trochoid_curvature(t: float, radius: float, eccentricity: float, teeth: floa
     product = radius * base * math.cos((teeth - 1.0) * t)
     l2 = radius * radius + base * base - 2.0 * product
     return (radius * radius + base * base * teeth - (teeth + 1.0) * product) / (l2 * math.sqrt(l2))
+
+
+class Flank(NamedTuple):
+    """The gear's flanks, as ``flank_distance`` takes them.
+
+    Attributes
+    ----------
+    radius
+        Pin-circle radius that the gear is generated with [m].
+    eccentricity, teeth
+        c [m] and N of the trochoid.
+    offset
+        Distance of the flank from the trochoid, inwards [m].
+    rotation
+        Angle by which each flank is turned towards the middle of its lobe [rad].
+    tip, tip_radius, valley, valley_radius
+        Where a turned flank ends, see ``modification.FlankEnds``; 0 where the rotation is.
+    """
+
+    radius: float
+    eccentricity: float
+    teeth: float
+    offset: float
+    rotation: float
+    tip: float
+    tip_radius: float
+    valley: float
+    valley_radius: float
+
+
+@njit
+def _turned_flank_distance(x: float, y: float, flank: Flank) -> tuple[float, float, float, float, bool]:
+    s, c = math.sin(flank.rotation), math.cos(flank.rotation)
+    # The flank before a tip, clockwise, is turned clockwise, that after it counter-clockwise.
+    side = 1.0
+    t, distance, nx, ny = trochoid_distance(c * x - s * y, c * y + s * x, flank.radius, flank.eccentricity, flank.teeth)
+    other = trochoid_distance(c * x + s * y, c * y - s * x, flank.radius, flank.eccentricity, flank.teeth)
+    if other[1] > distance:
+        side, s = -1.0, -s
+        t, distance, nx, ny = other
+    pitch = 2.0 * math.pi / (flank.teeth - 1.0)
+    turns = side * t / pitch
+    beyond_valley = pitch * (turns - math.floor(turns))
+    if beyond_valley <= 0.5 * pitch - flank.tip or beyond_valley >= pitch - flank.valley:
+        return t, distance, c * nx + s * ny, c * ny - s * nx, False
+    at_tip = beyond_valley < 0.75 * pitch
+    middle = side * pitch * (math.floor(turns) + (0.5 if at_tip else 1.0))
+    corner = flank.tip_radius if at_tip else flank.valley_radius
+    dx, dy = x - corner * math.sin(middle), y - corner * math.cos(middle)
+    away = math.sqrt(dx * dx + dy * dy)
+    end = middle - side * (flank.tip if at_tip else flank.valley)
+    return end, away - flank.offset, dx / away, dy / away, True
+
+
+@njit(inline="always")
+def flank_distance(x: float, y: float, flank: Flank) -> tuple[float, float, float, float, bool]:
+    """Give the distance of a point from the gear's flanks, beyond their offset; the point is near the trochoid.
+
+    With turned flanks the gear is what its profile has in common when turned to either side: the nearer way out is
+    the longer one, and where that leads to a part that is cut away, the corner where the flanks meet is nearest.
+
+    Returns
+    -------
+    t
+        Trochoid parameter of the foot point on its flank [rad], for the flank's curvature; at a corner, its end.
+    distance
+        Distance from the surface less the offset [m]: from the trochoid, where there is no rotation.
+    normal_x, normal_y
+        Outward unit normal.
+    at_corner
+        Whether the nearest point is a corner.
+    """
+    if flank.rotation == 0.0:
+        t, distance, nx, ny = trochoid_distance(x, y, flank.radius, flank.eccentricity, flank.teeth)
+        return t, distance, nx, ny, False
+    return _turned_flank_distance(x, y, flank)
 
 
 @njit(inline="always")

@@ -19,8 +19,12 @@ While a contact slides, MuJoCo's convex cone adds friction * creep * speed / imp
 teeth would push each other apart at every touch, and the gear would chatter the more, the longer the step.
 """
 
+STRIBECK = 4.08
+"""Load of the most loaded roller of a bearing without play as a share of the mean load per roller F/Z."""
+
 _LEAST_SHARE = 1e-2
-_IMPEDANCE = (1e-4, 0.9999)
+LEAST_IMPEDANCE, MOST_IMPEDANCE = 1e-4, 0.9999
+"""What MuJoCo clamps a constraint's impedance to."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +41,8 @@ class ContactLaw:
         Coulomb's coefficient [1].
     creep
         Friction per sliding speed [N s/m] as long as it is below Coulomb's limit.
+    effective_mass
+        m [kg] of the bodies along the normal, their other contacts counted in; 0 where it is not known.
     """
 
     stiffness: float
@@ -44,6 +50,7 @@ class ContactLaw:
     added_mass: float
     friction: float
     creep: float = 0.0
+    effective_mass: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -77,22 +84,88 @@ class CurvatureLaw:
         return self.reference / (self.constant + math.log(max(relative_curvature, least)))
 
 
-def curvature_law(design: Design) -> CurvatureLaw:
-    """Give the stiffness of a design's tooth contacts from material, face width, pin radius and working force."""
-    force, depth = design.contact.working_force, design.ring.pin_radius
+def working_force(design: Design, kind: str) -> float:
+    """Give the force [N] at which a kind of pair has its secant stiffness; of the cam, its whole force.
+
+    By default it is contact.working_force; a rolling cam's most loaded roller bears that, a plain cam N/4 times that,
+    which ideal load sharing asks of it when the ring's most loaded contact bears its working force.
+    """
+    given: float = getattr(design.working_force, kind)
+    force = design.contact.working_force
+    if given or kind != "cam":
+        return given or force
+    rolling = design.gear.bearing == "rolling"
+    return force * (design.contact.cam_rollers / STRIBECK if rolling else design.ring.teeth / 4.0)
+
+
+def damping_ratio(design: Design, kind: str) -> float:
+    """Give the damping of a kind of pair as a share of critical [1]."""
+    return float(getattr(design.damping, kind)) or design.contact.damping_ratio
+
+
+def pair_stiffness(design: Design, kind: str) -> float:
+    """Give the stiffness of a kind of pair [N/m]: the one given, or the secant stiffness at its working force.
+
+    Of teeth it is that of a pin on a flat; in sockets, sleeves and holes it follows the relative curvature. In a
+    rolling cam the roller in the middle of the loaded half carries 4.08/Z of the load (Stribeck; Harris, Rolling
+    Bearing Analysis) through two contacts in series, each as stiff as a pin on a flat. A plain cam is
+    `statics.conformal_stiffness`.
+    """
+    given: float = getattr(design.stiffness, kind)
+    if given:
+        return given
+    if kind == "cam" and design.gear.bearing == "plain":
+        modulus = statics.contact_modulus(design.material.youngs_modulus, design.material.poisson)
+        force = working_force(design, "cam")
+        return statics.conformal_stiffness(force, design.gear.face_width, modulus, design.clearance.cam)
+    law, play = curvature_law(design, kind), design.clearance
+    if kind == "cam":
+        return law.stiffness * (design.contact.cam_rollers / (2.0 * STRIBECK))
+    if kind in ("pin_gear", "tooth"):
+        return law.stiffness
+    inner, outer = {
+        "pin_socket": (design.ring.pin_radius, design.ring.pin_radius + play.pin_socket),
+        "pin_sleeve": (design.ring.sleeve_bore_radius - play.pin_sleeve, design.ring.sleeve_bore_radius),
+        "output": (design.output.pin_radius, design.output.hole_radius + play.output),
+    }[kind]
+    return law.stiffness * law.factor(1.0 / inner - 1.0 / outer)
+
+
+def curvature_law(design: Design, kind: str = "") -> CurvatureLaw:
+    """Give the stiffness of a kind of line contacts from material, face width, pin radius and working force.
+
+    By default it is that of the teeth, pin on gear or gear on internal gear; of the cam, that of a roller.
+
+    Raises
+    ------
+    ContactError
+        The working force flattens a pin beyond a line contact.
+    """
+    kind = kind or design.tooth_pair
+    force, depth = _line_force(design, kind), design.ring.pin_radius
     length = design.gear.face_width
     modulus = statics.contact_modulus(design.material.youngs_modulus, design.material.poisson)
     constant = statics.line_contact_constant(force, length, modulus, depth)
     reference = constant - math.log(depth)
     if reference <= 1.0:
+        key = f"working_force.{kind}_n" if getattr(design.working_force, kind) else "contact.working_force_n"
         raise ContactError(
-            f"contact.working_force_n = {force:g} flattens a pin of radius {1e3 * depth:g} mm beyond a line contact; "
+            f"{key} flattens a pin of radius {1e3 * depth:g} mm beyond a line contact ({force:g} N on one); "
             "lower it, or use a wider face or a stiffer material"
         )
-    given = design.contact.stiffness
+    of_teeth = getattr(design.stiffness, kind) if kind == design.tooth_pair else 0.0
+    given = of_teeth or design.contact.stiffness
     stiffness = given or float(statics.line_contact_stiffness(force, length, modulus, depth, 1.0 / depth))
     local = design.contact.stiffness_law == "local"
     return CurvatureLaw(reference if local else 0.0, constant, stiffness, force / stiffness)
+
+
+def _line_force(design: Design, kind: str) -> float:
+    """Give the working force of one line contact [N]; of a rolling cam, on its most loaded roller."""
+    given: float = getattr(design.working_force, kind)
+    if kind == "cam":
+        given *= STRIBECK / design.contact.cam_rollers
+    return given or design.contact.working_force
 
 
 @dataclass(frozen=True)
@@ -131,7 +204,8 @@ def contact_law(
     damping = 2.0 * damping_ratio * math.sqrt(stiffness * effective_mass)
     resolved = stiffness * timestep**2 - effective_mass
     damped = damping * timestep - effective_mass
-    return ContactLaw(stiffness, damping, max(resolved, damped, _LEAST_SHARE * effective_mass), friction, creep)
+    added = max(resolved, damped, _LEAST_SHARE * effective_mass)
+    return ContactLaw(stiffness, damping, added, friction, creep, effective_mass)
 
 
 def solver_parameters(law: ContactLaw, inverse_weight: float) -> SolverParameters:
@@ -144,15 +218,16 @@ def solver_parameters(law: ContactLaw, inverse_weight: float) -> SolverParameter
     inverse_weight
         Sum of both bodies' translational ``body_invweight0`` [1/kg], MuJoCo's estimate of A in R = (1-d)/d A.
 
-    MuJoCo allows impedances from 0.0001 to 0.9999: an added mass below 0.0001 of the bodies' own is raised to that.
+    MuJoCo allows impedances from 0.0001 to 0.9999: an added mass below 0.0001 of the bodies' own is raised to that,
+    which `regime` tells where it matters.
 
     Raises
     ------
     ContactError
         The added mass is larger than MuJoCo's impedance can represent.
     """
-    low, high = _IMPEDANCE
-    impedance = max(inverse_weight / (1.0 / law.added_mass + inverse_weight), low)
+    high = MOST_IMPEDANCE
+    impedance = max(inverse_weight / (1.0 / law.added_mass + inverse_weight), LEAST_IMPEDANCE)
     if not impedance <= high:
         raise ContactError(
             f"a contact of stiffness {law.stiffness:.3g} N/m needs an added mass of {law.added_mass:.3g} kg at this "

@@ -1,6 +1,7 @@
 """MuJoCo's own shared library, as loaded by its Python bindings, and its table of collision functions."""
 
 import ctypes
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
@@ -13,6 +14,9 @@ from cycloid_mj.errors import ContactError
 
 CYLINDER = int(mujoco.mjtGeom.mjGEOM_CYLINDER)
 TYPES = int(mujoco.mjtGeom.mjNGEOMTYPES)
+
+# The precision is one for the process, and a spec can be written by one thread at a time.
+_precision = threading.Lock()
 
 
 @cache
@@ -51,9 +55,10 @@ def exact_xml() -> Iterator[None]:
     getter = getattr(library(), "_mjPRIVATE__get_xml_precision", None)
     if setter is None or getter is None:
         raise ContactError(f"MuJoCo {mujoco.__version__} cannot write exact XML; install a tested release")
-    before = getter()
-    setter(17)
-    try:
-        yield
-    finally:
-        setter(before)
+    with _precision:
+        before = getter()
+        setter(17)
+        try:
+            yield
+        finally:
+            setter(before)

@@ -14,13 +14,18 @@ import math
 
 from numba import njit
 
-from cycloid_mj.contact.gap import trochoid_curvature, trochoid_distance
+from cycloid_mj.contact.gap import Flank, flank_distance, trochoid_curvature
 
 _MARGIN = 0.03
 """Crank angle [rad] beyond the ideal range of a root in which a displaced gear may touch it."""
 
+_MODIFIED_MARGIN = 0.2
+"""The same for a gear that is not conjugate to the ring."""
+
 _ROUNDS = 30
 _PHASE_TOLERANCE = 1e-12
+_SLOPE_TOLERANCE = 1e-9
+"""Slope of the gap below which a minimum is found: in gap it is exact to rounding, in place to a nanometre."""
 
 
 @njit
@@ -76,23 +81,46 @@ def ideal_root_phase(crank: float, radius: float, eccentricity: float, teeth: fl
     return 2.0 * math.pi - B if mirrored else B
 
 
-@njit
+@njit(inline="always")
 def _distance_slope(
-    B: float, radius: float, eccentricity: float, teeth: float, cosine: float, sine: float, gx: float, gy: float
+    B: float,
+    radius: float,
+    eccentricity: float,
+    teeth: float,
+    flank: Flank,
+    cosine: float,
+    sine: float,
+    gx: float,
+    gy: float,
 ) -> tuple[float, float, float, float, float, float]:
-    """Distance of S(B) to the gear's trochoid, its slope along S, the slope's rate over B, foot t and the normal."""
+    """Distance of S(B) to the gear's flank, its slope along S, the slope's rate over B, foot t and the normal."""
     x, y, psi, rate, curvature = offset_root(B, radius, eccentricity, teeth)
     dx, dy = x - gx, y - gy
-    t, distance, nx, ny = trochoid_distance(
-        cosine * dx + sine * dy, cosine * dy - sine * dx, radius, eccentricity, teeth
-    )
+    t, distance, nx, ny, at_corner = flank_distance(cosine * dx + sine * dy, cosine * dy - sine * dx, flank)
     wx, wy = cosine * nx - sine * ny, sine * nx + cosine * ny
     # B runs counter-clockwise: the tangent of S is minus the derivative of u(psi).
     slope = -wx * math.cos(psi) + wy * math.sin(psi)
-    # Both curvatures are large and nearly equal: that of the trochoid's parallel through S(B) counts.
-    parallel = trochoid_curvature(t, radius, eccentricity, teeth)
+    # Both curvatures are large and nearly equal: that of the trochoid's parallel through S(B) counts; of a corner, that
+    # of the circle around it.
+    parallel = 1.0 / flank.offset if at_corner else trochoid_curvature(t, flank.radius, eccentricity, teeth)
     bend = parallel / (1.0 + parallel * distance) - curvature
     return distance, slope, rate * bend, t, wx, wy
+
+
+@njit
+def root_slope(
+    B: float,
+    radius: float,
+    eccentricity: float,
+    teeth: float,
+    flank: Flank,
+    cosine: float,
+    sine: float,
+    gx: float,
+    gy: float,
+) -> float:
+    """Give the slope of the gap along a root [1] at a phase: negative where the gap falls as B grows."""
+    return _distance_slope(B, radius, eccentricity, teeth, flank, cosine, sine, gx, gy)[1]
 
 
 @njit
@@ -103,6 +131,7 @@ def root_minimum(
     radius: float,
     eccentricity: float,
     teeth: float,
+    flank: Flank,
     cosine: float,
     sine: float,
     gx: float,
@@ -124,7 +153,7 @@ def root_minimum(
     bottom, top = low, high
     B = min(high, max(low, start))
     for _ in range(_ROUNDS):
-        distance, slope, bend, t, wx, wy = _distance_slope(B, radius, eccentricity, teeth, cosine, sine, gx, gy)
+        distance, slope, bend, t, wx, wy = _distance_slope(B, radius, eccentricity, teeth, flank, cosine, sine, gx, gy)
         if slope < 0.0:
             bottom = B
         else:
@@ -133,7 +162,7 @@ def root_minimum(
         after = B + step
         if after <= bottom or after >= top:
             after = 0.5 * (bottom + top)
-        if abs(after - B) < _PHASE_TOLERANCE or abs(slope) < 1e-14:
+        if abs(after - B) < _PHASE_TOLERANCE or abs(slope) < _SLOPE_TOLERANCE:
             inside = low + 1e-9 < B < high - 1e-9
             return inside and bend > 0.0, B, distance, t, wx, wy
         B = after
@@ -141,16 +170,18 @@ def root_minimum(
 
 
 @njit
-def root_start(crank: float, radius: float, eccentricity: float, teeth: float) -> float:
+def root_start(crank: float, radius: float, eccentricity: float, teeth: float, modified: bool) -> float:
     """Give the phase to start the search of a root from, or 0 where it can have no contact.
 
     ``crank`` is the clockwise crank angle [rad] from the lobe that the root belongs to; the ideal mesh has contact for
     -B0 < crank < B0 - 2 pi/N, and poses within the clearances differ from it by less than the margin. The middle of a
     root is so nearly conformal that they move the contact there by many degrees, into either half or into both.
+    A ``modified`` gear is not conjugate to the ring, and touches it farther from there.
     """
     low = math.acos(eccentricity * teeth / radius)
     last = low - 2.0 * math.pi / teeth
-    if not -low - _MARGIN <= crank <= last + _MARGIN:
+    margin = _MODIFIED_MARGIN if modified else _MARGIN
+    if not -low - margin <= crank <= last + margin:
         return 0.0
     phase = ideal_root_phase(min(last, max(-low, crank)), radius, eccentricity, teeth)
     return min(2.0 * math.pi - low - 1e-3, max(low + 1e-3, phase))

@@ -56,6 +56,6 @@ def surfaces(design: Design, settings: ConvexSettings) -> tuple[Surface, ...]:
     ring: tuple[Surface, ...] = ()
     if design.ring.kind == "nonpin":
         ring = (ring_lobes(design, settings),)
-    elif design.ring.pins == "free":
+    elif design.ring.has_sockets:
         ring = (pin_sockets(design, settings),)
     return (gear_teeth(design, settings), gear_bore(design, settings), gear_holes(design, settings), *ring)

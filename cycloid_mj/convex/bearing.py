@@ -11,11 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.convex.settings import TOLERANCE, ConvexSettings
+from cycloid_mj.convex.settings import OVERLAP, TOLERANCE, ConvexSettings
 from cycloid_mj.convex.surface import Place, Surface, convex_slice
 from cycloid_mj.convex.teeth import SAMPLES
 from cycloid_mj.convex.walls import gear_depth, housing_depth, wall_radius
 from cycloid_mj.design import Design
+from cycloid_mj.deviations import deviations
 from cycloid_mj.profile import unit
 
 Array = npt.NDArray[np.float64]
@@ -44,21 +45,21 @@ def gear_bore(design: Design, settings: ConvexSettings) -> Surface:
 
 
 def gear_holes(design: Design, settings: ConvexSettings) -> Surface:
-    """Give the gear's holes for the output pins, gear frame: `member` is the hole, 1 on +y, clockwise."""
+    """Give the gear's holes, as made, for the output pins, gear frame: `member` is the hole, 1 on +y, clockwise."""
     output = design.output
     angles = 2.0 * math.pi * np.arange(output.pins) / output.pins
     radius = output.hole_radius + design.clearance.output
-    centres = output.pin_circle_radius * unit(angles)
+    centres = output.pin_circle_radius * unit(angles) + deviations(design).hole_place
     hole = Hole("hole", radius, output.pin_radius, math.pi, angles, centres)
     return _facets(hole, gear_depth(design, settings), design, settings)
 
 
 def pin_sockets(design: Design, settings: ConvexSettings) -> Surface:
-    """Give the half-open sockets of free pins, frame of the reducer axis: `member` is the pin, 1 on +y, clockwise."""
+    """Give the half-open sockets, as made, of free pins, reducer's frame: `member` is the pin, 1 on +y, clockwise."""
     ring = design.ring
     angles = 2.0 * math.pi * np.arange(ring.teeth) / ring.teeth
     radius = ring.pin_radius + design.clearance.pin_socket
-    centres = ring.pin_circle_radius * unit(angles)
+    centres = ring.pin_circle_radius * unit(angles) + deviations(design).pin_place
     hole = Hole("socket", radius, ring.pin_radius, socket_opening(design, radius), angles, centres)
     return _facets(hole, housing_depth(design, settings), design, settings)
 
@@ -84,7 +85,8 @@ def _facets(hole: Hole, depth: float, design: Design, settings: ConvexSettings) 
     near, far = hole.radius - error, hole.radius + depth
     width = 2.0 * near * math.tan(0.5 * step)
     edges = np.array([-0.5, 0.5]) * step
-    face, base = near / math.cos(0.5 * step) * unit(edges), far * unit(edges)
+    aside = 0.5 * OVERLAP * settings.chord_error * np.array([[-1.0, 0.0], [1.0, 0.0]])
+    face, base = near / math.cos(0.5 * step) * unit(edges) + aside, far * unit(edges) + aside
     outline = np.concatenate([face, base[::-1]])
     curvature = 1.0 / hole.inner_radius - 1.0 / hole.radius
     facet = convex_slice(hole.name, outline, width, curvature, hole.radius, play)

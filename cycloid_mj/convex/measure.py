@@ -15,7 +15,7 @@ Array = npt.NDArray[np.float64]
 SPACING = 1e-4
 """Distance of the points on the walls of a prism along whose normals it is measured [m]."""
 
-DEPTH, REACH = 1e-4, 5e-3
+DEPTH, REACH = 1e-4, 5e-2
 """Where the walk along a normal begins below the wall, and where it ends above it [m]."""
 
 GRID = 1e-4

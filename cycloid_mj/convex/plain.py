@@ -9,8 +9,8 @@ from cycloid_mj.convex.quality import Quality
 from cycloid_mj.convex.settings import CoacdSettings
 from cycloid_mj.convex.teeth import SAMPLES
 from cycloid_mj.design import Design
+from cycloid_mj.modification import gear_profile, profile_offset, tooth_profile
 from cycloid_mj.solid import VISUAL_CHORD_ERROR, Mesh, Solid, gear_solid, housing_solid, mesh
-from cycloid_mj.solid.gear import profile_offset, tooth_profile
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class Plain:
 
 def plain_gear(design: Design, settings: CoacdSettings) -> Plain:
     """Give the whole cycloid gear as CoACD cuts it; takes about a minute."""
-    seen = profile.sample(tooth_profile(design), SAMPLES, profile_offset(design))
+    seen = profile.sample(gear_profile(design), SAMPLES, profile_offset(design))
     return _plain(gear_solid(design, VISUAL_CHORD_ERROR), seen, settings)
 
 

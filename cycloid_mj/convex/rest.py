@@ -14,6 +14,7 @@ from cycloid_mj.convex.settings import ConvexSettings
 from cycloid_mj.convex.teeth import gear_base, ring_base
 from cycloid_mj.convex.walls import gear_depth, housing_depth, wall_radius
 from cycloid_mj.design import Design
+from cycloid_mj.errors import DesignError
 from cycloid_mj.profile import unit
 from cycloid_mj.solid import Mesh, Prism, circle, mesh, output_solid, shaft_solid
 from cycloid_mj.solid.polygon import arc
@@ -67,7 +68,7 @@ def decompose(sector: Sector, settings: ConvexSettings) -> Rest:
 
 
 def _gear(design: Design, settings: ConvexSettings) -> tuple[Sector, Sector]:
-    """Give the hub with one hole, and the band below one valley."""
+    """Give the hub with one hole, and the band below one valley; raise DesignError where the band has no room."""
     depth, error, output = gear_depth(design, settings), settings.rest_chord_error, design.output
     half = design.gear.face_width / 2.0
     hole = output.hole_radius + design.clearance.output + depth
@@ -78,6 +79,12 @@ def _gear(design: Design, settings: ConvexSettings) -> tuple[Sector, Sector]:
     hub = Prism(_wedge(inner, waist, math.pi / output.pins, error), (eye,), -half, half)
     pitch = math.pi / design.lobes
     edge = float(np.sum(base[-1] * unit(pitch)))
+    if edge <= waist:
+        raise DesignError(
+            f"ring.teeth = {design.ring.teeth} leaves lobes so wide that the straight base of their convex halves, "
+            f"{1e3 * edge:.4g} mm from the axis, lies within the hub of {1e3 * waist:.4g} mm around the holes: "
+            "use more teeth, or smaller output.pin_circle_radius_mm and output.hole_radius_mm"
+        )
     outer = np.concatenate([edge * unit([-pitch]), base, edge * unit([pitch])])
     inner_arc = _arc(waist, -pitch, pitch, error)
     band = Prism(np.concatenate([outer, inner_arc[::-1]])[::-1], (), -half, half)
@@ -92,7 +99,7 @@ def _housing(design: Design, settings: ConvexSettings) -> Sector:
     if ring.kind == "nonpin":
         bore = ring_base(design, depth, chord_error=error)
     else:
-        radius = ring.pin_radius if ring.pins == "fixed" else ring.pin_radius + design.clearance.pin_socket + depth
+        radius = ring.pin_radius + design.socket_play + (depth if ring.has_sockets else 0.0)
         opening = socket_opening(design, radius)
         socket = np.array([0.0, ring.pin_circle_radius]) + _arc(radius, -opening, opening, error)
         edge = math.atan2(socket[-1, 0], socket[-1, 1])

@@ -7,6 +7,9 @@ from cycloid_mj.errors import DesignError
 TOLERANCE = 1.2
 """A decomposition may be worse than its asked error by this factor (float32 vertices, chords of the parallel curve)."""
 
+OVERLAP = 0.1
+"""Neighbouring slices overlap by this share of the chord error: single precision must not leave cracks between them."""
+
 
 @dataclass(frozen=True)
 class CoacdSettings:

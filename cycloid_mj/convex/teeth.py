@@ -12,12 +12,13 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj import envelope, profile
-from cycloid_mj.convex.settings import TOLERANCE, ConvexSettings
+from cycloid_mj.convex.settings import OVERLAP, TOLERANCE, ConvexSettings
 from cycloid_mj.convex.surface import Place, Slice, Surface, convex_slice, turned
 from cycloid_mj.convex.walls import gear_depth, housing_depth
 from cycloid_mj.design import Design
+from cycloid_mj.errors import DesignError
+from cycloid_mj.modification import gear_profile, profile_offset, tooth_profile
 from cycloid_mj.profile import CycloidGear, SmoothArc
-from cycloid_mj.solid.gear import profile_offset, tooth_profile
 from cycloid_mj.solid.polygon import area_moments
 
 Array = npt.NDArray[np.float64]
@@ -34,13 +35,19 @@ def gear_teeth(design: Design, settings: ConvexSettings) -> Surface:
     Raises
     ------
     DesignError
-        The gear is undercut, or a slice is not convex.
+        The gear is undercut, its flanks are turned, or a slice is not convex.
     """
-    gear, offset, depth = tooth_profile(design), profile_offset(design), gear_depth(design, settings)
+    if design.modification.rotation:
+        raise DesignError(
+            "modification.rotation_arcsec has no convex slices: turned flanks meet by their exact profiles only; "
+            "set it to 0, or use the contact profile"
+        )
+    gear, offset, depth = gear_profile(design), profile_offset(design), gear_depth(design, settings)
     half = _gear_nodes(gear, offset, 2.0 * settings.chord_error)
     face, base = (profile.outline(gear, half, offset + into) for into in (settings.chord_error, depth))
     between = profile.curvature(gear, (half[:-1] + half[1:]) / 2.0, offset)
-    slices = [*_quads("teeth", face, base, between + 1.0 / gear.pin_radius), *_gear_tip(design, settings, depth)]
+    quads = _quads("teeth", face, base, between + 1.0 / gear.pin_radius, settings)
+    slices = [*quads, *_gear_tip(design, settings, depth)]
     seen = profile.sample(gear, SAMPLES, offset)
     base_area = -area_moments(_all_round(gear_base(design, depth, half), gear.lobes)).area
     return Surface(
@@ -71,7 +78,7 @@ def ring_lobes(design: Design, settings: ConvexSettings) -> Surface:
     middle = (B[:-1] + B[1:]) / 2.0
     gear_bend = profile.curvature(gear, -middle / gear.lobes, profile_offset(design))
     bends = gear_bend - 1.0 / envelope.sigma_radius(gear, middle)
-    slices = [*_quads("lobe", face, base, bends), _ring_tip(gear, settings, depth)]
+    slices = [*_quads("lobe", face, base, bends, settings), _ring_tip(gear, settings, depth)]
     seen = envelope.sample_ring(gear, SAMPLES)
     base_area = -area_moments(_all_round(ring_base(design, depth, B), gear.ring_teeth)).area
     return Surface(
@@ -93,7 +100,7 @@ def gear_base(design: Design, depth: float, nodes: Array | None = None, chord_er
 
     At the given `nodes` of the trochoid parameter (from 0 to the inflection), or else by `chord_error` [m].
     """
-    gear, offset = tooth_profile(design), profile_offset(design)
+    gear, offset = gear_profile(design), profile_offset(design)
     nodes = _gear_nodes(gear, offset, chord_error) if nodes is None else nodes
     right = profile.outline(gear, nodes, offset + depth)
     return _symmetric(right)
@@ -143,29 +150,41 @@ def _sigma(gear: CycloidGear, B: Array, into: float) -> Array:
     return envelope.sigma_points(gear, B) + into * profile.unit(envelope.sigma_normal_angle(gear, B))
 
 
-def _quads(name: str, face: Array, base: Array, curvature: Array) -> list[Slice]:
+def _quads(name: str, face: Array, base: Array, curvature: Array, settings: ConvexSettings) -> list[Slice]:
     """Give one quadrilateral for each chord of a concave face."""
     width = np.linalg.norm(np.diff(face, axis=0), axis=1)
-    return [
-        convex_slice(name, np.array([face[i], face[i + 1], base[i + 1], base[i]]), float(width[i]), float(curvature[i]))
+    overlap = OVERLAP * settings.chord_error
+    outlines = [
+        np.concatenate([_longer(face[i : i + 2], overlap), _longer(base[i : i + 2], overlap)[::-1]])
         for i in range(len(width))
     ]
+    return [convex_slice(name, outline, float(width[i]), float(curvature[i])) for i, outline in enumerate(outlines)]
+
+
+def _longer(points: Array, overlap: float) -> Array:
+    """Move the ends of an open polygon outwards along its first and last edge, by half the overlap [m]."""
+    longer = points.copy()
+    for end, next_to in ((0, 1), (-1, -2)):
+        edge = points[end] - points[next_to]
+        longer[end] += 0.5 * overlap * edge / np.linalg.norm(edge)
+    return longer
 
 
 def _gear_tip(design: Design, settings: ConvexSettings, depth: float) -> list[Slice]:
     """Give the convex half of the lobe after valley 1, from the inflection to the tip, as polygons on one base."""
-    gear, offset, error = tooth_profile(design), profile_offset(design), settings.hull_chord_error
+    gear, offset, error = gear_profile(design), profile_offset(design), settings.hull_chord_error
     inflection, tip = profile.inflection_phase(gear) / gear.lobes, math.pi / gear.lobes
     t = _sagitta(gear, offset, inflection, tip, 2.0 * error)
     face = profile.outline(gear, t, offset - error)
     edge = profile.outline(gear, inflection, offset + depth)
     middle = float(edge @ profile.unit(tip)) * profile.unit(tip)
-    cuts = np.linspace(0, len(t) - 1, settings.hulls + 1).round().astype(int)
+    cuts, overlap = np.linspace(0, len(t) - 1, settings.hulls + 1).round().astype(int), OVERLAP * settings.chord_error
     slices = []
     for low, high in itertools.pairwise(cuts):
-        base = edge + np.array([[high], [low]]) / (len(t) - 1) * (middle - edge)
+        base = _longer(edge + np.array([[high], [low]]) / (len(t) - 1) * (middle - edge), overlap)
         bend = _hull_curvature(gear, offset, gear.lobes * t[[low, high]])
-        slices.append(convex_slice("teeth", np.concatenate([face[low : high + 1], base]), math.inf, bend))
+        outline = np.concatenate([_longer(face[low : high + 1], overlap), base])
+        slices.append(convex_slice("teeth", outline, math.inf, bend))
     return slices
 
 
@@ -188,7 +207,9 @@ def _ring_tip(gear: CycloidGear, settings: ConvexSettings, depth: float) -> Slic
     centre = gear.pin_circle_radius * profile.unit(0.0)
     face = centre - (rho + error) * profile.unit(angle)
     edge = centre - (rho - depth) * profile.unit(angle[-1])
-    return convex_slice("lobe", np.concatenate([face, [edge, edge * [0.0, 1.0]]]), math.inf, 1.0 / rho)
+    overlap = OVERLAP * settings.chord_error
+    base = _longer(np.array([edge, edge * [0.0, 1.0]]), overlap)
+    return convex_slice("lobe", np.concatenate([_longer(face, overlap), base]), math.inf, 1.0 / rho)
 
 
 def _all_places(slices: int, pitches: int) -> tuple[Place, ...]:

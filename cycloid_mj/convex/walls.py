@@ -7,8 +7,8 @@ import numpy as np
 from cycloid_mj import profile
 from cycloid_mj.convex.settings import ConvexSettings
 from cycloid_mj.design import Design
+from cycloid_mj.modification import gear_profile, profile_offset
 from cycloid_mj.solid import VISUAL_CHORD_ERROR, housing_solid
-from cycloid_mj.solid.gear import profile_offset, tooth_profile
 
 SHARE = 0.25
 """Of the thinnest wall: slices from both sides leave half of it to the rest of the part."""
@@ -18,7 +18,7 @@ def gear_depth(design: Design, settings: ConvexSettings) -> float:
     """Give the thickness of the slices of the gear's teeth, bore and holes [m]."""
     output, clearance = design.output, design.clearance
     hole = output.hole_radius + clearance.output
-    valley = design.ring.pin_circle_radius - design.gear.eccentricity - profile_offset(design)
+    valley = gear_profile(design).pin_circle_radius - design.gear.eccentricity - profile_offset(design)
     walls = (
         output.pin_circle_radius - hole - design.gear.bore_radius - clearance.cam,
         2.0 * (output.pin_circle_radius * math.sin(math.pi / output.pins) - hole),
@@ -35,7 +35,7 @@ def housing_depth(design: Design, settings: ConvexSettings) -> float:
         root = ring.pin_circle_radius + 2.0 * design.gear.eccentricity - ring.pin_radius
         walls = [design.housing.outer_radius - root]
     else:
-        socket = ring.pin_radius + design.clearance.pin_socket
+        socket = ring.pin_radius + design.socket_play
         between = 2.0 * (ring.pin_circle_radius * math.sin(math.pi / ring.teeth) - socket)
         walls = [design.housing.outer_radius - ring.pin_circle_radius - socket, between]
     return min(settings.depth * ring.pin_radius, SHARE * min(walls))
@@ -43,13 +43,13 @@ def housing_depth(design: Design, settings: ConvexSettings) -> float:
 
 def wall_radius(design: Design) -> float:
     """Give the radius of the pinwheel's wall between its sockets [m]: its hole's points nearest to the axis."""
-    (body,) = housing_solid(design, VISUAL_CHORD_ERROR).prisms
+    body, *_ = housing_solid(design, VISUAL_CHORD_ERROR).prisms
     return float(np.linalg.norm(body.holes[0], axis=1).min())
 
 
 def _lobe_width(design: Design) -> float:
     """Give the width of a lobe between its inflections [m]."""
-    gear = tooth_profile(design)
+    gear = gear_profile(design)
     middle = math.pi / gear.lobes
     inflection = profile.outline(gear, profile.inflection_phase(gear) / gear.lobes, profile_offset(design))
     return 2.0 * abs(float(inflection @ profile.unit(middle + math.pi / 2.0)))

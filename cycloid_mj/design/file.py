@@ -5,7 +5,7 @@ import math
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, get_origin
 
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
@@ -13,7 +13,7 @@ from pydantic_core import ErrorDetails
 
 from cycloid_mj.design.model import Design, Section
 from cycloid_mj.design.presets import PRESETS
-from cycloid_mj.design.units import file_key, source_of, unit_of
+from cycloid_mj.design.units import Unit, counted_by, file_key, source_of, unit_of
 from cycloid_mj.errors import DesignError, UsageError
 
 LARGEST_INTEGER = 2**63 - 1
@@ -95,10 +95,16 @@ def _line(name: str, field: FieldInfo, value: Any) -> str:
 
 def _toml(value: Any) -> str:
     """Give a value as TOML; the words that the model allows need no escapes."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(repr, value))}]"
     return f'"{value}"' if isinstance(value, str) else repr(value)
 
 
 def _to_file(field: FieldInfo, value: Any) -> Any:
+    if isinstance(value, tuple):
+        return tuple(unit_of(field).from_si(item) for item in value)
     return unit_of(field).from_si(value) if isinstance(value, float) else value
 
 
@@ -129,18 +135,55 @@ def _to_si(section: type[Section], table: Mapping[str, Any], where: str, prefix:
             if not isinstance(value, Mapping):
                 raise DesignError(f"{where}: {key} is a table; write [{key}] and its keys below")
             values[name] = _to_si(inner, value, where, f"{prefix}{key}.")
-        elif isinstance(value, int) and abs(value) > LARGEST_INTEGER:
-            values[name] = math.inf if value > 0 else -math.inf
-        elif inner is float and isinstance(value, (int, float)) and not isinstance(value, bool):
-            values[name] = unit_of(field).to_si(float(value))
+        elif get_origin(inner) is tuple and isinstance(value, Mapping):
+            values[name] = {part: _number_to_si(unit_of(field), item) for part, item in value.items()}
+        elif get_origin(inner) is tuple and isinstance(value, (list, tuple)):
+            values[name] = tuple(_number_to_si(unit_of(field), item) for item in value)
+        elif inner is float or (isinstance(value, int) and abs(value) > LARGEST_INTEGER):
+            values[name] = _number_to_si(unit_of(field), value)
         else:
             values[name] = value
     return values
 
 
+def _number_to_si(unit: Unit, value: Any) -> Any:
+    """Translate a number of the file to SI; what is none is left for the validation to tell."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return value
+    if isinstance(value, int) and abs(value) > LARGEST_INTEGER:
+        return math.inf if value > 0 else -math.inf
+    return unit.to_si(float(value))
+
+
+def _filled(values: dict[str, Any], where: str) -> dict[str, Any]:
+    """Give lists written as ``{3 = 5.0}``, the third value 5 and the others 0, as they are in full."""
+    for table, section in values.items():
+        inner = Design.model_fields[table].annotation
+        fields = inner.model_fields if isinstance(inner, type) and issubclass(inner, Section) else {}
+        for name in [key for key, value in section.items() if isinstance(value, Mapping)] if fields else ():
+            count_table, _, count = counted_by(fields[name]).partition(".")
+            if count:
+                default = getattr(getattr(Design(), count_table), count)
+                number = values.get(count_table, {}).get(count, default)
+                key = f"{table}.{file_key(name, fields[name])}"
+                section[name] = _full_list(section[name], number, f"{where}: {key}")
+    return values
+
+
+def _full_list(sparse: Mapping[str, Any], number: Any, where: str) -> tuple[Any, ...]:
+    """Give as many values as there are parts, 0 but for those named by their number from 1 on."""
+    if not isinstance(number, int):
+        return tuple(sparse.values())  # their number is no number: that is what will be told
+    parts = [str(part) for part in range(1, number + 1)]
+    for part in sparse:
+        if part not in parts:
+            raise DesignError(f"{where}: there is no part {part:.40}; they are numbered from 1 to {len(parts)}")
+    return tuple(sparse.get(part, 0.0) for part in parts)
+
+
 def _validated(values: dict[str, Any], where: str) -> Design:
     try:
-        return Design.model_validate(values, strict=True)
+        return Design.model_validate(_filled(values, where), strict=True)
     except ValidationError as error:
         raise DesignError("; ".join(_told(details, where) for details in error.errors())) from error
 
@@ -149,13 +192,18 @@ def _told(details: ErrorDetails, where: str) -> str:
     """One validation error in the words of the file: key, value, what is allowed."""
     section: type[Section] = Design
     field: FieldInfo | None = None
-    keys = []
+    keys: list[str] = []
     for name in details["loc"]:
+        if isinstance(name, int) and keys:
+            keys[-1] += f"[{name + 1}]"
+            continue
         field = section.model_fields.get(str(name))
         keys.append(file_key(str(name), field) if field else str(name))
         if field and isinstance(field.annotation, type) and issubclass(field.annotation, Section):
             section = field.annotation
     got = details["input"]
+    if not keys:
+        return f"{where}: {details.get('ctx', {}).get('error', details['msg'])}"
     if field is None:
         return f"{where}: {'.'.join(keys)}: {details['msg']}"
     unit = unit_of(field)
@@ -163,16 +211,19 @@ def _told(details: ErrorDetails, where: str) -> str:
     bounds = {name: bound for name, bound in details.get("ctx", {}).items() if isinstance(bound, (int, float))}
     words = {"gt": "more than", "ge": "at least", "lt": "less than", "le": "at most"}
     limits = [f"{words[name]} {unit.from_si(float(bound)):g}" for name, bound in bounds.items() if name in words]
-    allowed = " and ".join(limits) if limits else details["msg"]
+    message = "a list such as [5.0, 0.0] or {1 = 5.0}" if details["type"] == "tuple_type" else details["msg"]
+    allowed = " and ".join(limits) if limits else message
     return f"{where}: {'.'.join(keys)} = {shown!r:.80} is not allowed: {allowed} ({field.description})"
 
 
 def _nearest(key: str, known: list[str], prefix: str) -> str:
-    """Name the key meant: the same word in another table, else the most alike in this table, else anywhere."""
+    """Name the key meant: with another unit, the same word in another table, else the most alike, here or anywhere."""
+    stem = key.rsplit("_", 1)[0]
+    other_unit = [prefix + name for name in known if name.rsplit("_", 1)[0] == stem]
     everywhere = [f"{table}.{name}" for table, keys in _tables(Design()) if isinstance(keys, dict) for name in keys]
     same = [name for name in everywhere if name.endswith(f".{key}")]
     here = [prefix + name for name in difflib.get_close_matches(key, known, n=1)]
-    meant = same or here or difflib.get_close_matches(prefix + key, everywhere, n=1)
+    meant = other_unit or same or here or difflib.get_close_matches(prefix + key, everywhere, n=1)
     if meant:
         return f"did you mean {' or '.join(meant)}?"
     return "known keys here: " + ", ".join(prefix + name for name in known)

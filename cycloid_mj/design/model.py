@@ -1,11 +1,17 @@
 """The frozen ``Design``: every input of the project, in SI units; the defaults are the paper's pin reducer."""
 
-from typing import Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from cycloid_mj.design import units as u
-from cycloid_mj.design.units import PAPER, choice, quantity
+from cycloid_mj.design.units import PAPER, choice, counted_by, file_key, listed, quantity, switch
+
+Offsets = tuple[Annotated[float, Field(ge=-1e-3, le=1e-3, allow_inf_nan=False)], ...]
+"""A deviation [m] of each of some parts; empty: drawn at random."""
+
+SLEEVE_ROOM = 0.05
+"""Assumed: gap between a sleeve and the housing behind it, as a share of the sleeve's radius."""
 
 
 class Section(BaseModel):
@@ -21,9 +27,34 @@ class Ring(Section):
     teeth: int = quantity(36, "ring teeth N (the gear has N - 1 lobes, the ratio is N - 1)", source=PAPER, ge=4, le=400)
     pin_circle_radius: float = quantity(40.75, "pin-circle radius E", u.MILLIMETRE, PAPER, ge=0.001, le=5000.0)
     pin_radius: float = quantity(2.25, "pin radius rho", u.MILLIMETRE, PAPER, ge=0.001, le=1000.0)
-    pins: Literal["free", "fixed"] = choice(
-        "free", "free: they float and turn in their sockets; fixed: pressed in", PAPER
+    pins: Literal["free", "fixed", "sleeved"] = choice(
+        "free",
+        "free: they float and turn in their sockets; fixed: pressed in; sleeved: pressed in, each in a turning sleeve",
+        PAPER,
     )
+    sleeve_thickness: float = quantity(
+        0.75, "wall of a sleeve; pin_radius is its outer radius", u.MILLIMETRE, ge=0.001, le=1000.0
+    )
+
+    @property
+    def has_sockets(self) -> bool:
+        """Whether the pins float in sockets."""
+        return self.kind == "pin" and self.pins == "free"
+
+    @property
+    def has_sleeves(self) -> bool:
+        """Whether each pin is pressed in and carries a turning sleeve."""
+        return self.kind == "pin" and self.pins == "sleeved"
+
+    @property
+    def has_moving_pins(self) -> bool:
+        """Whether what the gear rolls on are bodies of their own: free pins, or the sleeves of pressed-in ones."""
+        return self.has_sockets or self.has_sleeves
+
+    @property
+    def sleeve_bore_radius(self) -> float:
+        """Radius of the bore of a sleeve [m]; the pin in it is smaller by the clearance."""
+        return self.pin_radius - self.sleeve_thickness
 
 
 class Gear(Section):
@@ -33,6 +64,9 @@ class Gear(Section):
     face_width: float = quantity(10.0, "face width of gear, pins and ring", u.MILLIMETRE, ge=0.001, le=1000.0)
     bore_radius: float = quantity(
         15.0, "radius of the cam (the gear's bore adds the clearance)", u.MILLIMETRE, ge=0.001, le=5000.0
+    )
+    bearing: Literal["rolling", "plain"] = choice(
+        "rolling", "bearing of the cam in the bore: rolling (its rollers share the load), or plain (it slides)"
     )
 
 
@@ -47,6 +81,7 @@ class Output(Section):
     hole_radius: float = quantity(
         5.0, "radius of a hole without its clearance: output pin + eccentricity", u.MILLIMETRE, ge=0.001, le=5000.0
     )
+    rollers: bool = switch(True, "true: the output pins carry rollers; false: they slide in their holes")
     disc_thickness: float = quantity(8.0, "thickness of the output disc", u.MILLIMETRE, ge=0.001, le=5000.0)
 
 
@@ -73,9 +108,47 @@ class Clearance(Section):
 
     pin_gear: float = quantity(1.0, "between a centred pin and the gear", u.MICROMETRE, PAPER, gt=0.0, le=1000.0)
     pin_socket: float = quantity(1.0, "between a free pin and its socket", u.MICROMETRE, PAPER, gt=0.0, le=1000.0)
+    pin_sleeve: float = quantity(1.0, "between a pressed-in pin and its sleeve", u.MICROMETRE, gt=0.0, le=1000.0)
     tooth: float = quantity(1.0, "between the gear and the internal gear", u.MICROMETRE, PAPER, gt=0.0, le=1000.0)
     cam: float = quantity(1.0, "between the cam and the gear's bore", u.MICROMETRE, PAPER, gt=0.0, le=1000.0)
     output: float = quantity(1.0, "between an output pin and its hole", u.MICROMETRE, PAPER, gt=0.0, le=1000.0)
+
+
+class Errors(Section):
+    """Manufacturing errors, drawn at random with a seed; a list replaces the draw, as in [5, 0, ...] or {1 = 5}."""
+
+    seed: int = quantity(0, "seed of the random draws", ge=0, le=2**53)
+    pin_position: float = quantity(
+        0.0, "standard deviation of a ring pin's place, along x and along y", u.MICROMETRE, ge=0.0, le=1000.0
+    )
+    pin_radius: float = quantity(
+        0.0, "standard deviation of a ring pin's radius (its socket stays)", u.MICROMETRE, ge=0.0, le=1000.0
+    )
+    hole_position: float = quantity(
+        0.0, "standard deviation of a gear hole's place, along x and along y", u.MICROMETRE, ge=0.0, le=1000.0
+    )
+    eccentricity: float = quantity(
+        0.0, "by how much the cam is more eccentric than the teeth are cut for", u.MICROMETRE, ge=-1000.0, le=1000.0
+    )
+    pin_x: Offsets = listed("each ring pin's place along x, pin 1 on +y, clockwise", u.MICROMETRE, "ring.teeth")
+    pin_y: Offsets = listed("each ring pin's place along y", u.MICROMETRE, "ring.teeth")
+    pin_dr: Offsets = listed("each ring pin's radius", u.MICROMETRE, "ring.teeth")
+    hole_x: Offsets = listed("each gear hole's place along x, hole 1 on +y, clockwise", u.MICROMETRE, "output.pins")
+    hole_y: Offsets = listed("each gear hole's place along y", u.MICROMETRE, "output.pins")
+
+
+class Modification(Section):
+    """How the gear's flanks depart, by intent, from the profile that is conjugate to the ring."""
+
+    equidistant: float = quantity(
+        0.0, "the flanks lie this much deeper in the gear (more clearance)", u.MICROMETRE, ge=-1000.0, le=1000.0
+    )
+    pin_circle: float = quantity(
+        0.0, "the gear is generated with a pin circle of E + this", u.MICROMETRE, ge=-1000.0, le=1000.0
+    )
+    rotation: float = quantity(
+        0.0, "each flank is turned this much towards the middle of its lobe", u.ARCSECOND, ge=0.0, le=3600.0
+    )
 
 
 class Friction(Section):
@@ -83,9 +156,12 @@ class Friction(Section):
 
     pin_gear: float = quantity(0.05, "pin on gear (lubricated steel)", ge=0.0, le=2.0)
     pin_socket: float = quantity(0.05, "pin in its socket", ge=0.0, le=2.0)
+    pin_sleeve: float = quantity(0.05, "sleeve on its pin (lubricated steel, sliding)", ge=0.0, le=2.0)
     tooth: float = quantity(0.05, "gear on internal gear", ge=0.0, le=2.0)
-    cam: float = quantity(0.0, "cam in the gear's bore (a rolling bearing: its friction is left out)", ge=0.0, le=2.0)
-    output: float = quantity(0.0, "output pin in its hole (with rollers: their friction is left out)", ge=0.0, le=2.0)
+    cam: float = quantity(0.05, "cam that slides in the bore, where gear.bearing is plain", ge=0.0, le=2.0)
+    cam_rolling: float = quantity(0.0, "cam on rollers, where gear.bearing is rolling (0: left out)", ge=0.0, le=2.0)
+    output: float = quantity(0.05, "output pin that slides in its hole, without output.rollers", ge=0.0, le=2.0)
+    output_rolling: float = quantity(0.0, "output pin with a roller in its hole (0: left out)", ge=0.0, le=2.0)
 
 
 class ContactLaw(Section):
@@ -112,6 +188,53 @@ class ContactLaw(Section):
         le=1e4,
     )
     max_penetration: float = quantity(50.0, "a contact deeper than this ends the run", u.MICROMETRE, gt=0.0, le=1000.0)
+
+
+def _of_flat(pair: str) -> Any:
+    return quantity(0.0, f"{pair}; 0: from material, curvature and working force", u.NEWTON_PER_METRE, ge=0.0, le=1e12)
+
+
+class Stiffness(Section):
+    """Stiffness of each mating pair where it is given; 0: from material, curvature and working force."""
+
+    pin_gear: float = _of_flat("pin on gear, as on a flat (it follows contact.stiffness_law)")
+    pin_socket: float = _of_flat("pin in its socket")
+    pin_sleeve: float = _of_flat("sleeve on its pin")
+    tooth: float = _of_flat("gear on internal gear, as a pin on a flat (it follows contact.stiffness_law)")
+    cam: float = _of_flat("cam in the gear's bore")
+    output: float = _of_flat("output pin in its hole")
+
+
+def _ratio(pair: str) -> Any:
+    return quantity(0.0, f"{pair}; 0: contact.damping_ratio", ge=0.0, le=2.0)
+
+
+class Damping(Section):
+    """Damping of each mating pair as a share of critical where it is given; 0: contact.damping_ratio."""
+
+    pin_gear: float = _ratio("pin on gear")
+    pin_socket: float = _ratio("pin in its socket")
+    pin_sleeve: float = _ratio("sleeve on its pin")
+    tooth: float = _ratio("gear on internal gear")
+    cam: float = _ratio("cam in the gear's bore")
+    output: float = _ratio("output pin in its hole")
+
+
+def _force(pair: str, otherwise: str = "contact.working_force_n") -> Any:
+    return quantity(0.0, f"{pair}; 0: {otherwise}", u.NEWTON, ge=0.0, le=1e6)
+
+
+class WorkingForce(Section):
+    """Force at which each mating pair has its secant stiffness where it is given; 0: contact.working_force_n."""
+
+    pin_gear: float = _force("pin on gear")
+    pin_socket: float = _force("pin in its socket")
+    pin_sleeve: float = _force("sleeve on its pin")
+    tooth: float = _force("gear on internal gear")
+    cam: float = _force(
+        "whole force of the cam", "contact.working_force_n on its most loaded roller, or N/4 of it on a plain cam"
+    )
+    output: float = _force("output pin in its hole")
 
 
 class Material(Section):
@@ -173,8 +296,13 @@ class Design(Section):
     shaft: Shaft = Shaft()
     housing: Housing = Housing()
     clearance: Clearance = Clearance()
+    errors: Errors = Errors()
+    modification: Modification = Modification()
     friction: Friction = Friction()
     contact: ContactLaw = ContactLaw()
+    stiffness: Stiffness = Stiffness()
+    damping: Damping = Damping()
+    working_force: WorkingForce = WorkingForce()
     material: Material = Material()
     drive: Drive = Drive()
     load: Load = Load()
@@ -185,3 +313,48 @@ class Design(Section):
     def lobes(self) -> int:
         """Lobes of the cycloid gear, N - 1: the reduction ratio."""
         return self.ring.teeth - 1
+
+    @property
+    def tooth_pair(self) -> str:
+        """Kind of mating pair between gear and ring: pin_gear or tooth."""
+        return "tooth" if self.ring.kind == "nonpin" else "pin_gear"
+
+    @property
+    def pin_play(self) -> float:
+        """Clearance within which a pin, or its sleeve, moves about its place [m]; 0 where none moves."""
+        if self.ring.has_sockets:
+            return self.clearance.pin_socket
+        return self.clearance.pin_sleeve if self.ring.has_sleeves else 0.0
+
+    @property
+    def socket_play(self) -> float:
+        """Room [m] that the housing leaves around a pin of ``pin_radius``; a pressed-in pin has none.
+
+        A sleeve turns clear of the housing, which holds its pin at both ends: `SLEEVE_ROOM` of its radius (assumed).
+        """
+        if self.ring.has_sleeves:
+            return SLEEVE_ROOM * self.ring.pin_radius
+        return self.clearance.pin_socket if self.ring.pins == "free" else 0.0
+
+    def friction_of(self, pair: str) -> float:
+        """Give the friction coefficient of a kind of mating pair [1]; rollers have one of their own."""
+        rolling = {"cam": self.gear.bearing == "rolling", "output": self.output.rollers}
+        return float(getattr(self.friction, f"{pair}_rolling" if rolling.get(pair) else pair))
+
+    @model_validator(mode="after")
+    def _errors_fit_the_parts(self) -> Self:
+        """Refuse a list of errors that is too long or too short, and errors of pins where the ring has none."""
+        for name, field in Errors.model_fields.items():
+            table, _, count = counted_by(field).partition(".")
+            value, key = getattr(self.errors, name), f"errors.{file_key(name, field)}"
+            if table and value and len(value) != (number := getattr(getattr(self, table), count)):
+                raise ValueError(
+                    f"{key} has {len(value)} values, but {table}.{count} is {number}: "
+                    "give one for each, or only those that are not 0, as in {1 = 5.0}"
+                )
+            if self.ring.kind == "nonpin" and name.startswith("pin_") and (any(value) if table else value):
+                raise ValueError(
+                    f"{key} is set, but an internal gear (ring.kind = 'nonpin') has no pins: "
+                    "leave it out, or take ring.kind = 'pin'"
+                )
+        return self

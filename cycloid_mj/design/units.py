@@ -44,6 +44,7 @@ MILLIMETRE = Unit("mm", divisor=1e3)
 MICROMETRE = Unit("um", divisor=1e6)
 RPM = Unit("rpm", divisor=60.0, multiplier=2.0 * math.pi)
 DEGREE = Unit("deg", divisor=180.0, multiplier=math.pi)
+ARCSECOND = Unit("arcsec", divisor=648000.0, multiplier=math.pi)
 SECOND = Unit("s")
 MICROSECOND = Unit("us", divisor=1e6)
 NEWTON = Unit("n")
@@ -86,6 +87,19 @@ def choice(default: str, text: str, source: str = ASSUMED, pattern: str | None =
     return Field(default=default, description=text, pattern=pattern, json_schema_extra={"unit": "", "source": source})
 
 
+def switch(default: bool, text: str, source: str = ASSUMED) -> Any:
+    """Declare one value of the design that is true or false."""
+    return Field(default=default, description=text, json_schema_extra={"unit": "", "source": source})
+
+
+def listed(text: str, unit: Unit, per: str, source: str = ASSUMED) -> Any:
+    """Declare a list of the design, empty by default: one value for each of the parts that ``per`` counts.
+
+    ``per`` is the ``table.name`` of an integer of the model.
+    """
+    return Field(default=(), description=text, json_schema_extra={"unit": unit.suffix, "source": source, "per": per})
+
+
 UNITS = {
     unit.suffix: unit
     for unit in (
@@ -94,6 +108,7 @@ UNITS = {
         MICROMETRE,
         RPM,
         DEGREE,
+        ARCSECOND,
         SECOND,
         MICROSECOND,
         NEWTON,
@@ -120,6 +135,12 @@ def source_of(field: FieldInfo) -> str:
     """Give where the default of a declared value comes from."""
     extra = field.json_schema_extra
     return str(extra["source"]) if isinstance(extra, dict) else ASSUMED
+
+
+def counted_by(field: FieldInfo) -> str:
+    """Give the ``table.name`` of the integer that a declared list has one value for each of; empty if it is no list."""
+    extra = field.json_schema_extra
+    return str(extra.get("per", "")) if isinstance(extra, dict) else ""
 
 
 def file_key(name: str, field: FieldInfo) -> str:

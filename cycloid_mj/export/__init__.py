@@ -95,7 +95,7 @@ def export(design: Design, file_format: Format, chord_error: float = CHORD_ERROR
 
 def _meshes(design: Design, file_format: Format, chord_error: float) -> Export:
     solids = parts(design, chord_error)
-    (gear,), (housing,) = solids["gear"].prisms, solids["housing"].prisms
+    (gear,), (housing, *_) = solids["gear"].prisms, solids["housing"].prisms
     clearances = measure(design, [gear.outline, *gear.holes], housing.holes[0])
     meshes = {name: mesh(solid) for name, solid in solids.items()}
     if file_format == "stl":
@@ -107,7 +107,8 @@ def _meshes(design: Design, file_format: Format, chord_error: float) -> Export:
 
 def _step(design: Design, name: str, stretches: tuple[Section, ...]) -> bytes:
     """Give a part as STEP if the solid read back from it has the part's volume."""
-    content = step_part(name, stretches)
+    apart = design.ring.teeth if name == "housing" and design.ring.has_sleeves else 0
+    content = step_part(name, stretches, 1 + apart)
     volume, true = read_volume(content), mass_properties(parts(design)[name]).volume
     if not abs(volume / true - 1.0) <= VOLUME_TOLERANCE:
         raise DesignError(

@@ -10,8 +10,8 @@ from scipy.spatial import cKDTree
 from cycloid_mj import profile
 from cycloid_mj.design import Design
 from cycloid_mj.errors import DesignError
+from cycloid_mj.modification import gear_profile
 from cycloid_mj.solid import output_centres
-from cycloid_mj.solid.gear import tooth_profile
 
 Array = npt.NDArray[np.float64]
 
@@ -70,11 +70,11 @@ def measure(design: Design, gear_loops: Sequence[Array], ring_loop: Array) -> tu
     hole_points = [hole - centre for hole, centre in zip(holes, output_centres(design), strict=True)]
     teeth = "pin_gear" if design.ring.kind == "pin" else "tooth"
     found: Mapping[str, Array] = {
-        teeth: flank_distance(tooth_profile(design), outline) - design.ring.pin_radius,
+        teeth: _flank_clearance(design, outline),
         "cam": np.linalg.norm(bore, axis=1) - design.gear.bore_radius,
         "output": np.linalg.norm(np.concatenate(hole_points), axis=1) - design.output.hole_radius,
     }
-    if design.ring.kind == "pin" and design.ring.pins == "free":
+    if design.ring.has_sockets:
         found = {**found, "pin_socket": _socket_points(design, ring_loop) - design.ring.pin_radius}
     measured = tuple(Clearance(pair, getattr(asked, pair), *_range(values)) for pair, values in found.items())
     for one in measured:
@@ -84,6 +84,23 @@ def measure(design: Design, gear_loops: Sequence[Array], ring_loop: Array) -> tu
                 f"{1e6 * one.asked:.4g} um asked for; please report this design"
             )
     return measured
+
+
+def _flank_clearance(design: Design, outline: Array) -> Array:
+    """Give the clearance of the gear's points (n, 2) [m] beside its modification, shape (n,).
+
+    With turned flanks the gear is what two copies of its profile have in common.
+    """
+    gear, change = gear_profile(design), design.modification
+    turns = (change.rotation, -change.rotation) if change.rotation else (0.0,)
+    inside = [flank_distance(gear, _turned(outline, turn)) for turn in turns]
+    return np.asarray(np.min(inside, axis=0) - design.ring.pin_radius - change.equidistant)
+
+
+def _turned(points: Array, angle: float) -> Array:
+    """Turn points (n, 2) clockwise about the origin [rad]."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    return points @ np.array([[cos, -sin], [sin, cos]])
 
 
 def _range(values: Array) -> tuple[float, float]:

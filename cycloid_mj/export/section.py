@@ -9,8 +9,16 @@ import numpy.typing as npt
 from cycloid_mj import envelope, profile
 from cycloid_mj.design import Design
 from cycloid_mj.export.curve import Arc, Circle, Curve, Flank, Line, fit_splines, turned_curve
-from cycloid_mj.solid import VISUAL_CHORD_ERROR, housing_solid, output_centres, output_solid, parts, shaft_solid
-from cycloid_mj.solid.gear import profile_offset, tooth_profile
+from cycloid_mj.modification import flank_ends, gear_profile, profile_offset, tooth_profile
+from cycloid_mj.solid import (
+    VISUAL_CHORD_ERROR,
+    housing_solid,
+    output_centres,
+    output_solid,
+    parts,
+    shaft_solid,
+    sleeve_core_radius,
+)
 
 Array = npt.NDArray[np.float64]
 
@@ -46,15 +54,27 @@ def part_sections(design: Design, splines: int = 1) -> dict[str, tuple[Section, 
     parts(design, VISUAL_CHORD_ERROR)  # refuses what does not fit together
     half = design.gear.face_width / 2.0
     ring = _internal_gear(design, splines) if design.ring.kind == "nonpin" else _pinwheel(design)
+    wheel = Section("housing", ((_circle(design.housing.outer_radius),), ring), -half, half)
     found = {
-        "housing": (Section("housing", ((_circle(design.housing.outer_radius),), ring), -half, half),),
+        "housing": (wheel, *_cores(design, half)),
         "shaft": _shaft(design),
         "gear": (Section("gear", (_gear_outline(design, splines), *_gear_holes(design)), -half, half),),
         "output": _output(design),
     }
     if design.ring.kind == "pin":
-        found["pin"] = (Section("pin", ((_circle(design.ring.pin_radius),),), -half, half),)
+        bore = ((_circle(design.ring.sleeve_bore_radius),),) if design.ring.has_sleeves else ()
+        found["pin"] = (Section("pin", ((_circle(design.ring.pin_radius),), *bore), -half, half),)
     return found
+
+
+def _cores(design: Design, half: float) -> tuple[Section, ...]:
+    """Give the pressed-in pins inside the sleeves; none elsewhere."""
+    if not design.ring.has_sleeves:
+        return ()
+    angles = 2.0 * np.pi * np.arange(design.ring.teeth) / design.ring.teeth
+    centres = design.ring.pin_circle_radius * profile.unit(angles)
+    radius = sleeve_core_radius(design)
+    return tuple(Section("pins", ((_circle(radius, centre),),), -half, half) for centre in centres)
 
 
 def _circle(radius: float, centre: Array | tuple[float, float] = (0.0, 0.0)) -> Circle:
@@ -62,8 +82,11 @@ def _circle(radius: float, centre: Array | tuple[float, float] = (0.0, 0.0)) -> 
 
 
 def _gear_outline(design: Design, splines: int) -> tuple[Curve, ...]:
-    """Give the profile lobe by lobe, counter-clockwise, each from the middle of one valley to that of the next."""
-    gear, offset = tooth_profile(design), profile_offset(design)
+    """Give the profile lobe by lobe, counter-clockwise, each from the middle of one valley to that of the next.
+
+    Flanks that are turned towards the middle of their lobe are splines of their own.
+    """
+    gear, offset, rotation = gear_profile(design), profile_offset(design), design.modification.rotation
     pitch = 2.0 * math.pi / gear.lobes
     backwards = Flank(
         points=lambda x: profile.outline(gear, -x, offset),
@@ -71,7 +94,16 @@ def _gear_outline(design: Design, splines: int) -> tuple[Curve, ...]:
         tangents=lambda x: profile.unit(profile.normal_angle(gear, -x) - math.pi / 2.0),
         curvature=lambda x: profile.curvature(gear, -x, offset),
     )
-    lobe = fit_splines(backwards, 0.0, pitch, splines)
+    stretches = [(0.0, pitch, 0.0)]
+    if rotation:
+        ends = flank_ends(gear, offset, rotation)
+        up, down = (-ends.valley, pitch / 2.0 - ends.tip), (pitch / 2.0 + ends.tip, pitch + ends.valley)
+        stretches = [(*up, -rotation), (*down, rotation)]
+    lobe = [
+        turned_curve(curve, turn)
+        for low, high, turn in stretches
+        for curve in fit_splines(backwards, low, high, splines)
+    ]
     return tuple(turned_curve(curve, -i * pitch) for i in range(gear.lobes) for curve in lobe)
 
 
@@ -102,8 +134,8 @@ def _internal_gear(design: Design, splines: int) -> tuple[Curve, ...]:
 
 def _pinwheel(design: Design) -> tuple[Curve, ...]:
     """Give the sockets and the lands between them as arcs, counter-clockwise from socket 1 on +y."""
-    ring, play = design.ring, design.clearance.pin_socket if design.ring.pins == "free" else 0.0
-    centre, radius = ring.pin_circle_radius, ring.pin_radius + play
+    ring = design.ring
+    centre, radius = ring.pin_circle_radius, ring.pin_radius + design.socket_play
     hole = housing_solid(design, VISUAL_CHORD_ERROR).prisms[0].holes[0]
     wall = float(np.linalg.norm(hole, axis=1).min())
     opening = math.acos((wall**2 - centre**2 - radius**2) / (2.0 * centre * radius))

@@ -23,8 +23,8 @@ _SESSION = re.compile(rb"FILE_NAME\(.*?\);", re.DOTALL)
 _PRODUCT = re.compile(rb"Open CASCADE STEP translator [\d. ]+")
 
 
-def step_part(name: str, sections: tuple[Section, ...]) -> bytes:
-    """Give the sections of a part as one solid in STEP; the same sections give the same bytes.
+def step_part(name: str, sections: tuple[Section, ...], solids_wanted: int = 1) -> bytes:
+    """Give the sections of a part as one solid in STEP, or as so many; the same sections give the same bytes.
 
     Raises
     ------
@@ -38,8 +38,10 @@ def step_part(name: str, sections: tuple[Section, ...]) -> bytes:
         for dimension in (2, 1, 0):  # what bounds no solid: controls of the splines, faces that were joined
             gmsh.model.occ.remove(gmsh.model.occ.getEntities(dimension))
         gmsh.model.occ.synchronize()
-        if len(solids) != 1:
-            raise CycloidError(f"the sections of the {name} do not make one solid; check the design")
+        if len(solids) != solids_wanted:
+            raise CycloidError(
+                f"the sections of the {name} make {len(solids)} solids instead of {solids_wanted}; check the design"
+            )
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / f"{name}.step"
             with _silenced_stdout():

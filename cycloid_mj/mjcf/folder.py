@@ -131,7 +131,7 @@ def _manifest(
     rests: list[Rest],
     files: Mapping[str, bytes],
 ) -> str:
-    moving = [names.SHAFT, names.GEAR, names.OUTPUT, *([names.pin(1)] if names.has_free_pins(design) else [])]
+    moving = [names.SHAFT, names.GEAR, names.OUTPUT, *([names.pin(1)] if design.ring.has_moving_pins else [])]
     content = {
         "design": {"name": design.name, "sha256": design_hash(design)},
         "versions": {

@@ -3,10 +3,12 @@
 import math
 from typing import Any
 
+from cycloid_mj.assembly import best_fit
 from cycloid_mj.design import Design
+from cycloid_mj.deviations import is_ideal
 from cycloid_mj.kinematics import gear_centre, gear_rotation, gear_speed
 from cycloid_mj.mjcf import names
-from cycloid_mj.solid.gear import tooth_profile
+from cycloid_mj.modification import tooth_profile
 
 QUARTERS = (0, 90, 180, 270)
 """Crank angles of the keyframes [deg]."""
@@ -30,6 +32,7 @@ def add_keyframes(spec: Any, design: Design) -> None:
             qpos, qvel = model.qpos0.copy(), [0.0] * model.nv
             for joint in position:
                 qpos[model.joint(joint).qposadr[0]] = position[joint]
+            for joint in velocity:
                 qvel[model.joint(joint).dofadr[0]] = velocity[joint]
             ctrl = [speed if model.actuator(i).name == names.DRIVE else 0.0 for i in range(model.nu)]
             spec.add_key(name=keyframe_name(angle, speed), qpos=list(qpos), qvel=qvel, ctrl=ctrl)
@@ -39,6 +42,7 @@ def joint_state(design: Design, crank: float, speed: float) -> tuple[dict[str, f
     """Give positions and velocities of the joints of crank, gear and output at a crank angle [rad] and speed [rad/s].
 
     Hsieh 2014, Eqs 12 and 13 (corrected): the gear's centre runs on a circle, gear and output turn at -speed/(N-1).
+    Parts with errors or modified flanks, and the pins among them that move, are where they fit best.
     """
     gear = tooth_profile(design)
     x, y = (float(value) for value in gear_centre(gear, crank))
@@ -51,4 +55,18 @@ def joint_state(design: Design, crank: float, speed: float) -> tuple[dict[str, f
         "gear_angle": slow,
         names.OUTPUT_JOINT: slow,
     }
+    if not is_ideal(design):
+        for joint, shift in _room(design, crank).items():
+            position[joint] = position.get(joint, 0.0) + shift
     return position, velocity
+
+
+def _room(design: Design, crank: float) -> dict[str, float]:
+    """Give how far joints are from the ideal mesh in the pose that leaves the most room."""
+    fit = best_fit(design, crank)
+    x, y = (float(value) for value in fit.shift)
+    shift = {"gear_x": x, "gear_y": y, "gear_angle": fit.gear_turn, names.OUTPUT_JOINT: fit.output_turn}
+    if design.ring.has_moving_pins:
+        for number, place in enumerate(fit.pin_shift, start=1):
+            shift |= {f"{names.pin(number)}_{axis}": float(by) for axis, by in zip("xy", place, strict=True)}
+    return shift

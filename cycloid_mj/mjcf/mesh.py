@@ -3,18 +3,24 @@
 A surface's geoms are named ``<stem>/<member>/<number>``; the stem is the name that the same surface has in the model of
 exact contact, and in its mating pairs. Round parts are capsules whose caps lie beyond the faces. Bits of ``contype``
 and ``conaffinity`` let mating surfaces meet and nothing else; what is behind them only meets objects from outside.
+
+A geom has no ``solreffriction``: MuJoCo takes the damping of the contact for that of its friction, and a fast slide
+then pushes the surfaces apart, with friction times damping times speed. The facets of a hole, which know their mate,
+meet it by explicit pairs where they rub, and have none of it.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import mujoco
 import numpy as np
 
-from cycloid_mj.contact.law import ContactLaw, curvature_law, solver_parameters
+from cycloid_mj.contact.law import ContactLaw, SolverParameters, curvature_law, solver_parameters
 from cycloid_mj.convex import ConvexSettings, Place, Rest, Surface, prism, surfaces
 from cycloid_mj.design import Design
+from cycloid_mj.deviations import deviations
+from cycloid_mj.errors import DesignError
 from cycloid_mj.export.stl import stl_bytes
 from cycloid_mj.mjcf import model as exact
 from cycloid_mj.mjcf import names
@@ -38,6 +44,11 @@ OUTPUT_OPACITY = 0.4
 
 _KINDS = {"teeth": "", "lobe": "tooth", "socket": "pin_socket", "bore": "cam", "hole": "output"}
 _BODIES = {"teeth": names.GEAR, "bore": names.GEAR, "hole": names.GEAR, "lobe": names.HOUSING, "socket": names.HOUSING}
+_MATES: Mapping[str, Callable[[int], str]] = {
+    "bore": lambda _: names.CAM,
+    "hole": names.output_pin,
+    "socket": names.pin,
+}
 _SLICE_PRIORITY, _HULL_PRIORITY = 2, 1
 
 
@@ -57,7 +68,7 @@ def build_mesh(design: Design, settings: ConvexSettings | None = None) -> Reduce
     Raises
     ------
     DesignError
-        A part of the design cannot be made, or sliced.
+        A part of the design cannot be made, or sliced; or its pins carry sleeves.
     ContactError
         MuJoCo cannot represent a contact's stiffness at this time step.
     """
@@ -70,6 +81,11 @@ def build_mesh(design: Design, settings: ConvexSettings | None = None) -> Reduce
 
 def mesh_spec(design: Design, settings: ConvexSettings) -> MeshSpec:
     """Give the bodies of a design with their visual and their colliding geoms: no actuators, no sensors, no rest."""
+    if design.ring.has_sleeves:
+        raise DesignError(
+            'ring.pins = "sleeved" has no meshes for stock collision: a sleeve turns on its pin by exact contact only; '
+            'choose ring.pins = "free" or "fixed", or the contact profile'
+        )
     masses = {name: mass_properties(solid) for name, solid in parts(design).items()}
     spec = exact._empty(design)
     inertia = _bodies_only(spec, design, masses)
@@ -143,14 +159,14 @@ def _add_visuals(spec: Any, design: Design) -> None:
 
 def _bearers(spec: Any, design: Design, part: str) -> list[Any]:
     """Give the bodies that a part is seen on."""
-    if part == "pin" and names.has_free_pins(design):
+    if part == "pin" and design.ring.has_moving_pins:
         return [spec.body(names.pin(number)) for number in range(1, design.ring.teeth + 1)]
     return [spec.body(names.HOUSING if part == "pin" else part)]
 
 
 def _visual_places(design: Design, part: str) -> list[list[float]]:
     """Give where a part is seen on each of its bodies."""
-    if part == "pin" and not names.has_free_pins(design):
+    if part == "pin" and not design.ring.has_moving_pins:
         return [exact._at(design.ring.pin_circle_radius, angle) for angle in exact.ring_angles(design)]
     return [[0.0, 0.0, 0.0]]
 
@@ -172,6 +188,7 @@ def _add_surface(
     kind = _KINDS[surface.name] or ("tooth" if design.ring.kind == "nonpin" else "pin_gear")
     curve, force = curvature_law(design), working_forces(design)[kind]
     weight = sum(weights[body] for body in _mating_bodies(design, surface.name))
+    rubs = surface.name in _MATES and laws[kind].friction > 0.0
     classes = []
     for number, part in enumerate(surface.slices):
         name = f"{surface.name}_{number + 1}"
@@ -179,12 +196,11 @@ def _add_surface(
         factor = curve.factor(part.curvature) if kind in ("pin_gear", "tooth") else 1.0
         parameters = solver_parameters(slice_law(laws[kind], factor, part, force), weight)
         default = _sub_default(spec, name)
-        geom = default.geom
-        geom.type, geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, name
-        geom.contype, geom.conaffinity = _bits(surface.name, part.width)
-        geom.priority = _SLICE_PRIORITY if np.isfinite(part.width) else _HULL_PRIORITY
-        geom.condim, geom.solref, geom.solimp = parameters.condim, parameters.solref, parameters.solimp
-        geom.friction = [parameters.friction[0], 0.0, 0.0]
+        default.geom.type, default.geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, name
+        if rubs:
+            _meet_by_pair(default.pair, parameters)
+        else:
+            _meet_by_bits(default.geom, parameters, surface.name, part.width)
         classes.append(default)
     body = spec.body(_BODIES[surface.name])
     counts: dict[int, int] = {}
@@ -192,11 +208,26 @@ def _add_surface(
         counts[place.member] = counts.get(place.member, 0) + 1
         name = f"{stem(surface.name, place.member)}/{place.member}/{counts[place.member]}"
         body.add_geom(classes[place.slice], name=name, pos=[*place.centre, 0.0], quat=_pose(place))
+        if rubs:
+            spec.add_pair(classes[place.slice], geomname1=name, geomname2=_MATES[surface.name](place.member))
+
+
+def _meet_by_bits(geom: Any, parameters: SolverParameters, surface: str, width: float) -> None:
+    geom.contype, geom.conaffinity = _bits(surface, width)
+    geom.priority = _SLICE_PRIORITY if np.isfinite(width) else _HULL_PRIORITY
+    geom.condim, geom.solref, geom.solimp = parameters.condim, parameters.solref, parameters.solimp
+    geom.friction = [parameters.friction[0], 0.0, 0.0]
+
+
+def _meet_by_pair(pair: Any, parameters: SolverParameters) -> None:
+    pair.condim, pair.solref, pair.solimp = parameters.condim, parameters.solref, parameters.solimp
+    pair.friction, pair.solreffriction = parameters.friction, parameters.solreffriction
+    pair.margin, pair.gap = 0.0, 0.0
 
 
 def _mating_bodies(design: Design, surface: str) -> tuple[str, ...]:
     """Name the bodies whose contact a surface takes part in."""
-    pin = (names.pin(1),) if names.has_free_pins(design) else ()
+    pin = (names.pin(1),) if design.ring.has_moving_pins else ()
     return {
         "teeth": (names.GEAR, *pin),
         "lobe": (names.GEAR,),
@@ -222,20 +253,22 @@ def _bits(surface: str, width: float) -> tuple[int, int]:
 
 def _add_round_parts(spec: Any, design: Design) -> None:
     """Add pins, or the arcs of an internal gear's lobes (the same circles), cam and output pins as capsules."""
-    ring, output = design.ring, design.output
+    ring, output, made = design.ring, design.output, deviations(design)
     half = 0.5 * design.gear.face_width * (1.0 + 2.0 * CAP)
-    free = names.has_free_pins(design)
     collision = spec.find_default(COLLISION)
 
     def add(body: str, name: str, radius: float, bits: int, place: list[float]) -> None:
         kind = mujoco.mjtGeom.mjGEOM_CAPSULE
         spec.body(body).add_geom(collision, name=name, type=kind, size=[radius, half, 0.0], contype=bits, pos=place)
 
-    for number, angle in enumerate(exact.ring_angles(design), start=1):
+    departures = zip(exact.ring_angles(design), made.pin_place, made.pin_radius, strict=True)
+    for number, (angle, deviation, larger) in enumerate(departures, start=1):
         name = names.pin(number) if ring.kind == "pin" else names.lobe(number)
-        place = [0.0, 0.0, 0.0] if free else exact._at(ring.pin_circle_radius, angle)
-        add(name if free else names.HOUSING, name, ring.pin_radius, TEETH | SOCKETS, place)
-    add(names.SHAFT, names.CAM, design.gear.bore_radius, BORE, [0.0, design.gear.eccentricity, 0.0])
+        body = name if ring.has_moving_pins else names.HOUSING
+        place = [0.0, 0.0, 0.0] if ring.has_moving_pins else exact._at(ring.pin_circle_radius, angle, deviation)
+        add(body, name, ring.pin_radius + larger, TEETH | SOCKETS, place)
+    cam = [0.0, design.gear.eccentricity + made.eccentricity, 0.0]
+    add(names.SHAFT, names.CAM, design.gear.bore_radius, BORE, cam)
     for number, angle in enumerate(exact.output_angles(design), start=1):
         place = exact._at(output.pin_circle_radius, angle)
         add(names.OUTPUT, names.output_pin(number), output.pin_radius, HOLES, place)

@@ -6,24 +6,37 @@ The gear and the free pins move in the plane (two slides and a hinge); shaft and
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import mujoco
 import numpy as np
 
-from cycloid_mj.contact.collider import USER_DATA, Role
-from cycloid_mj.contact.law import IMPRATIO, ContactLaw, contact_law, curvature_law, solver_parameters
+from cycloid_mj.contact.collider import Role
+from cycloid_mj.contact.law import (
+    IMPRATIO,
+    ContactLaw,
+    contact_law,
+    curvature_law,
+    damping_ratio,
+    pair_stiffness,
+    solver_parameters,
+    working_force,
+)
 from cycloid_mj.contact.library import exact_xml
+from cycloid_mj.contact.teeth import USER_DATA, Teeth
 from cycloid_mj.design import Design
+from cycloid_mj.deviations import deviations
 from cycloid_mj.mjcf import names
 from cycloid_mj.mjcf.names import Pair
-from cycloid_mj.solid import VISUAL_CHORD_ERROR, MassProperties, Mesh, mass_properties, mesh, parts
+from cycloid_mj.modification import FlankEnds, flank_ends
+from cycloid_mj.solid import VISUAL_CHORD_ERROR, MassProperties, Mesh, mass_properties, mesh, parts, sleeve_core_radius
+from cycloid_mj.solid.gear import gear_profile, profile_offset
+
+Held = Literal["crank", "output", ""]
+"""The shaft that a servo holds; none: both feel a torque alone."""
 
 SERVO_BANDWIDTH = 2e4
-"""Bandwidth [rad/s] of the position servo that makes the crank follow its law; critically damped."""
-
-STRIBECK = 4.08
-"""Load of the most loaded roller of a bearing without play as a share of the mean load per roller F/Z."""
+"""Bandwidth [rad/s] of the position servo that makes a shaft follow its command; critically damped."""
 
 _VISUAL, _CONTACT = 2, 3
 _COLOURS = {
@@ -50,7 +63,7 @@ class ReducerModel:
     laws
         The contact law of each kind of pair.
     servo_gains
-        kp [N m/rad] and kv [N m s/rad] of the crank's servo.
+        kp [N m/rad] and kv [N m s/rad] of the servo on the shaft that is held.
     crank_inertia
         Inertia of shaft and rotor about the crank axis [kg m2].
     """
@@ -63,8 +76,15 @@ class ReducerModel:
     crank_inertia: float
 
 
-def build(design: Design) -> ReducerModel:
+def build(design: Design, held: Held = "crank") -> ReducerModel:
     """Build the contact model of a design.
+
+    Parameters
+    ----------
+    design
+        What to build.
+    held
+        The shaft that a servo holds to a position command; the actuator of a shaft that is not held is a torque.
 
     Raises
     ------
@@ -79,7 +99,8 @@ def build(design: Design) -> ReducerModel:
     for name, solid in parts(design, VISUAL_CHORD_ERROR).items():
         _add_mesh(spec, name, mesh(solid))
     crank_inertia = _add_bodies(spec, design, masses)
-    gains = _add_actuators(spec, crank_inertia)
+    inertias = {"crank": crank_inertia, "output": float(masses[names.OUTPUT].inertia[2, 2]), "": 0.0}
+    gains = _add_actuators(spec, inertias[held], held)
     _add_sensors(spec, design)
     mating = names.pairs(design)
     laws = contact_laws(design, masses)
@@ -94,39 +115,35 @@ def xml(spec: Any) -> str:
 
 
 def contact_laws(design: Design, masses: Mapping[str, MassProperties]) -> dict[str, ContactLaw]:
-    """Give the contact law of each kind of pair: line-contact stiffness, damping by the pair's own effective mass.
-
-    The cam turns in a roller bearing (assumed): the roller in the middle of the loaded half carries 4.08/Z of the load
-    (Stribeck; Harris, Rolling Bearing Analysis) through two contacts in series, each as stiff as a pin on a flat.
-    """
-    law = curvature_law(design)
-    gear = 1.0 / masses[names.GEAR].mass
-    output = design.output.pin_circle_radius**2 / masses[names.OUTPUT].inertia[2, 2]
-    pin_radius, hole = design.output.pin_radius, design.output.hole_radius + design.clearance.output
-    factors = {
-        "cam": design.contact.cam_rollers / (2.0 * STRIBECK),
-        "output": law.factor(1.0 / pin_radius - 1.0 / hole),
-    }
-    # Half of the ring's and of the output's contacts carry at a time; a free pin lies between two.
-    mobility = {"cam": gear, "output": (gear + output) * design.output.pins / 2.0}
-    if names.has_free_pins(design):
-        pin, rho = 1.0 / masses["pin"].mass, design.ring.pin_radius
-        factors |= {"pin_gear": 1.0, "pin_socket": law.factor(1.0 / rho - 1.0 / (rho + design.clearance.pin_socket))}
-        mobility |= {"pin_gear": 2.0 * (gear + pin), "pin_socket": 2.0 * pin}
-    else:
-        tooth = "tooth" if design.ring.kind == "nonpin" else "pin_gear"
-        factors[tooth], mobility[tooth] = 1.0, gear * design.ring.teeth / 2.0
+    """Give the contact law of each kind of pair: line-contact stiffness, damping by the pair's own effective mass."""
     return {
         kind: contact_law(
-            stiffness=law.stiffness * factor,
-            damping_ratio=design.contact.damping_ratio,
-            effective_mass=float(1.0 / mobility[kind]),
-            friction=getattr(design.friction, kind),
-            creep=getattr(design.friction, kind) * design.contact.working_force / design.contact.creep_speed,
+            stiffness=pair_stiffness(design, kind),
+            damping_ratio=damping_ratio(design, kind),
+            effective_mass=mass,
+            friction=design.friction_of(kind),
+            creep=design.friction_of(kind) * working_force(design, kind) / design.contact.creep_speed,
             timestep=design.settings.timestep,
         )
-        for kind, factor in factors.items()
+        for kind, mass in effective_masses(design, masses).items()
     }
+
+
+def effective_masses(design: Design, masses: Mapping[str, MassProperties]) -> dict[str, float]:
+    """Give the mass [kg] that moves on a contact of each kind of pair.
+
+    Half of the ring's and of the output's contacts carry at a time; a free pin, or a sleeve, lies between two.
+    """
+    gear = 1.0 / masses[names.GEAR].mass
+    output = design.output.pin_circle_radius**2 / masses[names.OUTPUT].inertia[2, 2]
+    mobility = {"cam": gear, "output": (gear + output) * design.output.pins / 2.0}
+    if design.ring.has_moving_pins:
+        pin = 1.0 / masses["pin"].mass
+        mobility |= {"pin_gear": 2.0 * (gear + pin)}
+        mobility |= {"pin_socket" if design.ring.has_sockets else "pin_sleeve": 2.0 * pin}
+    else:
+        mobility[design.tooth_pair] = gear * design.ring.teeth / 2.0
+    return {kind: float(1.0 / mobile) for kind, mobile in mobility.items()}
 
 
 def ring_angles(design: Design) -> Any:
@@ -139,8 +156,9 @@ def output_angles(design: Design) -> Any:
     return 2.0 * np.pi * np.arange(design.output.pins) / design.output.pins
 
 
-def _at(radius: float, angle: float) -> list[float]:
-    return [radius * np.sin(angle), radius * np.cos(angle), 0.0]
+def _at(radius: float, angle: float, deviation: Any = (0.0, 0.0)) -> list[float]:
+    """Give the place at an angle clockwise from +y, and how far a part is beside it [m]."""
+    return [radius * np.sin(angle) + deviation[0], radius * np.cos(angle) + deviation[1], 0.0]
 
 
 def _empty(design: Design) -> Any:
@@ -232,7 +250,7 @@ def _add_bodies(spec: Any, design: Design, masses: Mapping[str, MassProperties])
     shaft.add_joint(name=names.CRANK_JOINT, type=mujoco.mjtJoint.mjJNT_HINGE, axis=_Z, armature=rotor)
     _inertial(shaft, masses[names.SHAFT])
     _visual(shaft, names.SHAFT)
-    cam = [0.0, design.gear.eccentricity, 0.0]
+    cam = [0.0, design.gear.eccentricity + design.errors.eccentricity, 0.0]
     _contact_geom(shaft, names.CAM, Role.INNER, design.gear.bore_radius, half, pos=cam)
 
     _add_gear(spec, design, masses[names.GEAR])
@@ -250,23 +268,51 @@ def _add_bodies(spec: Any, design: Design, masses: Mapping[str, MassProperties])
 
 
 def _add_ring(spec: Any, housing: Any, design: Design, masses: Mapping[str, MassProperties]) -> None:
-    half, radius = 0.5 * design.gear.face_width, design.ring.pin_radius
-    free = names.has_free_pins(design)
+    half, nominal, made = 0.5 * design.gear.face_width, design.ring.pin_radius, deviations(design)
     for number, angle in enumerate(ring_angles(design), start=1):
-        place = _at(design.ring.pin_circle_radius, angle)
+        place = _at(design.ring.pin_circle_radius, angle, made.pin_place[number - 1])
+        radius, home = nominal + made.pin_radius[number - 1], [np.sin(angle), np.cos(angle)]
         if design.ring.kind == "nonpin":
             turned = [np.cos(0.5 * angle), 0.0, 0.0, -np.sin(0.5 * angle)]
             _contact_geom(housing, names.lobe(number), Role.LOBE, radius, half, pos=place, quat=turned)
             continue
-        if not free:
-            _contact_geom(housing, names.pin(number), Role.PIN, radius, half, pos=place)
+        if not design.ring.has_moving_pins:
+            _contact_geom(housing, names.pin(number), Role.PIN, radius, half, pos=place, userdata=home)
             continue
-        _contact_geom(housing, names.socket(number), Role.OUTER, radius + design.clearance.pin_socket, half, pos=place)
+        if design.ring.has_sockets:
+            socket = nominal + design.clearance.pin_socket
+            _contact_geom(housing, names.socket(number), Role.OUTER, socket, half, pos=place)
+        else:
+            _contact_geom(housing, names.core(number), Role.INNER, sleeve_core_radius(design), half, pos=place)
         pin = spec.worldbody.add_body(name=names.pin(number), pos=place)
         _planar(pin, names.pin(number), (0.0, 0.0), f"{names.pin(number)}_angle")
         _inertial(pin, masses["pin"])
         _visual(pin, "pin")
-        _contact_geom(pin, names.pin(number), Role.PIN, radius, half)
+        _contact_geom(pin, names.pin(number), Role.PIN, radius, half, userdata=home)
+        if design.ring.has_sleeves:
+            _contact_geom(pin, names.sleeve(number), Role.OUTER, design.ring.sleeve_bore_radius, half)
+
+
+def _teeth(design: Design) -> Teeth:
+    """Give what the collider must know of the gear's profile and its contact law."""
+    law, gear, offset = curvature_law(design), gear_profile(design), profile_offset(design)
+    rotation = design.modification.rotation
+    ends = flank_ends(gear, offset, rotation) if rotation else FlankEnds(0.0, 0.0, 0.0, 0.0)
+    return Teeth(
+        radius=gear.pin_circle_radius,
+        eccentricity=gear.eccentricity,
+        teeth=float(gear.ring_teeth),
+        offset=offset,
+        reference=law.reference,
+        constant=law.constant,
+        deflection=law.deflection,
+        ring_radius=design.ring.pin_circle_radius,
+        rotation=rotation,
+        tip=ends.tip,
+        tip_radius=ends.tip_radius,
+        valley=ends.valley,
+        valley_radius=ends.valley_radius,
+    )
 
 
 def _add_gear(spec: Any, design: Design, properties: MassProperties) -> None:
@@ -275,28 +321,26 @@ def _add_gear(spec: Any, design: Design, properties: MassProperties) -> None:
     _planar(gear, names.GEAR, (0.0, eccentricity), "gear_angle")
     _inertial(gear, properties)
     _visual(gear, names.GEAR)
-    ring, law = design.ring, curvature_law(design)
-    clearance = design.clearance.tooth if ring.kind == "nonpin" else design.clearance.pin_gear
-    offset = ring.pin_radius + clearance
+    made = deviations(design)
     # MuJoCo drops a pair whose bounding boxes are apart: this cylinder reaches every pin at every crank angle.
-    reach = ring.pin_circle_radius + 2.0 * eccentricity
-    teeth = [ring.pin_circle_radius, eccentricity, float(ring.teeth), offset]
-    teeth += [law.reference, law.constant, law.deflection]
-    _contact_geom(gear, names.TEETH, Role.TEETH, reach, half, userdata=teeth)
+    reach = design.ring.pin_circle_radius + 2.0 * (eccentricity + made.largest)
+    _contact_geom(gear, names.TEETH, Role.TEETH, reach, half, userdata=list(_teeth(design)))
     _contact_geom(gear, names.BORE, Role.OUTER, design.gear.bore_radius + design.clearance.cam, half)
     hole = design.output.hole_radius + design.clearance.output
     for number, angle in enumerate(output_angles(design), start=1):
-        place = _at(design.output.pin_circle_radius, angle)
+        place = _at(design.output.pin_circle_radius, angle, made.hole_place[number - 1])
         _contact_geom(gear, names.hole(number), Role.OUTER, hole, half, pos=place)
 
 
-def _add_actuators(spec: Any, crank_inertia: float) -> tuple[float, float]:
-    """Add the crank's servo and the load's torque; give the servo's gains."""
-    kp, kv = crank_inertia * SERVO_BANDWIDTH**2, 2.0 * crank_inertia * SERVO_BANDWIDTH
-    drive = spec.add_actuator(name=names.DRIVE, target=names.CRANK_JOINT, trntype=mujoco.mjtTrn.mjTRN_JOINT)
-    drive.set_to_position(kp=kp, kv=kv)
-    load = spec.add_actuator(name=names.LOAD, target=names.OUTPUT_JOINT, trntype=mujoco.mjtTrn.mjTRN_JOINT)
-    load.set_to_motor()
+def _add_actuators(spec: Any, inertia: float, held: Held = "crank") -> tuple[float, float]:
+    """Add the actuators of crank and output, a servo on the held shaft of this inertia; give the servo's gains."""
+    kp, kv = inertia * SERVO_BANDWIDTH**2, 2.0 * inertia * SERVO_BANDWIDTH
+    for shaft, name, joint in (("crank", names.DRIVE, names.CRANK_JOINT), ("output", names.LOAD, names.OUTPUT_JOINT)):
+        actuator = spec.add_actuator(name=name, target=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT)
+        if shaft == held:
+            actuator.set_to_position(kp=kp, kv=kv)
+        else:
+            actuator.set_to_motor()
     return kp, kv
 
 

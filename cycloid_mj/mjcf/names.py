@@ -26,6 +26,16 @@ def socket(number: int) -> str:
     return f"socket_{number}"
 
 
+def sleeve(number: int) -> str:
+    """Name the bore of the sleeve on a pressed-in ring pin."""
+    return f"sleeve_{number}"
+
+
+def core(number: int) -> str:
+    """Name the pressed-in pin inside a sleeve."""
+    return f"core_{number}"
+
+
 def hole(number: int) -> str:
     """Name the gear's hole of an output pin."""
     return f"hole_{number}"
@@ -45,9 +55,10 @@ class Pair:
     name
         Name of the ``<pair>`` and stem of its columns in the log.
     kind
-        ``pin_gear``, ``pin_socket``, ``tooth``, ``cam`` or ``output``: the key of its clearance and friction.
+        ``pin_gear``, ``pin_socket``, ``pin_sleeve``, ``tooth``, ``cam`` or ``output``: the key of its clearance,
+        friction, stiffness, damping and working force.
     on
-        Geom whose body feels the logged force: the gear, or the pin in its socket.
+        Geom whose body feels the logged force: the gear, the pin in its socket, or the sleeve on its pin.
     by
         Geom that exerts it.
     """
@@ -56,11 +67,6 @@ class Pair:
     kind: str
     on: str
     by: str
-
-
-def has_free_pins(design: Design) -> bool:
-    """Tell whether the ring's pins are bodies of their own."""
-    return design.ring.kind == "pin" and design.ring.pins == "free"
 
 
 def pairs(design: Design) -> tuple[Pair, ...]:
@@ -74,8 +80,10 @@ def _pairs(design: Design) -> Iterator[Pair]:
         yield from (Pair(lobe(i), "tooth", TEETH, lobe(i)) for i in ring)
     else:
         yield from (Pair(pin(i), "pin_gear", TEETH, pin(i)) for i in ring)
-    if has_free_pins(design):
+    if design.ring.has_sockets:
         yield from (Pair(socket(i), "pin_socket", pin(i), socket(i)) for i in ring)
+    if design.ring.has_sleeves:
+        yield from (Pair(sleeve(i), "pin_sleeve", sleeve(i), core(i)) for i in ring)
     yield Pair(CAM, "cam", BORE, CAM)
     yield from (Pair(output_pin(i), "output", hole(i), output_pin(i)) for i in range(1, design.output.pins + 1))
 
@@ -97,7 +105,7 @@ def sensors(design: Design) -> dict[str, dict[str, str]]:
         "load_torque": "N m",
     }
     pins: dict[str, str] = {}
-    if has_free_pins(design):
+    if design.ring.has_moving_pins:
         for i in range(1, design.ring.teeth + 1):
             stem = pin(i)
             pins |= {f"{stem}_x": "m", f"{stem}_y": "m", f"{stem}_angle": "rad", f"{stem}_speed": "rad/s"}

@@ -18,7 +18,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.plots.style import BLACK, VERMILION, styled
 from cycloid_mj.profile import unit
 from cycloid_mj.record import Run
-from cycloid_mj.solid import VISUAL_CHORD_ERROR, Prism, output_centres, parts
+from cycloid_mj.solid import VISUAL_CHORD_ERROR, Prism, output_centres, parts, sleeve_core_radius
 
 Array = npt.NDArray[np.float64]
 
@@ -121,6 +121,8 @@ def _draw_parts(axes: Axes, design: Design, pose: Pose) -> None:
     _region(axes, solids["housing"].prisms[0], "ring", axis, 0.0)
     for centre in _ring_centres(design):
         _disc(axes, centre, design.ring.pin_radius, "pins")
+        if design.ring.has_sleeves:
+            _disc(axes, centre, sleeve_core_radius(design), "ring")
     _disc(axes, axis, disc, "disc")
     _region(axes, solids["gear"].prisms[0], "gear", pose.gear_centre, pose.gear_angle)
     for centre in _turned(output_centres(design), pose.output_angle):

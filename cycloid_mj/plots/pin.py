@@ -36,7 +36,8 @@ def pin_figure(motion: Series, pin: PinPath) -> Figure:
     axes = figure.subplot_mosaic("pr;ps", width_ratios=[1, 1.15])
     path, radial, spin = axes["p"], axes["r"], axes["s"]
     rows, clearance = motion.one_turn, 1e6 * pin.clearance
-    _path(path, 1e6 * pin.position[rows], clearance)
+    place = "sleeve 1 on its pin" if motion.design.ring.has_sleeves else "pin 1 in its socket"
+    _path(path, 1e6 * pin.position[rows], clearance, place)
     degrees = turn_degrees(motion)
     _radial(radial, degrees, 1e6 * pin.radial[rows], clearance)
     _spin(spin, degrees, pin.spin[rows])
@@ -46,13 +47,13 @@ def pin_figure(motion: Series, pin: PinPath) -> Figure:
     return figure
 
 
-def _path(axes: Axes, position: Array, clearance: float) -> None:
+def _path(axes: Axes, position: Array, clearance: float, place: str) -> None:
     axes.add_patch(Circle((0.0, 0.0), clearance, fill=False, **CLEARANCE))
     axes.plot(*position.T, **SIMULATED)
     axes.plot(*position[0], marker="o", markersize=4, color=BLUE)
     axes.plot(0.0, 0.0, marker="+", markersize=7, color=BLACK, markeredgewidth=0.7)
     square(axes, 1.12 * max(clearance, float(np.abs(position).max())))
-    axes.set_title("Centre of pin 1 in its socket (dot: start)")
+    axes.set_title(f"Centre of {place} (dot: start)")
 
 
 def _radial(axes: Axes, degrees: Array, radial: Array, clearance: float) -> None:

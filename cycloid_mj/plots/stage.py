@@ -163,13 +163,12 @@ def _parts(axes: Axes, design: Design, radii: Radii) -> dict[str, list[Any]]:
     """Draw the parts from the back to the front, each copy in its own frame, as lists of what moves together."""
     ring, output, gear = design.ring, design.output, design.gear
     pinned = design.ring.kind == "pin"
-    free = pinned and ring.pins == "free"
     prism = gear_solid(design, CHORD_ERROR).prisms[0]
     valley = ring.pin_circle_radius - ring.pin_radius - gear.eccentricity
     between = 0.5 * (valley + output.pin_circle_radius + output.hole_radius)
     mark = (0.0, between, 0.2 * output.pin_radius)
     return {
-        SOCKET: [[_socket(axes, radii.socket)] for _ in range(free * ring.teeth)],
+        SOCKET: [[_socket(axes, radii.socket)] for _ in range(ring.has_sockets * ring.teeth)],
         PIN: [_pin(axes, radii.pin) for _ in range(pinned * ring.teeth)],
         GEAR: [
             [_region(axes, [prism.outline, *(h[::-1] for h in prism.holes)], "gear", 1.5), _disc(axes, mark, DARK, 3)]

@@ -41,7 +41,7 @@ def _shape(design: Design) -> dict[str, Any]:
     largest = largest_magnification(design)
     shape = {
         "kind": ring.kind,
-        "free": ring.kind == "pin" and ring.pins == "free",
+        "free": ring.has_sockets,
         "teeth": ring.teeth,
         "eccentricity": 1e3 * gear.eccentricity,
         "pinCircle": 1e3 * ring.pin_circle_radius,

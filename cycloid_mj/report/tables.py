@@ -81,6 +81,8 @@ def warnings(item: Reviewed) -> list[str]:
         told.append(
             f"Only {window.crank_turns:.2f} crank turns at constant speed were judged: means are over part of a turn."
         )
+    if trouble := item.motion.run.provenance.get("warnings"):
+        told.append(f"Before the run: {trouble}.")
     limit = MICROMETRE.from_si(design.contact.max_penetration)
     if found.contact_summary.max_penetration_um > DEEP * limit:
         told.append(
@@ -121,9 +123,8 @@ def _ring(design: Design) -> str:
 
 
 def _pairs(design: Design) -> list[str]:
-    if design.ring.kind != "pin":
-        return ["tooth", "cam", "output"]
-    return ["pin_gear", *(["pin_socket"] if design.ring.pins == "free" else []), "cam", "output"]
+    holders = {"pin_socket": design.ring.has_sockets, "pin_sleeve": design.ring.has_sleeves}
+    return [design.tooth_pair, *(pair for pair, holds in holders.items() if holds), "cam", "output"]
 
 
 def _clearances(design: Design) -> str:
@@ -132,7 +133,7 @@ def _clearances(design: Design) -> str:
 
 
 def _friction(design: Design) -> str:
-    return ", ".join(f"{pair.replace('_', '-')} {getattr(design.friction, pair):g}" for pair in _pairs(design))
+    return ", ".join(f"{pair.replace('_', '-')} {design.friction_of(pair):g}" for pair in _pairs(design))
 
 
 def _unit(unit: str) -> str:

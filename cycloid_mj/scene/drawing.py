@@ -36,6 +36,7 @@ class Radii:
 
     pin: float
     socket: float
+    sleeve_bore: float
     cam: float
     output_pin: float
 
@@ -56,7 +57,8 @@ class Gaps:
         How much more room than the clearance there is between the gear and each pin, or arc of an internal gear [m],
         shape (n, N).
     away
-        Each pin's centre from its socket's [m], shape (n, N, 2); zeros where pins are fixed.
+        Each pin's centre from its socket's, or a sleeve's from its pin's [m], shape (n, N, 2); zeros where pins are
+        fixed.
     pin_angle
         Rotation of each pin [rad], shape (n, N).
     output_away
@@ -136,7 +138,8 @@ def drawn_radii(design: Design, magnification: float = 1.0) -> Radii:
     ring = design.ring.pin_radius - more * tooth_clearance(design)
     return Radii(
         pin=ring,
-        socket=ring + magnification * play.pin_socket,
+        socket=ring + magnification * design.pin_play,
+        sleeve_bore=ring - design.ring.sleeve_thickness,
         cam=design.gear.bore_radius - more * play.cam,
         output_pin=design.output.pin_radius - more * play.output,
     )

@@ -22,10 +22,13 @@ KINDS = {
     "tooth": "tooth",
     "lobe": "tooth",
     "socket": "pin_socket",
+    "sleeve": "pin_sleeve",
     "cam": "cam",
     "output_pin": "output",
 }
 """First word of a mating pair's columns -> its kind."""
+
+_ON_PINS = ("pin_socket", "pin_sleeve")
 
 LONGEST_SHIFT = 1e-3
 """Farthest that a contact is moved onto the line of action of its force [m]: friction of 0.5 on a pin of 2 mm."""
@@ -38,12 +41,13 @@ class ContactForces:
     Attributes
     ----------
     names, kinds
-        Name of each pair (pin_1, ..., cam, output_pin_1, ...) and its kind (pin_gear, tooth, pin_socket, cam, output).
+        Name of each pair (pin_1, ..., cam, output_pin_1, ...) and its kind (pin_gear, tooth, pin_socket,
+        pin_sleeve, cam, output).
     point
         Where each acts, from the reducer axis [m], shape (n, k, 2): on its line of action, at the surface of the pin,
         lobe, cam or output pin.
     force
-        The force on the gear, or on the pin in its socket [N], shape (n, k, 2).
+        The force on the gear, on the pin in its socket, or on the sleeve on its pin [N], shape (n, k, 2).
     """
 
     names: tuple[str, ...]
@@ -95,7 +99,7 @@ def contact_forces(design: Design, columns: Mapping[str, Array], drawn: Drawing 
     for row, (name, kind, match) in enumerate(zip(names, kinds, pairs, strict=True)):
         number = int(match["number"] or 1)
         wrench = np.stack([columns[f"{name}_{part}"] for part in ("force_x", "force_y", "moment")], axis=1)
-        origin = (place[pin(number)] if kind == "pin_socket" else place[GEAR])[:, :2]
+        origin = (place[pin(number)] if kind in _ON_PINS else place[GEAR])[:, :2]
         along = _direction(wrench[:, :2])
         aside = _aside(wrench, along, true.surface(kind, number, along) - origin)
         force[:, row] = wrench[:, :2]
@@ -116,7 +120,7 @@ def reference_force(design: Design) -> dict[str, float]:
     torque = max(abs(design.load.torque), inertia * gear.eccentricity * design.lobes)
     cam = torque / (gear.eccentricity * design.lobes)
     ring, pins = 4 * cam / teeth, 4 * torque / (output.pins * output.pin_circle_radius)
-    return {"pin_gear": ring, "tooth": ring, "pin_socket": ring, "cam": cam, "output": pins}
+    return {"pin_gear": ring, "tooth": ring, "pin_socket": ring, "pin_sleeve": ring, "cam": cam, "output": pins}
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,13 +135,15 @@ class _Inner:
     def surface(self, kind: str, number: int, along: Array) -> Array:
         """Give where a frictionless contact (n, 2) [m] would be: on the inner part, towards the part that is pushed.
 
-        `along` is the direction of the force (n, 2); a pin in its socket is itself what is pushed.
+        `along` is the direction of the force (n, 2); a pin in its socket is itself what is pushed, a
+        sleeve is pushed from within.
         """
         if kind == "cam":
             return self.cam + self.radii.cam * along
         if kind == "output":
             return self.output_pins[:, number - 1] + self.radii.output_pin * along
-        return self.ring[:, number - 1] + (-self.radii.pin if kind == "pin_socket" else self.radii.pin) * along
+        reach = {"pin_socket": -self.radii.pin, "pin_sleeve": self.radii.sleeve_bore}.get(kind, self.radii.pin)
+        return self.ring[:, number - 1] + reach * along
 
 
 def _measured(design: Design, place: Mapping[str, Array]) -> _Inner:

@@ -51,7 +51,7 @@ FORCE_COLOURS: dict[str, Colour] = {
     "cam": (0.0, 0.0, 0.0, 1.0),
     "output": (0.0, 0.45, 0.70, 1.0),
 }
-"""Kinds of pairs that are shown: the force in a pin's socket is that of the gear on the pin, and is left out."""
+"""Kinds of pairs that are shown: the force in a socket or sleeve is that of the gear on the pin, and is left out."""
 
 
 @dataclass(frozen=True)

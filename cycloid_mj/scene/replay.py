@@ -33,7 +33,7 @@ def replay_model(run: Run) -> Any:
     if MODEL_FILE not in run.attachments:
         raise LogError(f"the run has no attachment {MODEL_FILE!r}, so it cannot be shown in MuJoCo: simulate it again")
     try:
-        spec = mujoco.MjSpec.from_string(run.attachments[MODEL_FILE].decode())
+        spec = mujoco.MjSpec.from_string(run.attachments[MODEL_FILE].decode(), assets=dict(run.attachments))
         sky, gradient = mujoco.mjtTexture.mjTEXTURE_SKYBOX, mujoco.mjtBuiltin.mjBUILTIN_GRADIENT
         spec.add_texture(name="sky", type=sky, builtin=gradient, **_SKY)
         model = spec.compile()

@@ -5,7 +5,7 @@ The parts follow from a ``Design`` alone; what does not fit together is refused 
 
 from cycloid_mj.solid.accuracy import VISUAL_CHORD_ERROR, mass_chord_error
 from cycloid_mj.solid.gear import gear_solid
-from cycloid_mj.solid.housing import housing_solid, pin_solid
+from cycloid_mj.solid.housing import housing_solid, pin_solid, sleeve_core_radius
 from cycloid_mj.solid.inertia import MassProperties, mass_properties
 from cycloid_mj.solid.mesh import Mesh, mesh
 from cycloid_mj.solid.output import output_centres, output_solid
@@ -31,4 +31,5 @@ __all__ = [
     "parts",
     "pin_solid",
     "shaft_solid",
+    "sleeve_core_radius",
 ]

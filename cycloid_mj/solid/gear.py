@@ -2,14 +2,21 @@
 
 import math
 
+import numpy as np
+import numpy.typing as npt
+
 from cycloid_mj import profile
 from cycloid_mj.design import Design
-from cycloid_mj.profile import CycloidGear
+from cycloid_mj.modification import gear_profile, profile_offset, sample_turned, tooth_profile
 from cycloid_mj.solid.accuracy import drawing_error
 from cycloid_mj.solid.fit import require_above, require_below
 from cycloid_mj.solid.output import output_centres
 from cycloid_mj.solid.polygon import circle
 from cycloid_mj.solid.prism import Prism, Solid
+
+__all__ = ["gear_outline", "gear_profile", "gear_solid", "profile_offset", "tooth_profile"]
+
+Array = npt.NDArray[np.float64]
 
 ROUNDING = 1e-9
 """Relative; a hole of exactly output pin + eccentricity passes."""
@@ -17,6 +24,8 @@ ROUNDING = 1e-9
 
 def gear_solid(design: Design, chord_error: float | None = None) -> Solid:
     """Give the cycloid gear in its own frame: valley 1 and hole 1 on +y, holes numbered clockwise.
+
+    Its profile is the modified one; its holes are where the design has them, without errors.
 
     Parameters
     ----------
@@ -32,7 +41,7 @@ def gear_solid(design: Design, chord_error: float | None = None) -> Solid:
     """
     _require_room(design)
     chord_error = drawing_error(design, chord_error)
-    outline = profile.sample_by_sagitta(tooth_profile(design), chord_error, profile_offset(design)).points[::-1]
+    outline = gear_outline(design, chord_error)[::-1]
     bore = circle(design.gear.bore_radius + design.clearance.cam, chord_error)
     hole = circle(design.output.hole_radius + design.clearance.output, chord_error)
     holes = [hole + centre for centre in output_centres(design)]
@@ -40,16 +49,18 @@ def gear_solid(design: Design, chord_error: float | None = None) -> Solid:
     return Solid("gear", (Prism(outline, (bore, *holes), -half, half),), design.material.density)
 
 
-def tooth_profile(design: Design) -> CycloidGear:
-    """Give the ideal mesh of a design, without clearance."""
-    ring = design.ring
-    return CycloidGear(ring.teeth, design.gear.eccentricity, ring.pin_circle_radius, ring.pin_radius)
+def gear_outline(design: Design, chord_error: float) -> Array:
+    """Give the gear's outline with its clearance and modification, (n, 2) [m], clockwise from the valley on +y.
 
-
-def profile_offset(design: Design) -> float:
-    """Give the distance of the gear's profile from its trochoid [m]: the pin radius and the normal clearance."""
-    clearance = design.clearance.pin_gear if design.ring.kind == "pin" else design.clearance.tooth
-    return design.ring.pin_radius + clearance
+    Raises
+    ------
+    DesignError
+        The profile is undercut, `chord_error` [m] is too small, or nothing is left of the lobes.
+    """
+    teeth, offset, rotation = gear_profile(design), profile_offset(design), design.modification.rotation
+    if rotation:
+        return sample_turned(teeth, chord_error, offset, rotation)
+    return profile.sample_by_sagitta(teeth, chord_error, offset).points
 
 
 def _require_room(design: Design) -> None:
@@ -58,7 +69,7 @@ def _require_room(design: Design) -> None:
     orbit = (output.pin_radius + gear.eccentricity) * (1 - ROUNDING)
     half_pitch = output.pin_circle_radius * math.sin(math.pi / output.pins)
     to_bore = output.pin_circle_radius - output.hole_radius - clearance.output
-    valley = design.ring.pin_circle_radius - gear.eccentricity - profile_offset(design)
+    valley = gear_profile(design).pin_circle_radius - gear.eccentricity - profile_offset(design)
     to_valley = valley - output.hole_radius - clearance.output
     require_above("output.hole_radius", output.hole_radius, orbit, "the output pins cannot orbit in the holes")
     require_below("output.hole_radius", output.hole_radius, half_pitch - clearance.output, "neighbouring holes meet")

@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from cycloid_mj import envelope
 from cycloid_mj.design import Design
+from cycloid_mj.profile import unit
 from cycloid_mj.solid.accuracy import drawing_error
 from cycloid_mj.solid.fit import require_above, require_below
 from cycloid_mj.solid.gear import tooth_profile
@@ -20,14 +21,37 @@ WALL_GAP = 0.1
 
 
 def pin_solid(design: Design, chord_error: float | None = None) -> Solid:
-    """Give one pin of the pinwheel: a cylinder of the face width, its centre at the origin."""
-    outline = circle(design.ring.pin_radius, drawing_error(design, chord_error))
+    """Give one pin of the pinwheel, its centre at the origin: a cylinder of the face width, or the sleeve on it.
+
+    Raises
+    ------
+    DesignError
+        A sleeve is thicker than its radius: it has no bore.
+    """
+    chord_error = drawing_error(design, chord_error)
+    outline = circle(design.ring.pin_radius, chord_error)
+    bore = (_sleeve_bore(design, chord_error),) if design.ring.has_sleeves else ()
     half = design.gear.face_width / 2
-    return Solid("pin", (Prism(outline, (), -half, half),), design.material.density)
+    return Solid("pin", (Prism(outline, bore, -half, half),), design.material.density)
+
+
+def sleeve_core_radius(design: Design) -> float:
+    """Give the radius of the pressed-in pin inside a sleeve [m]: the bore's less the clearance.
+
+    Raises
+    ------
+    DesignError
+        The sleeve leaves no room for it.
+    """
+    thickness, room = design.ring.sleeve_thickness, design.ring.pin_radius - design.clearance.pin_sleeve
+    require_below("ring.sleeve_thickness", thickness, room, "the sleeve leaves no room for its pin")
+    return room - thickness
 
 
 def housing_solid(design: Design, chord_error: float | None = None) -> Solid:
     """Give the housing in the frame of the reducer axis: the pinwheel without its pins, or the internal gear.
+
+    The pinwheel of sleeved pins comes with the pressed-in ones, which both end plates hold (not drawn).
 
     Parameters
     ----------
@@ -45,13 +69,28 @@ def housing_solid(design: Design, chord_error: float | None = None) -> Solid:
     hole = _pinwheel(design, chord_error) if design.ring.kind == "pin" else _internal_gear(design, chord_error)
     outline = circle(design.housing.outer_radius, chord_error)
     half = design.gear.face_width / 2
-    return Solid("housing", (Prism(outline, (hole,), -half, half),), design.material.density)
+    ring = Prism(outline, (hole,), -half, half)
+    return Solid("housing", (ring, *_cores(design, chord_error)), design.material.density)
+
+
+def _cores(design: Design, chord_error: float) -> list[Prism]:
+    """Give the pressed-in pins inside the sleeves, pin 1 on +y, clockwise; none elsewhere."""
+    if not design.ring.has_sleeves:
+        return []
+    core, half = circle(sleeve_core_radius(design), chord_error), design.gear.face_width / 2
+    angles = 2 * np.pi * np.arange(design.ring.teeth) / design.ring.teeth
+    return [Prism(core + centre, (), -half, half) for centre in design.ring.pin_circle_radius * unit(angles)]
+
+
+def _sleeve_bore(design: Design, chord_error: float) -> Array:
+    """Give the bore of a sleeve as a polygon."""
+    return circle(sleeve_core_radius(design) + design.clearance.pin_sleeve, chord_error)
 
 
 def _pinwheel(design: Design, chord_error: float) -> Array:
     """Give the wall with N open sockets: one pitch of it, turned N times."""
     teeth, centre, pin = design.ring.teeth, design.ring.pin_circle_radius, design.ring.pin_radius
-    play = design.clearance.pin_socket if design.ring.pins == "free" else 0.0  # fixed pins are pressed in
+    play = design.socket_play
     radius, wall = pin + play, _wall_radius(design)
     require_below("ring.pin_radius", pin, centre * math.sin(math.pi / teeth) - play, "neighbouring sockets meet")
     require_above("housing.outer_radius", design.housing.outer_radius, centre + radius, "the sockets cut through it")

@@ -11,6 +11,8 @@ from cycloid_mj.solid.shaft import balanced_shaft
 def parts(design: Design, chord_error: float | None = None) -> dict[str, Solid]:
     """Give housing, shaft, gear, pin (one of N; only where the ring has pins) and output, each in its own frame.
 
+    The pin of a sleeved ring is the sleeve; the pressed-in pins are the housing's.
+
     Parameters
     ----------
     design

@@ -13,6 +13,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.mjcf import build
 from cycloid_mj.mjcf.names import CAM
 from cycloid_mj.record import Run
+from cycloid_mj.simulate import simulate
 from cycloid_mj.solid import gear_solid, mass_properties
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.validation import rig
@@ -110,7 +111,7 @@ def _ideal_run(design: Design, rpm: float, duration: float) -> Run:
     )
     reducer = build(design)
     rig.stiffen_cam(reducer, STIFF_CAM)
-    run = rig.record(reducer, design)
+    run = simulate(design, reducer)
     return run.select(run.time >= run.time[-1] - duration)
 
 

@@ -5,7 +5,7 @@ least elastic energy less the work of the load. Where the stiffness of a tooth c
 forces are no gradient of an energy: then their balance is solved, from the pose of least energy at uniform stiffness.
 
 The unknowns z [m] are the departures from the ideal pose: gear x, y and turn, turn of the output (both times the
-radius of the output pins), and x, y of every free pin.
+radius of the output pins), and x, y of every free pin or sleeve.
 """
 
 from collections.abc import Mapping
@@ -17,10 +17,11 @@ from scipy.optimize import minimize, root
 
 from cycloid_mj import envelope, kinematics, profile
 from cycloid_mj.design import Design
+from cycloid_mj.deviations import Deviations, deviations
 from cycloid_mj.errors import RunError
+from cycloid_mj.modification import gear_profile, profile_offset, tooth_profile
 from cycloid_mj.profile import CycloidGear, unit
-from cycloid_mj.solid.gear import profile_offset, tooth_profile
-from cycloid_mj.validation.gaps import Gaps, Pose, pin_gaps, ring_gaps, rotate
+from cycloid_mj.validation.gaps import Flanks, Gaps, Pose, pin_gaps, ring_gaps, rotate
 from cycloid_mj.validation.stiffness import tooth_stiffness
 
 Array = npt.NDArray[np.float64]
@@ -45,12 +46,15 @@ class Equilibrium:
         Forces of the ring's pins or lobes on the gear [N], shape (N, 2).
     cam_force
         Force of the cam on the gear [N], shape (2,).
+    departures
+        The unknowns z [m], shape (unknowns,): a start for a like problem.
     """
 
     gear_turn: float
     output_turn: float
     ring_forces: Array
     cam_force: Array
+    departures: Array
 
 
 @dataclass(frozen=True)
@@ -69,6 +73,10 @@ class Locked:
         Generalised force on each unknown [N], shape (unknowns,).
     roots
         Roots of an internal gear that the gear may touch.
+    flanks
+        The gear's, with their modification.
+    made
+        Departures of the parts from the design.
     """
 
     design: Design
@@ -77,9 +85,11 @@ class Locked:
     crank: float
     load: Array
     roots: npt.NDArray[np.int64]
+    flanks: Flanks
+    made: Deviations
 
     @property
-    def has_free_pins(self) -> bool:
+    def has_moving_pins(self) -> bool:
         """Whether the pins' places are unknown."""
         return self.load.size > 4
 
@@ -118,7 +128,9 @@ class Springs:
         return -self.stiffness * np.minimum(self.gap, 0.0)
 
 
-def solve(design: Design, stiffness: Mapping[str, float], crank: float) -> Equilibrium:
+def solve(
+    design: Design, stiffness: Mapping[str, float], crank: float, start: Equilibrium | None = None
+) -> Equilibrium:
     """Solve for the pose at which contacts and load balance.
 
     Parameters
@@ -129,6 +141,8 @@ def solve(design: Design, stiffness: Mapping[str, float], crank: float) -> Equil
         Of each kind of pair [N/m]; of teeth, that of a pin on a flat.
     crank
         Crank angle [rad], counter-clockwise.
+    start
+        Solution under a similar load at this crank angle, to begin from.
 
     Raises
     ------
@@ -136,11 +150,12 @@ def solve(design: Design, stiffness: Mapping[str, float], crank: float) -> Equil
         No balance was found.
     """
     locked = _locked(design, stiffness, crank)
+    first = _least_energy(locked) if start is None else start.departures / _SCALE
 
     def imbalance(x: Array) -> Array:
         return _imbalance(locked, _SCALE * x)
 
-    balanced = root(imbalance, _least_energy(locked), method="hybr", tol=1e-10)
+    balanced = root(imbalance, first, method="hybr", tol=1e-10)
     residual = np.abs(balanced.fun).max()
     if not residual < _IMBALANCE * np.abs(locked.load).max():
         raise RunError(f"no static balance at crank angle {crank:.4f} rad: {residual:.3g} N are left over")
@@ -172,10 +187,10 @@ def _locked(design: Design, stiffness: Mapping[str, float], crank: float) -> Loc
     if design.ring.kind == "nonpin":
         ideal = envelope.sigma_contacts(gear, crank).lobe
         roots = np.unique((ideal[:, np.newaxis] + [-1, 0, 1]) % gear.ring_teeth)
-    free = design.ring.kind == "pin" and design.ring.pins == "free"
-    load = np.zeros(4 + (2 * gear.ring_teeth if free else 0))
+    load = np.zeros(4 + (2 * gear.ring_teeth if design.ring.has_moving_pins else 0))
     load[3] = design.load.torque / design.output.pin_circle_radius
-    return Locked(design, gear, stiffness, crank, load, roots)
+    flanks = Flanks(gear_profile(design), profile_offset(design), design.modification.rotation)
+    return Locked(design, gear, stiffness, crank, load, roots, flanks, deviations(design))
 
 
 def _energy(locked: Locked, z: Array) -> float:
@@ -203,20 +218,22 @@ def _solution(locked: Locked, z: Array) -> Equilibrium:
     forces = np.zeros((locked.gear.ring_teeth, 2))
     np.add.at(forces, _mesh(locked, z).owner, ring.force[:, np.newaxis] * ring.push)
     lever = locked.design.output.pin_circle_radius
-    return Equilibrium(z[2] / lever, z[3] / lever, forces, (cam.force[:, np.newaxis] * cam.push)[0])
+    cam_force = (cam.force[:, np.newaxis] * cam.push)[0]
+    return Equilibrium(z[2] / lever, z[3] / lever, forces, cam_force, z)
 
 
 def _springs(locked: Locked, z: Array, uniform: bool) -> dict[str, Springs]:
     springs = {"ring": _ring(locked, z, uniform), "cam": _cam(locked, z), "output": _output(locked, z)}
-    return springs | {"socket": _sockets(locked, z)} if locked.has_free_pins else springs
+    return springs | {"socket": _sockets(locked, z)} if locked.has_moving_pins else springs
 
 
 def _mesh(locked: Locked, z: Array) -> Gaps:
     pose = locked.pose(z)
     if locked.design.ring.kind == "nonpin":
-        return ring_gaps(locked.gear, pose, locked.roots)
-    centres = locked.gear.pin_circle_radius * unit(profile.pin_angles(locked.gear))
-    return pin_gaps(locked.gear, pose, centres + (z[4:].reshape(-1, 2) if locked.has_free_pins else 0.0))
+        return ring_gaps(locked.gear, pose, locked.roots, locked.flanks)
+    centres = locked.gear.pin_circle_radius * unit(profile.pin_angles(locked.gear)) + locked.made.pin_place
+    moved = centres + z[4:].reshape(-1, 2) if locked.has_moving_pins else centres
+    return pin_gaps(locked.gear, pose, moved, locked.flanks)
 
 
 def _ring(locked: Locked, z: Array, uniform: bool) -> Springs:
@@ -225,13 +242,13 @@ def _ring(locked: Locked, z: Array, uniform: bool) -> Springs:
     slope = np.zeros((count, z.size))
     slope[:, :2] = -n
     slope[:, 2] = -np.sum(n * _quarter_turn(mesh.places - pose.centre), axis=1) / design.output.pin_circle_radius
-    if locked.has_free_pins:
+    if locked.has_moving_pins:
         slope[:, 4:] = (np.eye(count)[:, :, np.newaxis] * n[:, np.newaxis, :]).reshape(count, -1)
-    clearance = profile_offset(design) - locked.gear.pin_radius
+    clearance = profile_offset(design) - locked.gear.pin_radius - locked.made.pin_radius[mesh.owner]
     kind = "tooth" if design.ring.kind == "nonpin" else "pin_gear"
     stiffness = np.full(count, locked.stiffness[kind])
     if not uniform:
-        stiffness = tooth_stiffness(design, locked.stiffness[kind], mesh, pose)
+        stiffness = tooth_stiffness(design, locked.stiffness[kind], mesh, pose, locked.flanks)
     return Springs(mesh.distance + clearance, stiffness, slope, -n)
 
 
@@ -241,13 +258,17 @@ def _sockets(locked: Locked, z: Array) -> Springs:
     outward = shift / np.maximum(distance, np.finfo(float).tiny)[:, np.newaxis]
     slope = np.zeros((len(shift), z.size))
     slope[:, 4:] = (np.eye(len(shift))[:, :, np.newaxis] * -outward[:, np.newaxis, :]).reshape(len(shift), -1)
-    stiffness = np.full(len(shift), locked.stiffness["pin_socket"])
-    return Springs(locked.design.clearance.pin_socket - distance, stiffness, slope, -outward)
+    kind = "pin_sleeve" if locked.design.ring.has_sleeves else "pin_socket"
+    stiffness = np.full(len(shift), locked.stiffness[kind])
+    larger = locked.made.pin_radius if locked.design.ring.has_sockets else 0.0
+    return Springs(locked.design.pin_play - larger - distance, stiffness, slope, -outward)
 
 
 def _cam(locked: Locked, z: Array) -> Springs:
-    distance = np.linalg.norm(z[:2])
-    inward = -z[:2] / max(distance, np.finfo(float).tiny)
+    away = kinematics.gear_centre(locked.gear, locked.crank) / locked.gear.eccentricity
+    from_cam = z[:2] - locked.made.eccentricity * away
+    distance = np.linalg.norm(from_cam)
+    inward = -from_cam / max(distance, np.finfo(float).tiny)
     slope = np.zeros((1, z.size))
     slope[0, :2] = inward
     gap = np.array([locked.design.clearance.cam - distance])
@@ -258,7 +279,7 @@ def _output(locked: Locked, z: Array) -> Springs:
     """Output pins in the gear's holes; a pin pushes its hole outwards, along the line of centres."""
     output, pose = locked.design.output, locked.pose(z)
     start = output.pin_circle_radius * unit(2 * np.pi * np.arange(output.pins) / output.pins)
-    on_gear, pins = rotate(start, pose.angle), rotate(start, locked.angle(z[3]))
+    on_gear, pins = rotate(start + locked.made.hole_place, pose.angle), rotate(start, locked.angle(z[3]))
     between = pins - pose.centre - on_gear
     distance = np.linalg.norm(between, axis=1)
     push = between / distance[:, np.newaxis]

@@ -1,7 +1,8 @@
 """Gaps of the mesh in any pose near the ideal one, by search over points of the curves; nothing is from `contact`.
 
 The gear is the inward parallel of its trochoid, so the gap of a point of the ring, offset outwards by the pin radius,
-is its signed distance from the trochoid and the clearance. Lengths [m], angles [rad]; rotations counter-clockwise.
+is its signed distance from the trochoid and the clearance. Where its flanks are modified, they have a trochoid of their
+own, and may be turned. Lengths [m], angles [rad]; rotations counter-clockwise.
 """
 
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ import numpy.typing as npt
 from scipy.spatial import cKDTree
 
 from cycloid_mj import envelope, profile
+from cycloid_mj.modification import FlankEnds, flank_ends
 from cycloid_mj.profile import CycloidGear, unit
 
 Array = npt.NDArray[np.float64]
@@ -32,6 +34,18 @@ class Pose:
     def to_gear(self, points: Array) -> Array:
         """Give points (n, 2) of the ring's frame in the gear's."""
         return rotate(points - self.centre, -self.angle)
+
+
+@dataclass(frozen=True)
+class Flanks:
+    """Modified flanks: the `gear` that they are generated for, at `offset` [m] from its trochoid, turned by `rotation`.
+
+    The `rotation` [rad] is towards the middle of their lobes, >= 0.
+    """
+
+    gear: CycloidGear
+    offset: float
+    rotation: float
 
 
 @dataclass(frozen=True)
@@ -86,9 +100,40 @@ def trochoid_distance(gear: CycloidGear, points: Array) -> tuple[Array, Array, A
     return _dot(points - profile.trochoid(gear, t), normals), normals, t
 
 
-def pin_gaps(gear: CycloidGear, pose: Pose, centres: Array) -> Gaps:
-    """Give the gap of every pin; `centres` (N, 2) [m]."""
-    distance, normals, t = trochoid_distance(gear, pose.to_gear(centres))
+def flank_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
+    """Give the distance from the flanks less their offset [m], the outward normal and the parameter t of the foot.
+
+    `points` (n, 2) [m] in the gear's frame, outside the gear. Turned flanks: the nearer of the two families, where a
+    foot beyond the end of its flank is moved to that end.
+    """
+    if not flanks.rotation:
+        return trochoid_distance(flanks.gear, points)
+    families = [_family_distance(flanks, points, side) for side in (1, -1)]
+    first = (families[0][0] <= families[1][0])[:, np.newaxis]
+    distance, normals, t = (
+        np.where(first if one.ndim == 2 else first[:, 0], one, other) for one, other in zip(*families, strict=True)
+    )
+    return distance, normals, t
+
+
+def _family_distance(flanks: Flanks, points: Array, side: int) -> tuple[Array, Array, Array]:
+    """Give the distance from the flanks before (1) or after (-1) the tips, clockwise."""
+    gear, ends = flanks.gear, _ends(flanks)
+    turned = rotate(points, side * flanks.rotation)
+    t = trochoid_distance(gear, turned)[2]
+    pitch = 2 * np.pi / gear.lobes
+    # From the valley of its lobe half; feet beyond the middle between tip and valley belong to the next valley.
+    lobe = np.floor(side * t / pitch + 1 / 4)
+    within = np.clip(side * t - lobe * pitch, -ends.valley, pitch / 2 - ends.tip)
+    t = side * (within + lobe * pitch)
+    away = turned - profile.outline(gear, t, flanks.offset)
+    size = np.linalg.norm(away, axis=1)
+    return size - flanks.offset, rotate(away / size[:, np.newaxis], -side * flanks.rotation), t
+
+
+def pin_gaps(gear: CycloidGear, pose: Pose, centres: Array, flanks: Flanks | None = None) -> Gaps:
+    """Give the gap of every pin, wherever it is; `centres` (N, 2) [m]; `flanks` if they are modified."""
+    distance, normals, t = flank_distance(flanks or _ideal(gear), pose.to_gear(centres))
     number = gear.ring_teeth
     return Gaps(
         distance=distance,
@@ -101,17 +146,18 @@ def pin_gaps(gear: CycloidGear, pose: Pose, centres: Array) -> Gaps:
     )
 
 
-def ring_gaps(gear: CycloidGear, pose: Pose, roots: Indices) -> Gaps:
+def ring_gaps(gear: CycloidGear, pose: Pose, roots: Indices, flanks: Flanks | None = None) -> Gaps:
     """Give the gap of every arc of the internal gear, and every smallest gap inside the `roots` given.
 
     Root k lies counter-clockwise of lobe k; its half beyond B = pi belongs to the next lobe. An arc touches only
-    within the fan of its normals, |alpha| <= asin(c N / E).
+    within the fan of its normals, |alpha| <= asin(c N / E). `flanks` if they are modified.
     """
-    arcs = pin_gaps(gear, pose, gear.pin_circle_radius * unit(profile.pin_angles(gear)))
+    flanks = flanks or _ideal(gear)
+    arcs = pin_gaps(gear, pose, gear.pin_circle_radius * unit(profile.pin_angles(gear)), flanks)
     radial = unit(profile.pin_angles(gear))
     across = arcs.normals[:, 0] * radial[:, 1] - arcs.normals[:, 1] * radial[:, 0]
     fan = np.abs(across) <= np.sin(envelope.largest_alpha(gear))
-    return _join(_at(arcs, fan), *(_root_gaps(gear, pose, int(root)) for root in roots))
+    return _join(_at(arcs, fan), *(_root_gaps(gear, pose, int(root), flanks) for root in roots))
 
 
 def offset_root(gear: CycloidGear, root: int, B: Array) -> Array:
@@ -120,16 +166,16 @@ def offset_root(gear: CycloidGear, root: int, B: Array) -> Array:
     return rotate(surface, -profile.pin_angles(gear)[root])
 
 
-def _root_gaps(gear: CycloidGear, pose: Pose, root: int) -> Gaps:
+def _root_gaps(gear: CycloidGear, pose: Pose, root: int, flanks: Flanks) -> Gaps:
     """Find the inner minima of the distance along a root: the lowest of three samples, refined by their parabola."""
     low = profile.best_phase(gear)
     B = np.pi - (np.pi - low) * np.cos(np.linspace(0, np.pi, _SAMPLES_PER_ROOT))
-    sampled = trochoid_distance(gear, pose.to_gear(offset_root(gear, root, B)))[0]
+    sampled = flank_distance(flanks, pose.to_gear(offset_root(gear, root, B)))[0]
     inner = 1 + np.flatnonzero((sampled[1:-1] < sampled[:-2]) & (sampled[1:-1] <= sampled[2:]))
     before, here, after = sampled[inner - 1], sampled[inner], sampled[inner + 1]
     found = _parabola(B[inner - 1], B[inner], B[inner + 1], before, here, after)
     places = offset_root(gear, root, found)
-    distance, normals, t = trochoid_distance(gear, pose.to_gear(places))
+    distance, normals, t = flank_distance(flanks, pose.to_gear(places))
     return Gaps(
         distance=distance,
         normals=rotate(normals, pose.angle),
@@ -145,6 +191,15 @@ def _parabola(x0: Array, x1: Array, x2: Array, y0: Array, y1: Array, y2: Array) 
     """Where the parabolas through three points each have their minimum."""
     left, right = (y1 - y0) / (x1 - x0), (y2 - y1) / (x2 - x1)
     return (x0 + x1) / 2 - left * (x2 - x0) / (2 * (right - left))
+
+
+def _ideal(gear: CycloidGear) -> Flanks:
+    return Flanks(gear, gear.pin_radius, 0.0)
+
+
+@cache
+def _ends(flanks: Flanks) -> FlankEnds:
+    return flank_ends(flanks.gear, flanks.offset, flanks.rotation)
 
 
 @cache

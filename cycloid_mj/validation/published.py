@@ -15,6 +15,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.mjcf import build
 from cycloid_mj.profile import CycloidGear
 from cycloid_mj.record import Run
+from cycloid_mj.simulate import simulate
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.validation import rig
 from cycloid_mj.validation.rig import FIXED, reducer_of
@@ -193,7 +194,7 @@ def wang_run(case: Wang, ideal: bool, quick: bool) -> tuple[Run, Design]:
     reducer = build(design)
     if ideal:
         rig.stiffen_cam(reducer, WANG_CAM)
-    run = rig.record(reducer, design)
+    run = simulate(design, reducer)
     return run.select(run.time >= settled), design
 
 
@@ -216,7 +217,7 @@ def wang_design(case: Wang, ideal: bool) -> Design:
         "housing.outer_radius_mm=80.0",
         "shaft.counterweight_radius_mm=45.0",
         f"friction.pin_gear={MESH_FRICTION}",
-        f"friction.output={rolled!r}",
+        f"friction.output_rolling={rolled!r}",
         f"drive.speed_rpm={WANG_SPEED_RPM}",
         f"load.torque_nm={WANG_LOAD}",
         # Friction is whole where contacts of this size of force slide.
@@ -248,7 +249,7 @@ def loss_shares(design: Design, crank: Array, friction: float) -> tuple[float, f
     mesh = friction * np.mean(raised * np.sum(forces * reach, axis=1)) / load
     pins = statics.ideal_output_forces(gear, output.pins, output.pin_circle_radius, load, crank)
     sliding = gear.eccentricity * gear.ring_teeth
-    return float(mesh), float(design.friction.output * sliding * np.mean(np.sum(pins, axis=1)) / load)
+    return float(mesh), float(design.friction_of("output") * sliding * np.mean(np.sum(pins, axis=1)) / load)
 
 
 def friction_by_force(run: Run, design: Design) -> float:

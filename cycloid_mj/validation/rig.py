@@ -7,11 +7,12 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.contact.law import contact_law, solver_parameters
+from cycloid_mj.contact.teeth import Teeth
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.mjcf import ReducerModel
-from cycloid_mj.mjcf.names import output_pin
+from cycloid_mj.mjcf.names import TEETH, output_pin
 from cycloid_mj.record import Run
-from cycloid_mj.simulate import attachments, blocks, columns, provenance, simulate
+from cycloid_mj.simulate import simulate
 
 Array = npt.NDArray[np.float64]
 
@@ -26,7 +27,7 @@ SETTLED = 0.01
 PERIODS = 36
 """Mesh periods in a turn of the crank: the ring teeth of the paper's designs."""
 
-MATING = ("pin_gear", "pin_socket", "tooth", "cam", "output")
+MATING = ("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output")
 _RING = {FIXED: ("pin", 'ring.pins="fixed"'), FREE: ("pin", 'ring.pins="free"'), NONPIN: ("nonpin", "ring.teeth=36")}
 
 
@@ -69,35 +70,12 @@ def stiffen_cam(reducer: ReducerModel, stiffness: float) -> None:
 
 def part_patches(reducer: ReducerModel) -> None:
     """Keep the lines of an arc and a root apart in a compiled model, each a whole spring, however near they are."""
-    reducer.model.geom("teeth").user[-1] = 0.0
+    reducer.model.geom(TEETH).user[Teeth._fields.index("deflection")] = 0.0
 
 
 def inverse_weight(model: Any, *geoms: str) -> float:
     """Give the sum of the ``body_invweight0`` of the bodies of two geoms [1/kg]."""
     return float(sum(model.body_invweight0[model.geom(name).bodyid[0], 0] for name in geoms))
-
-
-def record(reducer: ReducerModel, design: Design) -> Run:
-    """Run a model that may have been changed after it was built.
-
-    Raises
-    ------
-    RunError
-        The run went wrong.
-    """
-    groups = columns(reducer, design)
-    taken = list(blocks(reducer, design))
-    values: dict[str, Array] = {}
-    for topic, units in groups.items():
-        table = np.concatenate([block.values[topic] for block in taken])
-        values |= {name: table[:, place] for place, name in enumerate(units)}
-    return Run(
-        time=np.concatenate([block.time for block in taken]),
-        columns=values,
-        units={name: unit for units in groups.values() for name, unit in units.items()},
-        provenance=provenance(design),
-        attachments=attachments(reducer, design),
-    )
 
 
 def forces(run: Run, stems: Sequence[str]) -> Array:

@@ -16,6 +16,7 @@ from cycloid_mj.mjcf import build
 from cycloid_mj.mjcf.names import CAM
 from cycloid_mj.profile import CycloidGear
 from cycloid_mj.record import Run
+from cycloid_mj.simulate import simulate
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.validation import equilibrium, rig
 from cycloid_mj.validation.gaps import Pose, offset_root, trochoid_distance
@@ -128,7 +129,7 @@ def settled_run(design: Design, cam: float | None, apart: bool) -> Run:
         rig.stiffen_cam(reducer, cam)
     if apart:
         rig.part_patches(reducer)
-    run = rig.record(reducer, design)
+    run = simulate(design, reducer)
     return run.select(run.time > SETTLED)
 
 

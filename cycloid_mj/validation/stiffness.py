@@ -4,50 +4,50 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj import profile, statics
+from cycloid_mj.contact.law import working_force
 from cycloid_mj.design import Design
-from cycloid_mj.solid.gear import profile_offset, tooth_profile
-from cycloid_mj.validation.gaps import Gaps, Pose, offset_root, trochoid_distance
+from cycloid_mj.modification import tooth_profile
+from cycloid_mj.validation.gaps import Flanks, Gaps, Pose, flank_distance, offset_root
 
 Array = npt.NDArray[np.float64]
 
 
-def tooth_stiffness(design: Design, flat: float, mesh: Gaps, pose: Pose) -> Array:
+def tooth_stiffness(design: Design, flat: float, mesh: Gaps, pose: Pose, flanks: Flanks) -> Array:
     """Give the stiffness [N/m] of each place of the mesh, (n,); `flat` is that of a pin on a flat [N/m].
 
     That of a line contact at the local relative curvature, at most twice that of a pin on a flat; lines of an arc and a
     root with less than a deflection of gap between them are one patch and share its stiffness.
     """
-    gear, offset = tooth_profile(design), profile_offset(design)
     stiffness = np.full(mesh.distance.size, flat)
     if design.contact.stiffness_law == "local":
-        relative = profile.curvature(gear, mesh.t, offset) + mesh.ring_curvature
+        relative = profile.curvature(flanks.gear, mesh.t, flanks.offset) + mesh.ring_curvature
         stiffness = flat * _factor(design, relative)
-    return _shared(design, flat, mesh, pose, stiffness)
+    return _shared(design, flat, mesh, pose, flanks, stiffness)
 
 
 def _factor(design: Design, curvature: Array) -> Array:
     """Stiffness at a relative curvature [1/m] over that of a pin on a flat."""
     depth = design.ring.pin_radius
     modulus = statics.contact_modulus(design.material.youngs_modulus, design.material.poisson)
-    working = (design.contact.working_force, design.gear.face_width, modulus, depth)
+    working = (working_force(design, design.tooth_pair), design.gear.face_width, modulus, depth)
     flat = statics.line_contact_stiffness(*working, 1 / depth)
     # Twice as stiff as a pin on a flat where a + ln kappa has half of its value there.
     least = np.exp(-(statics.line_contact_constant(*working) + np.log(depth)) / 2)
     return statics.line_contact_stiffness(*working, np.maximum(curvature, least)) / flat
 
 
-def _shared(design: Design, flat: float, mesh: Gaps, pose: Pose, stiffness: Array) -> Array:
-    gear, deflection = tooth_profile(design), design.contact.working_force / flat
+def _shared(design: Design, flat: float, mesh: Gaps, pose: Pose, flanks: Flanks, stiffness: Array) -> Array:
+    gear, deflection = tooth_profile(design), working_force(design, design.tooth_pair) / flat
     low, stiffness = profile.best_phase(gear), stiffness.copy()
     arcs = {int(lobe): row for row, lobe in enumerate(mesh.owner) if np.isnan(mesh.B[row])}
-    for row in np.flatnonzero(~np.isnan(mesh.B) & (mesh.distance < gear.pin_radius - profile_offset(design))):
+    for row in np.flatnonzero(~np.isnan(mesh.B) & (mesh.distance < gear.pin_radius - flanks.offset)):
         arc = arcs.get(int(mesh.owner[row]))
         if arc is None:
             continue
         own = mesh.B[row] <= np.pi
         number = mesh.owner[row] if own else (mesh.owner[row] + 1) % gear.ring_teeth
         middle = np.array([(mesh.B[row] + (low if own else 2 * np.pi - low)) / 2])
-        between = trochoid_distance(gear, pose.to_gear(offset_root(gear, int(number), middle)))[0][0]
+        between = flank_distance(flanks, pose.to_gear(offset_root(gear, int(number), middle)))[0][0]
         rise = between - max(mesh.distance[row], mesh.distance[arc])
         apart = float(np.clip(rise / deflection, 0.0, 1.0))
         share = (1 + apart) / 2

@@ -1,0 +1,62 @@
+"""Checks of a reducer with manufacturing errors or modified flanks: whether its parts go together."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from cycloid_mj.assembly import best_fit
+from cycloid_mj.checks.limit import Check, told
+from cycloid_mj.design import Design
+from cycloid_mj.design.units import MICROMETRE
+from cycloid_mj.deviations import deviations, is_ideal
+
+MOST_POSES = 36
+"""Crank angles that are tried: one in each mesh period of the paper's designs."""
+
+
+def assembly_checks(design: Design) -> Iterator[Check]:
+    """Check the fit of a sound design that departs from the ideal mesh; an ideal one needs none."""
+    if is_ideal(design):
+        return
+    if design.ring.has_sockets:
+        yield _pins_in_sockets(design)
+    yield _room(design)
+
+
+def _pins_in_sockets(design: Design) -> Check:
+    made = deviations(design).pin_radius
+    thickest = int(np.argmax(made))
+    play = design.clearance.pin_socket
+    passed = bool(made[thickest] < play)
+    got, limit = told(float(made[thickest]), "less than", play, MICROMETRE)
+    enough = f"{MICROMETRE.from_si(float(made[thickest])):.4g}"
+    return Check(
+        name="pin_in_socket",
+        passed=passed,
+        got=f"{got} (pin {thickest + 1})",
+        limit=f"{limit} (clearance.pin_socket_um)",
+        why="a free pin must be smaller than its socket",
+        remedy="" if passed else f"raise clearance.pin_socket_um to more than {enough}, or lower the pins' errors",
+        key="errors.pin_dr_um",
+    )
+
+
+def _room(design: Design) -> Check:
+    """Check the smallest gap in the roomiest pose; parts that are pressed together run, but under load of their own."""
+    poses = min(MOST_POSES, design.ring.teeth)
+    room = min(best_fit(design, 2 * np.pi * pose / poses).room for pose in range(poses))
+    got, limit = told(room, "at least", 0.0, MICROMETRE)
+    missing = f"{MICROMETRE.from_si(-room):.4g}"
+    tooth = "tooth" if design.ring.kind == "nonpin" else "pin_gear"
+    return Check(
+        name="assembly",
+        passed=room >= 0.0,
+        got=f"{got} (smallest gap with the gear at its best, worst crank angle)",
+        limit=limit,
+        why="the errors and the modification are larger than the clearances: parts go together only under force",
+        remedy=""
+        if room >= 0.0
+        else f"raise clearance.{tooth}_um, clearance.cam_um and clearance.output_um by {missing}, or lower the errors",
+        severity="warning",
+        key="errors and modification",
+    )

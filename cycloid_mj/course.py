@@ -1,0 +1,123 @@
+"""What a run is made to do: where it starts, and what is asked of crank and output over time.
+
+A shaft that is *held* follows a position command by its servo; the other one feels a torque.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.assembly import best_fit
+from cycloid_mj.design import Design
+from cycloid_mj.deviations import is_ideal
+from cycloid_mj.kinematics import CrankLaw
+from cycloid_mj.mjcf import ReducerModel
+from cycloid_mj.mjcf.names import pin
+
+Array = npt.NDArray[np.float64]
+Signal = Callable[[Array], Array]
+
+
+@dataclass(frozen=True)
+class Course:
+    """The course of one run.
+
+    Attributes
+    ----------
+    angle, speed
+        Of the crank at t = 0 [rad, rad/s]; every other part starts where the closed form has it.
+    drive, load
+        Commands of the crank's and the output's actuator at times [s], shape (n,): the position command [rad] of the
+        shaft that the model holds, the torque about +z [N m] on one that it does not.
+    """
+
+    angle: float
+    speed: float
+    drive: Signal
+    load: Signal
+
+    def commands(self, time: Array) -> Array:
+        """Give both commands at times [s], shape (n, 2)."""
+        return np.stack([self.drive(time), self.load(time)], axis=1)
+
+
+def ramp_and_hold(reducer: ReducerModel, design: Design) -> Course:
+    """Give a design's own course: crank speed ramps up and holds; the load rises to its constant torque."""
+    law = CrankLaw(design.drive.speed, design.drive.ramp)
+    return Course(
+        angle=0.0,
+        speed=float(law.speed_at(0.0)) if design.drive.ramp == 0.0 else 0.0,
+        drive=lambda time: servo_target(reducer, law, time),
+        load=lambda time: load_torque(design, time),
+    )
+
+
+def locked_crank(reducer: ReducerModel, angle: float, torque: Signal) -> Course:
+    """Hold the crank still at an angle [rad] under a torque on the output [N m] over time [s]."""
+    law = CrankLaw(0.0, 0.0)
+    return Course(angle, 0.0, lambda time: angle + servo_target(reducer, law, time), torque)
+
+
+def braked_output(reducer: ReducerModel, design: Design, torque: Signal, angle: float = 0.0) -> Course:
+    """Hold the output at the speed that the design's crank speed gives it, under a torque on the crank [N m].
+
+    The model holds the output: ``build(design, held="output")``. The crank starts at `angle` [rad], at full speed.
+    """
+    speed = design.drive.speed
+    law = CrankLaw(-speed / design.lobes, 0.0)
+    return Course(angle, speed, torque, lambda time: servo_target(reducer, law, time) - angle / design.lobes)
+
+
+def rising(torque: float, rise: float) -> Signal:
+    """Give a torque [N m] that comes on as a half cosine over `rise` [s], and then stays."""
+    return lambda time: torque * 0.5 * (1.0 - np.cos(np.pi * np.clip(time / rise, 0.0, 1.0)))
+
+
+def initial_state(reducer: ReducerModel, design: Design, course: Course | None = None) -> Any:
+    """Give the state at the start of a course, by default the design's own, as the closed form has it."""
+    course = course or ramp_and_hold(reducer, design)
+    data = mujoco.MjData(reducer.model)
+    angle, speed, eccentricity = course.angle, course.speed, design.gear.eccentricity
+    sine, cosine = math.sin(angle), math.cos(angle)
+    start = {
+        "crank": (angle, speed),
+        "gear_x": (-eccentricity * sine, -eccentricity * cosine * speed),
+        "gear_y": (eccentricity * cosine, -eccentricity * sine * speed),
+        "gear_angle": (-angle / design.lobes, -speed / design.lobes),
+        "output": (-angle / design.lobes, -speed / design.lobes),
+    }
+    for joint, (position, velocity) in start.items():
+        data.joint(joint).qpos[0] = position
+        data.joint(joint).qvel[0] = velocity
+    if not is_ideal(design):
+        _make_room(data, design, angle)
+    return data
+
+
+def _make_room(data: Any, design: Design, crank: float) -> None:
+    """Start parts with errors or modified flanks where they fit best."""
+    fit = best_fit(design, crank)
+    shift = {"gear_x": fit.shift[0], "gear_y": fit.shift[1], "gear_angle": fit.gear_turn, "output": fit.output_turn}
+    if design.ring.has_moving_pins:
+        for number, (x, y) in enumerate(fit.pin_shift, start=1):
+            shift |= {f"{pin(number)}_x": x, f"{pin(number)}_y": y}
+    for joint, displacement in shift.items():
+        data.joint(joint).qpos[0] += displacement
+
+
+def load_torque(design: Design, time: npt.ArrayLike) -> Array:
+    """Torque of the load on the output [N m], against its rotation; it rises as a half cosine from zero."""
+    direction = math.copysign(1.0, design.drive.speed)
+    return direction * rising(design.load.torque, design.load.rise)(np.asarray(time, dtype=np.float64))
+
+
+def servo_target(reducer: ReducerModel, law: CrankLaw, time: Array) -> Array:
+    """Position command [rad] with which the servo follows a law without lag in speed or acceleration."""
+    kp, kv = reducer.servo_gains
+    torque = reducer.crank_inertia * law.acceleration_at(time)
+    return law.angle_at(time) + (kv * law.speed_at(time) + torque) / kp

@@ -1,0 +1,74 @@
+"""By how much the parts of a reducer as made depart from the design: listed, or drawn at random with a seed.
+
+The one place where manufacturing errors are drawn. Each kind has a random stream of its own, so that one kind switched
+on leaves the others as they were. Pins, lobes and holes are counted from 0 on +y, clockwise; lengths in metres.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.design import Design
+
+Array = npt.NDArray[np.float64]
+
+_STREAMS = {"pin_x": 0, "pin_y": 1, "pin_dr": 2, "hole_x": 3, "hole_y": 4}
+"""Random stream of each list of errors; a number once given stays, or the same seed would give other parts."""
+
+
+@dataclass(frozen=True)
+class Deviations:
+    """Departures of one reducer as made.
+
+    Attributes
+    ----------
+    pin_place
+        Of each ring pin's place, and its socket's, from its point on the pin circle [m], ring frame, shape (N, 2).
+    pin_radius
+        Of each ring pin's radius, or its sleeve's [m], shape (N,).
+    hole_place
+        Of each hole's place in the gear [m], gear frame, shape (output pins, 2).
+    eccentricity
+        Of the cam's eccentricity from that of the teeth [m].
+    """
+
+    pin_place: Array
+    pin_radius: Array
+    hole_place: Array
+    eccentricity: float
+
+    @property
+    def largest(self) -> float:
+        """The largest size of any of them [m]."""
+        places = np.linalg.norm(np.concatenate([self.pin_place, self.hole_place]), axis=1)
+        return float(max(places.max(), np.abs(self.pin_radius).max(), abs(self.eccentricity)))
+
+
+def deviations(design: Design) -> Deviations:
+    """Give the departures of a design's parts; the same design gives the same ones."""
+    errors, pins, holes = design.errors, design.ring.teeth, design.output.pins
+    place, radius, hole = errors.pin_position, errors.pin_radius, errors.hole_position
+    return Deviations(
+        pin_place=np.stack([_each(design, axis, place, pins) for axis in ("pin_x", "pin_y")], axis=1),
+        pin_radius=_each(design, "pin_dr", radius, pins),
+        hole_place=np.stack([_each(design, axis, hole, holes) for axis in ("hole_x", "hole_y")], axis=1),
+        eccentricity=errors.eccentricity,
+    )
+
+
+def is_ideal(design: Design) -> bool:
+    """Tell whether every part is as the ideal mesh has it: no errors, no modification."""
+    modification = design.modification
+    modified = modification.equidistant or modification.pin_circle or modification.rotation
+    return not modified and deviations(design).largest == 0.0
+
+
+def _each(design: Design, name: str, standard_deviation: float, count: int) -> Array:
+    """Give the error of each part [m]: its list, or normal deviates."""
+    values = getattr(design.errors, name)
+    if values:
+        return np.array(values)
+    if not standard_deviation:
+        return np.zeros(count)
+    return standard_deviation * np.random.default_rng([design.errors.seed, _STREAMS[name]]).standard_normal(count)

@@ -1,0 +1,116 @@
+"""Measure what the READMEs of models/ tell beside the models: plain CoACD, mesh against profile contact, free running.
+
+Takes a quarter of an hour; writes plain_coacd.json, agreement.json and free_running.json into models/, which
+scripts/build_models.py reads. With names of these files as arguments, only those.
+"""
+
+import json
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from cycloid_mj.analysis import analyze
+from cycloid_mj.convex import CoacdSettings, plain_gear, plain_ring
+from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.mjcf.folder import SCENE, quality_um
+from cycloid_mj.simulate import Contact, reducer_model, schedule, simulate
+
+MODELS = Path(__file__).parent.parent / "models"
+THRESHOLDS = (0.05, 0.02)
+LOADS = (1.0, 36.0)
+RUNS: tuple[tuple[Contact, float], ...] = (("profile", 1.0), ("mesh", 2.0), ("mesh", 5.0), ("mesh", 10.0))
+"""Kinds of contact with their time steps [us]."""
+
+HOLD, SETTLED = 0.057, 0.02
+"""Duration of a run, and of what is left out at its start [s]; the rest is a turn of the crank."""
+
+FREE_RUN, KEYFRAME = 0.2, "1640rpm_0"
+
+
+def plain() -> dict[str, dict[str, Any]]:
+    """Let CoACD cut the toothed parts whole, and measure it along the true normals."""
+    found = {}
+    for threshold in THRESHOLDS:
+        settings = CoacdSettings(threshold=threshold)
+        gear, ring = plain_gear(PRESETS["pin"], settings), plain_ring(PRESETS["nonpin"], settings)
+        found[f"gear teeth, plain CoACD at threshold {threshold:g}"] = quality_um(gear.quality)
+        found[f"internal gear, plain CoACD at threshold {threshold:g}"] = quality_um(ring.quality)
+    return found
+
+
+def agreement() -> list[dict[str, Any]]:
+    """Run both designs at both loads by each kind of contact; give means over the last turn of the crank."""
+    return [_run(name, load, *how) for name in PRESETS for load in LOADS for how in RUNS]
+
+
+def _run(name: str, load: float, contact: Contact, step: float) -> dict[str, Any]:
+    changes = ["drive.ramp_s=0.0", f"drive.hold_s={HOLD}", f"load.torque_nm={load}", f"settings.timestep_us={step}"]
+    design = override(PRESETS[name], changes)
+    reducer = reducer_model(design, contact)
+    start = time.process_time()
+    run = simulate(design, reducer)
+    seconds = time.process_time() - start
+    found = analyze(run, settle=SETTLED)
+    settled = run.select(run.time >= SETTLED)
+    return {
+        "design": name,
+        "load_nm": load,
+        "contact": contact,
+        "timestep_us": step,
+        "gear_transmission_error_arcsec": round(found.transmission_error.mean_arcsec, 2),
+        "output_transmission_error_arcsec": round(found.output_transmission_error.mean_arcsec, 2),
+        "gear_speed_rms_error_percent": round(
+            100.0 * found.gear_speed.rms_error_rad_s / abs(found.gear_speed.theory_rad_s), 3
+        ),
+        "crank_torque_nm": round(found.power.crank_torque_nm, 4),
+        "cam_force_n": round(float(np.mean(np.hypot(settled["cam_force_x"], settled["cam_force_y"]))), 1),
+        "us_per_step": round(1e6 * seconds / schedule(design).steps, 1),
+    }
+
+
+def free_running() -> dict[str, dict[str, float]]:
+    """Let the models of both folders run without load from a keyframe at full speed; compare the gear's speed."""
+    return {name: _free_run(MODELS / name / SCENE, design) for name, design in PRESETS.items()}
+
+
+def _free_run(scene: Path, design: Design) -> dict[str, float]:
+    model = mujoco.MjModel.from_xml_path(str(scene))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key(KEYFRAME).id)
+    mujoco.mj_forward(model, data)
+    gear, expected, errors = data.sensor("gear_speed").data, float(data.sensor("gear_speed").data[0]), []
+    for _ in range(round(FREE_RUN / model.opt.timestep)):
+        mujoco.mj_step(model, data)
+        errors.append(100.0 * (gear[0] / expected - 1.0))
+    period = round(2.0 * np.pi / (design.ring.teeth * design.drive.speed * model.opt.timestep))
+    smooth = np.convolve(errors, np.full(period, 1.0 / period), mode="valid")
+    return {
+        "duration_s": FREE_RUN,
+        "mean_error_percent": round(float(np.mean(errors)), 4),
+        "largest_mesh_period_error_percent": round(float(np.abs(smooth).max()), 2),
+        "rms_error_percent": round(float(np.sqrt(np.mean(np.square(errors)))), 2),
+        "peak_error_percent": round(float(np.abs(errors).max()), 2),
+        "warnings": sum(int(warning.number) for warning in data.warning),
+    }
+
+
+MEASURES = {"agreement.json": agreement, "free_running.json": free_running, "plain_coacd.json": plain}
+
+
+def main(arguments: list[str]) -> int:
+    """Write the files."""
+    if set(arguments) - set(MEASURES):
+        print(__doc__, file=sys.stderr)
+        return 2
+    for name in arguments or MEASURES:
+        (MODELS / name).write_text(json.dumps(MEASURES[name](), indent=2) + "\n", encoding="utf-8")
+        print(MODELS / name, flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

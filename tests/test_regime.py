@@ -1,0 +1,149 @@
+"""Bad regimes are told, the default designs are silent, and to follow a warning silences it."""
+
+import re
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cycloid_mj.cli.app import main
+from cycloid_mj.contact.law import contact_law
+from cycloid_mj.contact.regime import CHATTER, LARGEST_SHIFT, frequency_shift, steps_ratio, warnings
+from cycloid_mj.design import PRESETS, override
+from cycloid_mj.log import read
+from cycloid_mj.mjcf import ReducerModel, build
+from cycloid_mj.simulate import simulate
+
+FIXED, SLEEVED = "ring.pins=fixed", "ring.pins=sleeved"
+
+
+@cache
+def told(preset: str, *changes: str) -> tuple[str, ...]:
+    design = override(PRESETS[preset], changes)
+    return warnings(design, build(design))
+
+
+@pytest.mark.parametrize(
+    "made",
+    [
+        ("pin",),
+        ("nonpin",),
+        ("pin", FIXED),
+        ("pin", SLEEVED),
+        ("nonpin", "settings.timestep_us=10"),
+        ("pin", FIXED, "settings.timestep_us=10"),
+        ("pin", "gear.bearing=plain", "output.rollers=false", "friction.output=0.02", "friction.cam=0.02"),
+    ],
+)
+def test_the_default_designs_and_the_steps_they_bear_give_no_warning(made: tuple[str, ...]) -> None:
+    assert told(*made) == ()
+
+
+@pytest.mark.parametrize(
+    ("made", "kinds"),
+    [
+        (("pin", "settings.timestep_us=1.2"), {"settings.timestep_us"}),
+        (("pin", "settings.timestep_us=2"), {"settings.timestep_us", "pin_socket"}),
+        (("pin", SLEEVED, "settings.timestep_us=1.5"), {"settings.timestep_us", "pin_sleeve"}),
+        (("pin", FIXED, "settings.timestep_us=10.5"), {"settings.timestep_us", "pin_gear"}),
+        (("nonpin", "settings.timestep_us=11"), {"settings.timestep_us", "tooth"}),
+        (("nonpin", "stiffness.cam_n_m=1e12"), {"cam"}),
+        (("nonpin", "damping.cam=2", "settings.timestep_us=9", "stiffness.cam_n_m=5e9"), {"cam"}),
+        (("pin", "clearance.pin_socket_um=1e-8"), {"clearance.pin_socket_um"}),
+        (("pin", "friction.output=0.01"), {"friction.output"}),
+        (("pin", "friction.cam=0.01"), {"friction.cam"}),
+    ],
+)
+def test_each_bad_regime_is_told_where_it_is(made: tuple[str, ...], kinds: set[str]) -> None:
+    assert {re.split(r"[: ]", text)[0] for text in told(*made)} == kinds
+
+
+@pytest.mark.parametrize(
+    "made",
+    [
+        ("pin", "settings.timestep_us=2"),
+        ("pin", SLEEVED, "settings.timestep_us=3"),
+        ("nonpin", "settings.timestep_us=20"),
+        ("pin", FIXED, "stiffness.cam_n_m=1e12"),
+        ("nonpin", "damping.cam=2", "settings.timestep_us=9", "stiffness.cam_n_m=5e9"),
+        ("nonpin", "damping.tooth=2", "settings.timestep_us=9"),
+        ("pin", "clearance.cam_um=1e-8"),
+    ],
+)
+def test_to_follow_a_warning_silences_it(made: tuple[str, ...]) -> None:
+    found = told(*made)
+    assert found
+    steps = [float(number) for text in found for number in re.findall(r"shorten \S*?(?: to|it to) ([\d.]+)", text)]
+    raised = [f"{key}={n}" for text in found for key, n in re.findall(r"^(\S+) = .* raise it to (\S+) or more", text)]
+    assert steps or raised
+    shorter = [f"settings.timestep_us={min(steps)!r}"] if steps else []
+    assert told(*made, *raised, *shorter) == ()
+
+
+def test_heavy_or_soft_parts_bear_a_longer_step() -> None:
+    # Ten times as long, wide and thick: 1000 times the mass. The stiffness of a line goes with its length: ten times.
+    lengths = [("ring", "pin_circle_radius", 40.75), ("ring", "pin_radius", 2.25), ("gear", "eccentricity", 1.0)]
+    lengths += [("gear", "face_width", 10.0), ("gear", "bore_radius", 15.0), ("housing", "outer_radius", 50.0)]
+    lengths += [("output", name, size) for name, size in (("pin_radius", 4.0), ("pin_circle_radius", 26.0))]
+    lengths += [("output", "hole_radius", 5.0), ("output", "disc_thickness", 8.0), ("shaft", "radius", 8.0)]
+    lengths += [("shaft", "length", 30.0), ("shaft", "counterweight_radius", 30.0)]
+    large = [f"{table}.{name}_mm={10.0 * size}" for table, name, size in lengths]
+    assert told("pin", *large, "settings.timestep_us=5") == ()
+
+
+def test_the_shift_is_that_of_a_body_on_its_contact() -> None:
+    law = contact_law(3e8, 0.5, 0.02, 0.0, 0.0, 2e-5)
+    # K dt^2 = 0.12 kg: 0.1 kg are added to 0.02, and the frequency falls to sqrt(1/6).
+    assert steps_ratio(law, 2e-5) == pytest.approx(6.0, rel=1e-12)
+    assert 1.0 - frequency_shift(law) == pytest.approx((1.0 / 6.0) ** 0.5, rel=1e-12)
+    assert steps_ratio(law, 2e-5) > CHATTER
+    assert frequency_shift(law) > LARGEST_SHIFT
+
+
+def test_a_stiff_cam_that_is_warned_of_does_chatter() -> None:
+    """At K dt^2/m = 12 the gear's speed error is several times that at half of the warning's limit."""
+    changes = [FIXED, "drive.ramp_s=0", "drive.hold_s=0.006", "load.torque_nm=36", "load.rise_s=0.001"]
+    changes += ["settings.timestep_us=10", "settings.log_rate_hz=20000"]
+    error = []
+    for stiffness in ("3e9", "3e10"):
+        design = override(PRESETS["pin"], [*changes, f"stiffness.cam_n_m={stiffness}"])
+        run = simulate(design)
+        deviation = run["gear_speed"][run.time > 3.5e-3] + design.drive.speed / design.lobes
+        error.append(float(np.sqrt(np.mean(deviation**2))))
+        assert bool(warnings(design, build(design))) == (stiffness == "3e10")
+    assert error[1] > 4.0 * error[0]
+
+
+@dataclass(frozen=True)
+class Other:
+    """A reducer with one thing exchanged."""
+
+    model: Any
+    pairs: Any
+    laws: Any
+
+
+def test_a_raised_impedance_is_told() -> None:
+    design = PRESETS["nonpin"]
+    reducer: ReducerModel = build(design)
+    law = reducer.laws["cam"]
+    light = replace(law, added_mass=1e-7, effective_mass=1e-4)
+    found = warnings(design, Other(reducer.model, reducer.pairs, {**reducer.laws, "cam": light}))
+    assert len([text for text in found if "least impedance" in text]) == 1
+    heavy = replace(law, added_mass=1e-7)
+    assert warnings(design, Other(reducer.model, reducer.pairs, {**reducer.laws, "cam": heavy})) == ()
+
+
+def test_simulate_tells_before_the_run_and_the_log_keeps_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    flags = ["--ramp-s", "0", "--hold-s", "0.0005", "--out", str(tmp_path), "--set", "friction.cam=0.01"]
+    assert main(["simulate", "--design", "nonpin", "--timestep-us", "5", *flags]) == 0
+    shown = capsys.readouterr().err
+    assert shown.count("warning: ") == 1
+    assert "warning: friction.cam = 0.01 has no effect" in shown
+    assert read(tmp_path / "nonpin.mcap").provenance["warnings"].startswith("friction.cam = 0.01 has no effect")
+    assert main(["simulate", "--design", "nonpin", *flags[:-2], "--force", "--timestep-us", "5"]) == 0
+    assert "warning" not in capsys.readouterr().err
+    assert "warnings" not in read(tmp_path / "nonpin.mcap").provenance
