@@ -21,11 +21,13 @@ from cycloid_mj.cli import (
     export,
     kinematics,
     log,
+    measure,
     plot,
     profile,
     render,
     review,
     simulate,
+    stress,
     validate,
     view,
 )
@@ -57,6 +59,7 @@ COMMANDS: dict[Callable[..., int], str] = {
     view.view: view.EXAMPLES,
     compare.compare: compare.EXAMPLES,
     validate.validate: validate.EXAMPLES,
+    stress.stress: stress.EXAMPLES,
     build.build: build.EXAMPLES,
     export.export: export.EXAMPLES,
     profile.profile: profile.EXAMPLES,
@@ -118,8 +121,8 @@ def _app() -> App:
     )
     for place, (command, examples) in enumerate(COMMANDS.items()):
         app.command(command, sort_key=place, help_epilogue=examples)
-    app.command(design.commands(sort_key=len(COMMANDS)))
-    app.command(log.commands(sort_key=len(COMMANDS) + 1))
+    for place, group in enumerate((measure, design, log), start=len(COMMANDS)):
+        app.command(group.commands(sort_key=place))
     return app
 
 

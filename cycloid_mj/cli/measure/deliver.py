@@ -1,0 +1,104 @@
+"""What every measure leaves: a table or JSON on stdout; a figure, the JSON and the logs of its runs in a folder."""
+
+import json as text_of
+from collections.abc import Sequence
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from cycloid_mj.cli.outfile import folder, write_text
+from cycloid_mj.cli.terminal import finite, say, say_json, say_table, tell
+
+if TYPE_CHECKING:
+    from cycloid_mj.measure import Measurement, Quantity
+    from cycloid_mj.measure.pool import Done
+    from cycloid_mj.record import Run
+
+HEADER = ("quantity", "value", "unit", "num. error", "closed form", "source")
+SECONDS_BETWEEN_LINES = 5.0
+
+OutFlag = Annotated[
+    str | None,
+    Parameter(
+        metavar="DIR",
+        help="Folder of the figure, the JSON file and the logs, made if there is none; files of an earlier measure of "
+        "the same design are replaced. Default: runs/measure.",
+    ),
+]
+LogFlag = Annotated[bool, Parameter(name="--no-log", help="Write no MCAP logs of the underlying runs.")]
+QuietFlag = Annotated[bool, Parameter(help="No progress and no messages but errors on stderr.")]
+
+
+def deliver(found: "Sequence[Measurement]", out: str | None, json: bool, quiet: bool, no_log: bool = False) -> int:
+    """Print measurements and write their files; give the exit code."""
+    from cycloid_mj.plots import save
+    from cycloid_mj.plots.measure import measurement_figure
+
+    into = folder(out or "runs/measure", "the measurement")
+    for one in found:
+        stem = f"{one.measure}-{one.design.name}"
+        written = [*save({stem: measurement_figure(one)}, into, ("png", "svg"))]
+        written.append(write_text(into / f"{stem}.json", text_of.dumps(finite(one.as_json()), indent=2) + "\n"))
+        if not no_log:
+            written += [write_log(run, into / f"{stem}-{name}.mcap") for name, run in one.runs.items()]
+        if not json:
+            print_table(one)
+        if not quiet:
+            tell(f"wrote {', '.join(str(path) for path in written)}")
+    if json:
+        say_json(found[0].as_json() if len(found) == 1 else {"measurements": [one.as_json() for one in found]})
+    return 0
+
+
+def print_table(found: "Measurement") -> None:
+    """Print the quantities of a measurement, their notes, and what they stand on."""
+    say_table(f"{found.measure}: {found.design.name}", HEADER, [_row(one) for one in found.quantities.values()])
+    for one in found.quantities.values():
+        if one.note:
+            say(f"{one.name}: {one.note}")
+    for table in found.tables:
+        cells = [[cell if isinstance(cell, str) else f"{cell:.5g}" for cell in row] for row in table.rows]
+        say_table(table.title, table.header, cells)
+    for sentence in found.assumptions:
+        say(f"assumed: {sentence}")
+
+
+def write_log(run: "Run", path: Path) -> Path:
+    """Write a run to a log of its own, replacing one of that name."""
+    from cycloid_mj.log import LogWriter
+    from cycloid_mj.simulate import topics
+
+    groups = topics(run)
+    units = {topic: [(name, run.units[name]) for name in names] for topic, names in groups.items()}
+    with LogWriter(path, units, run.provenance, run.attachments, force=True) as log:
+        log.write(run.time, {topic: run.block(names) for topic, names in groups.items()})
+        log.close(run.note, run.complete)
+    return path
+
+
+def told(what: str, quiet: bool) -> "Done":
+    """Give what tells on stderr how many pieces of work are done, and about how many seconds are left."""
+    start = monotonic()
+    last = [start]
+
+    def tell_done(done: int, whole: int) -> None:
+        now = monotonic()
+        if quiet or (now - last[0] < SECONDS_BETWEEN_LINES and done < whole):
+            return
+        last[0] = now
+        tell(f"{what}: {done} of {whole}, about {(now - start) * (whole / done - 1.0):.0f} s left")
+
+    return tell_done
+
+
+def _row(one: "Quantity") -> tuple[str, ...]:
+    return (
+        one.name,
+        f"{one.value:.6g}",
+        one.unit,
+        "" if one.error is None else f"{one.error:.2g}",
+        "" if one.reference is None else f"{one.reference:.6g}",
+        one.source,
+    )

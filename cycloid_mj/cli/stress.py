@@ -1,0 +1,336 @@
+"""``cycloid-mj stress``: stress of every part by finite elements, under the forces of a run, over one crank turn."""
+
+import json as js
+import math
+import os
+import textwrap
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+from cycloid_mj.cli.flags import LOAD, JsonFlag, SetFlag, designed, within
+from cycloid_mj.cli.outfile import folder
+from cycloid_mj.cli.simulate import QuietFlag, require_possible
+from cycloid_mj.cli.terminal import say, say_json, say_table, tell
+from cycloid_mj.design import Design, override
+from cycloid_mj.errors import CycloidError, LogError, UsageError
+
+if TYPE_CHECKING:
+    from cycloid_mj.record import Run
+    from cycloid_mj.stress.field import StressMap
+    from cycloid_mj.stress.paper import Claim
+    from cycloid_mj.stress.study import StressStudy, StudySettings
+
+EXAMPLES = """Examples:
+  cycloid-mj stress --design pin nonpin
+  cycloid-mj stress --design pin --part gear pin_1 --quick
+  cycloid-mj stress --log runs/pin.mcap --angle-deg 74 --out pin-stress
+  cycloid-mj stress --design my.toml --load-nm 20 --json > stress.json"""
+
+RUNS = "runs/stress"
+RESULT = "stress.json"
+FORMATS = ("png", "svg")
+SAMPLES = 720
+"""Least samples of a run in a crank turn: two for each degree."""
+
+SHARES = {"shaft": 3.0, "gear": 5.0, "ring": 2.0, "output": 2.0, "pin_1": 0.8}
+"""Time that each part takes, relative to the others; for the estimate of the time left."""
+
+LINE = 110
+
+DesignsFlag = Annotated[
+    tuple[str, ...],
+    Parameter(
+        name="--design",
+        metavar="NAME|FILE",
+        consume_multiple=True,
+        help="Designs: pin, nonpin, or TOML files. With --log, what must have run; may then be left out.",
+    ),
+]
+PartsFlag = Annotated[
+    tuple[str, ...],
+    Parameter(
+        name="--part",
+        metavar="NAME",
+        consume_multiple=True,
+        help="Parts: shaft, gear, ring (pinwheel or internal gear), output, pin_1. Default: all that a design has.",
+    ),
+]
+LogsFlag = Annotated[
+    tuple[str, ...],
+    Parameter(
+        name="--log",
+        metavar="RUN.mcap",
+        consume_multiple=True,
+        help="Logs to take the forces from, one for each design. Default: each design is run.",
+    ),
+]
+LoadFlag = Annotated[
+    float | None,
+    Parameter(
+        metavar="X",
+        validator=LOAD.require,
+        help=f"Torque against the output's rotation in the run [N m], {LOAD.range}. Default: the design's "
+        "load.torque_nm or, where that is 0, its rated torque, drive.torque_nm times the ratio (36.68 in the presets).",
+    ),
+]
+AngleFlag = Annotated[
+    float | None,
+    Parameter(
+        metavar="X",
+        validator=within(0.0, 360.0),
+        help="Crank angle of the coloured maps and VTU files [deg]. Default: where the stress of the shaft is "
+        "largest, or of the first part where there is no shaft.",
+    ),
+]
+OutFlag = Annotated[
+    str | None,
+    Parameter(
+        metavar="DIR",
+        help="Folder of logs, figures, VTU files and stress.json, made if there is none. It must not hold any of the "
+        f"logs yet, unless --force; other files are replaced. Default: {RUNS}, or the next free one of {RUNS}-2, ...; "
+        "with --log, the first log's path with -stress for .mcap.",
+    ),
+]
+StressQuickFlag = Annotated[
+    bool, Parameter(name="--quick", help="Every tenth degree and coarser grids: the same files, in half a minute.")
+]
+ForceFlag = Annotated[bool, Parameter(help="Replace logs that exist.")]
+
+
+def stress(
+    *,
+    design: DesignsFlag = (),
+    part: PartsFlag = (),
+    log: LogsFlag = (),
+    set_: SetFlag = (),
+    load_nm: LoadFlag = None,
+    angle_deg: AngleFlag = None,
+    out: OutFlag = None,
+    quick: StressQuickFlag = False,
+    force: ForceFlag = False,
+    json: JsonFlag = False,
+    quiet: QuietFlag = False,
+) -> int:
+    """Find the stress of the parts by finite elements, at each degree of a crank turn.
+
+    The loads are the contact forces that a run logged, with friction, put on
+    as Hertz-wide patches, and inertia. A table tells for each part the
+    largest von Mises stress away from the contacts (bulk) and below them (by
+    Hertz), where and at which crank angle it sits, the safety against yield,
+    and how much one more refinement of the grid changes it. A second table
+    holds it against the paper (Hsieh 2014, Figs 10-16). To --out go figures
+    (png, svg), a VTU file of each part for ParaView, and stress.json.
+
+    Without --log, each design is run first: no ramp, and long enough for one
+    turn once the load has settled. Needs the extra `fem`: gmsh, scikit-fem.
+    """
+    if not design and not log:
+        raise UsageError("stress needs a design or a log, such as: cycloid-mj stress --design pin")
+    if log and (set_ or load_nm is not None or force):
+        raise UsageError("logs are read as they are: leave out --set, --load-nm and --force with --log")
+    if log and design and len(log) != len(design):
+        raise UsageError(f"there are {len(design)} designs and {len(log)} logs: give one log for each design")
+    from cycloid_mj.stress.packages import package
+    from cycloid_mj.stress.study import QUICK, StudySettings
+
+    for name in ("gmsh", "skfem", "meshio"):
+        package(name)
+    settings = QUICK if quick else StudySettings()
+    if log:
+        into, runs = _read(log, design, out)
+    else:
+        into, runs = _run([_loaded(designed(name, set_, ()), load_nm) for name in design], out, force, quiet)
+    studies = _studied(runs, part, settings, quiet)
+    _report(studies, into, angle_deg, json)
+    return 0
+
+
+def _loaded(design: Design, load_nm: float | None) -> Design:
+    """Give a design that runs from full speed for one settled turn, under a load."""
+    from cycloid_mj.comparison import settling
+
+    rated = round(design.drive.torque * design.lobes, 9)
+    load = load_nm if load_nm is not None else design.load.torque or rated
+    design = override(design, ["drive.ramp_s=0.0", f"load.torque_nm={load!r}"])
+    if design.drive.speed == 0.0:
+        return design
+    turn = 2 * math.pi / abs(design.drive.speed)
+    rate = max(design.settings.log_rate, SAMPLES / turn)
+    return override(design, [f"settings.log_rate_hz={rate!r}", f"drive.hold_s={settling(design) + turn + 3 / rate!r}"])
+
+
+def _run(designs: Sequence[Design], out: str | None, force: bool, quiet: bool) -> "tuple[Path, list[Logged]]":
+    from cycloid_mj.cli.batch import run_all
+    from cycloid_mj.log import read
+
+    names = [design.name for design in designs]
+    if twice := next((name for name in names if names.count(name) > 1), None):
+        raise UsageError(f"two of the designs are called {twice!r}: give each a name of its own in its file")
+    for design in designs:
+        require_possible(design)
+    into = _folder(out, names, force)
+    logs = {design: into / f"{design.name}.mcap" for design in designs}
+    run_all(logs, min(os.cpu_count() or 1, len(logs)), force, quiet)
+    return into, [(design, read(path), path) for design, path in logs.items()]
+
+
+Logged = tuple[Design, "Run", Path]
+
+
+def _read(logs: Sequence[str], designs: Sequence[str], out: str | None) -> tuple[Path, list[Logged]]:
+    from cycloid_mj.analysis.series import design_of
+    from cycloid_mj.log import read
+    from cycloid_mj.stress.turn import require_same
+
+    found: list[Logged] = []
+    for number, name in enumerate(logs):
+        run = read(Path(name))
+        ran = design_of(run)
+        if designs:
+            require_same(designed(designs[number], (), ()), ran)
+        found.append((ran, run, Path(name)))
+    return folder(f"{logs[0].removesuffix('.mcap')}-stress" if out is None else out, "the figures"), found
+
+
+def _folder(out: str | None, names: Sequence[str], force: bool) -> Path:
+    """Give the folder asked for, or the next one of the usual names that holds none of the logs."""
+    number = 1
+    while True:
+        usual = RUNS if number == 1 else f"{RUNS}-{number}"
+        path = folder(usual if out is None else out, "the logs")
+        existing = next((name for name in names if (path / f"{name}.mcap").exists()), None)
+        if force or existing is None:
+            return path
+        if out is not None:
+            raise LogError(f"log {path / existing}.mcap exists already: give another --out, or --force to replace it")
+        number += 1
+
+
+def _studied(
+    runs: Sequence[Logged], parts: Sequence[str], settings: "StudySettings", quiet: bool
+) -> "list[StressStudy]":
+    """Study every design that has a part of those asked for, and tell how far it is."""
+    from cycloid_mj.stress.study import stress_study
+
+    chosen = _parts_by_design([design for design, _, _ in runs], parts)
+    watch = _Watch([part for names in chosen for part in names], quiet)
+    return [
+        stress_study(run, design, names, settings, str(path), partial(watch.begins, design.name))
+        for (design, run, path), names in zip(runs, chosen, strict=True)
+        if names
+    ]
+
+
+def _parts_by_design(designs: Sequence[Design], parts: Sequence[str]) -> list[list[str]]:
+    """Give the parts asked for that each design has; raise UsageError for one that none has."""
+    from cycloid_mj.stress.loads import part_names, require_part
+
+    for part in parts:
+        if not any(part in part_names(design) for design in designs):
+            require_part(designs[0], part)
+    return [[part for part in part_names(design) if part in parts or not parts] for design in designs]
+
+
+class _Watch:
+    """Tells each part as it begins, with an estimate of the time left for all `parts`."""
+
+    def __init__(self, parts: Sequence[str], quiet: bool) -> None:
+        self._whole = sum(SHARES[part] for part in parts)
+        self._quiet = quiet
+        self._done = 0.0
+        self._start = monotonic()
+
+    def begins(self, design: str, part: str, number: int, of: int) -> None:
+        left = (monotonic() - self._start) * (self._whole / self._done - 1.0) if self._done else None
+        self._done += SHARES[part]
+        if not self._quiet:
+            estimate = "" if left is None else f", about {left:.0f} s left"
+            tell(f"{design}: {part} ({number + 1} of {of} parts){estimate}")
+
+
+def _report(studies: "Sequence[StressStudy]", into: Path, angle_deg: float | None, json: bool) -> None:
+    """Write figures, maps and the JSON file, then the tables or the JSON object."""
+    from cycloid_mj.stress.paper import claims
+
+    findings = [study.findings for study in studies]
+    judged = claims(findings)
+    files = _drawn(studies, into, angle_deg)
+    told: dict[str, Any] = {
+        "designs": [each.as_json() for each in findings],
+        "paper": [claim.as_json() for claim in judged],
+        "files": [str(path) for path in files],
+    }
+    result = into / RESULT
+    result.write_text(js.dumps(told, indent=1) + "\n", encoding="utf-8")
+    if json:
+        say_json(told)
+        return
+    _say(studies, judged, [*files, result])
+
+
+def _drawn(studies: "Sequence[StressStudy]", into: Path, angle_deg: float | None) -> list[Path]:
+    from cycloid_mj.plots import save
+    from cycloid_mj.plots.stress import grid_figure, map_figure, stress_figures
+    from cycloid_mj.stress.vtu import as_vtu
+
+    figures = stress_figures([study.findings for study in studies])
+    files = []
+    for study in studies:
+        maps = _maps(study, angle_deg)
+        for part, found in maps.items():
+            path = into / f"{study.design.name}_{part}.vtu"
+            try:
+                path.write_bytes(as_vtu(found))
+            except OSError as problem:
+                raise CycloidError(
+                    f"cannot write {path}: {problem.strerror or problem}; choose another --out"
+                ) from problem
+            files.append(path)
+        figures[f"fig10_grid_{study.design.name}"] = grid_figure(
+            {one.findings.part: one.grid for one in study.parts}, study.design.name
+        )
+        figures[f"fig11_map_{study.design.name}"] = map_figure(maps, study.design.name)
+    return [*save(figures, into, FORMATS), *files]
+
+
+def _maps(study: "StressStudy", angle_deg: float | None) -> "dict[str, StressMap]":
+    from cycloid_mj.stress.field import stress_map
+
+    shown = next((one for one in study.parts if one.findings.part == "shaft"), study.parts[0])
+    angle = shown.findings.bulk_peak.angle if angle_deg is None else math.radians(angle_deg)
+    return {one.findings.part: stress_map(study.design, one.grid, one.loads, one.nearest(angle)) for one in study.parts}
+
+
+def _say(studies: "Sequence[StressStudy]", judged: "Sequence[Claim]", files: Sequence[Path]) -> None:
+    from cycloid_mj.stress.findings import ASSUMPTIONS, BOUND
+    from cycloid_mj.stress.table import CLAIM_HEADER, HEADER, claim_table, table
+
+    for study in studies:
+        found = study.findings
+        title = f"{found.design}, {found.load:g} N m: largest von Mises stress of a crank turn"
+        say_table(title, HEADER, table(found))
+        balance = ", ".join(f"{part.part} {100 * part.imbalance:.2g} %" for part in found.parts)
+        say(f"out of balance, of the largest force: {balance}")
+        if rough := [part.part for part in found.parts if not part.refinement.holds]:
+            say(f"NOT CONVERGED to {100 * BOUND:g} % under one more refinement: {', '.join(rough)}")
+    if judged:
+        say_table("against the paper (Hsieh 2014)", CLAIM_HEADER, claim_table(judged))
+        say("What decides it:")
+        for claim in judged:
+            for line in _wrapped(f"{claim.figure}, {claim.statement}: {claim.decided_by}", "- "):
+                say(line)
+    say("Assumptions:")
+    for text in ASSUMPTIONS:
+        for line in _wrapped(text, "- "):
+            say(line)
+    say("logs: " + " ".join(str(study.findings.log) for study in studies))
+    say("files: " + " ".join(str(path) for path in files))
+
+
+def _wrapped(text: str, mark: str) -> list[str]:
+    return textwrap.wrap(text, LINE, initial_indent=mark, subsequent_indent=" " * len(mark), break_on_hyphens=False)

@@ -1,0 +1,8 @@
+"""What engineers measure of a reducer, by simulation, beside the closed form where there is one.
+
+Each module is one measure: a function from a design to a `Measurement`.
+"""
+
+from cycloid_mj.measure.measurement import Curve, Measurement, Quantity, Table
+
+__all__ = ["Curve", "Measurement", "Quantity", "Table"]

@@ -1,0 +1,86 @@
+"""The reducer turned by its output: from rest, at speed with the crank free, and against the rated crank torque."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.course import Course
+from cycloid_mj.design import Design, override
+from cycloid_mj.measure.conditions import rated_torque
+from cycloid_mj.mjcf import build
+from cycloid_mj.record import Run
+from cycloid_mj.simulate import simulate
+
+GROWTH, GROWS_FOR = 0.025, 0.04
+"""The torque from rest grows to this share of the rated output torque, over this time [s]."""
+
+TURNED = math.radians(0.1)
+"""A free crank that has come this far [rad] turns: the clearances let it move by less."""
+
+LEAST_TRAVEL = 0.25
+"""Share of the way of a crank without friction; one that comes less far creeps at best."""
+
+FEWEST = 40
+"""Samples of a turning crank."""
+
+
+@dataclass(frozen=True, eq=False)
+class BreakAway:
+    """A free crank under a growing output torque.
+
+    Attributes
+    ----------
+    torque
+        Output torque from which the crank speeds up [N m]; not a number where it stays at rest: self-locking.
+    error
+        By how much the first quarter and the second half of the samples differ [N m].
+    largest
+        Largest output torque that was tried [N m].
+    run
+        The run.
+    """
+
+    torque: float
+    error: float
+    largest: float
+    run: Run
+
+
+def break_away(design: Design) -> BreakAway:
+    """Let the output torque grow from zero on a reducer at rest, its crank free.
+
+    Friction without a load is that of the parts' own weight and inertia; what is in proportion to the load is in the
+    efficiency of back-driving. The crank's speed follows T t^2/2 - T0 t: the straight line of its acceleration meets
+    zero at the torque T0.
+
+    Raises
+    ------
+    RunError
+        The run went wrong.
+    """
+    largest = GROWTH * rated_torque(design)
+    forward = -math.copysign(1.0, design.drive.speed)
+    course = Course(
+        angle=0.0,
+        speed=0.0,
+        drive=lambda time: np.zeros_like(time),
+        load=lambda time: forward * largest * time / GROWS_FOR,
+    )
+    resting = override(design, [f"drive.hold_s={GROWS_FOR!r}"])
+    reducer = build(resting, held="")
+    run = simulate(resting, reducer, course)
+    moving = run.select(np.abs(run["crank_angle"]) > TURNED)
+    frictionless = largest / design.lobes * GROWS_FOR**2 / (6.0 * reducer.crank_inertia)
+    if abs(run["crank_angle"][-1]) < LEAST_TRAVEL * frictionless or len(moving) < FEWEST:
+        return BreakAway(math.nan, math.nan, largest, run)
+    growth, count = largest / GROWS_FOR, len(moving)
+    parts = [slice(None), slice(0, count // 4), slice(count // 2, None)]
+    torque, *others = (growth * _start(moving.select(part)) for part in parts)
+    return BreakAway(torque, max(abs(other - torque) for other in others), largest, run)
+
+
+def _start(moving: Run) -> float:
+    """Give the time [s] at which a parabola through the crank's speed has no acceleration."""
+    square, linear, _ = np.polyfit(moving.time - moving.time[0], moving["crank_speed"], 2)
+    return float(moving.time[0] - linear / (2.0 * square))

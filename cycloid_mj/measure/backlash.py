@@ -1,0 +1,226 @@
+"""Backlash of the output, from stop to stop at a locked crank: by all clearances and by each alone.
+
+The output is pressed to either stop by two small torques; the line through both, drawn on to zero, is the stop of rigid
+parts. Without friction and weight: friction would hold the parts on their way, weight press them to one side.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.design import Design, Errors, Modification
+from cycloid_mj.errors import UsageError
+from cycloid_mj.measure import bench, play
+from cycloid_mj.measure.bench import ARCMINUTE
+from cycloid_mj.measure.conditions import rated_torque
+from cycloid_mj.measure.measurement import Curve, Measurement, Quantity
+from cycloid_mj.measure.pool import Done, each, nothing
+from cycloid_mj.record import Run
+
+Array = npt.NDArray[np.float64]
+
+ANGLES = 8
+PRESS = 0.0025
+"""The smaller torque as a share of the rated one; the other one is twice as large."""
+
+LEVELS = (20.0, 2.0, 1.0, -20.0, -2.0, -1.0)
+"""Torques, one after the other, in units of the smaller one; the large ones seat the parts."""
+
+SETTLING = 4.0
+"""Time for each torque, in times that it takes to carry output and gear over the play."""
+
+PATIENCE = 4.0
+"""How many times as long it takes until all parts have come to rest in all their plays together."""
+
+READ = 0.25
+"""Last share of that time, over which the turn is averaged."""
+
+CLOSED_UP = 1e-10
+"""Clearance [m] of the other pairs where one is measured alone."""
+
+SAMPLES = 200
+LONGER, FINER = 1.5, 1.5
+"""The check: each torque this many times as long, at a step this many times shorter."""
+
+NAMES = {
+    "pin_gear": "teeth on pins",
+    "pin_socket": "pins in sockets",
+    "pin_sleeve": "sleeves on pins",
+    "tooth": "teeth",
+    "cam": "cam",
+    "output": "output pins",
+}
+_FORMULAS = {
+    "cam": "2 delta/(c (N-1))",
+    "output": "delta (1/max R sin beta + 1/max -R sin beta)",
+}
+_MESH_FORMULA = "delta (1/max l + 1/max -l), about 2 delta/(c (N-1))"
+_ALL = "all"
+
+
+@dataclass(frozen=True)
+class Press:
+    """The stops that one run found at a crank angle [rad]: the output's turns [rad], of rigid parts."""
+
+    crank: float
+    low: float
+    high: float
+    run: Run
+
+    @property
+    def backlash(self) -> float:
+        """From stop to stop [rad]."""
+        return self.high - self.low
+
+
+def measure_backlash(design: Design, angles: int = ANGLES, told: Done = nothing) -> Measurement:
+    """Measure the backlash of a design at several locked crank angles, whole and by each clearance alone.
+
+    Parameters
+    ----------
+    design
+        What to measure; its own load, speed, friction and weight do not matter.
+    angles
+        How many crank angles, spread over the turn and over the mesh period.
+    told
+        Told after each run.
+
+    Raises
+    ------
+    UsageError
+        There is no angle.
+    RunError
+        A run went wrong, or the gear jams.
+    """
+    if angles < 1:
+        raise UsageError(f"cannot measure at {angles} crank angles: give 1 or more")
+    cranks = [float(crank) for crank in bench.crank_angles(design, angles)]
+    cases = {_ALL: bench.ideal(design)} | {kind: alone(design, kind) for kind in play.clearance_kinds(design)}
+    longer = {name: PATIENCE if name == _ALL else 1.0 for name in cases}
+    jobs = [(case, cranks[0], LONGER * longer[name], FINER) for name, case in cases.items()]
+    jobs += [(case, crank, longer[name], 1.0) for name, case in cases.items() for crank in cranks]
+    runs = each(lambda job: press(*job), jobs, told)
+    checked = dict(zip(cases, runs, strict=False))
+    rest = runs[len(cases) :]
+    found = {name: rest[place * angles : (place + 1) * angles] for place, name in enumerate(cases)}
+    closed = _closed_forms(design, cranks)
+    return Measurement(
+        measure="backlash",
+        design=design,
+        quantities=_quantities(found, checked, closed),
+        curves=_curves(found, closed),
+        assumptions=_assumptions(design, found[_ALL][0]),
+        runs={name: presses[0].run for name, presses in found.items()},
+        details={"angles": _by_angle(found, closed)},
+    )
+
+
+def alone(design: Design, kind: str) -> Design:
+    """Give the design with the clearance of one kind of pairs alone, without errors, friction and weight."""
+    others = {other: CLOSED_UP for other in play.clearance_kinds(design) if other != kind}
+    clearance = design.clearance.model_copy(update=others)
+    output = design.output.model_copy(update={"hole_radius": design.output.pin_radius + design.gear.eccentricity})
+    exact = {"clearance": clearance, "errors": Errors(), "modification": Modification(), "output": output}
+    return bench.ideal(design.model_copy(update=exact))
+
+
+def press(design: Design, crank: float, longer: float = 1.0, finer: float = 1.0) -> Press:
+    """Press the output of a design without friction and weight to both stops, at a crank angle [rad].
+
+    `longer` multiplies the time, `finer` divides the step.
+    """
+    torque = PRESS * rated_torque(design)
+    dwell = longer * SETTLING * _crossing(design, crank, torque)
+    benched = bench.benched(design, max(LEVELS) * torque, len(LEVELS) * dwell, len(LEVELS) * SAMPLES, finer)
+    levels = torque * np.array(LEVELS)
+
+    def signal(time: Array) -> Array:
+        return levels[np.minimum(time / dwell, len(LEVELS) - 0.5).astype(int)]
+
+    run = bench.locked_run(benched, crank, signal)
+    turn, phase = bench.output_turn(run, design), run.time / dwell
+    ends = [float(turn[(phase > n + 1 - READ) & (phase < n + 1)].mean()) for n in range(len(LEVELS))]
+    return Press(crank, low=2.0 * ends[5] - ends[4], high=2.0 * ends[2] - ends[1], run=run)
+
+
+def _crossing(design: Design, crank: float, torque: float) -> float:
+    """Time [s] in which a torque [N m] carries output and gear over the play from rest."""
+    low, high = play.stops(design, crank)
+    return math.sqrt(2.0 * bench.moving_inertia(design) * (high - low) / torque)
+
+
+def _closed_forms(design: Design, cranks: list[float]) -> dict[str, Array]:
+    """Give the backlash [rad] at each crank angle by the closed forms, whole and by each clearance alone."""
+    each_alone = {
+        kind: np.array([play.parts_alone(alone(design, kind), crank)[kind] for crank in cranks])
+        for kind in play.clearance_kinds(design)
+    }
+    whole = {_ALL: play.total(design, np.array(cranks))} if play.has_linear_gaps(design) else {}
+    return whole | each_alone
+
+
+def _quantities(
+    found: dict[str, list[Press]], checked: dict[str, Press], closed: dict[str, Array]
+) -> dict[str, Quantity]:
+    table: dict[str, Quantity] = {}
+    for name, presses in found.items():
+        values = np.array([one.backlash for one in presses]) / ARCMINUTE
+        mean, least, largest = float(values.mean()), float(values.min()), float(values.max())
+        error = abs(checked[name].backlash - presses[0].backlash) / ARCMINUTE
+        reference = float(np.mean(closed[name])) / ARCMINUTE if name in closed else None
+        if name == _ALL:
+            source = "rigid contacts: linear programme" if name in closed else ""
+            table["backlash"] = Quantity("backlash of the output, mean", mean, "arcmin", error, reference, source)
+            table["backlash_min"] = Quantity("backlash, least over the crank angle", least, "arcmin", error)
+            table["backlash_max"] = Quantity("backlash, largest over the crank angle", largest, "arcmin", error)
+        else:
+            label, source = f"by clearance of {NAMES[name]} alone, mean", _FORMULAS.get(name, _MESH_FORMULA)
+            table[f"backlash_{name}"] = Quantity(label, mean, "arcmin", error, reference, source)
+    table["sum_of_parts"] = Quantity(
+        "sum of the parts",
+        float(sum(quantity.value for key, quantity in table.items() if key.removeprefix("backlash_") in NAMES)),
+        "arcmin",
+        note="less than the whole: clearances together let the gear move in ways that none allows alone",
+    )
+    return table
+
+
+def _curves(found: dict[str, list[Press]], closed: dict[str, Array]) -> tuple[Curve, ...]:
+    drawn = []
+    axes = "crank angle [deg]", "backlash [arcmin]"
+    for name, presses in found.items():
+        panel = "all clearances" if name == _ALL else f"clearance of {NAMES[name]} alone"
+        crank = np.degrees([one.crank for one in presses])
+        if name in closed:
+            drawn.append(Curve(panel, "closed form", crank, closed[name] / ARCMINUTE, *axes, "theory"))
+        values = np.array([one.backlash for one in presses]) / ARCMINUTE
+        drawn.append(Curve(panel, "simulated", crank, values, *axes, "points"))
+    return tuple(drawn)
+
+
+def _assumptions(design: Design, first: Press) -> tuple[str, ...]:
+    torque, step = PRESS * rated_torque(design), float(first.run.provenance["timestep_s"])
+    return (
+        f"the crank is locked; the output is pressed to its stops by {torque:.2g} and {2.0 * torque:.2g} N m, and the "
+        "line through both turns is drawn on to zero",
+        "without friction and weight; see lost-motion for what they do",
+        f"a clearance alone: the others {1e6 * CLOSED_UP:g} um, no manufacturing errors, no modification",
+        f"time step {1e6 * step:.3g} us; the numerical error is what {LONGER:g} times the time at a step {FINER:g} "
+        "times shorter changes at the first crank angle",
+    )
+
+
+def _by_angle(found: dict[str, list[Press]], closed: dict[str, Array]) -> list[dict[str, Any]]:
+    return [
+        {
+            "crank_angle_deg": math.degrees(one.crank),
+            "low_arcmin": one.low / ARCMINUTE,
+            "high_arcmin": one.high / ARCMINUTE,
+            "backlash_arcmin": {name: presses[place].backlash / ARCMINUTE for name, presses in found.items()},
+            "closed_form_arcmin": {name: float(values[place]) / ARCMINUTE for name, values in closed.items()},
+        }
+        for place, one in enumerate(found[_ALL])
+    ]

@@ -1,0 +1,140 @@
+"""The bench of the static measures: the crank locked, a slow torque on the output, the turn of the output read off.
+
+All is so slow that inertia does not matter, so steps may be longer than a run at speed bears. A free pin or sleeve is
+the exception: pressed between gear and socket by a force F, it rolls in its play delta like a ball in a bowl, with the
+stiffness F/(delta + F/K) across the force and nothing but its own mass m: the step must resolve that, unless friction
+holds the pin.
+"""
+
+import math
+from functools import lru_cache
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj import statics
+from cycloid_mj.contact.law import IMPRATIO, pair_stiffness, working_force
+from cycloid_mj.course import Signal, locked_crank
+from cycloid_mj.design import Design, Drive, Friction, Load, Settings
+from cycloid_mj.measure.conditions import has_default_step
+from cycloid_mj.measure.play import clearance_kinds
+from cycloid_mj.mjcf import ReducerModel, build
+from cycloid_mj.record import Run
+from cycloid_mj.simulate import simulate
+from cycloid_mj.solid import mass_properties, parts
+from cycloid_mj.solid.gear import tooth_profile
+
+Array = npt.NDArray[np.float64]
+
+ARCMINUTE = math.pi / 180.0 / 60.0
+"""One minute of arc [rad]."""
+
+LONGEST_STEP = 10e-6
+"""Step [s] at which bodies that weigh no less than the gear follow a slow torque as they do at any shorter one."""
+
+STEP_SHARE = 0.5
+"""Step as a share of the longest at which a pressed pin rolls in its play without growing, 2 sqrt(m/k)."""
+
+HEAVIER = 3.0
+"""Step that contacts with friction are made for, over the step taken: their added mass, which slow motion does not
+feel, is larger by the square of it, and their creep speed may be as much lower."""
+
+DAMPING_RATIO = 1.0
+"""Damping of contacts as a share of critical: parts that cross their play settle soon; at rest it has no effect."""
+
+
+def crank_angles(design: Design, count: int) -> Array:
+    """Give crank angles [rad], shape (count,), spread over the turn and, at equal distances, over the mesh period."""
+    period = np.round(design.ring.teeth * np.arange(count) / count)
+    return np.asarray(2.0 * np.pi / design.ring.teeth * (period + np.arange(count) / count))
+
+
+def ideal(design: Design) -> Design:
+    """Give the design without friction and weight, the state of the closed forms."""
+    friction = Friction(**dict.fromkeys(Friction.model_fields, 0.0))
+    level = design.environment.model_copy(update={"gravity_x": 0.0, "gravity_y": 0.0})
+    return design.model_copy(update={"friction": friction, "environment": level})
+
+
+def step(design: Design, torque: float) -> float:
+    """Give the step [s] for a torque on the output [N m]: the design's own, unless it is the default."""
+    if not has_default_step(design):
+        return design.settings.timestep
+    ring, kind = design.ring, "pin_sleeve" if design.ring.has_sleeves else "pin_socket"
+    held = min(design.friction_of("pin_gear"), design.friction_of(kind)) > 0.0
+    if not ring.has_moving_pins or held or torque == 0.0:
+        return LONGEST_STEP
+    bore = ring.sleeve_bore_radius if ring.has_sleeves else 0.0
+    mass = math.pi * (ring.pin_radius**2 - bore**2) * design.gear.face_width * design.material.density
+    force = float(statics.ideal_load_sharing(tooth_profile(design), abs(torque), 0.0).forces.max())
+    bowl = force / (design.pin_play + force / pair_stiffness(design, kind))
+    return min(LONGEST_STEP, STEP_SHARE * 2.0 * math.sqrt(mass / bowl))
+
+
+def benched(design: Design, torque: float, duration: float, samples: int, finer: float = 1.0) -> Design:
+    """Give the design for a run of some `duration` [s] under torques up to `torque` [N m]; `finer` divides the step.
+
+    Below its creep speed the model's friction is viscous, and a slow motion would feel none of it: the creep speed is
+    lowered as far as the step bears.
+    """
+    timestep = step(design, torque) / finer
+    slowest = _rubbing(design) / (IMPRATIO * HEAVIER**2 * pair_stiffness(design, design.tooth_pair) * timestep)
+    creep = min(design.contact.creep_speed, slowest or math.inf)
+    contact = {"damping_ratio": DAMPING_RATIO, "creep_speed": creep}
+    return design.model_copy(
+        update={
+            "contact": design.contact.model_copy(update=contact),
+            "drive": design.drive.model_copy(update={"ramp": 0.0, "hold": duration}),
+            "settings": design.settings.model_copy(update={"timestep": timestep, "log_rate": samples / duration}),
+        }
+    )
+
+
+def locked_run(benched: Design, crank: float, torque: Signal) -> Run:
+    """Run a design on the bench: crank locked at an angle [rad], a torque [N m] over time [s] on the output."""
+    timestep = benched.settings.timestep
+    made_for = timestep * (HEAVIER if _rubbing(benched) else 1.0)
+    drive = Drive(rotor_inertia=benched.drive.rotor_inertia)
+    same = {"drive": drive, "load": Load(), "settings": Settings(timestep=made_for)}
+    reducer = _reducer(benched.model_copy(update=same), timestep)
+    return simulate(benched, reducer, locked_crank(reducer, crank, torque))
+
+
+def moving_inertia(design: Design) -> float:
+    """Give the inertia about their axes of gear and output, which turn together at a locked crank [kg m2]."""
+    return _inertia(design.model_copy(update={"drive": Drive(), "load": Load(), "settings": Settings()}))
+
+
+@lru_cache(maxsize=16)
+def _inertia(design: Design) -> float:
+    solids = parts(design)
+    return sum(float(mass_properties(solids[name]).inertia[2, 2]) for name in ("gear", "output"))
+
+
+@lru_cache(maxsize=16)
+def _reducer(design: Design, timestep: float) -> ReducerModel:
+    """Build a model once for all crank angles; a run leaves it as it is."""
+    reducer = build(design)
+    reducer.spec.option.timestep = reducer.model.opt.timestep = timestep
+    return reducer
+
+
+def _rubbing(design: Design) -> float:
+    """Largest friction of a contact at its working force [N]."""
+    return max(design.friction_of(kind) * working_force(design, kind) for kind in clearance_kinds(design))
+
+
+def output_turn(run: Run, design: Design) -> Array:
+    """Give the output's angle less the ideal one at the crank's own [rad]: what the crank's lock gives drops out."""
+    return np.asarray(run["output_angle"] + run["crank_angle"] / design.lobes)
+
+
+def gear_turn(run: Run, design: Design) -> Array:
+    """Give the gear's angle less the ideal one at the crank's own [rad]."""
+    return np.asarray(run["gear_angle"] + run["crank_angle"] / design.lobes)
+
+
+def centre_lead(run: Run, design: Design) -> Array:
+    """Give how far the gear's centre leads its ideal place on the eccentric's circle [m], counter-clockwise."""
+    crank = run["crank_angle"]
+    return np.asarray(-run["gear_x"] * np.cos(crank) - run["gear_y"] * np.sin(crank))

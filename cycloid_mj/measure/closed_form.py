@@ -1,0 +1,88 @@
+"""Efficiency in closed form: ideal sharing with Coulomb's law, and the formula of Wang, Luo and Su 2016."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.design import Design, override
+from cycloid_mj.solid import gear_solid, mass_properties
+from cycloid_mj.validation.published import loss_shares
+
+CRANK_ANGLES = 360
+AS_BUILT = (
+    "the cam's give lets the gear move sideways, to where contacts that slide faster carry more than ideally; so do "
+    "clearances; pins that turn lose less than the closed form's most; it has no friction of the cam"
+)
+"""Why a design as built departs from ideal sharing: with a stiff cam alone it comes within half a point."""
+PLAY_UM = 1e-3
+"""Clearance [um] next to none."""
+BEARABLE, STIFFEST = 0.3, 1e12
+"""Stiffness of a cam times the step's square over the gear's mass, and the design file's limit [N/m]."""
+
+
+@dataclass(frozen=True)
+class Closed:
+    """A share of the input power by a closed form, and where it comes from."""
+
+    efficiency: float
+    source: str
+
+
+def mesh_friction(design: Design) -> float:
+    """Give the coefficient that acts where the gear slides past its ring [1].
+
+    A pin that can turn rolls on the gear where its seat is the easier way: a free pin's socket has the pin's radius,
+    the bore of a sleeve has a smaller arm. Where both are alike, it does some of each: this is the most that it loses.
+    """
+    ring, on_gear = design.ring, design.friction_of(design.tooth_pair)
+    if ring.has_sockets:
+        return min(on_gear, design.friction_of("pin_socket"))
+    if ring.has_sleeves:
+        return min(on_gear, design.friction_of("pin_sleeve") * ring.sleeve_bore_radius / ring.pin_radius)
+    return on_gear
+
+
+def ideal_efficiency(design: Design, load: float) -> Closed:
+    """Give the efficiency under a load torque [N m] of equally stiff contacts without clearance, on a cam that holds.
+
+    The cam's friction is left out.
+    """
+    loaded = override(design, [f"load.torque_nm={load!r}"])
+    crank = np.linspace(0.0, 2.0 * np.pi, CRANK_ANGLES, endpoint=False)
+    return Closed(1.0 / (1.0 + sum(loss_shares(loaded, crank, mesh_friction(design)))), "ideal sharing, Coulomb")
+
+
+def ideal_limit(design: Design) -> Design:
+    """Give a design as ideal sharing takes it: fixed pins with the same friction, next to no play, a cam that holds.
+
+    The cam is as stiff as the default step bears.
+    """
+    timestep, gear = type(design.settings)().timestep, mass_properties(gear_solid(design)).mass
+    pins = [] if design.ring.kind == "nonpin" else ['ring.pins="fixed"']
+    return override(
+        design,
+        [
+            *pins,
+            *(f"clearance.{kind}_um={PLAY_UM}" for kind in (design.tooth_pair, "cam", "output")),
+            f"friction.{design.tooth_pair}={mesh_friction(design)!r}",
+            f"stiffness.cam_n_m={min(BEARABLE * gear / timestep**2, STIFFEST)!r}",
+            'contact.stiffness_law="uniform"',
+            f"settings.timestep_us={1e6 * timestep!r}",
+        ],
+    )
+
+
+def wang_efficiency(design: Design) -> Closed:
+    """Give eta_x eta_sx of Wang, Luo and Su 2016, without the efficiencies of the bearings that they multiply by.
+
+    eta_nx = 1 - 4 mu (Dp - d)/(K1 z Dp pi), eta_x = eta_nx/(1 + z (1 - eta_nx)), eta_sx = 1 - 4 f K1 Dp/(pi Dw), with
+    f at the surface of the output pins.
+    """
+    ring, lobes = design.ring, design.lobes
+    shortening = design.gear.eccentricity * ring.teeth / ring.pin_circle_radius
+    reach = (ring.pin_circle_radius - ring.pin_radius) / ring.pin_circle_radius
+    meshing = 1.0 - 4.0 * mesh_friction(design) * reach / (shortening * lobes * math.pi)
+    pins = shortening * ring.pin_circle_radius / design.output.pin_circle_radius
+    output = 1.0 - 4.0 * design.friction_of("output") * pins / math.pi
+    return Closed(meshing / (1.0 + lobes * (1.0 - meshing)) * output, "Wang et al. 2016")

@@ -1,0 +1,244 @@
+"""Efficiency over output torque and speed, where the losses go, and the torques without load and backwards."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from cycloid_mj.design import Design
+from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency, wang_efficiency
+from cycloid_mj.measure.conditions import RPM, rated_torque
+from cycloid_mj.measure.efficiency_map import Found, Point, run_map
+from cycloid_mj.measure.measurement import Curve, Measurement, Quantity, Table
+from cycloid_mj.measure.pool import Done, nothing
+from cycloid_mj.measure.steady import steady_design, whole_periods
+from cycloid_mj.mjcf.names import pairs
+
+TORQUES, SPEEDS = (0.25, 0.5, 1.0), (0.5, 1.0, 1.5)
+"""Points of the map: shares of the rated output torque, without losses, and of the design's speed."""
+
+PERIODS, QUICK_PERIODS = 12, 4
+"""Fewest mesh periods of an average: a third of a crank turn, or less."""
+
+LEFT_OUT = "the friction of a rolling pair is left out: friction.*_rolling"
+
+
+def measure_efficiency(
+    design: Design,
+    torques: Sequence[float] = (),
+    speeds: Sequence[float] = (),
+    quick: bool = False,
+    told: Done = nothing,
+) -> Measurement:
+    """Measure the efficiency of a design and its losses by pair.
+
+    Parameters
+    ----------
+    design
+        What to measure.
+    torques
+        Output torques of the map [N m], above 0; by default `TORQUES` of the rated one.
+    speeds
+        Crank speeds of the map [rad/s], above 0; by default `SPEEDS` of the design's.
+    quick
+        Shorter averages, no halved step, and by default the rated point alone.
+    told
+        Told after each run.
+
+    Raises
+    ------
+    RunError
+        A run went wrong.
+    DesignError
+        The crank does not turn.
+    """
+    own = steady_design(design)
+    rated, speed = rated_torque(own), own.drive.speed
+    torques = torques or [share * rated for share in ((1.0,) if quick else TORQUES)]
+    speeds = speeds or [share * speed for share in ((1.0,) if quick else SPEEDS)]
+    periods = QUICK_PERIODS if quick else PERIODS
+    found = run_map(own, torques, speeds, periods, not quick, told)
+    return Measurement(
+        measure="efficiency",
+        design=own,
+        quantities=_rated(own, found) | _losses(found.rated) | _driven(own, found),
+        curves=_curves(found),
+        tables=_tables(found),
+        assumptions=_assumptions(own, whole_periods(own, periods)),
+        details={"losses_by_pair": [_details(point) for point in found.grid]},
+        runs={"rated": found.rated.run, "backward": found.backward.run, "from-rest": found.rest.run},
+    )
+
+
+def _rated(design: Design, found: Found) -> dict[str, Quantity]:
+    ours, load = 1e2 * found.rated.powers.efficiency, found.rated.torque
+    ideal, wang = ideal_efficiency(design, load), wang_efficiency(design)
+    error = 1e2 * found.error
+    place = f"at {load:g} N m, {found.rated.speed / RPM:g} rpm"
+    return {
+        "efficiency": Quantity(
+            f"efficiency {place}",
+            ours,
+            "%",
+            error,
+            1e2 * ideal.efficiency,
+            ideal.source,
+            AS_BUILT,
+        ),
+        "efficiency_ideal_limit": Quantity(
+            "the same, fixed pins or lobes, no play, a cam that holds",
+            1e2 * found.ideal.powers.efficiency,
+            "%",
+            1e2 * found.ideal.shift,
+            1e2 * wang.efficiency,
+            wang.source,
+            "at equal friction; the formula leaves out that friction turns the gear back, so that the teeth press "
+            f"harder: with it, ideal sharing gives {1e2 * ideal.efficiency:.2f} %",
+        ),
+        "balance_residual": Quantity(
+            "largest residual of the energy balance",
+            1e2 * max((point.powers.residual for point in found.grid), key=abs),
+            "% of input",
+        ),
+    }
+
+
+def _losses(rated: Point) -> dict[str, Quantity]:
+    """Give the losses of the rated point by pair [W]."""
+    whole, shorter = rated.powers, rated.shorter
+    quantities = {
+        f"{kind}_friction_power": Quantity(
+            f"friction of {kind}", power, "W", abs(power - shorter.friction[kind]), note="" if power else LEFT_OUT
+        )
+        for kind, power in whole.friction.items()
+    }
+    normal = sum(whole.normal.values())
+    return quantities | {
+        "normal_power": Quantity(
+            "normal forces, all pairs",
+            normal,
+            "W",
+            abs(normal - sum(shorter.normal.values())),
+            note="damping, and the step's error: the pairs' own shares of it cancel",
+        ),
+        "input_power": Quantity("input power", whole.supplied, "W"),
+        "output_power": Quantity("output power", whole.supplied * whole.efficiency, "W"),
+    }
+
+
+def _driven(design: Design, found: Found) -> dict[str, Quantity]:
+    """Give what turns the reducer without a load, and from its output."""
+    lobes, backward, rest = design.lobes, found.backward, found.rest
+    still = math.isnan(rest.torque)
+    forward = found.rated.powers.efficiency
+    locked = backward.powers.crank > 0.0
+    against = math.nan if locked else rated_torque(design) / backward.powers.efficiency
+    contacts = "the contacts' losses alone: no seals, no lubricant, no bearings of the shafts"
+    return {
+        "no_load_torque": Quantity(
+            "no-load torque, on the crank", found.unloaded.drag, "N m", found.unloaded.drag_shift, note=contacts
+        ),
+        "back_driving_torque_moving": Quantity(
+            "back-driving torque at speed, crank free",
+            lobes * found.coasting.drag,
+            "N m",
+            lobes * found.coasting.drag_shift,
+            note=contacts,
+        ),
+        "back_driving_torque_static": Quantity(
+            "back-driving torque from rest, crank free",
+            rest.torque,
+            "N m",
+            None if still else rest.error,
+            note=f"self-locking: the crank does not turn up to {rest.largest:g} N m"
+            if still
+            else "none to speak of: friction is in proportion to the load, and there is only the parts' weight",
+        ),
+        "back_driving_torque_rated": Quantity(
+            f"output torque that drives against {design.drive.torque:g} N m on the crank",
+            against,
+            "N m",
+            None if locked else against * backward.shift / backward.powers.efficiency,
+            note="self-locking" if locked else "by the efficiency of back-driving",
+        ),
+        "back_driving_efficiency": Quantity(
+            "efficiency of back-driving, against the rated torque",
+            1e2 * backward.powers.efficiency,
+            "%",
+            1e2 * backward.shift,
+            1e2 * (2.0 - 1.0 / forward),
+            "2 - 1/eta: losses alike both ways",
+        ),
+    }
+
+
+def _tables(found: Found) -> tuple[Table, ...]:
+    """Give the map with the losses at each of its points."""
+    names = [f"{loss} [%]" for loss in _shares(found.rated)]
+    rows: list[tuple[str | float, ...]] = []
+    for point in found.grid:
+        efficiency, shift, left = (1e2 * value for value in _judged(point))
+        numbers = [efficiency, shift, *_shares(point).values(), left]
+        rows.append((f"{point.speed / RPM:g}", point.torque, *(round(number, 4) for number in numbers)))
+    header = ("speed [rpm]", "torque [N m]", "efficiency [%]", "num. error", *names, "residual [%]")
+    return (Table("efficiency, and losses in % of the input power", header, tuple(rows)),)
+
+
+def _details(point: Point) -> dict[str, float]:
+    """Give a point's torque, speed and every loss, as shares of the input, for a program."""
+    return {"torque_nm": point.torque, "speed_rpm": point.speed / RPM, **point.powers.loss_shares()}
+
+
+def _judged(point: Point) -> tuple[float, float, float]:
+    return point.powers.efficiency, point.shift, point.powers.residual
+
+
+def _shares(point: Point) -> dict[str, float]:
+    """Give the losses of a point in % of its input: friction by pair, and the normal forces of all."""
+    found = point.powers
+    losses = {**found.friction, "normal": sum(found.normal.values())}
+    return {name: 1e2 * power / found.supplied for name, power in losses.items()}
+
+
+def _curves(found: Found) -> tuple[Curve, ...]:
+    """Give the efficiency over the torque for each speed, where the losses go, and the crank's start from rest."""
+    x, rest = "output torque [N m]", found.rest.run
+    speeds = list(dict.fromkeys(point.speed for point in found.grid))
+    drawn = []
+    for speed in speeds:
+        points = _at(found.grid, speed)
+        efficiency = [1e2 * point.powers.efficiency for point in points]
+        drawn.append(_line("efficiency", f"{speed / RPM:g} rpm", points, efficiency, "efficiency [%]"))
+    shown = found.rated.speed if found.rated.speed in speeds else speeds[-1]
+    points = _at(found.grid, shown)
+    for loss in [loss for loss, share in _shares(found.rated).items() if share]:
+        shares = [_shares(point)[loss] for point in points]
+        name = "normal forces" if loss == "normal" else f"friction of {loss}"
+        drawn.append(_line(f"losses at {shown / RPM:g} rpm", name, points, shares, "share of the input [%]"))
+    torque, crank = np.abs(rest["load_torque"]), np.abs(rest["crank_speed"])
+    return (*drawn, Curve("from rest, the crank free, a growing output torque", "", torque, crank, x, "crank [rad/s]"))
+
+
+def _at(grid: Sequence[Point], speed: float) -> list[Point]:
+    return sorted((point for point in grid if point.speed == speed), key=lambda point: point.torque)
+
+
+def _line(panel: str, name: str, points: Sequence[Point], y: Sequence[float], label: str) -> Curve:
+    style = "line" if len(points) > 1 else "points"
+    x = np.array([point.torque for point in points])
+    return Curve(panel, name, x, np.array(y), "output torque [N m]", label, style)
+
+
+def _assumptions(design: Design, periods: int) -> tuple[str, ...]:
+    pins = round(periods * design.output.pins / design.lobes, 2)
+    kinds = dict.fromkeys(pair.kind for pair in pairs(design))
+    creep = 1e3 * design.contact.creep_speed
+    return (
+        f"friction: {', '.join(f'{pair} {design.friction_of(pair):g}' for pair in kinds)}; seals, "
+        "lubricant and the shafts' own bearings are left out",
+        f"mean over {periods} mesh periods, {pins:g} periods of the output pins; the crank held at its speed, or "
+        "the output where it drives",
+        f"friction grows with the sliding speed until {creep:g} mm/s under the working force, and is whole beyond",
+        "numerical error: half the step (unless --quick) or half the average, whichever changes more; elsewhere half "
+        "the average",
+    )

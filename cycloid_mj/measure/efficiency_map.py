@@ -1,0 +1,135 @@
+"""The runs that efficiency is measured by: a map of torque and speed, no load, and the output as the driver."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+from cycloid_mj.design import Design, override
+from cycloid_mj.measure.back_driving import BreakAway, break_away
+from cycloid_mj.measure.braked import braked_run
+from cycloid_mj.measure.closed_form import ideal_limit
+from cycloid_mj.measure.conditions import RPM, halved, rated_torque
+from cycloid_mj.measure.pool import Done, each
+from cycloid_mj.measure.steady import SETTLED, Powers, first_half, powers, steady, whole_periods
+from cycloid_mj.record import Run
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """One steady run.
+
+    Attributes
+    ----------
+    torque
+        Torque on the output against its way [N m]; where the output drives, torque on the crank against its way.
+    speed
+        Crank speed [rad/s].
+    powers, shorter
+        Mean powers of the run and of its first half.
+    run
+        The run.
+    """
+
+    torque: float
+    speed: float
+    powers: Powers
+    shorter: Powers
+    run: Run
+
+    @property
+    def drag(self) -> float:
+        """Torque on the crank [N m] that the losses ask for."""
+        return self.powers.lost / abs(self.speed)
+
+    @property
+    def drag_shift(self) -> float:
+        """By how much that of the first half differs [N m]."""
+        return abs(self.powers.lost - self.shorter.lost) / abs(self.speed)
+
+    @property
+    def shift(self) -> float:
+        """By how much the efficiency of the first half differs."""
+        return abs(self.powers.efficiency - self.shorter.efficiency)
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """Points of the map; the rated point, with half the step, and in the ideal limit; no load; the output as driver."""
+
+    grid: tuple[Point, ...]
+    rated: Point
+    halved: Point | None
+    ideal: Point
+    unloaded: Point
+    coasting: Point
+    backward: Point
+    rest: BreakAway
+
+    @property
+    def error(self) -> float:
+        """Numerical error of the rated point's efficiency: half the step, or half the average."""
+        step = 0.0 if self.halved is None else abs(self.halved.powers.efficiency - self.rated.powers.efficiency)
+        return max(step, self.rated.shift)
+
+
+def run_map(
+    design: Design, torques: Sequence[float], speeds: Sequence[float], periods: int, check: bool, told: Done
+) -> Found:
+    """Run every point over at least so many mesh periods, several at a time, and the rated one with half the step.
+
+    `torques` on the output [N m] and crank `speeds` [rad/s] make the map.
+
+    Raises
+    ------
+    RunError
+        A run went wrong.
+    """
+    rated, speed = rated_torque(design), design.drive.speed
+    # The longest runs come first, so that no processor is left alone with one.
+    grid = [(torque, pace) for pace in sorted(speeds, key=abs) for torque in torques]
+    singles: list[Callable[[], Point]] = [
+        partial(forward, design, rated, speed, periods),
+        partial(forward, ideal_limit(design), rated, speed, periods),
+        partial(forward, design, 0.0, speed, periods),
+        partial(backward, design, 0.0, periods),
+        partial(backward, design, design.drive.torque, periods),
+        *([partial(forward, halved(design), rated, speed, periods)] if check else []),
+    ]
+    others: list[Callable[[], Point]] = [
+        partial(forward, design, *place, periods) for place in grid if place != (rated, speed)
+    ]
+    whole = 1 + len(singles) + len(others)
+    rest = break_away(design)
+    told(1, whole)
+    points = each(_done, others + singles, lambda done, _: told(1 + done, whole))
+    main, ideal, unloaded, coasting, driven, *finer = points[len(others) :]
+    at = {(point.torque, point.speed): point for point in (*points[: len(others)], main)}
+    return Found(
+        grid=tuple(at[place] for place in grid),
+        rated=main,
+        halved=finer[0] if finer else None,
+        ideal=ideal,
+        unloaded=unloaded,
+        coasting=coasting,
+        backward=driven,
+        rest=rest,
+    )
+
+
+def forward(design: Design, torque: float, speed: float, periods: int) -> Point:
+    """Run under an output torque [N m], the crank held at a speed [rad/s]."""
+    loaded = override(design, [f"drive.speed_rpm={speed / RPM!r}", f"load.torque_nm={torque!r}"])
+    return _point(torque, speed, steady(loaded, SETTLED, whole_periods(loaded, periods)))
+
+
+def backward(design: Design, torque: float, periods: int) -> Point:
+    """Drive the output at its speed against a torque on the crank [N m]; with none, the crank is free."""
+    return _point(torque, design.drive.speed, braked_run(design, -torque, whole_periods(design, periods)))
+
+
+def _done(task: Callable[[], Point]) -> Point:
+    return task()
+
+
+def _point(torque: float, speed: float, run: Run) -> Point:
+    return Point(torque, speed, powers(run), powers(first_half(run)), run)

@@ -1,0 +1,194 @@
+"""The hysteresis loop of a reducer at a locked crank, and what is read from it.
+
+The torque on the output is T sin^5(2 pi t/period): it passes zero so slowly that the parts come to rest on the other
+side of the play before the torque matters. The first quarter only leads to the loop.
+
+Lost motion, as the industry defines it, is the turn between the middles of the two branches at +3 % and -3 % of the
+rated torque; stiffness is the slope from 50 to 100 %; backlash is taken as the turn between the unloading branches,
+drawn on to zero torque.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj import course, statics
+from cycloid_mj.contact.law import pair_stiffness
+from cycloid_mj.design import Design
+from cycloid_mj.measure import bench, play
+from cycloid_mj.record import Run
+from cycloid_mj.solid.gear import tooth_profile
+
+Array = npt.NDArray[np.float64]
+
+POWER = 5
+LOST_MOTION_SHARE = 0.03
+"""Torque at which lost motion is read, as a share of the rated torque: the industry's definition."""
+
+STRAIGHT = (0.5, 1.0)
+"""Ends of the straight part of the curve, as shares of the rated torque."""
+
+TO_ZERO = (0.005, 0.015)
+"""Stretch of the unloading branch, as shares of the rated torque, that is drawn on to zero."""
+
+WINDOW = 0.2
+"""Half width of the stretch that a reading is taken from, as a share of the torque there."""
+
+ARRIVAL = 0.003
+"""Share of the rated torque at which a reducer without friction has just crossed its play: a tenth of 3 %."""
+
+SLOWNESS = 40.0
+"""Least period of the loop in periods of the lowest vibration of output and gear on the reducer's stiffness."""
+
+SAMPLES = 2000
+"""Of one period."""
+
+LEAD = 0.25
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """One period of the loop, from one peak of the torque to the next.
+
+    Attributes
+    ----------
+    crank
+        Angle at which the crank is locked [rad].
+    rated
+        Peak of the torque [N m].
+    phase
+        Of the torque's period, 0.25 to 1.25, shape (n,).
+    torque, turn
+        On the output [N m], and the output's turn from the ideal angle [rad], counter-clockwise, shape (n,).
+    gear_turn, centre_lead
+        As in `bench` [rad], [m], shape (n,).
+    run
+        The whole run.
+    """
+
+    crank: float
+    rated: float
+    phase: Array
+    torque: Array
+    turn: Array
+    gear_turn: Array
+    centre_lead: Array
+    run: Run
+
+    def at(self, share: float, loading: bool, side: int, values: Array | None = None) -> float:
+        """Read a branch of the curve at a share of the rated torque: by the straight line through the points nearby.
+
+        `side` is +1 or -1; `values` (n,) instead of the turn.
+        """
+        line = self._line((1.0 - WINDOW) * share, (1.0 + WINDOW) * share, loading, side, values)
+        return float(np.polyval(line, side * share * self.rated))
+
+    def middle(self, share: float, side: int, values: Array | None = None) -> float:
+        """Read the middle between the two branches."""
+        return 0.5 * (self.at(share, True, side, values) + self.at(share, False, side, values))
+
+    @property
+    def lost_motion(self) -> float:
+        """Turn between the middles of the branches at +3 % and -3 % of the rated torque [rad]."""
+        return self.middle(LOST_MOTION_SHARE, 1) - self.middle(LOST_MOTION_SHARE, -1)
+
+    @property
+    def backlash(self) -> float:
+        """Turn between the unloading branches, drawn on to zero torque [rad]."""
+        low, high = (float(np.polyval(self._line(*TO_ZERO, False, side), 0.0)) for side in (-1, 1))
+        return high - low
+
+    @property
+    def offset(self) -> float:
+        """Middle of the loop at +3 % and -3 % of the rated torque [rad]: where weight shifts it."""
+        return 0.5 * (self.middle(LOST_MOTION_SHARE, 1) + self.middle(LOST_MOTION_SHARE, -1))
+
+    @property
+    def stiffness(self) -> float:
+        """Torsional stiffness over the straight part [N m/rad]."""
+        return 1.0 / self.compliance()
+
+    @property
+    def dissipated(self) -> float:
+        """Work that friction and contacts took over the period, as logged [J]; what they store is back at its end."""
+        within = self.run.select(self.run.time >= LEAD / (1.0 + LEAD) * self.run.time[-1])
+        names = [name for name in within.columns if name.endswith(("_friction_power", "_normal_power"))]
+        return float(np.trapezoid(within.block(names).sum(axis=1), within.time))
+
+    @property
+    def width(self) -> float:
+        """Mean width between the branches at half the rated torque [rad]: friction."""
+        widths = [abs(self.at(0.5, False, side) - self.at(0.5, True, side)) for side in (-1, 1)]
+        return float(np.mean(widths))
+
+    @property
+    def work(self) -> float:
+        """Area of the loop: the work that one period takes [J]."""
+        torque, turn = (np.append(values, values[0]) for values in (self.torque, self.turn))
+        return float(np.trapezoid(torque, turn))
+
+    def compliance(self, values: Array | None = None) -> float:
+        """Slope of the turn [rad/(N m)], or of other values (n,), over the straight part; mean of both sides."""
+        low, high = STRAIGHT
+        rise = [side * (self.middle(high, side, values) - self.middle(low, side, values)) for side in (-1, 1)]
+        return float(np.mean(rise)) / ((high - low) * self.rated)
+
+    def _line(self, low: float, high: float, loading: bool, side: int, values: Array | None = None) -> Array:
+        quarter = {(False, 1): 0, (True, -1): 1, (False, -1): 2, (True, 1): 3}[loading, side]
+        share = side * self.torque / self.rated
+        near = (np.floor((self.phase - LEAD) * 4.0) == quarter) & (low <= share) & (share <= high)
+        chosen = self.turn if values is None else values
+        return np.asarray(np.polyfit(self.torque[near], chosen[near], 1))
+
+
+def signal(rated: float, period: float) -> course.Signal:
+    """Give the torque of the loop [N m]."""
+    return lambda time: rated * np.sin(2.0 * np.pi * time / period) ** POWER
+
+
+def loop(design: Design, crank: float, rated: float, period: float, finer: float = 1.0) -> Loop:
+    """Run the loop at a crank angle [rad]; `period` [s]; `finer` divides the step."""
+    benched = bench.benched(design, rated, (1.0 + LEAD) * period, round((1.0 + LEAD) * SAMPLES), finer)
+    run = bench.locked_run(benched, crank, signal(rated, period))
+    whole = run.select(run.time >= LEAD * period)
+    return Loop(
+        crank=crank,
+        rated=rated,
+        phase=whole.time / period,
+        torque=whole["load_torque"],
+        turn=bench.output_turn(whole, design),
+        gear_turn=bench.gear_turn(whole, design),
+        centre_lead=bench.centre_lead(whole, design),
+        run=run,
+    )
+
+
+def slow_period(design: Design, rated: float) -> float:
+    """Give the period [s] of a loop in which inertia does not matter.
+
+    The torque's T (omega t)^5 carries output and gear, inertia J [kg m2], over their play b [rad] in
+    (omega t)^7 = 42 J b omega^2/T; it has then the share (omega t)^5 of T, which shall be `ARRIVAL`. And the period is
+    at least `SLOWNESS` periods of J on the stiffness of the reducer.
+    """
+    inertia = bench.moving_inertia(design)
+    low, high = play.stops(design, 0.0)
+    crossing = math.sqrt(ARRIVAL ** (7.0 / POWER) * rated / (42.0 * inertia * max(high - low, 1e-9)))
+    return 2.0 * math.pi * max(1.0 / crossing, SLOWNESS * math.sqrt(inertia / closed_stiffness(design)))
+
+
+def closed_stiffness(design: Design) -> float:
+    """Give the torsional stiffness [N m/rad] with half of the teeth and half of the output pins closed: an estimate.
+
+    In series: k sum l^2 of the teeth (with the sockets or sleeves behind them), k (c (N-1))^2 of the cam, and
+    k n R^2/4 of n output pins on the radius R.
+    """
+    k = {kind: pair_stiffness(design, kind) for kind in play.clearance_kinds(design)}
+    gear, output = tooth_profile(design), design.output
+    arms = statics.ideal_load_sharing(gear, 1.0, 0.0).arms
+    per_arm = sum(1.0 / k[kind] for kind in k if kind not in ("cam", "output"))
+    mesh = np.sum(arms[arms > 0.0] ** 2) / per_arm
+    cam = k["cam"] * (gear.eccentricity * gear.lobes) ** 2
+    pins = k["output"] * output.pins * output.pin_circle_radius**2 / 4.0
+    return float(1.0 / (1.0 / mesh + 1.0 / cam + 1.0 / pins))

@@ -1,0 +1,188 @@
+"""Loads on every pin, tooth, output pin and the cam over a turn of the crank, Hertz pressures, and the capacity."""
+
+import math
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from cycloid_mj import statics
+from cycloid_mj.contact.law import STRIBECK
+from cycloid_mj.design import Design, override
+from cycloid_mj.errors import UsageError
+from cycloid_mj.measure.conditions import halved, rated_torque
+from cycloid_mj.measure.measurement import Curve, Measurement, Quantity
+from cycloid_mj.measure.pool import Done, each, nothing
+from cycloid_mj.measure.pressed import CARRIES, Pressed, ideal_peak, pressed
+from cycloid_mj.measure.steady import SETTLED, steady, steady_design
+from cycloid_mj.solid.gear import tooth_profile
+
+YIELD_PRESSURE = 1.79
+"""Peak pressure at which a line contact first yields, over the yield strength (von Mises; Johnson 1985, 4.4)."""
+
+CHECKED = 2
+"""Mesh periods of the runs with half the step, and of those that find the capacity."""
+
+MOST_GUESSES, CAPACITY_TOLERANCE = 4, 0.01
+
+IDEAL = {"cam": "full statics of ideal sharing", "tooth": "ideal sharing, arcs alone"}
+_CRANK, _FORCE = "crank angle [deg]", "force [N]"
+
+Kinds = Mapping[str, Pressed]
+
+
+def measure_loads(
+    design: Design, torque: float | None = None, quick: bool = False, told: Done = nothing
+) -> Measurement:
+    """Measure the loads of a design at an output torque [N m], by default the rated one, over a turn of the crank.
+
+    Parameters
+    ----------
+    design
+        What to measure, at its own crank speed.
+    torque
+        On the output [N m], more than 0; by default the rated one.
+    quick
+        Some mesh periods instead of a turn.
+    told
+        Told after each run.
+
+    Raises
+    ------
+    UsageError
+        There is no torque.
+    DesignError
+        The crank does not turn.
+    RunError
+        A run went wrong.
+    """
+    torque = rated_torque(design) if torque is None else torque
+    if not torque > 0.0:
+        raise UsageError(f"cannot measure loads under {torque:g} N m: the torque must be more than 0")
+    loaded = override(steady_design(design), [f"load.torque_nm={torque!r}"])
+    work = [(loaded, CHECKED if quick else design.ring.teeth), (halved(loaded), CHECKED)]
+    whole = len(work) + 1
+    run, finer = each(lambda one: steady(one[0], SETTLED, one[1]), work, lambda done, _: told(done, whole))
+    found, fine = pressed(run, loaded), pressed(finer, loaded)
+    coarse = pressed(run.select(slice(0, len(finer))), loaded)
+    limits = _limits(found, loaded)
+    weakest = min(limits, key=lambda kind: limits[kind])
+    capacity = _capacity(loaded, weakest, torque * limits[weakest])
+    told(whole, whole)
+    quantities = {key: one for kind in found for key, one in _of_kind(loaded, found[kind], coarse[kind], fine[kind])}
+    return Measurement(
+        measure="loads",
+        design=design,
+        quantities=quantities | {"capacity": capacity},
+        curves=_curves(found, loaded),
+        assumptions=_assumptions(loaded),
+        runs={"loaded": run},
+        details={"load_torque_nm": torque, "weakest": weakest, "capacity_by_kind_nm": _scaled(limits, torque)},
+    )
+
+
+def _capacity(design: Design, weakest: str, torque: float) -> Quantity:
+    """Give the torque at which the weakest kind yields, from runs at better and better guesses of it [N m]."""
+    for _ in range(MOST_GUESSES):
+        run = steady(override(design, [f"load.torque_nm={torque!r}"]), SETTLED, CHECKED)
+        before, torque = torque, torque * _limits(pressed(run, design), design)[weakest]
+        if abs(torque - before) < CAPACITY_TOLERANCE * torque:
+            break
+    return Quantity(
+        "capacity: torque at which the first contact yields",
+        torque,
+        "N m",
+        error=abs(torque - before),
+        note=f"{weakest} decides: its largest pressure reaches {YIELD_PRESSURE} x the yield strength; found over "
+        f"{CHECKED} mesh periods",
+    )
+
+
+def _of_kind(design: Design, found: Pressed, coarse: Pressed, fine: Pressed) -> Iterator[tuple[str, Quantity]]:
+    """Give the numbers of one kind; their errors are what half the step changes over the first mesh periods."""
+    kind, allowed = found.kind, YIELD_PRESSURE * design.material.yield_strength
+    peak_error, mean_error = abs(coarse.peak_force - fine.peak_force), abs(coarse.mean_force - fine.mean_force)
+    pressure, pressure_error = found.peak_pressure, abs(coarse.peak_pressure - fine.peak_pressure)
+    yield (
+        f"{kind}_peak_force",
+        Quantity(
+            f"{kind}: largest force",
+            found.peak_force,
+            "N",
+            peak_error,
+            ideal_peak(design, kind, found.angle),
+            IDEAL.get(kind, "ideal sharing"),
+            f"at {math.degrees(found.peak_angle):.0f} deg of crank",
+        ),
+    )
+    name = f"{kind}: mean force of the contacts that carry"
+    yield f"{kind}_mean_force", Quantity(name, found.mean_force, "N", mean_error)
+    name, error = f"{kind}: contacts that carry, on average", abs(coarse.carrying - fine.carrying)
+    yield f"{kind}_carrying", Quantity(name, found.carrying, "1", error)
+    name = f"{kind}: largest Hertz pressure"
+    yield f"{kind}_pressure", Quantity(name, 1e-6 * pressure, "MPa", 1e-6 * pressure_error)
+    name, margin = f"{kind}: margin against yield", allowed / pressure
+    yield f"{kind}_margin", Quantity(name, margin, "1", margin * pressure_error / pressure)
+
+
+def _limits(found: Kinds, design: Design) -> dict[str, float]:
+    """Give, for each kind, the factor on the torque at which its peak pressure reaches yield."""
+    allowed = YIELD_PRESSURE * design.material.yield_strength
+    return {kind: (allowed / one.peak_pressure) ** 2 for kind, one in found.items()}
+
+
+def _scaled(limits: Mapping[str, float], torque: float) -> dict[str, float]:
+    return {kind: torque * factor for kind, factor in limits.items()}
+
+
+def _curves(found: Kinds, design: Design) -> tuple[Curve, ...]:
+    single = [curve for one in found.values() if one.kind != "cam" for curve in _contacts(one, design)]
+    return (*single, *_cam(found["cam"]), _around(found[design.tooth_pair]))
+
+
+def _contacts(one: Pressed, design: Design) -> Iterator[Curve]:
+    """Give the force on some contacts of a kind; of teeth beside ideal sharing."""
+    panel, degrees = f"{one.kind}: force on single contacts", np.degrees(one.angle)
+    if one.kind == design.tooth_pair:
+        torque = math.copysign(design.load.torque, design.drive.speed)
+        ideal = statics.ideal_load_sharing(tooth_profile(design), torque, one.angle)
+        yield Curve(panel, "1, ideal", degrees, ideal.forces[:, 0], _CRANK, _FORCE, "theory")
+    count = one.force.shape[1]
+    for number in dict.fromkeys((0, count // 4, count // 2)):
+        yield Curve(panel, str(number + 1), degrees, one.force[:, number], _CRANK, _FORCE)
+
+
+def _cam(one: Pressed) -> Iterator[Curve]:
+    """Give size and direction of the cam's force on the gear."""
+    degrees, (x, y) = np.degrees(one.angle), one.vector[:, 0].T
+    yield Curve("cam: force", "", degrees, np.hypot(x, y), _CRANK, _FORCE)
+    towards = np.mod(np.degrees(np.arctan2(y, x)) - degrees - 90.0, 360.0)
+    panel = "cam: direction of the force on the gear from the eccentric, counter-clockwise"
+    yield Curve(panel, "", degrees, towards, _CRANK, "direction [deg]")
+
+
+def _around(teeth: Pressed) -> Curve:
+    """Give the forces round the ring where the largest one acts."""
+    count, row = teeth.force.shape[1], int(np.argmax(teeth.force.max(axis=1)))
+    about = np.degrees(2.0 * math.pi * np.arange(count + 1) / count)
+    around = np.append(teeth.force[row], teeth.force[row, 0])
+    panel = f"{teeth.kind} at {math.degrees(teeth.peak_angle):.0f} deg of crank"
+    return Curve(panel, "", about, around, "", _FORCE, "polar")
+
+
+def _assumptions(design: Design) -> tuple[str, ...]:
+    bearing = (
+        f"the cam turns in a full-complement roller bearing of {design.contact.cam_rollers} rollers "
+        f"(contact.cam_rollers), of which the most loaded carries {STRIBECK}/Z of the force (Stribeck)"
+        if design.gear.bearing == "rolling"
+        else "the cam slides in the gear's bore: Hertz's strip is only a guide there"
+    )
+    return (
+        "Hertz's line contact over the whole face width, with the local relative curvature of the ideal mesh; edge "
+        "effects and misalignment are left out",
+        f"a contact first yields below its surface at a peak pressure of {YIELD_PRESSURE} times the yield strength "
+        "(von Mises, plane strain)",
+        "pins in sockets and holes are so conformal that Hertz's strip is only a guide: it is told, and seldom decides",
+        bearing,
+        f"a contact carries from {CARRIES:.0%} of the largest force of its kind; numerical error: what half the step "
+        f"changes over the first {CHECKED} mesh periods; of the capacity: the last change of the guess",
+    )

@@ -1,0 +1,71 @@
+"""Lost motion, torsional stiffness and friction's hysteresis: a slow torque loop at the output, the crank locked."""
+
+from cycloid_mj.design import Design
+from cycloid_mj.errors import UsageError
+from cycloid_mj.measure import balance, bench, hysteresis
+from cycloid_mj.measure.conditions import rated_torque
+from cycloid_mj.measure.lost_motion_table import Found, by_angle, curves, quantities
+from cycloid_mj.measure.measurement import Measurement
+from cycloid_mj.measure.pool import Done, each, nothing
+
+ANGLES = 8
+SLOWER, FINER = 2.0, 2.0
+"""The check: a loop this many times as slow, without friction at a step this many times shorter."""
+
+
+def measure_lost_motion(
+    design: Design, rated: float | None = None, angles: int = ANGLES, told: Done = nothing
+) -> Measurement:
+    """Measure lost motion, stiffness and hysteresis of a design at several locked crank angles.
+
+    Parameters
+    ----------
+    design
+        What to measure; its own load and speed do not matter.
+    rated
+        Rated torque at the output [N m]; None: the rated input torque times the ratio.
+    angles
+        How many crank angles, spread over the turn and over the mesh period.
+    told
+        Told after each run.
+
+    Raises
+    ------
+    UsageError
+        The rated torque is not positive, or there is no angle.
+    RunError
+        A run went wrong.
+    """
+    rated = rated_torque(design) if rated is None else rated
+    if not rated > 0.0 or angles < 1:
+        raise UsageError(f"cannot measure under {rated:g} N m at {angles} crank angles: both must be more than 0")
+    cranks = [float(crank) for crank in bench.crank_angles(design, angles)]
+    period, level = hysteresis.slow_period(design, rated), bench.ideal(design)
+    jobs = [(design, cranks[0], SLOWER * period, 1.0), (level, cranks[0], SLOWER * period, FINER)]
+    jobs += [(one, crank, period, 1.0) for one in (design, level) for crank in cranks]
+    slow_service, slow_ideal, *loops = each(lambda job: hysteresis.loop(job[0], job[1], rated, *job[2:]), jobs, told)
+    solved = [balance.balance(design, crank, rated) for crank in cranks] if balance.is_known(design) else []
+    found = Found(design, loops[:angles], loops[angles:], slow_service, slow_ideal, solved)
+    return Measurement(
+        measure="lost-motion",
+        design=design,
+        quantities=quantities(found),
+        curves=curves(found),
+        assumptions=_assumptions(found, period),
+        runs={"loop": found.service[0].run, "loop-ideal": found.ideal[0].run},
+        details={"rated_torque_nm": rated, "period_s": period, "angles": by_angle(found)},
+    )
+
+
+def _assumptions(found: Found, period: float) -> tuple[str, ...]:
+    step = float(found.service[0].run.provenance["timestep_s"])
+    beyond = () if found.statics else ("statics does not know manufacturing errors and modified flanks: left out",)
+    return (
+        f"the crank is locked; the torque at the output follows sin^5 over {1e3 * period:.3g} ms, up to "
+        f"{found.service[0].rated:.4g} N m (rated input torque times the ratio, unless given)",
+        f"time step {1e6 * step:.3g} us; the numerical error is what a loop {SLOWER:g} times as slow changes at the "
+        f"first crank angle, without friction at a step {FINER:g} times shorter",
+        "shafts, gear body, output disc and housing are rigid: only contacts give",
+        "contacts have the secant stiffness of their working force",
+        *beyond,
+    )

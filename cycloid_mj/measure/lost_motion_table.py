@@ -1,0 +1,218 @@
+"""The table and the curves of `lost_motion`: what its loops and static solutions tell."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.design import Design
+from cycloid_mj.measure import balance, hysteresis, play
+from cycloid_mj.measure.balance import SERIES, Balance
+from cycloid_mj.measure.bench import ARCMINUTE
+from cycloid_mj.measure.hysteresis import Loop
+from cycloid_mj.measure.measurement import Curve, Quantity
+
+Array = npt.NDArray[np.float64]
+
+STATICS, RIGID = "statics: springs in balance", "rigid contacts: linear programme"
+IDEAL = "without friction and weight"
+_PARTS = {"output": "output pins", "cam": "cam", "mesh": "teeth, pins and sockets"}
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """Loops and static solutions at some crank angles.
+
+    Attributes
+    ----------
+    design
+        What was measured.
+    service, ideal
+        Loops of the design as it is, and without friction and weight, one for each crank angle.
+    slow_service, slow_ideal
+        The same at the first crank angle, slower and at a shorter step.
+    statics
+        One for each crank angle; none where a design is beyond `balance`.
+    """
+
+    design: Design
+    service: list[Loop]
+    ideal: list[Loop]
+    slow_service: Loop
+    slow_ideal: Loop
+    statics: list[Balance]
+
+
+def quantities(found: Found) -> dict[str, Quantity]:
+    """Give every number of the measurement."""
+    return {**_motions(found), **_stiffness(found), **_friction(found)}
+
+
+def _quantity(
+    name: str,
+    read: Callable[[Loop], float],
+    loops: list[Loop],
+    slow: Loop,
+    unit: str = "arcmin",
+    closed: Sequence[float] | Array = (),
+    source: str = "",
+    note: str = "",
+) -> Quantity:
+    """Give the mean of a reading over the crank angles; its error is what the slower loop at the first one changes."""
+    reference = float(np.mean(closed)) if len(closed) else None
+    error = abs(read(slow) - read(loops[0]))
+    value = float(np.mean([read(loop) for loop in loops]))
+    return Quantity(name, value, unit, error, reference, source if len(closed) else "", note)
+
+
+def _extremes(key: str, name: str, read: Callable[[Loop], float], loops: list[Loop], unit: str) -> dict[str, Quantity]:
+    values = [read(loop) for loop in loops]
+    return {
+        f"{key}_min": Quantity(f"{name}, least over the crank angle", min(values), unit),
+        f"{key}_max": Quantity(f"{name}, largest over the crank angle", max(values), unit),
+    }
+
+
+def lost_motion(loop: Loop) -> float:
+    """Give the lost motion at +-3 % of the rated torque [arcmin]."""
+    return loop.lost_motion / ARCMINUTE
+
+
+def stiffness(loop: Loop) -> float:
+    """Give the torsional stiffness [N m/arcmin]."""
+    return loop.stiffness * ARCMINUTE
+
+
+def _motions(found: Found) -> dict[str, Quantity]:
+    solved = [one.lost_motion / ARCMINUTE for one in found.statics]
+    cranks = np.array([loop.crank for loop in found.service])
+    rigid = play.total(found.design, cranks) / ARCMINUTE if play.has_linear_gaps(found.design) else ()
+    loops = {"": (found.service, found.slow_service), "_ideal": (found.ideal, found.slow_ideal)}
+    table: dict[str, Quantity] = {}
+    for suffix, pair in loops.items():
+        which = f", {IDEAL}" if suffix else ""
+        at = f"lost motion at +-3 % of rated torque{which}"
+        table["lost_motion" + suffix] = _quantity(at, lost_motion, *pair, closed=solved, source=STATICS)
+        if not suffix:
+            table |= _extremes("lost_motion", "lost motion", lost_motion, found.service, "arcmin")
+        name = f"backlash{which}"
+        table["backlash" + suffix] = _quantity(
+            name, lambda loop: loop.backlash / ARCMINUTE, *pair, closed=rigid, source=RIGID
+        )
+    return table
+
+
+def _stiffness(found: Found) -> dict[str, Quantity]:
+    unit = "N m/arcmin"
+    solved = [ARCMINUTE / one.compliance(one.turn) for one in found.statics]
+    name = "torsional stiffness, 50 to 100 % of rated torque"
+    note = "friction holds the parts where the torque turns back, which makes the curve steeper there"
+    pair, ideal = (found.service, found.slow_service), (found.ideal, found.slow_ideal)
+    table = {"stiffness": _quantity(name, stiffness, *pair, unit, solved, STATICS, note)}
+    table |= _extremes("stiffness", "stiffness", stiffness, found.service, unit)
+    table["stiffness_ideal"] = _quantity(f"{name}, {IDEAL}", stiffness, *ideal, unit, solved, STATICS)
+    for part in SERIES:
+        closed = [one.series(found.design)[part] / ARCMINUTE for one in found.statics]
+
+        def compliance(loop: Loop, part: str = part) -> float:
+            return balance.loop_series(found.design, loop)[part] / ARCMINUTE
+
+        name = f"compliance of {_PARTS[part]}, in series, {IDEAL}"
+        table[f"compliance_{part}"] = _quantity(name, compliance, *ideal, "arcmin/(N m)", closed, STATICS)
+    return table
+
+
+def _friction(found: Found) -> dict[str, Quantity]:
+    pair = found.service, found.slow_service
+    damped = float(np.mean([loop.width for loop in found.ideal])) / ARCMINUTE
+    viscous = (
+        f"friction, and {damped:.2g} arcmin of damping, which vanishes in slower loops; friction is viscous below the "
+        "creep speed, lowered as far as the step bears: free pins roll, and what slides in them stays below it"
+    )
+    shift = max(abs(a.offset - b.offset) for a, b in zip(found.service, found.ideal, strict=True))
+    slow = found.slow_service.offset - found.slow_ideal.offset
+    first = found.service[0].offset - found.ideal[0].offset
+    return {
+        "hysteresis": _quantity(
+            "width of the loop at half the rated torque", lambda loop: loop.width / ARCMINUTE, *pair, note=viscous
+        ),
+        "loop_work": _quantity(
+            "work of one loop",
+            lambda loop: 1e3 * loop.work,
+            *pair,
+            "mJ",
+            [1e3 * loop.dissipated for loop in found.service],
+            "friction and damping, logged",
+            "the area is the result; where the logged powers of light free pins do not add up to it, they are not "
+            "resolved at this step",
+        ),
+        "shift": Quantity(
+            "shift of the loop by weight and friction, largest",
+            shift / ARCMINUTE,
+            "arcmin",
+            abs(slow - first) / ARCMINUTE,
+            note="the gear's weight pulls it about the pitch point; the crank's lock holds it",
+        ),
+    }
+
+
+def curves(found: Found) -> tuple[Curve, ...]:
+    """Give the loop at the first crank angle, whole and near zero, and the readings over the crank angle."""
+    loop, ideal = found.service[0], found.ideal[0]
+    torque, turn = "torque [N m]", "turn [arcmin]"
+    near = np.abs(loop.torque) <= 3.0 * hysteresis.LOST_MOTION_SHARE * loop.rated
+    title = f"hysteresis, crank at {np.degrees(loop.crank):.1f}°"
+    drawn = [
+        Curve(title, "as designed", loop.torque, loop.turn / ARCMINUTE, torque, turn),
+        Curve(title, "no friction", ideal.torque, ideal.turn / ARCMINUTE, torque, turn),
+        Curve("near zero torque", "as designed", *_cut(loop, near), torque, turn),
+    ]
+    marks = hysteresis.LOST_MOTION_SHARE * loop.rated * np.array([-1.0, 1.0])
+    middles = np.array([loop.middle(hysteresis.LOST_MOTION_SHARE, side) for side in (-1, 1)]) / ARCMINUTE
+    drawn.append(Curve("near zero torque", "±3 %", marks, middles, torque, turn, "points"))
+    if found.statics:
+        shares = sorted(found.statics[0].turn)
+        turns = np.array([found.statics[0].turn[share] for share in shares]) / ARCMINUTE
+        drawn.append(Curve(title, "statics", np.array(shares) * loop.rated, turns, torque, turn, "points"))
+    crank = np.degrees([one.crank for one in found.service])
+    over_angle = {
+        ("lost motion at ±3 %", "arcmin"): (lost_motion, [one.lost_motion / ARCMINUTE for one in found.statics]),
+        ("stiffness", "N m/arcmin"): (stiffness, [ARCMINUTE / one.compliance(one.turn) for one in found.statics]),
+    }
+    for (panel, unit), (read, solved) in over_angle.items():
+        axes = "crank angle [deg]", f"{panel.split(' at')[0]} [{unit}]"
+        if solved:
+            drawn.append(Curve(panel, "statics", crank, np.array(solved), *axes, "theory"))
+        drawn.append(
+            Curve(panel, "as designed", crank, np.array([read(one) for one in found.service]), *axes, "points")
+        )
+        drawn.append(Curve(panel, "no friction", crank, np.array([read(one) for one in found.ideal]), *axes, "points"))
+    return tuple(drawn)
+
+
+def _cut(loop: Loop, rows: npt.NDArray[np.bool_]) -> tuple[Array, Array]:
+    return loop.torque[rows], loop.turn[rows] / ARCMINUTE
+
+
+def by_angle(found: Found) -> list[dict[str, Any]]:
+    """Give the readings at each crank angle, for a program."""
+    rows: list[dict[str, Any]] = []
+    for place, (service, ideal) in enumerate(zip(found.service, found.ideal, strict=True)):
+        row: dict[str, Any] = {"crank_angle_deg": float(np.degrees(service.crank))}
+        for name, loop in (("service", service), ("ideal", ideal)):
+            row[name] = {
+                "lost_motion_arcmin": lost_motion(loop),
+                "stiffness_nm_per_arcmin": stiffness(loop),
+                "backlash_arcmin": loop.backlash / ARCMINUTE,
+                "hysteresis_arcmin": loop.width / ARCMINUTE,
+            }
+        if found.statics:
+            solved = found.statics[place]
+            row["statics"] = {
+                "lost_motion_arcmin": solved.lost_motion / ARCMINUTE,
+                "stiffness_nm_per_arcmin": ARCMINUTE / solved.compliance(solved.turn),
+            }
+        rows.append(row)
+    return rows

@@ -1,0 +1,161 @@
+"""Orders of the crank in a periodic error, and which cause gives which.
+
+An order is a number of cycles in a turn of the crank. The crank turns by theta against the ring and by theta N/(N-1)
+against gear and output, which turn the other way by theta/(N-1). So what belongs to the ring repeats after a turn, at
+whole orders; what belongs to gear or output at multiples of N/(N-1); and what all teeth have alike at the mesh order N.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.design import Design
+
+Array = npt.NDArray[np.float64]
+Place = Literal["gear", "stage"]
+"""Where an error shows: in the gear's turn, or in the output's turn against the gear's, the stage of output pins."""
+
+
+@dataclass(frozen=True)
+class Orders:
+    """A spectrum.
+
+    Attributes
+    ----------
+    base
+        Cycles in a crank turn of the first of the orders that are told apart [1].
+    order
+        Orders [1], shape (n,).
+    amplitude
+        Half of the peak-to-peak value of each, in the error's unit, shape (n,).
+    """
+
+    base: float
+    order: Array
+    amplitude: Array
+
+    def rms(self, kept: npt.NDArray[np.bool_]) -> float:
+        """Give the rms value of some orders together."""
+        return float(np.sqrt(0.5 * np.sum(self.amplitude[kept] ** 2)))
+
+
+@dataclass(frozen=True)
+class Cause:
+    """What gives an error of certain orders.
+
+    Attributes
+    ----------
+    key, name
+        For programs and for people.
+    place
+        Where it shows.
+    base
+        Its orders are multiples of this [1].
+    takes
+        Whether a multiple is one of them: multiples (n,), 1, 2, ..., to a mask (n,).
+    why
+        The orders, and the reason.
+    """
+
+    key: str
+    name: str
+    place: Place
+    base: float
+    takes: Callable[[npt.NDArray[np.int64]], npt.NDArray[np.bool_]]
+    why: str
+
+    def rms(self, found: Orders) -> float:
+        """Give the rms value of its orders in a spectrum of this base."""
+        return found.rms(self._mask(found.order))
+
+    def strongest(self, found: Orders) -> tuple[float, float]:
+        """Give the strongest of its orders and its amplitude."""
+        amplitude = np.where(self._mask(found.order), found.amplitude, 0.0)
+        place = int(np.argmax(amplitude))
+        return float(found.order[place]), float(amplitude[place])
+
+    def has(self, order: float) -> bool:
+        """Tell whether an order is one of its own."""
+        return bool(self._mask(np.array([order]))[0])
+
+    def _mask(self, order: Array) -> npt.NDArray[np.bool_]:
+        multiple = order / self.base
+        whole = np.rint(multiple).astype(np.int64)
+        return np.isclose(multiple, whole, atol=1e-6) & (whole > 0) & self.takes(whole)
+
+    def as_json(self) -> dict[str, Any]:
+        """Give the cause for a program."""
+        return {"key": self.key, "name": self.name, "shows_in": self.place, "base_order": self.base, "why": self.why}
+
+
+def order_spectrum(crank: Array, error: Array, base: float, most: float) -> Orders:
+    """Give the orders of an error up to `most`.
+
+    Parameters
+    ----------
+    crank
+        Crank angles [rad], increasing, shape (n,).
+    error
+        Shape (n,).
+    base
+        Cycles in a crank turn of what the error is taken to repeat with [1]; the window is as many whole cycles as fit.
+    most
+        The largest order [1]; samples must be denser than two in a cycle of it.
+    """
+    period = 2.0 * np.pi / base
+    cycles = int((crank[-1] - crank[0]) / period + 0.02)
+    points = int(np.ceil(4.0 * cycles * most / base))
+    grid = crank[0] + cycles * period * np.arange(points) / points
+    amplitude = 2.0 / points * np.abs(np.fft.rfft(np.interp(grid, crank, error)))
+    order = base * np.arange(amplitude.size) / cycles
+    kept = (order > 0.0) & (order <= most)
+    return Orders(base, order[kept], amplitude[kept])
+
+
+def causes(design: Design) -> tuple[Cause, ...]:
+    """Give the causes of transmission error that a design can have, with the orders that they give."""
+    teeth, lobes, pins = design.ring.teeth, design.lobes, design.output.pins
+    against_gear = teeth / lobes
+    ring = "pins" if design.ring.kind == "pin" else "lobes"
+    return (
+        Cause(
+            "mesh",
+            "mesh",
+            "gear",
+            1.0,
+            lambda k: k % teeth == 0,
+            f"{teeth}, {2 * teeth}, ...: the mesh itself, and what all teeth have alike (clearance, elasticity, "
+            f"modification, the cam's eccentricity)",
+        ),
+        Cause(
+            "ring",
+            f"ring {ring}",
+            "gear",
+            1.0,
+            lambda k: k % teeth > 0,
+            f"whole orders but multiples of {teeth}: an error of one ring {ring[:-1]} acts as a function of its angle "
+            f"from the crank, so gives all of them; an error that goes m times round the ring gives m, {teeth} - m, "
+            f"{teeth} + m, ...; the gear's weight gives 1",
+        ),
+        Cause(
+            "holes",
+            "holes and output pins",
+            "stage",
+            against_gear,
+            lambda k: (k % pins > 0) & (k % lobes > 0),
+            f"multiples of {teeth}/{lobes}: the eccentric's direction goes round the gear so often in a crank turn, "
+            f"past each hole, each output pin and each of the gear's lobes",
+        ),
+        Cause(
+            "eccentricity",
+            "stage of output pins",
+            "stage",
+            against_gear,
+            lambda k: k % pins == 0,
+            f"multiples of {pins} x {teeth}/{lobes} = {pins * against_gear:.4g}: what all {pins} output pins have "
+            f"alike (clearance, elasticity, the cam's eccentricity)",
+        ),
+    )

@@ -1,0 +1,150 @@
+"""Contacts under load: their forces over a run, their Hertz pressures, and what ideal sharing says of them."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj import envelope, statics
+from cycloid_mj.contact.law import STRIBECK
+from cycloid_mj.design import Design
+from cycloid_mj.mjcf import names
+from cycloid_mj.record import Run
+from cycloid_mj.solid import gear_solid, mass_properties
+from cycloid_mj.solid.gear import tooth_profile
+
+Array = npt.NDArray[np.float64]
+
+CARRIES = 0.01
+"""A contact carries where its force is at least this share of the largest of its kind."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pressed:
+    """The contacts of one kind over the samples of a run.
+
+    Attributes
+    ----------
+    kind
+        As in ``names.Pair``.
+    angle
+        Crank angle [rad], shape (n,), increasing or decreasing; its first is within a turn of 0.
+    vector
+        Forces on the gear (on the pin, in its socket) [N], shape (n, contacts, 2).
+    pressure
+        Hertz's peak pressure [Pa], shape (n, contacts).
+    """
+
+    kind: str
+    angle: Array
+    vector: Array
+    pressure: Array
+
+    @property
+    def force(self) -> Array:
+        """Sizes of the forces [N], shape (n, contacts)."""
+        return np.hypot(self.vector[..., 0], self.vector[..., 1])
+
+    @property
+    def peak_force(self) -> float:
+        """The largest force [N]."""
+        return float(self.force.max())
+
+    @property
+    def peak_angle(self) -> float:
+        """Crank angle of the largest force [rad], within a turn."""
+        row = int(np.argmax(self.force.max(axis=1)))
+        return float(np.mod(self.angle[row], 2.0 * math.pi))
+
+    @property
+    def carries(self) -> npt.NDArray[np.bool_]:
+        """Whether a contact carries, shape (n, contacts)."""
+        return np.asarray(self.force > CARRIES * self.peak_force)
+
+    @property
+    def mean_force(self) -> float:
+        """Mean force of the contacts that carry [N]; 0 where none does."""
+        carried = self.force[self.carries]
+        return float(carried.mean()) if carried.size else 0.0
+
+    @property
+    def carrying(self) -> float:
+        """Contacts that carry, on average [1]."""
+        return float(self.carries.sum(axis=1).mean())
+
+    @property
+    def peak_pressure(self) -> float:
+        """The largest Hertz pressure [Pa]."""
+        return float(self.pressure.max())
+
+
+def pressed(run: Run, design: Design) -> dict[str, Pressed]:
+    """Give the contacts of a run's samples by kind of pair."""
+    crank = run["crank_angle"]
+    angle = crank - 2.0 * math.pi * np.floor(crank[0] / (2.0 * math.pi))
+    mating: dict[str, list[str]] = {}
+    for pair in names.pairs(design):
+        mating.setdefault(pair.kind, []).append(pair.name)
+    found = {}
+    for kind, stems in mating.items():
+        vector = np.stack([run.block([f"{stem}_force_x", f"{stem}_force_y"]) for stem in stems], axis=1)
+        curvature = relative_curvature(design, kind, crank)
+        force = np.hypot(vector[..., 0], vector[..., 1]) * _share(design, kind)
+        found[kind] = Pressed(kind, angle, vector, _pressure(design, force, curvature))
+    return found
+
+
+def relative_curvature(design: Design, kind: str, crank_angle: Array) -> Array:
+    """Give the relative curvature [1/m] of a kind's contacts, shape (n, contacts) or one that broadcasts to it."""
+    if kind == design.tooth_pair:
+        gear = tooth_profile(design)
+        return np.stack([envelope.arc_contacts(gear, float(angle)).relative_curvature for angle in crank_angle])
+    if kind == "cam" and _has_rollers(design):
+        roller = design.gear.bore_radius * math.sin(math.pi / design.contact.cam_rollers)
+        return np.array([1.0 / roller + 1.0 / design.gear.bore_radius])
+    inner, outer = {
+        "cam": (design.gear.bore_radius, design.gear.bore_radius + design.clearance.cam),
+        "output": (design.output.pin_radius, design.output.hole_radius + design.clearance.output),
+        "pin_socket": (design.ring.pin_radius, design.ring.pin_radius + design.clearance.pin_socket),
+        "pin_sleeve": (
+            design.ring.sleeve_bore_radius - design.clearance.pin_sleeve,
+            design.ring.sleeve_bore_radius,
+        ),
+    }[kind]
+    return np.array([1.0 / inner - 1.0 / outer])
+
+
+def ideal_peak(design: Design, kind: str, crank_angle: Array) -> float:
+    """Give the largest force [N] that ideal sharing puts on a contact of a kind."""
+    gear, torque = tooth_profile(design), design.load.torque * math.copysign(1.0, design.drive.speed)
+    ring = statics.ideal_load_sharing(gear, torque, crank_angle)
+    output = statics.ideal_output_forces(gear, design.output.pins, design.output.pin_circle_radius, torque, crank_angle)
+    if kind == "output":
+        return float(output.max())
+    if kind == "cam":
+        return float(np.hypot(*statics.cam_force(ring, output, crank_angle, _body_force(design, crank_angle)).T).max())
+    return float(ring.forces.max())
+
+
+def _body_force(design: Design, crank_angle: Array) -> Array:
+    """Weight of the gear, and its mass times acceleration turned round [N], shape (n, 2)."""
+    mass = mass_properties(gear_solid(design)).mass
+    outward = np.stack([-np.sin(crank_angle), np.cos(crank_angle)], axis=1)
+    flung = design.gear.eccentricity * design.drive.speed**2 * outward
+    return mass * (flung + np.array([design.environment.gravity_x, design.environment.gravity_y]))
+
+
+def _has_rollers(design: Design) -> bool:
+    return design.gear.bearing == "rolling"
+
+
+def _share(design: Design, kind: str) -> float:
+    """Share of a pair's force that its most loaded line contact bears: of the cam, one roller."""
+    return STRIBECK / design.contact.cam_rollers if kind == "cam" and _has_rollers(design) else 1.0
+
+
+def _pressure(design: Design, force: Array, curvature: Array) -> Array:
+    modulus = statics.contact_modulus(design.material.youngs_modulus, design.material.poisson)
+    curvature = np.maximum(curvature, np.finfo(float).tiny)
+    return statics.hertz_line_contact(force, design.gear.face_width, curvature, modulus).peak_pressure

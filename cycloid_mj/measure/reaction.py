@@ -1,0 +1,117 @@
+"""What the housing feels: the forces of ring and bearings, and the unbalance of gear and shaft."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.design import Design
+from cycloid_mj.mjcf.names import CAM, GEAR, OUTPUT, SHAFT, lobe, output_pin, pin, sleeve, socket
+from cycloid_mj.record import Run
+from cycloid_mj.solid import MassProperties, Solid, gear_solid, mass_properties, output_solid, pin_solid, shaft_solid
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Unbalance:
+    """Unbalance of what goes round with the crank.
+
+    Attributes
+    ----------
+    bare
+        Static unbalance of gear and cam without a counterweight, the sum of m c [kg m].
+    balanced
+        The same with the counterweight [kg m].
+    couple
+        Unbalance of the couple with the counterweight, about the gear's middle plane, the sum of m y z [kg m2].
+    """
+
+    bare: float
+    balanced: float
+    couple: float
+
+
+@dataclass(frozen=True, eq=False)
+class Reaction:
+    """Forces on the housing [N], shape (n, 2) each: of the ring's teeth, of the crank's bearing, of the output's."""
+
+    ring: Array
+    crank: Array
+    output: Array
+
+    @property
+    def whole(self) -> Array:
+        """Their sum [N], shape (n, 2)."""
+        return self.ring + self.crank + self.output
+
+
+def masses(design: Design) -> dict[str, MassProperties]:
+    """Give the mass properties of gear, shaft and output."""
+    solids = {GEAR: gear_solid(design), SHAFT: shaft_solid(design), OUTPUT: output_solid(design)}
+    return {name: mass_properties(solid) for name, solid in solids.items()}
+
+
+def weight(design: Design) -> Array:
+    """Give the weight of all that moves [N], shape (2,): gear, shaft, output, and pins or sleeves that are bodies."""
+    mass = sum(part.mass for part in masses(design).values())
+    if design.ring.has_moving_pins:
+        mass += design.ring.teeth * mass_properties(pin_solid(design)).mass
+    return mass * np.array([design.environment.gravity_x, design.environment.gravity_y])
+
+
+def unbalance(design: Design) -> Unbalance:
+    """Give the unbalance of a design from its solids."""
+    shaft, gear = shaft_solid(design), mass_properties(gear_solid(design))
+    cam = mass_properties(Solid("cam", shaft.prisms[-1:], shaft.density))
+    whole, orbit = mass_properties(shaft), design.gear.eccentricity
+    y, z = whole.centroid[1], whole.centroid[2]
+    return Unbalance(
+        bare=gear.mass * orbit + cam.mass * cam.centroid[1],
+        balanced=gear.mass * orbit + whole.mass * y,
+        couple=float(whole.mass * y * z - whole.inertia[1, 2]),
+    )
+
+
+def reaction(run: Run, design: Design) -> Reaction:
+    """Give the forces on the housing over a run, from its contact forces.
+
+    The ring's are logged. A bearing's is what the contacts and the weight of its body leave of its mass times
+    acceleration; the shaft's centroid goes round the axis at the measured speed of the crank, the output's rests on it.
+    """
+    of = masses(design)
+    gravity = np.array([design.environment.gravity_x, design.environment.gravity_y])
+    ring, teeth = design.ring, range(1, design.ring.teeth + 1)
+    stem = lobe if ring.kind == "nonpin" else socket if ring.has_sockets else sleeve if ring.has_sleeves else pin
+    on_output = -_sum(run, [output_pin(number) for number in range(1, design.output.pins + 1)])
+    return Reaction(
+        ring=-_sum(run, [stem(number) for number in teeth]),
+        crank=-_sum(run, [CAM]) + of[SHAFT].mass * (gravity - shaft_acceleration(run, of[SHAFT])),
+        output=on_output + of[OUTPUT].mass * gravity,
+    )
+
+
+def shaft_acceleration(run: Run, shaft: MassProperties) -> Array:
+    """Acceleration of the shaft's centroid [m/s2], shape (n, 2); the crank's own acceleration is left out."""
+    return -((run["crank_speed"] ** 2)[:, np.newaxis]) * _outward(run) * shaft.centroid[1]
+
+
+def without_counterweight(run: Run, design: Design, force: Array) -> Array:
+    """Give a force on the housing [N], shape (n, 2), as it were without the counterweight.
+
+    The crank's bearing is rigid, so nothing else changes: the unbalance that the counterweight takes comes on top.
+    """
+    found = unbalance(design)
+    pull = (found.bare - found.balanced) * run["crank_speed"] ** 2
+    return force + pull[:, np.newaxis] * _outward(run)
+
+
+def _outward(run: Run) -> Array:
+    """Give unit vectors along the eccentric, shape (n, 2)."""
+    return np.stack([-np.sin(run["crank_angle"]), np.cos(run["crank_angle"])], axis=1)
+
+
+def _sum(run: Run, stems: list[str]) -> Array:
+    """Sum of some pairs' logged forces [N], shape (n, 2)."""
+    axes = [run.block([f"{stem}_force_{axis}" for stem in stems]).sum(axis=1) for axis in "xy"]
+    return np.stack(axes, axis=1)

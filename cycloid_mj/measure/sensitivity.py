@@ -1,0 +1,150 @@
+"""How the output rate answers to the friction of each pair, with pins free, fixed and sleeved."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.interpolate import PchipInterpolator
+
+from cycloid_mj.design import Design, override
+from cycloid_mj.measure.conditions import rated_torque
+from cycloid_mj.measure.measurement import Curve, Table
+from cycloid_mj.measure.paper import PaperFigure
+from cycloid_mj.measure.steady import steady_design
+
+Array = npt.NDArray[np.float64]
+
+SLIDING = (0.0, 0.1)
+"""Coefficients of one sliding pair, tried one pair at a time."""
+ROLLING = (0.001, 0.002)
+"""Coefficients of a rolling bearing: cylindrical and needle rollers (Harris, Rolling Bearing Analysis)."""
+COMMON = (0.0, 0.02, 0.05, 0.1)
+"""Coefficients of all sliding pairs together; from these the friction of a given rate is interpolated."""
+EVERY, OWN, NONE = "all sliding", "as designed", "none"
+PERIODS = 8
+"""Fewest mesh periods of a row."""
+
+
+@dataclass(frozen=True)
+class Variation:
+    """One row: how the ring's pins are held, the pair whose friction is set, its coefficient [1], and the design."""
+
+    pins: str
+    pair: str
+    friction: float
+    design: Design
+
+
+def variations(design: Design, quick: bool = False) -> list[Variation]:
+    """Give the rows of a design's table: its own friction first, then one pair at a time, then all together."""
+    kinds = [steady_design(kind) for kind in ring_kinds(design)[: 1 if quick else None]]
+    rows = [row for kind in kinds for row in _of_ring(kind, quick)]
+    return rows if quick else [*rows, *_of_bearings(kinds[0])]
+
+
+def ring_kinds(design: Design) -> list[Design]:
+    """Give the design, and with its pins held in each other way; an internal gear has none."""
+    if design.ring.kind == "nonpin":
+        return [design]
+    others = [pins for pins in ("free", "fixed", "sleeved") if pins != design.ring.pins]
+    return [design, *(override(design, [f'ring.pins="{pins}"']) for pins in others)]
+
+
+def pins_of(design: Design) -> str:
+    """Tell how the ring's pins are held."""
+    return NONE if design.ring.kind == "nonpin" else f"{design.ring.pins}"
+
+
+def sliding_pairs(design: Design) -> list[str]:
+    """Give the kinds of pair whose parts slide on each other."""
+    ring = design.ring
+    pairs = [design.tooth_pair, *["pin_socket"] * ring.has_sockets, *["pin_sleeve"] * ring.has_sleeves]
+    return pairs + ["output"] * (not design.output.rollers) + ["cam"] * (design.gear.bearing == "plain")
+
+
+def with_common_friction(design: Design, friction: float) -> Design:
+    """Give the design with one coefficient for all pairs that slide."""
+    return override(design, [f"friction.{pair}={friction!r}" for pair in sliding_pairs(design)])
+
+
+def friction_for(rates: Mapping[float, float], target: float) -> float:
+    """Interpolate the common friction that gives a rate; not a number where none of those tried encloses it.
+
+    Losses 1/rate - 1 grow almost in proportion to the friction: they are what is interpolated.
+    """
+    friction = np.array(sorted(rates))
+    losses = np.array([1.0 / rates[key] - 1.0 for key in friction])
+    rising = bool(np.all(np.diff(losses) > 0.0))
+    return float(PchipInterpolator(losses, friction, extrapolate=False)(1.0 / target - 1.0)) if rising else np.nan
+
+
+def slope(rates: Mapping[float, float]) -> float:
+    """Give by how much the rate changes with the common friction, over those tried [1]."""
+    return (rates[max(rates)] - rates[min(rates)]) / (max(rates) - min(rates))
+
+
+def common_rates(found: Mapping[Variation, float], pins: str) -> dict[float, float]:
+    """Give common friction -> rate, for one way of holding the pins."""
+    return {row.friction: rate for row, rate in found.items() if row.pair == EVERY and row.pins == pins}
+
+
+def table(design: Design, found: Mapping[Variation, float]) -> Table:
+    """Give the sensitivity as a table, each row beside the row of the design's own friction."""
+    ideal = rated_torque(design)
+    own = {row.pins: rate for row, rate in found.items() if row.pair == OWN}
+    return Table(
+        "output rate by friction, one pair at a time",
+        ("pins", "pair", "friction", "output torque [N m]", "rate [%]", "change [points]"),
+        tuple(
+            (
+                row.pins,
+                row.pair,
+                "" if row.pair == OWN else row.friction,
+                ideal * rate,
+                1e2 * rate,
+                1e2 * (rate - own[row.pins]),
+            )
+            for row, rate in found.items()
+        ),
+    )
+
+
+def curves(found: Mapping[Variation, float], figures: Sequence[PaperFigure]) -> list[Curve]:
+    """Give the rate over the common friction, and where the paper's rates lie on it."""
+    panel, x, y = "output rate by the friction of all sliding pairs", "friction coefficient", "rate [%]"
+    drawn = []
+    for pins in dict.fromkeys(row.pins for row in found):
+        rates = common_rates(found, pins)
+        friction = np.array(sorted(rates))
+        name = "internal gear" if pins == NONE else f"{pins} pins"
+        drawn.append(Curve(panel, name, friction, 1e2 * np.array([rates[key] for key in friction]), x, y))
+    for one in figures:
+        place = (np.array([one.friction]), np.array([1e2 * one.rate]))
+        drawn.append(Curve(panel, f"the paper, {one.way}", *place, x, y, "points"))
+    return drawn
+
+
+def _of_ring(design: Design, quick: bool) -> list[Variation]:
+    pins, pairs = pins_of(design), sliding_pairs(design)
+    rows = [Variation(pins, OWN, design.friction_of(design.tooth_pair), design)]
+    if len(pairs) > 1 and not quick:
+        rows += [
+            Variation(pins, pair, value, override(design, [f"friction.{pair}={value!r}"]))
+            for pair in pairs
+            for value in SLIDING
+        ]
+    return rows + [Variation(pins, EVERY, value, with_common_friction(design, value)) for value in COMMON]
+
+
+def _of_bearings(design: Design) -> list[Variation]:
+    """Give the rows of the rolling bearings, and of sliding in their place."""
+    rows, pins = [], pins_of(design)
+    plain = {"cam": 'gear.bearing="plain"', "output": "output.rollers=false"}
+    for pair in [pair for pair in plain if pair not in sliding_pairs(design)]:
+        for value in ROLLING:
+            changed = override(design, [f"friction.{pair}_rolling={value!r}"])
+            rows.append(Variation(pins, f"{pair}, rolling", value, changed))
+        sliding = override(design, [plain[pair]])
+        rows.append(Variation(pins, f"{pair}, sliding", sliding.friction_of(pair), sliding))
+    return rows

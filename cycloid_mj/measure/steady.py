@@ -1,0 +1,138 @@
+"""Runs at a steady state, and the mean powers over their whole periods."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.course import Course
+from cycloid_mj.design import Design, override
+from cycloid_mj.measure.conditions import LOG_RATE, require_motion, stepped
+from cycloid_mj.mjcf import ReducerModel
+from cycloid_mj.record import Run
+from cycloid_mj.simulate import simulate
+
+Array = npt.NDArray[np.float64]
+
+SETTLED = 0.01
+"""Time [s] after which a run under a held crank counts: the load's rise, and the time that it takes to ring out."""
+
+NEAR_WHOLE = 0.1
+"""By how much of a period the output pins may miss a whole number of theirs."""
+
+
+def mesh_period(design: Design) -> float:
+    """Give the time [s] from tooth to tooth: the crank turns by 2 pi/N."""
+    return 2.0 * math.pi / (design.ring.teeth * abs(design.drive.speed))
+
+
+def whole_periods(design: Design, least: int) -> int:
+    """Give at least so many mesh periods, after which the output pins are near to whole periods as well.
+
+    Torque and losses repeat with the mesh, every 2 pi/N of the crank, and with the output pins, which pass the
+    direction of the eccentric every 2 pi/pins x (N - 1)/N of it: m mesh periods are m pins/(N - 1) of theirs. After
+    N - 1 of the one and `pins` of the other all repeats, which is why a whole turn of the crank is no better a window.
+    """
+    ratio = design.output.pins / design.lobes
+
+    def missed(count: int) -> float:
+        return abs(count * ratio - round(count * ratio))
+
+    candidates = range(least, max(least, design.lobes) + 1)
+    return next((count for count in candidates if missed(count) <= NEAR_WHOLE), least)
+
+
+def steady(
+    design: Design, settled: float, periods: int, reducer: ReducerModel | None = None, course: Course | None = None
+) -> Run:
+    """Run a design from full speed; give its samples of so many mesh periods after a time `settled` [s].
+
+    Raises
+    ------
+    RunError
+        The run went wrong.
+    """
+    hold = settled + periods * mesh_period(design)
+    run = simulate(override(design, [f"drive.hold_s={hold!r}"]), reducer, course)
+    return run.select(run.time >= settled * (1.0 - 1e-9))
+
+
+def steady_design(design: Design) -> Design:
+    """Give the design with the step and the log rate of these runs, at full speed from the start.
+
+    Raises
+    ------
+    DesignError
+        The crank does not turn.
+    """
+    require_motion(design)
+    return override(stepped(design), ["drive.ramp_s=0.0", f"settings.log_rate_hz={LOG_RATE!r}"])
+
+
+def first_half(run: Run) -> Run:
+    """Give the first half of the samples: a shorter average."""
+    return run.select(slice(0, len(run) // 2))
+
+
+@dataclass(frozen=True)
+class Powers:
+    """Mean powers [W].
+
+    Attributes
+    ----------
+    crank, output
+        Into the reducer through each shaft; negative where it gives power out.
+    friction, normal
+        Kind of pair -> what sliding takes, and what the normal forces take: damping, and elastic energy.
+    stored
+        Growth of kinetic and potential energy.
+    """
+
+    crank: float
+    output: float
+    friction: Mapping[str, float]
+    normal: Mapping[str, float]
+    stored: float
+
+    @property
+    def supplied(self) -> float:
+        """Power of the shaft that drives [W]."""
+        return max(self.crank, self.output)
+
+    @property
+    def lost(self) -> float:
+        """Power that the contacts take [W]."""
+        return sum(self.friction.values()) + sum(self.normal.values())
+
+    @property
+    def efficiency(self) -> float:
+        """Power given out as a share of that supplied, whichever shaft drives."""
+        return -min(self.crank, self.output) / self.supplied
+
+    @property
+    def residual(self) -> float:
+        """What the balance leaves open, as a share of the power supplied."""
+        return (self.crank + self.output - self.lost - self.stored) / self.supplied
+
+    def loss_shares(self) -> dict[str, float]:
+        """Give column -> share of the power supplied, for each loss."""
+        friction = {f"{kind}_friction": power / self.supplied for kind, power in self.friction.items()}
+        return friction | {f"{kind}_normal": power / self.supplied for kind, power in self.normal.items()}
+
+
+def powers(run: Run) -> Powers:
+    """Give the mean powers of a run's samples."""
+    energy = run["kinetic_energy"] + run["potential_energy"]
+    return Powers(
+        crank=float(np.mean(run["crank_torque"] * run["crank_speed"])),
+        output=float(np.mean(run["load_torque"] * run["output_speed"])),
+        friction=_means(run, "_friction_power"),
+        normal=_means(run, "_normal_power"),
+        stored=float((energy[-1] - energy[0]) / (run.time[-1] - run.time[0])),
+    )
+
+
+def _means(run: Run, ending: str) -> dict[str, float]:
+    return {name.removesuffix(ending): float(np.mean(run[name])) for name in run.columns if name.endswith(ending)}

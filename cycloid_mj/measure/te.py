@@ -1,0 +1,129 @@
+"""Transmission error: the turn of gear and output less the ideal one at the measured crank angle.
+
+Whole turns of the crank, in both directions, without and under load, slow and at speed. A positive error is
+counter-clockwise, as a forward crank is.
+"""
+
+from collections.abc import Mapping
+from itertools import product
+
+import numpy as np
+
+from cycloid_mj.design import Design
+from cycloid_mj.measure import te_table
+from cycloid_mj.measure.conditions import DRAG, halved, rated_torque, require_motion, stepped
+from cycloid_mj.measure.measurement import Measurement
+from cycloid_mj.measure.orders import causes
+from cycloid_mj.measure.pool import Done, each, nothing
+from cycloid_mj.measure.static_error import static_error
+from cycloid_mj.measure.trace import ARCSEC, Case, Trace, own, trace
+from cycloid_mj.mjcf import build
+
+CHECKED = 3
+"""Mesh periods that are run again with half the step."""
+SOLVED = 8
+"""Crank angles in a mesh period at which statics are solved."""
+SLOW = 0.25
+"""Slow crank speed as a share of the design's."""
+
+
+def measure_te(
+    design: Design,
+    load: float | None = None,
+    drag: float | None = None,
+    slow: float | None = None,
+    turns: int = 1,
+    quick: bool = False,
+    told: Done = nothing,
+) -> Measurement:
+    """Measure the transmission error of a design.
+
+    Parameters
+    ----------
+    design
+        The design; its drive gives the speed, its settings the step (`conditions.LONGER_STEP` for the default one,
+        where no pin moves).
+    load
+        Torque of the loaded runs [N m]; by default the rated one, drive.torque times the ratio.
+    drag
+        Torque of the unloaded runs [N m], by default `DRAG` of the rated one; at 0 the gear floats in its backlash.
+    slow
+        Slow crank speed [rad/s], by default `SLOW` of the design's.
+    turns
+        Crank turns; N - 1 of them, one of the output, part whole orders from multiples of N/(N-1).
+    quick
+        At speed only, and no runs with half the step.
+    told
+        Told of each run that is done.
+
+    Raises
+    ------
+    DesignError
+        The design's crank stands still.
+    RunError
+        A run went wrong.
+    """
+    require_motion(design)
+    rated = rated_torque(design)
+    torques = {"unloaded": DRAG * rated if drag is None else drag, "loaded": rated if load is None else load}
+    speed = abs(design.drive.speed)
+    paces = {"speed": speed} if quick else {"slow": SLOW * speed if slow is None else slow, "speed": speed}
+    ways = {"forward": 1.0, "reverse": -1.0}
+    cases = [
+        Case(one, way, pace, torques[one], ways[way] * paces[pace]) for pace, one, way in product(paces, torques, ways)
+    ]
+    design = stepped(design)
+    runs = _traces(design, cases, float(turns), told, not quick)
+    found = {case: runs[case, 1.0] for case in cases}
+    finer = {(case.load, case.pace): one for (case, share), one in runs.items() if share == 0.5}
+    statics = {case: _statics(design, case, turns) for case in cases}
+    return Measurement(
+        measure="te",
+        design=design,
+        quantities=te_table.quantities(design, found, finer, statics),
+        curves=te_table.curves(design, found, statics),
+        assumptions=_assumptions(design, turns),
+        runs={case.key: one.run for case, one in found.items()},
+        details={"orders": te_table.details(design, found)},
+    )
+
+
+def _traces(
+    design: Design, cases: list[Case], turns: float, told: Done, check: bool
+) -> Mapping[tuple[Case, float], Trace]:
+    """Run the cases, and some mesh periods of the forward ones with half the step if they are to be checked."""
+    half = halved(design)
+    models = {1.0: (design, build(design), turns)}
+    if check:
+        models[0.5] = (half, build(half), CHECKED / design.ring.teeth)
+    work = [(case, share) for share in models for case in cases if share == 1.0 or case.way == "forward"]
+    tasks = [(design, own(reducer), turns, case) for case, share in work for design, reducer, turns in [models[share]]]
+    traces = each(lambda task: trace(*task), tasks, told)
+    return dict(zip(work, traces, strict=True))
+
+
+def _statics(design: Design, case: Case, turns: int) -> te_table.Static:
+    """Solve a case in statics."""
+    crank = np.linspace(0.0, 2.0 * np.pi * turns, SOLVED * design.ring.teeth * turns + 1)
+    found = ARCSEC * static_error(design, crank, float(np.sign(case.speed)) * case.torque, case.speed)
+    return te_table.Static(crank, found[:, 0], found[:, 1])
+
+
+def _assumptions(design: Design, turns: int) -> tuple[str, ...]:
+    teeth, lobes = design.ring.teeth, design.lobes
+    apart = (
+        f"orders are cycles in a crank turn; fewer than {lobes} turns cannot tell whole orders from multiples of "
+        f"{teeth}/{lobes} in one signal: the gear's error is read in whole orders, the output's against the gear in "
+        "multiples"
+    )
+    return (
+        "shafts run in rigid bearings without runout; housing, output and crank do not bend or twist",
+        f"unless it is given, the drag of an unloaded reducer is {DRAG:.0%} of the rated torque: with none, the gear "
+        "floats in its backlash; up to the rated torque presses the flanks together before the window",
+        "statics: the ideal mesh's contacts as springs at their gaps, without friction, and without inertia but the "
+        "gear's centrifugal force; friction makes the teeth press harder, which winds a loaded gear up further",
+        f"numerical error: what half the step changes over the first {CHECKED} mesh periods of the run forward, told "
+        "of the run in reverse as well; of orders: the rms of that change, which none of them exceeds",
+        *(f"orders of {cause.name}: {cause.why}" for cause in causes(design)),
+        *([apart] if turns % lobes else []),
+    )

@@ -1,0 +1,195 @@
+"""Numbers, curves and orders of a measured transmission error."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.design import Design
+from cycloid_mj.measure.measurement import Curve, Quantity
+from cycloid_mj.measure.orders import Orders, causes, order_spectrum
+from cycloid_mj.measure.trace import Case, Trace
+
+Array = npt.NDArray[np.float64]
+
+HIGHEST = 3
+"""Mesh orders up to which orders are told."""
+TOLD = 12
+"""Strongest orders that are told of a case."""
+STATICS = "statics"
+_CRANK, _ERROR = "crank angle [deg]", "error [arcsec]"
+_ORDER, _AMPLITUDE = "order [cycles in a crank turn]", "amplitude [arcsec]"
+_PACES = {"slow": "slow", "speed": "at speed"}
+_PLACES = {"gear": "gear", "stage": "output against the gear"}
+
+
+@dataclass(frozen=True, eq=False)
+class Static:
+    """Errors of gear and output in statics [arcsec] at increasing crank angles [rad], shape (n,) each."""
+
+    crank: Array
+    gear: Array
+    output: Array
+
+    @property
+    def stage(self) -> Array:
+        """Turn of the output against the gear [arcsec], shape (n,)."""
+        return self.output - self.gear
+
+
+Found = Mapping[Case, Trace]
+Finer = Mapping[tuple[str, str], Trace]
+"""Load and pace -> the start of the run forward, with half the step."""
+Statics = Mapping[Case, Static]
+
+
+def quantities(design: Design, found: Found, finer: Finer, statics: Statics) -> dict[str, Quantity]:
+    """Give the numbers: levels of each case, shifts between cases, and what each cause gives."""
+    levels = {
+        f"{shaft}_{name}_{case.key}": Quantity(
+            name=f"{words} of the {shaft}, {case.words}",
+            value=_LEVELS[name][1](getattr(trace, shaft)),
+            unit="arcsec",
+            error=_step_error(found, finer, case, shaft, name),
+            reference=_LEVELS[name][1](getattr(statics[case], shaft)),
+            source=STATICS,
+        )
+        for case, trace in found.items()
+        for shaft in ("gear", "output")
+        for name, (words, _) in _LEVELS.items()
+    }
+    return levels | dict(_shifts(found, finer, statics)) | dict(_caused(design, found, finer, statics))
+
+
+def curves(design: Design, found: Found, statics: Statics) -> tuple[Curve, ...]:
+    """Give the errors against crank angle, whole and about their means, and the spectra of the `chosen` cases."""
+    paces = dict.fromkeys(case.pace for case in found)
+    drawn = [*_panel(found, statics, next(iter(paces)), "output", whole=True)]
+    drawn += [curve for pace in paces for shaft in ("gear", "output") for curve in _panel(found, statics, pace, shaft)]
+    for place, base in _bases(design).items():
+        for case in chosen(found):
+            seen = _spectrum(design, found[case], place, base)
+            panel = f"orders of the {_PLACES[place]}, {case.way}, {_PACES[case.pace]}"
+            drawn.append(Curve(panel, case.load, seen.order, seen.amplitude, _ORDER, _AMPLITUDE, "bars"))
+    return tuple(drawn)
+
+
+def _panel(found: Found, statics: Statics, pace: str, shaft: str, whole: bool = False) -> Iterator[Curve]:
+    """Give the curves of one shaft at one pace, less their means or `whole`; one key for all curves of statics."""
+    panel, name = f"{shaft}, {_PACES[pace]}" + ("" if whole else ", less its mean"), STATICS
+    for case, solved in statics.items():
+        if case.pace == pace:
+            error = _about_mean(getattr(solved, shaft), whole)
+            yield Curve(panel, name, np.degrees(solved.crank), error, _CRANK, _ERROR, "theory")
+            name = ""
+    for case, trace in found.items():
+        if case.pace == pace:
+            words, error = f"{case.load}, {case.way}", _about_mean(getattr(trace, shaft), whole)
+            yield Curve(panel, words, np.degrees(trace.crank), error, _CRANK, _ERROR)
+
+
+def _about_mean(error: Array, whole: bool) -> Array:
+    return error if whole else error - error.mean()
+
+
+def details(design: Design, found: Found) -> dict[str, Any]:
+    """Give, for each case, the strongest orders with their causes, and the causes themselves."""
+    return {
+        "causes": [cause.as_json() for cause in causes(design)],
+        "cases": {case.key: _strongest(design, trace) for case, trace in found.items()},
+    }
+
+
+def chosen(found: Found) -> list[Case]:
+    """Give the cases whose orders are told: forward, at the first pace that was run."""
+    first = next(iter(found)).pace
+    return [case for case in found if case.way == "forward" and case.pace == first]
+
+
+def _shifts(found: Found, finer: Finer, statics: Statics) -> Iterator[tuple[str, Quantity]]:
+    """Give what lies between the mean errors of two cases: backlash between directions, wind-up between loads."""
+    case = chosen(found)[0]
+    cases = {(one.load, one.way): one for one in found if one.pace == case.pace}
+    pairs = {
+        "reversal": ("forward less reverse, unloaded: backlash", ("unloaded", "forward"), ("unloaded", "reverse")),
+        "wind_up": ("loaded less unloaded, forward: elastic wind-up", ("loaded", "forward"), ("unloaded", "forward")),
+    }
+    for shaft in ("gear", "output"):
+        for key, (words, one, other) in pairs.items():
+            value, reference = (
+                float(np.mean(getattr(source[cases[one]], shaft)) - np.mean(getattr(source[cases[other]], shaft)))
+                for source in (found, statics)
+            )
+            changes = [_change(found, finer, cases[which], shaft) for which in (one, other)]
+            error = sum(abs(float(np.mean(fine - coarse))) for coarse, fine in changes) if finer else None
+            name = f"mean of the {shaft}, {words}"
+            yield f"{shaft}_{key}", Quantity(name, value, "arcsec", error, reference, STATICS)
+
+
+def _caused(design: Design, found: Found, finer: Finer, statics: Statics) -> Iterator[tuple[str, Quantity]]:
+    """Give the rms value of each cause's orders, and its strongest order."""
+    for case in chosen(found):
+        for cause in causes(design):
+            seen, solved = (_spectrum(design, part[case], cause.place, cause.base) for part in (found, statics))
+            order, amplitude = cause.strongest(seen)
+            yield (
+                f"{cause.key}_orders_rms_{case.key}",
+                Quantity(
+                    name=f"rms of orders of {cause.name}, {case.words}",
+                    value=cause.rms(seen),
+                    unit="arcsec",
+                    error=_rms(np.subtract(*_change(found, finer, case, cause.place))) if finer else None,
+                    reference=cause.rms(solved),
+                    source=STATICS,
+                    note=f"strongest: order {order:.6g} with amplitude {amplitude:.3g} arcsec",
+                ),
+            )
+
+
+def _strongest(design: Design, trace: Trace) -> list[dict[str, Any]]:
+    """Give the strongest orders of a run, each with the cause whose order it is."""
+    rows = []
+    for place, base in _bases(design).items():
+        seen = _spectrum(design, trace, place, base)
+        mine = [cause for cause in causes(design) if cause.place == place]
+        for k in np.argsort(seen.amplitude)[::-1][:TOLD]:
+            order = float(seen.order[k])
+            cause = next((one.key for one in mine if one.has(order)), "between")
+            rows.append(
+                {"shows_in": place, "order": order, "amplitude_arcsec": float(seen.amplitude[k]), "cause": cause}
+            )
+    return rows
+
+
+def _bases(design: Design) -> dict[str, float]:
+    return {cause.place: cause.base for cause in causes(design)}
+
+
+def _spectrum(design: Design, errors: Trace | Static, place: str, base: float) -> Orders:
+    return order_spectrum(errors.crank, getattr(errors, place), base, HIGHEST * design.ring.teeth)
+
+
+def _step_error(found: Found, finer: Finer, case: Case, shaft: str, level: str) -> float | None:
+    """Give by how much half the step changes a level."""
+    if not finer:
+        return None
+    coarse, fine = (_LEVELS[level][1](error) for error in _change(found, finer, case, shaft))
+    return abs(coarse - fine)
+
+
+def _change(found: Found, finer: Finer, case: Case, place: str) -> tuple[Array, Array]:
+    """Give the errors of the run forward under a case's load, and with half the step, where both have them."""
+    fine = finer[case.load, case.pace]
+    coarse = found[next(one for one in found if (one.load, one.pace, one.way) == (case.load, case.pace, "forward"))]
+    inside = (coarse.crank >= fine.crank[0] - 1e-9) & (coarse.crank <= fine.crank[-1] + 1e-9)
+    return getattr(coarse, place)[inside], getattr(fine, place)
+
+
+def _rms(error: Array) -> float:
+    return float(np.std(error))
+
+
+_LEVELS = {"peak_to_peak": ("peak to peak", lambda error: float(np.ptp(error))), "rms": ("rms about the mean", _rms)}
+"""Key -> name and measure of an error."""

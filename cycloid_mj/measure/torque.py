@@ -1,0 +1,183 @@
+"""The paper's test (Hsieh 2014, Fig. 19): a given torque on the crank, the output held at its speed by a brake."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cycloid_mj.design import Design, override
+from cycloid_mj.measure import paper, sensitivity, steady
+from cycloid_mj.measure.braked import DECAY, braked_run
+from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency
+from cycloid_mj.measure.conditions import halved, rated_torque
+from cycloid_mj.measure.measurement import Curve, Measurement, Quantity
+from cycloid_mj.measure.paper import PaperFigure
+from cycloid_mj.measure.pool import Done, each, nothing
+from cycloid_mj.measure.sensitivity import Variation
+from cycloid_mj.measure.steady import Powers, first_half, powers, steady_design, whole_periods
+from cycloid_mj.record import Run
+
+PERIODS, QUICK_PERIODS = 12, 4
+"""Fewest mesh periods of the main run: a third of a crank turn, or less."""
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """One braked run, its mean powers, and the sizes of its mean output and input torque [N m]."""
+
+    run: Run
+    powers: Powers
+    output: float
+    input: float
+
+
+def measure_torque(design: Design, quick: bool = False, told: Done = nothing) -> Measurement:
+    """Measure the output torque of a design under its rated input torque.
+
+    Parameters
+    ----------
+    design
+        What to measure, at its own crank speed.
+    quick
+        A shorter average, no halved step, and friction varied for all sliding pairs of the design alone.
+    told
+        Told after each run.
+
+    Raises
+    ------
+    RunError
+        A run went wrong.
+    DesignError
+        The crank does not turn.
+    """
+    own = steady_design(design)
+    main = whole_periods(own, QUICK_PERIODS if quick else PERIODS)
+    rows = sensitivity.variations(design, quick)
+    varied = list(dict.fromkeys(row.design for row in rows))
+    work = [(own, main)] if quick else [(own, main), (halved(own), main)]
+    work += [(one, whole_periods(one, sensitivity.PERIODS)) for one in varied]
+    whole = len(work) + 1 + len(paper.figures(own))
+    tests = each(lambda item: rated_test(*item), work, lambda done, _: told(done, whole))
+    ours, finer = tests[0], None if quick else tests[1]
+    rates = {one: tried.powers.efficiency for one, tried in zip(varied, tests[-len(varied) :], strict=True)}
+    found = {row: rates[row.design] for row in rows}
+    held = held_efficiency(own, ours.output, main)
+    told(len(work) + 1, whole)
+    figures = paper_figures(own, found, None if quick else rate_error(ours, finer))
+    told(whole, whole)
+    return Measurement(
+        measure="torque",
+        design=own,
+        quantities=_quantities(own, ours, finer, held) | paper.friction_quantities(figures),
+        curves=(*_curves(own, ours), *sensitivity.curves(found, figures)),
+        tables=(*paper.tables(ours.output, figures), sensitivity.table(own, found)),
+        assumptions=_assumptions(own, main),
+        runs={"braked": ours.run},
+    )
+
+
+def rated_test(design: Design, periods: int) -> Outcome:
+    """Run the test under the rated torque over so many mesh periods."""
+    run = braked_run(design, design.drive.torque, periods)
+    output, crank = (abs(float(np.mean(run[name]))) for name in ("load_torque", "crank_torque"))
+    return Outcome(run, powers(run), output, crank)
+
+
+def held_efficiency(design: Design, load: float, periods: int) -> float:
+    """Give the efficiency under a load [N m] with the crank held at its speed: the second method."""
+    return powers(steady.steady(override(design, [f"load.torque_nm={load!r}"]), steady.SETTLED, periods)).efficiency
+
+
+def rate_error(ours: Outcome, finer: Outcome | None) -> float:
+    """Give the numerical error of the rate: half the average, and half the step where it was run."""
+    others = [powers(first_half(ours.run)), *([finer.powers] if finer else [])]
+    return max(abs(other.efficiency - ours.powers.efficiency) for other in others)
+
+
+def paper_figures(design: Design, found: Mapping[Variation, float], error: float | None) -> list[PaperFigure]:
+    """Give the friction that gives each of the paper's torques.
+
+    With the numerical `error` of a rate, each is run: what it misses and that error make the friction's, by the slope.
+    """
+    rates = sensitivity.common_rates(found, sensitivity.pins_of(design))
+    figures = [replace(one, friction=sensitivity.friction_for(rates, one.rate)) for one in paper.figures(design)]
+    inside = [one for one in figures if math.isfinite(one.friction)]
+    if error is None or not inside:
+        return figures
+    slope = abs(sensitivity.slope(rates))
+    periods = whole_periods(design, sensitivity.PERIODS)
+    reached = each(lambda one: rate_test(design, one.friction, periods), inside)
+    missed = {one: abs(rate - one.rate) for one, rate in zip(inside, reached, strict=True)}
+    return [replace(one, error=(missed[one] + error) / slope) if one in missed else one for one in figures]
+
+
+def rate_test(design: Design, friction: float, periods: int) -> float:
+    """Give the rate with one friction for all sliding pairs."""
+    return rated_test(sensitivity.with_common_friction(design, friction), periods).powers.efficiency
+
+
+def _quantities(design: Design, ours: Outcome, finer: Outcome | None, held: float) -> dict[str, Quantity]:
+    ideal = rated_torque(design)
+    found, closed = ours.powers, ideal_efficiency(design, ours.output)
+    error = rate_error(ours, finer)
+    torque_error = max(error * ideal, abs(ours.output - found.efficiency * ideal))
+    ripple = float(np.ptp(ours.run["load_torque"]))
+    # what is left of the ringing shows in the second half, which has less of it
+    later = ours.run.select(slice(len(ours.run) // 2, None))
+    ripples = [float(np.ptp(run["load_torque"])) for run in (later, *([finer.run] if finer else []))]
+    return {
+        "output_torque": Quantity(
+            "output torque",
+            ours.output,
+            "N m",
+            torque_error,
+            closed.efficiency * ideal,
+            closed.source,
+            AS_BUILT,
+        ),
+        "output_rate": Quantity(
+            f"output rate, of {ideal:g} N m", 1e2 * ours.output / ideal, "%", 1e2 * torque_error / ideal
+        ),
+        "ripple_peak_to_peak": Quantity(
+            "ripple of the output torque, p-p", ripple, "N m", max(abs(other - ripple) for other in ripples)
+        ),
+        "ripple_rms": Quantity("ripple of the output torque, rms", float(np.std(ours.run["load_torque"])), "N m"),
+        "input_torque": Quantity("mean input torque", ours.input, "N m", None, design.drive.torque, "as given"),
+        "efficiency": Quantity("efficiency by powers", 1e2 * found.efficiency, "%", 1e2 * error),
+        "efficiency_crank_held": Quantity(
+            "efficiency, crank held under this load", 1e2 * held, "%", None, 1e2 * found.efficiency, "by the brake"
+        ),
+        "balance_residual": Quantity("residual of the energy balance", 1e2 * found.residual, "% of input"),
+    }
+
+
+def _curves(design: Design, ours: Outcome) -> tuple[Curve, ...]:
+    """Give the output torque against the crank angle, and its orders."""
+    torque, angle = ours.run["load_torque"], ours.run["crank_angle"]
+    turned = np.abs(angle - angle[0])
+    size = 2.0 * np.abs(np.fft.rfft(torque - np.mean(torque))) / len(torque)
+    orders = np.arange(len(size)) * 2.0 * np.pi / (turned[-1] * len(turned) / (len(turned) - 1))
+    shown = orders <= 4.0 * design.ring.teeth
+    x, y = "crank angle [deg]", "torque [N m]"
+    return (
+        Curve("output torque", "mean", np.degrees(turned), np.full(len(torque), ours.output), x, y, "theory"),
+        Curve("output torque", "simulated", np.degrees(turned), np.abs(torque), x, y),
+        Curve("its ripple by order", "", orders[shown], size[shown], "order of the crank", "amplitude [N m]", "bars"),
+    )
+
+
+def _assumptions(design: Design, periods: int) -> tuple[str, ...]:
+    friction = ", ".join(f"{pair} {design.friction_of(pair):g}" for pair in sensitivity.sliding_pairs(design))
+    pins = round(periods * design.output.pins / design.lobes, 2)
+    return (
+        f"friction of the pairs that slide: {friction}; of rolling bearings: cam {design.friction_of('cam'):g}, "
+        f"output {design.friction_of('output'):g}; seals, lubricant and the shafts' own bearings are left out",
+        f"mean over {periods} mesh periods, {pins:g} periods of the output pins: torque repeats with both, and hardly "
+        "with the crank's turn",
+        "the motor's torque falls with its speed, which damps the ringing of its inertia on the mesh in "
+        f"{1e3 * DECAY:g} ms (to 1/e); the mean is the torque given, as the brake holds the mean speed",
+        "numerical error: half the step (unless --quick) or half the average, whichever changes more; of a friction: "
+        "that, and what a run with it misses, by the slope",
+        "some of the ringing is still in the mesh when a row of the table begins to count: up to 0.1 points",
+    )

@@ -1,0 +1,120 @@
+"""Runs for the transmission error: one condition each, read on a grid of crank angles."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.course import Course, load_torque, servo_target
+from cycloid_mj.design import Design
+from cycloid_mj.kinematics import CrankLaw
+from cycloid_mj.measure.conditions import at_speed, rated_torque, turn_period
+from cycloid_mj.mjcf import ReducerModel
+from cycloid_mj.record import Run
+from cycloid_mj.simulate import simulate
+
+Array = npt.NDArray[np.float64]
+
+ARCSEC = np.degrees(1.0) * 3600.0
+"""In a radian."""
+SETTLING, RISE = 0.020, 0.008
+"""Time before the window, and time in which the load comes on [s]."""
+SAMPLES = 48
+"""In a mesh period."""
+PRESSED = 0.016
+"""Time in which flanks are pressed together first [s]."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """One condition.
+
+    Attributes
+    ----------
+    load, way, pace
+        ``unloaded`` or ``loaded``; ``forward`` (counter-clockwise) or ``reverse``; ``slow`` or ``speed``.
+    torque
+        Against the output's rotation [N m].
+    speed
+        Of the crank [rad/s], signed.
+    """
+
+    load: str
+    way: str
+    pace: str
+    torque: float
+    speed: float
+
+    @property
+    def key(self) -> str:
+        """Key of the case in names."""
+        return f"{self.load}_{self.way}_{self.pace}"
+
+    @property
+    def words(self) -> str:
+        """The case in words."""
+        return f"{self.load}, {self.way}, {'slow' if self.pace == 'slow' else 'at speed'}"
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """Errors of gear and output [arcsec] at increasing crank angles [rad] from 0, shape (n,) each, and the run."""
+
+    crank: Array
+    gear: Array
+    output: Array
+    run: Run
+
+    @property
+    def stage(self) -> Array:
+        """Turn of the output against the gear [arcsec], shape (n,)."""
+        return self.output - self.gear
+
+
+def own(reducer: ReducerModel) -> ReducerModel:
+    """Give a model with a specification of its own: one cannot be written to XML by two threads at a time."""
+    return replace(reducer, spec=reducer.spec.copy())
+
+
+def pressed(design: Design, reducer: ReducerModel, start: float = 0.0) -> Course:
+    """Give the course of a design at constant speed from a crank angle [rad], its flanks pressed together first.
+
+    A light drag alone lets the gear swing in its play for some 30 ms; up to the rated torque, which comes and goes as a
+    sine squared, that ends in a few.
+    """
+    law, way = CrankLaw(design.drive.speed, 0.0), float(np.sign(design.drive.speed))
+    press = max(rated_torque(design) - design.load.torque, 0.0)
+
+    def load(time: Array) -> Array:
+        return load_torque(design, time) + way * press * np.sin(np.pi * np.clip(time / PRESSED, 0.0, 1.0)) ** 2
+
+    return Course(start, design.drive.speed, lambda time: start + servo_target(reducer, law, time), load)
+
+
+def trace(design: Design, reducer: ReducerModel, turns: float, case: Case) -> Trace:
+    """Run a case over some crank turns from the crank angle 0, or back from a whole turn to it."""
+    way = float(np.sign(case.speed))
+    period = turn_period(case.speed)
+    rate = min(SAMPLES * design.ring.teeth / period, 1.0 / design.settings.timestep)
+    duration = SETTLING + turns * period + 4.0 / rate
+    design = at_speed(design, case.speed, duration, case.torque, RISE, rate)
+    # Both ways sweep the same angles, so that their curves can be laid over each other.
+    start = (0.0 if way > 0.0 else 2.0 * np.pi * np.ceil(turns)) - case.speed * SETTLING
+    run = simulate(design, reducer, pressed(design, reducer, start))
+    window = run.select(run.time >= SETTLING - 2.0 / rate)
+    return _read(window, design, turns, way)
+
+
+def _read(run: Run, design: Design, turns: float, way: float) -> Trace:
+    """Read the errors at equal steps of the crank, the end of the window left out."""
+    order = slice(None, None, int(way))
+    crank = run["crank_angle"][order]
+    points = round(SAMPLES * design.ring.teeth * turns)
+    swept = 2.0 * np.pi * turns
+    first = 0.0 if way > 0.0 else 2.0 * np.pi * np.ceil(turns) - swept
+    grid = first + swept * np.arange(points) / points
+    gear, output = (
+        ARCSEC * np.interp(grid, crank, (run[name] + run["crank_angle"] / design.lobes)[order])
+        for name in ("gear_angle", "output_angle")
+    )
+    return Trace(grid, gear, output, run)

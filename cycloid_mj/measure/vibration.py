@@ -1,0 +1,170 @@
+"""Vibration over crank speed: acceleration of gear centre and output, force on the housing, and unbalance."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from cycloid_mj.design import Design
+from cycloid_mj.measure.conditions import DRAG, LOG_RATE, RPM, halved, rated_torque, require_motion, stepped
+from cycloid_mj.measure.measurement import Curve, Measurement, Quantity
+from cycloid_mj.measure.orders import order_spectrum
+from cycloid_mj.measure.pool import Done, each, nothing
+from cycloid_mj.measure.reaction import unbalance, weight
+from cycloid_mj.measure.sway import Sway, sway
+from cycloid_mj.measure.trace import own
+from cycloid_mj.mjcf import build
+
+SHARES = (0.5, 0.75, 1.0, 1.25, 1.5)
+"""Crank speeds of the sweep as shares of the design's."""
+BAND = 0.45
+"""Highest frequency of the spectra as a share of the log rate."""
+_RPM, _HZ = "crank speed [rpm]", "frequency [Hz]"
+_NOTE = "the sum of all contact forces at the sample; m a is its mean between samples, without what is faster than that"
+_SIGNALS = {
+    "gear_centre": ("acceleration of the gear's centre", "m/s2"),
+    "output": ("acceleration of the output", "rad/s2"),
+    "housing": ("force on the housing", "N"),
+    "housing_bare": ("force on the housing, no counterweight", "N"),
+}
+
+
+def measure_vibration(
+    design: Design,
+    load: float | None = None,
+    speeds: Sequence[float] = (),
+    turns: int = 1,
+    quick: bool = False,
+    told: Done = nothing,
+) -> Measurement:
+    """Measure the vibration of a design over crank speed, unloaded and loaded.
+
+    Parameters
+    ----------
+    design
+        The design; its step is `conditions.LONGER_STEP` in place of the default one, where no pin moves.
+    load
+        Torque of the loaded runs [N m]; by default the rated one, drive.torque times the ratio.
+    speeds
+        Crank speeds beside the design's own [rad/s]; by default `SHARES` of it.
+    turns
+        Crank turns of each run, after it has settled.
+    quick
+        At the design's speed only, and without half the step.
+    told
+        Told of each run that is done.
+
+    Raises
+    ------
+    DesignError
+        The design's crank stands still.
+    RunError
+        A run went wrong.
+    """
+    require_motion(design)
+    design = stepped(design)
+    rated, speed = rated_torque(design), design.drive.speed
+    torques = {"unloaded": DRAG * rated, "loaded": rated if load is None else load}
+    swept = [] if quick else list(speeds) or [share * speed for share in SHARES]
+    half = halved(design)
+    points = [(design, build(design), one) for one in sorted({speed, *swept}, key=abs)]
+    points += [] if quick else [(half, build(half), speed)]
+    tasks = [(one, own(model), *loaded, pace, turns) for one, model, pace in points for loaded in torques.items()]
+    found = each(lambda task: sway(*task), tasks, told)
+    checks = {} if quick else {one.load: one for one in found[-len(torques) :]}
+    full = found[: len(found) - len(checks)]
+    at_speed = [one for one in full if one.speed == speed]
+    return Measurement(
+        measure="vibration",
+        design=design,
+        quantities=dict(_levels(design, at_speed, checks)) | dict(_unbalance(design, at_speed[0])),
+        curves=(*_sweep(design, full), *_spectra(at_speed)),
+        assumptions=(
+            "bearings and housing are rigid; a bearing's force is what contacts and weight leave of its body's inertia",
+            "departures are from the closed form (Eqs 12 and 14) at the measured crank, forces from their mean",
+            f"accelerations and forces are logged at {LOG_RATE / 1e3:g} kHz: what is above half of it is folded down",
+            f"unloaded: a drag of {DRAG:.0%} of the rated torque, which presses the flanks together before the window; "
+            "the spectra are at the design's speed",
+            "numerical error: what half the step changes at the design's speed",
+        ),
+        runs={f"{one.load}_{abs(one.rpm):.0f}rpm": one.run for one in full},
+        details={"sweep": [_row(one) for one in full]},
+    )
+
+
+def _levels(design: Design, at_speed: Sequence[Sway], checks: Mapping[str, Sway]) -> Iterator[tuple[str, Quantity]]:
+    """Give the levels at the design's speed; the balance of momentum is the second method for the housing's force."""
+    orbit = design.gear.eccentricity * design.drive.speed**2
+    for one in at_speed:
+        check = checks.get(one.load)
+        for key, (name, unit) in _SIGNALS.items():
+            value = one.rms(key)
+            error = None if check is None else abs(check.rms(key) - value)
+            reference, source = (one.rms("momentum"), "m a of gear and shaft") if key == "housing" else (None, "")
+            note = _NOTE if key == "housing" else ""
+            words = f"rms {name}, {one.load}"
+            yield f"{key}_rms_{one.load}", Quantity(words, value, unit, error, reference, source, note)
+        words = f"whole acceleration of the gear's centre, {one.load}"
+        yield f"orbit_{one.load}", Quantity(words, one.orbit, "m/s2", None, orbit, "c omega^2")
+        words = f"mean force on the housing, {one.load}"
+        mean, still = (float(np.hypot(*force)) for force in (one.mean_force, weight(design)))
+        yield f"mean_force_{one.load}", Quantity(words, mean, "N", None, still, "weight of what moves")
+
+
+def _unbalance(design: Design, one: Sway) -> Iterator[tuple[str, Quantity]]:
+    """Give the unbalance of gear and shaft, from the solids, and the rotating force that the run shows."""
+    found, square = unbalance(design), design.drive.speed**2
+    for key, name, closed in (
+        ("housing_bare", "without counterweight", found.bare),
+        ("housing", "with counterweight", found.balanced),
+    ):
+        seen = one.signals[key]
+        together = (seen[:, 0] + 1j * seen[:, 1]) * np.exp(-1j * np.sign(one.speed) * one.crank)
+        yield (
+            f"{key}_rotating",
+            Quantity(
+                name=f"force that goes round with the crank, {name}",
+                value=float(abs(np.mean(together))),
+                unit="N",
+                reference=abs(closed) * square,
+                source="sum of m c omega^2",
+            ),
+        )
+    couple = abs(found.couple) * square
+    note = "the counterweight lies beside the gear: the force is balanced, the couple is not"
+    yield "unbalance", Quantity("unbalance without counterweight", 1e6 * found.bare, "g mm")
+    yield "couple", Quantity("rocking couple with counterweight", couple, "N m", note=note)
+
+
+def _sweep(design: Design, found: Sequence[Sway]) -> Iterator[Curve]:
+    """Give the levels over speed, with the closed form of the unbalance."""
+    bare = unbalance(design).bare
+    for key, (name, unit) in _SIGNALS.items():
+        panel = f"rms of the {name}"
+        loads = dict.fromkeys(one.load for one in found)
+        if key == "housing_bare":
+            rpm = np.linspace(0.0, max(abs(one.rpm) for one in found), 61)
+            force = bare * (rpm * RPM) ** 2
+            yield Curve(panel, "sum of m c omega^2", rpm, force, _RPM, f"rms [{unit}]", "theory")
+        for load in loads:
+            points = [one for one in found if one.load == load]
+            x, y = np.array([abs(one.rpm) for one in points]), np.array([one.rms(key) for one in points])
+            yield Curve(panel, load, x, y, _RPM, f"rms [{unit}]", "points" if len(points) == 1 else "line")
+
+
+def _spectra(at_speed: Sequence[Sway]) -> Iterator[Curve]:
+    """Give the spectra at the design's speed: of vectors, the root of both components' squares."""
+    for key in ("gear_centre", "output", "housing"):
+        name, unit = _SIGNALS[key]
+        for one in at_speed:
+            turns_per_second = abs(one.speed) / (2.0 * np.pi)
+            most = BAND * LOG_RATE / turns_per_second
+            parts = [order_spectrum(one.crank, axis, 1.0, most) for axis in one.signals[key].T]
+            size = np.sqrt(np.sum([part.amplitude**2 for part in parts], axis=0))
+            frequency = parts[0].order * turns_per_second
+            yield Curve(f"spectrum of the {name}", one.load, frequency, size, _HZ, f"amplitude [{unit}]", "bars")
+
+
+def _row(one: Sway) -> dict[str, Any]:
+    levels = {f"{key}_rms": one.rms(key) for key in _SIGNALS}
+    return {"speed_rpm": one.rpm, "load": one.load, "orbit_m_s2": one.orbit, **levels}

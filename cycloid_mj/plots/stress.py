@@ -1,0 +1,227 @@
+"""Figures of stress: maxima against crank angle, coloured maps, grids, refinement (as Hsieh 2014, Figs 10-16)."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.tri import Triangulation
+
+from cycloid_mj.plots.comparison import COLORS
+from cycloid_mj.plots.style import BLACK, GREY, crank_axis, keys, sheet, styled
+from cycloid_mj.stress.field import StressMap
+from cycloid_mj.stress.findings import BOUND, MEGAPASCAL, MILLIMETRE, StressFindings
+from cycloid_mj.stress.grid import Grid
+from cycloid_mj.stress.paper import RANGES
+
+Array = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.int64]
+Entries = list[tuple[str, dict[str, Any]]]
+
+TITLES = {"shaft": "eccentric shaft", "gear": "cycloid gear", "ring": "ring", "output": "output disc", "pin_1": "pin 1"}
+"""What a part is called; the ring is a pinwheel or an internal gear."""
+NUMBERS = {"shaft": 12, "gear": 13, "ring": 14, "output": 15, "pin_1": 16}
+RANGE: dict[str, Any] = {"linestyle": (0, (5, 3)), "linewidth": 0.8}
+MARK: dict[str, Any] = {"linestyle": "", "markersize": 4.0}
+COLOUR_MAP, EDGE = "turbo", "#134A73"
+VIEW = np.array([[0.45, 0.0, -0.89], [0.15, 0.97, 0.2]])
+"""Rows: what points right and up on the page where a solid part is drawn, before orthogonalisation."""
+
+PANEL = 2.9
+"""Height of a row of maps or grids [in]."""
+
+
+@styled
+def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
+    """Draw the largest stress of a part against the crank angle: away from the contacts, and below them by Hertz.
+
+    The paper's range of each design is dashed.
+    """
+    found = [(number, each, each[part]) for number, each in enumerate(findings) if part in each]
+    figure = sheet(4.0)
+    top, bottom = figure.subplots(2, 1, sharex=True)
+    for number, each, one in found:
+        degrees, look = np.degrees(one.angle), _look(number)
+        top.plot(degrees, one.bulk / MEGAPASCAL, **look)
+        peak = one.bulk_peak
+        top.plot(np.degrees(peak.angle), peak.stress / MEGAPASCAL, "o", markersize=3.5, **look)
+        bottom.plot(degrees, one.contact / MEGAPASCAL, **look)
+        if (part, each.ring) in RANGES:
+            top.axhline(RANGES[part, each.ring], color=_color(number), **RANGE)
+    top.set_title(f"Largest bulk stress of {TITLES[part]} (von Mises, away from contacts)")
+    bottom.set_title("Largest stress below a contact (von Mises, by Hertz)")
+    for panel in (top, bottom):
+        panel.set_ylabel("[MPa]")
+        panel.set_ylim(bottom=0.0)
+        crank_axis(panel, np.concatenate([np.degrees(one.angle) for _, _, one in found]))
+    top.set_xlabel("")
+    entries: Entries = [(f"{each.design}, {each.load:g} N m", {"color": _color(number)}) for number, each, _ in found]
+    if any((part, each.ring) in RANGES for _, each, _ in found):
+        entries.append(("the paper's range", {"color": GREY, **RANGE}))
+    figure.legend(handles=keys(*entries), loc="outside lower center", ncols=len(entries))
+    return figure
+
+
+@styled
+def map_figure(maps: Mapping[str, StressMap], design: str) -> Figure:
+    """Draw the von Mises stress on every part at one crank angle; colours end at each part's largest bulk stress."""
+    figure, panels = _panels(list(maps), f"{design}: von Mises stress at a crank angle of {_angle(maps)} deg")
+    for axes, (part, drawn) in zip(panels, maps.items(), strict=False):
+        top = float(drawn.von_mises[drawn.bulk].max()) / MEGAPASCAL
+        image = _coloured(axes, drawn, drawn.von_mises / MEGAPASCAL, top)
+        figure.colorbar(image, ax=axes, extend="max", shrink=0.85, label="[MPa]")
+        axes.set_title(f"{TITLES[part]}: at most {top:.3g} MPa in bulk")
+    return figure
+
+
+@styled
+def grid_figure(grids: Mapping[str, Grid], design: str) -> Figure:
+    """Draw the grid of every part, and of a gear also a lobe of it, magnified."""
+    names = [name for part in grids for name in ([part, "gear, magnified"] if part == "gear" else [part])]
+    figure, panels = _panels(names, f"{design}: grids of quadratic elements")
+    for axes, name in zip(panels, names, strict=False):
+        part = name.partition(",")[0]
+        grid = grids[part]
+        _meshed(axes, grid.points, grid.cells, 0.25 if part == name else 0.5)
+        axes.set_title(f"{TITLES[part]}, {grid.unknowns} unknowns" if part == name else f"{TITLES[part]}, magnified")
+        if part != name:
+            _magnify(axes, grid)
+    return figure
+
+
+@styled
+def refinement_figure(findings: Sequence[StressFindings]) -> Figure:
+    """Draw the largest bulk stress of every part against the unknowns of the grid, relative to the finest."""
+    figure = sheet(3.4)
+    axes = figure.subplots()
+    marks = dict(zip(TITLES, "osD^v", strict=True))
+    for number, each in enumerate(findings):
+        for one in each.parts:
+            largest = one.refinement.stress.max(axis=1)
+            axes.plot(
+                one.refinement.unknowns,
+                100 * (largest / largest[-1] - 1.0),
+                marker=marks[one.part],
+                markersize=4.0,
+                **_look(number),
+            )
+    axes.axhspan(-100 * BOUND, 100 * BOUND, color="#EFEFEF", zorder=0)
+    axes.axhline(0.0, color=BLACK, linewidth=0.5)
+    axes.set_xscale("log")
+    axes.margins(x=0.05)
+    axes.set_xlabel("unknowns")
+    axes.set_ylabel("largest bulk stress, off the finest grid's [%]")
+    axes.set_title(f"Refinement: one more step may change a maximum by {100 * BOUND:g} % (grey)")
+    parts = dict.fromkeys(one.part for each in findings for one in each.parts)
+    entries: Entries = [(each.design, {"color": _color(number)}) for number, each in enumerate(findings)]
+    entries += [(TITLES[part], {"color": GREY, "marker": marks[part], **MARK}) for part in parts]
+    figure.legend(handles=keys(*entries), loc="outside lower center", ncols=4)
+    return figure
+
+
+def stress_figures(findings: Sequence[StressFindings]) -> dict[str, Figure]:
+    """Give the figures that need no grid by name: maxima of each part, and the refinement."""
+    parts = [part for part in TITLES if any(part in each for each in findings)]
+    drawn = {f"fig{NUMBERS[part]}_stress_{part}": maxima_figure(findings, part) for part in parts}
+    return drawn | {"stress_refinement": refinement_figure(findings)}
+
+
+def _look(number: int) -> dict[str, Any]:
+    return {"color": _color(number), "linewidth": 1.0}
+
+
+def _color(number: int) -> str:
+    return COLORS[number % len(COLORS)]
+
+
+def _angle(maps: Mapping[str, StressMap]) -> str:
+    return f"{np.degrees(next(iter(maps.values())).angle):.0f}" if maps else ""
+
+
+def _panels(names: Sequence[str], title: str) -> tuple[Figure, list[Axes]]:
+    columns = 2 if len(names) > 1 else 1
+    rows = -(-len(names) // columns)
+    figure = sheet(PANEL * rows + 0.4)
+    figure.suptitle(title, x=0.01, ha="left", fontsize=9.5)
+    panels = list(np.ravel(figure.subplots(rows, columns, squeeze=False)))
+    for axes in panels[len(names) :]:
+        axes.set_axis_off()
+    for axes in panels[: len(names)]:
+        axes.set_aspect("equal")
+        axes.grid(False)
+        axes.set_xlabel("x [mm]")
+        axes.set_ylabel("y [mm]")
+    return figure, panels
+
+
+def _coloured(axes: Axes, drawn: StressMap, values: Array, top: float) -> Any:
+    """Colour a part by nodal values, smoothly within each element."""
+    look: dict[str, Any] = {"cmap": COLOUR_MAP, "vmin": 0.0, "vmax": top, "shading": "gouraud", "rasterized": True}
+    if drawn.points.shape[1] == 2:
+        flat = _flat(drawn.points / MILLIMETRE, drawn.cells)
+        return axes.tripcolor(flat, values, **look)
+    points, faces, _ = _seen(drawn.points, drawn.cells)
+    axes.set_axis_off()
+    return axes.tripcolor(_flat(points, faces), values, **look)
+
+
+def _meshed(axes: Axes, points: Array, cells: Indices, width: float) -> None:
+    look: dict[str, Any] = {"linewidths": width, "rasterized": True}
+    if points.shape[1] == 2:
+        ends = np.sort(np.concatenate([cells[:, [0, 1]], cells[:, [1, 2]], cells[:, [0, 2]]]), axis=1)
+        lines = points[np.unique(ends, axis=0)] / MILLIMETRE
+        axes.add_collection(LineCollection(list(lines), colors=EDGE, **look))
+    else:
+        seen, faces, _ = _seen(points, cells)
+        axes.add_collection(PolyCollection(list(seen[faces[:, :3]]), facecolors="#EAF2F8", edgecolors=EDGE, **look))
+        axes.set_axis_off()
+    axes.autoscale_view()
+
+
+def _magnify(axes: Axes, grid: Grid) -> None:
+    """Show the lobes at +y only."""
+    top = grid.points[:, 1].max()
+    half = 0.09 * top
+    axes.set_xlim(-1.3 * half / MILLIMETRE, 1.3 * half / MILLIMETRE)
+    axes.set_ylim((top - 2 * half) / MILLIMETRE, 1.01 * top / MILLIMETRE)
+
+
+def _flat(points: Array, cells: Indices) -> Triangulation:
+    x, y = points.T
+    return Triangulation(x, y, _quarters(cells))
+
+
+def _quarters(cells: Indices) -> Indices:
+    """Cut quadratic triangles (m, 6) into four flat ones each, (4 m, 3): corners, then the middles 01, 12, 02."""
+    return cells[:, [[0, 3, 5], [1, 4, 3], [2, 5, 4], [3, 4, 5]]].reshape(-1, 3)
+
+
+def _seen(points: Array, cells: Indices) -> tuple[Array, Indices, Array]:
+    """Project a solid's surface onto the page [mm]: nodes (n, 2), faces that look at the reader, farthest first."""
+    right = VIEW[0] / np.linalg.norm(VIEW[0])
+    up = VIEW[1] - (VIEW[1] @ right) * right
+    up = up / np.linalg.norm(up)
+    towards = np.cross(right, up)
+    faces, inside = _surface(cells)
+    corners = points[faces[:, :3]]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    outward = np.sign(np.sum(normal * (corners.mean(axis=1) - points[inside]), axis=1))
+    visible = outward * (normal @ towards) > 0.0
+    depth = corners.mean(axis=1) @ towards
+    order = np.flatnonzero(visible)[np.argsort(depth[visible])]
+    return points @ np.stack([right, up], axis=1) / MILLIMETRE, faces[order], depth[order]
+
+
+def _surface(cells: Indices) -> tuple[Indices, Indices]:
+    """Give the outer faces (f, 6) of quadratic tetrahedra (m, 10), and the corner (f,) opposite to each.
+
+    Middles of a tetrahedron lie on its edges 01, 12, 02, 03, 13, 23.
+    """
+    sides = ((0, 1, 2, 4, 5, 6, 3), (0, 1, 3, 4, 8, 7, 2), (1, 2, 3, 5, 9, 8, 0), (0, 2, 3, 6, 9, 7, 1))
+    faces = np.concatenate([cells[:, side] for side in sides])
+    _, first, count = np.unique(np.sort(faces[:, :3], axis=1), axis=0, return_index=True, return_counts=True)
+    outer = faces[first[count == 1]]
+    return outer[:, :6], outer[:, 6]

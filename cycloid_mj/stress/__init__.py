@@ -1,0 +1,39 @@
+"""Finite elements on every part under the loads of a logged run: ``PartLoads`` -> ``PartStress`` and ``StressMap``.
+
+A part is meshed once and factorised once; every crank angle is one right-hand side::
+
+    settings = GridSettings(refinement=1.0)          # one number is a refinement study
+    grid = part_grid(design, "gear", settings)       # planar, quadratic triangles; "shaft" is tetrahedra
+    found = solve(design, grid, loads)               # PartStress: maxima at each of the k angles
+    picture = stress_map(design, grid, loads, 74)    # StressMap: fields at the angle of that index
+    Path("gear.vtu").write_bytes(as_vtu(picture))
+
+``part_grid(design, part, settings, focus)``
+    ``part`` is "gear", "ring", "output", "pin_1" (plane stress, in the frame of its solid), or "shaft" (3-D).
+    ``focus`` refines around given contacts: rows (x, y, edge length) [m].
+``solve(design, grid, loads)``
+    ``bulk_stress`` (k,) [Pa] is the largest von Mises stress farther than ``bulk_distance`` [m] from every loaded
+    patch (and from the sharp inner corners of the shaft), ``bulk_place`` (k, d) where it sits; ``contact_stress`` and
+    ``contact_place`` are the same with the patches in, to be trusted only where ``resolved`` (k,) is true.
+``shaft_stress(design, loads, settings)``
+    The same for the eccentric shaft, by superposition of unit loads.
+"""
+
+from cycloid_mj.stress.field import PartStress, StressMap, solve, stress_map
+from cycloid_mj.stress.grid import Grid, GridSettings, part_grid
+from cycloid_mj.stress.loads import PartLoads
+from cycloid_mj.stress.solid3 import shaft_stress
+from cycloid_mj.stress.vtu import as_vtu
+
+__all__ = [
+    "Grid",
+    "GridSettings",
+    "PartLoads",
+    "PartStress",
+    "StressMap",
+    "as_vtu",
+    "part_grid",
+    "shaft_stress",
+    "solve",
+    "stress_map",
+]

@@ -1,0 +1,247 @@
+"""Contacts of each part along a crank turn: forces in the part's frame, where they act, and how sharply."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.design import Design
+from cycloid_mj.profile import unit
+from cycloid_mj.solid import output_centres
+from cycloid_mj.solid.gear import profile_offset, tooth_profile
+from cycloid_mj.statics import contact_modulus, hertz_line_contact
+from cycloid_mj.stress.action import Action, turned
+from cycloid_mj.stress.flank import lobe_lines, lobe_place, pin_curvature
+from cycloid_mj.stress.turn import Turn
+
+Array = npt.NDArray[np.float64]
+
+WIDEST = np.pi / 3
+"""Largest half width of a patch [rad of the thinner body]; assumed.
+
+A cylinder in a hole with little clearance touches that arc, where Hertz's strip would be wider than the cylinder; and
+so does a roller bearing with its loaded half.
+"""
+
+
+@dataclass(frozen=True)
+class Contact:
+    """One contact of a part along a turn of k samples.
+
+    Attributes
+    ----------
+    name
+        "pin_3", "lobe_3", "socket_3", "cam", "output_pin_2" or "gear".
+    action
+        The force on the part and its moment about the origin, in the part's frame.
+    place
+        Where it acts [m], shape (k, 2); nan where there is no force.
+    half_width
+        Hertz's half width of its patch [m], shape (k,).
+    """
+
+    name: str
+    action: Action
+    place: Array
+    half_width: Array
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Frame of a part along a turn: `origin` from the reducer's axis [m] (k, 2) and `angle` [rad] (k,)."""
+
+    origin: Array
+    angle: Array
+
+    def sees(self, points: Array) -> Array:
+        """Give points of the reducer's frame (k, 2) or (2,) [m] in this one."""
+        return turned(points - self.origin, -self.angle)
+
+
+def frame(turn: Turn, part: str) -> Frame:
+    """Give the frame of a part, that of its solid, as it moves."""
+    still = np.zeros_like(turn.angle)
+    fixed = np.zeros((still.size, 2))
+    if part == "gear":
+        return Frame(turn.vectors("gear_x", "gear_y"), turn["gear_angle"])
+    if part == "shaft":
+        return Frame(fixed, turn["crank_angle"])
+    if part == "output":
+        return Frame(fixed, turn["output_angle"])
+    if part == "pin_1":
+        return Frame(pin_centre(turn, 0), turn["pin_1_angle"] if turn.design.ring.has_moving_pins else still)
+    return Frame(fixed, still)
+
+
+def contacts(turn: Turn, part: str) -> list[Contact]:
+    """Give every contact of a part: "shaft", "gear", "ring", "output" or "pin_1"."""
+    found = {"shaft": _of_shaft, "gear": _of_gear, "ring": _of_ring, "output": _of_output, "pin_1": _of_pin}
+    return found[part](turn)
+
+
+def half_width(design: Design, force: Array, curvature: Array | float, radius: float) -> Array:
+    """Give Hertz's half width [m] under a force [N], at a relative curvature [1/m]; the thinner body's radius [m]."""
+    material, length = design.material, design.gear.face_width
+    modulus = contact_modulus(material.youngs_modulus, material.poisson)
+    conformal = 4.0 * force / (np.pi * length * modulus * (WIDEST * radius) ** 2)
+    bounded = np.maximum(curvature, np.maximum(conformal, np.finfo(float).tiny))
+    return hertz_line_contact(force, length, bounded, modulus).half_width
+
+
+def pin_centre(turn: Turn, pin: int) -> Array:
+    """Centre of a ring pin (0 on +y, clockwise) from the reducer's axis [m], shape (k, 2)."""
+    ring = turn.design.ring
+    nominal = ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth)
+    if not ring.has_moving_pins:
+        return np.broadcast_to(nominal, (turn.angle.size, 2))
+    return nominal + turn.vectors(f"pin_{pin + 1}_x", f"pin_{pin + 1}_y")
+
+
+def _on_gear(turn: Turn, name: str) -> Action:
+    """Give the logged force of a pair on the gear, about the reducer's axis."""
+    return _logged(turn, name, frame(turn, "gear").origin)
+
+
+def _logged(turn: Turn, name: str, origin: Array) -> Action:
+    force, moment = turn.vectors(f"{name}_force_x", f"{name}_force_y"), turn[f"{name}_moment"]
+    return Action(force, moment).seen_from(-origin, np.zeros_like(moment)).without_rounding()
+
+
+def _in(seat: Frame, action: Action) -> Action:
+    return action.seen_from(seat.origin, seat.angle)
+
+
+def _of_gear(turn: Turn) -> list[Contact]:
+    return [*_teeth(turn, "gear"), _cam_in_bore(turn), *_holes(turn)]
+
+
+def _of_ring(turn: Turn) -> list[Contact]:
+    design = turn.design
+    if design.ring.kind == "nonpin":
+        return _teeth(turn, "ring")
+    return [_socket(turn, pin) for pin in range(design.ring.teeth)]
+
+
+def _teeth(turn: Turn, part: str) -> list[Contact]:
+    """Give the contacts of gear and ring, on either of the two."""
+    if turn.design.ring.kind == "pin":
+        return [_pin_on_gear(turn, pin) for pin in range(turn.design.ring.teeth)]
+    gear, offset = tooth_profile(turn.design), profile_offset(turn.design)
+    on_gear, seat = frame(turn, "gear"), frame(turn, part)
+    lines, curvatures = lobe_lines(gear, turn["crank_angle"])
+    ahead = turn["gear_angle"] + turn["crank_angle"] / gear.lobes
+    found = []
+    for lobe in range(gear.ring_teeth):
+        name = f"lobe_{lobe + 1}"
+        action = _on_gear(turn, name)
+        place, curvature = lobe_place(gear, _in(on_gear, action), lines[:, lobe], curvatures[:, lobe], ahead, offset)
+        if part == "ring":
+            place, action = turned(place, on_gear.angle) + on_gear.origin, action.reaction()
+        width = half_width(turn.design, action.size, curvature, gear.pin_radius)
+        found.append(Contact(name, _in(seat, action), place, width))
+    return found
+
+
+def _pin_on_gear(turn: Turn, pin: int) -> Contact:
+    gear, seat = tooth_profile(turn.design), frame(turn, "gear")
+    action = _in(seat, _on_gear(turn, f"pin_{pin + 1}"))
+    place = action.on_hole(seat.sees(pin_centre(turn, pin)), gear.pin_radius)
+    curvature = pin_curvature(gear, pin, seat.angle, profile_offset(turn.design))
+    return Contact(f"pin_{pin + 1}", action, place, half_width(turn.design, action.size, curvature, gear.pin_radius))
+
+
+def _cam_in_bore(turn: Turn) -> Contact:
+    action = _in(frame(turn, "gear"), _on_gear(turn, "cam"))
+    radius = turn.design.gear.bore_radius + turn.design.clearance.cam
+    width = _cam_width(turn, action)
+    return Contact("cam", action, action.on_hole(np.zeros(2), radius, width), width)
+
+
+def _holes(turn: Turn) -> list[Contact]:
+    """Give the output pins in the gear's holes."""
+    output, seat = turn.design.output, frame(turn, "gear")
+    radius = output.hole_radius + turn.design.clearance.output
+    found = []
+    for number, centre in enumerate(output_centres(turn.design), start=1):
+        action = _in(seat, _on_gear(turn, f"output_pin_{number}"))
+        width = _hole_width(turn, action)
+        found.append(Contact(f"output_pin_{number}", action, action.on_hole(centre, radius, width), width))
+    return found
+
+
+def _of_output(turn: Turn) -> list[Contact]:
+    radius, seat = turn.design.output.pin_radius, frame(turn, "output")
+    found = []
+    for number, centre in enumerate(output_centres(turn.design), start=1):
+        action = _in(seat, _on_gear(turn, f"output_pin_{number}").reaction())
+        width = _hole_width(turn, action)
+        found.append(Contact(f"output_pin_{number}", action, action.on_disc(centre, radius, width), width))
+    return found
+
+
+def _of_shaft(turn: Turn) -> list[Contact]:
+    gear = turn.design.gear
+    action = _in(frame(turn, "shaft"), _on_gear(turn, "cam").reaction())
+    width = _cam_width(turn, action)
+    return [Contact("cam", action, action.on_disc(np.array([0.0, gear.eccentricity]), gear.bore_radius, width), width)]
+
+
+def _of_pin(turn: Turn) -> list[Contact]:
+    """Give the contacts of pin 1: the gear, and its socket, which carries all of it where the pin is pressed in."""
+    gear, seat, centre = tooth_profile(turn.design), frame(turn, "pin_1"), np.zeros(2)
+    radius = gear.pin_radius
+    pushed, held = _in(seat, _on_gear(turn, "pin_1").reaction()), _in(seat, _by_socket(turn, 0))
+    curvature = pin_curvature(gear, 0, turn["gear_angle"], profile_offset(turn.design))
+    narrow, wide = half_width(turn.design, pushed.size, curvature, radius), _socket_width(turn, held)
+    return [
+        Contact("gear", pushed, pushed.on_disc(centre, radius, narrow), narrow),
+        Contact("socket", held, held.on_disc(centre, radius, wide), wide),
+    ]
+
+
+def _socket(turn: Turn, pin: int) -> Contact:
+    """Give the contact of a pin and the wall of its socket, which is open towards the gear.
+
+    In the simulation sockets are whole circles: an idle pin may lie, by its weight, where there is no wall.
+    """
+    ring = turn.design.ring
+    action = _by_socket(turn, pin).reaction()
+    centre, radius = ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth), ring.pin_radius
+    out = np.linalg.norm(action.on_hole(centre, radius), axis=-1)
+    action = action.where(out > ring.pin_circle_radius)
+    width = _socket_width(turn, action)
+    return Contact(f"socket_{pin + 1}", action, action.on_hole(centre, radius + turn.design.socket_play, width), width)
+
+
+def _by_socket(turn: Turn, pin: int) -> Action:
+    """Give the force of a socket on its pin, about the reducer's axis."""
+    if turn.design.ring.has_sockets:
+        return _logged(turn, f"socket_{pin + 1}", pin_centre(turn, pin))
+    return _on_gear(turn, f"pin_{pin + 1}")
+
+
+def _cam_width(turn: Turn, action: Action) -> Array:
+    radius = turn.design.gear.bore_radius
+    return _nested_width(turn, action, radius, radius + turn.design.clearance.cam)
+
+
+def _hole_width(turn: Turn, action: Action) -> Array:
+    output = turn.design.output
+    return _nested_width(turn, action, output.pin_radius, output.hole_radius + turn.design.clearance.output)
+
+
+def _socket_width(turn: Turn, action: Action) -> Array:
+    """Half width of the patch of a pin in its socket [m], (k,); as wide as can be where the pin is pressed in."""
+    radius = turn.design.ring.pin_radius
+    return _nested_width(turn, action, radius, radius + turn.design.socket_play)
+
+
+def _nested_width(turn: Turn, action: Action, inner: float, outer: float) -> Array:
+    return half_width(turn.design, action.size, 1.0 / inner - 1.0 / outer, inner)
+
+
+def total(found: Sequence[Contact]) -> Action:
+    """Sum the actions of contacts."""
+    force = np.sum([contact.action.force for contact in found], axis=0)
+    return Action(force, np.sum([contact.action.moment for contact in found], axis=0))

@@ -1,0 +1,205 @@
+"""What a study of stress finds: for each part the maximum along a crank turn, where it sits, and its error."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+
+MEGAPASCAL, MILLIMETRE = 1e6, 1e-3
+BOUND = 0.03
+"""Largest change of a maximum under one more refinement for which it counts as found."""
+
+ASSUMPTIONS = (
+    "linear elasticity; gear, ring, output disc and pin 1 in plane stress over the face width (the disc over its own "
+    "thickness), the shaft in 3-D",
+    "loads quasi-static: the logged contact forces of each instant, gravity, and inertia; no stress waves",
+    "each force acts on an elliptical patch of Hertz's half width, at most 60 deg of the thinner cylinder: so wide is "
+    "the cam in its bore (as in a roller bearing's loaded half)",
+    "the force of one lobe of the internal gear, a sum of up to three contact lines, acts as one",
+    "the free parts, gear and pin 1, have the acceleration that their forces give them (d'Alembert)",
+    "the housing is held at its outer circle, the output disc at a hub of the shaft's radius, the shaft in "
+    "two bearings on its input journal",
+    "bulk stress is the largest von Mises stress farther than half the pin radius from every loaded patch, and from "
+    "the shaft's sharp inner corners; contact stress is the largest below a patch by Hertz, whose strip is long",
+)
+
+
+@dataclass(frozen=True)
+class Peak:
+    """A maximum: `stress` [Pa] (von Mises), crank `angle` [rad], `place` in the part's frame [m], `contact` if it sits
+    below one, and the `safety` factor against yield.
+    """  # noqa: D205
+
+    stress: float
+    angle: float
+    place: Array
+    contact: str
+    safety: float
+
+    def as_json(self) -> dict[str, Any]:
+        """Give the peak in MPa, degrees and mm."""
+        return {
+            "stress_mpa": self.stress / MEGAPASCAL,
+            "angle_deg": float(np.degrees(self.angle)),
+            "place_mm": [_finite(value / MILLIMETRE) for value in self.place],
+            "contact": self.contact,
+            "safety_against_yield": _finite(self.safety),
+        }
+
+
+def _finite(value: float) -> float | None:
+    """Give a number, or None for what JSON has no word for: the place of no force, the safety of no stress."""
+    return float(value) if np.isfinite(value) else None
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """Grids from coarse to fine: `unknowns` of each, and its bulk `stress` [Pa] (grids, a) at crank `angle` [rad] (a,).
+
+    The grid of the study is the one before the last.
+    """
+
+    unknowns: tuple[int, ...]
+    angle: Array
+    stress: Array
+
+    @property
+    def change(self) -> float:
+        """Change of the largest stress of these angles from the study's grid to the finest, relative."""
+        largest = self.stress.max(axis=1)
+        return float(abs(largest[-2] / largest[-1] - 1.0))
+
+    @property
+    def scatter(self) -> float:
+        """Change of the stress at each of these angles, rms, relative to the largest."""
+        return float(np.sqrt(np.mean((self.stress[-2] - self.stress[-1]) ** 2)) / self.stress[-1].max())
+
+    @property
+    def holds(self) -> bool:
+        """Whether one more refinement changes the maxima by less than `BOUND`."""
+        return self.change < BOUND
+
+    def as_json(self) -> dict[str, Any]:
+        """Give the study of refinement in MPa and degrees."""
+        return {
+            "unknowns": list(self.unknowns),
+            "angle_deg": np.degrees(self.angle).tolist(),
+            "bulk_mpa": (self.stress / MEGAPASCAL).tolist(),
+            "change": self.change,
+            "scatter_rms": self.scatter,
+            "bound": BOUND,
+            "holds": self.holds,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class PartFindings:
+    """Stress of one part along a crank turn.
+
+    Attributes
+    ----------
+    part
+        Its name.
+    unknowns
+        Of its grid.
+    teeth
+        Of the ring: the mesh repeats so many times a turn.
+    angle
+        Crank angle [rad], shape (k,).
+    bulk, contact
+        Largest von Mises stress away from the contact patches, and below them by Hertz [Pa], shape (k,).
+    bulk_peak, contact_peak
+        The maxima of the two.
+    largest_pressure
+        Hertz's peak pressure [Pa].
+    largest_force
+        Of one contact [N].
+    near_field
+        Stress that a half plane has at the bulk distance from the largest force on a narrow patch [Pa].
+    imbalance
+        What a free part's loads leave on its grid, as a share of the largest force, or of its moment at the part's
+        radius; it is spread over the mass.
+    refinement
+        The maxima on other grids.
+    wall
+        Time that it took [s].
+    """
+
+    part: str
+    unknowns: int
+    teeth: int
+    angle: Array
+    bulk: Array
+    bulk_peak: Peak
+    contact: Array
+    contact_peak: Peak
+    largest_pressure: float
+    largest_force: float
+    near_field: float
+    imbalance: float
+    refinement: Refinement
+    wall: float
+
+    def orders(self, orders: tuple[int, ...]) -> Array:
+        """Give the amplitudes [Pa] of orders of the crank in the bulk stress."""
+        waves = np.exp(-1j * np.outer(orders, self.angle))
+        return 2.0 * np.abs(waves @ (self.bulk - self.bulk.mean())) / self.bulk.size
+
+    def as_json(self) -> dict[str, Any]:
+        """Give the findings as dicts, lists, numbers and text."""
+        return {
+            "part": self.part,
+            "unknowns": self.unknowns,
+            "bulk_peak": self.bulk_peak.as_json(),
+            "contact_peak": self.contact_peak.as_json(),
+            "largest_pressure_mpa": self.largest_pressure / MEGAPASCAL,
+            "largest_force_n": self.largest_force,
+            "near_field_mpa": self.near_field / MEGAPASCAL,
+            "imbalance": self.imbalance,
+            "refinement": self.refinement.as_json(),
+            "angle_deg": np.degrees(self.angle).tolist(),
+            "bulk_mpa": (self.bulk / MEGAPASCAL).tolist(),
+            "contact_mpa": (self.contact / MEGAPASCAL).tolist(),
+            "wall_s": self.wall,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class StressFindings:
+    """Stress of the parts of one design under one load.
+
+    `design` its name, `ring` its kind, `load` torque [N m], `log` the run's file, `yield_strength` [Pa], `parts`, and
+    the `wall` time [s].
+    """
+
+    design: str
+    ring: str
+    load: float
+    log: str | None
+    yield_strength: float
+    parts: tuple[PartFindings, ...]
+    wall: float
+
+    def __getitem__(self, part: str) -> PartFindings:
+        """Give the findings of a part."""
+        return next(found for found in self.parts if found.part == part)
+
+    def __contains__(self, part: str) -> bool:
+        """Tell whether a part was studied."""
+        return any(found.part == part for found in self.parts)
+
+    def as_json(self) -> dict[str, Any]:
+        """Give the findings as dicts, lists, numbers, text and None only."""
+        return {
+            "design": self.design,
+            "ring": self.ring,
+            "load_nm": self.load,
+            "log": self.log,
+            "yield_strength_mpa": self.yield_strength / MEGAPASCAL,
+            "parts": [found.as_json() for found in self.parts],
+            "assumptions": list(ASSUMPTIONS),
+            "wall_s": self.wall,
+        }

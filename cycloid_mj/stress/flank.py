@@ -1,0 +1,88 @@
+"""Contact of the gear's flank with the ring: where a lobe's force acts, and how sharp the contact is."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj import envelope, profile
+from cycloid_mj.profile import CycloidGear
+from cycloid_mj.stress.action import Action, cross
+
+Array = npt.NDArray[np.float64]
+
+ROUNDS = 30
+FARTHEST = 0.5
+"""How far a place may lie from the ideal contact line it is sought from, as a share of a lobe's angle."""
+
+
+def pin_curvature(gear: CycloidGear, pin: int, gear_angle: Array, offset: float) -> Array:
+    """Relative curvature [1/m] of a pin (0 on +y, clockwise) and the flank at gear angles [rad] (k,).
+
+    The pin's centre is the point T(t) of the trochoid with t its angle in the gear's frame: the pin's plus the gear's.
+    """
+    t = profile.pin_angles(gear)[pin] + gear_angle
+    return profile.curvature(gear, t, offset) + 1.0 / gear.pin_radius
+
+
+def lobe_lines(gear: CycloidGear, crank_angle: Array) -> tuple[Array, Array]:
+    """Give parameter t [rad] and relative curvature [1/m] of every ideal contact line, each (k, N, 3).
+
+    The three lines of a lobe: its arc, and the flanks Sigma on its two sides, nan where one does not touch.
+    """
+    count = gear.ring_teeth
+    t, curvature = np.full((2, crank_angle.size, count, 3), np.nan)
+    for row, theta in enumerate(crank_angle):
+        arcs, roots = envelope.arc_contacts(gear, float(theta)), envelope.sigma_contacts(gear, float(theta))
+        t[row, arcs.lobe, 0], curvature[row, arcs.lobe, 0] = arcs.t, arcs.relative_curvature
+        phase = roots.B
+        beyond = phase > np.pi
+        lobe = np.mod(roots.lobe - beyond, count)
+        t[row, lobe, 1 + beyond], curvature[row, lobe, 1 + beyond] = roots.t, roots.relative_curvature
+    return t, curvature
+
+
+def lobe_place(
+    gear: CycloidGear, action: Action, lines: Array, curvature: Array, turn: Array, offset: float
+) -> tuple[Array, Array]:
+    """Give where a lobe's force presses on the flank [m] (k, 2), and the relative curvature there [1/m] (k,).
+
+    The force of a lobe is the sum of up to three lines; where the line of action of the sum meets the flank stands for
+    all of them. From the ideal line that it passes nearest to, Newton's method solves (outline(t) - foot) x n = 0.
+
+    Parameters
+    ----------
+    action
+        The force on the gear, gear frame, (k,).
+    lines, curvature
+        Of this lobe, from `lobe_lines`, (k, 3).
+    turn
+        Small angle [rad] (k,) by which the gear is ahead of the closed form.
+    offset
+        Of the flank from the trochoid [m].
+    """
+    along, foot = action.direction, action.foot
+    starts = lines + turn[:, np.newaxis]
+    missed = np.abs(_miss(gear, starts, foot[:, np.newaxis], along[:, np.newaxis], offset))
+    facing = np.sum(profile.normals(gear, starts) * along[:, np.newaxis], axis=-1) < 0.0
+    missed = np.where(facing & np.isfinite(missed), missed, np.inf)
+    rows, chosen = np.arange(len(starts)), np.argmin(missed, axis=1)
+    start = np.where(np.isfinite(missed[rows, chosen]), starts[rows, chosen], np.nan)
+    t = start
+    reach = FARTHEST * 2 * math.pi / gear.lobes
+    for _ in range(ROUNDS):
+        tangent = profile.arc_rate(gear, t, offset)[:, np.newaxis] * _ahead(gear, t)
+        slope = cross(tangent, along)
+        step = np.divide(_miss(gear, t, foot, along, offset), slope, out=np.zeros_like(t), where=slope != 0.0)
+        t = np.clip(t - step, start - reach, start + reach)
+    return profile.outline(gear, t, offset), curvature[rows, chosen]
+
+
+def _miss(gear: CycloidGear, t: Array, foot: Array, along: Array, offset: float) -> Array:
+    """Distance of outline(t) from the line of action [m]."""
+    return cross(profile.outline(gear, t, offset) - foot, along)
+
+
+def _ahead(gear: CycloidGear, t: Array) -> Array:
+    """Give the unit tangents of the outline, clockwise as t grows, (..., 2)."""
+    return profile.unit(profile.normal_angle(gear, t) + math.pi / 2)

@@ -1,0 +1,247 @@
+"""Grids of quadratic triangles on the planar parts, and of quadratic tetrahedra on the shaft."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.design import Design
+from cycloid_mj.errors import CycloidError, UsageError
+from cycloid_mj.stress.outline import Loop, Sizing, divide
+from cycloid_mj.stress.packages import MILLIMETRES, mesher, package
+from cycloid_mj.stress.region import Region, part_region
+
+Array = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.int64]
+
+DEPTH_GROWTH = 0.6
+"""How fast edges grow inwards on the whole, per length: slowly at first, within the bulk distance, then faster."""
+
+
+@dataclass(frozen=True)
+class GridSettings:
+    """How fine a grid is. Lengths are shares of the ring's pin radius; `refinement` divides all of them but the last.
+
+    Attributes
+    ----------
+    refinement
+        One number for a refinement study.
+    contact_edge, wide_edge, free_edge, inner_edge
+        Edges of outlines that other parts touch along lines, or widely (the bore), of other outlines, and the longest
+        inside.
+    turn
+        Longest edge as a share of the radius of curvature.
+    solid_edge
+        Longest edge of the tetrahedra of the shaft, as a share of its own radius.
+    bulk_distance
+        Distance from loaded patches beyond which stress counts as bulk. It must not change in a refinement study.
+    """
+
+    refinement: float = 1.0
+    contact_edge: float = 0.07
+    wide_edge: float = 0.2
+    free_edge: float = 0.6
+    inner_edge: float = 0.6
+    turn: float = 0.5
+    solid_edge: float = 0.4
+    bulk_distance: float = 0.25
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if not value > 0.0:
+                raise UsageError(f"the grid's {name} is {value}; it must be positive, e.g. 1")
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A part as quadratic elements.
+
+    Attributes
+    ----------
+    part
+        Its name.
+    mesh
+        The scikit-fem mesh. Its nodes (`points`) are the vertices, then the middles of the edges.
+    thickness
+        Thickness of a planar part [m]; 1 for a solid one.
+    loops
+        The outlines that other parts touch, each (e, 3): start, middle and end node of every edge, in order.
+    held
+        Nodes that do not move; empty for a free part.
+    bulk_distance
+        Distance from loaded patches beyond which stress counts as bulk [m].
+    keep_off
+        Points (n, d) [m] that the bulk keeps off as it does off patches: sharp inner corners without their fillets.
+    """
+
+    part: str
+    mesh: Any
+    thickness: float
+    loops: tuple[Indices, ...]
+    held: Indices
+    bulk_distance: float
+    keep_off: Array
+
+    @property
+    def points(self) -> Array:
+        """Nodes (n, d) [m]."""
+        return np.asarray(self.mesh.doflocs.T)
+
+    @property
+    def dimension(self) -> int:
+        """2 for a planar part, 3 for a solid one."""
+        return int(self.mesh.dim())
+
+    @property
+    def cells(self) -> Indices:
+        """Nodes (m, 6) of each triangle, or (m, 10) of each tetrahedron: corners, then middles."""
+        middles = self.mesh.t2f if self.dimension == 2 else self.mesh.t2e
+        return np.vstack([self.mesh.t, self.mesh.nvertices + middles]).T.astype(np.int64)
+
+    @property
+    def unknowns(self) -> int:
+        """Displacements of all nodes."""
+        return int(self.mesh.doflocs.size)
+
+
+def part_grid(
+    design: Design, part: str, settings: GridSettings | None = None, focus: npt.ArrayLike | None = None
+) -> Grid:
+    """Give the grid of a part: "gear", "ring", "output", "pin_1" (planar), or "shaft" (solid).
+
+    Parameters
+    ----------
+    design
+        The design.
+    part
+        Name of the part.
+    settings
+        How fine; the default has more than 150 000 unknowns for the default gear.
+    focus
+        Rows (x, y, edge length) [m]: outlines are that fine there, e.g. to resolve a contact patch.
+
+    Raises
+    ------
+    UsageError
+        The design has no such part.
+    CycloidError
+        The part does not mesh, or a package of the extra ``fem`` is missing.
+    """
+    settings = GridSettings() if settings is None else settings
+    if part == "shaft":
+        from cycloid_mj.stress.solid3 import shaft_grid
+
+        return shaft_grid(design, settings)
+    return planar_grid(part_region(design, part), settings, design.ring.pin_radius, focus)
+
+
+def planar_grid(region: Region, settings: GridSettings, length: float, focus: npt.ArrayLike | None = None) -> Grid:
+    """Give the grid of any planar region; the lengths of the settings are shares of ``length`` [m].
+
+    Raises
+    ------
+    CycloidError
+        The region does not mesh, or a package of the extra ``fem`` is missing.
+    """
+    unit = length / settings.refinement
+    places = np.zeros((0, 3)) if focus is None else np.asarray(focus, float).reshape(-1, 3)
+    loops = []
+    for boundary in region.boundaries:
+        edge = (
+            unit * {"line": settings.contact_edge, "wide": settings.wide_edge, "": settings.free_edge}[boundary.touched]
+        )
+        loops.append(divide(boundary.polygon, Sizing(edge, settings.turn / settings.refinement, edge / 10, places)))
+    points, triangles = _triangulated(region, loops, unit * settings.inner_edge)
+    first = np.cumsum([0, *(len(loop.nodes) for loop in loops)])
+    rings = [start + np.arange(len(loop.nodes)) for start, loop in zip(first, loops, strict=False)]
+    ends = np.concatenate([np.column_stack([ring, np.roll(ring, -1)]) for ring in rings])
+    mesh, middle = quadratic(points, triangles, ends, np.concatenate([loop.middles for loop in loops]), region.part)
+    tables = [np.column_stack([ring, middle[ring], np.roll(ring, -1)]) for ring in rings]
+    pairs = list(zip(region.boundaries, tables, strict=True))
+    held = [table[:, :2].ravel() for boundary, table in pairs if boundary.held]
+    return Grid(
+        part=region.part,
+        mesh=mesh,
+        thickness=region.thickness,
+        loops=tuple(table for boundary, table in pairs if boundary.touched),
+        held=np.unique(np.concatenate([np.zeros(0, np.int64), *held])),
+        bulk_distance=settings.bulk_distance * length,
+        keep_off=np.zeros((0, 2)),
+    )
+
+
+def quadratic(points: Array, cells: Indices, ends: Indices, middles: Array, part: str) -> tuple[Any, Indices]:
+    """Make a quadratic scikit-fem mesh whose edges ``ends`` (e, 2) pass through ``middles`` (e, d) [m].
+
+    Give the mesh and the node in the middle of each of these edges.
+
+    Raises
+    ------
+    CycloidError
+        An element is turned inside out by its curved edge: the grid is too coarse there.
+    """
+    skfem = package("skfem")
+    planar = points.shape[1] == 2
+    straight = (skfem.MeshTri1 if planar else skfem.MeshTet1)(points.T.copy(), cells.T.copy())
+    mesh = (skfem.MeshTri2 if planar else skfem.MeshTet2).from_mesh(straight)
+    known = np.sort(mesh.facets if planar else mesh.edges, axis=0).astype(np.int64)
+    key = known[0] * len(points) + known[1]
+    order = np.argsort(key)
+    low, high = np.sort(ends, axis=1).T
+    found = order[np.searchsorted(key[order], low * len(points) + high).clip(max=len(order) - 1)]
+    if not np.array_equal(key[found], low * len(points) + high):
+        raise CycloidError(f"the {part} does not mesh: an edge of its outline is missing; change the refinement")
+    nodes = mesh.nvertices + found
+    doflocs = np.array(mesh.doflocs)
+    doflocs[:, nodes] = middles.T
+    mesh = type(mesh)(doflocs, mesh.t)
+    shape = mesh.mapping().detDF(np.eye(mesh.dim(), mesh.dim() + 1, 1))
+    if np.any(shape * np.sign(shape[:, :1]) <= 0.0):
+        raise CycloidError(f"the {part} does not mesh: a curved edge folds its element; raise the refinement")
+    return mesh, nodes.astype(np.int64)
+
+
+def _triangulated(region: Region, loops: list[Loop], inner_edge: float) -> tuple[Array, Indices]:
+    """Let gmsh fill the region; the loops' nodes come first, in order."""
+    with mesher(region.part, inner_edge) as gmsh:
+        geo = gmsh.model.geo
+        curves, edges = [], []
+        for loop in loops:
+            tags = [
+                geo.addPoint(x, y, 0.0, size)
+                for (x, y), size in zip(loop.nodes * MILLIMETRES, loop.sizes * MILLIMETRES, strict=True)
+            ]
+            lines = [geo.addLine(a, b) for a, b in zip(tags, [*tags[1:], tags[0]], strict=True)]
+            for line in lines:
+                geo.mesh.setTransfiniteCurve(line, 2)
+            curves.append(geo.addCurveLoop(lines))
+            edges += lines
+        geo.addPlaneSurface(curves)
+        for boundary, curve in zip(region.boundaries, curves, strict=True):
+            if boundary.role == "inset":
+                geo.addPlaneSurface([curve])
+        geo.synchronize()
+        _grow_inwards(gmsh.model.mesh.field, edges, inner_edge * MILLIMETRES)
+        gmsh.model.mesh.generate(2)
+        tags, coordinates, _ = gmsh.model.mesh.getNodes()
+        _, corners = gmsh.model.mesh.getElementsByType(2)
+    if not len(corners):
+        raise CycloidError(f"the {region.part} does not mesh: an outline crosses itself or another; check the design")
+    index = np.zeros(int(tags.max()) + 1, np.int64)
+    order = np.argsort(tags)
+    index[tags[order].astype(np.int64)] = np.arange(len(tags))
+    points = coordinates.reshape(-1, 3)[order, :2] / MILLIMETRES
+    count = sum(len(loop.nodes) for loop in loops)
+    points[:count] = np.concatenate([loop.nodes for loop in loops])
+    return points, index[corners.astype(np.int64)].reshape(-1, 3)
+
+
+def _grow_inwards(field: Any, edges: list[int], longest: float) -> None:
+    """Let edges grow with the distance from the outlines, up to the longest [mm]."""
+    extend = field.add("Extend")
+    field.setNumbers(extend, "CurvesList", edges)
+    field.setNumber(extend, "SizeMax", longest)
+    field.setNumber(extend, "DistMax", longest / DEPTH_GROWTH)
+    field.setNumber(extend, "Power", 0.25)
+    field.setAsBackgroundMesh(extend)

@@ -1,0 +1,96 @@
+"""Loads on a part, in the part's own frame, at crank angles of one revolution."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.design import Design
+from cycloid_mj.errors import UsageError
+from cycloid_mj.record import Run
+from cycloid_mj.stress.contacts import contacts
+from cycloid_mj.stress.motion import motion
+from cycloid_mj.stress.turn import DEGREES, turn
+
+Array = npt.NDArray[np.float64]
+
+PARTS = ("shaft", "gear", "ring", "output", "pin_1")
+
+
+@dataclass(frozen=True)
+class PartLoads:
+    """Loads on one part in its own frame (the frame of its solid: see `cycloid_mj.solid`), at k crank angles.
+
+    The body force at r (from the origin of the part's frame) is rho (body_force + spin^2 r - spin_rate z x r).
+    """
+
+    part: str
+    """"shaft", "gear", "ring" (pinwheel or internal gear), "output", or "pin_1"."""
+    angle: Array
+    """Crank angle [rad], shape (k,)."""
+    place: Array
+    """Centre of each contact patch [m], shape (k, m, 2); nan where there is none."""
+    force: Array
+    """Force on the part, normal and friction [N], shape (k, m, 2); zero where there is none."""
+    half_width: Array
+    """Hertz half width of each patch [m], shape (k, m)."""
+    labels: tuple[str, ...]
+    """Name of each of the m contacts, e.g. "pin_3", "cam", "output_pin_2"."""
+    body_force: Array
+    """Gravity less the acceleration of the frame's origin [m/s2], shape (k, 2)."""
+    spin: Array
+    """Angular velocity [rad/s], shape (k,)."""
+    spin_rate: Array
+    """Angular acceleration [rad/s2], shape (k,)."""
+    torque: Array
+    """Moment about z that is carried elsewhere (crank torque, load) [N m], shape (k,)."""
+
+
+def part_names(design: Design) -> tuple[str, ...]:
+    """Name the parts of a design whose stress can be asked for.
+
+    Sleeves take ring and pins out: the housing holds such pins beside the gear, which no load in the plane can tell.
+    """
+    left_out = {"ring", "pin_1"} if design.ring.has_sleeves else {"pin_1"} if design.ring.kind == "nonpin" else set()
+    return tuple(part for part in PARTS if part not in left_out)
+
+
+def part_loads(run: Run, design: Design, part: str, angles: npt.ArrayLike = DEGREES) -> PartLoads:
+    """Give the loads on a part at crank angles [rad], shape (k,), from the forces that a run logged.
+
+    The samples nearest to the angles are taken, in the last turn of the settled hold. Each force, friction included,
+    acts where its line of action meets the surface it presses on; on a wide patch, so that its tractions have the
+    moment that was logged. The parts that move freely, gear and pin 1, have the acceleration that their logged forces
+    and gravity give them (d'Alembert), so they are in balance at every sample.
+
+    Raises
+    ------
+    UsageError
+        There is no such part in this design, or the design is not the one that ran.
+    LogError
+        The run carries no design or no forces, or its hold is too short or too coarse.
+    """
+    require_part(design, part)
+    sampled = turn(run, design, angles)
+    found = contacts(sampled, part)
+    moved = motion(sampled, part, found)
+    return PartLoads(
+        part=part,
+        angle=sampled.angle,
+        place=np.stack([contact.place for contact in found], axis=1),
+        force=np.stack([contact.action.force for contact in found], axis=1),
+        half_width=np.stack([contact.half_width for contact in found], axis=1),
+        labels=tuple(contact.name for contact in found),
+        body_force=moved.body_force,
+        spin=moved.spin,
+        spin_rate=moved.spin_rate,
+        torque=moved.torque,
+    )
+
+
+def require_part(design: Design, part: str) -> None:
+    """Raise UsageError unless a design has a part."""
+    if part not in part_names(design):
+        raise UsageError(f"the design {design.name!r} has no part {part!r}; there are {', '.join(part_names(design))}")

@@ -1,0 +1,110 @@
+"""Closed outlines divided into the edges of a grid: finer where they are tight, where bodies touch, or near a focus.
+
+An outline comes as a polygon so fine that its chords do not matter; the nodes of the grid, and the middles of its
+quadratic edges, lie on it.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+
+CORNER = 0.15
+"""A polygon turns by more than this only at a corner of the part [rad]."""
+
+GROWTH = 0.25
+"""How fast edges may grow along the outline and away from a focus, per length."""
+
+_LEAST_EDGES = 12
+
+
+@dataclass(frozen=True)
+class Sizing:
+    """Wanted edge lengths of an outline.
+
+    `edge` the longest [m], `turn` the longest as a share of the radius of curvature, `finest` the shortest that
+    curvature may ask for [m], `focus` rows (x, y, edge) [m] (n, 3): places where edges are that short.
+    """
+
+    edge: float
+    turn: float
+    finest: float
+    focus: Array
+
+
+@dataclass(frozen=True)
+class Loop:
+    """A closed outline as quadratic edges: edge i runs from `nodes[i]` over `middles[i]` to `nodes[i + 1]` [m].
+
+    `sizes` (n,) [m] is the edge length wanted at each node.
+    """
+
+    nodes: Array
+    middles: Array
+    sizes: Array
+
+
+def divide(polygon: Array, sizing: Sizing) -> Loop:
+    """Divide a closed polygon (n, 2) [m] into edges of the wanted lengths; each of its corners becomes a node."""
+    points, corner, radius = _dense(polygon, sizing)
+    arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1))])
+    size = _graded(_wanted(points, radius, sizing), arc)
+    closed = np.append(size, size[0])
+    share = np.concatenate([[0.0], np.cumsum((1 / closed[1:] + 1 / closed[:-1]) / 2 * np.diff(arc))])
+    ends = np.flatnonzero(corner) if corner.any() else np.array([0])
+    stretches = zip(share[ends], np.append(share[ends[1:]], share[ends[0]] + share[-1]), strict=True)
+    least = max(1, math.ceil(_LEAST_EDGES / len(ends)))
+    marks = np.concatenate([np.linspace(a, b, max(least, math.ceil(b - a)) + 1)[:-1] for a, b in stretches])
+    at = np.interp(np.append(marks, marks[0] + share[-1]) % share[-1], share, arc)
+    following = np.where(at[1:] > at[:-1], at[1:], at[1:] + arc[-1])
+    return Loop(
+        nodes=_along(points, arc, at[:-1]),
+        middles=_along(points, arc, (at[:-1] + following) / 2 % arc[-1]),
+        sizes=np.interp(at[:-1], arc, closed),
+    )
+
+
+def _wanted(points: Array, radius: Array, sizing: Sizing) -> Array:
+    """Edge length wanted at each point, before grading."""
+    size = np.minimum(sizing.edge, np.maximum(sizing.turn * radius, sizing.finest))
+    for x, y, edge in sizing.focus:
+        size = np.minimum(size, edge + GROWTH * np.hypot(points[:, 0] - x, points[:, 1] - y))
+    return size
+
+
+def _dense(polygon: Array, sizing: Sizing) -> tuple[Array, npt.NDArray[np.bool_], Array]:
+    """Halve the polygon's edges until each is below half the wanted length; tell corners, and radii of curvature."""
+    before, after = polygon - np.roll(polygon, 1, axis=0), np.roll(polygon, -1, axis=0) - polygon
+    cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+    turn = np.abs(np.arctan2(cross, np.sum(before * after, axis=1)))
+    length = (np.linalg.norm(before, axis=1) + np.linalg.norm(after, axis=1)) / 2
+    corner = turn > CORNER
+    radius = np.where(corner, np.inf, length / np.maximum(turn, 1e-300))
+    points = polygon
+    while True:
+        following = np.roll(points, -1, axis=0)
+        beyond = np.minimum(radius, np.roll(radius, -1))
+        middle = (points + following) / 2
+        coarse = np.linalg.norm(following - points, axis=1) > _wanted(middle, beyond, sizing) / 2
+        if not coarse.any():
+            return points, corner, radius
+        place = np.flatnonzero(coarse) + 1
+        points = np.insert(points, place, middle[coarse], axis=0)
+        corner = np.insert(corner, place, False)
+        radius = np.insert(radius, place, beyond[coarse])
+
+
+def _graded(size: Array, arc: Array) -> Array:
+    """Shorten edges so that they grow by no more than GROWTH along the closed outline, either way."""
+    twice, s = np.tile(size, 2), np.concatenate([arc[:-1], arc[:-1] + arc[-1]])
+    ahead = np.minimum.accumulate(twice - GROWTH * s) + GROWTH * s
+    back = np.minimum.accumulate((twice + GROWTH * s)[::-1])[::-1] - GROWTH * s
+    return np.minimum(ahead[len(size) :], back[: len(size)])
+
+
+def _along(points: Array, arc: Array, at: Array) -> Array:
+    closed = np.vstack([points, points[:1]])
+    return np.column_stack([np.interp(at, arc, closed[:, 0]), np.interp(at, arc, closed[:, 1])])

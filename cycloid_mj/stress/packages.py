@@ -1,0 +1,79 @@
+"""The optional packages of the room, imported where they are used, with one clear error that names the extra."""
+
+import importlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from cycloid_mj.errors import CycloidError
+
+MILLIMETRES = 1e3
+"""gmsh works in mm: its tolerances are absolute."""
+
+_MESHER_OPTIONS = {
+    "General.Terminal": 0,
+    "General.NumThreads": 1,
+    "Mesh.Algorithm": 6,
+    "Mesh.Algorithm3D": 1,
+    "Mesh.RandomSeed": 1,
+    "Mesh.Optimize": 1,
+    "Mesh.MeshSizeExtendFromBoundary": 0,
+    "Mesh.MeshSizeFromPoints": 1,
+    "Mesh.MeshSizeFromCurvature": 0,
+    "Mesh.MeshSizeMin": 0,
+    "Mesh.ElementOrder": 1,
+    "Mesh.SecondOrderLinear": 0,
+    "Mesh.HighOrderOptimize": 0,
+}
+
+
+def package(name: str) -> Any:
+    """Import a package of the extra ``fem``.
+
+    Raises
+    ------
+    CycloidError
+        The package, or a library that it needs, is not installed.
+    """
+    try:
+        return importlib.import_module(name)
+    except (ImportError, OSError) as error:
+        raise CycloidError(
+            f"stress needs the package {name} ({error}): install the extra with `pip install 'cycloid-mj[fem]'`"
+        ) from error
+
+
+@contextmanager
+def mesher(part: str, coarsest: float) -> Iterator[Any]:
+    """Give gmsh with an empty model of its own and fixed options, so that the same part gives the same grid.
+
+    ``coarsest`` is the longest edge [m].
+
+    Raises
+    ------
+    CycloidError
+        gmsh is not installed, or the part does not mesh.
+    """
+    gmsh = package("gmsh")
+    fresh = not gmsh.isInitialized()
+    if fresh:
+        gmsh.initialize(interruptible=False)
+    kept = {name: gmsh.option.getNumber(name) for name in (*_MESHER_OPTIONS, "Mesh.MeshSizeMax")}
+    for name, value in {**_MESHER_OPTIONS, "Mesh.MeshSizeMax": coarsest * MILLIMETRES}.items():
+        gmsh.option.setNumber(name, value)
+    gmsh.model.add(part)
+    try:
+        yield gmsh
+    except CycloidError:
+        raise
+    except Exception as error:
+        raise CycloidError(
+            f"the {part} does not mesh ({str(error).strip()}): check its outline with `cycloid-mj export`, "
+            "or change the refinement"
+        ) from error
+    finally:
+        gmsh.model.remove()
+        for name, value in kept.items():
+            gmsh.option.setNumber(name, value)
+        if fresh:
+            gmsh.finalize()

@@ -1,0 +1,221 @@
+"""Contact forces as elliptical pressure patches on the outlines of a planar grid.
+
+A patch is a weighted set of points (Gauss-Chebyshev: exact for the ellipse) along the outline about its centre. Each
+point is handed to the three nodes of its edge by their shape functions, which add up to one: the force is exact however
+wide the edges are.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from scipy import sparse
+from scipy.spatial import cKDTree
+
+from cycloid_mj.errors import CycloidError
+from cycloid_mj.stress.grid import Grid
+from cycloid_mj.stress.loads import PartLoads
+
+Array = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.int64]
+
+LEAST_POINTS = 8
+"""Points of the narrowest patch."""
+
+POINTS_PER_EDGE = 4
+"""Points of a wide patch for each edge of its half width, so that its pressure is smooth on the grid."""
+
+LARGEST_SHARE = 0.25
+"""A patch of a nearly conformal pair reaches no farther to each side than this share of its outline."""
+
+NO_FORCE = 1e-12
+"""Forces below this share of the largest are rounding."""
+
+_SAMPLES = 8
+
+
+@dataclass(frozen=True)
+class Patches:
+    """Loads of all patches at k angles.
+
+    Attributes
+    ----------
+    loads
+        Sparse (n, k) [N].
+    angle
+        Index of the angle (p,) that each point belongs to.
+    points
+        Points (p, 2) [m] that stand for the loaded stretches: the centre of a narrow patch, some points of a wide one.
+    narrow
+        Whether a point is the centre of a narrow patch, (p,).
+    resolved
+        Whether the edges under every loaded patch are no longer than half its half width, (k,).
+    """
+
+    loads: Any
+    angle: Indices
+    points: Array
+    narrow: npt.NDArray[np.bool_]
+    resolved: npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class _Edges:
+    """The outlines edge by edge: nodes (e, 3) and their places (e, 3, 2), start and length along the outline [m] (e,).
+
+    `start` runs on from outline to outline; `first`, `length_of_loop` (e,) are those of the edge's own outline.
+    """
+
+    nodes: Indices
+    places: Array
+    start: Array
+    length: Array
+    first: Array
+    length_of_loop: Array
+
+
+def patches(grid: Grid, loads: PartLoads) -> Patches:
+    """Put the contact forces of a part on its grid.
+
+    Raises
+    ------
+    CycloidError
+        The loads are those of another part, or a contact lies off the part's surface.
+    """
+    _require_match(grid, loads)
+    edges = _edges(grid)
+    tree, tree_edge, tree_xi = _sampled(edges)
+    size = np.linalg.norm(loads.force, axis=2)
+    active = np.isfinite(loads.place).all(axis=2) & (size > NO_FORCE * np.nanmax(size, initial=0.0))
+    rows, columns, values, angle, points, is_narrow = [], [], [], [], [], []
+    resolved = np.ones(len(loads.angle), bool)
+    for contact, name in enumerate(loads.labels):
+        at = np.flatnonzero(active[:, contact])
+        if not len(at):
+            continue
+        found: Any = tree.query(loads.place[at, contact])
+        distance, nearest = found
+        if distance.max() > grid.bulk_distance:
+            raise CycloidError(
+                f"contact {name} of the {grid.part} lies {distance.max() * 1e3:.3g} mm off its surface; "
+                "the loads are of another design"
+            )
+        edge = tree_edge[nearest]
+        centre = _foot(edges, edge, tree_xi[nearest], loads.place[at, contact])
+        half_width = np.minimum(loads.half_width[at, contact], LARGEST_SHARE * edges.length_of_loop[edge])
+        spread = _spread(edges, edge, centre, half_width, loads.force[at, contact])
+        resolved[at] &= edges.length[edge] <= half_width / 2
+        rows.append(2 * spread.nodes[..., np.newaxis] + np.arange(2))
+        columns.append(np.broadcast_to(at[:, np.newaxis, np.newaxis, np.newaxis], rows[-1].shape))
+        values.append(spread.forces)
+        narrow = half_width < grid.bulk_distance / 4
+        wide = spread.points[~narrow][:, _stride(spread.points.shape[1], half_width.max(), grid.bulk_distance)]
+        angle += [at[narrow], np.repeat(at[~narrow], wide.shape[1])]
+        points += [loads.place[at, contact][narrow], wide.reshape(-1, 2)]
+        is_narrow += [np.ones(narrow.sum(), bool), np.zeros(wide.size // 2, bool)]
+    flat = [np.concatenate([part.ravel() for part in parts] or [np.zeros(0)]) for parts in (values, rows, columns)]
+    shape = (grid.unknowns, len(loads.angle))
+    matrix = sparse.csc_matrix((flat[0], (flat[1].astype(np.int64), flat[2].astype(np.int64))), shape=shape)
+    return Patches(
+        loads=matrix,
+        angle=np.concatenate([np.zeros(0, np.int64), *angle]),
+        points=np.concatenate([np.zeros((0, 2)), *points]),
+        narrow=np.concatenate([np.zeros(0, bool), *is_narrow]),
+        resolved=resolved,
+    )
+
+
+def _stride(count: int, half_width: float, distance: float) -> slice:
+    """Thin out the points of a wide patch, which are at most pi b/(count + 1) apart, to half the bulk distance."""
+    return slice(None, None, max(1, int(distance / 2 * (count + 1) / (np.pi * half_width))))
+
+
+@dataclass(frozen=True)
+class _Spread:
+    """Patches of one contact: points (a, q, 2) [m], nodes (a, q, 3), and forces (a, q, 3, 2) [N] on them."""
+
+    points: Array
+    nodes: Indices
+    forces: Array
+
+
+def _spread(edges: _Edges, edge: Indices, centre: Array, half_width: Array, force: Array) -> _Spread:
+    """Spread forces (a, 2) [N] over patches about arc lengths ``centre`` (a,) [m] of their outlines.
+
+    The direction of the pressure follows the outline's normal, as that of a bearing does; on a narrow patch it is that
+    of the force. Plane vectors are complex numbers here.
+    """
+    finest = float(np.min(edges.length[edge]))
+    count = LEAST_POINTS + POINTS_PER_EDGE * int(np.ceil(half_width.max() / finest))
+    node = np.arange(1, count + 1) * np.pi / (count + 1)
+    weight = 2 / (count + 1) * np.sin(node) ** 2
+    first, total = edges.first[edge][:, np.newaxis], edges.length_of_loop[edge][:, np.newaxis]
+    along = first + np.mod(centre[:, np.newaxis] + half_width[:, np.newaxis] * np.cos(node) - first, total)
+    at = np.searchsorted(edges.start, along, side="right") - 1
+    xi = (along - edges.start[at]) / edges.length[at]
+    shape, slope = _shape(xi), _slope(xi)
+    tangent = _complex(np.einsum("aqi,aqix->aqx", slope, edges.places[at]))
+    middle = _shape_slope_at(edges, edge, centre)
+    turn = tangent / np.abs(tangent) * np.conj(middle)[:, np.newaxis]
+    total_turn = turn @ weight
+    pressure = weight * turn * (_complex(force) / total_turn)[:, np.newaxis]
+    vector = np.stack([pressure.real, pressure.imag], axis=-1)
+    return _Spread(
+        points=np.einsum("aqi,aqix->aqx", shape, edges.places[at]),
+        nodes=edges.nodes[at],
+        forces=shape[..., np.newaxis] * vector[:, :, np.newaxis, :],
+    )
+
+
+def _shape_slope_at(edges: _Edges, edge: Indices, centre: Array) -> npt.NDArray[np.complex128]:
+    """Give the unit tangent at an arc length of an edge, as a complex number."""
+    xi = (centre - edges.start[edge]) / edges.length[edge]
+    tangent = _complex(np.einsum("ai,aix->ax", _slope(xi), edges.places[edge]))
+    return tangent / np.abs(tangent)
+
+
+def _foot(edges: _Edges, edge: Indices, xi: Array, place: Array) -> Array:
+    """Give the arc length of the outline's point nearest to each place: from the nearest sample along the tangent."""
+    here = np.einsum("ai,aix->ax", _shape(xi), edges.places[edge])
+    tangent = np.einsum("ai,aix->ax", _slope(xi), edges.places[edge])
+    ahead = np.sum((place - here) * tangent, axis=1) / np.sum(tangent**2, axis=1)
+    return edges.start[edge] + edges.length[edge] * np.clip(xi + ahead, 0.0, 1.0)
+
+
+def _edges(grid: Grid) -> _Edges:
+    nodes = np.concatenate(grid.loops)
+    places = grid.points[nodes]
+    gauss, weight = np.polynomial.legendre.leggauss(4)
+    speed = np.linalg.norm(np.einsum("gi,eix->egx", _slope((gauss + 1) / 2), places), axis=2)
+    length = speed @ weight / 2
+    start = np.concatenate([[0.0], np.cumsum(length)[:-1]])
+    counts = [len(loop) for loop in grid.loops]
+    heads = np.cumsum([0, *counts[:-1]])
+    totals = np.add.reduceat(length, heads)
+    return _Edges(nodes, places, start, length, np.repeat(start[heads], counts), np.repeat(totals, counts))
+
+
+def _sampled(edges: _Edges) -> tuple[cKDTree, Indices, Array]:
+    """Give a tree of points along all edges, with the edge and the parameter of each."""
+    xi = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
+    points = np.einsum("si,eix->esx", _shape(xi), edges.places).reshape(-1, 2)
+    return cKDTree(points), np.repeat(np.arange(len(edges.nodes)), _SAMPLES), np.tile(xi, len(edges.nodes))
+
+
+def _shape(xi: Array) -> Array:
+    """Quadratic shape functions (..., 3) of start, middle and end at the parameter xi of an edge, 0 to 1."""
+    return np.stack([(1 - xi) * (1 - 2 * xi), 4 * xi * (1 - xi), xi * (2 * xi - 1)], axis=-1)
+
+
+def _slope(xi: Array) -> Array:
+    return np.stack([4 * xi - 3, 4 - 8 * xi, 4 * xi - 1], axis=-1)
+
+
+def _complex(vectors: Array) -> npt.NDArray[np.complex128]:
+    return vectors[..., 0] + 1j * vectors[..., 1]
+
+
+def _require_match(grid: Grid, loads: PartLoads) -> None:
+    if loads.part != grid.part:
+        raise CycloidError(f"the loads are on the {loads.part}, the grid is of the {grid.part}; take those of one part")

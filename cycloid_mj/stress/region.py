@@ -1,0 +1,82 @@
+"""What of each planar part is meshed: its outlines, which of them other parts touch, and where it is held."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.design import Design
+from cycloid_mj.errors import UsageError
+from cycloid_mj.solid import circle, output_centres, parts
+
+Array = npt.NDArray[np.float64]
+
+CHORD_ERROR = 1e-9
+"""How far the polygons are from the exact outlines [m]: a millionth of a millimetre."""
+
+PLANAR_PARTS = ("gear", "ring", "output", "pin_1")
+
+
+@dataclass(frozen=True)
+class Boundary:
+    """One closed outline, a counter-clockwise polygon (n, 2) [m], with what it is.
+
+    `role` is "outline", "hole", or "inset" (a closed curve within the material, where a pin is joined on); `touched`
+    by other parts along lines, or widely as a bearing is; `held`: it does not move.
+    """
+
+    polygon: Array
+    role: str
+    touched: Literal["", "line", "wide"] = ""
+    held: bool = False
+
+
+@dataclass(frozen=True)
+class Region:
+    """A planar part: its boundaries, outline first, and its thickness [m]."""
+
+    part: str
+    boundaries: tuple[Boundary, ...]
+    thickness: float
+
+
+def part_region(design: Design, part: str) -> Region:
+    """Give the region of a planar part in the frame of its solid.
+
+    The housing is held by its seat, the outer circle. The output disc is held by its hub, a rigid circle of the shaft's
+    radius (an assumption: the design has none), and its pins are joined on. Gear and pin are free.
+
+    Raises
+    ------
+    UsageError
+        The design has no such part, or its pins leave no room for a hub.
+    """
+    width = design.gear.face_width
+    solids = parts(design, CHORD_ERROR)
+    match part:
+        case "gear":
+            prism = solids["gear"].prisms[0]
+            bore = Boundary(prism.holes[0], "hole", touched="wide")
+            holes = tuple(Boundary(hole, "hole", touched="line") for hole in prism.holes[1:])
+            return Region(part, (Boundary(prism.outline, "outline", touched="line"), bore, *holes), width)
+        case "ring":
+            prism = solids["housing"].prisms[0]
+            teeth = Boundary(prism.holes[0], "hole", touched="line")
+            return Region(part, (Boundary(prism.outline, "outline", held=True), teeth), width)
+        case "pin_1" if design.ring.kind == "pin":
+            return Region(part, (Boundary(solids["pin"].prisms[0].outline, "outline", touched="line"),), width)
+        case "output":
+            return _output(design, solids["output"].prisms[0].outline)
+    known = [name for name in PLANAR_PARTS if name != "pin_1" or design.ring.kind == "pin"]
+    raise UsageError(f"the design {design.name!r} has no planar part {part!r}; choose one of {', '.join(known)}")
+
+
+def _output(design: Design, rim: Array) -> Region:
+    output, hub = design.output, design.shaft.radius
+    if not hub < output.pin_circle_radius - output.pin_radius:
+        raise UsageError("the output's pins leave no room for a hub of the shaft's radius: lessen shaft.radius_mm")
+    pin = circle(output.pin_radius, CHORD_ERROR)
+    pins = tuple(Boundary(pin + centre, "inset", touched="line") for centre in output_centres(design))
+    held = Boundary(circle(hub, CHORD_ERROR), "hole", held=True)
+    return Region("output", (Boundary(rim, "outline"), held, *pins), output.disc_thickness)

@@ -1,0 +1,231 @@
+"""The study of one run: stress of each part along a crank turn, its maximum, and how far the grid decides it."""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.design import Design
+from cycloid_mj.record import Run
+from cycloid_mj.stress.closed import LineStress, line_stress
+from cycloid_mj.stress.field import PartStress, solve
+from cycloid_mj.stress.findings import PartFindings, Peak, Refinement, StressFindings
+from cycloid_mj.stress.grid import Grid, GridSettings, part_grid
+from cycloid_mj.stress.loads import PartLoads, part_loads, part_names, require_part
+
+Array = npt.NDArray[np.float64]
+Told = Callable[[str, int, int], None]
+
+FINER = {"pin_1": 3.0}
+"""Small parts, whose grids are refined on top: they cost little."""
+
+
+@dataclass(frozen=True)
+class StudySettings:
+    """How much is computed.
+
+    Attributes
+    ----------
+    angles
+        Crank angles in the turn.
+    refinement
+        Of the grids; see `GridSettings`.
+    step
+        How much finer, and how much coarser, the grids of the refinement study are.
+    checked
+        Crank angles of the refinement study, that of the maximum first; no divisor of the mesh periods in a turn, so
+        that they fall on many phases of the mesh.
+    bulk_distance
+        Distance from loaded patches beyond which stress counts as bulk, as a share of the ring's pin radius.
+    """
+
+    angles: int = 360
+    refinement: float = 1.0
+    step: float = 1.5
+    checked: int = 23
+    bulk_distance: float = 0.5
+
+    def grid(self, part: str, factor: float = 1.0) -> GridSettings:
+        """Give the settings of a part's grid, refined by a factor on top."""
+        return GridSettings(
+            refinement=self.refinement * factor * FINER.get(part, 1.0), bulk_distance=self.bulk_distance
+        )
+
+
+QUICK = StudySettings(angles=36, refinement=0.5, checked=5)
+"""Every part and figure, at fewer crank angles and on coarser grids."""
+
+
+@dataclass(frozen=True, eq=False)
+class PartStudy:
+    """One part: its grid, its loads, its stress by finite elements and by Hertz, and what is found."""
+
+    grid: Grid
+    loads: PartLoads
+    stress: PartStress
+    lines: LineStress
+    findings: PartFindings
+
+    def nearest(self, angle: float) -> int:
+        """Give the number of the sample nearest to a crank angle [rad]."""
+        return int(np.argmax(np.cos(self.loads.angle - angle)))
+
+
+@dataclass(frozen=True, eq=False)
+class StressStudy:
+    """All parts of one design, and the findings about them."""
+
+    design: Design
+    parts: tuple[PartStudy, ...]
+    findings: StressFindings
+
+    def __getitem__(self, part: str) -> PartStudy:
+        """Give the study of a part."""
+        return next(study for study in self.parts if study.findings.part == part)
+
+
+def stress_study(
+    run: Run,
+    design: Design,
+    parts: Sequence[str] = (),
+    settings: StudySettings | None = None,
+    log: str | None = None,
+    told: Told = lambda part, done, of: None,
+) -> StressStudy:
+    """Find the stress of parts along a crank turn of a run, under its logged forces.
+
+    Parameters
+    ----------
+    run, design
+        The run, and the design that ran.
+    parts
+        Names of parts; by default every part of the design.
+    settings
+        How much is computed.
+    log
+        Name of the run's file, for the findings.
+    told
+        Is told of each part before it begins: its name, how many are done, and of how many.
+
+    Raises
+    ------
+    UsageError
+        There is no such part, or the design is not the one that ran.
+    LogError
+        The run carries no design or no forces, or its hold is too short or too coarse.
+    CycloidError
+        A part does not mesh, its support is singular, or a package of the extra ``fem`` is missing.
+    """
+    settings = settings or StudySettings()
+    names = tuple(dict.fromkeys(parts)) or part_names(design)
+    for part in names:
+        require_part(design, part)
+    start, found = time.perf_counter(), []
+    for number, part in enumerate(names):
+        told(part, number, len(names))
+        found.append(part_study(run, design, part, settings))
+    findings = StressFindings(
+        design=design.name,
+        ring=design.ring.kind,
+        load=float(np.mean(run["load_torque"][-1:])),
+        log=log,
+        yield_strength=design.material.yield_strength,
+        parts=tuple(study.findings for study in found),
+        wall=time.perf_counter() - start,
+    )
+    return StressStudy(design, tuple(found), findings)
+
+
+def part_study(run: Run, design: Design, part: str, settings: StudySettings) -> PartStudy:
+    """Find the stress of one part; raises as `stress_study`."""
+    start = time.perf_counter()
+    turn = 2 * np.pi * np.arange(settings.angles) / settings.angles
+    loads = part_loads(run, design, part, turn)
+    grid = part_grid(design, part, settings.grid(part))
+    stress, lines = solve(design, grid, loads), line_stress(loads, design)
+    findings = PartFindings(
+        part=part,
+        unknowns=grid.unknowns,
+        teeth=design.ring.teeth,
+        angle=loads.angle,
+        bulk=stress.bulk_stress,
+        bulk_peak=_bulk_peak(loads, stress, design),
+        contact=lines.von_mises.max(axis=1),
+        contact_peak=_contact_peak(loads, lines, design),
+        largest_pressure=float(lines.peak_pressure.max()),
+        largest_force=float(np.linalg.norm(loads.force, axis=-1).max()),
+        near_field=_near_field(loads, design, stress.bulk_distance),
+        imbalance=_imbalance(stress, grid),
+        refinement=_refined(design, part, settings, loads, stress),
+        wall=time.perf_counter() - start,
+    )
+    return PartStudy(grid, loads, stress, lines, findings)
+
+
+def at_angles(loads: PartLoads, rows: npt.ArrayLike) -> PartLoads:
+    """Give the loads at some of their crank angles."""
+    chosen = np.asarray(rows)
+    count = len(loads.angle)
+    kept: dict[str, Any] = {
+        field.name: getattr(loads, field.name)[chosen]
+        for field in fields(loads)
+        if isinstance(getattr(loads, field.name), np.ndarray) and len(getattr(loads, field.name)) == count
+    }
+    return replace(loads, **kept)
+
+
+def _refined(design: Design, part: str, settings: StudySettings, loads: PartLoads, stress: PartStress) -> Refinement:
+    """Solve some crank angles on a coarser and on a finer grid."""
+    rows = _checked_rows(stress.bulk_stress, settings.checked)
+    some = at_angles(loads, rows)
+    found = [
+        solve(design, part_grid(design, part, settings.grid(part, factor)), some)
+        for factor in (1.0 / settings.step, settings.step)
+    ]
+    coarse, fine = found
+    return Refinement(
+        unknowns=(coarse.unknowns, stress.unknowns, fine.unknowns),
+        angle=loads.angle[rows],
+        stress=np.stack([coarse.bulk_stress, stress.bulk_stress[rows], fine.bulk_stress]),
+    )
+
+
+def _checked_rows(stress: Array, count: int) -> npt.NDArray[np.intp]:
+    """Give the row of the largest stress, and others at equal distances around the turn."""
+    steps = np.arange(min(count, stress.size)) * stress.size // max(min(count, stress.size), 1)
+    return (int(np.argmax(stress)) + steps) % stress.size
+
+
+def _bulk_peak(loads: PartLoads, stress: PartStress, design: Design) -> Peak:
+    row = int(np.argmax(stress.bulk_stress))
+    size = float(stress.bulk_stress[row])
+    return Peak(size, float(loads.angle[row]), stress.bulk_place[row], "", _safety(size, design))
+
+
+def _contact_peak(loads: PartLoads, lines: LineStress, design: Design) -> Peak:
+    row, contact = np.unravel_index(int(np.argmax(lines.von_mises)), lines.von_mises.shape)
+    size = float(lines.von_mises[row, contact])
+    place = loads.place[row, contact]
+    return Peak(size, float(loads.angle[row]), place, loads.labels[contact], _safety(size, design))
+
+
+def _imbalance(stress: PartStress, grid: Grid) -> float:
+    """Imbalance of forces and moments over the largest force, and over its moment at the part's radius."""
+    forces, moments = stress.imbalance[:, : grid.dimension], stress.imbalance[:, grid.dimension :]
+    reach = float(np.linalg.norm(grid.points[:, :2], axis=1).max())
+    largest = max(float(np.abs(forces).max()), float(np.abs(moments).max()) / reach)
+    return largest / max(float(stress.load.max()), np.finfo(float).tiny)
+
+
+def _near_field(loads: PartLoads, design: Design, distance: float) -> float:
+    """Stress 2 F/(pi L d) [Pa] at the bulk distance d from the largest force on a narrow patch (Flamant)."""
+    narrow = loads.half_width < distance / 2.0
+    force = np.where(narrow, np.linalg.norm(loads.force, axis=-1), 0.0).max()
+    return float(2.0 * force / (np.pi * design.gear.face_width * distance))
+
+
+def _safety(stress: float, design: Design) -> float:
+    return design.material.yield_strength / stress if stress > 0.0 else float("inf")

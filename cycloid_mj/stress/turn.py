@@ -1,0 +1,130 @@
+"""One crank turn of a run: the samples nearest to the wanted crank angles, in the settled hold."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.analysis.series import design_of
+from cycloid_mj.analysis.window import in_hold
+from cycloid_mj.design import Design
+from cycloid_mj.errors import LogError, UsageError
+from cycloid_mj.record import Run
+
+Array = npt.NDArray[np.float64]
+
+DEGREES = np.radians(np.arange(360.0))
+"""Every degree of a crank turn [rad]: the paper's sampling (Hsieh 2014, section 3.3)."""
+
+FREE = {
+    "load": None,
+    "environment": None,
+    "settings": None,
+    "drive": {"power", "torque", "speed", "ramp", "hold"},
+}
+"""What a log may have other than the design it is held against: under what it ran, not what ran."""
+
+COARSEST = 1.5
+"""Samples may lie this many wanted steps apart; then no sample stands for more than two of the wanted angles."""
+
+
+@dataclass(frozen=True, eq=False)
+class Turn:
+    """Samples of a run at k crank angles.
+
+    Attributes
+    ----------
+    design
+        The design that ran.
+    angle
+        Crank angle of each sample [rad], shape (k,), within half a sampling step of the wanted one.
+    run, rows
+        The run and the numbers of the samples in it, shape (k,).
+    """
+
+    design: Design
+    angle: Array
+    run: Run
+    rows: npt.NDArray[np.intp]
+
+    def __getitem__(self, name: str) -> Array:
+        """Give a column at the samples, shape (k,); raise LogError if there is none."""
+        return self.run[name][self.rows]
+
+    def vectors(self, x: str, y: str) -> Array:
+        """Give two columns side by side, shape (k, 2)."""
+        return np.stack([self[x], self[y]], axis=-1)
+
+
+def turn(run: Run, design: Design | None = None, angles: npt.ArrayLike = DEGREES) -> Turn:
+    """Choose the samples nearest to crank angles [rad], shape (k,), in the last turn of the settled hold.
+
+    Raises
+    ------
+    LogError
+        The run carries no design or no forces, or its hold is too short or too coarse.
+    UsageError
+        The design is not the one that ran.
+    """
+    ran = design_of(run)
+    if design is not None:
+        require_same(design, ran)
+    if "cam_force_x" not in run.columns:
+        raise LogError(
+            f"the run has no forces of the mating pairs (no column 'cam_force_x' among {len(run.columns)}), so there "
+            "are no loads to put on the parts; simulate it again with the forces in its log"
+        )
+    wanted = np.atleast_1d(np.asarray(angles, dtype=np.float64))
+    rows = _last_turn(run, in_hold(ran, run.time))
+    crank = run["crank_angle"][rows]
+    _require_fine(crank, wanted, run, rows)
+    nearest = np.array([np.argmin(np.abs(_wrapped(crank - angle))) for angle in wanted])
+    return Turn(ran, wanted + _wrapped(crank[nearest] - wanted), run, rows[nearest])
+
+
+def require_same(design: Design, ran: Design) -> None:
+    """Raise UsageError unless a design is the one that ran, but for load, speed, environment and settings."""
+    free = {"name": True} | {table: keys or True for table, keys in FREE.items()}
+    asked, logged = (each.model_dump(exclude=free) for each in (design, ran))
+    differing = [
+        f"{table}.{key} ({asked[table][key]} in the design, {logged[table][key]} in the log)"
+        for table in asked
+        for key in asked[table]
+        if asked[table][key] != logged[table][key]
+    ]
+    if differing:
+        raise UsageError(
+            f"the log is not of the design {design.name!r}: it differs in {'; '.join(differing[:3])}, in SI units; "
+            "give the design that ran, or leave out --design"
+        )
+
+
+def _last_turn(run: Run, hold: npt.NDArray[np.bool_]) -> npt.NDArray[np.intp]:
+    """Give the settled samples of the last crank turn; one more than a turn, so that each angle has a near one."""
+    rows = np.flatnonzero(hold & np.isfinite(run["cam_force_x"]))
+    crank = run["crank_angle"][rows]
+    swept = abs(crank[-1] - crank[0]) if rows.size else 0.0
+    step = swept / max(rows.size - 1, 1)
+    if swept < 2 * np.pi - step:
+        held = float(np.ptp(run.time[rows])) if rows.size else 0.0
+        raise LogError(
+            f"the settled hold lasts {held:.6g} s, {swept / (2 * np.pi):.3f} of a crank turn, but one whole turn is "
+            "needed; simulate it with a longer --hold-s"
+        )
+    return rows[np.abs(crank[-1] - crank) <= 2 * np.pi + 1e-9]
+
+
+def _require_fine(crank: Array, wanted: Array, run: Run, rows: npt.NDArray[np.intp]) -> None:
+    step = float(np.median(np.abs(np.diff(crank))))
+    apart = 2 * np.pi / max(wanted.size, 1)
+    if wanted.size > 1 and step > COARSEST * apart:
+        rate = (rows.size - 1) / float(np.ptp(run.time[rows]))
+        raise LogError(
+            f"the log has a sample every {np.degrees(step):.3g} deg of crank, but one every {np.degrees(apart):.3g} "
+            f"deg is wanted; simulate it with settings.log_rate_hz of {rate * step / apart:.0f} or more"
+        )
+
+
+def _wrapped(angle: Array) -> Array:
+    """Give angles in [-pi, pi) [rad]."""
+    return np.mod(angle + np.pi, 2 * np.pi) - np.pi

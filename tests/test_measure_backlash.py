@@ -1,0 +1,117 @@
+"""Backlash: the linear programme of rigid contacts against closed forms, the simulation against both."""
+
+import json
+
+import numpy as np
+import pytest
+
+from cycloid_mj.cli.app import main
+from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.errors import RunError, UsageError
+from cycloid_mj.measure import backlash, bench, play
+
+DESIGNS = {
+    "free": PRESETS["pin"],
+    "fixed": override(PRESETS["pin"], ['ring.pins="fixed"']),
+    "sleeved": override(PRESETS["pin"], ['ring.pins="sleeved"']),
+    "nonpin": PRESETS["nonpin"],
+}
+CASES = [(name, kind) for name, design in DESIGNS.items() for kind in play.clearance_kinds(design)]
+CRANK = 1.7
+
+
+def width(design: Design, crank: float = CRANK) -> float:
+    low, high = play.stops(design, crank)
+    return high - low
+
+
+@pytest.mark.parametrize(("name", "kind"), CASES)
+@pytest.mark.parametrize("crank", [0.0, 0.43, CRANK, 4.0])
+def test_linear_programme_gives_each_closed_form_alone(name: str, kind: str, crank: float):
+    design = backlash.alone(DESIGNS[name], kind)
+    design = design.model_copy(update={"clearance": _others(design, kind, 1e-12)})
+    # the others' 1e-6 um, and the cam's polygon
+    assert width(design, crank) == pytest.approx(play.parts_alone(design, crank)[kind], rel=5e-5)
+
+
+def _others(design: Design, kind: str, value: float):
+    kinds = play.clearance_kinds(design)
+    return design.clearance.model_copy(update={other: value for other in kinds if other != kind})
+
+
+@pytest.mark.parametrize("name", ["free", "nonpin"])
+def test_teeth_and_cam_alone_are_those_of_the_pitch_point(name: str):
+    design = DESIGNS[name]
+    parts = play.parts_alone(design, CRANK)
+    pitch = 2e-6 / (design.gear.eccentricity * design.lobes)
+    assert parts["cam"] == pytest.approx(pitch, rel=1e-12)
+    # the nearest pin is at most 5 deg of phase off the largest arm
+    assert pitch <= parts[design.tooth_pair] < 1.01 * pitch
+
+
+@pytest.mark.parametrize("name", ["free", "nonpin"])
+def test_backlash_grows_in_proportion_and_the_whole_is_more_than_its_parts(name: str):
+    design = DESIGNS[name]
+    doubled = design.clearance.model_copy(update={k: 2.0 * v for k, v in design.clearance.model_dump().items()})
+    assert width(design.model_copy(update={"clearance": doubled})) == pytest.approx(2.0 * width(design), rel=1e-9)
+    assert width(design) > 1.05 * sum(play.parts_alone(design, CRANK).values())
+
+
+def test_thicker_pins_are_a_smaller_clearance_and_too_thick_ones_jam():
+    design = override(DESIGNS["fixed"], [f"errors.pin_dr_um={[0.4] * 36}"])
+    smaller = override(DESIGNS["fixed"], ["clearance.pin_gear_um=0.6"])
+    assert width(design) == pytest.approx(width(smaller), rel=1e-9)
+    with pytest.raises(RunError, match="jams"):
+        play.stops(override(design, [f"errors.pin_dr_um={[1.2] * 36}"]), CRANK)
+
+
+def test_holes_moved_all_alike_change_the_gaps_of_the_output_pins_along_the_eccentric_alone():
+    across = override(DESIGNS["fixed"], [f"errors.hole_x_um={[0.1] * 8}", f"errors.hole_y_um={[0.0] * 8}"])
+    along = override(DESIGNS["fixed"], [f"errors.hole_x_um={[0.0] * 8}", f"errors.hole_y_um={[0.1] * 8}"])
+    closer = override(DESIGNS["fixed"], ["clearance.output_um=0.9"])
+    # at crank 0 the eccentric is on +y, and each pin at the bottom of its hole
+    assert width(across, 0.0) == pytest.approx(width(DESIGNS["fixed"], 0.0), rel=1e-9)
+    assert width(along, 0.0) == pytest.approx(width(closer, 0.0), rel=1e-9)
+
+
+@pytest.mark.parametrize(("name", "kind"), [case for case in CASES if case[0] in ("free", "nonpin")])
+def test_simulated_backlash_of_one_clearance_is_its_closed_form(name: str, kind: str):
+    design = backlash.alone(DESIGNS[name], kind)
+    found, closed = backlash.press(design, CRANK).backlash, play.parts_alone(design, CRANK)[kind]
+    assert found == pytest.approx(closed, rel=0.02)
+    spoiled = design.clearance.model_copy(update={kind: 1.05 * getattr(design.clearance, kind)})
+    wrong = play.parts_alone(design.model_copy(update={"clearance": spoiled}), CRANK)[kind]
+    assert found != pytest.approx(wrong, rel=0.02)
+
+
+@pytest.mark.parametrize("name", ["free", "nonpin"])
+def test_simulated_backlash_of_all_clearances_is_the_linear_programme(name: str):
+    design = bench.ideal(DESIGNS[name])
+    # 0.1 to 0.3 % is the press of the small torques that the line to zero does not take off
+    found = backlash.press(design, CRANK, longer=backlash.PATIENCE)
+    assert found.backlash == pytest.approx(width(design), rel=0.01)
+
+
+def test_crank_angles_spread_over_turn_and_mesh_period():
+    angles = bench.crank_angles(PRESETS["pin"], 8)
+    phases = np.sort(np.mod(angles * 36 / (2.0 * np.pi), 1.0))
+    np.testing.assert_allclose(phases, np.arange(8) / 8, atol=1e-9)
+    assert np.all(np.diff(angles) > 0.7)
+    assert angles[-1] < 2.0 * np.pi
+
+
+def test_command_gives_table_figure_and_logs(tmp_path, capsys):
+    flags = ["--set", 'ring.pins="fixed"', "--quick", "--json", "--quiet", "--out", str(tmp_path)]
+    assert main(["measure", "backlash", "--design", "pin", *flags]) == 0
+    told = json.loads(capsys.readouterr().out)
+    whole = told["quantities"]["backlash"]
+    assert whole["value"] == pytest.approx(whole["reference"], rel=0.01)
+    assert len(told["angles"]) == 2
+    assert {"backlash-pin.png", "backlash-pin.svg", "backlash-pin.json", "backlash-pin-all.mcap"} <= {
+        path.name for path in tmp_path.iterdir()
+    }
+
+
+def test_no_angle_is_a_usage_error():
+    with pytest.raises(UsageError, match="0 crank angles"):
+        backlash.measure_backlash(PRESETS["pin"], 0)

@@ -1,0 +1,81 @@
+"""Loads of the parts: against ideal sharing and full statics, and the capacity against its definition."""
+
+import json
+
+import numpy as np
+import pytest
+
+from cycloid_mj.cli import main
+from cycloid_mj.design import PRESETS, override
+from cycloid_mj.measure import loads
+from cycloid_mj.measure.loads import YIELD_PRESSURE, ideal_peak, measure_loads, pressed
+from cycloid_mj.measure.steady import steady
+
+FIXED = override(PRESETS["pin"], ['ring.pins="fixed"', "settings.timestep_us=5.0"])
+IDEAL = [
+    *(f"friction.{kind}=0.0" for kind in ("pin_gear", "tooth", "cam", "output", "cam_rolling", "output_rolling")),
+    *(f"clearance.{kind}_um=1e-5" for kind in ("pin_gear", "tooth", "cam", "output")),
+    "environment.gravity_y_m_s2=0.0",
+    'contact.stiffness_law="uniform"',
+    "contact.stiffness_n_m=1e7",
+    "stiffness.cam_n_m=2e11",
+    "settings.timestep_us=2.0",
+    "drive.ramp_s=0.0",
+    "drive.speed_rpm=100.0",
+    "load.torque_nm=1.0",
+    "settings.log_rate_hz=2500.0",
+]
+
+
+@pytest.fixture(scope="module")
+def found():
+    return measure_loads(FIXED, quick=True)
+
+
+def test_ideal_loads_are_those_of_statics() -> None:
+    """F_i = T l_i / sum l^2 on the pins, their like on the output pins, and both together on the cam, within 1 %."""
+    design = override(FIXED, IDEAL)
+    run = steady(design, 0.008, 1)
+    for kind, one in pressed(run, design).items():
+        expected = ideal_peak(design, kind, one.angle)
+        assert one.peak[0] == pytest.approx(expected, rel=0.01), kind
+    spoiled = override(design, ["load.torque_nm=1.05"])
+    assert pressed(run, design)["cam"].peak[0] != pytest.approx(
+        ideal_peak(spoiled, "cam", run["crank_angle"]), rel=0.01
+    )
+
+
+def test_at_capacity_the_weakest_contact_yields(found) -> None:
+    kind, capacity = found.details["weakest"], found["capacity"]
+    again = measure_loads(FIXED, capacity, quick=True)
+    allowed = 1e-6 * YIELD_PRESSURE * FIXED.material.yield_strength
+    assert again[f"{kind}_pressure"] == pytest.approx(allowed, rel=0.01)
+    assert again[f"{kind}_margin"] == pytest.approx(1.0, rel=0.01)
+
+
+def test_half_the_step_changes_little(found) -> None:
+    """5 us serves fixed pins: the largest forces hold within 1 % at half of it."""
+    for key, one in found.quantities.items():
+        if key.endswith("_peak_force"):
+            assert one.error < 0.01 * one.value
+
+
+def test_pressure_grows_with_curvature() -> None:
+    """A pin on the sharpest part of a lobe is pressed harder than a pin in its socket under the same force."""
+    crank = np.linspace(0.0, 0.17, 20)
+    design = PRESETS["pin"]
+    on_gear = loads.relative_curvature(design, "pin_gear", crank)
+    assert on_gear.shape == (20, 36)
+    assert on_gear.max() == pytest.approx(1.0 / 0.357950e-3 + 1.0 / 2.25e-3, rel=0.01)
+    assert loads.relative_curvature(design, "pin_socket", crank)[0] < 1.0 < on_gear.max()
+
+
+def test_command_writes_figure_json_and_log(tmp_path, capsys) -> None:
+    arguments = ["--set", 'ring.pins="fixed"', "--set", "settings.timestep_us=5.0", "--quick", "--quiet", "--json"]
+    assert main(["measure", "loads", "--design", "pin", "--out", str(tmp_path), *arguments]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["weakest"] in printed["capacity_by_kind_nm"]
+    assert printed["quantities"]["pin_gear_peak_force"]["numerical_error"] is not None
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names == {"loads-pin.png", "loads-pin.svg", "loads-pin.json", "loads-pin-loaded.mcap"}
+    assert json.loads((tmp_path / "loads-pin.json").read_text()) == printed

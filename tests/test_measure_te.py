@@ -1,0 +1,165 @@
+"""Transmission error: orders against made signals and rules, statics, one pin in error, and no error at all."""
+
+import json
+
+import numpy as np
+import pytest
+
+from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.errors import DesignError
+from cycloid_mj.measure.orders import Cause, causes, order_spectrum
+from cycloid_mj.measure.static_error import kinematic_error, static_error
+from cycloid_mj.measure.te import measure_te
+from cycloid_mj.measure.trace import ARCSEC, Case, stepped, trace
+from cycloid_mj.measure.vibration import measure_vibration
+from cycloid_mj.mjcf import build
+from cycloid_mj.solid.gear import tooth_profile
+from cycloid_mj.statics import ideal_load_sharing
+from cycloid_mj.validation import equilibrium
+
+N, LOBES, HOLES = 36, 35, 8
+AGAINST_GEAR = N / LOBES
+PAIRS = ("pin_gear", "pin_socket", "tooth", "cam", "output")
+SMOOTH = [*(f"friction.{pair}=0.0" for pair in PAIRS), "environment.gravity_y_m_s2=0.0"]
+CLOSED = [f"clearance.{pair}_um=0.001" for pair in PAIRS]
+TURN = 2.0 * np.pi * np.arange(12 * N + 1) / (12 * N)
+
+
+def fixed(*changes: str) -> Design:
+    return override(PRESETS["pin"], ['ring.pins="fixed"', *changes])
+
+
+def cause(key: str) -> Cause:
+    return next(one for one in causes(fixed()) if one.key == key)
+
+
+def shares(design: Design, place: str, base: float) -> dict[int, float]:
+    """Amplitudes [arcsec] of the multiples of a base order in the elastic error under the rated load."""
+    gear, output = ARCSEC * static_error(design, TURN, 36.68).T
+    found = order_spectrum(TURN, gear if place == "gear" else output - gear, base, 80.0)
+    return {round(order / base): float(size) for order, size in zip(found.order, found.amplitude, strict=True)}
+
+
+@pytest.mark.parametrize(("base", "turns"), [(1.0, 1), (AGAINST_GEAR, 1), (AGAINST_GEAR, LOBES)])
+def test_a_spectrum_finds_orders_and_amplitudes(base: float, turns: int) -> None:
+    crank = np.linspace(0.0, 2.0 * np.pi * turns, 4000 * turns + 1)
+    error = 5.0 + 2.0 * np.cos(3.0 * base * crank + 0.4) + 0.5 * np.sin(35.0 * base * crank)
+    found = order_spectrum(crank, error, base, 60.0)
+    sizes = {round(order, 6): size for order, size in zip(found.order, found.amplitude, strict=True)}
+    # Straight lines between samples lose (2 pi 36 / 4000)^2 / 6 of order 36.
+    assert sizes.pop(round(3.0 * base, 6)) == pytest.approx(2.0, rel=1e-4)
+    assert sizes.pop(round(35.0 * base, 6)) == pytest.approx(0.5, rel=1e-3)
+    assert max(sizes.values()) < 1e-3
+    assert found.rms(found.order > 0.0) == pytest.approx(np.sqrt(2.0 + 0.125), rel=1e-3)
+
+
+def test_each_order_has_one_cause_in_its_place() -> None:
+    for place, base in (("gear", 1.0), ("stage", AGAINST_GEAR)):
+        for multiple in range(1, 100):
+            found = [one.key for one in causes(fixed()) if one.place == place and one.has(base * multiple)]
+            assert len(found) <= 1
+            if place == "gear":
+                assert found == ["ring" if multiple % N else "mesh"]
+    assert not cause("ring").has(AGAINST_GEAR)
+    assert cause("eccentricity").has(HOLES * AGAINST_GEAR)
+    assert cause("holes").has(AGAINST_GEAR)
+
+
+@pytest.mark.parametrize("around", [1, 5])
+def test_an_error_that_goes_round_the_ring_gives_its_own_orders(around: int) -> None:
+    made = 0.05 * np.cos(2.0 * np.pi * around * np.arange(N) / N)
+    exact = [*SMOOTH, *CLOSED, 'contact.stiffness_law="uniform"', "stiffness.cam_n_m=1e12"]
+    found = shares(fixed(*exact, f"errors.pin_dr_um={made.tolist()}"), "gear", 1.0)
+    own = {k: size for k, size in found.items() if k % N in (around, N - around)}
+    other = {k: size for k, size in found.items() if k % N and k % N not in (around, N - around)}
+    assert own[around] > 0.02
+    # What is left comes from the output pins' stage through the cam's give, and from contacts that open.
+    assert max(other.values()) < 0.05 * own[around]
+
+
+def test_holes_and_eccentricity_give_the_orders_that_are_stated() -> None:
+    calm = shares(fixed(*SMOOTH, *CLOSED), "stage", AGAINST_GEAR)
+    hole = shares(fixed(*SMOOTH, *CLOSED, "errors.hole_x_um={1=0.5}"), "stage", AGAINST_GEAR)
+    wide = [*SMOOTH, "clearance.output_um=3.0"]
+    eccentric = shares(fixed(*wide, "errors.eccentricity_um=1.0"), "stage", AGAINST_GEAR)
+    assert hole[1] > 10.0 * calm[1]
+    alike = {k: size for k, size in eccentric.items() if k % HOLES == 0}
+    apart = {k: size for k, size in eccentric.items() if k % HOLES and k % LOBES}
+    assert max(alike.values()) > 10.0 * max(apart.values())
+
+
+def test_statics_without_clearance_is_ideal_load_sharing() -> None:
+    """A stiff cam and stiff output pins leave the mesh alone: the gear turns by T / (K sum l^2)."""
+    stiff = ['contact.stiffness_law="uniform"', "stiffness.pin_gear_n_m=1e7", "stiffness.cam_n_m=1e12"]
+    design = fixed(*SMOOTH, *(f"clearance.{pair}_um=1e-6" for pair in PAIRS), *stiff, "stiffness.output_n_m=1e12")
+    crank = np.linspace(0.0, 2.0 * np.pi / N, 7)
+    turned = static_error(design, crank, 1.0)[:, 0]
+    arms = ideal_load_sharing(tooth_profile(design), 1.0, crank).arms
+    ideal = 1.0 / (1e7 * np.sum(np.where(arms < 0.0, arms**2, 0.0), axis=-1))
+    # The cam gives 1e-5 as much as the teeth.
+    assert turned == pytest.approx(ideal, rel=1e-3)
+
+
+@pytest.mark.parametrize("changes", [['ring.pins="fixed"', "errors.pin_y_um={1=-2.0}"], ['ring.kind="nonpin"']])
+def test_statics_agrees_with_the_independent_solution(changes: list[str]) -> None:
+    """`validation.equilibrium` takes the exact gaps in the displaced pose, flanks included; ours is linear."""
+    design = override(PRESETS["pin"], [*SMOOTH, "load.torque_nm=36.0", *changes])
+    stiffness = {kind: law.stiffness for kind, law in build(design).laws.items()}
+    for crank in (4.2, 5.0):
+        solved = equilibrium.solve(design, stiffness, crank)
+        gear, output = static_error(design, crank, 36.0)[0]
+        assert gear == pytest.approx(solved.gear_turn, rel=0.005)
+        assert output == pytest.approx(solved.output_turn, rel=0.005)
+
+
+def test_one_pin_in_error_shows_as_its_displacement_over_its_arm() -> None:
+    """Cam and output pins are without play, so the pin in the way stops the gear alone: n . d / l."""
+    tight = ["clearance.cam_um=0.01", "clearance.output_um=0.01", "clearance.pin_gear_um=8.0"]
+    design = stepped(fixed(*tight, "errors.pin_y_um={1=-5.0}"))
+    found = trace(design, build(design), 1.0, Case("unloaded", "forward", "slow", 0.1, 30.0))
+    rigid = ARCSEC * kinematic_error(design, found.crank, 1.0)
+    assert np.ptp(found.gear) == pytest.approx(np.ptp(rigid), rel=0.05)
+    assert np.std(found.gear) == pytest.approx(np.std(rigid), rel=0.05)
+    seen, ideal = (order_spectrum(found.crank, error, 1.0, 40.0).amplitude for error in (found.gear, rigid))
+    assert seen[:2] == pytest.approx(ideal[:2], rel=0.05)
+    assert cause("ring").strongest(order_spectrum(found.crank, found.gear, 1.0, 40.0))[0] == 1.0
+    # The neighbouring pin would show a pitch earlier, a pin that is pulled out not at all.
+    for spoiled in ("errors.pin_y_um={2=-5.0}", "errors.pin_y_um={1=5.0}"):
+        wrong = ARCSEC * kinematic_error(override(fixed(*tight), [spoiled]), found.crank, 1.0)
+        assert np.std(found.gear - wrong) > 5.0 * np.std(found.gear - rigid)
+
+
+@pytest.mark.parametrize("name", ["pin", "nonpin"])
+def test_no_error_no_load_and_no_clearance_leave_no_transmission_error(name: str) -> None:
+    design = override(PRESETS[name], CLOSED if name == "nonpin" else ['ring.pins="fixed"', *CLOSED])
+    design = stepped(design)
+    found = trace(design, build(design), 1.0, Case("unloaded", "forward", "speed", 0.0, design.drive.speed))
+    assert np.ptp(found.gear) < 0.05
+    assert np.ptp(found.output) < 0.05
+
+
+def test_the_measure_tells_both_ways_both_loads_and_its_error() -> None:
+    design = fixed("settings.timestep_us=10.0", *SMOOTH)
+    done: list[int] = []
+    found = measure_te(design, slow=design.drive.speed / 2.0, told=lambda count, whole: done.append(whole - count))
+    assert done[-1] == 0
+    for shaft in ("gear", "output"):
+        for pace in ("slow", "speed"):
+            ahead, back = (found[f"{shaft}_rms_loaded_{way}_{pace}"] for way in ("forward", "reverse"))
+            # Both ways are mirror images, but for where the holes are in the turn.
+            assert back == pytest.approx(ahead, rel=0.05)
+    level = found.quantities["output_peak_to_peak_loaded_forward_slow"]
+    assert level.error is not None
+    assert level.error < 0.02 * level.value
+    assert level.value == pytest.approx(level.reference, rel=0.15)
+    assert found["output_wind_up"] == pytest.approx(found.quantities["output_wind_up"].reference, rel=0.01)
+    assert found["gear_reversal"] == pytest.approx(found.quantities["gear_reversal"].reference, rel=0.02)
+    told = json.loads(json.dumps(found.as_json(), allow_nan=False))
+    assert {one["key"] for one in told["orders"]["causes"]} == {"mesh", "ring", "holes", "eccentricity"}
+    assert len(found.runs) == len(told["orders"]["cases"]) == 8
+
+
+def test_a_crank_that_stands_still_is_refused() -> None:
+    for measure in (measure_te, measure_vibration):
+        with pytest.raises(DesignError, match=r"drive\.speed_rpm is 0"):
+            measure(fixed("drive.speed_rpm=0.0"))
