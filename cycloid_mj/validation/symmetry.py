@@ -19,6 +19,9 @@ ARCSEC = 3600.0 * 180.0 / np.pi
 MIRROR_BOUND, CHATTER_BOUND = 0.1, 5.0
 """Percent; free pins chatter, so that rounding in the last digit grows to a small part of their motion."""
 
+BINS = 16
+"""Parts of the mesh period over which the ripple is averaged: chatter that rounding has set off has no mean there."""
+
 
 def mirror_rows(kind: str, quick: bool) -> list[Row]:
     """Hold the reversed drive of one kind of ring against the mirror image of the other; gravity is off."""
@@ -26,7 +29,7 @@ def mirror_rows(kind: str, quick: bool) -> list[Row]:
     forward, design = rated_run(kind, SPEED, periods, *rig.without_gravity())
     backward, _ = rated_run(kind, -SPEED, periods, *rig.without_gravity())
     bound, source = CHATTER_BOUND if kind == FREE else MIRROR_BOUND, "mirror image"
-    curve, mirrored_curve = transmission_error(forward, design), -transmission_error(backward, design)
+    curve, mirrored_curve = ripple(forward, design, 1.0), -ripple(backward, design, -1.0)
     middle = float(np.mean(curve))
     ring = rig.ring_forces(forward, design)
     opposite = -np.arange(design.ring.teeth) % design.ring.teeth
@@ -68,6 +71,14 @@ def gravity_rows(kind: str, quick: bool) -> list[Row]:
 def transmission_error(run: Run, design: Design) -> Array:
     """Give the gear's angle less the ideal one [arcsec], shape (n,)."""
     return ARCSEC * (run["gear_angle"] + run["crank_angle"] / design.lobes)
+
+
+def ripple(run: Run, design: Design, way: float) -> Array:
+    """Give the transmission error [arcsec] over the mesh period, its phase counted the `way` of the crank (BINS,)."""
+    phase = np.mod(way * run["crank_angle"] * design.ring.teeth / (2.0 * np.pi), 1.0)
+    bins = np.minimum((BINS * phase).astype(int), BINS - 1)
+    error = transmission_error(run, design)
+    return np.asarray(np.bincount(bins, error, BINS) / np.bincount(bins, minlength=BINS))
 
 
 def mean_force(run: Run, design: Design) -> Array:
