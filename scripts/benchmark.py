@@ -1,104 +1,212 @@
-"""Cost of the step loop against MuJoCo's own work for the same contacts, by MuJoCo's internal timers.
+"""Costs of a run: tables of medians with their spread, each ratio of passes that were taken in turn in the same run.
 
-The ratio of a case compares two passes over the same steps in one run of this script: the step loop of ``simulate``
-with its sampling and checks, and bare ``mj_step`` with the timers on, of which all but the narrow phase of collision
-counts as MuJoCo's own work. Run it on an idle machine:
+    python scripts/benchmark.py                        # every table
+    python scripts/benchmark.py loop log --quick       # some, from fewer passes
+    python scripts/benchmark.py --json benchmark.json  # every pass of every table, for a machine
 
-    python scripts/benchmark.py
+`loop / MuJoCo` sets the step loop of ``simulate``, with its sampling and checks, against steps that are taken without
+Python, less the narrow phase of collision by MuJoCo's internal timers. Steps cost CPU time of their thread; for wall
+times the machine should be idle.
 """
 
-import ctypes
+import argparse
+import inspect
+import json
+import os
 import platform
 import statistics
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
 
 import mujoco
+import numba
 import numpy as np
-from numba import cfunc, types
+from passes import KINDS, Case, bare_cost, command_cost, example, logged_cost, loop_cost, own_cost
 
-from cycloid_mj.contact.collider import installed
-from cycloid_mj.contact.library import library
-from cycloid_mj.contact.memory import read_address
-from cycloid_mj.course import initial_state, load_torque, servo_target
-from cycloid_mj.design import PRESETS, Design, override
-from cycloid_mj.kinematics import CrankLaw
-from cycloid_mj.mjcf import ReducerModel, build
-from cycloid_mj.simulate import blocks, schedule
+from cycloid_mj.simulate import reducer_model
 
-REPEATS = 5
-CASES = {
-    "free pins, no load": ("pin", 0.0, "free"),
-    "free pins, 36 N m": ("pin", 36.0, "free"),
-    "fixed pins, no load": ("pin", 0.0, "fixed"),
-    "fixed pins, 36 N m": ("pin", 36.0, "fixed"),
-    "nonpin, no load": ("nonpin", 0.0, "free"),
-    "nonpin, 36 N m": ("nonpin", 36.0, "free"),
+Row = dict[str, list[float]]
+Table = dict[str, Row]
+
+TEETH = {
+    12: {"gear.eccentricity_mm": 2.0, "ring.pin_radius_mm": 5.0, "output.hole_radius_mm": 6.0},
+    36: {},
+    72: {"gear.eccentricity_mm": 0.4, "ring.pin_radius_mm": 1.1, "output.hole_radius_mm": 4.4},
+    120: {"gear.eccentricity_mm": 0.25, "ring.pin_radius_mm": 0.7, "output.hole_radius_mm": 4.25},
 }
-MONOTONIC = 1
-NARROW, STEP = int(mujoco.mjtTimer.mjTIMER_COL_NARROW), int(mujoco.mjtTimer.mjTIMER_STEP)
-
-_now = np.zeros(2, dtype=np.int64)
-_clock_gettime = types.ExternalFunction("clock_gettime", types.int32(types.int32, types.intp))
-_address = _now.ctypes.data
+"""What fits the number of ring teeth into the pin circle of the presets."""
 
 
-@cfunc(types.float64())
-def _microseconds() -> float:
-    """Read the system's clock without Python, as MuJoCo's timer callback."""
-    _clock_gettime(MONOTONIC, _address)
-    return 1e6 * read_address(_address) + 1e-3 * read_address(_address + 8)
+def in_turn(passes: int, **cases: Callable[[], float]) -> Row:
+    """Take passes of several cases A B A B ..., so that a busy machine is busy for all of them."""
+    values: Row = {name: [] for name in cases}
+    for _ in range(passes):
+        for name, one in cases.items():
+            values[name].append(one())
+    return values
 
 
-@contextmanager
-def timers() -> Iterator[None]:
-    """Switch MuJoCo's internal timers on."""
-    callback = ctypes.c_void_p.in_dll(library(), "mjcb_time")
-    callback.value = _microseconds.address
-    try:
-        yield
-    finally:
-        callback.value = None
+def ratio(row: Row, over: str, under: str) -> Row:
+    """Give the ratio of two cases pass by pass."""
+    return {f"{over} / {under}": [a / b for a, b in zip(row[over], row[under], strict=True)]}
 
 
-def loop_cost(reducer: ReducerModel, design: Design) -> float:
-    """Wall time of a step of ``simulate`` [us]."""
-    start = time.perf_counter()
-    for _ in blocks(reducer, design):
-        pass
-    return 1e6 * (time.perf_counter() - start) / schedule(design).steps
+def loop_table(passes: int) -> Table:
+    """Step loop against MuJoCo's own work; us per step."""
+    table: Table = {}
+    for kind in KINDS:
+        for load in (0.0, 36.0):
+            case = example(kind, load, 20_000)
+            rows = [(loop_cost(*case), *own_cost(*case)) for _ in range(passes)]
+            row = {name: [values[k] for values in rows] for k, name in enumerate(("loop", "MuJoCo", "narrow phase"))}
+            row["Python"] = [loop - own - narrow for loop, own, narrow in rows]
+            table[f"{kind}, {load:g} N m"] = row | ratio(row, "loop", "MuJoCo")
+    return table
 
 
-def own_cost(reducer: ReducerModel, design: Design) -> tuple[float, float]:
-    """MuJoCo's own work and the narrow phase of a step, by its timers [us]."""
-    plan = schedule(design)
-    moments = plan.timestep * np.arange(plan.steps, dtype=np.float64)
-    target = servo_target(reducer, CrankLaw(design.drive.speed, design.drive.ramp), moments)
-    load = load_torque(design, moments)
-    data = initial_state(reducer, design)
-    with installed(), timers():
-        for k in range(plan.steps):
-            data.ctrl[0], data.ctrl[1] = target[k], load[k]
-            mujoco.mj_step(reducer.model, data)
-    narrow = data.timer[NARROW].duration / plan.steps
-    return data.timer[STEP].duration / plan.steps - narrow, narrow
+def log_table(passes: int) -> Table:
+    """Log at 10 kHz: steps without Python, with samples, and with the log of them; us per step."""
+    table: Table = {}
+    for kind in ("free pins", "nonpin"):
+        for load in (0.0, 36.0):
+            case = example(kind, load, 30_000 if kind == "free pins" else 100_000)
+            row = in_turn(
+                passes,
+                bare=lambda case=case: bare_cost(*case)[0],  # type: ignore[misc]
+                sampled=partial(loop_cost, *case),
+                logged=partial(logged_cost, *case),
+            )
+            ratios = ratio(row, "sampled", "bare") | ratio(row, "logged", "sampled")
+            table[f"{kind}, {load:g} N m"] = row | ratios
+    return table
+
+
+def mesh_table(passes: int) -> Table:
+    """Exact profiles against convex meshes of them in MuJoCo's own collision; us per step of 1 us."""
+
+    def cost(case: Case) -> float:
+        return bare_cost(*case, warm=100)[0]
+
+    table: Table = {}
+    for kind in KINDS:
+        design, profile = example(kind, 36.0, 0, "drive.hold_s=6e-4", "load.rise_s=1e-4")
+        mesh = reducer_model(design, "mesh")
+        row = in_turn(passes, profile=partial(cost, (design, profile)), mesh=partial(cost, (design, mesh)))
+        table[f"{kind}, 36 N m"] = row | ratio(row, "mesh", "profile")
+    return table
+
+
+def teeth_table(passes: int) -> Table:
+    """Step loop by the number of ring teeth, under 36 N m; us per step."""
+    table: Table = {}
+    for teeth, fit in TEETH.items():
+        changes = [f"ring.teeth={teeth}", *(f"{name}={value}" for name, value in fit.items())]
+        costs = {kind: partial(loop_cost, *example(kind, 36.0, 10_000, *changes)) for kind in KINDS}
+        table[f"{teeth} teeth"] = in_turn(passes, **costs)
+    return table
+
+
+def threads_table(passes: int) -> Table:
+    """As many independent runs at once, in threads, as there are cores, against one; wall time [s].
+
+    What needs no Python at all, hashing, tells how much of the cores there is to have.
+    """
+
+    def together(runs: int, work: Callable[[], object]) -> float:
+        start = time.perf_counter()
+        with ThreadPoolExecutor(runs) as pool:
+            for run in [pool.submit(work) for _ in range(runs)]:
+                run.result()
+        return time.perf_counter() - start
+
+    zeros = bytes(10**9)
+    works: dict[str, Callable[[], object]] = {
+        "free pins": partial(loop_cost, *example("free pins", 36.0, 10_000)),
+        "nonpin": partial(loop_cost, *example("nonpin", 36.0, 60_000)),
+        "hashing": lambda: sha256(zeros),
+    }
+    table: Table = {}
+    for name, work in works.items():
+        row = in_turn(passes, one=partial(together, 1, work), all=partial(together, cores(), work))
+        table[f"{name}, {cores()} runs"] = row | ratio(row, "all", "one")
+    return table
+
+
+def command_table(passes: int) -> Table:
+    """``cycloid-mj simulate`` as a process, compile caches warm: wall and CPU time [s], peak memory [MB]."""
+    table: Table = {}
+    for kind in ("free pins", "nonpin"):
+        for samples in (2, 500):
+            rows = [command_cost(KINDS[kind][0], samples) for _ in range(passes + 1)][1:]
+            table[f"{kind}, {samples} samples"] = {
+                name: [values[k] for values in rows] for k, name in enumerate(("wall", "CPU", "memory"))
+            }
+    return table
+
+
+def cores() -> int:
+    """Give the cores that this process may use."""
+    return len(os.sched_getaffinity(0))
+
+
+SECTIONS: dict[str, Callable[[int], Table]] = {
+    "loop": loop_table,
+    "log": log_table,
+    "mesh": mesh_table,
+    "teeth": teeth_table,
+    "threads": threads_table,
+    "command": command_table,
+}
+
+
+def machine() -> dict[str, str]:
+    """Tell where the figures come from."""
+    info = Path("/proc/cpuinfo")
+    models = [line.partition(": ")[2] for line in info.read_text().splitlines() if "model name" in line]
+    return {
+        "processor": f"{models[0] if models else platform.processor()}, {cores()} cores",
+        "system": f"{platform.system()} {platform.machine()}",
+        "load average": " ".join(f"{load:.1f}" for load in os.getloadavg()),
+        "versions": f"Python {platform.python_version()}, MuJoCo {mujoco.__version__}, numba {numba.__version__}, "
+        f"numpy {np.__version__}",
+    }
+
+
+def show(table: Table) -> None:
+    """Print a table: median (spread: largest less smallest) of each value."""
+    names = list(next(iter(table.values())))
+    print(f"{'':22}" + "".join(f"{name:>18}" for name in names))
+    for case, row in table.items():
+        told = [f"{statistics.median(values):.3g} ({max(values) - min(values):.2g})" for values in row.values()]
+        print(f"{case:22}" + "".join(f"{cell:>18}" for cell in told), flush=True)
 
 
 def main() -> None:
-    """Print the table."""
-    print(f"MuJoCo {mujoco.__version__}, {platform.machine()}, Python {platform.python_version()}")
-    print(f"median of {REPEATS} passes of 20 000 steps (spread); us per step")
-    print(f"{'case':24} {'loop':>14} {'MuJoCo':>14} {'narrow phase':>14} {'loop / MuJoCo':>14}")
-    for name, (preset, load, pins) in CASES.items():
-        changes = ["drive.ramp_s=0.0", "drive.hold_s=0.02", f"load.torque_nm={load}", f'ring.pins="{pins}"']
-        design = override(PRESETS[preset], changes)
-        reducer = build(design)
-        loop_cost(reducer, design)
-        rows = [(loop_cost(reducer, design), *own_cost(reducer, design)) for _ in range(REPEATS)]
-        columns = [*zip(*rows, strict=True), [loop / own for loop, own, _ in rows]]
-        told = [f"{statistics.median(column):7.2f} ({max(column) - min(column):4.2f})" for column in columns]
-        print(f"{name:24} " + " ".join(f"{cell:>14}" for cell in told))
+    """Print the tables that were asked for."""
+    parser = argparse.ArgumentParser(description=str(__doc__).split("\n\n")[0])
+    parser.add_argument("sections", nargs="*", help=f"of {', '.join(SECTIONS)}; all by default")
+    parser.add_argument("--quick", action="store_true", help="two passes of each case instead of seven")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write every pass to this file as well")
+    options = parser.parse_args()
+    if unknown := set(options.sections) - set(SECTIONS):
+        parser.error(f"no section {', '.join(sorted(unknown))}: choose of {', '.join(SECTIONS)}")
+    passes = 2 if options.quick else 7
+    told: dict[str, Any] = {"machine": machine(), "passes": passes, "tables": {}}
+    for name, value in told["machine"].items():
+        print(f"{name}: {value}")
+    print(f"median of {passes} passes (spread)")
+    for name in options.sections or SECTIONS:
+        print(f"\n{name}: {inspect.getdoc(SECTIONS[name])}")
+        told["tables"][name] = SECTIONS[name](passes)
+        show(told["tables"][name])
+    told["machine"]["load average at the end"] = machine()["load average"]
+    if options.json:
+        options.json.write_text(json.dumps(told, indent=2) + "\n")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,170 @@
+"""Passes of the benchmark: what a step, a run or a command costs once.
+
+Steps are timed by the CPU time of the thread that takes them, so that a pass which had to wait for a core costs no
+more. What a busy machine does to its caches remains: compare passes that were taken in turn.
+"""
+
+import ctypes
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
+from pathlib import Path
+from typing import Any
+
+import llvmlite.binding
+import mujoco
+import numpy as np
+from numba import cfunc, njit, types
+
+from cycloid_mj.contact.collider import installed
+from cycloid_mj.contact.library import function_address, library
+from cycloid_mj.contact.memory import read_address, write_float
+from cycloid_mj.course import initial_state, ramp_and_hold
+from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.log import LogWriter
+from cycloid_mj.mjcf import ReducerModel, build
+from cycloid_mj.scene import Scene
+from cycloid_mj.simulate import attachments, blocks, columns, contact_of, provenance, schedule
+
+Case = tuple[Design, ReducerModel]
+
+WARM = 10_000
+"""Steps before the clock starts: the first block of samples, at 10 kHz and 1 us; the load is on by then."""
+
+KINDS = {"free pins": ("pin", "free"), "fixed pins": ("pin", "fixed"), "nonpin": ("nonpin", "free")}
+
+_THREAD_TIME = 3
+_NARROW = int(mujoco.mjtTimer.mjTIMER_COL_NARROW)
+_now = np.zeros(2, dtype=np.int64)
+_address = _now.ctypes.data
+_clock_gettime = types.ExternalFunction("clock_gettime", types.int32(types.int32, types.intp))
+llvmlite.binding.add_symbol("cycloid_mj_benchmark_step", function_address("mj_step"))
+_mj_step = types.ExternalFunction("cycloid_mj_benchmark_step", types.void(types.intp, types.intp))
+
+
+@njit
+def _read_clock() -> float:
+    _clock_gettime(_THREAD_TIME, _address)
+    return 1e6 * read_address(_address) + 1e-3 * read_address(_address + 8)
+
+
+@njit
+def _read_clock_often(times: int) -> float:
+    last = 0.0
+    for _ in range(times):
+        last = _read_clock()
+    return last
+
+
+@cfunc(types.float64())
+def _microseconds() -> float:
+    """Read the thread's CPU time without Python, as MuJoCo's timer callback."""
+    return _read_clock()
+
+
+@njit
+def _steps(model: int, data: int, ctrl: int, commands: Any) -> None:
+    for k in range(len(commands)):
+        write_float(ctrl, commands[k, 0])
+        write_float(ctrl + 8, commands[k, 1])
+        _mj_step(model, data)
+
+
+@contextmanager
+def timers() -> Iterator[None]:
+    """Switch MuJoCo's internal timers on."""
+    callback = ctypes.c_void_p.in_dll(library(), "mjcb_time")
+    callback.value = _microseconds.address
+    try:
+        yield
+    finally:
+        callback.value = None
+
+
+def example(kind: str, load: float, steps: int, *changes: str) -> Case:
+    """Give a design with its model: at full speed, `steps` of 1 us long after the warm ones."""
+    preset, pins = KINDS[kind]
+    hold = (WARM + steps) * 1e-6
+    settings = ["drive.ramp_s=0.0", f"drive.hold_s={hold!r}", f"load.torque_nm={load}", f'ring.pins="{pins}"']
+    design = override(PRESETS[preset], [*settings, *changes])
+    return design, build(design)
+
+
+def bare_cost(design: Design, reducer: ReducerModel, warm: int = WARM) -> tuple[float, float]:
+    """CPU time of a step [us] of MuJoCo's alone, taken without Python; and what its timers give to the narrow phase.
+
+    The narrow phase counts only between ``timers``; a reading of the clock falls into it each time.
+    """
+    plan = schedule(design)
+    commands = ramp_and_hold(reducer, design).commands(plan.timestep * np.arange(plan.steps, dtype=np.float64))
+    data = initial_state(reducer, design)
+    places = reducer.model._address, data._address, data.ctrl.ctypes.data
+    with installed() if contact_of(reducer) == "profile" else nullcontext():
+        _steps(*places, commands[:warm])
+        narrow, start = data.timer[_NARROW].duration, time.thread_time_ns()
+        _steps(*places, commands[warm:])
+        spent = time.thread_time_ns() - start
+    steps = plan.steps - warm
+    return 1e-3 * spent / steps, (data.timer[_NARROW].duration - narrow) / steps
+
+
+def _reading_cost() -> float:
+    """CPU time of one reading of the clock [us]."""
+    start, readings = time.thread_time_ns(), 1_000
+    _read_clock_often(readings)
+    return 1e-3 * (time.thread_time_ns() - start) / readings
+
+
+def own_cost(design: Design, reducer: ReducerModel) -> tuple[float, float]:
+    """CPU time of a step that is MuJoCo's own work, all but the narrow phase of collision, and of that phase [us]."""
+    reading = min(_reading_cost() for _ in range(20))
+    with timers():
+        _, narrow = bare_cost(design, reducer)
+    step, _ = bare_cost(design, reducer)
+    return step - (narrow - reading), narrow - reading
+
+
+def loop_cost(design: Design, reducer: ReducerModel, log: LogWriter | None = None) -> float:
+    """CPU time of a step of ``simulate`` [us], with its log or without."""
+    start = 0
+    for block in blocks(reducer, design):
+        if log:
+            log.write(block.time, block.values)
+        start = start or time.thread_time_ns()
+    return 1e-3 * (time.thread_time_ns() - start) / (schedule(design).steps - WARM)
+
+
+def logged_cost(design: Design, reducer: ReducerModel) -> float:
+    """CPU time of a step of ``simulate`` [us] into a log as ``cycloid-mj simulate`` writes it."""
+    groups = {topic: list(units.items()) for topic, units in columns(reducer, design).items()}
+    scene = Scene(design, design.settings.scene_rate)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "benchmark.mcap"
+        with LogWriter(path, groups, provenance(design), attachments(reducer, design), viewer=scene) as log:
+            return loop_cost(design, reducer, log)
+
+
+_LAUNCHER = """
+import os, sys, time
+start = time.perf_counter()
+null = (os.POSIX_SPAWN_OPEN, 1, os.devnull, os.O_WRONLY, 0)
+process = os.posix_spawn(sys.argv[1], sys.argv[1:], os.environ, file_actions=[null])
+_, status, usage = os.wait4(process, 0)
+print(time.perf_counter() - start, usage.ru_utime + usage.ru_stime, 1e-3 * usage.ru_maxrss)
+sys.exit(os.waitstatus_to_exitcode(status))
+"""
+"""Runs a command and tells its cost. A process counts its parent's memory as its own peak: this parent is small."""
+
+
+def command_cost(design: str, samples: int) -> tuple[float, float, float]:
+    """Run ``cycloid-mj simulate`` on a number of samples; give wall and CPU time [s] and peak memory [MB]."""
+    launcher = [sys.executable, "-S", "-c", _LAUNCHER]
+    command = [sys.executable, "-m", "cycloid_mj.cli", "simulate", "--design", design, "--quiet", "--json"]
+    with tempfile.TemporaryDirectory() as folder:
+        run = ["--ramp-s", "0", "--hold-s", str(samples * 1e-4), "--out", folder]
+        done = subprocess.run([*launcher, *command, *run], stdout=subprocess.PIPE, text=True, check=True)
+    wall, cpu, memory = map(float, done.stdout.split())
+    return wall, cpu, memory

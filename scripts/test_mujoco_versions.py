@@ -1,0 +1,98 @@
+"""Run the collider's tests against the oldest MuJoCo that pyproject.toml allows, the newest, and what comes next.
+
+Each release gets a virtual environment of its own, with this project in it. What comes next is ``mujoco-core``: the
+whole of MuJoCo's package from release 4 on, which may be a release ahead of ``mujoco``.
+
+    python scripts/test_mujoco_versions.py
+    python scripts/test_mujoco_versions.py --folder envs   # keeps the environments, to run again in less time
+"""
+
+import argparse
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import tomllib
+from pathlib import Path
+from time import perf_counter
+
+ROOT = Path(__file__).resolve().parents[1]
+TESTS = [f"tests/test_{room}.py" for room in ("contact", "near", "ring", "law", "simulate")]
+AHEAD = "mujoco-core!=4.0.0"
+
+
+def requirements() -> tuple[str, str]:
+    """Give what pyproject.toml asks of MuJoCo, as the requirement of its oldest release and of its newest."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    allowed = next(line for line in project["dependencies"] if re.match(r"mujoco\b", line))
+    oldest = re.search(r">=\s*([\d.]+)", allowed)
+    if oldest is None:
+        sys.exit(f"pyproject.toml has no oldest release: {allowed}")
+    version = oldest.group(1)
+    return f"mujoco=={version}" + ".0" * (2 - version.count(".")), allowed
+
+
+def ran(*command: str | Path, folder: Path = ROOT) -> subprocess.CompletedProcess[str]:
+    """Run a command, with compile caches of this environment's own; give its output."""
+    caches = {"NUMBA_CACHE_DIR": str(folder / "numba"), "MPLBACKEND": "agg"}
+    return subprocess.run([*map(str, command)], cwd=ROOT, env=os.environ | caches, capture_output=True, text=True)
+
+
+def install(environment: Path, requirement: str) -> str:
+    """Make an environment with the project on a release of MuJoCo; give the release, or pip's last line."""
+    python = str(environment / "bin" / "python")
+    quiet = [python, *["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]]
+    commands = [[sys.executable, "-m", "venv", str(environment)]]
+    if requirement == AHEAD:
+        commands += [
+            [*quiet, str(ROOT), "pytest"],
+            [python, *["-m", "pip", "uninstall", "--yes", "--quiet", "mujoco"]],
+            [*quiet, "--no-deps", "--force-reinstall", AHEAD],
+        ]
+    else:
+        commands += [[*quiet, str(ROOT), requirement, "pytest"]]
+    for command in commands:
+        done = ran(*command)
+        if done.returncode:
+            return f"not installable: {done.stderr.strip().splitlines()[-1]}"
+    asked = ran(python, "-c", "import mujoco; print(mujoco.__version__)")
+    return asked.stdout.strip() or f"not importable: {asked.stderr.strip().splitlines()[-1]}"
+
+
+def tested(environment: Path) -> tuple[bool, str]:
+    """Run the tests in an environment; give whether they pass, and pytest's account."""
+    pytest = environment / "bin" / "pytest"
+    done = ran(pytest, "-q", "-p", "no:cacheprovider", "--import-mode=importlib", *TESTS, folder=environment)
+    lines = done.stdout.strip().splitlines() or done.stderr.strip().splitlines()
+    failed = [line.split(" - ")[0].removeprefix("FAILED ") for line in lines if line.startswith(("FAILED", "ERROR"))]
+    return done.returncode == 0, "; ".join([lines[-1].strip("= "), *failed])
+
+
+def main() -> int:
+    """Print the table; give 1 if a release that is allowed fails."""
+    options = argparse.ArgumentParser(description=str(__doc__).split("\n\n")[0])
+    options.add_argument("--folder", type=Path, help="where to keep the environments; by default they are removed")
+    kept: Path | None = options.parse_args().folder
+    failures = 0
+    seen: set[str] = set()
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = (kept or Path(temporary)).absolute()
+        print(f"{'asked for':24} {'MuJoCo':10} {'s':>5}  tests")
+        for name, requirement in zip(("oldest", "newest", "ahead"), (*requirements(), AHEAD), strict=True):
+            start = perf_counter()
+            release = install(folder / name, requirement)
+            if release in seen:
+                told, passed = "as above", True
+            elif release[0].isdigit():
+                passed, told = tested(folder / name)
+            else:
+                passed, told, release = False, release, "-"
+            seen.add(release)
+            failures += not passed and name != "ahead"
+            print(f"{requirement:24} {release:10} {perf_counter() - start:5.0f}  {told}", flush=True)
+    return min(failures, 1)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,71 @@
+"""The pieces of the benchmark run, and what they measure hangs together."""
+
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+SCRIPTS = Path(__file__).parents[1] / "scripts"
+sys.path.insert(0, str(SCRIPTS))
+
+import benchmark  # noqa: E402
+import passes  # noqa: E402
+
+
+def test_a_step_is_its_parts() -> None:
+    """Own work and narrow phase make up the bare step, and the loop adds to it; a loaded machine costs 50 %."""
+    case = passes.example("nonpin", 36.0, 2_000)
+    own, narrow = passes.own_cost(*case)
+    bare, untimed = passes.bare_cost(*case)
+    assert untimed == 0.0
+    assert min(own, narrow) > 0.3
+    assert own + narrow == pytest.approx(bare, rel=0.5)
+    assert passes.loop_cost(*case) > 0.7 * bare
+    assert passes.logged_cost(*case) > 0.7 * bare
+
+
+def test_passes_are_taken_in_turn() -> None:
+    taken: list[str] = []
+
+    def one(name: str) -> float:
+        taken.append(name)
+        return float(len(taken))
+
+    row = benchmark.in_turn(3, a=lambda: one("a"), b=lambda: one("b"))
+    assert "".join(taken) == "ababab"
+    assert benchmark.ratio(row, "b", "a") == {"b / a": [2.0, 4.0 / 3.0, 6.0 / 5.0]}
+
+
+def test_the_number_of_teeth_fits() -> None:
+    for teeth, fit in benchmark.TEETH.items():
+        design, reducer = benchmark.example(
+            "fixed pins", 36.0, 0, f"ring.teeth={teeth}", *(f"{name}={value}" for name, value in fit.items())
+        )
+        assert design.ring.teeth == teeth
+        assert sum(pair.kind == "pin_gear" for pair in reducer.pairs) == teeth
+
+
+def test_main_writes_what_it_prints(tmp_path, monkeypatch, capsys) -> None:
+    table = {"case": {"a": [1.0, 3.0, 2.0]}}
+
+    def made(passes: int) -> benchmark.Table:
+        """Say what this is."""
+        return table
+
+    monkeypatch.setitem(benchmark.SECTIONS, "loop", made)
+    monkeypatch.setattr(sys, "argv", ["benchmark.py", "loop", "--quick", "--json", str(tmp_path / "told.json")])
+    benchmark.main()
+    printed = capsys.readouterr().out
+    assert "Say what this is." in printed
+    assert "2 (2)" in printed, "median and spread"
+    told = json.loads((tmp_path / "told.json").read_text())
+    assert told["tables"] == {"loop": table}
+    assert {"processor", "versions", "load average"} <= set(told["machine"])
+
+
+def test_an_unknown_section_is_an_error(monkeypatch, capsys) -> None:
+    monkeypatch.setattr(sys, "argv", ["benchmark.py", "loops"])
+    with pytest.raises(SystemExit):
+        benchmark.main()
+    assert "choose of loop" in capsys.readouterr().err
