@@ -7,8 +7,9 @@ import pytest
 
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, override
-from cycloid_mj.measure import loads
-from cycloid_mj.measure.loads import YIELD_PRESSURE, ideal_peak, measure_loads, pressed
+from cycloid_mj.errors import UsageError
+from cycloid_mj.measure.loads import YIELD_PRESSURE, measure_loads
+from cycloid_mj.measure.pressed import ideal_peak, pressed, relative_curvature
 from cycloid_mj.measure.steady import steady
 
 FIXED = override(PRESETS["pin"], ['ring.pins="fixed"', "settings.timestep_us=5.0"])
@@ -38,9 +39,9 @@ def test_ideal_loads_are_those_of_statics() -> None:
     run = steady(design, 0.008, 1)
     for kind, one in pressed(run, design).items():
         expected = ideal_peak(design, kind, one.angle)
-        assert one.peak[0] == pytest.approx(expected, rel=0.01), kind
+        assert one.peak_force == pytest.approx(expected, rel=0.01), kind
     spoiled = override(design, ["load.torque_nm=1.05"])
-    assert pressed(run, design)["cam"].peak[0] != pytest.approx(
+    assert pressed(run, design)["cam"].peak_force != pytest.approx(
         ideal_peak(spoiled, "cam", run["crank_angle"]), rel=0.01
     )
 
@@ -64,10 +65,25 @@ def test_pressure_grows_with_curvature() -> None:
     """A pin on the sharpest part of a lobe is pressed harder than a pin in its socket under the same force."""
     crank = np.linspace(0.0, 0.17, 20)
     design = PRESETS["pin"]
-    on_gear = loads.relative_curvature(design, "pin_gear", crank)
+    on_gear = relative_curvature(design, "pin_gear", crank)
     assert on_gear.shape == (20, 36)
     assert on_gear.max() == pytest.approx(1.0 / 0.357950e-3 + 1.0 / 2.25e-3, rel=0.01)
-    assert loads.relative_curvature(design, "pin_socket", crank)[0] < 1.0 < on_gear.max()
+    assert relative_curvature(design, "pin_socket", crank)[0] < 1.0 < on_gear.max()
+
+
+def test_a_plain_cam_presses_the_bore_and_a_rolling_one_a_roller() -> None:
+    crank, gear = np.zeros(1), PRESETS["pin"].gear
+    plain = override(PRESETS["pin"], ['gear.bearing="plain"'])
+    play = plain.clearance.cam
+    conformal = 1.0 / gear.bore_radius - 1.0 / (gear.bore_radius + play)
+    assert relative_curvature(plain, "cam", crank) == pytest.approx(conformal, rel=1e-12)
+    assert relative_curvature(PRESETS["pin"], "cam", crank) > 2.0 / gear.bore_radius
+
+
+@pytest.mark.parametrize("torque", [0.0, -5.0, float("nan")])
+def test_no_torque_is_a_usage_error(torque: float) -> None:
+    with pytest.raises(UsageError, match="more than 0"):
+        measure_loads(FIXED, torque)
 
 
 def test_command_writes_figure_json_and_log(tmp_path, capsys) -> None:

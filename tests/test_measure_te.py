@@ -7,10 +7,11 @@ import pytest
 
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import DesignError
+from cycloid_mj.measure.conditions import stepped
 from cycloid_mj.measure.orders import Cause, causes, order_spectrum
 from cycloid_mj.measure.static_error import kinematic_error, static_error
 from cycloid_mj.measure.te import measure_te
-from cycloid_mj.measure.trace import ARCSEC, Case, stepped, trace
+from cycloid_mj.measure.trace import ARCSEC, Case, trace
 from cycloid_mj.measure.vibration import measure_vibration
 from cycloid_mj.mjcf import build
 from cycloid_mj.solid.gear import tooth_profile

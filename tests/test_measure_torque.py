@@ -15,11 +15,11 @@ from cycloid_mj.measure import sensitivity, steady
 from cycloid_mj.measure.back_driving import break_away
 from cycloid_mj.measure.braked import braked_run
 from cycloid_mj.measure.closed_form import ideal_efficiency, mesh_friction, wang_efficiency
+from cycloid_mj.measure.conditions import LOG_RATE, LONGER_STEP, stepped
 from cycloid_mj.measure.efficiency import measure_efficiency
 from cycloid_mj.measure.efficiency_map import forward
 from cycloid_mj.measure.steady import powers, steady_design, whole_periods
 from cycloid_mj.measure.torque import held_efficiency, measure_torque, rated_test
-from cycloid_mj.measure.trace import LONGER_STEP, stepped
 from cycloid_mj.validation import published
 
 FIXED = override(PRESETS["pin"], ['ring.pins="fixed"'])
@@ -81,7 +81,7 @@ def test_without_friction_nothing_is_lost(kind):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_longer_step_gives_the_figures_of_the_default_one(kind):
-    design = override(KINDS[kind], ["drive.ramp_s=0.0", f"settings.log_rate_hz={steady.LOG_RATE!r}"])
+    design = override(KINDS[kind], ["drive.ramp_s=0.0", f"settings.log_rate_hz={LOG_RATE!r}"])
     longer = stepped(design)
     assert longer.settings.timestep == LONGER_STEP
     fine, coarse = (held_efficiency(one, 32.7, PERIODS) for one in (design, longer))
@@ -215,8 +215,8 @@ def test_map_is_that_of_the_points_asked_for(efficiency):
     [
         (["torque", "pin", "--design", "pin"], "two of the designs are called 'pin'"),
         (["torque", "nopin"], "nopin"),
-        (["efficiency", "--torques-nm", "0"], "must be more than 0"),
-        (["efficiency", "--speeds-rpm", "1e9"], "--speeds-rpm"),
+        (["efficiency", "--load-nm", "0"], "must be more than 0"),
+        (["efficiency", "--speed-rpm", "1e9"], "--speed-rpm"),
     ],
 )
 def test_mistakes_are_told_in_one_line(words, told, capsys):

@@ -179,10 +179,12 @@ def _quantities(
         else:
             label, source = f"by clearance of {NAMES[name]} alone, mean", _FORMULAS.get(name, _MESH_FORMULA)
             table[f"backlash_{name}"] = Quantity(label, mean, "arcmin", error, reference, source)
+    parts = [quantity for key, quantity in table.items() if key.removeprefix("backlash_") in NAMES]
     table["sum_of_parts"] = Quantity(
         "sum of the parts",
-        float(sum(quantity.value for key, quantity in table.items() if key.removeprefix("backlash_") in NAMES)),
+        sum(part.value for part in parts),
         "arcmin",
+        sum(part.error or 0.0 for part in parts),
         note="less than the whole: clearances together let the gear move in ways that none allows alone",
     )
     return table

@@ -22,6 +22,8 @@ Array = npt.NDArray[np.float64]
 
 SERIES = ("output", "cam", "mesh")
 SHARES = (*sorted(STRAIGHT, reverse=True), LOST_MOTION_SHARE)
+BETWEEN = 4
+"""Times that the way to a share is halved at most, where no balance is found from the last one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,21 +89,35 @@ def balance(design: Design, crank: float, rated: float) -> Balance:
     turn, gear_turn, centre_lead = {}, {}, {}
     for side in (-1, 1):
         near: Equilibrium | None = None
+        last = 2.0 * side * rated
         for share in SHARES:
-            load = design.load.model_copy(update={"torque": side * share * rated})
-            near = _solved(design.model_copy(update={"load": load}), stiffness, crank, near)
+            near = _solved(design, stiffness, crank, side * share * rated, near, last)
+            last = side * share * rated
             turn[side * share], gear_turn[side * share] = near.output_turn, near.gear_turn
             centre_lead[side * share] = _lead(design, stiffness["cam"], near.cam_force, crank)
     return Balance(rated, turn, gear_turn, centre_lead)
 
 
-def _solved(design: Design, stiffness: dict[str, float], crank: float, near: Equilibrium | None) -> Equilibrium:
-    if near is not None:
+def _solved(
+    design: Design,
+    stiffness: dict[str, float],
+    crank: float,
+    torque: float,
+    near: Equilibrium | None,
+    last: float,
+    between: int = BETWEEN,
+) -> Equilibrium:
+    """Solve under a torque [N m]: from the balance `near` under the torque `last`, from none, or on the way there."""
+    loaded = design.model_copy(update={"load": design.load.model_copy(update={"torque": torque})})
+    for start in (near, None) if near is not None else (None,):
         try:
-            return equilibrium.solve(design, stiffness, crank, near)
+            return equilibrium.solve(loaded, stiffness, crank, start)
         except RunError:
-            pass
-    return equilibrium.solve(design, stiffness, crank)
+            if start is None and not between:
+                raise
+    halfway = 0.5 * (last + torque)
+    near = _solved(design, stiffness, crank, halfway, near, last, between - 1)
+    return _solved(design, stiffness, crank, torque, near, halfway, between - 1)
 
 
 def _lead(design: Design, stiffness: float, cam_force: Array, crank: float) -> float:

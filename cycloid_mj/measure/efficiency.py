@@ -174,14 +174,13 @@ def _driven(design: Design, found: Found) -> dict[str, Quantity]:
 
 def _tables(found: Found) -> tuple[Table, ...]:
     """Give the map with the losses at each of its points."""
-    names = [f"{loss} [%]" for loss in _shares(found.rated)]
     rows: list[tuple[str | float, ...]] = []
     for point in found.grid:
         efficiency, shift, left = (1e2 * value for value in _judged(point))
         numbers = [efficiency, shift, *_shares(point).values(), left]
         rows.append((f"{point.speed / RPM:g}", point.torque, *(round(number, 4) for number in numbers)))
-    header = ("speed [rpm]", "torque [N m]", "efficiency [%]", "num. error", *names, "residual [%]")
-    return (Table("efficiency, and losses in % of the input power", header, tuple(rows)),)
+    header = ("speed [rpm]", "torque [N m]", "efficiency", "num. error", *_shares(found.rated), "residual")
+    return (Table("efficiency, and losses by pair, in % of the input power", header, tuple(rows)),)
 
 
 def _details(point: Point) -> dict[str, float]:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator, Mapping
 
 import numpy as np
+import numpy.typing as npt
 
 from cycloid_mj import statics
 from cycloid_mj.contact.law import STRIBECK
@@ -15,6 +16,8 @@ from cycloid_mj.measure.pool import Done, each, nothing
 from cycloid_mj.measure.pressed import CARRIES, Pressed, ideal_peak, pressed
 from cycloid_mj.measure.steady import SETTLED, steady, steady_design
 from cycloid_mj.solid.gear import tooth_profile
+
+Array = npt.NDArray[np.float64]
 
 YIELD_PRESSURE = 1.79
 """Peak pressure at which a line contact first yields, over the yield strength (von Mises; Johnson 1985, 4.4)."""
@@ -136,19 +139,18 @@ def _scaled(limits: Mapping[str, float], torque: float) -> dict[str, float]:
 
 def _curves(found: Kinds, design: Design) -> tuple[Curve, ...]:
     single = [curve for one in found.values() if one.kind != "cam" for curve in _contacts(one, design)]
-    return (*single, *_cam(found["cam"]), _around(found[design.tooth_pair]))
+    return (*single, *_cam(found["cam"]), *_around(found[design.tooth_pair], design))
 
 
 def _contacts(one: Pressed, design: Design) -> Iterator[Curve]:
     """Give the force on some contacts of a kind; of teeth beside ideal sharing."""
     panel, degrees = f"{one.kind}: force on single contacts", np.degrees(one.angle)
     if one.kind == design.tooth_pair:
-        torque = math.copysign(design.load.torque, design.drive.speed)
-        ideal = statics.ideal_load_sharing(tooth_profile(design), torque, one.angle)
-        yield Curve(panel, "1, ideal", degrees, ideal.forces[:, 0], _CRANK, _FORCE, "theory")
+        ideal = _shared(design, one.angle)
+        yield Curve(panel, "number 1, ideal", degrees, ideal[:, 0], _CRANK, _FORCE, "theory")
     count = one.force.shape[1]
-    for number in dict.fromkeys((0, count // 4, count // 2)):
-        yield Curve(panel, str(number + 1), degrees, one.force[:, number], _CRANK, _FORCE)
+    for place in dict.fromkeys((0, count // 4, count // 2)):
+        yield Curve(panel, f"number {place + 1}", degrees, one.force[:, place], _CRANK, _FORCE)
 
 
 def _cam(one: Pressed) -> Iterator[Curve]:
@@ -160,13 +162,19 @@ def _cam(one: Pressed) -> Iterator[Curve]:
     yield Curve(panel, "", degrees, towards, _CRANK, "direction [deg]")
 
 
-def _around(teeth: Pressed) -> Curve:
-    """Give the forces round the ring where the largest one acts."""
+def _around(teeth: Pressed, design: Design) -> Iterator[Curve]:
+    """Give the forces round the ring where the largest one acts, beside ideal sharing."""
     count, row = teeth.force.shape[1], int(np.argmax(teeth.force.max(axis=1)))
     about = np.degrees(2.0 * math.pi * np.arange(count + 1) / count)
-    around = np.append(teeth.force[row], teeth.force[row, 0])
     panel = f"{teeth.kind} at {math.degrees(teeth.peak_angle):.0f} deg of crank"
-    return Curve(panel, "", about, around, "", _FORCE, "polar")
+    for name, forces in (("simulated", teeth.force[row]), ("ideal", _shared(design, teeth.angle)[row])):
+        yield Curve(panel, name, about, np.append(forces, forces[0]), "", _FORCE, "polar")
+
+
+def _shared(design: Design, crank: Array) -> Array:
+    """Give the forces of ideal sharing on the teeth [N], shape (n, teeth), at crank angles [rad], shape (n,)."""
+    torque = math.copysign(design.load.torque, design.drive.speed)
+    return statics.ideal_load_sharing(tooth_profile(design), torque, crank).forces
 
 
 def _assumptions(design: Design) -> tuple[str, ...]:
@@ -178,7 +186,9 @@ def _assumptions(design: Design) -> tuple[str, ...]:
     )
     return (
         "Hertz's line contact over the whole face width, with the local relative curvature of the ideal mesh; edge "
-        "effects and misalignment are left out",
+        "effects and misalignment are left out; the ring lobe's force is taken on its arc",
+        "ideal sharing takes equally stiff contacts without play on a cam that holds: the cam's give and the "
+        "clearances move the gear sideways, so that other teeth carry, and more than ideally",
         f"a contact first yields below its surface at a peak pressure of {YIELD_PRESSURE} times the yield strength "
         "(von Mises, plane strain)",
         "pins in sockets and holes are so conformal that Hertz's strip is only a guide: it is told, and seldom decides",

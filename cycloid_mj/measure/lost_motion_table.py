@@ -31,8 +31,8 @@ class Found:
         What was measured.
     service, ideal
         Loops of the design as it is, and without friction and weight, one for each crank angle.
-    slow_service, slow_ideal
-        The same at the first crank angle, slower and at a shorter step.
+    service_checks, ideal_checks
+        The same at the first crank angle, slower and at a shorter step: what they change is the numerical error.
     statics
         One for each crank angle; none where a design is beyond `balance`.
     """
@@ -40,8 +40,8 @@ class Found:
     design: Design
     service: list[Loop]
     ideal: list[Loop]
-    slow_service: Loop
-    slow_ideal: Loop
+    service_checks: list[Loop]
+    ideal_checks: list[Loop]
     statics: list[Balance]
 
 
@@ -54,30 +54,42 @@ def _quantity(
     name: str,
     read: Callable[[Loop], float],
     loops: list[Loop],
-    slow: Loop,
+    checks: list[Loop],
     unit: str = "arcmin",
     closed: Sequence[float] | Array = (),
     source: str = "",
     note: str = "",
 ) -> Quantity:
-    """Give the mean of a reading over the crank angles; its error is what the slower loop at the first one changes."""
+    """Give the mean of a reading over the crank angles."""
     reference = float(np.mean(closed)) if len(closed) else None
-    error = abs(read(slow) - read(loops[0]))
+    error = _error(read, loops, checks)
     value = float(np.mean([read(loop) for loop in loops]))
     return Quantity(name, value, unit, error, reference, source if len(closed) else "", note)
 
 
-def _extremes(key: str, name: str, read: Callable[[Loop], float], loops: list[Loop], unit: str) -> dict[str, Quantity]:
-    values = [read(loop) for loop in loops]
+def _error(read: Callable[[Loop], float], loops: list[Loop], checks: list[Loop]) -> float:
+    """Give what the checks change of a reading at the first crank angle, together."""
+    return sum(abs(read(check) - read(loops[0])) for check in checks)
+
+
+def _extremes(
+    key: str, name: str, read: Callable[[Loop], float], loops: list[Loop], checks: list[Loop], unit: str
+) -> dict[str, Quantity]:
+    values, error = [read(loop) for loop in loops], _error(read, loops, checks)
     return {
-        f"{key}_min": Quantity(f"{name}, least over the crank angle", min(values), unit),
-        f"{key}_max": Quantity(f"{name}, largest over the crank angle", max(values), unit),
+        f"{key}_min": Quantity(f"{name}, least over the crank angle", min(values), unit, error),
+        f"{key}_max": Quantity(f"{name}, largest over the crank angle", max(values), unit, error),
     }
 
 
 def lost_motion(loop: Loop) -> float:
     """Give the lost motion at +-3 % of the rated torque [arcmin]."""
     return loop.lost_motion / ARCMINUTE
+
+
+def offset(loop: Loop) -> float:
+    """Give the middle of the loop [rad]."""
+    return loop.offset
 
 
 def stiffness(loop: Loop) -> float:
@@ -89,14 +101,14 @@ def _motions(found: Found) -> dict[str, Quantity]:
     solved = [one.lost_motion / ARCMINUTE for one in found.statics]
     cranks = np.array([loop.crank for loop in found.service])
     rigid = play.total(found.design, cranks) / ARCMINUTE if play.has_linear_gaps(found.design) else ()
-    loops = {"": (found.service, found.slow_service), "_ideal": (found.ideal, found.slow_ideal)}
+    loops = {"": (found.service, found.service_checks), "_ideal": (found.ideal, found.ideal_checks)}
     table: dict[str, Quantity] = {}
     for suffix, pair in loops.items():
         which = f", {IDEAL}" if suffix else ""
         at = f"lost motion at +-3 % of rated torque{which}"
         table["lost_motion" + suffix] = _quantity(at, lost_motion, *pair, closed=solved, source=STATICS)
         if not suffix:
-            table |= _extremes("lost_motion", "lost motion", lost_motion, found.service, "arcmin")
+            table |= _extremes("lost_motion", "lost motion", lost_motion, *pair, "arcmin")
         name = f"backlash{which}"
         table["backlash" + suffix] = _quantity(
             name, lambda loop: loop.backlash / ARCMINUTE, *pair, closed=rigid, source=RIGID
@@ -109,9 +121,9 @@ def _stiffness(found: Found) -> dict[str, Quantity]:
     solved = [ARCMINUTE / one.compliance(one.turn) for one in found.statics]
     name = "torsional stiffness, 50 to 100 % of rated torque"
     note = "friction holds the parts where the torque turns back, which makes the curve steeper there"
-    pair, ideal = (found.service, found.slow_service), (found.ideal, found.slow_ideal)
+    pair, ideal = (found.service, found.service_checks), (found.ideal, found.ideal_checks)
     table = {"stiffness": _quantity(name, stiffness, *pair, unit, solved, STATICS, note)}
-    table |= _extremes("stiffness", "stiffness", stiffness, found.service, unit)
+    table |= _extremes("stiffness", "stiffness", stiffness, *pair, unit)
     table["stiffness_ideal"] = _quantity(f"{name}, {IDEAL}", stiffness, *ideal, unit, solved, STATICS)
     for part in SERIES:
         closed = [one.series(found.design)[part] / ARCMINUTE for one in found.statics]
@@ -125,15 +137,14 @@ def _stiffness(found: Found) -> dict[str, Quantity]:
 
 
 def _friction(found: Found) -> dict[str, Quantity]:
-    pair = found.service, found.slow_service
+    pair = found.service, found.service_checks
     damped = float(np.mean([loop.width for loop in found.ideal])) / ARCMINUTE
     viscous = (
         f"friction, and {damped:.2g} arcmin of damping, which vanishes in slower loops; friction is viscous below the "
         "creep speed, lowered as far as the step bears: free pins roll, and what slides in them stays below it"
     )
     shift = max(abs(a.offset - b.offset) for a, b in zip(found.service, found.ideal, strict=True))
-    slow = found.slow_service.offset - found.slow_ideal.offset
-    first = found.service[0].offset - found.ideal[0].offset
+    shift_error = _error(offset, *pair) + _error(offset, found.ideal, found.ideal_checks)
     return {
         "hysteresis": _quantity(
             "width of the loop at half the rated torque", lambda loop: loop.width / ARCMINUTE, *pair, note=viscous
@@ -152,7 +163,7 @@ def _friction(found: Found) -> dict[str, Quantity]:
             "shift of the loop by weight and friction, largest",
             shift / ARCMINUTE,
             "arcmin",
-            abs(slow - first) / ARCMINUTE,
+            shift_error / ARCMINUTE,
             note="the gear's weight pulls it about the pitch point; the crank's lock holds it",
         ),
     }
@@ -165,8 +176,8 @@ def curves(found: Found) -> tuple[Curve, ...]:
     near = np.abs(loop.torque) <= 3.0 * hysteresis.LOST_MOTION_SHARE * loop.rated
     title = f"hysteresis, crank at {np.degrees(loop.crank):.1f}°"
     drawn = [
+        Curve(title, "no friction", ideal.torque, ideal.turn / ARCMINUTE, torque, turn, "theory"),
         Curve(title, "as designed", loop.torque, loop.turn / ARCMINUTE, torque, turn),
-        Curve(title, "no friction", ideal.torque, ideal.turn / ARCMINUTE, torque, turn),
         Curve("near zero torque", "as designed", *_cut(loop, near), torque, turn),
     ]
     marks = hysteresis.LOST_MOTION_SHARE * loop.rated * np.array([-1.0, 1.0])

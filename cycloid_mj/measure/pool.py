@@ -46,11 +46,14 @@ class _AtWork:
     def __init__(self) -> None:
         self._threads: set[int] = set()
         self._lock = threading.Lock()
+        self._stopped = False
 
     def do(self, work: Callable[[T], R], item: T) -> R:
-        """Do a piece of work."""
+        """Do a piece of work, unless all are to stop."""
         thread = threading.get_ident()
         with self._lock:
+            if self._stopped:
+                raise KeyboardInterrupt
             self._threads.add(thread)
         try:
             return work(item)
@@ -64,5 +67,6 @@ class _AtWork:
         Under the lock, so that no thread leaves its work meanwhile: the executor could not bear it outside.
         """
         with self._lock:
+            self._stopped = True
             for thread in self._threads:
                 ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), ctypes.py_object(KeyboardInterrupt))

@@ -56,6 +56,15 @@ class Sway:
         """Give the rms size of a signal."""
         return rms(self.signals[key])
 
+    def rms_of_half(self, key: str) -> float:
+        """Give the same over the first half of the window: a shorter average."""
+        return rms(self.signals[key][: len(self.crank) // 2])
+
+    def rotating(self, key: str) -> float:
+        """Give the size of the part of a signal of vectors that goes round with the crank."""
+        x, y = self.signals[key].T
+        return float(abs(np.mean((x + 1j * y) * np.exp(-1j * np.sign(self.speed) * self.crank))))
+
     @property
     def rpm(self) -> float:
         """Crank speed [rpm]."""

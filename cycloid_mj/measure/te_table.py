@@ -122,8 +122,7 @@ def _shifts(found: Found, finer: Finer, statics: Statics) -> Iterator[tuple[str,
                 float(np.mean(getattr(source[cases[one]], shaft)) - np.mean(getattr(source[cases[other]], shaft)))
                 for source in (found, statics)
             )
-            changes = [_change(found, finer, cases[which], shaft) for which in (one, other)]
-            error = sum(abs(float(np.mean(fine - coarse))) for coarse, fine in changes) if finer else None
+            error = sum(_mean_change(found, finer, cases[which], shaft) for which in (one, other)) if finer else None
             name = f"mean of the {shaft}, {words}"
             yield f"{shaft}_{key}", Quantity(name, value, "arcsec", error, reference, STATICS)
 
@@ -177,6 +176,11 @@ def _step_error(found: Found, finer: Finer, case: Case, shaft: str, level: str) 
         return None
     coarse, fine = (_LEVELS[level][1](error) for error in _change(found, finer, case, shaft))
     return abs(coarse - fine)
+
+
+def _mean_change(found: Found, finer: Finer, case: Case, place: str) -> float:
+    coarse, fine = _change(found, finer, case, place)
+    return abs(float(np.mean(fine - coarse)))
 
 
 def _change(found: Found, finer: Finer, case: Case, place: str) -> tuple[Array, Array]:

@@ -122,10 +122,10 @@ def _quantities(design: Design, ours: Outcome, finer: Outcome | None, held: floa
     found, closed = ours.powers, ideal_efficiency(design, ours.output)
     error = rate_error(ours, finer)
     torque_error = max(error * ideal, abs(ours.output - found.efficiency * ideal))
-    ripple = float(np.ptp(ours.run["load_torque"]))
+    ripple, rms = (float(size(ours.run["load_torque"])) for size in (np.ptp, np.std))
     # what is left of the ringing shows in the second half, which has less of it
     later = ours.run.select(slice(len(ours.run) // 2, None))
-    ripples = [float(np.ptp(run["load_torque"])) for run in (later, *([finer.run] if finer else []))]
+    others = [run["load_torque"] for run in (later, *([finer.run] if finer else []))]
     return {
         "output_torque": Quantity(
             "output torque",
@@ -140,9 +140,11 @@ def _quantities(design: Design, ours: Outcome, finer: Outcome | None, held: floa
             f"output rate, of {ideal:g} N m", 1e2 * ours.output / ideal, "%", 1e2 * torque_error / ideal
         ),
         "ripple_peak_to_peak": Quantity(
-            "ripple of the output torque, p-p", ripple, "N m", max(abs(other - ripple) for other in ripples)
+            "ripple of the output torque, p-p", ripple, "N m", max(abs(float(np.ptp(one)) - ripple) for one in others)
         ),
-        "ripple_rms": Quantity("ripple of the output torque, rms", float(np.std(ours.run["load_torque"])), "N m"),
+        "ripple_rms": Quantity(
+            "ripple of the output torque, rms", rms, "N m", max(abs(float(np.std(one)) - rms) for one in others)
+        ),
         "input_torque": Quantity("mean input torque", ours.input, "N m", None, design.drive.torque, "as given"),
         "efficiency": Quantity("efficiency by powers", 1e2 * found.efficiency, "%", 1e2 * error),
         "efficiency_crank_held": Quantity(

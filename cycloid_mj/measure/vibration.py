@@ -1,6 +1,7 @@
 """Vibration over crank speed: acceleration of gear centre and output, force on the housing, and unbalance."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from operator import methodcaller
 from typing import Any
 
 import numpy as np
@@ -77,7 +78,7 @@ def measure_vibration(
     return Measurement(
         measure="vibration",
         design=design,
-        quantities=dict(_levels(design, at_speed, checks)) | dict(_unbalance(design, at_speed[0])),
+        quantities=dict(_levels(design, at_speed, checks)) | dict(_unbalance(design, at_speed, checks)),
         curves=(*_sweep(design, full), *_spectra(at_speed)),
         assumptions=(
             "bearings and housing are rigid; a bearing's force is what contacts and weight leave of its body's inertia",
@@ -85,7 +86,8 @@ def measure_vibration(
             f"accelerations and forces are logged at {LOG_RATE / 1e3:g} kHz: what is above half of it is folded down",
             f"unloaded: a drag of {DRAG:.0%} of the rated torque, which presses the flanks together before the window; "
             "the spectra are at the design's speed",
-            "numerical error: what half the step changes at the design's speed",
+            "numerical error: what half the step changes at the design's speed, of an rms also what half the window "
+            "changes; unloaded pins rattle, and a run with other rounding may end some percent off",
         ),
         runs={f"{one.load}_{abs(one.rpm):.0f}rpm": one.run for one in full},
         details={"sweep": [_row(one) for one in full]},
@@ -94,38 +96,37 @@ def measure_vibration(
 
 def _levels(design: Design, at_speed: Sequence[Sway], checks: Mapping[str, Sway]) -> Iterator[tuple[str, Quantity]]:
     """Give the levels at the design's speed; the balance of momentum is the second method for the housing's force."""
-    orbit = design.gear.eccentricity * design.drive.speed**2
+    closed, still = design.gear.eccentricity * design.drive.speed**2, float(np.hypot(*weight(design)))
     for one in at_speed:
         check = checks.get(one.load)
         for key, (name, unit) in _SIGNALS.items():
-            value = one.rms(key)
-            error = None if check is None else abs(check.rms(key) - value)
+            value, error = one.rms(key), _error(one, check, methodcaller("rms", key))
+            error = None if error is None else max(error, abs(one.rms_of_half(key) - value))
             reference, source = (one.rms("momentum"), "m a of gear and shaft") if key == "housing" else (None, "")
             note = _NOTE if key == "housing" else ""
             words = f"rms {name}, {one.load}"
             yield f"{key}_rms_{one.load}", Quantity(words, value, unit, error, reference, source, note)
-        words = f"whole acceleration of the gear's centre, {one.load}"
-        yield f"orbit_{one.load}", Quantity(words, one.orbit, "m/s2", None, orbit, "c omega^2")
-        words = f"mean force on the housing, {one.load}"
-        mean, still = (float(np.hypot(*force)) for force in (one.mean_force, weight(design)))
-        yield f"mean_force_{one.load}", Quantity(words, mean, "N", None, still, "weight of what moves")
+        words, error = f"whole acceleration of the gear's centre, {one.load}", _error(one, check, _orbit)
+        yield f"orbit_{one.load}", Quantity(words, one.orbit, "m/s2", error, closed, "c omega^2")
+        words, error = f"mean force on the housing, {one.load}", _error(one, check, _mean_force)
+        yield f"mean_force_{one.load}", Quantity(words, _mean_force(one), "N", error, still, "weight of what moves")
 
 
-def _unbalance(design: Design, one: Sway) -> Iterator[tuple[str, Quantity]]:
-    """Give the unbalance of gear and shaft, from the solids, and the rotating force that the run shows."""
+def _unbalance(design: Design, at_speed: Sequence[Sway], checks: Mapping[str, Sway]) -> Iterator[tuple[str, Quantity]]:
+    """Give the unbalance of gear and shaft, from the solids, and the rotating force that the first run shows."""
     found, square = unbalance(design), design.drive.speed**2
+    one, check = at_speed[0], checks.get(at_speed[0].load)
     for key, name, closed in (
         ("housing_bare", "without counterweight", found.bare),
         ("housing", "with counterweight", found.balanced),
     ):
-        seen = one.signals[key]
-        together = (seen[:, 0] + 1j * seen[:, 1]) * np.exp(-1j * np.sign(one.speed) * one.crank)
         yield (
             f"{key}_rotating",
             Quantity(
                 name=f"force that goes round with the crank, {name}",
-                value=float(abs(np.mean(together))),
+                value=one.rotating(key),
                 unit="N",
+                error=_error(one, check, methodcaller("rotating", key)),
                 reference=abs(closed) * square,
                 source="sum of m c omega^2",
             ),
@@ -134,6 +135,19 @@ def _unbalance(design: Design, one: Sway) -> Iterator[tuple[str, Quantity]]:
     note = "the counterweight lies beside the gear: the force is balanced, the couple is not"
     yield "unbalance", Quantity("unbalance without counterweight", 1e6 * found.bare, "g mm")
     yield "couple", Quantity("rocking couple with counterweight", couple, "N m", note=note)
+
+
+def _error(one: Sway, check: Sway | None, read: Callable[[Sway], float]) -> float | None:
+    """Give by how much half the step changes a reading."""
+    return None if check is None else abs(read(check) - read(one))
+
+
+def _orbit(one: Sway) -> float:
+    return one.orbit
+
+
+def _mean_force(one: Sway) -> float:
+    return float(np.hypot(*one.mean_force))
 
 
 def _sweep(design: Design, found: Sequence[Sway]) -> Iterator[Curve]:
@@ -162,7 +176,7 @@ def _spectra(at_speed: Sequence[Sway]) -> Iterator[Curve]:
             parts = [order_spectrum(one.crank, axis, 1.0, most) for axis in one.signals[key].T]
             size = np.sqrt(np.sum([part.amplitude**2 for part in parts], axis=0))
             frequency = parts[0].order * turns_per_second
-            yield Curve(f"spectrum of the {name}", one.load, frequency, size, _HZ, f"amplitude [{unit}]", "bars")
+            yield Curve(f"spectrum of the {name}", one.load, frequency, size, _HZ, f"amplitude [{unit}]")
 
 
 def _row(one: Sway) -> dict[str, Any]:

@@ -12,6 +12,8 @@ from cycloid_mj.plots.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, THEOR
 COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, GREY)
 HEIGHT, POLAR_HEIGHT = 1.9, 3.2
 """Of one panel [in]."""
+FINEST = 0.01
+"""Least half height of a panel of points, as a share of its values: less would make a difference of nothing."""
 
 
 @styled
@@ -40,13 +42,18 @@ def _draw(axes: Axes, curves: list[Curve]) -> None:
         elif curve.style == "bars":
             axes.vlines(curve.x, 0.0, curve.y, label=curve.name, color=next(colours), linewidth=1.4)
         elif curve.style == "points":
-            axes.plot(curve.x, curve.y, "o", markersize=3.0, label=curve.name, color=next(colours))
+            # points on the edge of the panel are drawn whole
+            axes.plot(curve.x, curve.y, "o", markersize=3.0, label=curve.name, color=next(colours), clip_on=False)
         elif curve.style == "polar":
             axes.plot(np.radians(curve.x), curve.y, label=curve.name, color=next(colours), linewidth=0.9)
         else:
             axes.plot(curve.x, curve.y, label=curve.name, color=next(colours), linewidth=0.9)
     if curves[0].style == "bars":
         axes.set_xlim(left=0.0)
+    if any(curve.style == "points" for curve in curves):
+        low, high = axes.get_ylim()
+        middle, reach = 0.5 * (low + high), max(0.5 * (high - low), FINEST * 0.5 * abs(low + high))
+        axes.set_ylim(middle - reach, middle + reach)
     if curves[0].style != "polar":
         axes.set(xlabel=curves[0].x_label, ylabel=curves[0].y_label)
     else:
@@ -54,6 +61,8 @@ def _draw(axes: Axes, curves: list[Curve]) -> None:
         polar: Any = axes
         polar.set_theta_zero_location("N")
         polar.set_theta_direction(-1)
+        # the radii stand opposite to the largest value, where there is room
+        polar.set_rlabel_position(float(curves[0].x[np.argmax(curves[0].y)]) + 180.0)
     axes.yaxis.set_major_formatter(lambda value, _: typeset(f"{value:g}"))
-    if len(curves) > 1 or curves[0].name:
+    if any(curve.name for curve in curves):
         axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0)

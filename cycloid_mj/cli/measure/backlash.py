@@ -4,8 +4,9 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import DesignFlag, JsonFlag, SetFlag, designed
-from cycloid_mj.cli.measure.deliver import LogFlag, OutFlag, QuietFlag, deliver, told
+from cycloid_mj.cli.flags import DesignFlag, JsonFlag, SetFlag
+from cycloid_mj.cli.measure.deliver import deliver, told
+from cycloid_mj.cli.measure.flags import OUT, NoLogFlag, OutFlag, QuietFlag, prepared, sound
 
 EXAMPLES = """Examples:
   cycloid-mj measure backlash --design pin
@@ -21,11 +22,11 @@ def backlash(
     *,
     design: DesignFlag = "pin",
     set_: SetFlag = (),
-    out: OutFlag = None,
     quick: QuickFlag = False,
+    out: OutFlag = OUT,
+    no_log: NoLogFlag = False,
     json: JsonFlag = False,
     quiet: QuietFlag = False,
-    no_log: LogFlag = False,
 ) -> int:
     """Measure the backlash of the output at locked crank angles.
 
@@ -36,10 +37,8 @@ def backlash(
     all together a linear programme of rigid contacts, manufacturing errors
     included.
     """
-    chosen = designed(design, set_, [])
-    from cycloid_mj.checks import require_sound
     from cycloid_mj.measure.backlash import measure_backlash
 
-    require_sound(chosen)
+    chosen, into = sound(design, set_), prepared(out)
     found = measure_backlash(chosen, QUICK if quick else FEWEST, told("backlash", quiet))
-    return deliver([found], out, json, quiet, no_log)
+    return deliver([found], into, json, quiet, no_log)

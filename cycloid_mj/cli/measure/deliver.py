@@ -4,11 +4,10 @@ import json as text_of
 from collections.abc import Sequence
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-from cyclopts import Parameter
-
-from cycloid_mj.cli.outfile import folder, write_text
+from cycloid_mj.cli.interrupt import unbroken
+from cycloid_mj.cli.outfile import write_text
 from cycloid_mj.cli.terminal import finite, say, say_json, say_table, tell
 
 if TYPE_CHECKING:
@@ -19,30 +18,12 @@ if TYPE_CHECKING:
 HEADER = ("quantity", "value", "unit", "num. error", "closed form", "source")
 SECONDS_BETWEEN_LINES = 5.0
 
-OutFlag = Annotated[
-    str | None,
-    Parameter(
-        metavar="DIR",
-        help="Folder of the figure, the JSON file and the logs, made if there is none; files of an earlier measure of "
-        "the same design are replaced. Default: runs/measure.",
-    ),
-]
-LogFlag = Annotated[bool, Parameter(name="--no-log", help="Write no MCAP logs of the underlying runs.")]
-QuietFlag = Annotated[bool, Parameter(help="No progress and no messages but errors on stderr.")]
 
-
-def deliver(found: "Sequence[Measurement]", out: str | None, json: bool, quiet: bool, no_log: bool = False) -> int:
+def deliver(found: "Sequence[Measurement]", into: Path, json: bool, quiet: bool, no_log: bool = False) -> int:
     """Print measurements and write their files; give the exit code."""
-    from cycloid_mj.plots import save
-    from cycloid_mj.plots.measure import measurement_figure
-
-    into = folder(out or "runs/measure", "the measurement")
     for one in found:
-        stem = f"{one.measure}-{one.design.name}"
-        written = [*save({stem: measurement_figure(one)}, into, ("png", "svg"))]
-        written.append(write_text(into / f"{stem}.json", text_of.dumps(finite(one.as_json()), indent=2) + "\n"))
-        if not no_log:
-            written += [write_log(run, into / f"{stem}-{name}.mcap") for name, run in one.runs.items()]
+        with unbroken():
+            written = write(one, into, no_log)
         if not json:
             print_table(one)
         if not quiet:
@@ -50,6 +31,19 @@ def deliver(found: "Sequence[Measurement]", out: str | None, json: bool, quiet: 
     if json:
         say_json(found[0].as_json() if len(found) == 1 else {"measurements": [one.as_json() for one in found]})
     return 0
+
+
+def write(found: "Measurement", into: Path, no_log: bool) -> list[Path]:
+    """Write figure, JSON and logs of a measurement; give their paths."""
+    from cycloid_mj.plots import save
+    from cycloid_mj.plots.measure import measurement_figure
+
+    stem = f"{found.measure}-{found.design.name}"
+    written = [*save({stem: measurement_figure(found)}, into, ("png", "svg"))]
+    written.append(write_text(into / f"{stem}.json", text_of.dumps(finite(found.as_json()), indent=2) + "\n"))
+    if not no_log:
+        written += [write_log(run, into / f"{stem}-{name}.mcap") for name, run in found.runs.items()]
+    return written
 
 
 def print_table(found: "Measurement") -> None:

@@ -1,34 +1,34 @@
 """``cycloid-mj measure efficiency``: efficiency over torque and speed, losses by pair, back-driving."""
 
-import math
 from typing import Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import LOAD, SPEED, DesignFlag, JsonFlag, Quantity, SetFlag, designed
-from cycloid_mj.cli.measure.deliver import LogFlag, OutFlag, QuietFlag, deliver, told
-from cycloid_mj.errors import UsageError
+from cycloid_mj.cli.flags import LOAD, DesignFlag, JsonFlag, SetFlag
+from cycloid_mj.cli.measure.deliver import deliver, told
+from cycloid_mj.cli.measure.flags import (
+    OUT,
+    NoLogFlag,
+    OutFlag,
+    QuietFlag,
+    SpeedsFlag,
+    prepared,
+    rad_per_second,
+    several,
+    sound,
+)
 
 EXAMPLES = """Examples:
   cycloid-mj measure efficiency --design pin
-  cycloid-mj measure efficiency --design nonpin --torques-nm 5 20 36 --speeds-rpm 500 3000
+  cycloid-mj measure efficiency --design nonpin --load-nm 5 20 36 --speed-rpm 500 3000
   cycloid-mj measure efficiency --design pin --quick --json"""
 
-TorquesFlag = Annotated[
+LoadsFlag = Annotated[
     tuple[float, ...],
-    Parameter(
-        metavar="X",
-        consume_multiple=True,
-        help="Output torques of the map [N m], above 0. Default: a quarter, half and all of the rated torque, "
-        "drive.torque_nm times the ratio (36.68 in the presets).",
-    ),
-]
-SpeedsFlag = Annotated[
-    tuple[float, ...],
-    Parameter(
-        metavar="X",
-        consume_multiple=True,
-        help="Crank speeds of the map [rpm], above 0. Default: 0.5, 1 and 1.5 of the design's.",
+    several(
+        LOAD,
+        "Output torques of the map",
+        "Default: a quarter, half and all of the rated torque, drive.torque_nm times the ratio (36.68 in the presets).",
     ),
 ]
 QuickFlag = Annotated[
@@ -40,11 +40,11 @@ def efficiency(
     *,
     design: DesignFlag = "pin",
     set_: SetFlag = (),
-    torques_nm: TorquesFlag = (),
-    speeds_rpm: SpeedsFlag = (),
+    load_nm: LoadsFlag = (),
+    speed_rpm: SpeedsFlag = (),
     quick: QuickFlag = False,
-    out: OutFlag = None,
-    no_log: LogFlag = False,
+    out: OutFlag = OUT,
+    no_log: NoLogFlag = False,
     json: JsonFlag = False,
     quiet: QuietFlag = False,
 ) -> int:
@@ -59,21 +59,6 @@ def efficiency(
     """
     from cycloid_mj.measure.efficiency import measure_efficiency
 
-    chosen = designed(design, set_, [])
-    _require("--torques-nm", LOAD, torques_nm)
-    _require("--speeds-rpm", SPEED, speeds_rpm)
-    found = measure_efficiency(
-        chosen, torques_nm, [rpm * math.pi / 30.0 for rpm in speeds_rpm], quick, told("efficiency", quiet)
-    )
-    return deliver([found], out, json, quiet, no_log)
-
-
-def _require(flag: str, quantity: Quantity, values: tuple[float, ...]) -> None:
-    """Refuse values that are not above zero or beyond the limits that they have in the design file."""
-    for value in values:
-        try:
-            quantity.require(value)
-        except ValueError as error:
-            raise UsageError(f"{flag} {value:g}: each value {error}") from error
-        if value <= 0.0:
-            raise UsageError(f"{flag} {value:g}: each value must be more than 0")
+    chosen, into = sound(design, set_), prepared(out)
+    found = measure_efficiency(chosen, load_nm, rad_per_second(speed_rpm), quick, told("efficiency", quiet))
+    return deliver([found], into, json, quiet, no_log)

@@ -4,23 +4,15 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import LOAD, DesignFlag, JsonFlag, SetFlag, designed
-from cycloid_mj.cli.measure.deliver import LogFlag, OutFlag, QuietFlag, deliver, told
-from cycloid_mj.cli.simulate import require_possible
+from cycloid_mj.cli.flags import DesignFlag, JsonFlag, SetFlag
+from cycloid_mj.cli.measure.deliver import deliver, told
+from cycloid_mj.cli.measure.flags import OUT, NoLogFlag, OutFlag, QuietFlag, prepared, sound, torque_flag
 
 EXAMPLES = """Examples:
   cycloid-mj measure loads --design pin
   cycloid-mj measure loads --design nonpin --load-nm 20 --json"""
 
-LoadFlag = Annotated[
-    float | None,
-    Parameter(
-        metavar="X",
-        validator=LOAD.require,
-        help=f"Torque on the output [N m], {LOAD.range}. Default: the rated torque, drive.torque_nm times the ratio "
-        "(36.68 in the presets).",
-    ),
-]
+LoadFlag = Annotated[float | None, torque_flag("Torque on the output")]
 QuickFlag = Annotated[bool, Parameter(help="Two mesh periods instead of a whole turn of the crank.")]
 
 
@@ -30,8 +22,8 @@ def loads(
     set_: SetFlag = (),
     load_nm: LoadFlag = None,
     quick: QuickFlag = False,
-    out: OutFlag = None,
-    no_log: LogFlag = False,
+    out: OutFlag = OUT,
+    no_log: NoLogFlag = False,
     json: JsonFlag = False,
     quiet: QuietFlag = False,
 ) -> int:
@@ -45,6 +37,5 @@ def loads(
     """
     from cycloid_mj.measure.loads import measure_loads
 
-    chosen = designed(design, set_, [])
-    require_possible(chosen)
-    return deliver([measure_loads(chosen, load_nm, quick, told("loads", quiet))], out, json, quiet, no_log)
+    chosen, into = sound(design, set_), prepared(out)
+    return deliver([measure_loads(chosen, load_nm, quick, told("loads", quiet))], into, json, quiet, no_log)

@@ -1,50 +1,37 @@
 """``cycloid-mj measure te``: the transmission error of gear and output."""
 
-import math
 from typing import Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import LOAD, SPEED, DesignFlag, JsonFlag, SetFlag, designed, whole, within
-from cycloid_mj.cli.measure.deliver import LogFlag, OutFlag, QuietFlag, deliver, told
+from cycloid_mj.cli.flags import SPEED, DesignFlag, JsonFlag, SetFlag
+from cycloid_mj.cli.measure.deliver import deliver, told
+from cycloid_mj.cli.measure.flags import (
+    OUT,
+    LoadedFlag,
+    NoLogFlag,
+    OutFlag,
+    QuietFlag,
+    TurnsFlag,
+    prepared,
+    sound,
+    torque_flag,
+)
 
 EXAMPLES = """Examples:
   cycloid-mj measure te --design pin --set errors.pin_position_um=2
   cycloid-mj measure te --design nonpin --quick --json"""
 
-LoadFlag = Annotated[
-    float | None,
-    Parameter(
-        metavar="X",
-        validator=LOAD.require,
-        help=f"Torque of the loaded runs [N m], {LOAD.range}. Default: the rated torque, drive.torque_nm times the "
-        "ratio (36.68 in the presets).",
-    ),
-]
-DragFlag = Annotated[
-    float | None,
-    Parameter(
-        metavar="X",
-        validator=LOAD.require,
-        help=f"Torque of the unloaded runs [N m], {LOAD.range}; 0 lets the gear float in its backlash. Default: 1 % of "
-        "the rated torque.",
-    ),
-]
+DRAG = "0 lets the gear float in its backlash. Default: 1 % of the rated torque."
+
+DragFlag = Annotated[float | None, torque_flag("Torque of the unloaded runs", DRAG)]
 SlowFlag = Annotated[
     float | None,
     Parameter(
         metavar="X",
         validator=SPEED.require,
-        help="Crank speed of the slow runs [rpm]. Default: a quarter of the design's.",
-    ),
-]
-TurnsFlag = Annotated[
-    int,
-    Parameter(
-        metavar="N",
-        converter=whole,
-        validator=within(1, 1000),
-        help="Crank turns of each run, from 1 to 1000. One turn of the output tells all orders apart. Default: 1.",
+        help=f"Crank speed of the slow runs [rpm], {SPEED.range}; both ways are run. Default: a quarter of the "
+        "design's.",
     ),
 ]
 QuickFlag = Annotated[bool, Parameter(help="At speed only, and no runs with half the step.")]
@@ -54,13 +41,13 @@ def te(
     *,
     design: DesignFlag = "pin",
     set_: SetFlag = (),
-    load_nm: LoadFlag = None,
+    load_nm: LoadedFlag = None,
     drag_nm: DragFlag = None,
     slow_rpm: SlowFlag = None,
     turns: TurnsFlag = 1,
     quick: QuickFlag = False,
-    out: OutFlag = None,
-    no_log: LogFlag = False,
+    out: OutFlag = OUT,
+    no_log: NoLogFlag = False,
     json: JsonFlag = False,
     quiet: QuietFlag = False,
 ) -> int:
@@ -73,7 +60,7 @@ def te(
     """
     from cycloid_mj.measure.te import measure_te
 
-    chosen = designed(design, set_, [])
-    slow = None if slow_rpm is None else abs(slow_rpm) * math.pi / 30.0
+    chosen, into = sound(design, set_), prepared(out)
+    slow = None if slow_rpm is None else SPEED.unit.to_si(abs(slow_rpm))
     found = measure_te(chosen, load_nm, drag_nm, slow, turns, quick, told("transmission error", quiet))
-    return deliver([found], out, json, quiet, no_log)
+    return deliver([found], into, json, quiet, no_log)

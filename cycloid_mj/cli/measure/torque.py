@@ -4,8 +4,9 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import SPEED, JsonFlag, Quantity, SetFlag, designed
-from cycloid_mj.cli.measure.deliver import LogFlag, OutFlag, QuietFlag, deliver, told
+from cycloid_mj.cli.flags import SPEED, JsonFlag, Quantity, SetFlag
+from cycloid_mj.cli.measure.deliver import deliver, told
+from cycloid_mj.cli.measure.flags import OUT, NoLogFlag, OutFlag, QuietFlag, prepared, sound
 from cycloid_mj.errors import UsageError
 
 EXAMPLES = """Examples:
@@ -36,8 +37,8 @@ def torque(
     torque_nm: Annotated[float | None, TORQUE.flag("Input torque")] = None,
     speed_rpm: Annotated[float | None, SPEED.flag("Crank speed")] = None,
     quick: QuickFlag = False,
-    out: OutFlag = None,
-    no_log: LogFlag = False,
+    out: OutFlag = OUT,
+    no_log: NoLogFlag = False,
     json: JsonFlag = False,
     quiet: QuietFlag = False,
 ) -> int:
@@ -53,9 +54,10 @@ def torque(
 
     names = (*designs, *design) or BOTH
     values = [(TORQUE, torque_nm), (SPEED, speed_rpm)]
-    chosen = [designed(name, set_, values) for name in names]
+    chosen = [sound(name, set_, values) for name in names]
     called = [one.name for one in chosen]
     if twice := next((name for name in called if called.count(name) > 1), None):
         raise UsageError(f"two of the designs are called {twice!r}: give each a name of its own in its file")
+    into = prepared(out)
     found = [measure_torque(one, quick, told(f"torque of {one.name}", quiet)) for one in chosen]
-    return deliver(found, out, json, quiet, no_log)
+    return deliver(found, into, json, quiet, no_log)
