@@ -1,0 +1,23 @@
+"""What differs between the two designs: nothing but the ring."""
+
+from cycloid_mj.comparison import conditions, differences
+from cycloid_mj.measure import Table
+from cycloid_mj.reproduce.plan import Plan, designs
+from cycloid_mj.reproduce.stage import Found, Runs, Told
+
+
+def equal(plan: Plan, runs: Runs, told: Told) -> Found:
+    """Give every value in which the two designs differ, and the conditions that they share."""
+    both = designs()
+    names = tuple(design.name for design in both)
+    found = differences(both)
+    rows = tuple((key, *map(str, each)) for key, each in found.items())
+    shared = tuple((key, str(value)) for key, value in conditions(both[0]).items())
+    return Found(
+        tables=(
+            Table("all that differs between the designs", ("value", *names), rows),
+            Table("conditions of both (the runs below change ramp, hold and load, alike)", ("value", "both"), shared),
+        ),
+        findings={"differences": {key: list(each) for key, each in found.items()}},
+        notes=("Friction, clearance, stiffness law, damping, drive and step are the same for both designs.",),
+    )

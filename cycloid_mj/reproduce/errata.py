@@ -1,0 +1,268 @@
+"""The errata of the paper (Hsieh 2014): what is printed, what is right, and what proves it.
+
+A proof differentiates the equation before the one in question by finite differences, and tells by how much the printed
+and the corrected formula of `equations` miss that.
+"""
+
+# ruff: noqa: RUF001 - the formulas are shown as they are printed, in Greek and with minus signs
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj import kinematics
+from cycloid_mj.kinematics import CrankLaw
+from cycloid_mj.profile import unit
+from cycloid_mj.reproduce.differences import first, second
+from cycloid_mj.reproduce.equations import (
+    GEAR,
+    HOLD,
+    RAMP,
+    SPEED,
+    Q,
+    centre,
+    eq2,
+    eq6,
+    eq12,
+    eq13,
+    eq14_printed,
+    eq14_right,
+    eq17,
+    eq18,
+    eq19_printed,
+    eq19_right,
+    eq20,
+    eq21,
+    eq27,
+    place,
+    zeta_at,
+)
+
+Array = npt.NDArray[np.float64]
+
+TIMES = np.linspace(0.113, 0.149, 37)
+"""Times of a crank turn at constant speed, and of part of one in the ramp [s]."""
+
+GRAVITY = 9.8
+RIGHT = 1e-8
+"""Largest relative error of a corrected formula: finite differences leave less."""
+
+
+@dataclass(frozen=True)
+class Erratum:
+    """One erratum.
+
+    Attributes
+    ----------
+    equation
+        Number in the paper.
+    printed, right
+        The formula as printed, and as it should be.
+    proof
+        What both are held against.
+    errors
+        Gives the relative errors of the printed and of the right formula against that.
+    harmless
+        Whether what is printed gives the right numbers all the same.
+    """
+
+    equation: str
+    printed: str
+    right: str
+    proof: str
+    errors: Callable[[], tuple[float, float]]
+    harmless: bool = False
+
+    def as_json(self) -> dict[str, Any]:
+        """Give the erratum with its two errors."""
+        printed, right = self.errors()
+        told = {"equation": self.equation, "printed": self.printed, "right": self.right, "proof": self.proof}
+        return {**told, "printed_error": printed, "right_error": right, "harmless": self.harmless}
+
+
+def off(found: npt.ArrayLike, wanted: npt.ArrayLike) -> float:
+    """Give the largest difference of two arrays as a share of the largest value wanted."""
+    found, wanted = np.asarray(found, float), np.asarray(wanted, float)
+    return float(np.abs(found - wanted).max() / np.abs(wanted).max())
+
+
+def _outline(sign: int, pin_angle: float, crank: Array) -> Array:
+    return eq2(sign, pin_angle, crank)[0]
+
+
+def rubbing(sign: int) -> float:
+    """How far the gear's outline by Eq. 2 is from touching the pin: the largest share of its run along the normal.
+
+    An outline touches a pin where it runs across the pin's radius there.
+    """
+    worst = 0.0
+    for pin_angle in 2 * np.pi * np.array([1, 5, 11]) / GEAR.ring_teeth:
+        crank = pin_angle - np.linspace(0.3, 2.8, 26)
+        point, centre = eq2(sign, pin_angle, crank)
+        run = first(partial(_outline, sign, pin_angle), crank, 1e-3)
+        normal = (centre - point) / GEAR.pin_radius
+        worst = max(worst, float(np.abs(np.sum(run * normal, axis=1) / np.linalg.norm(run, axis=1)).max()))
+    return worst
+
+
+def _eq6() -> tuple[float, float]:
+    angle = np.linspace(0.1, 6.0, 25)
+    wanted = first(lambda turn: GEAR.pin_circle_radius * unit(-turn), angle, 1e-3)
+    printed, right = (eq6(third, GEAR.pin_circle_radius * unit(-angle))[:, :2] for third in (1.0, 0.0))
+    return off(printed, wanted), off(right, wanted)
+
+
+def orbit_speed(rate: float) -> float:
+    """Speed [rad/s] at which the gear's centre by Eq. 16 goes round, counter-clockwise, at a rate dzeta/dt."""
+    centre = first(lambda time: kinematics.gear_centre(GEAR, GEAR.lobes * rate * time), np.array([0.01]), 1e-5)
+    at = kinematics.gear_centre(GEAR, GEAR.lobes * rate * 0.01)
+    return float((at[0] * centre[0, 1] - at[1] * centre[0, 0]) / GEAR.eccentricity**2)
+
+
+def _eq12() -> tuple[float, float]:
+    return off(orbit_speed(eq12(-1, SPEED)), SPEED), off(orbit_speed(eq12(1, SPEED)), SPEED)
+
+
+def _eq13() -> tuple[float, float]:
+    speed = np.linalg.norm(first(partial(centre, HOLD), TIMES, 1e-5), axis=1)
+    return off(eq13(SPEED / GEAR.lobes), speed), off(eq13(SPEED), speed)
+
+
+def _eq14() -> tuple[float, float]:
+    found = [np.linalg.norm(second(partial(centre, law), TIMES, h), axis=1) for law, h in ((HOLD, 5e-5), (RAMP, 2e-4))]
+    errors = [
+        [off(formula(law, TIMES), wanted) for law, wanted in zip((HOLD, RAMP), found, strict=True)]
+        for formula in (eq14_printed, eq14_right)
+    ]
+    return min(errors[0]), max(errors[1])
+
+
+def _eq17() -> tuple[float, float]:
+    zeta = zeta_at(HOLD)(TIMES)
+    wanted = first(place, zeta, 2e-4)
+    return off(eq17(1, zeta), wanted), off(eq17(-1, zeta), wanted)
+
+
+def _eq18() -> tuple[float, float]:
+    zeta = zeta_at(HOLD)(TIMES)
+    wanted = np.linalg.norm(first(place, zeta, 2e-4), axis=1)
+    return off(np.linalg.norm(eq17(1, zeta), axis=1), wanted), off(eq18(zeta), wanted)
+
+
+def acceleration(law: CrankLaw, step: float) -> Array:
+    """Second difference of the position of q by time [m/s^2], shape (n, 2)."""
+    return second(lambda time: place(zeta_at(law)(time)), TIMES, step)
+
+
+def _eq19() -> tuple[float, float]:
+    found = [(law, acceleration(law, step)) for law, step in ((HOLD, 5e-5), (RAMP, 2e-4))]
+    printed = [off(eq19_printed(law, TIMES), wanted) for law, wanted in found]
+    right = [off(eq19_right(law, TIMES), wanted) for law, wanted in found]
+    return min(printed), max(right)
+
+
+def _eq20() -> tuple[float, float]:
+    wanted = np.linalg.norm(acceleration(HOLD, 5e-5), axis=1)
+    zeta, rate = zeta_at(HOLD)(TIMES), SPEED / GEAR.lobes
+    ramped = np.linalg.norm(acceleration(RAMP, 2e-4), axis=1)
+    motion = RAMP.angle_at(TIMES), RAMP.speed_at(TIMES), RAMP.acceleration_at(TIMES)
+    in_ramp = off(kinematics.point_acceleration(GEAR, Q, *motion), ramped)
+    return off(rate**2 * eq20(-1, zeta), wanted), max(off(rate**2 * eq20(1, zeta), wanted), in_ramp)
+
+
+def _eq21() -> tuple[float, float]:
+    """Let a unit mass swing on the eccentric: its acceleration follows from constant energy, no multiplier needed."""
+    c, theta, rate = GEAR.eccentricity, 0.7, 30.0
+    growth = GRAVITY / c * np.sin(theta)
+    swing = second(lambda t: kinematics.gear_centre(GEAR, theta + rate * t + growth * t**2 / 2), np.array([0.0]), 2e-5)[
+        0
+    ]
+    position = kinematics.gear_centre(GEAR, theta)
+    variation = np.array([-np.cos(theta), -np.sin(theta)])
+    weight = np.array([0.0, -GRAVITY])
+    return eq21(position, weight, swing), eq21(variation, weight, swing)
+
+
+def _eq27() -> tuple[float, float]:
+    time = 0.0123
+    wanted = second(partial(centre, HOLD), np.array([time]), 5e-5)[0]
+    speed = first(partial(centre, HOLD), np.array([time]), 1e-5)[0]
+    return off(eq27(np.ones(2), time), wanted), off(eq27(speed, time), wanted)
+
+
+ERRATA = (
+    Erratum(
+        "2",
+        "α + ζ",
+        "α − ζ",
+        "where a pin touches, the gear's outline runs across the pin's radius",
+        lambda: (rubbing(1), rubbing(-1)),
+    ),
+    Erratum("6, 10", "R with third component 1", "0", "k × R against a turning point, differentiated", _eq6, True),
+    Erratum(
+        "12, 17",
+        "ω_c = −ω_i/SR and ω_c = dζ/dt",
+        "dζ/dt = +ω_i/SR in Eqs 16–20",
+        "the gear centre of Eq. 16 goes round with the crank, at +ω_i",
+        _eq12,
+    ),
+    Erratum("13", "v_c = c ω_c", "v_c = c ω_i", "the gear centre, differentiated", _eq13),
+    Erratum(
+        "14",
+        "a_c = c ω_c²",
+        "a_c = c ω_i², and c dω_i/dt along the tangent in the ramp",
+        "the gear centre, differentiated twice, in hold and ramp",
+        _eq14,
+    ),
+    Erratum(
+        "17",
+        "+c(N−1) cos((N−1)ζ), +c(N−1) sin((N−1)ζ)",
+        "−c(N−1) cos((N−1)ζ), −c(N−1) sin((N−1)ζ)",
+        "Eq. 16, differentiated",
+        _eq17,
+    ),
+    Erratum(
+        "18",
+        "as the size of the printed Eq. 17",
+        "as printed: the size of the corrected one",
+        "Eq. 16, differentiated",
+        _eq18,
+    ),
+    Erratum(
+        "19",
+        "ω_c² = d²ζ/dt²",
+        "(dζ/dt)², and in the ramp Eq. 17 / ω_c times d²ζ/dt²",
+        "Eq. 16, differentiated twice by time, in hold and ramp",
+        _eq19,
+    ),
+    Erratum(
+        "20",
+        "−2c(N−1)² (q_y cos Nζ − q_x sin Nζ)",
+        "+2c(N−1)² (q_y cos Nζ − q_x sin Nζ), and the tangential term in the ramp",
+        "the size of Eq. 16's second derivative, in hold and ramp",
+        _eq20,
+    ),
+    Erratum(
+        "21",
+        "κ sᵀ(F − M s″) = 0",
+        "δsᵀ(F − M s″) = 0",
+        "a mass that swings on the eccentric, its acceleration from constant energy",
+        _eq21,
+    ),
+    Erratum(
+        "27",
+        "2 dΩ_s/dt (a matrix; held against with ones for s′)",
+        "2 (dΩ_s/dt) s′",
+        "two constraints that turn with the crank, against the gear centre differentiated twice",
+        _eq27,
+    ),
+)
+
+
+def errata() -> list[dict[str, Any]]:
+    """Give every erratum with the errors of the printed and of the right formula."""
+    return [erratum.as_json() for erratum in ERRATA]

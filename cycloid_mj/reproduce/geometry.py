@@ -1,0 +1,44 @@
+"""Figs 1-4: how the profiles of gear and ring come about, with their closed-form figures."""
+
+from cycloid_mj import envelope, profile
+from cycloid_mj.analysis.series import gear_of
+from cycloid_mj.measure import Table
+from cycloid_mj.reproduce.plan import Plan, designs
+from cycloid_mj.reproduce.stage import Found, Plate, Runs, Told
+
+CAPTIONS = {
+    "fig1_rolling": "Generation: the gear's pitch circle rolls within the ring's; a pin's centre, fixed to the ring, "
+    "traces a trochoid in the gear.",
+    "fig2_gear": "The cycloid gear is the inner parallel of that trochoid at the pin's radius: the inner envelope of "
+    "the pin in all its positions.",
+    "fig3_meshing": "Pin design: at every crank angle all 36 pins touch the gear; common normals meet in the pitch "
+    "point.",
+    "fig4_ring": "Nonpin design: the gear on its orbit sweeps out the internal gear, arcs of the pins and two flanks "
+    "beside each.",
+}
+
+
+def geometry(plan: Plan, runs: Runs, told: Told) -> Found:
+    """Draw the generation of both profiles, and give their closed forms."""
+    from cycloid_mj.plots.generation import generation_figures
+
+    gear = gear_of(designs()[0])
+    drawn = generation_figures(gear)
+    plates = tuple(Plate(name, "Figs 1-4", words, drawn[name]) for name, words in CAPTIONS.items())
+    root, tip = profile.radii(gear)
+    ring_root, ring_tip = envelope.radii(gear)
+    rows: tuple[tuple[str | float, ...], ...] = (
+        ("root and tip radius of the gear [mm]", f"{1e3 * root:.6g}, {1e3 * tip:.6g}"),
+        ("perimeter of the gear [mm]", f"{1e3 * profile.length(gear):.8g}"),
+        ("area of the gear, without bore and holes [mm2]", f"{1e6 * profile.area(gear):.8g}"),
+        ("pin radius from which the gear is undercut [mm]", f"{1e3 * profile.undercut_radius(gear):.7g}"),
+        ("root and tip radius of the internal gear [mm]", f"{1e3 * ring_root:.6g}, {1e3 * ring_tip:.6g}"),
+        ("perimeter of the internal gear [mm]", f"{1e3 * envelope.perimeter(gear):.8g}"),
+        ("area of its bore [mm2]", f"{1e6 * envelope.area(gear):.8g}"),
+        ("tightest concave radius of the internal gear [mm]", f"{1e3 * envelope.tightest_radius(gear):.6g}"),
+    )
+    note = (
+        "The paper's frame of Eqs 8-11 is turned by half a ring pitch against that of its gear: its lobes lie between "
+        "the pins' places."
+    )
+    return Found(plates, (Table("closed forms of both profiles", ("", "value"), rows),), notes=(note,))

@@ -1,0 +1,92 @@
+"""All stages in order; one that breaks says so, and the others still run."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from time import monotonic
+
+from cycloid_mj.reproduce.equal import equal
+from cycloid_mj.reproduce.geometry import geometry
+from cycloid_mj.reproduce.motion import gear_speed, input_law, pin_1, q_path, q_velocity
+from cycloid_mj.reproduce.plan import Plan
+from cycloid_mj.reproduce.stage import Found, Runs, Stage, Work
+from cycloid_mj.reproduce.stress import stress
+from cycloid_mj.reproduce.torque import torque
+from cycloid_mj.reproduce.vibration import vibration
+
+
+@dataclass(frozen=True)
+class Step:
+    """A stage to run: its `key`, `title`, the `paper`'s figures, its `work`, and shares of the time, quick and full."""
+
+    key: str
+    title: str
+    paper: str
+    work: Work
+    quick: float
+    full: float
+
+
+STEPS = (
+    Step("geometry", "Generation of the profiles", "Figs 1-4", geometry, 4, 4),
+    Step("equal", "What differs between the designs", "section 3.1", equal, 0.1, 0.1),
+    Step("input", "Input law", "Fig. 5", input_law, 20, 70),
+    Step("gear_speed", "Angular velocity of the gear", "Fig. 6", gear_speed, 3, 3),
+    Step("q_path", "Path of q", "Fig. 7", q_path, 3, 3),
+    Step("q_velocity", "Velocity of q and its error", "Fig. 8", q_velocity, 3, 3),
+    Step("pin_1", "Spin and centre of pin 1", "Fig. 9", pin_1, 2, 2),
+    Step("vibration", "Pin against nonpin", "Figs 6-8", vibration, 35, 180),
+    Step("stress", "Grids and stress", "Figs 10-16", stress, 60, 500),
+    Step("torque", "Output torque", "Fig. 19", torque, 15, 90),
+)
+
+Begins = Callable[[Step, str, float | None], None]
+"""Told of a step as it begins and as it goes on, what it does, and how many seconds are left in all."""
+
+
+def reproduce(plan: Plan, runs: Runs, begins: Begins, chosen: Sequence[str] = ()) -> list[Stage]:
+    """Run the steps; an error of one, whatever it is, is kept in its stage.
+
+    Parameters
+    ----------
+    plan
+        How much is computed.
+    runs
+        Gives the run of a design.
+    begins
+        Told how far it is.
+    chosen
+        Keys of the steps to run; by default all.
+    """
+    steps = [step for step in STEPS if not chosen or step.key in chosen]
+    shares = [step.quick if plan.quick else step.full for step in steps]
+    start, found = monotonic(), []
+    for number, step in enumerate(steps):
+        pace = _pace(monotonic() - start, sum(shares[:number]), sum(shares))
+        told = partial(_tells, begins, step, monotonic(), pace * shares[number], pace * sum(shares[number + 1 :]))
+        told("")
+        found.append(run_step(step, plan, runs, told))
+    return found
+
+
+def _pace(passed: float, done: float, whole: float) -> float:
+    """Estimate how long a share takes, as a multiple of itself: shares are seconds on two free cores.
+
+    Half of all counts as done at that pace beforehand, since logs that fit make the first stages quick.
+    """
+    return (passed + whole / 2) / (done + whole / 2)
+
+
+def _tells(begins: Begins, step: Step, began: float, this: float, later: float, text: str) -> None:
+    """Tell of a step with the time left [s]: what is left of its own, and what comes later."""
+    begins(step, text, max(this - (monotonic() - began), 0.0) + later)
+
+
+def run_step(step: Step, plan: Plan, runs: Runs, told: Callable[[str], None]) -> Stage:
+    """Run one step."""
+    start = monotonic()
+    try:
+        found, error = step.work(plan, runs, told), ""
+    except Exception as problem:  # whatever breaks a stage, the page shall have the others
+        found, error = Found(), f"{type(problem).__name__}: {problem}"
+    return Stage(step.key, step.title, step.paper, found, monotonic() - start, error)

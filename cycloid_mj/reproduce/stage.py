@@ -1,0 +1,70 @@
+"""What a stage is given, and what it leaves."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from cycloid_mj.design import Design
+from cycloid_mj.measure import Table
+from cycloid_mj.record import Run
+from cycloid_mj.reproduce.claims import Claim
+from cycloid_mj.reproduce.plan import Plan
+
+Runs = Callable[[Sequence[Design]], list[Run]]
+"""Gives the run of each design: from a log that fits, or by running it."""
+
+Told = Callable[[str], None]
+
+
+def nobody(text: str) -> None:
+    """Tell nobody."""
+
+
+@dataclass(frozen=True, eq=False)
+class Plate:
+    """One figure: its `name` as a file, the paper's figure that it stands for, what it shows, and the drawing."""
+
+    name: str
+    stands_for: str
+    caption: str
+    drawing: Any
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What a stage found: figures, tables, claims, findings for a program, and notes, a sentence each."""
+
+    plates: tuple[Plate, ...] = ()
+    tables: tuple[Table, ...] = ()
+    claims: tuple[Claim, ...] = ()
+    findings: Mapping[str, Any] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """A stage that was run: what it found, the `seconds` it took, and its `error`; "" if it came through."""
+
+    key: str
+    title: str
+    paper: str
+    found: Found
+    seconds: float
+    error: str = ""
+
+    def as_json(self) -> dict[str, Any]:
+        """Give the stage for a program; its claims stand apart."""
+        return {
+            "key": self.key,
+            "title": self.title,
+            "paper": self.paper,
+            "seconds": round(self.seconds, 1),
+            "error": self.error,
+            "figures": [plate.name for plate in self.found.plates],
+            "findings": dict(self.found.findings),
+            "tables": [table.as_json() for table in self.found.tables],
+            "notes": list(self.found.notes),
+        }
+
+
+Work = Callable[[Plan, Runs, Told], Found]

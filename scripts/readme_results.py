@@ -1,0 +1,103 @@
+"""Write the README's results from the numbers of `cycloid-mj reproduce`.
+
+`python scripts/readme_results.py` writes them from tests/data/reproduce.json; with the path of another reproduce.json
+it keeps that one's claims and errata there first.
+"""
+
+import json
+import re
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).parent.parent
+README, KEPT = ROOT / "README.md", ROOT / "tests" / "data" / "reproduce.json"
+MARK = "<!-- {word} of {name}: scripts/readme_results.py writes what stands here -->"
+STAGES = ("geometry", "equal", "input", "gear_speed", "q_path", "q_velocity", "pin_1", "vibration", "stress", "torque")
+VERDICTS = {"agree": "agrees", "disagree": "disagrees", "depends": "depends"}
+
+
+def sections(found: dict[str, Any]) -> dict[str, str]:
+    """Give the generated sections of the README by name."""
+    return {"results": results(found), "errata": errata(found["errata"])}
+
+
+def results(found: dict[str, Any]) -> str:
+    """Give the claims: a row for each, and what decides those that do not agree."""
+    claims = found["claims"]
+    counts = ", ".join(
+        f"{sum(claim['verdict'] == verdict for claim in claims)} {word}"
+        for verdict, word in (("agree", "agree"), ("depends", "depend"), ("disagree", "disagree"))
+    )
+    command = "cycloid-mj reproduce --quick" if found["quick"] else "cycloid-mj reproduce"
+    told = f"`{command}` holds {len(claims)} claims of the paper against this model: {counts}."
+    head = ("figure", "the paper says", "its number", "ours", "numerical error", "verdict")
+    rows = [
+        (one["figure"], one["statement"], one["paper"], one["ours"], one["error"], VERDICTS[one["verdict"]])
+        for one in claims
+    ]
+    return f"{told}\n\n{_table(head, rows)}"
+
+
+def errata(found: Sequence[dict[str, Any]]) -> str:
+    """Give the errata: printed and corrected, and by how much each misses what its proof holds it against."""
+    head = ("Eq.", "printed", "right", "relative error as printed", "corrected", "held against")
+    rows = [
+        (
+            one["equation"],
+            one["printed"],
+            one["right"],
+            "none" if one["harmless"] else f"{one['printed_error']:.2g}",
+            _bounded(one["right_error"]),
+            one["proof"],
+        )
+        for one in found
+    ]
+    return _table(head, rows)
+
+
+def written(readme: str, found: dict[str, Any]) -> str:
+    """Give the README with its generated sections replaced; raise ValueError if it lacks the marks of one."""
+    for name, text in sections(found).items():
+        begin, end = (MARK.format(word=word, name=name) for word in ("Begin", "End"))
+        if begin not in readme or end not in readme:
+            raise ValueError(f"the README lacks {begin} or {end}")
+        between = re.compile(f"{re.escape(begin)}.*{re.escape(end)}", re.DOTALL)
+        before, after = between.split(readme)
+        readme = f"{before}{begin}\n\n{text}\n\n{end}{after}"
+    return readme
+
+
+def kept(found: dict[str, Any]) -> dict[str, Any]:
+    """Give what of the command's JSON the README stands on; raise ValueError if a stage broke or was left out."""
+    stages = {stage["key"]: stage["error"] for stage in found["stages"]}
+    if broken := [key for key, error in stages.items() if error]:
+        raise ValueError(f"the README is not written from a run with a broken stage: {', '.join(broken)}")
+    if missing := [key for key in STAGES if key not in stages]:
+        raise ValueError(f"the README is not written from a run of some stages alone; missing: {', '.join(missing)}")
+    return {key: found[key] for key in ("quick", "claims", "errata")}
+
+
+def _bounded(error: float) -> str:
+    """Give the decade below which an error lies: its digits are rounding, another machine has others."""
+    return next((f"< 1e-{power}" for power in (9, 7, 5) if error < 10.0**-power), f"{error:.1g}")
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Write the README; give the exit code."""
+    if arguments:
+        told = kept(json.loads(Path(arguments[0]).read_text(encoding="utf-8")))
+        KEPT.write_text(json.dumps(told, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    found = json.loads(KEPT.read_text(encoding="utf-8"))
+    README.write_text(written(README.read_text(encoding="utf-8"), found), encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,405 @@
+"""The stages, claims and page of `reproduce` on runs with known waves; README and JSON; both designs alike."""
+
+import importlib.util
+import json
+import math
+import re
+import tomllib
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cycloid_mj.cli import reproduce as command
+from cycloid_mj.comparison import SWEEP, settled, settling
+from cycloid_mj.comparison.conditions import differences
+from cycloid_mj.comparison.fluctuation import Level
+from cycloid_mj.comparison.ranking import Q_VELOCITY, Ranking
+from cycloid_mj.design import PRESETS, Design, dump, override
+from cycloid_mj.errors import RunError, UsageError
+from cycloid_mj.measure import Measurement, Quantity
+from cycloid_mj.record import Run
+from cycloid_mj.reproduce import cycle, motion, plan, stress, torque, vibration
+from cycloid_mj.reproduce import run as stages
+from cycloid_mj.reproduce.claims import judged
+from cycloid_mj.reproduce.errata import errata
+from cycloid_mj.reproduce.fit import digest, fits, log_name
+from cycloid_mj.reproduce.plan import FULL, QUICK, at_speed, main_runs, ramped, varied_runs
+from cycloid_mj.reproduce.stage import Found, nobody
+from cycloid_mj.simulate import schedule
+
+ROOT = Path(__file__).parent.parent
+LOBES, ECCENTRICITY = 35, 1e-3
+SPIN = 7.0
+
+
+def ideal_run(design: Design, wave: float = 0.0, ratio: float = LOBES) -> Run:
+    """The ideal mechanism at the samples of a design's run, its speeds with a wave of 36 a turn."""
+    steps = schedule(design)
+    time = steps.stride * steps.timestep * np.arange(steps.samples)
+    theta = design.drive.speed * time
+    centre = 1j * ECCENTRICITY * np.exp(1j * theta)
+    velocity = 1j * design.drive.speed * centre
+    columns = {"crank_angle": theta, "crank_speed": np.full_like(time, design.drive.speed)}
+    columns |= {"gear_x": centre.real, "gear_y": centre.imag, "gear_vx": velocity.real, "gear_vy": velocity.imag}
+    for part in ("gear", "output"):
+        columns |= {f"{part}_angle": -theta / ratio, f"{part}_speed": np.full_like(time, -design.drive.speed / LOBES)}
+    for name in ("gear_speed", "output_speed", "gear_vx"):
+        columns[name] = columns[name] + wave * np.cos(36 * theta)
+    stem = "pin" if design.ring.kind == "pin" else "lobe"
+    pairs = [*(f"{stem}_{i}" for i in range(1, 37)), "cam", *(f"output_pin_{i}" for i in range(1, 9))]
+    names = ["crank_torque", "contacts", "penetration", "peak_force"]
+    names += ["pin_1_angle"] if design.ring.has_moving_pins else []
+    names += [f"{pair}_force_{axis}" for pair in pairs for axis in "xy"]
+    columns |= {name: np.zeros_like(time) for name in names}
+    columns["load_torque"] = np.full_like(time, design.load.torque)
+    if design.ring.has_moving_pins:
+        columns |= {"pin_1_x": 0.6e-6 * np.cos(theta), "pin_1_y": 0.6e-6 * np.sin(theta)}
+        columns["pin_1_speed"] = np.full_like(time, SPIN)
+    return Run(
+        time, columns, dict.fromkeys(columns, "1"), {"design": design.name}, {"design.toml": dump(design).encode()}
+    )
+
+
+def ideal_runs(designs):
+    """The pin design's gear is the rougher one under load, and the calmer one without."""
+    loaded = [design.load.torque != 0.0 for design in designs]
+    rough = [(design.ring.kind == "pin") == load for design, load in zip(designs, loaded, strict=True)]
+    return [ideal_run(design, 0.004 if more else 0.001) for design, more in zip(designs, rough, strict=True)]
+
+
+# --- the two designs under one rule
+
+
+def test_the_presets_differ_in_name_and_ring_kind_alone():
+    pin, nonpin = (tomllib.loads(dump(PRESETS[name])) for name in ("pin", "nonpin"))
+    assert (pin.pop("name"), nonpin.pop("name")) == ("pin", "nonpin")
+    assert (pin["ring"].pop("kind"), nonpin["ring"].pop("kind")) == ("pin", "nonpin")
+    assert pin == nonpin
+
+
+def test_what_the_ring_implies_is_equal_as_well():
+    # pairs that stand for each other have the same friction, clearance, stiffness, damping and working force
+    design = PRESETS["pin"]
+    for table in ("friction", "clearance", "stiffness", "damping", "working_force"):
+        values = getattr(design, table)
+        assert values.pin_gear == values.tooth, table
+        assert values.pin_socket == values.tooth, table
+
+
+@pytest.mark.parametrize("which", [QUICK, FULL])
+def test_no_run_differs_between_the_designs_but_in_the_ring(which):
+    groups = [main_runs(which), *(varied_runs(which, each) for each in plan.variations(which) if not each.pins_only)]
+    groups += [[ramped(design) for design in plan.designs()]]
+    for designs in groups:
+        for pin, nonpin in zip(designs[::2], designs[1::2], strict=True):
+            assert list(differences([pin, nonpin])) == ["ring.kind"]
+            assert pin.load == nonpin.load
+    spoiled = override(PRESETS["nonpin"], ["friction.tooth=0.04"])
+    assert "friction.tooth" in differences([PRESETS["pin"], spoiled])
+
+
+# --- the paper's sampling
+
+
+@pytest.mark.parametrize("design", plan.designs(), ids=["pin", "nonpin"])
+def test_samples_fall_on_whole_degrees(design):
+    run = schedule(at_speed(design, 0.0, 4))
+    assert run.stride == plan.STEPS
+    sample = plan.LOGGED * run.stride * run.timestep
+    assert sample == pytest.approx(0.000101626, abs=5e-10)
+    assert np.degrees(design.drive.speed * sample) == pytest.approx(1.0, rel=1e-12)
+    assert run.timestep < 1e-6
+
+
+def test_half_the_step_keeps_the_samples():
+    coarse, fine = (schedule(at_speed(PRESETS["pin"], 0.0, 4, finer)) for finer in (1, 2))
+    assert fine.stride * fine.timestep == pytest.approx(coarse.stride * coarse.timestep, rel=1e-12)
+    assert fine.timestep == pytest.approx(coarse.timestep / 2, rel=1e-12)
+
+
+def test_figures_show_one_turn_of_360_samples():
+    found = motion.motions(replace(QUICK, turns=2), ideal_runs)[0]
+    shown = motion._sampled(found)
+    turn = shown.one_turn
+    assert turn.stop - turn.start in (360, 361)
+    degrees = np.degrees(shown.crank_angle[turn])
+    assert degrees == pytest.approx(np.round(degrees), abs=1e-6)
+
+
+def test_the_ramp_is_the_papers():
+    design = ramped(PRESETS["pin"])
+    assert (design.drive.ramp, design.load.torque) == (1.0, 0.0)
+    assert design.drive.hold > settling(design)
+
+
+# --- claims
+
+
+@pytest.mark.parametrize(
+    ("here", "elsewhere", "verdict"),
+    [
+        ([True, True], [True], "agree"),
+        ([True, True], [], "agree"),
+        ([True, False], [], "depends"),
+        ([True, True], [False], "depends"),
+        ([False, False], [True], "depends"),
+        ([False], [False, False], "disagree"),
+    ],
+)
+def test_verdicts(here, elsewhere, verdict):
+    assert judged(here, elsewhere) == verdict
+
+
+def test_the_ratio_is_judged_by_the_turns():
+    few = replace(QUICK, turns=2)
+    claim = motion.gear_speed(few, ideal_runs, nobody).claims[0]
+    assert claim.verdict == "agree"
+    assert list(claim.values.values()) == pytest.approx([35.0] * 4, rel=1e-12)
+    slipping = motion.gear_speed(few, lambda designs: [ideal_run(one, ratio=34.9) for one in designs], nobody).claims[0]
+    assert slipping.verdict == "disagree"
+    assert list(slipping.values.values()) == pytest.approx([34.9] * 4, rel=1e-9)
+
+
+def test_pin_1_sways_and_spins_as_its_run_says():
+    sways, spins = motion.pin_1(replace(QUICK, turns=2), ideal_runs, nobody).claims
+    assert (sways.verdict, spins.verdict) == ("agree", "agree")
+    assert sways.values["sway_um_pin_loaded"] == pytest.approx(1.2, rel=1e-3)
+    assert spins.values["spin_rad_s_pin_unloaded"] == pytest.approx(SPIN)
+
+
+def test_vibration_depends_on_the_load_where_it_turns_round():
+    found = vibration.vibration(QUICK, ideal_runs, nobody)
+    speed = next(claim for claim in found.claims if claim.statement.startswith("gear speed"))
+    assert speed.verdict == "depends"
+    assert speed.on == "load"
+    # rms of a wave: both levels and the ratio come out of the runs
+    assert speed.values["loaded_ratio"] == pytest.approx(4.0, rel=1e-3)
+    assert speed.values["unloaded_ratio"] == pytest.approx(0.25, rel=1e-3)
+    assert len(found.findings["sweep"]) == len(SWEEP)
+    # in the sweep, what a variation does not concern is the main run itself
+    fixed = next(each for each in SWEEP if each.pins_only)
+    assert varied_runs(QUICK, fixed)[1::2] == main_runs(QUICK)[1::2]
+
+
+def test_pin_1s_cycle_is_where_its_force_says():
+    design = at_speed(PRESETS["pin"], 36.0, 2)
+    run = ideal_run(design)
+    # from 300 deg over 0 to 60 deg, and a touch at 180 deg, which is not the cycle
+    turned = np.degrees(run["crank_angle"]) % 360.0
+    force = np.where((turned > 299.8) | (turned < 59.8), 50.0, 0.0) + np.where(np.abs(turned - 180.0) < 2.0, 20.0, 0.0)
+    pressed = replace(run, columns={**run.columns, "pin_1_force_x": force})
+    start, end, share, count = cycle.cycle(settled(pressed))
+    assert (start, end) == (pytest.approx(300.0), pytest.approx(60.0))
+    assert share == pytest.approx(100.0 * 123.5 / 360, abs=0.3)
+    assert count == pytest.approx(123.5 / 360, abs=0.003)
+    table = cycle.cycle_table({"as it is": [pressed, ideal_run(at_speed(PRESETS["nonpin"], 36.0, 2))]})
+    assert [row[0] for row in table.rows] == ["as it is"]
+
+
+def test_the_error_of_a_ratio_is_what_turns_or_half_the_step_change():
+    def ranked(pin: float, turns: tuple[float, ...]) -> Ranking:
+        return Ranking(*Q_VELOCITY, 0.0, "pin", "nonpin", Level(pin, turns), Level(1.0, (1.0, 1.0)))
+
+    assert vibration._error(ranked(2.0, (1.8, 2.2)), []) == "10 % of 2.00 (turn to turn)"
+    assert vibration._error(ranked(2.0, (2.0, 2.0)), [ranked(2.5, (2.5,))]) == "25 % of 2.00 (half the step)"
+
+
+def measured(torque_nm: float, friction: float) -> Measurement:
+    quantities = {"output_torque": Quantity("output torque", torque_nm, "N m", 0.02)}
+    for way in ("simulated", "measured"):
+        quantities[f"friction_for_paper_{way}"] = Quantity("friction", friction, "1", 0.001)
+    return Measurement("torque", PRESETS["pin"], quantities)
+
+
+def test_torque_agrees_by_number_else_depends_on_friction_or_disagrees():
+    found = {"pin": measured(34.6, 0.03), "nonpin": measured(32.0, math.nan)}
+    assert [claim.verdict for claim in torque._claims(found)] == ["agree", "agree", "disagree", "disagree"]
+    found["nonpin"] = measured(32.0, 0.01)
+    assert [claim.verdict for claim in torque._claims(found)][2:] == ["depends", "depends"]
+    assert torque._order(found).verdict == "depends"
+    assert torque._order({"pin": measured(34.0, 0.03), "nonpin": measured(34.1, 0.01)}).verdict == "agree"
+    assert torque._order({"pin": measured(34.0, 0.03), "nonpin": measured(34.01, 0.01)}).verdict != "agree"
+
+
+def test_the_dimension_that_gives_a_stress():
+    # a cube law between the values: straight in logarithms
+    sizes = {value: 1000.0 / value**3 for value in (2.0, 4.0, 8.0)}
+    assert stress.giving(sizes, 1000.0 / 3.0**3) == pytest.approx(3.0, rel=1e-12)
+    assert math.isnan(stress.giving(sizes, 1000.0))
+    assert math.isnan(stress.giving({1.0: 5.0, 2.0: 5.0}, 6.0))
+
+
+def test_each_statement_on_stress_is_about_its_part():
+    cases = {
+        "pin: the shaft's stress stays below 160 MPa": {"shaft"},
+        "pin: two peaks a turn, near 75 and 255 deg, the highest at 74 deg": {"shaft"},
+        "pin: shaft > ring > gear": {"shaft", "ring", "gear"},
+        "pin: pin 1 is loaded at 0, relieved by 10 deg, loaded again from 350 deg": {"pin_1"},
+        "pin: the output's stress is low and regular": {"output"},
+        "gear: less stress in nonpin than in pin (ranges 0.5 to 1)": {"gear"},
+        "nonpin: the shaft's stress stays below 60 MPa": set(),
+    }
+    for statement, parts in cases.items():
+        about = {
+            part for part in ("shaft", "gear", "ring", "output", "pin_1") if stress._is_about(statement, "pin", part)
+        }
+        assert about == parts, statement
+    assert stress._paper("gear: less stress in nonpin than in pin (ranges 0.5 to 1)") == "0.5 to 1"
+    assert stress._paper("pin: the shaft's stress stays below 160 MPa") == "below 160 MPa"
+
+
+# --- stages, one of which may break
+
+
+def test_a_broken_stage_is_told_and_the_others_are_there(tmp_path, monkeypatch, capsys):
+    def breaks(which, runs, told):
+        raise ZeroDivisionError("nothing to divide by <here>")
+
+    steps = [replace(step, work=breaks) if step.key == "geometry" else step for step in stages.STEPS]
+    monkeypatch.setattr(stages, "STEPS", tuple(steps))
+    assert command.reproduce(quick=True, only=("geometry", "equal"), out=str(tmp_path), quiet=True) == 1
+    page = (tmp_path / command.PAGE).read_text(encoding="utf-8")
+    assert "ZeroDivisionError: nothing to divide by &lt;here&gt;" in page
+    assert "ring.kind" in page
+    assert "geometry (Figs 1-4) broke" in capsys.readouterr().err
+    told = json.loads((tmp_path / command.RESULT).read_text(encoding="utf-8"))
+    assert [stage["error"] != "" for stage in told["stages"]] == [True, False]
+
+
+class Sources(HTMLParser):
+    """What a page would load."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.found: list[str] = []
+
+    def handle_starttag(self, tag, attrs):
+        self.found += [value for name, value in attrs if name in ("src", "href") and value]
+
+
+def test_the_page_needs_nothing_but_itself(tmp_path, capsys):
+    assert command.reproduce(quick=True, only=("geometry", "equal"), out=str(tmp_path), json=True) == 0
+    printed = capsys.readouterr()
+    told = json.loads(printed.out)
+    assert [stage["key"] for stage in told["stages"]] == ["geometry", "equal"]
+    assert told["stages"][1]["findings"]["differences"] == {"ring.kind": ["pin", "nonpin"]}
+    assert [one["equation"] for one in told["errata"]] == [one["equation"] for one in errata()]
+    assert "left in all" in printed.err
+    page = Path(told["page"]).read_text(encoding="utf-8")
+    sources = Sources()
+    sources.feed(page)
+    assert all(source.startswith(("data:image/", "#")) for source in sources.found)
+    assert sum(source.startswith("data:image/") for source in sources.found) == 4
+    assert {path.name for path in (tmp_path / "figures").glob("*.svg")} == {
+        f"{name}.svg" for name in ("fig1_rolling", "fig2_gear", "fig3_meshing", "fig4_ring")
+    }
+
+
+def test_an_unknown_stage_is_a_usage_error(tmp_path):
+    with pytest.raises(UsageError, match=r"no stage 'stres'; there are geometry, .*torque"):
+        command.reproduce(only=("stres",), out=str(tmp_path))
+
+
+def test_the_time_left_follows_the_pace():
+    assert stages._pace(0.0, 0.0, 100.0) == 1.0
+    assert stages._pace(50.0, 50.0, 100.0) == 1.0
+    assert 1.0 < stages._pace(100.0, 50.0, 100.0) < 2.0
+    told: list[float | None] = []
+    # a stage that takes longer than its share leaves the later ones to do
+    stages._tells(lambda step, text, left: told.append(left), stages.STEPS[0], -1e9, 5.0, 30.0, "")
+    assert told == [30.0]
+
+
+# --- logs that fit
+
+
+def test_a_log_fits_its_own_design_and_versions_only(monkeypatch):
+    design, told = at_speed(PRESETS["pin"], 0.0, 1), {"mujoco": "1", "timestep_s": "1e-06"}
+    run = replace(ideal_run(design), provenance=told | {"steps": "7"})
+    assert fits(run, design, told)
+    assert not fits(replace(run, complete=False), design, told)
+    assert not fits(run, design, told | {"mujoco": "2"})
+    assert not fits(run, at_speed(PRESETS["pin"], 1.0, 1), told)
+    assert digest(design, told) != digest(design, told | {"mujoco": "2"})
+    assert re.fullmatch(r"pin-no-load-[0-9a-f]{12}\.mcap", log_name(design, told))
+
+
+def test_runs_are_read_again_where_their_logs_fit(tmp_path, monkeypatch):
+    design = override(PRESETS["nonpin"], ["drive.ramp_s=0.0", "drive.hold_s=0.0004", "settings.log_rate_hz=20000.0"])
+    first = command._Logs(tmp_path, fresh=False, quiet=True)([design])[0]
+    monkeypatch.setattr("cycloid_mj.cli.batch.run_all", lambda *_, **__: pytest.fail("run again"))
+    second = command._Logs(tmp_path, fresh=False, quiet=True)([design])[0]
+    assert np.array_equal(first["gear_angle"], second["gear_angle"])
+    with pytest.raises(pytest.fail.Exception, match="run again"):
+        command._Logs(tmp_path, fresh=True, quiet=True)([design])
+
+
+def test_ctrl_c_ends_the_command_and_a_run_that_fails_its_stage(tmp_path, monkeypatch):
+    def stopped(*_, **__):
+        try:
+            raise KeyboardInterrupt
+        except KeyboardInterrupt:
+            raise RunError("stopped by Ctrl-C") from None
+
+    def failed(*_, **__):
+        raise RunError("it jumped")
+
+    logs = command._Logs(tmp_path, fresh=False, quiet=True)
+    monkeypatch.setattr("cycloid_mj.cli.batch.run_all", stopped)
+    step = next(step for step in stages.STEPS if step.key == "gear_speed")
+    with pytest.raises(KeyboardInterrupt):
+        stages.run_step(step, QUICK, logs, nobody)
+    monkeypatch.setattr("cycloid_mj.cli.batch.run_all", failed)
+    assert stages.run_step(step, QUICK, logs, nobody).error == "RunError: it jumped"
+
+
+def test_every_stage_has_a_name_and_a_time():
+    assert len({step.key for step in stages.STEPS}) == len(stages.STEPS)
+    # on two free cores: quick under 3 minutes, full under 25
+    assert sum(step.quick for step in stages.STEPS) < 180
+    assert sum(step.full for step in stages.STEPS) < 1500
+    assert isinstance(stages.run_step(stages.STEPS[1], QUICK, ideal_runs, nobody).found, Found)
+
+
+# --- the README
+
+
+@pytest.fixture(scope="module")
+def script():
+    spec = importlib.util.spec_from_file_location("readme_results", ROOT / "scripts" / "readme_results.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_the_readme_says_what_the_json_says(script):
+    found = json.loads(script.KEPT.read_text(encoding="utf-8"))
+    readme = script.README.read_text(encoding="utf-8")
+    assert script.written(readme, found) == readme
+    found["claims"][0]["verdict"] = "disagree" if found["claims"][0]["verdict"] == "agree" else "agree"
+    assert script.written(readme, found) != readme
+
+
+def test_the_errata_of_the_json_are_those_of_the_code(script):
+    found = json.loads(script.KEPT.read_text(encoding="utf-8"))
+    # rounding differs between machines; the README rounds
+    assert script.errata(found["errata"]) == script.errata(errata())
+
+
+def test_a_run_with_a_broken_or_missing_stage_is_refused(script):
+    assert list(script.STAGES) == [step.key for step in stages.STEPS]
+    whole = [{"key": key, "error": ""} for key in script.STAGES]
+    found = {"quick": True, "claims": [], "errata": [], "stages": whole}
+    assert set(script.kept(found)) == {"quick", "claims", "errata"}
+    with pytest.raises(ValueError, match="missing: torque"):
+        script.kept(found | {"stages": whole[:-1]})
+    with pytest.raises(ValueError, match="broken stage: torque"):
+        script.kept(found | {"stages": [*whole[:-1], {"key": "torque", "error": "RunError: it jumped"}]})
+
+
+def test_a_readme_without_marks_is_refused(script):
+    with pytest.raises(ValueError, match="lacks"):
+        script.written("# empty", {"quick": True, "claims": [], "errata": []})
