@@ -27,6 +27,7 @@ from cycloid_mj.stress.findings import PartFindings, Peak, Refinement, StressFin
 from cycloid_mj.stress.loads import PARTS, part_loads, part_names
 from cycloid_mj.stress.motion import motion
 from cycloid_mj.stress.paper import claims
+from cycloid_mj.stress.table import distances, table
 from cycloid_mj.stress.turn import turn
 
 PIN, NONPIN = (override(PRESETS[name], ["drive.ramp_s=0.0"]) for name in ("pin", "nonpin"))
@@ -332,9 +333,27 @@ def made_part(part, bulk, teeth=36):
     bulk = np.asarray(bulk) * 1e6
     angle = 2 * np.pi * np.arange(bulk.size) / bulk.size
     row = int(np.argmax(bulk))
-    peak = Peak(float(bulk[row]), float(angle[row]), np.zeros(2), "", 620.4e6 / bulk[row])
+    peak = Peak(float(bulk[row]), float(angle[row]), np.zeros(2), "", 620.4e6 / max(bulk[row], 1.0))
     refined = Refinement((100, 200, 400), angle[[row]], np.array([[1.1], [1.02], [1.0]]) * bulk[row])
-    return PartFindings(part, 200, teeth, angle, bulk, peak, bulk, peak, 1e9, 100.0, 0.0, 0.0, refined, 1.0)
+    return PartFindings(
+        part=part,
+        unknowns=200,
+        dimension=2,
+        teeth=teeth,
+        angle=angle,
+        bulk=bulk,
+        bulk_peak=peak,
+        bulk_distance=1e-3,
+        sensitivity=((0.5e-3, 2 * peak.stress), (2e-3, float("nan"))),
+        contact=bulk,
+        contact_peak=peak,
+        largest_pressure=1e9,
+        largest_force=100.0,
+        near_field=0.0,
+        imbalance=0.0,
+        refinement=refined,
+        wall=1.0,
+    )
 
 
 def made_findings(kind, /, **bulk):
@@ -389,6 +408,22 @@ def test_refinement_holds_below_its_bound():
     assert made_part("gear", [1.0, 2.0]).refinement.change == pytest.approx(0.02)
     assert made_part("gear", [1.0, 2.0]).refinement.holds
     assert not Refinement((1, 2, 3), np.zeros(1), np.array([[1.0], [1.04], [1.0]])).holds
+    idle = Refinement((1, 2, 3), np.zeros(1), np.zeros((3, 1)))
+    assert (idle.change, idle.scatter) == (0.0, 0.0)
+
+
+def test_a_part_tells_what_it_would_be_at_other_bulk_distances():
+    found = made_findings("pin", gear=[1.0, 2.0])
+    written = found.as_json()["parts"][0]
+    assert written["bulk_distance_mm"] == pytest.approx(1.0)
+    assert written["sensitivity"] == [{"distance_mm": 0.5, "bulk_mpa": 4.0}, {"distance_mm": 2.0, "bulk_mpa": None}]
+    assert table(found)[0][2] == "4, -"
+    assert distances(found) == "1 mm (gear)"
+
+
+def test_a_pin_without_load_is_told_to_be_idle():
+    judged = claims([made_findings("pin", pin_1=np.zeros(36))])
+    assert "never loaded" in judged[0].found
 
 
 # The study and the command

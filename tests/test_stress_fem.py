@@ -10,7 +10,7 @@ import numpy.typing as npt
 import pytest
 
 from cycloid_mj import statics
-from cycloid_mj.design import PRESETS, Design
+from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import CycloidError, UsageError
 from cycloid_mj.solid import circle, mass_properties, parts
 from cycloid_mj.stress import (
@@ -20,15 +20,18 @@ from cycloid_mj.stress import (
     elastic,
     part_grid,
     shaft_stress,
-    solid3,
     solve,
     stress_map,
 )
-from cycloid_mj.stress.field import planar_case
-from cycloid_mj.stress.grid import Grid, planar_grid
+from cycloid_mj.stress import shaft as shaft_loading
+from cycloid_mj.stress.case import part_case
+from cycloid_mj.stress.grid import BULK_DISTANCE, Grid, planar_grid
 from cycloid_mj.stress.patch import patches
+from cycloid_mj.stress.probe import probe
 from cycloid_mj.stress.recover import principal, recovery, stresses, von_mises
 from cycloid_mj.stress.region import Boundary, Region
+from cycloid_mj.stress.shaftgrid import shaft_measures
+from cycloid_mj.stress.study import StudySettings
 from cycloid_mj.stress.surface import surface
 
 try:  # gmsh's wheel needs libraries of the system, without which it raises OSError
@@ -42,7 +45,7 @@ Array = npt.NDArray[np.float64]
 PIN, NONPIN = PRESETS["pin"], PRESETS["nonpin"]
 STEEL = PIN.material
 WIDTH = PIN.gear.face_width
-COARSE = GridSettings(refinement=0.4)
+COARSE = GridSettings(refinement=0.3)
 
 
 def made_loads(part: str, place: npt.ArrayLike, force: npt.ArrayLike, half_width: float, **given: Any) -> PartLoads:
@@ -307,9 +310,9 @@ def test_bulk_leaves_the_patches_out_and_does_not_hang_on_the_grid() -> None:
 
 def test_torsion_of_the_shaft(shaft: Grid) -> None:
     """A couple between cam and input end shears the journal's surface by 2 T/(pi r^3), within 1 %."""
-    measures = solid3.shaft_measures(PIN)
-    part = elastic.body(shaft, STEEL, springs=solid3._bearings(shaft, measures, PIN), loose=(2, 5))
-    couples = solid3._couples(shaft, measures, solid3._pressures(shaft, measures))
+    measures = shaft_measures(PIN)
+    part = elastic.body(shaft, STEEL, springs=shaft_loading._bearings(shaft, measures, PIN), loose=(2, 5))
+    couples = shaft_loading._couples(shaft, measures, shaft_loading._pressures(shaft, measures))
     loads, imbalance = elastic.balanced(part, 10.0 * (couples[:, :1] - couples[:, 1:]))
     assert np.abs(imbalance).max() < 1e-9
     stress = von_mises(stresses(recovery(shaft).at_nodes, elastic.displacements(part, loads), STEEL))[:, 0]
@@ -346,15 +349,15 @@ def test_the_shaft_hands_its_load_to_the_bearings(shaft: Grid) -> None:
 def test_superposition_equals_a_direct_solve(shaft: Grid) -> None:
     """Sum of unit loads against one solve of the summed load by the other solver, and against a pressure by hand."""
     loads = shaft_loads(3)
-    case = solid3.shaft_case(PIN, shaft, loads)
+    case = shaft_loading.shaft_case(PIN, shaft, loads)
     forces, moved, _ = case.response(np.arange(3))
     direct = np.zeros_like(moved)
     free = case.body.free
     direct[free] = elastic._superlu(case.body.stiffness.tocsc()[free][:, free], "shaft")(forces[free])
     np.testing.assert_allclose(moved, direct, rtol=0, atol=1e-9 * np.abs(direct).max())
-    measures = solid3.shaft_measures(PIN)
+    measures = shaft_measures(PIN)
     psi = np.linspace(-np.pi, np.pi, 721)
-    series = sum(solid3._half_cosine(m) * np.cos(m * psi) for m in solid3.HARMONICS)
+    series = sum(shaft_loading._half_cosine(m) * np.cos(m * psi) for m in shaft_loading.HARMONICS)
     assert np.abs(series - np.maximum(0.0, np.cos(psi))).max() < 0.04
     assert np.trapezoid(series * np.cos(psi), psi) == pytest.approx(np.pi / 2, rel=1e-9)
     assert measures.bearings[1][1] == measures.counterweight[0]
@@ -368,7 +371,7 @@ def test_planar_solution_is_linear_in_its_loads() -> None:
     force[0, :2, 1] = [-10.0, 10.0]
     force[1, 2:, 0] = [-7.0, 7.0]
     force[2] = force[0] + force[1]
-    _, moved, _ = planar_case(PIN, grid, made_loads("pin_1", place, force, 1e-4)).response(np.arange(3))
+    _, moved, _ = part_case(PIN, grid, made_loads("pin_1", place, force, 1e-4)).response(np.arange(3))
     np.testing.assert_allclose(moved[:, 0] + moved[:, 1], moved[:, 2], rtol=0, atol=1e-11 * np.abs(moved).max())
 
 
@@ -459,3 +462,105 @@ def test_principal_and_von_mises_agree_with_the_tensor() -> None:
         full = p if p.shape[1] == 3 else np.column_stack([p, np.zeros(5)])
         mises = np.sqrt(((full - np.roll(full, 1, axis=1)) ** 2).sum(axis=1) / 2)
         np.testing.assert_allclose(von_mises(stress), mises, rtol=1e-12)
+
+
+# Solids drawn out along z
+
+
+def averaged_over_height(grid: Grid, values: Array) -> Array:
+    """Average values (c, n) at the nodes of a solid over its height, above each node of its section, by Simpson."""
+    assert grid.section is not None
+    at = grid.section.nodes
+    weight = np.ones(len(at)) * 2.0
+    weight[1::2] = 4.0
+    weight[[0, -1]] = 1.0
+    return np.asarray(np.einsum("h,chn->cn", weight / weight.sum(), values[:, at]))
+
+
+def test_patch_test_of_a_solid() -> None:
+    """Constant stress comes back to rounding from a solid with curved sides, whose volume is the part's."""
+    grid = part_grid(PIN, "pin_1", GridSettings(refinement=1.2, solid=True))
+    strain = 1e-3 * np.random.default_rng(1).normal(size=(3, 3))
+    exact = (grid.points @ strain.T).ravel()
+    body = elastic.body(grid, STEEL)
+    found = elastic.displacements(body, (body.stiffness @ exact)[:, np.newaxis])
+    stress = stresses(recovery(grid).at_nodes, found, STEEL)
+    known = stresses(recovery(grid).at_nodes, exact[:, np.newaxis], STEEL)[:, :1]
+    np.testing.assert_allclose(stress, known.repeat(stress.shape[1], axis=1), rtol=0, atol=1e-10 * 2e8 * 10)
+    volume = mass_properties(parts(PIN, 1e-9)["pin"]).volume
+    assert elastic.basis_of(grid, vector=False, order=4).dx.sum() == pytest.approx(volume, rel=1e-4)
+
+
+@pytest.mark.parametrize("part", ["ring", "gear"])
+def test_a_solid_under_plane_loads_is_in_plane_stress_on_average(part: str) -> None:
+    """Averaged over its height, a plate with free faces has the plane's stress, within 2 % (rms) of its largest there.
+
+    The clamped seat of a ring, which also holds it along z, is left out, and what lies near the forces.
+    """
+    settings = GridSettings(refinement=0.35)
+    planar, solid = (part_grid(PIN, part, replace(settings, solid=flag)) for flag in (False, True))
+    assert solid.section is not None
+    loop = 0 if part == "ring" else 1
+    places = planar.points[planar.loops[loop][:, 0]]
+    place = places[[0, len(places) // 3, 2 * len(places) // 3]]
+    force = 200.0 * place / np.linalg.norm(place, axis=1)[:, np.newaxis]
+    loads = made_loads(part, [place], [force], 2e-3)
+    flat, thick = stress_map(PIN, planar, loads, 0), stress_map(PIN, solid, loads, 0)
+    in_plane = averaged_over_height(solid, thick.stress.T)[[0, 1, 5]]
+    points = solid.section.grid.points
+    operator, inside = probe(planar, points)
+    apart = np.linalg.norm(points[:, np.newaxis] - place, axis=2).min(axis=1)
+    kept = inside & (apart > 4e-3) & ((part == "gear") | (np.hypot(*points.T) < PIN.housing.outer_radius - 2e-3))
+    known = (operator @ flat.stress)[kept].T
+    assert kept.sum() > 500
+    misses = np.abs(von_mises(in_plane[:, kept]) - von_mises(known)) / von_mises(known).max()
+    assert np.sqrt(np.mean(misses**2)) < 0.02
+
+
+def test_reactions_of_a_solid_are_the_loads() -> None:
+    """The lift of the patches over the height keeps their force and their moment to 1e-6, and has no moment more."""
+    grid = part_grid(PIN, "ring", GridSettings(refinement=0.2, solid=True))
+    assert grid.section is not None
+    place = grid.section.grid.points[np.concatenate(grid.section.grid.loops)[::41, 0]][np.newaxis]
+    force = np.random.default_rng(2).normal(size=place.shape) * 100.0
+    found = solve(PIN, grid, made_loads("ring", place, force, 1e-6)).reaction[0]
+    moment = np.sum(place[..., 0] * force[..., 1] - place[..., 1] * force[..., 0])
+    applied = [*force[0].sum(axis=0), 0.0, 0.0, 0.0, moment]
+    np.testing.assert_allclose(found, -np.array(applied), rtol=0, atol=1e-6 * np.abs(force).max())
+
+
+def test_an_output_pin_bends_as_a_cantilever() -> None:
+    """Across the middle of the load, stress along z has the slope M/I, within 3 %: the load is even over the width."""
+    slender, width, force = override(PIN, ["gear.face_width_mm=40.0"]), 40e-3, 500.0
+    radius, centre = PIN.output.pin_radius, np.array([0.0, PIN.output.pin_circle_radius])
+    grid = part_grid(slender, "output", GridSettings(refinement=0.4, layer_edge=0.9, solid=True))
+    loads = made_loads("output", [[centre + np.array([radius, 0.0])]], [[[-force, 0.0]]], 2e-4)
+    found = stress_map(slender, grid, loads, 0)
+    x, y, z = (found.points - [*centre, 0.0]).T
+    across = (np.hypot(x, y) < radius * (1 + 1e-6)) & (np.abs(z) < 1e-9)
+    slope = np.polyfit(x[across], found.stress[across, 2], 1)[0]
+    moment, second = force / width * (width / 2) ** 2 / 2, np.pi * radius**4 / 4
+    assert slope == pytest.approx(moment / second, rel=0.03)
+
+
+def test_bulk_does_not_hang_on_who_asks() -> None:
+    """One definition of the bulk distance: half of the ring's pin radius by every default."""
+    assert GridSettings().bulk_distance == StudySettings().bulk_distance == BULK_DISTANCE
+    for solid in (False, True):
+        grid = part_grid(PIN, "pin_1", GridSettings(solid=solid))
+        assert grid.bulk_distance == pytest.approx(0.5 * PIN.ring.pin_radius)
+
+
+def test_stress_falls_with_the_bulk_distance_as_flamant_says() -> None:
+    """On a wide part, half the distance from a force has twice the stress, within 10 %; beyond all of it is none."""
+    grid = part_grid(PIN, "ring", COARSE)
+    place = [[[0.0, PIN.ring.pin_circle_radius + PIN.ring.pin_radius]]]
+    radius = float(np.min(np.linalg.norm(grid.points, axis=1)))
+    assert radius < place[0][0][1]
+    loads = made_loads("ring", place, [[[0.0, 100.0]]], 1e-6)
+    found = solve(PIN, grid, loads, distances=(0.5, 1.0, 2.0, 1e3))
+    near, same, far, none = found.stress_by_distance[:, 0]
+    assert same == found.bulk_stress[0]
+    assert near / same == pytest.approx(2.0, rel=0.15)
+    assert far < same
+    assert np.isnan(none)

@@ -1,28 +1,26 @@
 """``cycloid-mj stress``: stress of every part by finite elements, under the forces of a run, over one crank turn."""
 
-import json as js
 import math
 import os
-import textwrap
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from cycloid_mj.cli.flags import LOAD, JsonFlag, SetFlag, designed, within
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.simulate import QuietFlag, require_possible
-from cycloid_mj.cli.terminal import say, say_json, say_table, tell
+from cycloid_mj.cli.stressfiles import report
+from cycloid_mj.cli.terminal import tell
 from cycloid_mj.design import Design, override
-from cycloid_mj.errors import CycloidError, LogError, UsageError
+from cycloid_mj.errors import LogError, UsageError
 
 if TYPE_CHECKING:
     from cycloid_mj.record import Run
-    from cycloid_mj.stress.field import StressMap
-    from cycloid_mj.stress.paper import Claim
     from cycloid_mj.stress.study import StressStudy, StudySettings
 
 EXAMPLES = """Examples:
@@ -32,15 +30,11 @@ EXAMPLES = """Examples:
   cycloid-mj stress --design my.toml --load-nm 20 --json > stress.json"""
 
 RUNS = "runs/stress"
-RESULT = "stress.json"
-FORMATS = ("png", "svg")
 SAMPLES = 720
 """Least samples of a run in a crank turn: two for each degree."""
 
-SHARES = {"shaft": 3.0, "gear": 5.0, "ring": 2.0, "output": 2.0, "pin_1": 0.8}
+SHARES = {"shaft": 3.5, "gear": 5.0, "ring": 1.5, "output": 6.0, "pin_1": 0.5}
 """Time that each part takes, relative to the others; for the estimate of the time left."""
-
-LINE = 110
 
 DesignsFlag = Annotated[
     tuple[str, ...],
@@ -99,6 +93,15 @@ OutFlag = Annotated[
 StressQuickFlag = Annotated[
     bool, Parameter(name="--quick", help="Every tenth degree and coarser grids: the same files, in half a minute.")
 ]
+SolidFlag = Annotated[
+    bool,
+    Parameter(
+        name="--solid",
+        negative="",
+        help="Take gear, ring and pin 1 as solid bodies (3-D), too, on coarser grids: a few minutes more. Shaft, and "
+        "output with its pins, always are.",
+    ),
+]
 ForceFlag = Annotated[bool, Parameter(help="Replace logs that exist.")]
 
 
@@ -112,6 +115,7 @@ def stress(
     angle_deg: AngleFlag = None,
     out: OutFlag = None,
     quick: StressQuickFlag = False,
+    solid: SolidFlag = False,
     force: ForceFlag = False,
     json: JsonFlag = False,
     quiet: QuietFlag = False,
@@ -125,6 +129,11 @@ def stress(
     and how much one more refinement of the grid changes it. A second table
     holds it against the paper (Hsieh 2014, Figs 10-16). To --out go figures
     (png, svg), a VTU file of each part for ParaView, and stress.json.
+
+    Bulk begins a distance d from every loaded patch: half the ring's pin
+    radius; in the shaft 0.15 of its radius from sharp inner corners. The
+    table also tells the maximum if bulk began at d/2 or 2d: a part whose
+    stress hangs on d is loaded most near its contacts.
 
     Without --log, each design is run first: no ramp, and long enough for one
     turn once the load has settled. Needs the extra `fem`: gmsh, scikit-fem.
@@ -140,13 +149,13 @@ def stress(
 
     for name in ("gmsh", "skfem", "meshio"):
         package(name)
-    settings = QUICK if quick else StudySettings()
+    settings = replace(QUICK if quick else StudySettings(), solid=solid)
     if log:
         into, runs = _read(log, design, out)
     else:
         into, runs = _run([_loaded(designed(name, set_, ()), load_nm) for name in design], out, force, quiet)
     studies = _studied(runs, part, settings, quiet)
-    _report(studies, into, angle_deg, json)
+    report(studies, into, angle_deg, json)
     return 0
 
 
@@ -251,86 +260,3 @@ class _Watch:
         if not self._quiet:
             estimate = "" if left is None else f", about {left:.0f} s left"
             tell(f"{design}: {part} ({number + 1} of {of} parts){estimate}")
-
-
-def _report(studies: "Sequence[StressStudy]", into: Path, angle_deg: float | None, json: bool) -> None:
-    """Write figures, maps and the JSON file, then the tables or the JSON object."""
-    from cycloid_mj.stress.paper import claims
-
-    findings = [study.findings for study in studies]
-    judged = claims(findings)
-    files = _drawn(studies, into, angle_deg)
-    told: dict[str, Any] = {
-        "designs": [each.as_json() for each in findings],
-        "paper": [claim.as_json() for claim in judged],
-        "files": [str(path) for path in files],
-    }
-    result = into / RESULT
-    result.write_text(js.dumps(told, indent=1) + "\n", encoding="utf-8")
-    if json:
-        say_json(told)
-        return
-    _say(studies, judged, [*files, result])
-
-
-def _drawn(studies: "Sequence[StressStudy]", into: Path, angle_deg: float | None) -> list[Path]:
-    from cycloid_mj.plots import save
-    from cycloid_mj.plots.stress import grid_figure, map_figure, stress_figures
-    from cycloid_mj.stress.vtu import as_vtu
-
-    figures = stress_figures([study.findings for study in studies])
-    files = []
-    for study in studies:
-        maps = _maps(study, angle_deg)
-        for part, found in maps.items():
-            path = into / f"{study.design.name}_{part}.vtu"
-            try:
-                path.write_bytes(as_vtu(found))
-            except OSError as problem:
-                raise CycloidError(
-                    f"cannot write {path}: {problem.strerror or problem}; choose another --out"
-                ) from problem
-            files.append(path)
-        figures[f"fig10_grid_{study.design.name}"] = grid_figure(
-            {one.findings.part: one.grid for one in study.parts}, study.design.name
-        )
-        figures[f"fig11_map_{study.design.name}"] = map_figure(maps, study.design.name)
-    return [*save(figures, into, FORMATS), *files]
-
-
-def _maps(study: "StressStudy", angle_deg: float | None) -> "dict[str, StressMap]":
-    from cycloid_mj.stress.field import stress_map
-
-    shown = next((one for one in study.parts if one.findings.part == "shaft"), study.parts[0])
-    angle = shown.findings.bulk_peak.angle if angle_deg is None else math.radians(angle_deg)
-    return {one.findings.part: stress_map(study.design, one.grid, one.loads, one.nearest(angle)) for one in study.parts}
-
-
-def _say(studies: "Sequence[StressStudy]", judged: "Sequence[Claim]", files: Sequence[Path]) -> None:
-    from cycloid_mj.stress.findings import ASSUMPTIONS, BOUND
-    from cycloid_mj.stress.table import CLAIM_HEADER, HEADER, claim_table, table
-
-    for study in studies:
-        found = study.findings
-        title = f"{found.design}, {found.load:g} N m: largest von Mises stress of a crank turn"
-        say_table(title, HEADER, table(found))
-        balance = ", ".join(f"{part.part} {100 * part.imbalance:.2g} %" for part in found.parts)
-        say(f"out of balance, of the largest force: {balance}")
-        if rough := [part.part for part in found.parts if not part.refinement.holds]:
-            say(f"NOT CONVERGED to {100 * BOUND:g} % under one more refinement: {', '.join(rough)}")
-    if judged:
-        say_table("against the paper (Hsieh 2014)", CLAIM_HEADER, claim_table(judged))
-        say("What decides it:")
-        for claim in judged:
-            for line in _wrapped(f"{claim.figure}, {claim.statement}: {claim.decided_by}", "- "):
-                say(line)
-    say("Assumptions:")
-    for text in ASSUMPTIONS:
-        for line in _wrapped(text, "- "):
-            say(line)
-    say("logs: " + " ".join(str(study.findings.log) for study in studies))
-    say("files: " + " ".join(str(path) for path in files))
-
-
-def _wrapped(text: str, mark: str) -> list[str]:
-    return textwrap.wrap(text, LINE, initial_indent=mark, subsequent_indent=" " * len(mark), break_on_hyphens=False)

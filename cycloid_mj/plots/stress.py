@@ -21,14 +21,18 @@ Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
 Entries = list[tuple[str, dict[str, Any]]]
 
-TITLES = {"shaft": "eccentric shaft", "gear": "cycloid gear", "ring": "ring", "output": "output disc", "pin_1": "pin 1"}
+TITLES = {"shaft": "eccentric shaft", "gear": "cycloid gear", "ring": "ring", "output": "output", "pin_1": "pin 1"}
 """What a part is called; the ring is a pinwheel or an internal gear."""
 NUMBERS = {"shaft": 12, "gear": 13, "ring": 14, "output": 15, "pin_1": 16}
 RANGE: dict[str, Any] = {"linestyle": (0, (5, 3)), "linewidth": 0.8}
 MARK: dict[str, Any] = {"linestyle": "", "markersize": 4.0}
 COLOUR_MAP, EDGE = "turbo", "#134A73"
-VIEW = np.array([[0.45, 0.0, -0.89], [0.15, 0.97, 0.2]])
+SIDE = np.array([[0.45, 0.0, -0.89], [0.15, 0.97, 0.2]])
+FRONT = np.array([[0.94, 0.0, -0.34], [0.12, 0.94, 0.32]])
+BACK = np.array([[-0.94, 0.0, -0.34], [0.12, 0.94, -0.32]])
 """Rows: what points right and up on the page where a solid part is drawn, before orthogonalisation."""
+VIEWS = {"shaft": SIDE, "output": BACK}
+"""Views of solid parts; of others the front."""
 
 PANEL = 2.9
 """Height of a row of maps or grids [in]."""
@@ -79,13 +83,16 @@ def map_figure(maps: Mapping[str, StressMap], design: str) -> Figure:
 
 @styled
 def grid_figure(grids: Mapping[str, Grid], design: str) -> Figure:
-    """Draw the grid of every part, and of a gear also a lobe of it, magnified."""
-    names = [name for part in grids for name in ([part, "gear, magnified"] if part == "gear" else [part])]
+    """Draw the grid of every part, and of a planar gear also a lobe of it, magnified."""
+    magnified = "gear" in grids and grids["gear"].dimension == 2
+    names = [
+        name for part in grids for name in ([part, f"{part}, magnified"] if part == "gear" and magnified else [part])
+    ]
     figure, panels = _panels(names, f"{design}: grids of quadratic elements")
     for axes, name in zip(panels, names, strict=False):
         part = name.partition(",")[0]
         grid = grids[part]
-        _meshed(axes, grid.points, grid.cells, 0.25 if part == name else 0.5)
+        _meshed(axes, grid, 0.25 if part == name else 0.5)
         axes.set_title(f"{TITLES[part]}, {grid.unknowns} unknowns" if part == name else f"{TITLES[part]}, magnified")
         if part != name:
             _magnify(axes, grid)
@@ -163,19 +170,20 @@ def _coloured(axes: Axes, drawn: StressMap, values: Array, top: float) -> Any:
     if drawn.points.shape[1] == 2:
         flat = _flat(drawn.points / MILLIMETRE, drawn.cells)
         return axes.tripcolor(flat, values, **look)
-    points, faces, _ = _seen(drawn.points, drawn.cells)
+    points, faces, _ = _seen(drawn.points, drawn.cells, drawn.part)
     axes.set_axis_off()
     return axes.tripcolor(_flat(points, faces), values, **look)
 
 
-def _meshed(axes: Axes, points: Array, cells: Indices, width: float) -> None:
+def _meshed(axes: Axes, grid: Grid, width: float) -> None:
+    points, cells = grid.points, grid.cells
     look: dict[str, Any] = {"linewidths": width, "rasterized": True}
     if points.shape[1] == 2:
         ends = np.sort(np.concatenate([cells[:, [0, 1]], cells[:, [1, 2]], cells[:, [0, 2]]]), axis=1)
         lines = points[np.unique(ends, axis=0)] / MILLIMETRE
         axes.add_collection(LineCollection(list(lines), colors=EDGE, **look))
     else:
-        seen, faces, _ = _seen(points, cells)
+        seen, faces, _ = _seen(points, cells, grid.part)
         axes.add_collection(PolyCollection(list(seen[faces[:, :3]]), facecolors="#EAF2F8", edgecolors=EDGE, **look))
         axes.set_axis_off()
     axes.autoscale_view()
@@ -199,10 +207,11 @@ def _quarters(cells: Indices) -> Indices:
     return cells[:, [[0, 3, 5], [1, 4, 3], [2, 5, 4], [3, 4, 5]]].reshape(-1, 3)
 
 
-def _seen(points: Array, cells: Indices) -> tuple[Array, Indices, Array]:
+def _seen(points: Array, cells: Indices, part: str) -> tuple[Array, Indices, Array]:
     """Project a solid's surface onto the page [mm]: nodes (n, 2), faces that look at the reader, farthest first."""
-    right = VIEW[0] / np.linalg.norm(VIEW[0])
-    up = VIEW[1] - (VIEW[1] @ right) * right
+    view = VIEWS.get(part, FRONT)
+    right = view[0] / np.linalg.norm(view[0])
+    up = view[1] - (view[1] @ right) * right
     up = up / np.linalg.norm(up)
     towards = np.cross(right, up)
     faces, inside = _surface(cells)

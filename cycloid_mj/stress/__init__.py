@@ -9,7 +9,8 @@ A part is meshed once and factorised once; every crank angle is one right-hand s
     Path("gear.vtu").write_bytes(as_vtu(picture))
 
 ``part_grid(design, part, settings, focus)``
-    ``part`` is "gear", "ring", "output", "pin_1" (plane stress, in the frame of its solid), or "shaft" (3-D).
+    ``part`` is "gear", "ring", "output", "pin_1" (plane stress, in the frame of its solid; 3-D where
+    ``settings.solid``), or "shaft" (3-D).
     ``focus`` refines around given contacts: rows (x, y, edge length) [m].
 ``solve(design, grid, loads)``
     ``bulk_stress`` (k,) [Pa] is the largest von Mises stress farther than ``bulk_distance`` [m] from every loaded
@@ -19,10 +20,9 @@ A part is meshed once and factorised once; every crank angle is one right-hand s
     The same for the eccentric shaft, by superposition of unit loads.
 """
 
-from cycloid_mj.stress.field import PartStress, StressMap, solve, stress_map
+from cycloid_mj.stress.field import PartStress, StressMap, shaft_stress, solve, stress_map
 from cycloid_mj.stress.grid import Grid, GridSettings, part_grid
 from cycloid_mj.stress.loads import PartLoads
-from cycloid_mj.stress.solid3 import shaft_stress
 from cycloid_mj.stress.vtu import as_vtu
 
 __all__ = [

@@ -7,9 +7,10 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.design import Design
+from cycloid_mj.deviations import deviations
 from cycloid_mj.profile import unit
 from cycloid_mj.solid import output_centres
-from cycloid_mj.solid.gear import profile_offset, tooth_profile
+from cycloid_mj.solid.gear import gear_profile, profile_offset, tooth_profile
 from cycloid_mj.statics import contact_modulus, hertz_line_contact
 from cycloid_mj.stress.action import Action, turned
 from cycloid_mj.stress.flank import lobe_lines, lobe_place, pin_curvature
@@ -92,7 +93,7 @@ def half_width(design: Design, force: Array, curvature: Array | float, radius: f
 def pin_centre(turn: Turn, pin: int) -> Array:
     """Centre of a ring pin (0 on +y, clockwise) from the reducer's axis [m], shape (k, 2)."""
     ring = turn.design.ring
-    nominal = ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth)
+    nominal = ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth) + deviations(turn.design).pin_place[pin]
     if not ring.has_moving_pins:
         return np.broadcast_to(nominal, (turn.angle.size, 2))
     return nominal + turn.vectors(f"pin_{pin + 1}_x", f"pin_{pin + 1}_y")
@@ -127,7 +128,7 @@ def _teeth(turn: Turn, part: str) -> list[Contact]:
     """Give the contacts of gear and ring, on either of the two."""
     if turn.design.ring.kind == "pin":
         return [_pin_on_gear(turn, pin) for pin in range(turn.design.ring.teeth)]
-    gear, offset = tooth_profile(turn.design), profile_offset(turn.design)
+    gear, flank, offset = tooth_profile(turn.design), gear_profile(turn.design), profile_offset(turn.design)
     on_gear, seat = frame(turn, "gear"), frame(turn, part)
     lines, curvatures = lobe_lines(gear, turn["crank_angle"])
     ahead = turn["gear_angle"] + turn["crank_angle"] / gear.lobes
@@ -135,7 +136,7 @@ def _teeth(turn: Turn, part: str) -> list[Contact]:
     for lobe in range(gear.ring_teeth):
         name = f"lobe_{lobe + 1}"
         action = _on_gear(turn, name)
-        place, curvature = lobe_place(gear, _in(on_gear, action), lines[:, lobe], curvatures[:, lobe], ahead, offset)
+        place, curvature = lobe_place(flank, _in(on_gear, action), lines[:, lobe], curvatures[:, lobe], ahead, offset)
         if part == "ring":
             place, action = turned(place, on_gear.angle) + on_gear.origin, action.reaction()
         width = half_width(turn.design, action.size, curvature, gear.pin_radius)
@@ -144,9 +145,9 @@ def _teeth(turn: Turn, part: str) -> list[Contact]:
 
 
 def _pin_on_gear(turn: Turn, pin: int) -> Contact:
-    gear, seat = tooth_profile(turn.design), frame(turn, "gear")
+    gear, seat = gear_profile(turn.design), frame(turn, "gear")
     action = _in(seat, _on_gear(turn, f"pin_{pin + 1}"))
-    place = action.on_hole(seat.sees(pin_centre(turn, pin)), gear.pin_radius)
+    place = action.on_hole(seat.sees(pin_centre(turn, pin)), gear.pin_radius + deviations(turn.design).pin_radius[pin])
     curvature = pin_curvature(gear, pin, seat.angle, profile_offset(turn.design))
     return Contact(f"pin_{pin + 1}", action, place, half_width(turn.design, action.size, curvature, gear.pin_radius))
 
@@ -163,7 +164,8 @@ def _holes(turn: Turn) -> list[Contact]:
     output, seat = turn.design.output, frame(turn, "gear")
     radius = output.hole_radius + turn.design.clearance.output
     found = []
-    for number, centre in enumerate(output_centres(turn.design), start=1):
+    centres = output_centres(turn.design) + deviations(turn.design).hole_place
+    for number, centre in enumerate(centres, start=1):
         action = _in(seat, _on_gear(turn, f"output_pin_{number}"))
         width = _hole_width(turn, action)
         found.append(Contact(f"output_pin_{number}", action, action.on_hole(centre, radius, width), width))
@@ -181,15 +183,16 @@ def _of_output(turn: Turn) -> list[Contact]:
 
 
 def _of_shaft(turn: Turn) -> list[Contact]:
-    gear = turn.design.gear
-    action = _in(frame(turn, "shaft"), _on_gear(turn, "cam").reaction())
+    gear, seat = turn.design.gear, frame(turn, "shaft")
+    action = _in(seat, _on_gear(turn, "cam").reaction())
     width = _cam_width(turn, action)
-    return [Contact("cam", action, action.on_disc(np.array([0.0, gear.eccentricity]), gear.bore_radius, width), width)]
+    centre = np.array([0.0, gear.eccentricity + deviations(turn.design).eccentricity])
+    return [Contact("cam", action, action.on_disc(centre, gear.bore_radius, width), width)]
 
 
 def _of_pin(turn: Turn) -> list[Contact]:
     """Give the contacts of pin 1: the gear, and its socket, which carries all of it where the pin is pressed in."""
-    gear, seat, centre = tooth_profile(turn.design), frame(turn, "pin_1"), np.zeros(2)
+    gear, seat, centre = gear_profile(turn.design), frame(turn, "pin_1"), np.zeros(2)
     radius = gear.pin_radius
     pushed, held = _in(seat, _on_gear(turn, "pin_1").reaction()), _in(seat, _by_socket(turn, 0))
     curvature = pin_curvature(gear, 0, turn["gear_angle"], profile_offset(turn.design))
@@ -208,6 +211,7 @@ def _socket(turn: Turn, pin: int) -> Contact:
     ring = turn.design.ring
     action = _by_socket(turn, pin).reaction()
     centre, radius = ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth), ring.pin_radius
+    centre = centre + deviations(turn.design).pin_place[pin]
     out = np.linalg.norm(action.on_hole(centre, radius), axis=-1)
     action = action.where(out > ring.pin_circle_radius)
     width = _socket_width(turn, action)

@@ -13,8 +13,10 @@ BOUND = 0.03
 """Largest change of a maximum under one more refinement for which it counts as found."""
 
 ASSUMPTIONS = (
-    "linear elasticity; gear, ring, output disc and pin 1 in plane stress over the face width (the disc over its own "
-    "thickness), the shaft in 3-D",
+    "the turn is the last one of the run: where it begins the gear has turned on by one lobe, and the output with it; "
+    "stress that goes with the output pins may step there",
+    "linear elasticity; the shaft, and the output's disc and pins as one body, in 3-D; gear, ring and pin 1 in plane "
+    "stress over the face width, or in 3-D where asked for, with their forces even over it",
     "loads quasi-static: the logged contact forces of each instant, gravity, and inertia; no stress waves",
     "each force acts on an elliptical patch of Hertz's half width, at most 60 deg of the thinner cylinder: so wide is "
     "the cam in its bore (as in a roller bearing's loaded half)",
@@ -22,8 +24,9 @@ ASSUMPTIONS = (
     "the free parts, gear and pin 1, have the acceleration that their forces give them (d'Alembert)",
     "the housing is held at its outer circle, the output disc at a hub of the shaft's radius, the shaft in "
     "two bearings on its input journal",
-    "bulk stress is the largest von Mises stress farther than half the pin radius from every loaded patch, and from "
-    "the shaft's sharp inner corners; contact stress is the largest below a patch by Hertz, whose strip is long",
+    "bulk stress is the largest von Mises stress farther than half the ring's pin radius from every loaded patch, and "
+    "from the roots of the output's pins and the rims of its hub; in the shaft, farther than 0.15 of its radius from "
+    "its sharp inner corners. Contact stress is the largest below a patch by Hertz, whose strip is long",
 )
 
 
@@ -68,14 +71,15 @@ class Refinement:
 
     @property
     def change(self) -> float:
-        """Change of the largest stress of these angles from the study's grid to the finest, relative."""
+        """Change of the largest stress from the study's grid to the finest, relative; 0 without stress."""
         largest = self.stress.max(axis=1)
-        return float(abs(largest[-2] / largest[-1] - 1.0))
+        return float(abs(largest[-2] / largest[-1] - 1.0)) if largest[-1] > 0.0 else 0.0
 
     @property
     def scatter(self) -> float:
         """Change of the stress at each of these angles, rms, relative to the largest."""
-        return float(np.sqrt(np.mean((self.stress[-2] - self.stress[-1]) ** 2)) / self.stress[-1].max())
+        rms, largest = float(np.sqrt(np.mean((self.stress[-2] - self.stress[-1]) ** 2))), float(self.stress[-1].max())
+        return rms / largest if largest > 0.0 else 0.0
 
     @property
     def holds(self) -> bool:
@@ -103,8 +107,8 @@ class PartFindings:
     ----------
     part
         Its name.
-    unknowns
-        Of its grid.
+    unknowns, dimension
+        Of its grid; 2 for plane stress, 3 for a solid body.
     teeth
         Of the ring: the mesh repeats so many times a turn.
     angle
@@ -113,6 +117,10 @@ class PartFindings:
         Largest von Mises stress away from the contact patches, and below them by Hertz [Pa], shape (k,).
     bulk_peak, contact_peak
         The maxima of the two.
+    bulk_distance
+        From loaded patches, or from sharp inner corners, beyond which stress counts as bulk [m].
+    sensitivity
+        Other such distances [m], and the largest bulk stress [Pa] that each would give, nan where nothing is left.
     largest_pressure
         Hertz's peak pressure [Pa].
     largest_force
@@ -130,10 +138,13 @@ class PartFindings:
 
     part: str
     unknowns: int
+    dimension: int
     teeth: int
     angle: Array
     bulk: Array
     bulk_peak: Peak
+    bulk_distance: float
+    sensitivity: tuple[tuple[float, float], ...]
     contact: Array
     contact_peak: Peak
     largest_pressure: float
@@ -153,7 +164,13 @@ class PartFindings:
         return {
             "part": self.part,
             "unknowns": self.unknowns,
+            "dimension": self.dimension,
             "bulk_peak": self.bulk_peak.as_json(),
+            "bulk_distance_mm": self.bulk_distance / MILLIMETRE,
+            "sensitivity": [
+                {"distance_mm": distance / MILLIMETRE, "bulk_mpa": _finite(size / MEGAPASCAL)}
+                for distance, size in self.sensitivity
+            ],
             "contact_peak": self.contact_peak.as_json(),
             "largest_pressure_mpa": self.largest_pressure / MEGAPASCAL,
             "largest_force_n": self.largest_force,

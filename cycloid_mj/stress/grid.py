@@ -15,13 +15,18 @@ from cycloid_mj.stress.region import Region, part_region
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
 
+BULK_DISTANCE = 0.5
+"""Where bulk begins: so far from every loaded patch, as a share of the ring's pin radius. The one definition."""
+
 DEPTH_GROWTH = 0.6
 """How fast edges grow inwards on the whole, per length: slowly at first, within the bulk distance, then faster."""
 
 
 @dataclass(frozen=True)
 class GridSettings:
-    """How fine a grid is. Lengths are shares of the ring's pin radius; `refinement` divides all of them but the last.
+    """How fine a grid is. Lengths are shares of the ring's pin radius.
+
+    `refinement` divides all of them but `bulk_distance`, which must not change in a refinement study.
 
     Attributes
     ----------
@@ -32,10 +37,16 @@ class GridSettings:
         inside.
     turn
         Longest edge as a share of the radius of curvature.
+    growth
+        How edges grow inwards, as a power of the depth: the smaller it is, the slower at first.
     solid_edge
         Longest edge of the tetrahedra of the shaft, as a share of its own radius.
+    layer_edge
+        Highest layer of the other parts as solids.
     bulk_distance
-        Distance from loaded patches beyond which stress counts as bulk. It must not change in a refinement study.
+        Distance from loaded patches beyond which stress counts as bulk.
+    solid
+        Whether parts other than the shaft, which always is, are solid bodies too, on coarser sections.
     """
 
     refinement: float = 1.0
@@ -44,12 +55,15 @@ class GridSettings:
     free_edge: float = 0.6
     inner_edge: float = 0.6
     turn: float = 0.5
+    growth: float = 0.25
     solid_edge: float = 0.4
-    bulk_distance: float = 0.25
+    layer_edge: float = 2.3
+    bulk_distance: float = BULK_DISTANCE
+    solid: bool = False
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
-            if not value > 0.0:
+            if name != "solid" and not value > 0.0:
                 raise UsageError(f"the grid's {name} is {value}; it must be positive, e.g. 1")
 
 
@@ -73,6 +87,8 @@ class Grid:
         Distance from loaded patches beyond which stress counts as bulk [m].
     keep_off
         Points (n, d) [m] that the bulk keeps off as it does off patches: sharp inner corners without their fillets.
+    section
+        Of a solid that is drawn out along z: its planar grid, which contact forces act on; None of others.
     """
 
     part: str
@@ -82,6 +98,7 @@ class Grid:
     held: Indices
     bulk_distance: float
     keep_off: Array
+    section: "Section | None" = None
 
     @property
     def points(self) -> Array:
@@ -105,10 +122,29 @@ class Grid:
         return int(self.mesh.doflocs.size)
 
 
+@dataclass(frozen=True)
+class Section:
+    """The planar grid that a solid grid is drawn out from.
+
+    Attributes
+    ----------
+    grid
+        The planar grid, of n2 nodes.
+    nodes
+        The solid's node over each node of the section (h, n2) at the heights where contact forces act; -1 for none.
+    lift
+        Hands loads on the section (2 n2,) on to the solid's unknowns, sparse (n, 2 n2).
+    """
+
+    grid: Grid
+    nodes: Indices
+    lift: Any
+
+
 def part_grid(
     design: Design, part: str, settings: GridSettings | None = None, focus: npt.ArrayLike | None = None
 ) -> Grid:
-    """Give the grid of a part: "gear", "ring", "output", "pin_1" (planar), or "shaft" (solid).
+    """Give the grid of a part: "gear", "ring", "output", "pin_1" (planar, unless the settings say solid), or "shaft".
 
     Parameters
     ----------
@@ -119,7 +155,7 @@ def part_grid(
     settings
         How fine; the default has more than 150 000 unknowns for the default gear.
     focus
-        Rows (x, y, edge length) [m]: outlines are that fine there, e.g. to resolve a contact patch.
+        Rows (x, y, edge length) [m]: outlines of planar grids are that fine there, e.g. to resolve a contact patch.
 
     Raises
     ------
@@ -130,9 +166,13 @@ def part_grid(
     """
     settings = GridSettings() if settings is None else settings
     if part == "shaft":
-        from cycloid_mj.stress.solid3 import shaft_grid
+        from cycloid_mj.stress.shaftgrid import shaft_grid
 
         return shaft_grid(design, settings)
+    if settings.solid:
+        from cycloid_mj.stress.extrude import solid_grid
+
+        return solid_grid(design, part, settings)
     return planar_grid(part_region(design, part), settings, design.ring.pin_radius, focus)
 
 
@@ -152,7 +192,7 @@ def planar_grid(region: Region, settings: GridSettings, length: float, focus: np
             unit * {"line": settings.contact_edge, "wide": settings.wide_edge, "": settings.free_edge}[boundary.touched]
         )
         loops.append(divide(boundary.polygon, Sizing(edge, settings.turn / settings.refinement, edge / 10, places)))
-    points, triangles = _triangulated(region, loops, unit * settings.inner_edge)
+    points, triangles = _triangulated(region, loops, unit * settings.inner_edge, settings.growth)
     first = np.cumsum([0, *(len(loop.nodes) for loop in loops)])
     rings = [start + np.arange(len(loop.nodes)) for start, loop in zip(first, loops, strict=False)]
     ends = np.concatenate([np.column_stack([ring, np.roll(ring, -1)]) for ring in rings])
@@ -202,7 +242,7 @@ def quadratic(points: Array, cells: Indices, ends: Indices, middles: Array, part
     return mesh, nodes.astype(np.int64)
 
 
-def _triangulated(region: Region, loops: list[Loop], inner_edge: float) -> tuple[Array, Indices]:
+def _triangulated(region: Region, loops: list[Loop], inner_edge: float, growth: float) -> tuple[Array, Indices]:
     """Let gmsh fill the region; the loops' nodes come first, in order."""
     with mesher(region.part, inner_edge) as gmsh:
         geo = gmsh.model.geo
@@ -222,7 +262,7 @@ def _triangulated(region: Region, loops: list[Loop], inner_edge: float) -> tuple
             if boundary.role == "inset":
                 geo.addPlaneSurface([curve])
         geo.synchronize()
-        _grow_inwards(gmsh.model.mesh.field, edges, inner_edge * MILLIMETRES)
+        _grow_inwards(gmsh.model.mesh.field, edges, inner_edge * MILLIMETRES, growth)
         gmsh.model.mesh.generate(2)
         tags, coordinates, _ = gmsh.model.mesh.getNodes()
         _, corners = gmsh.model.mesh.getElementsByType(2)
@@ -237,11 +277,11 @@ def _triangulated(region: Region, loops: list[Loop], inner_edge: float) -> tuple
     return points, index[corners.astype(np.int64)].reshape(-1, 3)
 
 
-def _grow_inwards(field: Any, edges: list[int], longest: float) -> None:
+def _grow_inwards(field: Any, edges: list[int], longest: float, growth: float) -> None:
     """Let edges grow with the distance from the outlines, up to the longest [mm]."""
     extend = field.add("Extend")
     field.setNumbers(extend, "CurvesList", edges)
     field.setNumber(extend, "SizeMax", longest)
     field.setNumber(extend, "DistMax", longest / DEPTH_GROWTH)
-    field.setNumber(extend, "Power", 0.25)
+    field.setNumber(extend, "Power", growth)
     field.setAsBackgroundMesh(extend)

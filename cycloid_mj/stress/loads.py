@@ -93,4 +93,8 @@ def part_loads(run: Run, design: Design, part: str, angles: npt.ArrayLike = DEGR
 def require_part(design: Design, part: str) -> None:
     """Raise UsageError unless a design has a part."""
     if part not in part_names(design):
-        raise UsageError(f"the design {design.name!r} has no part {part!r}; there are {', '.join(part_names(design))}")
+        reason = ""
+        if design.ring.has_sleeves and part in ("ring", "pin_1"):
+            reason = " whose stress could be told (sleeved pins are held beside the gear, out of its plane)"
+        names = ", ".join(part_names(design))
+        raise UsageError(f"the design {design.name!r} has no part {part!r}{reason}; there are {names}")

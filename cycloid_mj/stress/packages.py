@@ -13,9 +13,16 @@ MILLIMETRES = 1e3
 _MESHER_OPTIONS = {
     "General.Terminal": 0,
     "General.NumThreads": 1,
+    "Mesh.MaxNumThreads1D": 1,
+    "Mesh.MaxNumThreads2D": 1,
+    "Mesh.MaxNumThreads3D": 1,
     "Mesh.Algorithm": 6,
     "Mesh.Algorithm3D": 1,
     "Mesh.RandomSeed": 1,
+    "Mesh.RandomFactor": 1e-9,
+    "Mesh.RandomFactor3D": 1e-12,
+    "Mesh.OptimizeNetgen": 0,
+    "Geometry.OCCParallel": 0,
     "Mesh.Optimize": 1,
     "Mesh.MeshSizeExtendFromBoundary": 0,
     "Mesh.MeshSizeFromPoints": 1,
@@ -47,6 +54,8 @@ def package(name: str) -> Any:
 def mesher(part: str, coarsest: float) -> Iterator[Any]:
     """Give gmsh with an empty model of its own and fixed options, so that the same part gives the same grid.
 
+    No options file of the user is read, and one thread works: the order of many would decide the tetrahedra.
+
     ``coarsest`` is the longest edge [m].
 
     Raises
@@ -57,7 +66,7 @@ def mesher(part: str, coarsest: float) -> Iterator[Any]:
     gmsh = package("gmsh")
     fresh = not gmsh.isInitialized()
     if fresh:
-        gmsh.initialize(interruptible=False)
+        gmsh.initialize(readConfigFiles=False, interruptible=False)
     kept = {name: gmsh.option.getNumber(name) for name in (*_MESHER_OPTIONS, "Mesh.MeshSizeMax")}
     for name, value in {**_MESHER_OPTIONS, "Mesh.MeshSizeMax": coarsest * MILLIMETRES}.items():
         gmsh.option.setNumber(name, value)

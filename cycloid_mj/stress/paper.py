@@ -37,6 +37,12 @@ PATH = {
     "shaft": "; the shaft itself is the same",
 }
 """What else decides between pin and nonpin, by part."""
+_OUTPUT = {
+    2: "the planar section: the pins' bending, as cantilevers on the disc, is not in it",
+    3: "the pins bend as cantilevers on the disc, without a second disc before the gear; number, radius and length of "
+    "the output pins, their fillets and the gap to the gear are assumed",
+}
+"""What decides the output's stress, by the dimension of its grid."""
 ABOVE, FAR_BELOW = 1.1, 0.5
 """A maximum agrees with a range from half of it to a tenth above it."""
 RELIEVED = 0.1
@@ -154,8 +160,7 @@ def _output(findings: StressFindings) -> Claim:
         f"{findings.design}: the output's stress is low and regular",
         f"at most {found / MEGAPASCAL:.3g} MPa, peak to peak {share:.0%} of its mean",
         "agrees" if low else "disagrees",
-        "the planar section: the pins' bending, as cantilevers on the disc, is not in it; number and radius of the "
-        "output pins are assumed",
+        _OUTPUT[output.dimension],
     )
 
 
@@ -166,15 +171,14 @@ def _pin_cycle(findings: StressFindings) -> Claim:
     order = np.argsort(degrees)
     degrees, loaded = degrees[order], loaded[order]
     changes = np.flatnonzero(loaded != np.roll(loaded, 1))
-    told = (
-        ", ".join(f"{'loaded' if loaded[i] else 'relieved'} from {degrees[i]:.0f}" for i in changes) or "always loaded"
-    )
+    told = ", ".join(f"{'loaded' if loaded[i] else 'relieved'} from {degrees[i]:.0f} deg" for i in changes)
+    told = told or ("always loaded" if loaded.all() else "never loaded")
     starts, ends = (degrees[[i for i in changes if loaded[i] == wanted]] for wanted in (True, False))
     agrees = bool(loaded[0]) and _is_near(ends, PIN_CYCLE[0]) and _is_near(starts, PIN_CYCLE[1])
     return Claim(
         FIGURES["pin_1"],
         f"{findings.design}: pin 1 is loaded at 0, relieved by 10 deg, loaded again from 350 deg",
-        f"{told} deg; {loaded.mean():.0%} of the turn under load, most at {_degrees(pin):.0f} deg",
+        f"{told}; {loaded.mean():.0%} of the turn under load, most at {_degrees(pin):.0f} deg",
         "agrees" if agrees else "disagrees",
         "load sharing: half of the pins carry at a time where clearances are as small as the deflections, so each "
         "carries for half a turn; 20 deg of 360 would mean two loaded pins, as with larger clearances or less load",

@@ -9,11 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.design import Design
+from cycloid_mj.errors import CycloidError
 from cycloid_mj.record import Run
 from cycloid_mj.stress.closed import LineStress, line_stress
 from cycloid_mj.stress.field import PartStress, solve
 from cycloid_mj.stress.findings import PartFindings, Peak, Refinement, StressFindings
-from cycloid_mj.stress.grid import Grid, GridSettings, part_grid
+from cycloid_mj.stress.grid import BULK_DISTANCE, Grid, GridSettings, part_grid
 from cycloid_mj.stress.loads import PartLoads, part_loads, part_names, require_part
 
 Array = npt.NDArray[np.float64]
@@ -21,6 +22,15 @@ Told = Callable[[str, int, int], None]
 
 FINER = {"pin_1": 3.0}
 """Small parts, whose grids are refined on top: they cost little."""
+
+SENSITIVITY = (0.5, 2.0)
+"""Multiples of the bulk distance for which the maxima are told as well."""
+
+ALWAYS_SOLID = ("shaft", "output")
+"""Parts that no plane can stand for: the output's pins are cantilevers on its disc."""
+
+SOLID_STEP = 1.25
+"""Step of the refinement study of parts drawn out along z, which have more unknowns."""
 
 
 @dataclass(frozen=True)
@@ -40,19 +50,29 @@ class StudySettings:
         that they fall on many phases of the mesh.
     bulk_distance
         Distance from loaded patches beyond which stress counts as bulk, as a share of the ring's pin radius.
+    solid
+        Whether gear, ring and pin 1 are solid bodies as well; shaft and output always are.
     """
 
     angles: int = 360
     refinement: float = 1.0
     step: float = 1.5
     checked: int = 23
-    bulk_distance: float = 0.5
+    bulk_distance: float = BULK_DISTANCE
+    solid: bool = False
 
     def grid(self, part: str, factor: float = 1.0) -> GridSettings:
         """Give the settings of a part's grid, refined by a factor on top."""
         return GridSettings(
-            refinement=self.refinement * factor * FINER.get(part, 1.0), bulk_distance=self.bulk_distance
+            refinement=self.refinement * factor * FINER.get(part, 1.0),
+            bulk_distance=self.bulk_distance,
+            solid=self.solid or part in ALWAYS_SOLID,
         )
+
+    def steps(self, grid: Grid) -> tuple[float, float]:
+        """Give how much coarser and finer the grids of a part's refinement study are, as factors."""
+        step = self.step if grid.section is None else min(self.step, SOLID_STEP)
+        return 1.0 / step, step
 
 
 QUICK = StudySettings(angles=36, refinement=0.5, checked=5)
@@ -145,21 +165,29 @@ def part_study(run: Run, design: Design, part: str, settings: StudySettings) -> 
     turn = 2 * np.pi * np.arange(settings.angles) / settings.angles
     loads = part_loads(run, design, part, turn)
     grid = part_grid(design, part, settings.grid(part))
-    stress, lines = solve(design, grid, loads), line_stress(loads, design)
+    stress, lines = solve(design, grid, loads, distances=SENSITIVITY), line_stress(loads, design)
+    if not np.isfinite(stress.bulk_stress).all():
+        raise CycloidError(
+            f"the {part} has no bulk: no point of it lies farther than {1e3 * grid.bulk_distance:.3g} mm from every "
+            "loaded patch at some crank angles, and nothing but contact stress could be told; leave this part out"
+        )
     findings = PartFindings(
         part=part,
         unknowns=grid.unknowns,
+        dimension=grid.dimension,
         teeth=design.ring.teeth,
         angle=loads.angle,
         bulk=stress.bulk_stress,
         bulk_peak=_bulk_peak(loads, stress, design),
+        bulk_distance=stress.bulk_distance,
+        sensitivity=_sensitivity(stress),
         contact=lines.von_mises.max(axis=1),
         contact_peak=_contact_peak(loads, lines, design),
         largest_pressure=float(lines.peak_pressure.max()),
         largest_force=float(np.linalg.norm(loads.force, axis=-1).max()),
         near_field=_near_field(loads, design, stress.bulk_distance),
         imbalance=_imbalance(stress, grid),
-        refinement=_refined(design, part, settings, loads, stress),
+        refinement=_refined(design, grid, settings, loads, stress),
         wall=time.perf_counter() - start,
     )
     return PartStudy(grid, loads, stress, lines, findings)
@@ -177,13 +205,13 @@ def at_angles(loads: PartLoads, rows: npt.ArrayLike) -> PartLoads:
     return replace(loads, **kept)
 
 
-def _refined(design: Design, part: str, settings: StudySettings, loads: PartLoads, stress: PartStress) -> Refinement:
+def _refined(design: Design, grid: Grid, settings: StudySettings, loads: PartLoads, stress: PartStress) -> Refinement:
     """Solve some crank angles on a coarser and on a finer grid."""
     rows = _checked_rows(stress.bulk_stress, settings.checked)
     some = at_angles(loads, rows)
     found = [
-        solve(design, part_grid(design, part, settings.grid(part, factor)), some)
-        for factor in (1.0 / settings.step, settings.step)
+        solve(design, part_grid(design, grid.part, settings.grid(grid.part, factor)), some)
+        for factor in settings.steps(grid)
     ]
     coarse, fine = found
     return Refinement(
@@ -203,6 +231,13 @@ def _bulk_peak(loads: PartLoads, stress: PartStress, design: Design) -> Peak:
     row = int(np.argmax(stress.bulk_stress))
     size = float(stress.bulk_stress[row])
     return Peak(size, float(loads.angle[row]), stress.bulk_place[row], "", _safety(size, design))
+
+
+def _sensitivity(stress: PartStress) -> tuple[tuple[float, float], ...]:
+    """Give other bulk distances [m], and the largest stress of the turn beyond each [Pa]: nan where nothing lies."""
+    largest = [float(np.max(row[np.isfinite(row)], initial=-np.inf)) for row in stress.stress_by_distance]
+    sizes = [size if np.isfinite(size) else float("nan") for size in largest]
+    return tuple((factor * stress.bulk_distance, size) for factor, size in zip(stress.distances, sizes, strict=True))
 
 
 def _contact_peak(loads: PartLoads, lines: LineStress, design: Design) -> Peak:

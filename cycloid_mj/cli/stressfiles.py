@@ -1,0 +1,104 @@
+"""What ``cycloid-mj stress`` gives out: figures, stress maps for ParaView, a JSON file, and tables."""
+
+import json as js
+import math
+import textwrap
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from cycloid_mj.cli.terminal import say, say_json, say_table
+from cycloid_mj.errors import CycloidError
+
+if TYPE_CHECKING:
+    from cycloid_mj.stress.field import StressMap
+    from cycloid_mj.stress.paper import Claim
+    from cycloid_mj.stress.study import StressStudy
+
+RESULT = "stress.json"
+FORMATS = ("png", "svg")
+LINE = 110
+
+
+def report(studies: "Sequence[StressStudy]", into: Path, angle_deg: float | None, json: bool) -> None:
+    """Write figures, maps and the JSON file, then the tables or the JSON object."""
+    from cycloid_mj.stress.paper import claims
+
+    findings = [study.findings for study in studies]
+    judged = claims(findings)
+    files = _drawn(studies, into, angle_deg)
+    told: dict[str, Any] = {
+        "designs": [each.as_json() for each in findings],
+        "paper": [claim.as_json() for claim in judged],
+        "files": [str(path) for path in files],
+    }
+    result = into / RESULT
+    result.write_text(js.dumps(told, indent=1) + "\n", encoding="utf-8")
+    if json:
+        say_json(told)
+        return
+    _say(studies, judged, [*files, result])
+
+
+def _drawn(studies: "Sequence[StressStudy]", into: Path, angle_deg: float | None) -> list[Path]:
+    from cycloid_mj.plots import save
+    from cycloid_mj.plots.stress import grid_figure, map_figure, stress_figures
+    from cycloid_mj.stress.vtu import as_vtu
+
+    figures = stress_figures([study.findings for study in studies])
+    files = []
+    for study in studies:
+        maps = _maps(study, angle_deg)
+        for part, found in maps.items():
+            path = into / f"{study.design.name}_{part}.vtu"
+            try:
+                path.write_bytes(as_vtu(found))
+            except OSError as problem:
+                raise CycloidError(
+                    f"cannot write {path}: {problem.strerror or problem}; choose another --out"
+                ) from problem
+            files.append(path)
+        figures[f"fig10_grid_{study.design.name}"] = grid_figure(
+            {one.findings.part: one.grid for one in study.parts}, study.design.name
+        )
+        figures[f"fig11_map_{study.design.name}"] = map_figure(maps, study.design.name)
+    return [*save(figures, into, FORMATS), *files]
+
+
+def _maps(study: "StressStudy", angle_deg: float | None) -> "dict[str, StressMap]":
+    from cycloid_mj.stress.field import stress_map
+
+    shown = next((one for one in study.parts if one.findings.part == "shaft"), study.parts[0])
+    angle = shown.findings.bulk_peak.angle if angle_deg is None else math.radians(angle_deg)
+    return {one.findings.part: stress_map(study.design, one.grid, one.loads, one.nearest(angle)) for one in study.parts}
+
+
+def _say(studies: "Sequence[StressStudy]", judged: "Sequence[Claim]", files: Sequence[Path]) -> None:
+    from cycloid_mj.stress.findings import ASSUMPTIONS, BOUND
+    from cycloid_mj.stress.table import CLAIM_HEADER, HEADER, claim_table, distances, table
+
+    for study in studies:
+        found = study.findings
+        title = f"{found.design}, {found.load:g} N m: largest von Mises stress of a crank turn"
+        say_table(title, HEADER, table(found))
+        say(f"bulk begins at d = {distances(found)}; d/2, 2d: the largest stress if it began there")
+        balance = ", ".join(f"{part.part} {100 * part.imbalance:.2g} %" for part in found.parts)
+        say(f"out of balance, of the largest force: {balance}")
+        if rough := [part.part for part in found.parts if not part.refinement.holds]:
+            say(f"NOT CONVERGED to {100 * BOUND:g} % under one more refinement: {', '.join(rough)}")
+    if judged:
+        say_table("against the paper (Hsieh 2014)", CLAIM_HEADER, claim_table(judged))
+        say("What decides it:")
+        for claim in judged:
+            for line in _wrapped(f"{claim.figure}, {claim.statement}: {claim.decided_by}", "- "):
+                say(line)
+    say("Assumptions:")
+    for text in ASSUMPTIONS:
+        for line in _wrapped(text, "- "):
+            say(line)
+    say("logs: " + " ".join(str(study.findings.log) for study in studies))
+    say("files: " + " ".join(str(path) for path in files))
+
+
+def _wrapped(text: str, mark: str) -> list[str]:
+    return textwrap.wrap(text, LINE, initial_indent=mark, subsequent_indent=" " * len(mark), break_on_hyphens=False)

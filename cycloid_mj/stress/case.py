@@ -1,0 +1,77 @@
+"""A part with its loads, factorised: what any crank angle asks of it is one right-hand side, or a sum of unit loads."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.design import Design
+from cycloid_mj.stress import elastic
+from cycloid_mj.stress.elastic import Body
+from cycloid_mj.stress.grid import Grid
+from cycloid_mj.stress.loads import PartLoads
+from cycloid_mj.stress.patch import patches
+
+Array = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.bool_]
+Indices = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A part with its loads, ready for any angles.
+
+    Attributes
+    ----------
+    body
+        The factorised part.
+    response
+        Balanced loads (n, c) [N], displacements (n, c) [m] and imbalance (c, r) at the angles of given indices (c,).
+    angle, points, narrow
+        Points (p, 2) [m] of loaded patches that the bulk keeps off, the index of the angle (p,) of each, and whether
+        it is the centre of a narrow patch (p,), about which stress falls as 1/distance.
+    resolved
+        Whether the grid resolves the stress at the patches, (k,).
+    """
+
+    body: Body
+    response: Callable[[Indices], tuple[Array, Array, Array]]
+    angle: Indices
+    points: Array
+    narrow: Flags
+    resolved: Flags
+
+
+def part_case(design: Design, grid: Grid, loads: PartLoads) -> Case:
+    """Factorise a part with its loads.
+
+    On the shaft they are superposed unit loads. On other parts they are patches and mass; a moment that is carried
+    elsewhere is the support's: the output's load torque acts at its hub.
+
+    Raises
+    ------
+    CycloidError
+        The loads are not this part's, its support is singular, or a package of the extra ``fem`` is missing.
+    """
+    if grid.part == "shaft":
+        from cycloid_mj.stress.shaft import shaft_case
+
+        return shaft_case(design, grid, loads)
+    put = patches(grid if grid.section is None else grid.section.grid, loads)
+    pressed = put.loads if grid.section is None else (grid.section.lift @ put.loads).tocsc()
+    part = elastic.body(grid, design.material)
+    mass, shares = elastic.mass_loads(part, grid.points), mass_coefficients(loads)
+
+    def response(block: Indices) -> tuple[Array, Array, Array]:
+        applied = pressed[:, block].toarray() + mass @ shares[:, block]
+        forces, imbalance = elastic.balanced(part, applied)
+        return forces, elastic.displacements(part, forces), imbalance
+
+    resolved = put.resolved & (grid.section is None)
+    return Case(part, response, put.angle, put.points, put.narrow, resolved)
+
+
+def mass_coefficients(loads: PartLoads) -> Array:
+    """Give the shares (4, k) of ``elastic.mass_loads`` in the loads of the mass."""
+    return np.vstack([loads.body_force.T, loads.spin**2, loads.spin_rate])

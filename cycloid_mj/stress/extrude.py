@@ -1,0 +1,167 @@
+"""Planar grids drawn out along z: the same parts as solid bodies of quadratic tetrahedra.
+
+Every triangle of the section becomes a prism in each layer that it fills, and every prism three tetrahedra, cut from
+the lowest of its corners to the highest. Their nodes are then those of the section, at the faces and in the middle of
+every layer: curved edges stay as exact as they are in the plane, and a load of the plane is handed on height by height.
+"""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from scipy import sparse
+
+from cycloid_mj.design import Design
+from cycloid_mj.solid import output_centres
+from cycloid_mj.solid.output import AXIAL_GAP
+from cycloid_mj.stress.grid import Grid, GridSettings, Section, planar_grid, quadratic
+from cycloid_mj.stress.region import part_region
+
+Array = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.int64]
+Flags = npt.NDArray[np.bool_]
+
+COARSER = {"contact_edge": 3.0, "wide_edge": 2.0, "free_edge": 2.5, "inner_edge": 3.0, "turn": 2.0, "growth": 8.0}
+"""Settings of a section over those of a planar grid: a solid has fifteen unknowns and more for two of the plane."""
+
+OUTPUT_SECTION = 0.8
+"""Refinement of the output's section: its stress is largest at the roots of its pins, not near their contacts."""
+
+_TETRAHEDRA = (((0, 0), (1, 0), (2, 0), (2, 1)), ((0, 0), (1, 0), (1, 1), (2, 1)), ((0, 0), (0, 1), (1, 1), (2, 1)))
+"""Tetrahedra of a prism: (corner by rising number, bottom or top) of each of their corners."""
+
+_NODE = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
+"""Node of a quadratic triangle between two of its corners; the corner itself on the diagonal."""
+
+
+def solid_grid(design: Design, part: str, settings: GridSettings) -> Grid:
+    """Give the grid of a part other than the shaft as a solid body: "gear", "ring", "output" or "pin_1".
+
+    Contact forces act evenly over the gear's face width. The output is its disc with the pins on it, one body; the bulk
+    keeps off the roots of its pins, sharp inner corners without their fillets, and off the faces of its rigid hub.
+
+    Raises
+    ------
+    UsageError
+        The design has no such part.
+    CycloidError
+        The part does not mesh, or a package of the extra ``fem`` is missing.
+    """
+    length, half = design.ring.pin_radius, design.gear.face_width / 2
+    share = OUTPUT_SECTION if part == "output" else 1.0
+    coarse: dict[str, Any] = {name: share * getattr(settings, name) for name, share in COARSER.items()}
+    section = planar_grid(
+        part_region(design, part), replace(settings, **coarse, refinement=share * settings.refinement), length
+    )
+    layer = settings.layer_edge * length / settings.refinement
+    loaded = _levels(-half, half, layer)
+    if part != "output":
+        return extruded(section, loaded, np.ones((len(loaded) - 1, len(section.cells)), bool), len(loaded) - 1)
+    face = half + AXIAL_GAP
+    disc = _levels(face, face + design.output.disc_thickness, layer)
+    filled = np.ones((len(loaded) + len(disc) - 1, len(section.cells)), bool)
+    filled[: len(loaded)] = _within_pins(design, section)
+    grid = extruded(section, np.concatenate([loaded, disc]), filled, len(loaded) - 1)
+    return replace(grid, keep_off=_output_corners(design, face, disc[-1], grid.bulk_distance / 4))
+
+
+def extruded(section: Grid, levels: Array, filled: Flags, loaded: int) -> Grid:
+    """Draw a planar grid out along z.
+
+    Parameters
+    ----------
+    section
+        The planar grid.
+    levels
+        Faces of the layers along z [m], (l + 1,), rising.
+    filled
+        Which triangles of the section each layer has (l, m).
+    loaded
+        How many layers, counted from the lowest, contact forces spread over, in proportion to their height.
+    """
+    local = np.argsort(section.mesh.t.T, axis=1)
+    corner = np.full((len(levels), section.mesh.nvertices), -1, np.int64)
+    for layer, cells in enumerate(filled):
+        corner[layer : layer + 2, np.unique(section.mesh.t[:, cells])] = 0
+    corner[corner == 0] = np.arange(np.count_nonzero(corner == 0))
+    level, vertex = np.nonzero(corner >= 0)
+    points = np.column_stack([section.points[vertex], levels[level]])
+    tetrahedra, ends, nodes, heights = [], [], [], []
+    for layer, cells in enumerate(filled):
+        rows = np.flatnonzero(cells)
+        for corners in _TETRAHEDRA:
+            own = [local[rows, rank] for rank, _ in corners]
+            tetrahedron = [
+                corner[layer + top, section.cells[rows, at]] for at, (_, top) in zip(own, corners, strict=True)
+            ]
+            tetrahedra.append(np.column_stack(tetrahedron))
+            for i, j in zip(*np.triu_indices(4, 1), strict=True):
+                ends.append(np.column_stack([tetrahedron[i], tetrahedron[j]]))
+                nodes.append(section.cells[rows, _NODE[own[i], own[j]]])
+                heights.append(np.full(len(rows), 2 * layer + corners[i][1] + corners[j][1]))
+    node, height = np.concatenate(nodes), np.concatenate(heights)
+    z = _with_middles(levels)
+    middles = np.column_stack([section.points[node], z[height]])
+    mesh, found = quadratic(points, np.concatenate(tetrahedra), np.concatenate(ends), middles, section.part)
+    at = np.full((len(z), len(section.points)), -1, np.int64)
+    at[::2, : section.mesh.nvertices] = corner
+    at[height, node] = found
+    held = at[:, section.held]
+    pressed = at[: 2 * loaded + 1]
+    return Grid(
+        part=section.part,
+        mesh=mesh,
+        thickness=1.0,
+        loops=(),
+        held=np.unique(held[held >= 0]),
+        bulk_distance=section.bulk_distance,
+        keep_off=np.zeros((0, 3)),
+        section=Section(section, pressed, _lift(pressed, _simpson(levels[: loaded + 1]), 3 * len(mesh.doflocs.T))),
+    )
+
+
+def _lift(at: Indices, share: Array, unknowns: int) -> Any:
+    """Give the operator (n, n2), sparse, that spreads loads on the section's nodes over heights in given shares."""
+    everywhere = np.flatnonzero((at >= 0).all(axis=0))
+    rows = 3 * at[:, everywhere, np.newaxis] + np.arange(2)
+    columns = np.broadcast_to(2 * everywhere[:, np.newaxis] + np.arange(2), rows.shape)
+    values = np.broadcast_to(share[:, np.newaxis, np.newaxis], rows.shape)
+    entries = (values.ravel(), (rows.ravel(), columns.ravel()))
+    return sparse.coo_matrix(entries, shape=(unknowns, 2 * at.shape[1])).tocsr()
+
+
+def _simpson(levels: Array) -> Array:
+    """Give the share (2 l + 1,) of each height in an even load: Simpson's rule in every layer."""
+    share, height = np.zeros(2 * len(levels) - 1), np.diff(levels) / np.ptp(levels)
+    for offset, weight in enumerate((1 / 6, 2 / 3, 1 / 6)):
+        share[offset : offset + 2 * len(height) : 2] += weight * height
+    return share
+
+
+def _with_middles(levels: Array) -> Array:
+    return np.interp(np.arange(2 * len(levels) - 1) / 2, np.arange(len(levels)), levels)
+
+
+def _levels(z0: float, z1: float, layer: float) -> Array:
+    return np.linspace(z0, z1, math.ceil((z1 - z0) / layer) + 1)
+
+
+def _within_pins(design: Design, section: Grid) -> Flags:
+    """Tell the triangles (m,) of the output's section that lie in its pins."""
+    middle = section.points[section.cells[:, :3]].mean(axis=1)
+    apart = np.linalg.norm(middle[:, np.newaxis] - output_centres(design), axis=2)
+    return np.asarray(apart.min(axis=1) < design.output.pin_radius)
+
+
+def _output_corners(design: Design, face: float, back: float, step: float) -> Array:
+    """Points on the roots of the output's pins, and along both rims of its hub, about a step [m] apart."""
+    pin, hub = design.output.pin_radius, design.shaft.radius
+    roots = [_ring(pin, step, face) + np.append(centre, 0.0) for centre in output_centres(design)]
+    return np.concatenate([*roots, _ring(hub, step, face), _ring(hub, step, back)])
+
+
+def _ring(radius: float, step: float, z: float) -> Array:
+    turn = 2 * np.pi * np.arange(math.ceil(2 * np.pi * radius / step)) / math.ceil(2 * np.pi * radius / step)
+    return np.column_stack([radius * np.cos(turn), radius * np.sin(turn), np.full(len(turn), z)])

@@ -1,0 +1,148 @@
+"""The eccentric shaft as a solid body: its measures, and a grid of tetrahedra by gmsh's OpenCASCADE."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.design import Design
+from cycloid_mj.errors import CycloidError
+from cycloid_mj.solid import shaft_solid
+from cycloid_mj.stress.grid import Grid, GridSettings, quadratic
+from cycloid_mj.stress.packages import MILLIMETRES, mesher
+
+Array = npt.NDArray[np.float64]
+
+CORNER_DISTANCE = 0.15
+"""Share of the shaft's radius by which the bulk keeps off sharp inner corners, which in truth have fillets."""
+
+CORNER_EDGE = 1 / 3
+"""Edges at the inner corners as a share of those elsewhere."""
+
+
+@dataclass(frozen=True)
+class Shaft:
+    """Measures of the shaft [m]: radii, eccentricity, and along z its end, counterweight and cam."""
+
+    radius: float
+    cam_radius: float
+    eccentricity: float
+    counterweight_radius: float
+    end: float
+    counterweight: tuple[float, float]
+    cam: tuple[float, float]
+
+    @property
+    def bearings(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Stretches of the journal in the two bearings: as long as its radius, or a third of it."""
+        z0, z1 = self.end, self.counterweight[0]
+        width = min(self.radius, (z1 - z0) / 3)
+        return (z0, z0 + width), (z1 - width, z1)
+
+
+def shaft_measures(design: Design) -> Shaft:
+    """Give the measures of a design's balanced shaft."""
+    journal, counterweight, _, cam = shaft_solid(design).prisms
+    return Shaft(
+        radius=design.shaft.radius,
+        cam_radius=design.gear.bore_radius,
+        eccentricity=design.gear.eccentricity,
+        counterweight_radius=design.shaft.counterweight_radius,
+        end=journal.z0,
+        counterweight=(counterweight.z0, counterweight.z1),
+        cam=(cam.z0, cam.z1),
+    )
+
+
+def shaft_grid(design: Design, settings: GridSettings) -> Grid:
+    """Give the grid of the shaft in the frame of its solid: the reducer axis, cam towards +y.
+
+    Raises
+    ------
+    CycloidError
+        The shaft does not mesh, or a package of the extra ``fem`` is missing.
+    """
+    shaft = shaft_measures(design)
+    edge = settings.solid_edge * shaft.radius / settings.refinement
+    return Grid(
+        part="shaft",
+        mesh=_tetrahedra(shaft, edge),
+        thickness=1.0,
+        loops=(),
+        held=np.zeros(0, np.int64),
+        bulk_distance=CORNER_DISTANCE * shaft.radius,
+        keep_off=_inner_corners(shaft),
+    )
+
+
+def _inner_corners(shaft: Shaft) -> Array:
+    """Points along the sharp inner edges: at both faces and the flats of the counterweight, and at the cam's face."""
+    step = CORNER_DISTANCE * shaft.radius / 8
+    turn = np.linspace(0, 2 * np.pi, int(np.ceil(2 * np.pi * shaft.radius / step)))
+    x, y = shaft.radius * np.cos(turn), shaft.radius * np.sin(turn)
+    z0, z1 = shaft.counterweight
+    rings = [
+        np.column_stack([x[keep], y[keep], np.full(keep.sum(), z)])
+        for z, keep in ((z0, y <= 0), (z1, y <= 0), (shaft.cam[0], y < np.inf))
+    ]
+    z = np.linspace(z0, z1, int(np.ceil((z1 - z0) / step)) + 1)
+    flats = [np.column_stack([np.full(len(z), side * shaft.radius), np.zeros(len(z)), z]) for side in (-1, 1)]
+    return np.concatenate([*rings, *flats])
+
+
+def _tetrahedra(shaft: Shaft, edge: float) -> Any:
+    """Let gmsh's OpenCASCADE join the shaft's cylinders, and fill them; edges are finer at the inner corners."""
+    with mesher("shaft", edge) as gmsh:
+        occ = gmsh.model.occ
+        _cylinder(occ, 0.0, shaft.radius, shaft.end, shaft.cam[0])
+        weight = _cylinder(occ, 0.0, shaft.counterweight_radius, *shaft.counterweight, angle=np.pi)
+        occ.rotate([(3, weight)], 0, 0, 0, 0, 0, 1, np.pi)
+        _cylinder(occ, shaft.eccentricity, shaft.cam_radius, *shaft.cam)
+        solids, _ = occ.fuse([(3, 1)], [(3, 2), (3, 3)])
+        occ.synchronize()
+        if len(solids) != 1:
+            raise CycloidError("the shaft does not mesh: its stretches do not make one solid; check the design")
+        _finer_at(gmsh, _inner_corners(shaft), edge)
+        gmsh.model.mesh.generate(3)
+        gmsh.model.mesh.setOrder(2)
+        tags, coordinates, _ = gmsh.model.mesh.getNodes()
+        _, nodes = gmsh.model.mesh.getElementsByType(11)
+    return _from_gmsh(tags, coordinates.reshape(-1, 3) / MILLIMETRES, nodes.reshape(-1, 10))
+
+
+def _cylinder(occ: Any, height: float, radius: float, z0: float, z1: float, angle: float = 2 * np.pi) -> int:
+    mm = MILLIMETRES
+    return int(occ.addCylinder(0, height * mm, z0 * mm, 0, 0, (z1 - z0) * mm, radius * mm, angle=angle))
+
+
+def _finer_at(gmsh: Any, places: Array, edge: float) -> None:
+    """Let edges grow from a share of the longest at some places to the longest at one longest edge from there."""
+    field, longest = gmsh.model.mesh.field, edge * MILLIMETRES
+    near = field.add("Distance")
+    points = [gmsh.model.geo.addPoint(*place) for place in places[::8] * MILLIMETRES]
+    gmsh.model.geo.synchronize()
+    field.setNumbers(near, "PointsList", points)
+    grow = field.add("Threshold")
+    for name, value in (
+        ("InField", near),
+        ("SizeMin", CORNER_EDGE * longest),
+        ("SizeMax", longest),
+        ("DistMin", 0.0),
+        ("DistMax", 2 * longest),
+    ):
+        field.setNumber(grow, name, value)
+    field.setAsBackgroundMesh(grow)
+
+
+def _from_gmsh(tags: Any, points: Array, nodes: Any) -> Any:
+    """Make the quadratic mesh from gmsh's tetrahedra of ten nodes."""
+    place = np.zeros(int(tags.max()) + 1, np.int64)
+    place[tags.astype(np.int64)] = np.arange(len(tags))
+    cells = place[nodes.astype(np.int64)]
+    corners, index = np.unique(cells[:, :4], return_inverse=True)
+    cell = index.reshape(-1, 4)
+    pairs = [(0, 1), (1, 2), (2, 0), (3, 0), (3, 2), (3, 1)]
+    ends = np.concatenate([cell[:, list(pair)] for pair in pairs])
+    mesh, _ = quadratic(points[corners], cell, ends, points[cells[:, 4:].T.ravel()], "shaft")
+    return mesh
