@@ -19,7 +19,7 @@ from cycloid_mj.validation import (
     symmetry,
     two_bodies,
 )
-from cycloid_mj.validation.rig import FIXED, FREE, KINDS, NONPIN
+from cycloid_mj.validation.rig import FIXED, FREE, KINDS, NONPIN, SLEEVED
 from cycloid_mj.validation.row import Row
 
 RUNGS = (
@@ -65,7 +65,8 @@ def _parts() -> Iterator[Part]:
     for kind, cost in ((FIXED, (0.7, 2.0)), (FREE, (2.0, 4.0)), (NONPIN, (1.0, 3.0))):
         yield Part("energy", partial(energy.rows, kind), cost)
     yield Part("energy", energy.jolt_rows, (2.0, 2.0))
-    for kind, cost in ((FIXED, (3.5, 6.0)), (FREE, (10.0, 25.0)), (NONPIN, (6.0, 12.0))):
+    moving = ((FREE, (10.0, 25.0)), (SLEEVED, (10.0, 25.0)))
+    for kind, cost in ((FIXED, (3.5, 6.0)), *moving, (NONPIN, (6.0, 12.0))):
         yield Part("steps", partial(steps.rows, kind), cost)
     for kind, cost in ((FIXED, (1.0, 1.2)), (FREE, (2.5, 4.0)), (NONPIN, (1.3, 2.0))):
         yield Part("mirror", partial(symmetry.mirror_rows, kind), cost)

@@ -16,7 +16,7 @@ from cycloid_mj.simulate import simulate
 
 Array = npt.NDArray[np.float64]
 
-FIXED, FREE, NONPIN = "fixed pins", "free pins", "nonpin"
+FIXED, FREE, SLEEVED, NONPIN = "fixed pins", "free pins", "sleeved pins", "nonpin"
 KINDS = (FIXED, FREE, NONPIN)
 RATED_LOAD = 36.0
 """Load torque [N m]: the paper's 36.68 N m, rounded."""
@@ -28,7 +28,12 @@ PERIODS = 36
 """Mesh periods in a turn of the crank: the ring teeth of the paper's designs."""
 
 MATING = ("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output")
-_RING = {FIXED: ("pin", 'ring.pins="fixed"'), FREE: ("pin", 'ring.pins="free"'), NONPIN: ("nonpin", "ring.teeth=36")}
+_RING = {
+    FIXED: ("pin", 'ring.pins="fixed"'),
+    FREE: ("pin", 'ring.pins="free"'),
+    SLEEVED: ("pin", 'ring.pins="sleeved"'),
+    NONPIN: ("nonpin", "ring.teeth=36"),
+}
 
 
 def reducer_of(kind: str, *changes: str) -> Design:
