@@ -12,12 +12,10 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.assembly import best_fit
 from cycloid_mj.design import Design
-from cycloid_mj.deviations import is_ideal
 from cycloid_mj.kinematics import CrankLaw
 from cycloid_mj.mjcf import ReducerModel
-from cycloid_mj.mjcf.names import pin
+from cycloid_mj.mjcf.keyframe import joint_state
 
 Array = npt.NDArray[np.float64]
 Signal = Callable[[Array], Array]
@@ -82,32 +80,12 @@ def initial_state(reducer: ReducerModel, design: Design, course: Course | None =
     """Give the state at the start of a course, by default the design's own, as the closed form has it."""
     course = course or ramp_and_hold(reducer, design)
     data = mujoco.MjData(reducer.model)
-    angle, speed, eccentricity = course.angle, course.speed, design.gear.eccentricity
-    sine, cosine = math.sin(angle), math.cos(angle)
-    start = {
-        "crank": (angle, speed),
-        "gear_x": (-eccentricity * sine, -eccentricity * cosine * speed),
-        "gear_y": (eccentricity * cosine, -eccentricity * sine * speed),
-        "gear_angle": (-angle / design.lobes, -speed / design.lobes),
-        "output": (-angle / design.lobes, -speed / design.lobes),
-    }
-    for joint, (position, velocity) in start.items():
-        data.joint(joint).qpos[0] = position
-        data.joint(joint).qvel[0] = velocity
-    if not is_ideal(design):
-        _make_room(data, design, angle)
+    position, velocity = joint_state(design, course.angle, course.speed)
+    for joint, value in position.items():
+        data.joint(joint).qpos[0] = value
+    for joint, value in velocity.items():
+        data.joint(joint).qvel[0] = value
     return data
-
-
-def _make_room(data: Any, design: Design, crank: float) -> None:
-    """Start parts with errors or modified flanks where they fit best."""
-    fit = best_fit(design, crank)
-    shift = {"gear_x": fit.shift[0], "gear_y": fit.shift[1], "gear_angle": fit.gear_turn, "output": fit.output_turn}
-    if design.ring.has_moving_pins:
-        for number, (x, y) in enumerate(fit.pin_shift, start=1):
-            shift |= {f"{pin(number)}_x": x, f"{pin(number)}_y": y}
-    for joint, displacement in shift.items():
-        data.joint(joint).qpos[0] += displacement
 
 
 def load_torque(design: Design, time: npt.ArrayLike) -> Array:
