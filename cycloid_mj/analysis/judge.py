@@ -24,8 +24,9 @@ from cycloid_mj.analysis.findings import (
     VelocityFindings,
     Window,
 )
-from cycloid_mj.analysis.series import Compared, Series, gear_of, series
+from cycloid_mj.analysis.series import Compared, Series, series
 from cycloid_mj.analysis.window import Mask, turn_by_turn
+from cycloid_mj.modification import tooth_profile
 from cycloid_mj.record import Run
 
 Array = npt.NDArray[np.float64]
@@ -121,7 +122,7 @@ def _acceleration(motion: Series, rows: Mask) -> AccelerationFindings | None:
     step = np.diff(motion.time)
     angle, speed = (_middle(values) for values in (motion.crank_angle, motion.crank_speed.simulated))
     crank_acceleration = np.diff(motion.crank_speed.simulated) / step
-    path = kinematics.point_path(gear_of(motion.design), motion.q, angle, speed, crank_acceleration)
+    path = kinematics.point_path(tooth_profile(motion.design), motion.q, angle, speed, crank_acceleration)
     simulated = np.diff(motion.q_velocity.simulated, axis=0) / step[:, np.newaxis]
     error = Compared(simulated, path.acceleration).error_size[inner]
     return AccelerationFindings(_rms(error), _peak(error))

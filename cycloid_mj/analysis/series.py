@@ -12,6 +12,7 @@ from cycloid_mj.analysis.window import Mask
 from cycloid_mj.design import Design, loads
 from cycloid_mj.errors import LogError, UsageError
 from cycloid_mj.kinematics import CrankLaw
+from cycloid_mj.modification import tooth_profile
 from cycloid_mj.profile import CycloidGear
 from cycloid_mj.record import Run
 
@@ -165,7 +166,7 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
     moving = design.ring.has_moving_pins
     run = _usable(run, (*MOTION, *PIN_1) if moving else MOTION)
     hold = window.in_hold(design, run.time, settle)
-    gear = gear_of(design)
+    gear = tooth_profile(design)
     q = _point(q, design)
     crank_angle, crank_speed = run["crank_angle"], run["crank_speed"]
     angle, speed = kinematics.gear_rotation(gear, crank_angle), kinematics.gear_speed(crank_speed, gear.lobes)
@@ -205,12 +206,6 @@ def design_of(run: Run) -> Design:
     except UnicodeDecodeError as problem:
         raise LogError(f"the run's {DESIGN_FILE} is no text ({problem}): simulate it again") from problem
     return loads(text, f"the run's {DESIGN_FILE}")
-
-
-def gear_of(design: Design) -> CycloidGear:
-    """Give the ideal mesh of a design, without clearance."""
-    ring = design.ring
-    return CycloidGear(ring.teeth, design.gear.eccentricity, ring.pin_circle_radius, ring.pin_radius)
 
 
 def _usable(run: Run, names: tuple[str, ...]) -> Run:

@@ -7,8 +7,8 @@ import numpy.typing as npt
 
 from cycloid_mj import kinematics
 from cycloid_mj.analysis import Series
-from cycloid_mj.analysis.series import gear_of
 from cycloid_mj.comparison.fluctuation import Level, level, turns
+from cycloid_mj.modification import tooth_profile
 
 Array = npt.NDArray[np.float64]
 
@@ -63,7 +63,7 @@ class Vibration:
 def acceleration(motion: Series) -> Acceleration:
     """Give the accelerations of a run about their closed form: differences of the velocities' errors."""
     run = motion.run
-    theory = kinematics.gear_centre_velocity(gear_of(motion.design), run["crank_angle"], run["crank_speed"])
+    theory = kinematics.gear_centre_velocity(tooth_profile(motion.design), run["crank_angle"], run["crank_speed"])
     centre = run.block(["gear_vx", "gear_vy"]) - theory
     step = np.diff(motion.time)
     return Acceleration(np.diff(centre, axis=0) / step[:, np.newaxis], np.diff(motion.output_speed.error) / step)

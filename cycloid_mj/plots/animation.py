@@ -9,9 +9,9 @@ import numpy.typing as npt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from cycloid_mj.analysis import Series, series
-from cycloid_mj.analysis.series import gear_of
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
+from cycloid_mj.modification import tooth_profile
 from cycloid_mj.plots.stage import Script, Stage, set_stage, show
 from cycloid_mj.plots.style import styled
 from cycloid_mj.record import Run
@@ -107,4 +107,4 @@ def _ideal(design: Design, columns: Mapping[str, Array]) -> Array | None:
     """Give the force on each pin by ideal load sharing, shape (n, N) [N]; None for an internal gear."""
     if design.ring.kind != "pin":
         return None
-    return ideal_load_sharing(gear_of(design), columns["load_torque"], columns["crank_angle"]).forces
+    return ideal_load_sharing(tooth_profile(design), columns["load_torque"], columns["crank_angle"]).forces

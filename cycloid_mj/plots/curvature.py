@@ -9,9 +9,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
 from cycloid_mj import statics
-from cycloid_mj.analysis.series import gear_of
 from cycloid_mj.contact_lines import ContactLines, contact_lines, mesh_period, pressure
 from cycloid_mj.design import Design
+from cycloid_mj.modification import tooth_profile
 from cycloid_mj.plots.comparison import COLORS
 from cycloid_mj.plots.style import GREY, crank_axis, keys, sheet, styled
 
@@ -38,7 +38,7 @@ def curvature_figure(designs: Sequence[Design]) -> Figure:
     figure = sheet(4.4)
     top, bottom = figure.subplots(2, 1, sharex=True)
     for number, design in enumerate(designs):
-        gear = gear_of(design)
+        gear = tooth_profile(design)
         lines = contact_lines(gear, design.ring.kind, mesh_period(gear, CRANK_ANGLES))
         look = {"color": COLORS[number % len(COLORS)], "linewidth": WIDEST / (1 + 1.6 * number)}
         _draw(top, lines, 1e-3 * lines.relative_curvature, look)

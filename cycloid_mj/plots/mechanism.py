@@ -13,8 +13,8 @@ from matplotlib.patches import Circle, FancyArrowPatch, Patch, PathPatch
 from matplotlib.path import Path
 
 from cycloid_mj import kinematics
-from cycloid_mj.analysis.series import gear_of
 from cycloid_mj.design import Design
+from cycloid_mj.modification import tooth_profile
 from cycloid_mj.plots.style import BLACK, VERMILION, styled
 from cycloid_mj.profile import unit
 from cycloid_mj.record import Run
@@ -91,7 +91,7 @@ def mechanism(design: Design, run: Run | None = None, crank_angle: float | None 
 
 
 def _ideal_pose(design: Design, crank_angle: float) -> Pose:
-    gear = gear_of(design)
+    gear = tooth_profile(design)
     turn = float(kinematics.gear_rotation(gear, crank_angle))
     return Pose(crank_angle, kinematics.gear_centre(gear, crank_angle), turn, turn)
 
@@ -127,7 +127,7 @@ def _draw_parts(axes: Axes, design: Design, pose: Pose) -> None:
     _region(axes, solids["gear"].prisms[0], "gear", pose.gear_centre, pose.gear_angle)
     for centre in _turned(output_centres(design), pose.output_angle):
         _disc(axes, centre, design.output.pin_radius, "output")
-    _disc(axes, kinematics.gear_centre(gear_of(design), pose.crank_angle), design.gear.bore_radius, "cam")
+    _disc(axes, kinematics.gear_centre(tooth_profile(design), pose.crank_angle), design.gear.bore_radius, "cam")
     _disc(axes, axis, design.shaft.radius, "shaft")
 
 

@@ -6,9 +6,9 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.analysis import Series
-from cycloid_mj.analysis.series import gear_of
 from cycloid_mj.design import Design
 from cycloid_mj.envelope import sample_ring_by_sagitta
+from cycloid_mj.modification import tooth_profile
 from cycloid_mj.report.encode import encoded
 from cycloid_mj.scene import contact_forces, drawn_radii, gaps, largest_magnification
 from cycloid_mj.scene.drawing import tooth_clearance
@@ -63,7 +63,7 @@ def _shape(design: Design) -> dict[str, Any]:
         "usual": USUAL_MAGNIFICATION,
     }
     if ring.kind != "pin":
-        outline = sample_ring_by_sagitta(gear_of(design), CHORD_ERROR)
+        outline = sample_ring_by_sagitta(tooth_profile(design), CHORD_ERROR)
         shape |= {"ring": encoded(1e3 * outline.points), "ringNormals": encoded(outline.normals)}
     return shape
 
@@ -83,7 +83,7 @@ def _frames(motion: Series, columns: dict[str, Array], time: Array) -> dict[str,
         "force": {kind: encoded(acting.of(*kinds).force) for kind, kinds in GROUPS.items()},
     }
     if design.ring.kind == "pin":
-        ideal = ideal_load_sharing(gear_of(design), columns["load_torque"], columns["crank_angle"]).forces
+        ideal = ideal_load_sharing(tooth_profile(design), columns["load_torque"], columns["crank_angle"]).forces
         frames |= {
             "away": encoded(1e3 * measured.away),
             "pinAngle": encoded(np.mod(measured.pin_angle, 2 * np.pi)),

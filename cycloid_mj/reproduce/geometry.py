@@ -1,8 +1,8 @@
 """Figs 1-4: how the profiles of gear and ring come about, with their closed-form figures."""
 
 from cycloid_mj import envelope, profile
-from cycloid_mj.analysis.series import gear_of
 from cycloid_mj.measure import Table
+from cycloid_mj.modification import tooth_profile
 from cycloid_mj.reproduce.plan import Plan, designs
 from cycloid_mj.reproduce.stage import Found, Plate, Runs, Told
 
@@ -22,7 +22,7 @@ def geometry(plan: Plan, runs: Runs, told: Told) -> Found:
     """Draw the generation of both profiles, and give their closed forms."""
     from cycloid_mj.plots.generation import generation_figures
 
-    gear = gear_of(designs()[0])
+    gear = tooth_profile(designs()[0])
     drawn = generation_figures(gear)
     plates = tuple(Plate(name, "Figs 1-4", words, drawn[name]) for name, words in CAPTIONS.items())
     root, tip = profile.radii(gear)
