@@ -1,0 +1,24 @@
+"""Valid designs unlike the paper's, in kind, size, ratio and material: what works on these works on more than one."""
+
+from functools import cache
+from pathlib import Path
+
+from cycloid_mj.design import Design, load
+
+FOLDER = Path(__file__).parent / "data" / "designs"
+
+UNLIKE = ("light", "printed", "large", "few", "teeth21")
+"""Light steel 20:1 with an internal gear; printed 11:1, pressed-in pins; large 59:1, sleeves; 6:1 and 20:1, free pins.
+
+The last is the paper's own load on fewer teeth; the others are sized with room to spare."""
+
+
+def design_file(name: str) -> Path:
+    """Where a design's file is."""
+    return FOLDER / f"{name}.toml"
+
+
+@cache
+def unlike(name: str) -> Design:
+    """Load one of `UNLIKE`."""
+    return load(design_file(name))
