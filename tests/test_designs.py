@@ -1,7 +1,7 @@
 import pytest
+from designs import UNLIKE, unlike
 
 from cycloid_mj.checks import check, require_sound
-from designs import UNLIKE, unlike
 
 
 @pytest.mark.parametrize("name", UNLIKE)
