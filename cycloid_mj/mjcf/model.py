@@ -243,7 +243,6 @@ def _add_bodies(spec: Any, design: Design, masses: Mapping[str, MassProperties])
     half = 0.5 * design.gear.face_width
     housing = spec.worldbody.add_body(name=names.HOUSING)
     _visual(housing, names.HOUSING)
-    _add_ring(spec, housing, design, masses)
 
     shaft = spec.worldbody.add_body(name=names.SHAFT)
     rotor = design.drive.rotor_inertia
@@ -262,6 +261,10 @@ def _add_bodies(spec: Any, design: Design, masses: Mapping[str, MassProperties])
     for number, angle in enumerate(output_angles(design), start=1):
         place = _at(design.output.pin_circle_radius, angle)
         _contact_geom(output, names.output_pin(number), Role.INNER, design.output.pin_radius, half, pos=place)
+
+    # MuJoCo factorises from the last degree of freedom backwards: each pin meets the gear alone, so with the pins
+    # last an elimination fills in nothing between pins; before the gear each would couple all of them.
+    _add_ring(spec, housing, design, masses)
 
     properties = masses[names.SHAFT]
     return float(properties.inertia[2, 2] + properties.mass * np.sum(properties.centroid[:2] ** 2) + rotor)
