@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import signal
 import subprocess
 import sys
@@ -45,6 +46,12 @@ FIXED_KEYS = {
     "pin1": ["max_radial_um", "mean_spin_rad_s"],
 }
 """The fixed interface: keys of the JSON object, and the keys of those that are objects."""
+
+
+@pytest.fixture(autouse=True)
+def no_progress_lines(monkeypatch):
+    """On a slow machine a run takes long enough for a line of progress; what a command prints must not depend on it."""
+    monkeypatch.setattr("cycloid_mj.cli.progress.SECONDS_BETWEEN_LINES", math.inf)
 
 
 def told(*argv: str) -> tuple[int, str, str]:
@@ -179,10 +186,15 @@ def test_log_holds_the_design_the_model_and_the_settings(run):
     assert logged.complete
 
 
-def test_table_of_a_run_goes_to_stdout_and_messages_to_stderr(here):
+@pytest.mark.parametrize(("between_lines", "progress"), [(math.inf, False), (-1.0, True)])
+def test_table_of_a_run_goes_to_stdout_and_messages_to_stderr(here, monkeypatch, between_lines, progress):
+    monkeypatch.setattr("cycloid_mj.cli.progress.SECONDS_BETWEEN_LINES", between_lines)
     code, out, err = told("simulate", "--design", "pin", *SHORT)
     assert code == 0
-    assert err == "preparing the model\n"
+    first, *lines = err.splitlines()
+    assert first == "preparing the model"
+    assert bool(lines) == progress
+    assert all(re.fullmatch(r" *\d+%  \S+ of 0.01 s simulated, about \d+ s left", line) for line in lines), err
     for words in ("quantity", "simulated", "closed form", "error", "gear speed", "runs/pin.mcap", "wall time"):
         assert words in out
 
@@ -314,6 +326,7 @@ def test_full_disk_is_one_line(here, two_samples, monkeypatch):
 
 def test_progress_without_a_terminal_is_an_occasional_line(monkeypatch, capsys):
     clock = iter([0.0, 4.0, 11.0, 11.0, 11.0, 12.0])
+    monkeypatch.setattr("cycloid_mj.cli.progress.SECONDS_BETWEEN_LINES", 10.0)
     monkeypatch.setattr("cycloid_mj.cli.progress.monotonic", lambda: next(clock))
     with Progress(end=2.0) as progress:
         for simulated in (0.2, 0.5, 0.6):
@@ -623,6 +636,15 @@ MOTION = ("kinematics", "--design", "pin", "--csv", "x.csv")
     [
         (("frob",), ("frob", "simulate")),
         (("simulat",), ("did you mean", "simulate")),
+        (("sim",), ("did you mean simulate?",)),
+        (("re",), ("did you mean report or render or reproduce?",)),
+        (("measure", "frob"), ("'frob'", "te, backlash", "vibration", "measure --help")),
+        (("measure", "los"), ("did you mean lost-motion?",)),
+        (("log", "frob"), ("'frob'", "info", "layout")),
+        (("measure", "--frob"), ("--frob", "after a command")),
+        (("design", "--frob"), ("--frob", "after a command")),
+        (("log", "info", "--frob"), ("LOG",)),
+        (("measure", "loads", "--frob"), ("--frob", "measure loads --help")),
         (("design", "chck"), ("check",)),
         (("design", "check"), ("DESIGN", "needs a value")),
         (("--frob",), ("--frob",)),

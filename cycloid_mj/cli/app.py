@@ -22,6 +22,7 @@ from cycloid_mj.cli import (
     kinematics,
     log,
     measure,
+    page,
     plot,
     profile,
     render,
@@ -45,9 +46,9 @@ Results go to stdout, progress and messages to stderr. Exit code: 0 done,
 """
 
 EXAMPLES = """Start with:
-  cycloid-mj simulate --design pin       # run the paper's pin reducer
-  cycloid-mj plot runs/pin.mcap          # draw that run
-  cycloid-mj design show pin > my.toml   # a design of your own: edit the file
+  cycloid-mj simulate --design pin    # the paper's reducer
+  cycloid-mj plot runs/pin.mcap       # draw that run
+  cycloid-mj design show pin > my.toml   # edit this file
   cycloid-mj design check my.toml"""
 
 COMMANDS: dict[Callable[..., int], str] = {
@@ -74,8 +75,13 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     A mistake of the user's never raises: it is told in one line on stderr.
     """
+    words = sys.argv[1:] if argv is None else list(argv)
     try:
-        code = _app()(sys.argv[1:] if argv is None else list(argv))
+        app = application()
+        if group := _group_alone(app, words):
+            app.help_print(words, console=page.console(stderr=True))
+            raise UsageError(f"{group} needs a command: {', '.join(page.commands(app[group]))}")
+        code = app(words)
         sys.stdout.flush()
         return code or 0
     except CycloptsError as error:
@@ -108,7 +114,8 @@ def run() -> None:
     sys.exit(code)
 
 
-def _app() -> App:
+def application() -> App:
+    """Give the whole command line: every command, its flags and its help."""
     app = App(
         name="cycloid-mj",
         version=__version__,
@@ -120,12 +127,19 @@ def _app() -> App:
         exit_on_error=False,
         print_error=False,
         suppress_keyboard_interrupt=False,
+        console=page.console(),
     )
     for place, (command, examples) in enumerate(COMMANDS.items()):
         app.command(command, sort_key=place, help_epilogue=examples)
     for place, group in enumerate((measure, design, log), start=len(COMMANDS)):
         app.command(group.commands(sort_key=place))
-    return app
+    return page.flowing(app)
+
+
+def _group_alone(app: App, words: Sequence[str]) -> str:
+    """Give the group of commands, such as ``measure``, that is asked for without any of its commands; else nothing."""
+    chain, apps, rest = app.parse_commands(list(words))
+    return chain[-1] if chain and not rest and apps[-1].default_command is None else ""
 
 
 def _failed(message: str, code: int) -> int:

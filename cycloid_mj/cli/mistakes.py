@@ -1,7 +1,17 @@
 """What cyclopts finds wrong with a command line, told in one line."""
 
-from cyclopts import CycloptsError
-from cyclopts.exceptions import CoercionError, MissingArgumentError, UnusedCliTokensError, ValidationError
+from difflib import get_close_matches
+
+from cyclopts import App, CycloptsError
+from cyclopts.exceptions import (
+    CoercionError,
+    MissingArgumentError,
+    UnknownCommandError,
+    UnusedCliTokensError,
+    ValidationError,
+)
+
+from cycloid_mj.cli.page import commands
 
 
 def sentence(error: CycloptsError) -> str:
@@ -13,6 +23,8 @@ def sentence(error: CycloptsError) -> str:
 
 def _what(error: CycloptsError) -> str:
     argument = error.argument
+    if isinstance(error, UnknownCommandError) and error.app is not None:
+        return _unknown_command((error.unused_tokens or [""])[0], error.app)
     if isinstance(error, MissingArgumentError) and argument is not None:
         return f"{argument.name} needs a value"
     if isinstance(error, UnusedCliTokensError):
@@ -23,3 +35,15 @@ def _what(error: CycloptsError) -> str:
         kind = "number" if error.target_type is float else "whole number"
         return f"{error.token.keyword} {error.token.value!r} is not a {kind}"
     return str(error)
+
+
+def _unknown_command(word: str, app: App) -> str:
+    """Name the commands that a wrong word may stand for, or all that there are."""
+    known = commands(app)
+    if word.startswith("-"):
+        return f"unknown option {word}; options come after a command"
+    begun = [name for name in known if name.startswith(word)]
+    meant = begun or get_close_matches(word, known, n=1)
+    if meant:
+        return f"unknown command {word!r}; did you mean {' or '.join(meant)}?"
+    return f"unknown command {word!r}; the commands are {', '.join(known)}"

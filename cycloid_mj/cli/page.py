@@ -1,0 +1,37 @@
+"""Help pages: as wide as the terminal, but no wider than reads well; their paragraphs fill that width."""
+
+import re
+from typing import TYPE_CHECKING
+
+from cyclopts import App
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+WIDEST = 80
+"""Columns of a help page on a wide terminal, and where there is none."""
+
+
+def console(stderr: bool = False) -> "Console":
+    """Give the console that help pages are printed on: stdout or `stderr`."""
+    from rich.console import Console
+
+    return Console(stderr=stderr, width=min(WIDEST, Console(stderr=stderr).width), highlight=False)
+
+
+def flowing(app: App) -> App:
+    """Give an app whose help, and that of all its commands, breaks lines where the page ends, not the source."""
+    app.help = _paragraphs(app.help)
+    for name in commands(app):
+        flowing(app[name])
+    return app
+
+
+def commands(app: App) -> list[str]:
+    """Give the names of an app's commands."""
+    return [name for name in app if not name.startswith("-")]
+
+
+def _paragraphs(text: str) -> str:
+    """Give a docstring with each paragraph in one line."""
+    return "\n\n".join(" ".join(paragraph.split()) for paragraph in re.split(r"\n\s*\n", text.strip()))
