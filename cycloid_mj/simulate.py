@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from cycloid_mj.contact.collider import installed
 from cycloid_mj.contact.forces import PairForces, pair_forces, pair_index
+from cycloid_mj.contact.peaks import Peaks
 from cycloid_mj.contact.shared import Shared
 from cycloid_mj.course import Course, initial_state, ramp_and_hold
 from cycloid_mj.design import Design, dump
@@ -95,6 +96,7 @@ def columns(reducer: ReducerModel, design: Design) -> Groups:
     forces: dict[str, str] = {}
     for pair in reducer.pairs:
         forces |= {f"{pair.name}_force_x": "N", f"{pair.name}_force_y": "N", f"{pair.name}_moment": "N m"}
+        forces |= {f"{pair.name}_peak_force": "N"}
     groups[_FORCES] = forces
     return groups
 
@@ -125,7 +127,7 @@ def topics(run: Run) -> dict[str, list[str]]:
     """Give the names of a run's columns by the topic that a log has them in."""
     groups: dict[str, list[str]] = {_REDUCER: [], _PINS: [], _FORCES: []}
     for name in run.columns:
-        force = name.endswith(("_force_x", "_force_y", "_moment"))
+        force = name.endswith(("_force_x", "_force_y", "_moment", "_peak_force"))
         groups[_FORCES if force else _PINS if re.match(r"pin_\d+_", name) else _REDUCER].append(name)
     return {topic: names for topic, names in groups.items() if names}
 
@@ -209,7 +211,7 @@ def _advance(
     recorder: "_Recorder",
 ) -> tuple[Block, str]:
     """Take the steps of some samples; a sample is what the solver found at the start of its first step."""
-    model, ctrl, step = reducer.model, data.ctrl, mujoco.mj_step
+    model, ctrl, step, note = reducer.model, data.ctrl, mujoco.mj_step, recorder.peaks.note
     begin, end = samples.start * plan.stride, min(samples.stop * plan.stride, plan.steps)
     time = plan.timestep * np.arange(begin, end, dtype=np.float64)
     taken: list[_Sample] = []
@@ -217,6 +219,7 @@ def _advance(
     for number, command in enumerate(course.commands(time)):
         ctrl[:] = command
         step(model, data)
+        note()
         if number % plan.stride == 0:
             sample, problem = recorder.sample()
             taken.append(sample)
@@ -232,6 +235,7 @@ class _Sample(NamedTuple):
     sensors: Array
     summary: list[float]
     forces: PairForces
+    peaks: Array
 
 
 class _Recorder:
@@ -245,6 +249,7 @@ class _Recorder:
         groups = sensors(design)
         self._first_pin = len(groups[_REDUCER]) if _PINS in groups else None
         self._index = pair_index(reducer.model, reducer.pairs)
+        self.peaks = Peaks(data, self._index)
         kinds = sorted(reducer.laws)
         self._kinds = np.array([[pair.kind == kind for kind in kinds] for pair in reducer.pairs], dtype=np.float64)
         self._deepest, self._lobes = design.contact.max_penetration, design.lobes
@@ -259,7 +264,7 @@ class _Recorder:
         found = pair_forces(self._data, self._index)
         iterations = max(self._iterations.tolist())
         summary = [found.active, found.penetration, found.peak_force, iterations, *self._energy.tolist()]
-        sample = _Sample(self._sensors.copy(), summary, found)
+        sample = _Sample(self._sensors.copy(), summary, found, self.peaks.taken())
         return sample, self._problem(sample, iterations)
 
     def tables(self, samples: Sequence[_Sample]) -> dict[str, Array]:
@@ -270,11 +275,13 @@ class _Recorder:
         friction = np.array([sample.forces.friction_power for sample in samples]) @ self._kinds
         normal = np.array([sample.forces.normal_power for sample in samples]) @ self._kinds
         powers = np.stack([friction, normal], axis=2).reshape(count, -1)
-        wrench = np.array([sample.forces.wrench for sample in samples]).reshape(count, -1)
+        wrench = np.array([sample.forces.wrench for sample in samples])
+        peak = np.array([sample.peaks for sample in samples])[:, :, np.newaxis]
+        forces = np.concatenate([wrench, peak], axis=2).reshape(count, -1)
         reducer = np.concatenate([seen[:, : self._first_pin], summary, powers], axis=1)
         if self._first_pin is None:
-            return {_REDUCER: reducer, _FORCES: wrench}
-        return {_REDUCER: reducer, _PINS: seen[:, self._first_pin :], _FORCES: wrench}
+            return {_REDUCER: reducer, _FORCES: forces}
+        return {_REDUCER: reducer, _PINS: seen[:, self._first_pin :], _FORCES: forces}
 
     def _problem(self, sample: _Sample, iterations: int) -> str:
         if not (np.isfinite(sample.sensors).all() and np.isfinite(self._acceleration).all()):

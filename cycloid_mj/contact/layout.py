@@ -1,4 +1,4 @@
-"""Where MuJoCo keeps the arrays that the collider reads: found from the Python bindings, checked on two models.
+"""Where MuJoCo keeps the arrays that compiled code reads: found from the Python bindings, checked on two models.
 
 The C structures change between MuJoCo releases. Each array of the bindings is a view on MuJoCo's own memory, so its
 address stands somewhere in ``mjModel`` or ``mjData``; the offset of that place is what the collider needs.
@@ -21,6 +21,8 @@ _PROBE = """
 <body><joint type="slide"/><geom type="cylinder" size="1 1" user="2"/></body>{more}
 </worldbody></mujoco>
 """
+_PROBE_OF_CONTACTS = '<mujoco><worldbody><geom type="plane" size="1 1 1"/>{more}</worldbody></mujoco>'
+_BALL = '<body pos="0 0 0.9"><joint type="slide" axis="0 0 1"/><geom type="sphere" size="1" contype="2"/></body>'
 
 
 @dataclass(frozen=True)
@@ -33,6 +35,17 @@ class Layout:
     geom_type: int
     geom_xpos: int
     geom_xmat: int
+
+
+@dataclass(frozen=True)
+class ContactLayout:
+    """Byte offsets of two pointers in ``mjData``, size of an ``mjContact``, and byte offsets of two fields in it."""
+
+    contact: int
+    efc_force: int
+    stride: int
+    geom: int
+    efc_address: int
 
 
 @cache
@@ -50,6 +63,37 @@ def discover() -> Layout:
     if first != second:
         raise ContactError(_strange(f"two models disagree: {astuple(first)} and {astuple(second)}"))
     return first
+
+
+@cache
+def discover_contacts() -> ContactLayout:
+    """Find where the MuJoCo release that is installed keeps its contacts and their forces.
+
+    Raises
+    ------
+    ContactError
+        The structures are not as expected; the message names the field and the release.
+    """
+    first, second = (_contact_layout(_PROBE_OF_CONTACTS.format(more=_BALL * more)) for more in (1, 5))
+    if first != second:
+        raise ContactError(_strange(f"two models disagree: {astuple(first)} and {astuple(second)}"))
+    return first
+
+
+def _contact_layout(probe: str) -> ContactLayout:
+    model = mujoco.MjModel.from_xml_string(probe)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    # The distance is the first field of a contact; pointers to contacts and forces follow the energies.
+    contact, in_data = data.contact, data.energy.ctypes.data - data._address
+    first = contact.dist.ctypes.data
+    return ContactLayout(
+        contact=_offset(data._address, in_data, contact.dist, "mjData.contact"),
+        efc_force=_offset(data._address, in_data, data.efc_force, "mjData.efc_force"),
+        stride=contact.dist.strides[0],
+        geom=contact.geom.ctypes.data - first,
+        efc_address=contact.efc_address.ctypes.data - first,
+    )
 
 
 def _layout(model: Any) -> Layout:

@@ -1,0 +1,121 @@
+"""The largest normal force of each pair since the last sample is the largest of a run that is logged at every step."""
+
+from dataclasses import astuple, replace
+
+import mujoco
+import numpy as np
+import pytest
+
+from cycloid_mj.analysis import analyze
+from cycloid_mj.contact.collider import installed
+from cycloid_mj.contact.forces import pair_index, surface_name
+from cycloid_mj.contact.layout import discover_contacts
+from cycloid_mj.contact.peaks import Peaks
+from cycloid_mj.course import initial_state, ramp_and_hold
+from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.log import LogWriter, read
+from cycloid_mj.mjcf import build
+from cycloid_mj.simulate import Contact, reducer_model, schedule, simulate, topics
+
+STEPS, STRIDE = 300, 15
+
+
+def short(preset: str, *changes: str) -> Design:
+    # At full speed from the start, across the clearances: the parts knock against each other.
+    begin = ["drive.ramp_s=0", f"drive.hold_s={STEPS * 1e-6}", "load.torque_nm=20", "load.rise_s=0.0001"]
+    return override(PRESETS[preset], [*begin, *changes])
+
+
+def sampled(design: Design, every: int) -> Design:
+    return override(design, [f"settings.log_rate_hz={1.0 / (every * design.settings.timestep)!r}"])
+
+
+def normal_forces(data, reducer) -> dict[str, float]:
+    """Add up MuJoCo's own normal forces by the geoms' names."""
+    named = {frozenset((pair.on, pair.by)): pair.name for pair in reducer.pairs}
+    total = dict.fromkeys((pair.name for pair in reducer.pairs), 0.0)
+    force = np.zeros(6)
+    for number, contact in enumerate(data.contact):
+        mujoco.mj_contactForce(reducer.model, data, number, force)
+        total[named[frozenset(surface_name(reducer.model, geom) for geom in contact.geom)]] += force[0]
+    return total
+
+
+@pytest.mark.parametrize(
+    ("preset", "changes", "contact"),
+    [
+        ("pin", (), "profile"),
+        ("nonpin", (), "profile"),
+        ("pin", ("ring.pins=fixed",), "profile"),
+        ("pin", ("ring.pins=sleeved",), "profile"),
+        ("nonpin", ("drive.hold_s=0.0005", "settings.timestep_us=5"), "mesh"),
+    ],
+)
+def test_peaks_are_the_largest_of_mujocos_own_forces_at_every_step(
+    preset: str, changes: tuple[str, ...], contact: Contact
+) -> None:
+    design = short(preset, *changes)
+    reducer = reducer_model(design, contact)
+    data, course = initial_state(reducer, design), ramp_and_hold(reducer, design)
+    peaks = Peaks(data, pair_index(reducer.model, reducer.pairs))
+    largest = dict.fromkeys((pair.name for pair in reducer.pairs), 0.0)
+    plan = schedule(design)
+    with installed():
+        for command in course.commands(plan.timestep * np.arange(min(plan.steps, STEPS))):
+            data.ctrl[:] = command
+            mujoco.mj_step(reducer.model, data)
+            peaks.note()
+            largest = {name: max(largest[name], force) for name, force in normal_forces(data, reducer).items()}
+    assert peaks.taken() == pytest.approx(list(largest.values()), rel=1e-12)
+    assert sum(force > 0.0 for force in largest.values()) > 3
+    assert not peaks.taken().any(), "it begins anew"
+
+
+@pytest.mark.parametrize("preset", ["pin", "nonpin"])
+def test_a_log_holds_what_came_between_its_samples(preset: str) -> None:
+    design = short(preset)
+    whole, thinned = simulate(sampled(design, 1)), simulate(sampled(design, STRIDE))
+    between = 0
+    for pair in build(design).pairs:
+        every, some = whole[f"{pair.name}_peak_force"], thinned[f"{pair.name}_peak_force"]
+        # A sample at step k stands for the steps after the sample before it, k included.
+        since = every[1 : (len(some) - 1) * STRIDE + 1].reshape(-1, STRIDE).max(axis=1)
+        np.testing.assert_array_equal(some, [every[0], *since])
+        between += int(np.sum(some > 1.001 * every[::STRIDE][: len(some)]))
+    assert between > 20, "most peaks fall between samples"
+
+
+def test_frictionless_pairs_peak_at_the_size_of_their_force() -> None:
+    design = sampled(short("pin", *(f"friction.{kind}=0" for kind in ("pin_gear", "pin_socket"))), 1)
+    run = simulate(design)
+    for number in (1, 9, 30):
+        force = np.hypot(run[f"pin_{number}_force_x"], run[f"pin_{number}_force_y"])
+        np.testing.assert_allclose(run[f"pin_{number}_peak_force"], force, rtol=1e-12)
+
+
+def test_the_places_in_mujocos_structures_are_found() -> None:
+    found = discover_contacts()
+    assert len({found.contact, found.efc_force}) == 2
+    assert found.stride > max(found.geom, found.efc_address) > 0
+    assert all(place % 4 == 0 for place in astuple(found))
+
+
+def test_a_log_without_peaks_is_read_and_judged_as_before(tmp_path) -> None:
+    run = simulate(sampled(short("nonpin"), STRIDE))
+    older = {name: values for name, values in run.columns.items() if not name.endswith("_peak_force")}
+    run = replace(run, columns=older, units={name: run.units[name] for name in older})
+    groups = topics(run)
+    assert sorted(groups) == ["/forces", "/reducer"]
+    units = {topic: [(name, run.units[name]) for name in names] for topic, names in groups.items()}
+    with LogWriter(tmp_path / "old.mcap", units, run.provenance, run.attachments) as log:
+        log.write(run.time, {topic: run.block(names) for topic, names in groups.items()})
+        log.close()
+    again = read(tmp_path / "old.mcap")
+    assert set(again.columns) == set(older)
+    assert analyze(again).contact_summary == analyze(run).contact_summary
+
+
+def test_peaks_stand_with_the_forces() -> None:
+    run = simulate(sampled(short("pin"), STRIDE))
+    assert {"cam_peak_force", "pin_1_peak_force", "socket_36_peak_force"} <= set(topics(run)["/forces"])
+    assert "peak_force" in topics(run)["/reducer"]
