@@ -28,6 +28,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.deviations import deviations
 from cycloid_mj.mjcf import names
 from cycloid_mj.mjcf.names import Pair
+from cycloid_mj.mjcf.solver import set_solver
 from cycloid_mj.modification import FlankEnds, flank_ends
 from cycloid_mj.solid import VISUAL_CHORD_ERROR, MassProperties, Mesh, mass_properties, mesh, parts, sleeve_core_radius
 from cycloid_mj.solid.gear import gear_profile, profile_offset
@@ -104,6 +105,7 @@ def build(design: Design, held: Held = "crank") -> ReducerModel:
     _add_sensors(spec, design)
     mating = names.pairs(design)
     laws = contact_laws(design, masses)
+    set_solver(spec, laws, design.ring.has_moving_pins)
     model = _add_pairs(spec, mating, laws)
     return ReducerModel(spec, model, mating, laws, gains, crank_inertia)
 

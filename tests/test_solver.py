@@ -1,0 +1,68 @@
+"""The constraint solver of a model: which one is taken, and that both find the same motion."""
+
+import copy
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+from designs import unlike
+
+from cycloid_mj.contact.collider import installed
+from cycloid_mj.course import initial_state, ramp_and_hold
+from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.mjcf import build
+
+NEWTON, CG = mujoco.mjtSolver.mjSOL_NEWTON, mujoco.mjtSolver.mjSOL_CG
+
+
+@pytest.mark.parametrize(
+    ("design", "step", "solver"),
+    [
+        (PRESETS["pin"], 1.0, CG),
+        (PRESETS["pin"], 2.0, NEWTON),
+        (PRESETS["nonpin"], 1.0, NEWTON),
+        (unlike("few"), 1.0, CG),
+        (unlike("large"), 1.0, CG),
+        (unlike("large"), 5.0, NEWTON),
+        (unlike("printed"), 1.0, NEWTON),
+    ],
+    ids=lambda value: value.name if isinstance(value, Design) else str(value),
+)
+def test_gradients_are_taken_where_the_step_resolves_moving_pins(design: Design, step: float, solver: int) -> None:
+    option = build(override(design, [f"settings.timestep_us={step}"])).model.opt
+    assert option.solver == solver
+    assert (option.jacobian == mujoco.mjtJacobian.mjJAC_SPARSE) == design.ring.has_moving_pins
+
+
+@pytest.mark.parametrize("name", ["pin", "few", "large"])
+def test_both_solvers_find_the_same_forces(name: str) -> None:
+    """From one state: a run between flanks is chaotic, and two that differ by a rounding part ways."""
+    design = PRESETS["pin"] if name == "pin" else unlike(name)
+    load = design.drive.torque * design.lobes
+    design = override(design, ["drive.ramp_s=0", "load.rise_s=0.0005", f"load.torque_nm={load}"])
+    reducer = build(design)
+    course = ramp_and_hold(reducer, design)
+    data = initial_state(reducer, design, course)
+    model, worst, loaded = reducer.model, 0.0, 0
+    with installed():
+        for step, command in enumerate(course.commands(design.settings.timestep * np.arange(2000))):
+            data.ctrl[:] = command
+            mujoco.mj_step(model, data)
+            if step % 100 == 99 and data.nefc:
+                forces = [_forces(model, data, solver) for solver in (NEWTON, CG)]
+                scale = np.abs(forces[0]).max()
+                loaded += scale > 1.0
+                worst = max(worst, float(np.abs(forces[1] - forces[0]).max()) / scale)
+    assert loaded > 10
+    assert worst < 1e-11
+
+
+def _forces(model: Any, data: Any, solver: int) -> Any:
+    """Find the constraint forces of a state with a solver, on a copy that does not start from the known answer."""
+    before, other = model.opt.solver, copy.copy(data)
+    other.qacc_warmstart[:] = 0.0
+    model.opt.solver = solver
+    mujoco.mj_forward(model, other)
+    model.opt.solver = before
+    return other.efc_force.copy()
