@@ -1,11 +1,13 @@
-"""Files that are written whole or not at all."""
+"""Files that are written whole or not at all: every file of results goes through here."""
 
 import os
-from collections.abc import Iterator
+import secrets
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from cycloid_mj.errors import CycloidError
+from cycloid_mj.interrupt import unbroken
 
 
 @contextmanager
@@ -17,20 +19,68 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     CycloidError
         It cannot be written; a file that was there before is as it was.
     """
-    path = Path(path)
-    beside = path.with_name(f".{path.stem}.{os.getpid()}.new{path.suffix}")
-    try:
-        if path.exists() and not path.is_file():
-            raise CycloidError(f"cannot write {path}: it is no regular file; give the name of a file")
-        with beside.open("xb"):
-            pass
+    with whole_files([path]) as (beside,):
         yield beside
-        os.replace(beside, path)
+
+
+@contextmanager
+def whole_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]]:
+    """Give new hidden files beside `paths`, which take their places together when the block ends without an error.
+
+    Files that belong together, such as the parts of a model, are never left as a mixture of old and new ones. A
+    symbolic link stays one: what it points to is replaced.
+
+    Raises
+    ------
+    CycloidError
+        One of them cannot be written; all files that were there before are as they were.
+    """
+    beside: list[tuple[Path, Path]] = []
+    at = Path()
+    try:
+        for at in map(Path, paths):
+            target = Path(os.path.realpath(at))
+            with unbroken():
+                beside.append((_claimed(target), target))
+        at = at if len(beside) == 1 else at.parent
+        yield [hidden for hidden, _ in beside]
+        with unbroken():
+            for hidden, target in beside:
+                os.replace(hidden, target)
     except OSError as problem:
         reason = problem.strerror or problem
         raise CycloidError(
-            f"cannot write {path}: {reason}; give a file in a folder that exists and can be written"
+            f"cannot write {at}: {reason}; give a file in a folder that exists and can be written"
         ) from problem
     finally:
-        with suppress(OSError):
-            beside.unlink()
+        with unbroken():
+            for hidden, _ in beside:
+                with suppress(OSError):
+                    hidden.unlink()
+
+
+def write_whole(files: Mapping[Path, bytes]) -> None:
+    """Write files that belong together, all of them or none, replacing those of the same names.
+
+    Raises
+    ------
+    CycloidError
+        One of them cannot be written.
+    """
+    with whole_files(list(files)) as beside:
+        for hidden, content in zip(beside, files.values(), strict=True):
+            hidden.write_bytes(content)
+
+
+def hidden_beside(path: Path) -> Path:
+    """Give a hidden name in the folder of `path`, with its ending, that no file has."""
+    # not the process's number: in containers the next process has the same one, and a killed one's file may be there
+    return path.with_name(f".{path.stem}.{secrets.token_hex(4)}.new{path.suffix}")
+
+
+def _claimed(path: Path) -> Path:
+    if path.exists() and not path.is_file():
+        raise CycloidError(f"cannot write {path}: it is no regular file; give the name of a file")
+    hidden = hidden_beside(path)
+    with hidden.open("xb"):
+        return hidden

@@ -17,10 +17,10 @@ import pytest
 import cycloid_mj.simulate
 from cycloid_mj import __version__, envelope, profile
 from cycloid_mj.cli import flags, main, outfile, terminal
-from cycloid_mj.cli.interrupt import unbroken
 from cycloid_mj.cli.progress import Progress
 from cycloid_mj.design import PRESETS, dump, loads, override
 from cycloid_mj.errors import DesignError, LogError, RunError
+from cycloid_mj.interrupt import unbroken
 from cycloid_mj.kinematics import CrankLaw
 from cycloid_mj.log import LogWriter, read
 from cycloid_mj.profile import CycloidGear

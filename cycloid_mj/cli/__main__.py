@@ -1,5 +1,5 @@
 """``python -m cycloid_mj.cli``."""
 
-from cycloid_mj.cli.app import run
+from cycloid_mj.cli.process import run
 
 run()

@@ -1,13 +1,11 @@
 """The table of contents of the command line, and how every mistake is told: one line on stderr and an exit code.
 
-Exit codes: 0 done; 1 a design, run, log or file that failed, or Ctrl-C; 2 a wrong name, flag or value.
+Exit codes: 0 done; 1 a design, run, log or file that failed, or Ctrl-C, SIGTERM, SIGHUP; 2 a wrong name, flag or value.
 """
 
-import os
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from io import StringIO
 
 from cyclopts import App, CycloptsError, Parameter
 
@@ -36,6 +34,7 @@ from cycloid_mj.cli import (
 from cycloid_mj.cli.mistakes import sentence
 from cycloid_mj.cli.terminal import tell
 from cycloid_mj.errors import CycloidError, UsageError
+from cycloid_mj.interrupt import cause
 
 FAILURE = 1
 
@@ -88,8 +87,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _failed(sentence(error), UsageError.exit_code)
     except CycloidError as error:
         return _failed(str(error), error.exit_code)
-    except KeyboardInterrupt:
-        return _failed("stopped by Ctrl-C", FAILURE)
+    except KeyboardInterrupt as stop:
+        return _failed(f"stopped by {cause(stop)}", FAILURE)
     except BrokenPipeError:
         return FAILURE
     except OSError as error:
@@ -98,20 +97,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     except SystemExit as stop:
         # rich ends the program itself when a help page meets a closed pipe
         return stop.code if isinstance(stop.code, int) else FAILURE
-
-
-def run() -> None:
-    """Run the command of ``sys.argv`` and end the process with its exit code."""
-    # a stream that was closed before the start is None
-    sys.stdout = sys.stdout or StringIO()
-    sys.stderr = sys.stderr or StringIO()
-    code = main()
-    try:
-        sys.stdout.flush()
-    except OSError:
-        # the pipe is closed: what is left must not be flushed again, and complained about, when Python ends
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    sys.exit(code)
 
 
 def application() -> App:

@@ -12,6 +12,7 @@ from cycloid_mj.cli.progress import Progress
 from cycloid_mj.cli.simulate import run_into_log
 from cycloid_mj.design import Design
 from cycloid_mj.errors import RunError
+from cycloid_mj.interrupt import Stopped, cause
 
 
 def run_all(jobs: Mapping[Design, Path], workers: int, force: bool, quiet: bool) -> None:
@@ -26,16 +27,17 @@ def run_all(jobs: Mapping[Design, Path], workers: int, force: bool, quiet: bool)
     with Progress(total, quiet) as progress, ThreadPoolExecutor(workers) as pool:
         progress.tell(f"{len(jobs)} runs, {workers} at a time")
         whole = _Whole(progress)
-        runs = [pool.submit(run_into_log, design, path, force, _Part(whole)) for design, path in jobs.items()]
+        runs = [pool.submit(run_into_log, design, [path], force, _Part(whole)) for design, path in jobs.items()]
         try:
             wait(runs, return_when=FIRST_EXCEPTION)
             failed = next((run for run in runs if run.done() and run.exception()), None)
             if failed is not None:
                 failed.result()
-        except KeyboardInterrupt:
-            raise RunError(_stopped(jobs)) from None
+        except KeyboardInterrupt as stop:
+            whole.stop(cause(stop))
+            raise RunError(_stopped(jobs, stop)) from stop
         finally:
-            whole.stop.set()
+            whole.stop("the failure of another run")
             pool.shutdown(wait=False, cancel_futures=True)
 
 
@@ -43,10 +45,13 @@ class _Whole:
     """What all runs have simulated together, and whether they are to stop."""
 
     def __init__(self, progress: Progress) -> None:
-        self.stop = threading.Event()
+        self.stopped_by = ""
         self._progress = progress
         self._simulated = 0.0
         self._lock = threading.Lock()
+
+    def stop(self, why: str) -> None:
+        self.stopped_by = self.stopped_by or why
 
     def advance(self, by: float) -> None:
         with self._lock:
@@ -63,12 +68,12 @@ class _Part(Progress):
         self._before = 0.0
 
     def reached(self, simulated: float) -> None:
-        if self._whole.stop.is_set():
-            raise KeyboardInterrupt
+        if self._whole.stopped_by:
+            raise Stopped(self._whole.stopped_by)
         self._whole.advance(simulated - self._before)
         self._before = simulated
 
 
-def _stopped(jobs: Mapping[Design, Path]) -> str:
+def _stopped(jobs: Mapping[Design, Path], stop: KeyboardInterrupt) -> str:
     folder = next(iter(jobs.values())).parent
-    return f"stopped by Ctrl-C; the logs of the runs so far are in {folder}"
+    return f"stopped by {cause(stop)}; the logs of the runs so far are in {folder}"

@@ -23,7 +23,7 @@ from cycloid_mj.cli.flags import (
     within,
 )
 from cycloid_mj.cli.outfile import folder
-from cycloid_mj.cli.simulate import QuietFlag, require_possible
+from cycloid_mj.cli.simulate import QuietFlag, logs_folder, require_possible
 from cycloid_mj.cli.verdict import report
 from cycloid_mj.design import Design, override
 from cycloid_mj.errors import LogError, UsageError
@@ -83,7 +83,7 @@ OutFlag = Annotated[
     Parameter(
         metavar="DIR",
         help="Folder of logs and figures, made if there is none. It must not hold any of the logs yet, unless --force; "
-        f"its figures are replaced. Default: {RUNS}, or the next free one of {RUNS}-2, ...; for logs, the first log's "
+        f"its figures are replaced. Default: {RUNS}, or the first new one of {RUNS}-2, ...; for logs, the first log's "
         "path with -compare for .mcap.",
     ),
 ]
@@ -218,7 +218,7 @@ def _from_runs(
             names.setdefault(variation.of(design), f"{_log_name(design)}-{words.replace(' ', '-')}")
     for design in names:
         require_possible(design)
-    into = _folder(out, list(names.values()), force)
+    into = logs_folder(RUNS, out, list(names.values()), force)
     logs = {design: into / f"{name}.mcap" for design, name in names.items()}
     run_all(logs, min(workers, len(logs)), force, quiet)
     motions, trials = {}, {}
@@ -234,20 +234,6 @@ def _from_runs(
 def _log_name(design: Design) -> str:
     load = design.load.torque
     return f"{design.name}-{f'{load:g}Nm' if load else 'no-load'}"
-
-
-def _folder(out: str | None, names: Sequence[str], force: bool) -> Path:
-    """Give the folder asked for, or the next one of the usual names that holds none of the logs."""
-    number = 1
-    while True:
-        usual = RUNS if number == 1 else f"{RUNS}-{number}"
-        path = folder(usual if out is None else out, "the logs")
-        existing = next((name for name in names if (path / f"{name}.mcap").exists()), None)
-        if force or existing is None:
-            return path
-        if out is not None:
-            raise LogError(f"log {path / existing}.mcap exists already: give another --out, or --force to replace it")
-        number += 1
 
 
 def _measured(log: Path, place: tuple[float, float] | None) -> "tuple[Series, Trial]":

@@ -52,10 +52,18 @@ def write_csv(file: str, columns: Columns) -> None:
 def folder(name: str, what: str) -> Path:
     """Give the folder `name`, made if there is none; raise CycloidError if that cannot be."""
     path = Path(name)
+    if new_folder(name, what) or path.is_dir():
+        return path
+    raise CycloidError(f"cannot write {what} to {name}: it is a file; give a folder with --out")
+
+
+def new_folder(name: str, what: str) -> Path | None:
+    """Make the folder `name` and give it, or None if something has that name; raise CycloidError if that cannot be."""
+    path = Path(name)
     try:
-        path.mkdir(parents=True, exist_ok=True)
+        path.mkdir(parents=True)
     except FileExistsError:
-        raise CycloidError(f"cannot write {what} to {name}: it is a file; give a folder with --out") from None
+        return None
     except OSError as problem:
         raise CycloidError(
             f"cannot make the folder {name} for {what}: {problem.strerror or problem}; choose another with --out"

@@ -125,9 +125,9 @@ class _Logs:
             try:
                 run_all(missing, min(os.cpu_count() or 1, len(missing)), force=True, quiet=self._quiet)
             except RunError as error:
-                if isinstance(error.__context__, KeyboardInterrupt):
+                if isinstance(error.__cause__, KeyboardInterrupt):
                     # Ctrl-C ends the command, not this stage alone
-                    raise KeyboardInterrupt from None
+                    raise error.__cause__ from None
                 raise
         self._known |= {design: read(path) for design, path in paths.items()}
         return [self._known[design] for design in designs]

@@ -1,8 +1,9 @@
 """``cycloid-mj simulate``: run a design, log it as it goes, and hold the run against the closed form."""
 
 import time
-from collections.abc import Iterable
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import chain, count
 from json import dumps
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, NoReturn
@@ -10,12 +11,12 @@ from typing import TYPE_CHECKING, Annotated, Literal, NoReturn
 from cyclopts import Parameter
 
 from cycloid_mj.cli.flags import HOLD, LOAD, RAMP, SPEED, TIMESTEP, DesignFlag, JsonFlag, SetFlag, designed
-from cycloid_mj.cli.interrupt import unbroken
-from cycloid_mj.cli.outfile import folder
+from cycloid_mj.cli.outfile import folder, new_folder
 from cycloid_mj.cli.progress import Progress
 from cycloid_mj.cli.report import report
 from cycloid_mj.design import Design
 from cycloid_mj.errors import CycloidError, LogError, RunError, UsageError
+from cycloid_mj.interrupt import cause, unbroken
 
 if TYPE_CHECKING:
     from cycloid_mj.analysis import Findings
@@ -52,7 +53,13 @@ OutFlag = Annotated[
         f"--force. Default: {RUNS}, where a design's next runs become <design>-2.mcap, <design>-3.mcap, ...",
     ),
 ]
-ForceFlag = Annotated[bool, Parameter(help="Replace DIR/<design>.mcap if it exists.")]
+ForceFlag = Annotated[
+    bool,
+    Parameter(
+        help="Replace DIR/<design>.mcap if it exists, once the new run is complete. Until then its samples are in "
+        "DIR/<design>.partial.mcap; those of a run that does not reach its end stay there, and the old log as it was."
+    ),
+]
 QuietFlag = Annotated[bool, Parameter(help="No progress and no messages but errors on stderr.")]
 
 
@@ -81,17 +88,53 @@ def simulate(
     `cycloid-mj analyze` and `cycloid-mj plot` read it.
 
     A run that goes wrong (not a number, a warning of MuJoCo's, a contact too
-    deep, a jumped tooth) or is stopped by Ctrl-C ends with an error and exit
-    code 1; its log holds what came before.
+    deep, a jumped tooth) or is stopped (Ctrl-C, SIGTERM, SIGHUP) ends with an
+    error and exit code 1; its log holds what came before. Two runs never
+    write one log: the second takes the next name, or ends with an error.
     """
     values = [(TIMESTEP, timestep_us), (SPEED, speed_rpm), (RAMP, ramp_s), (HOLD, hold_s), (LOAD, load_nm)]
     chosen = designed(design, set_, values)
     require_possible(chosen)
-    path = _log_path(chosen, out, force)
+    into = folder(RUNS if out is None else out, "the log")
+    names: Iterable[Path] = [into / f"{chosen.name}.mcap"]
+    if out is None and not force:
+        names = _free_names(into, chosen.name)
+    elif not force:
+        require_free(*names)
     with Progress(chosen.drive.ramp + chosen.drive.hold, quiet) as progress:
-        steps, wall = run_into_log(chosen, path, force, progress, contact)
-    report(_judged(path, steps, wall), json)
+        ran = run_into_log(chosen, names, force, progress, contact)
+    report(ran.judged(), json)
     return 0
+
+
+@dataclass(frozen=True)
+class Ran:
+    """A run that is in its log.
+
+    Attributes
+    ----------
+    log
+        The file.
+    steps
+        Steps of the run.
+    wall
+        Time that they took, with the log [s].
+    findings
+        The run's judgement, or why it cannot be judged.
+    """
+
+    log: Path
+    steps: int
+    wall: float
+    findings: "Findings | CycloidError"
+
+    def judged(self) -> "Findings":
+        """Give the findings of the run; raise LogError if it cannot be judged."""
+        if isinstance(self.findings, CycloidError):
+            raise LogError(
+                f"the run was logged to {self.log}, but cannot be judged: {self.findings}"
+            ) from self.findings
+        return replace(self.findings, steps=self.steps, wall_s=self.wall)
 
 
 def require_possible(design: Design) -> None:
@@ -110,34 +153,44 @@ def require_possible(design: Design) -> None:
     require_sound(design)
 
 
-def _log_path(design: Design, out: str | None, force: bool) -> Path:
-    """Give the log's file: in the folder asked for, or the next free name in the usual one."""
-    path = folder(RUNS if out is None else out, "the log") / f"{design.name}.mcap"
-    if force or not path.exists():
-        return path
-    if out is not None:
-        raise LogError(f"log {path} exists already: give another --out, or --force to replace it")
-    number = 2
-    while (path := path.with_name(f"{design.name}-{number}.mcap")).exists():
-        number += 1
-    return path
+def require_free(*logs: Path) -> None:
+    """Raise LogError, before the work begins, if a log is there already."""
+    for log in logs:
+        if log.exists():
+            raise LogError(f"log {log} exists already: give another --out, or --force to replace it")
 
 
-def _judged(path: Path, steps: int, wall: float) -> "Findings":
-    from cycloid_mj.analysis import analyze
-    from cycloid_mj.log import read
+def logs_folder(usual: str, out: str | None, names: Sequence[str], force: bool) -> Path:
+    """Give the folder for the logs `names`: the one asked for, or the first of `usual`, `usual`-2, ... that is new.
 
-    try:
-        findings = analyze(read(path), log=str(path))
-    except LogError as error:
-        raise LogError(f"the run was logged to {path}, but cannot be judged: {error}") from error
-    return replace(findings, steps=steps, wall_s=wall)
+    Making the folder claims it: of two commands at once each gets its own.
+
+    Raises
+    ------
+    CycloidError
+        The folder cannot be made.
+    LogError
+        The folder asked for holds one of the logs, and they are not to be replaced.
+    """
+    if out is None and not force:
+        numbered = (f"{usual}-{number}" for number in count(2))
+        return next(path for name in chain([usual], numbered) if (path := new_folder(name, "the logs")))
+    into = folder(usual if out is None else out, "the logs")
+    if not force:
+        require_free(*(into / f"{name}.mcap" for name in names))
+    return into
+
+
+def _free_names(into: Path, name: str) -> Iterator[Path]:
+    """Give the names that the usual folder has for a design's runs and that are free, one after the other."""
+    numbered = (into / f"{name}-{number}.mcap" for number in count(2))
+    yield from (path for path in chain([into / f"{name}.mcap"], numbered) if not path.exists())
 
 
 def run_into_log(
-    design: Design, path: Path, force: bool, progress: Progress, contact: "Contact" = "profile"
-) -> tuple[int, float]:
-    """Run a design into its log; give steps and wall time [s] of the step loop with its log."""
+    design: Design, names: Iterable[Path], force: bool, progress: Progress, contact: "Contact" = "profile"
+) -> Ran:
+    """Run a design into the first log of `names` that no other run has taken meanwhile."""
     progress.tell("preparing the model")
     from cycloid_mj.contact.regime import warnings
     from cycloid_mj.log import LogWriter
@@ -155,23 +208,41 @@ def run_into_log(
     told |= {"warnings": "; ".join(troubles)} if troubles else {}
     start = time.perf_counter()
     scene = Scene(design, design.settings.scene_rate)
-    with LogWriter(path, groups, told, attachments(reducer, design), force=force, viewer=scene) as log:
+    files = attachments(reducer, design)
+    with _first(names, lambda path: LogWriter(path, groups, told, files, force=force, viewer=scene)) as log:
         _record(blocks(reducer, design), log, progress)
         wall = time.perf_counter() - start
         log.flush()
-        log.close(attachments=_findings(path))
-    return plan.steps, wall
+        findings = _judgement(log)
+        log.close(attachments={} if isinstance(findings, CycloidError) else _attached(findings))
+    return Ran(log.path, plan.steps, wall, findings)
 
 
-def _findings(path: Path) -> dict[str, bytes]:
-    """Give the judgement of a log that is whole but for its end, as an attachment; none if it cannot be judged."""
+def _first(names: Iterable[Path], opened: Callable[[Path], "LogWriter"]) -> "LogWriter":
+    """Open the first log of `names` that is not taken; raise LogTakenError if all are."""
+    from cycloid_mj.log import LogTakenError
+
+    taken: LogError = LogError("there is no name for the log")
+    for path in names:
+        try:
+            return opened(path)
+        except LogTakenError as problem:
+            taken = problem
+    raise taken
+
+
+def _judgement(log: "LogWriter") -> "Findings | CycloidError":
+    """Judge a log that is whole but for its end; it may have another name until it is closed."""
     from cycloid_mj.analysis import analyze
     from cycloid_mj.log import read
 
     try:
-        findings = analyze(replace(read(path), complete=True, note=""), log=str(path))
-    except CycloidError:
-        return {}
+        return analyze(replace(read(log.path), complete=True, note=""), log=str(log.name))
+    except CycloidError as problem:
+        return problem
+
+
+def _attached(findings: "Findings") -> dict[str, bytes]:
     return {"findings.json": dumps(findings.as_json(), indent=2).encode()}
 
 
@@ -191,14 +262,14 @@ def _record(samples: "Iterable[Block]", log: "LogWriter", progress: Progress) ->
             with unbroken():
                 log.write(block.time, block.values)
             progress.reached(float(block.time[-1]))
-    except KeyboardInterrupt:
-        _broken_off(log, "stopped by Ctrl-C")
+    except KeyboardInterrupt as stop:
+        _broken_off(log, f"stopped by {cause(stop)}")
     except RunError as error:
         _broken_off(log, str(error))
 
 
 def _broken_off(log: "LogWriter", why: str) -> NoReturn:
-    with unbroken():
-        log.close(note=why, complete=False)
+    log.close(note=why, complete=False)
     kept = f"the {log.samples} samples up to then are in {log.path}" if log.samples else "nothing was logged"
-    raise RunError(f"{why}; {kept}")
+    old = f"; the log before is still {log.name}" if log.path != log.name else ""
+    raise RunError(f"{why}; {kept}{old}")

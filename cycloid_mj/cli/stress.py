@@ -13,11 +13,11 @@ from cyclopts import Parameter
 
 from cycloid_mj.cli.flags import LOAD, JsonFlag, SetFlag, designed, within
 from cycloid_mj.cli.outfile import folder
-from cycloid_mj.cli.simulate import QuietFlag, require_possible
+from cycloid_mj.cli.simulate import QuietFlag, logs_folder, require_possible
 from cycloid_mj.cli.stressfiles import report
 from cycloid_mj.cli.terminal import tell
 from cycloid_mj.design import Design, override
-from cycloid_mj.errors import LogError, UsageError
+from cycloid_mj.errors import UsageError
 
 if TYPE_CHECKING:
     from cycloid_mj.record import Run
@@ -86,7 +86,7 @@ OutFlag = Annotated[
     Parameter(
         metavar="DIR",
         help="Folder of logs, figures, VTU files and stress.json, made if there is none. It must not hold any of the "
-        f"logs yet, unless --force; other files are replaced. Default: {RUNS}, or the next free one of {RUNS}-2, ...; "
+        f"logs yet, unless --force; other files are replaced. Default: {RUNS}, or the first new one of {RUNS}-2, ...; "
         "with --log, the first log's path with -stress for .mcap.",
     ),
 ]
@@ -182,7 +182,7 @@ def _run(designs: Sequence[Design], out: str | None, force: bool, quiet: bool) -
         raise UsageError(f"two of the designs are called {twice!r}: give each a name of its own in its file")
     for design in designs:
         require_possible(design)
-    into = _folder(out, names, force)
+    into = logs_folder(RUNS, out, names, force)
     logs = {design: into / f"{design.name}.mcap" for design in designs}
     run_all(logs, min(os.cpu_count() or 1, len(logs)), force, quiet)
     return into, [(design, read(path), path) for design, path in logs.items()]
@@ -204,20 +204,6 @@ def _read(logs: Sequence[str], designs: Sequence[str], out: str | None) -> tuple
             require_same(designed(designs[number], (), ()), ran)
         found.append((ran, run, Path(name)))
     return folder(f"{logs[0].removesuffix('.mcap')}-stress" if out is None else out, "the figures"), found
-
-
-def _folder(out: str | None, names: Sequence[str], force: bool) -> Path:
-    """Give the folder asked for, or the next one of the usual names that holds none of the logs."""
-    number = 1
-    while True:
-        usual = RUNS if number == 1 else f"{RUNS}-{number}"
-        path = folder(usual if out is None else out, "the logs")
-        existing = next((name for name in names if (path / f"{name}.mcap").exists()), None)
-        if force or existing is None:
-            return path
-        if out is not None:
-            raise LogError(f"log {path / existing}.mcap exists already: give another --out, or --force to replace it")
-        number += 1
 
 
 def _studied(

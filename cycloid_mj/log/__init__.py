@@ -33,9 +33,10 @@ follow from the columns, so that a log loses nothing without them: `rewrite` mak
 """
 
 from cycloid_mj.log.encoding import FORMAT, Group
+from cycloid_mj.log.place import LogTakenError
 from cycloid_mj.log.reader import Log, Shown, load, read
 from cycloid_mj.log.rewrite import rewrite
 from cycloid_mj.log.viewer import Viewer
 from cycloid_mj.log.writer import LogWriter
 
-__all__ = ["FORMAT", "Group", "Log", "LogWriter", "Shown", "Viewer", "load", "read", "rewrite"]
+__all__ = ["FORMAT", "Group", "Log", "LogTakenError", "LogWriter", "Shown", "Viewer", "load", "read", "rewrite"]

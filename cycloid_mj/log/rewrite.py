@@ -10,6 +10,8 @@ from cycloid_mj.log.writer import LogWriter
 def rewrite(log: Log, path: str | os.PathLike[str], viewer: Viewer | None = None, *, force: bool = False) -> None:
     """Write a log that was loaded to another file, whole: every topic, the provenance and every attachment.
 
+    The file appears once it is whole.
+
     A cut log stays incomplete, and its note goes on to say how far it was read.
 
     Parameters
@@ -30,6 +32,6 @@ def rewrite(log: Log, path: str | os.PathLike[str], viewer: Viewer | None = None
     """
     run = log.run
     groups = {topic: [(name, run.units[name]) for name in names] for topic, names in log.topics.items()}
-    with LogWriter(path, groups, run.provenance, run.attachments, force=force, viewer=viewer) as writer:
+    with LogWriter(path, groups, run.provenance, run.attachments, force=force, viewer=viewer, hidden=True) as writer:
         writer.write(run.time, {topic: run.block(names) for topic, names in log.topics.items()})
         writer.close(run.note, run.complete)

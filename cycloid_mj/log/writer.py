@@ -13,7 +13,9 @@ import numpy.typing as npt
 from mcap.writer import Writer
 
 from cycloid_mj.errors import LogError
+from cycloid_mj.interrupt import unbroken
 from cycloid_mj.log.encoding import FORMAT, PACKAGE, Group
+from cycloid_mj.log.place import LogTakenError
 from cycloid_mj.log.start import attach, started, storable
 from cycloid_mj.log.viewer import RATE, Message, Viewer, due
 
@@ -25,8 +27,8 @@ class LogWriter:
     """A log that is being written; a context manager.
 
     An exception that leaves the ``with`` block closes the log as incomplete and goes on.
-    With `force`, the new log is started in a hidden file beside the old one and takes its place only once its
-    attachments and metadata are on disk: if that fails, the old log is as it was.
+    With `force`, the new log is written beside the old one, to ``<name>.partial.mcap`` or the next free number of it,
+    and takes its place when it is closed as complete. A log that is not stays there, and the old one as it was.
 
     Parameters
     ----------
@@ -44,11 +46,16 @@ class LogWriter:
         Whether to replace an existing log.
     viewer
         What makes the messages for viewers of the samples, such as ``scene.Scene``.
+    hidden
+        Whether the log appears when it is closed and not before, complete or not: for a log that is written anew from
+        memory. Nothing is left of one that was not closed.
 
     Raises
     ------
+    LogTakenError
+        The file exists, without `force`.
     LogError
-        The file exists or cannot be written, or names of columns are wrong or occur twice.
+        Another run is writing it, or it cannot be written, or names of columns are wrong or occur twice.
     """
 
     def __init__(
@@ -61,8 +68,8 @@ class LogWriter:
         chunk_size: int = 512 * 1024,
         force: bool = False,
         viewer: Viewer | None = None,
+        hidden: bool = False,
     ) -> None:
-        self.path = Path(path)
         self.samples = 0
         self._groups = _checked(groups)
         self._on_disk = 0
@@ -71,7 +78,7 @@ class LogWriter:
         size = sum(group.zeros.size for group in self._groups)
         self._chunk = max(1, chunk_size // size)
         preamble = {PACKAGE: {"format": FORMAT}, "provenance": dict(provenance or {})}
-        self._stream, self._mcap = started(self.path, force, preamble, attachments or {})
+        self._place, self._mcap = started(Path(path), force, hidden, preamble, attachments or {})
         self._channels = [
             self._mcap.register_channel(
                 group.topic,
@@ -84,6 +91,16 @@ class LogWriter:
         self._viewer = viewer
         self._frames: Counter[str] = Counter()
         self._viewer_channels = _viewer_channels(self._mcap, viewer) if viewer else {}
+
+    @property
+    def path(self) -> Path:
+        """Where the log is: at the name asked for, or beside an old log of that name until it is complete."""
+        return self._place.at
+
+    @property
+    def name(self) -> Path:
+        """The name that was asked for."""
+        return self._place.path
 
     def write(self, time: Array, values: Mapping[str, Array]) -> None:
         """Append k samples.
@@ -124,7 +141,7 @@ class LogWriter:
         self._on_disk = self.samples
 
     def close(self, note: str = "", complete: bool = True, attachments: Mapping[str, bytes] | None = None) -> None:
-        """Finish the log. A second call does nothing.
+        """Finish the log. A second call does nothing. One that is neither complete nor has samples is removed.
 
         Parameters
         ----------
@@ -138,20 +155,16 @@ class LogWriter:
         Raises
         ------
         LogError
-            The disk takes no more: the log keeps every chunk before.
+            The disk takes no more: the log keeps every chunk before. Or it cannot take the name asked for.
         """
         if not self._open:
             return
-        self.flush()
-        end = {"complete": "true" if complete else "false", "note": storable(note), "samples": str(self.samples)}
-        try:
-            attach(self._mcap, attachments or {})
-            self._mcap.add_metadata(f"{PACKAGE}.end", end)
-            self._mcap.finish()
-            self._stream.close()
-        except OSError as problem:
-            raise self._failed(problem) from problem
-        self._open = False
+        with unbroken():
+            if not complete and not self.samples:
+                self._abandon()
+                return
+            self.flush()
+            self._end(note, complete, attachments or {})
 
     def __enter__(self) -> "LogWriter":
         return self
@@ -159,6 +172,9 @@ class LogWriter:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
         if error is None:
             self.close()
+            return
+        if self._place.hidden:
+            self._abandon()
             return
         with suppress(LogError):
             self.close(note=f"{type(error).__name__}: {error}".removesuffix(": "), complete=False)
@@ -215,13 +231,35 @@ class LogWriter:
         if not (np.isfinite(time).all() and (time >= 0.0).all() and (np.diff(time, prepend=self._last) > 0.0).all()):
             raise LogError(f"times of samples after {self._last} s are not finite, not negative and increasing")
 
-    def _failed(self, problem: OSError) -> LogError:
+    def _end(self, note: str, complete: bool, attachments: Mapping[str, bytes]) -> None:
+        """Write what comes after the samples, and let the log take its name."""
+        end = {"complete": "true" if complete else "false", "note": storable(note), "samples": str(self.samples)}
+        try:
+            attach(self._mcap, attachments)
+            self._mcap.add_metadata(f"{PACKAGE}.end", end)
+            self._mcap.finish()
+            self._place.finish(complete or self._place.hidden)
+        except OSError as problem:
+            raise self._failed(problem) from problem
+        except LogTakenError:
+            self._abandon()
+            raise
         self._open = False
-        with suppress(OSError):
-            self._stream.close()
+
+    def _abandon(self) -> None:
+        self._open = False
+        self._place.drop()
+
+    def _failed(self, problem: OSError) -> LogError:
+        reason = problem.strerror or problem
+        if self._place.hidden:
+            self._abandon()
+            return LogError(f"cannot write log {self._place.path}: {reason}; make room or choose another folder")
+        self._open = False
+        self._place.leave()
         return LogError(
-            f"cannot write log {self.path}: {problem.strerror or problem}; its first {self._on_disk} samples are on "
-            "disk and can be read; make room or choose another folder, then run again"
+            f"cannot write log {self.path}: {reason}; its first {self._on_disk} samples are on disk and can be read; "
+            "make room or choose another folder, then run again"
         )
 
 

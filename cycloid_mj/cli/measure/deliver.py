@@ -6,9 +6,9 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from cycloid_mj.cli.interrupt import unbroken
 from cycloid_mj.cli.outfile import write_text
 from cycloid_mj.cli.terminal import finite, say, say_json, say_table, tell
+from cycloid_mj.interrupt import unbroken
 
 if TYPE_CHECKING:
     from cycloid_mj.measure import Measurement, Quantity
@@ -66,7 +66,7 @@ def write_log(run: "Run", path: Path) -> Path:
 
     groups = topics(run)
     units = {topic: [(name, run.units[name]) for name in names] for topic, names in groups.items()}
-    with LogWriter(path, units, run.provenance, run.attachments, force=True) as log:
+    with LogWriter(path, units, run.provenance, run.attachments, force=True, hidden=True) as log:
         log.write(run.time, {topic: run.block(names) for topic, names in groups.items()})
         log.close(run.note, run.complete)
     return path

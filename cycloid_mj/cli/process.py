@@ -1,0 +1,37 @@
+"""The process ``cycloid-mj``: what it does with signals, from its first moment to its last, and with closed streams."""
+
+import os
+import sys
+from collections.abc import Sequence
+from io import StringIO
+
+from cycloid_mj.interrupt import cause, end_on_signals, raise_on_signals
+
+FAILURE = 1
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command, by default that of ``sys.argv``, and give its exit code; see `cycloid_mj.cli.app`."""
+    from cycloid_mj.cli import app
+
+    return app.main(argv)
+
+
+def run() -> None:
+    """Run the command of ``sys.argv`` and end the process with its exit code."""
+    # a stream that was closed before the start is None
+    sys.stdout = sys.stdout or StringIO()
+    sys.stderr = sys.stderr or StringIO()
+    code = FAILURE
+    try:
+        raise_on_signals()
+        code = main()
+        sys.stdout.flush()
+    except KeyboardInterrupt as stop:
+        # before `main` could tell it, such as while modules were loaded
+        sys.stderr.write(f"error: stopped by {cause(stop)}\n")
+    except OSError:
+        # the pipe is closed: what is left must not be flushed again, and complained about, when Python ends
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    end_on_signals()
+    sys.exit(code)

@@ -1,0 +1,60 @@
+"""Signals that end a program: SIGTERM and SIGHUP end it as Ctrl-C does, and none of them in the midst of a file."""
+
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+STOPPING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+"""The signals that ask a program to end; Windows has no SIGHUP."""
+
+
+class Stopped(KeyboardInterrupt):
+    """The program was asked to end, by something else than Ctrl-C; its text says by what, such as "SIGTERM"."""
+
+
+def cause(stop: KeyboardInterrupt) -> str:
+    """Tell what stopped the program, for use after "stopped by"."""
+    return str(stop) or "Ctrl-C"
+
+
+def raise_on_signals() -> None:
+    """Let SIGTERM and SIGHUP raise `Stopped` from now on; one that is ignored, as by nohup, stays so."""
+    for number in STOPPING:
+        if number != signal.SIGINT and signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, _stop)
+
+
+def end_on_signals() -> None:
+    """Let every such signal end this process at once from now on: nothing is left to be cleared up."""
+    for number in STOPPING:
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, signal.SIG_DFL)
+
+
+@contextmanager
+def unbroken() -> Iterator[None]:
+    """Hold Ctrl-C, SIGTERM and SIGHUP back until the block is done: a sample cut in two would spoil a log.
+
+    The first one held back is raised anew after the block, for whoever handled it before.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    held: list[int] = []
+    before: dict[int, Any] = {}
+    try:
+        for number in STOPPING:
+            if signal.getsignal(number) not in (signal.SIG_IGN, None):
+                before[number] = signal.signal(number, lambda number, _: held.append(number))
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        if held:
+            signal.raise_signal(held[0])
+
+
+def _stop(number: int, _: Any) -> None:
+    raise Stopped(signal.Signals(number).name)
