@@ -25,9 +25,11 @@ ASSUMED_HERE = {
     "ring": {"sleeve_thickness_mm"},
     "gear": {"face_width_mm", "bore_radius_mm", "bearing"},
     "clearance": {"pin_sleeve_um"},
-    "output": {"rollers", "pins", "pin_radius_mm", "pin_circle_radius_mm", "hole_radius_mm", "disc_thickness_mm"},
-    "shaft": {"radius_mm", "length_mm", "counterweight_radius_mm"},
-    "housing": {"outer_radius_mm"},
+    "output": {"rollers", "pins", "pin_radius_mm", "pin_circle_radius_mm", "hole_radius_mm", "disc_thickness_mm"}
+    | {"core_radius_mm", "fillet_radius_mm"},
+    "shaft": {"radius_mm", "length_mm", "counterweight_radius_mm", "mounting", "fillet_radius_mm"}
+    | {"bearing_width_mm", "bearing_offset_mm", "bearing_spacing_mm"},
+    "housing": {"outer_radius_mm", "support", "bolts", "bolt_circle_radius_mm", "bolt_radius_mm"},
     "errors": {
         *("seed", "pin_position_um", "pin_radius_um", "hole_position_um", "eccentricity_um"),
         *("pin_x_um", "pin_y_um", "pin_dr_um", "hole_x_um", "hole_y_um"),
@@ -177,7 +179,7 @@ def test_the_file_has_every_key_and_says_what_is_assumed() -> None:
 
 def test_a_key_states_its_unit() -> None:
     # Numbers without a unit in their key are counts, ratios and friction coefficients, and nothing else.
-    bare = {"teeth", "pins", "seed", "cam_rollers", "damping_ratio", "poisson"}
+    bare = {"teeth", "pins", "bolts", "seed", "cam_rollers", "damping_ratio", "poisson"}
     for table, field in Design.model_fields.items():
         for name, inner in getattr(field.annotation, "model_fields", {}).items():
             if inner.annotation in (int, float) and table not in ("friction", "damping"):
@@ -212,7 +214,7 @@ def test_a_design_is_a_frozen_value() -> None:
         ("eccentricity_mm = 1", r"unknown key eccentricity_mm; did you mean gear\.eccentricity_mm\?"),
         ("[gear]\npin_radius_mm = 1", r"did you mean ring\.pin_radius_mm or output\.pin_radius_mm\?"),
         ("[load]\nspeed_rpm = 1", r"unknown key load\.speed_rpm; did you mean drive\.speed_rpm\?"),
-        ("[housing]\nqqqq = 1", r"known keys here: housing\.outer_radius_mm$"),
+        ("[environment]\nqqqq = 1", r"known keys here: environment\.gravity_x_m_s2, environment\.gravity_y_m_s2$"),
         ("zzzz = 1", r"known keys here: name, ring, gear, "),
     ],
 )

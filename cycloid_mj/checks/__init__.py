@@ -6,7 +6,7 @@ stated: ``WALL_SHARE``, ``PLAY_SHARE``, ``OVERLOAD`` and ``PLAUSIBLE``.
 """
 
 from cycloid_mj.checks.assembly import assembly_checks
-from cycloid_mj.checks.body import balance, body_checks
+from cycloid_mj.checks.body import balance, bearings, body_checks
 from cycloid_mj.checks.limit import Check, Limit
 from cycloid_mj.checks.mechanics import OVERLOAD, PLAUSIBLE, PLAY_SHARE, mechanical_checks
 from cycloid_mj.checks.teeth import WALL_SHARE, tooth_checks
@@ -23,8 +23,14 @@ def check(design: Design) -> tuple[Check, ...]:
     """
     shape = (*tooth_checks(design), *body_checks(design))
     whole = all(item.passed for item in shape) and design.shaft.radius < design.shaft.counterweight_radius
-    of_whole = [balance(design), *assembly_checks(design)] if whole else []
+    of_whole = _of_whole(design) if whole else ()
     return (*shape, *of_whole, *mechanical_checks(design))
+
+
+def _of_whole(design: Design) -> tuple[Check, ...]:
+    """Give what a sound gear can be checked for: bearings stand beside a counterweight that balances it."""
+    balanced = balance(design)
+    return (balanced, *((bearings(design),) if balanced.passed else ()), *assembly_checks(design))
 
 
 def require_sound(design: Design) -> None:

@@ -55,11 +55,8 @@ def balance(design: Design) -> Check:
     Static moments about the axis: w c (S_gear + S_cam) < 2/3 (R^3 - r^3) L with the face width w, areas S, radii R and
     r of counterweight and shaft, and the shaft's length L.
     """
-    gear, shaft = design.gear, design.shaft
-    cut_out = math.pi * (_bore(design) ** 2 + design.output.pins * _hole(design) ** 2)
-    area = profile.area(gear_profile(design), profile_offset(design)) - cut_out + math.pi * gear.bore_radius**2
-    moment = gear.face_width * gear.eccentricity * area
-    moment_per_length = 2 / 3 * (shaft.counterweight_radius**3 - shaft.radius**3)
+    shaft = design.shaft
+    moment, moment_per_length = _static_moments(design)
     return verdict(
         design,
         "balance",
@@ -67,6 +64,33 @@ def balance(design: Design) -> Check:
         "a smaller half-disc counterweight cannot balance the gear within the length of the shaft",
         Limit("shaft.length", "more than", moment / moment_per_length),
     )
+
+
+def bearings(design: Design) -> Check:
+    """Check that the bearings of the shaft find room on its journal, before the counterweight that balances it.
+
+    Bearings whose width or spacing follows a rule take the room that there is.
+    """
+    shaft = design.shaft
+    moment, moment_per_length = _static_moments(design)
+    beside = 0.0 if shaft.mounting == "straddle" else shaft.bearing_spacing or shaft.bearing_width
+    return verdict(
+        design,
+        "bearings",
+        Limit(
+            "shaft.length", "at least", moment / moment_per_length + shaft.bearing_offset + shaft.bearing_width + beside
+        ),
+        "counterweight and bearings stand on the shaft one beside the other",
+    )
+
+
+def _static_moments(design: Design) -> tuple[float, float]:
+    """Give the static moment of gear and cam [m4], and that of the counterweight per thickness [m3]."""
+    gear, shaft = design.gear, design.shaft
+    cut_out = math.pi * (_bore(design) ** 2 + design.output.pins * _hole(design) ** 2)
+    area = profile.area(gear_profile(design), profile_offset(design)) - cut_out + math.pi * gear.bore_radius**2
+    moment = gear.face_width * gear.eccentricity * area
+    return moment, 2 / 3 * (shaft.counterweight_radius**3 - shaft.radius**3)
 
 
 def _neighbouring_holes(design: Design) -> Check:

@@ -3,7 +3,8 @@
 import math
 from collections.abc import Iterator
 
-from cycloid_mj.checks.limit import Check, Limit, told, verdict
+from cycloid_mj.checks.limit import Check, Limit, millimetres, told, verdict
+from cycloid_mj.checks.teeth import pitches
 from cycloid_mj.design import Design
 from cycloid_mj.design.units import MICROMETRE
 
@@ -25,7 +26,10 @@ def mechanical_checks(design: Design) -> Iterator[Check]:
         Limit("output.pins", "at least", 3),
         "two output pins carry no torque when they stand in line with the eccentricity",
     )
+    yield from _output_root_checks(design)
     yield from _shaft_checks(design)
+    if design.housing.support == "bolts" and design.ring_root_radius < design.housing.outer_radius:
+        yield from _bolt_checks(design)
     yield _play(design)
     yield verdict(
         design,
@@ -42,6 +46,45 @@ def mechanical_checks(design: Design) -> Iterator[Check]:
     yield from _drive_checks(design)
 
 
+def _output_root_checks(design: Design) -> Iterator[Check]:
+    output = design.output
+    if output.rollers:
+        yield verdict(
+            design,
+            "output_core",
+            Limit("output.core_radius", "less than", output.pin_radius),
+            "the core pin carries the roller round it",
+            Limit("output.pin_radius", "more than", output.core_radius),
+        )
+    yield verdict(
+        design,
+        "output_fillet",
+        Limit("output.fillet_radius", "less than", output.root_radius),
+        "a fillet is to be smaller than the radius of the pin it rounds off",
+    )
+
+
+def _bolt_checks(design: Design) -> Iterator[Check]:
+    """Check that the bolts' clamped circles lie within the wall behind the teeth, and apart from each other."""
+    outer, root, circle = design.housing.outer_radius, design.ring_root_radius, design.bolt_circle_radius
+    above = Limit("housing.bolt_circle_radius", "more than", root)
+    limit = Limit(above.key, "less than", outer) if circle > root else above
+    why = f"the bolts stand in the wall between the teeth (out to {millimetres(root)}) and the rim"
+    yield verdict(design, "bolt_circle", limit, why)
+    room = min(outer - circle, circle - max(root, 0.0))
+    if not room > 0.0:
+        return
+    yield verdict(design, "bolt_radius", Limit("housing.bolt_radius", "less than", room), why)
+    if design.bolt_radius < room:
+        yield verdict(
+            design,
+            "bolts",
+            Limit("housing.bolts", "less than", pitches(design.bolt_radius / circle)),
+            "neighbouring bolts would clamp the same place",
+            Limit("housing.bolt_radius", "less than", circle * math.sin(math.pi / design.housing.bolts)),
+        )
+
+
 def _shaft_checks(design: Design) -> Iterator[Check]:
     shaft, c = design.shaft, design.gear.eccentricity
     yield verdict(
@@ -50,6 +93,13 @@ def _shaft_checks(design: Design) -> Iterator[Check]:
         Limit("shaft.radius", "less than", design.gear.bore_radius - c),
         "the cam must enclose the shaft, or the gear cannot be slid on",
         Limit("gear.bore_radius", "more than", shaft.radius + c),
+    )
+    yield verdict(
+        design,
+        "shaft_fillet",
+        Limit("shaft.fillet_radius", "at most", max(design.gear.bore_radius - c - shaft.radius, 0.0)),
+        "the cam's shoulder, which is lowest opposite the eccentricity, leaves no more room for a fillet",
+        Limit("gear.bore_radius", "more than", shaft.radius + c + shaft.fillet_radius),
     )
     yield verdict(
         design,

@@ -13,6 +13,15 @@ Offsets = tuple[Annotated[float, Field(ge=-1e-3, le=1e-3, allow_inf_nan=False)],
 SLEEVE_ROOM = 0.05
 """Assumed: gap between a sleeve and the housing behind it, as a share of the sleeve's radius."""
 
+CORE_SHARE = 0.75
+"""Assumed: radius of the core pin under an output roller, as a share of the roller's."""
+
+FILLET_SHARE = 0.1
+"""Assumed: radius of a fillet, as a share of the radius of the thinner stretch."""
+
+BOLT_SHARE = 0.25
+"""Assumed: radius that a bolt of the ring clamps, as a share of the wall behind the teeth."""
+
 
 class Section(BaseModel):
     """One table of the design file."""
@@ -82,7 +91,29 @@ class Output(Section):
         5.0, "radius of a hole without its clearance: output pin + eccentricity", u.MILLIMETRE, ge=0.001, le=5000.0
     )
     rollers: bool = switch(True, "true: the output pins carry rollers; false: they slide in their holes")
+    core_radius: float = quantity(
+        0.0,
+        "radius of the core pin under a roller; 0: three quarters of pin_radius (without rollers the pin is solid)",
+        u.MILLIMETRE,
+        ge=0.0,
+        le=5000.0,
+    )
+    fillet_radius: float = quantity(
+        0.0, "fillet at the root of a pin; 0: a tenth of the core's radius", u.MILLIMETRE, ge=0.0, le=1000.0
+    )
     disc_thickness: float = quantity(8.0, "thickness of the output disc", u.MILLIMETRE, ge=0.001, le=5000.0)
+
+    @property
+    def root_radius(self) -> float:
+        """Radius of a pin at its root in the disc [m]: of the core under its roller, or of the solid pin."""
+        if not self.rollers:
+            return self.pin_radius
+        return self.core_radius or CORE_SHARE * self.pin_radius
+
+    @property
+    def root_fillet(self) -> float:
+        """Radius of the fillet at the root of a pin [m]."""
+        return self.fillet_radius or FILLET_SHARE * self.root_radius
 
 
 class Shaft(Section):
@@ -93,6 +124,31 @@ class Shaft(Section):
     counterweight_radius: float = quantity(
         30.0, "outer radius of the half-disc counterweight", u.MILLIMETRE, ge=0.001, le=5000.0
     )
+    mounting: Literal["overhang", "straddle"] = choice(
+        "overhang",
+        "overhang: both bearings before the counterweight; straddle: one there, one in the output's hub",
+    )
+    bearing_width: float = quantity(
+        0.0, "width of each bearing; 0: the shaft's radius, or less on a short journal", u.MILLIMETRE, ge=0.0, le=5000.0
+    )
+    bearing_offset: float = quantity(
+        0.0, "gap between the counterweight and the bearing next to it", u.MILLIMETRE, ge=0.0, le=5000.0
+    )
+    bearing_spacing: float = quantity(
+        0.0,
+        "overhang: distance between the middles of the two bearings; 0: the outer one stands at the end of the journal",
+        u.MILLIMETRE,
+        ge=0.0,
+        le=5000.0,
+    )
+    fillet_radius: float = quantity(
+        0.0, "fillet at the shoulders; 0: a tenth of the shaft's radius", u.MILLIMETRE, ge=0.0, le=1000.0
+    )
+
+    @property
+    def shoulder_fillet(self) -> float:
+        """Radius of the fillets at the shoulders [m]."""
+        return self.fillet_radius or FILLET_SHARE * self.radius
 
 
 class Housing(Section):
@@ -100,6 +156,16 @@ class Housing(Section):
 
     outer_radius: float = quantity(
         50.0, "outer radius of the pinwheel or internal gear", u.MILLIMETRE, ge=0.001, le=5000.0
+    )
+    support: Literal["bolts", "rim"] = choice(
+        "bolts", "what holds the ring: bolts, clamped round each of them; rim, a rigid seat all round outside"
+    )
+    bolts: int = quantity(6, "bolts on the bolt circle, the first on +y, where support is bolts", ge=2, le=400)
+    bolt_circle_radius: float = quantity(
+        0.0, "radius of the bolt circle; 0: the middle of the wall behind the teeth", u.MILLIMETRE, ge=0.0, le=5000.0
+    )
+    bolt_radius: float = quantity(
+        0.0, "radius that a bolt clamps; 0: a quarter of the wall behind the teeth", u.MILLIMETRE, ge=0.0, le=1000.0
     )
 
 
@@ -318,6 +384,24 @@ class Design(Section):
     def tooth_pair(self) -> str:
         """Kind of mating pair between gear and ring: pin_gear or tooth."""
         return "tooth" if self.ring.kind == "nonpin" else "pin_gear"
+
+    @property
+    def ring_root_radius(self) -> float:
+        """Radius out to which sockets or roots reach into the ring [m]: E + rho, or that of the gear's swept tips."""
+        ring = self.ring
+        if ring.kind == "pin":
+            return ring.pin_circle_radius + ring.pin_radius
+        return ring.pin_circle_radius - ring.pin_radius + 2.0 * self.gear.eccentricity
+
+    @property
+    def bolt_circle_radius(self) -> float:
+        """Radius of the ring's bolt circle [m]."""
+        return self.housing.bolt_circle_radius or (self.ring_root_radius + self.housing.outer_radius) / 2.0
+
+    @property
+    def bolt_radius(self) -> float:
+        """Radius that each of the ring's bolts clamps [m]."""
+        return self.housing.bolt_radius or BOLT_SHARE * (self.housing.outer_radius - self.ring_root_radius)
 
     @property
     def pin_play(self) -> float:
