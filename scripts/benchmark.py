@@ -3,6 +3,7 @@
     python scripts/benchmark.py                        # every table
     python scripts/benchmark.py loop log --quick       # some, from fewer passes
     python scripts/benchmark.py --json benchmark.json  # every pass of every table, for a machine
+    python scripts/benchmark.py against REVISION       # whole runs of this tree and of another revision, in turn
 
 `loop / MuJoCo` sets the step loop of ``simulate``, with its sampling and checks, against steps that are taken without
 Python, less the narrow phase of collision by MuJoCo's internal timers. Steps cost CPU time of their thread; for wall
@@ -26,6 +27,7 @@ from typing import Any
 import mujoco
 import numba
 import numpy as np
+from against import TRIALS, compare, laid_out
 from passes import KINDS, Case, bare_cost, command_cost, example, logged_cost, loop_cost, own_cost
 
 from cycloid_mj.simulate import reducer_model
@@ -149,6 +151,21 @@ def command_table(passes: int) -> Table:
     return table
 
 
+def against_table(revision: str, passes: int) -> Table:
+    """Show runs of ``cycloid-mj simulate`` here and in another revision, in turn: CPU time [s], and figures of both."""
+    table: Table = {}
+    with laid_out(revision) as other:
+        for trial in TRIALS:
+            ours, theirs, found = compare(trial, other, passes)
+            row = {"this tree": ours, revision: theirs}
+            table[trial.name] = row | ratio(row, revision, "this tree")
+            show({trial.name: table[trial.name]})
+            for name in next(iter(found.values())):
+                values = ", ".join(f"{tree} {one[name]:.5g}" for tree, one in found.items() if name in one)
+                print(f"    {name}: {values}", flush=True)
+    return table
+
+
 def cores() -> int:
     """Give the cores that this process may use."""
     return len(os.sched_getaffinity(0))
@@ -193,14 +210,21 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="two passes of each case instead of seven")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write every pass to this file as well")
     options = parser.parse_args()
-    if unknown := set(options.sections) - set(SECTIONS):
-        parser.error(f"no section {', '.join(sorted(unknown))}: choose of {', '.join(SECTIONS)}")
-    passes = 2 if options.quick else 7
+    sections, revision = options.sections, ""
+    if "against" in sections:
+        if len(sections) != 2 or sections[0] != "against":
+            parser.error("against takes one revision and no other section: benchmark.py against REVISION")
+        sections, revision = [], sections[1]
+    if unknown := set(sections) - set(SECTIONS):
+        parser.error(f"no section {', '.join(sorted(unknown))}: choose of {', '.join(SECTIONS)}, or against REVISION")
+    passes = (1 if options.quick else 3) if revision else (2 if options.quick else 7)
     told: dict[str, Any] = {"machine": machine(), "passes": passes, "tables": {}}
     for name, value in told["machine"].items():
         print(f"{name}: {value}")
     print(f"median of {passes} passes (spread)")
-    for name in options.sections or SECTIONS:
+    if revision:
+        told["tables"][f"against {revision}"] = against_table(revision, passes)
+    for name in sections or ([] if revision else SECTIONS):
         print(f"\n{name}: {inspect.getdoc(SECTIONS[name])}")
         told["tables"][name] = SECTIONS[name](passes)
         show(told["tables"][name])

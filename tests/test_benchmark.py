@@ -9,6 +9,7 @@ import pytest
 SCRIPTS = Path(__file__).parents[1] / "scripts"
 sys.path.insert(0, str(SCRIPTS))
 
+import against  # noqa: E402
 import benchmark  # noqa: E402
 import passes  # noqa: E402
 
@@ -69,3 +70,23 @@ def test_an_unknown_section_is_an_error(monkeypatch, capsys) -> None:
     with pytest.raises(SystemExit):
         benchmark.main()
     assert "choose of loop" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(not (SCRIPTS.parent / ".git").exists(), reason="not in a clone")
+def test_against_needs_one_revision_that_git_knows(monkeypatch, capsys) -> None:
+    monkeypatch.setattr(sys, "argv", ["benchmark.py", "loop", "against"])
+    with pytest.raises(SystemExit):
+        benchmark.main()
+    assert "against REVISION" in capsys.readouterr().err
+    with pytest.raises(SystemExit, match="no revision nowhere"), against.laid_out("nowhere"):
+        pass
+
+
+def test_a_tree_against_itself_has_the_same_figures(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(against, "SETTLING", 0.001)
+    trial = against.Trial("short", ("--design", "nonpin", "--ramp-s", "0", "--hold-s", "0.002"), None, 1.0)
+    ours, theirs, found = against.compare(trial, against.ROOT, 1)
+    assert min(*ours, *theirs) > 0.0
+    here, there, finer = found.values()
+    assert here == there == finer
+    assert here["cam [N]"] > 0.0
