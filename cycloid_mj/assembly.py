@@ -4,7 +4,7 @@ At a crank angle every gap of the ideal mesh is linear in small displacements of
 of the parts: the pose that leaves the most room is a linear programme. Angles as in ``kinematics``, lengths in metres.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 import numpy.typing as npt
@@ -47,8 +47,16 @@ class Fit:
 
 
 @dataclass(frozen=True)
-class _Gaps:
-    """Gaps at the ideal pose [m], (n,), and their derivatives by gear x, y, turn and output turn, (n, 4)."""
+class Gaps:
+    """Gaps of n pairs at the ideal pose, linear in small displacements.
+
+    Attributes
+    ----------
+    gap
+        [m], shape (n,).
+    slope
+        Derivatives by gear x and y [1], turn of the gear and turn of the output [m], shape (n, 4).
+    """
 
     gap: Array
     slope: Array
@@ -58,7 +66,7 @@ def best_fit(design: Design, crank: float) -> Fit:
     """Find the pose at a crank angle [rad] that leaves the most room in all pairs."""
     from scipy.optimize import linprog
 
-    ring, rest = _ring(design, crank), (_cam(design, crank), _output(design, crank))
+    ring, rest = ring_gaps(design, mesh_lines(design, crank)), (_cam(design, crank), output_gaps(design, crank))
     lever = design.output.pin_circle_radius
     unit = _SCALE / np.array([1.0, 1.0, lever, lever])
     gap = np.concatenate([ring.gap + design.pin_play, *(part.gap for part in rest)]) / _SCALE
@@ -76,7 +84,7 @@ def best_fit(design: Design, crank: float) -> Fit:
     )
 
 
-def _pin_shift(design: Design, ring: _Gaps, pose: Array) -> Array:
+def _pin_shift(design: Design, ring: Gaps, pose: Array) -> Array:
     """Put each pin that the gear would cut half-way between the gear and the far side of its play."""
     if not design.ring.has_moving_pins:
         return np.zeros((design.ring.teeth, 2))
@@ -85,37 +93,44 @@ def _pin_shift(design: Design, ring: _Gaps, pose: Array) -> Array:
     return np.asarray(outwards[:, np.newaxis] * -ring.slope[:, :2])
 
 
-def _ring(design: Design, crank: float) -> _Gaps:
-    """Gaps of the contact lines of the ideal mesh: pins in their places, or arcs and flanks of the internal gear.
+def mesh_lines(design: Design, crank: float) -> envelope.RingContacts:
+    """Give the contact lines of the ideal mesh at a crank angle [rad]: pins or arcs, then an internal gear's flanks."""
+    gear = tooth_profile(design)
+    arcs = envelope.arc_contacts(gear, crank)
+    if design.ring.kind != "nonpin":
+        return arcs
+    flanks = envelope.sigma_contacts(gear, crank)
+    both = {one.name: np.concatenate([getattr(part, one.name) for part in (arcs, flanks)]) for one in fields(arcs)}
+    return envelope.RingContacts(**both)
+
+
+def ring_gaps(design: Design, lines: envelope.RingContacts) -> Gaps:
+    """Give the gaps of the contact lines of the ideal mesh; the play of pins that move comes on top.
 
     A larger generating pin circle moves the gear's flank out by its component along the normal, cos(alpha); a turned
     flank opens by its turn times the arm of the normal about the gear's centre.
     """
     gear, change, made = tooth_profile(design), design.modification, deviations(design)
-    lines = envelope.arc_contacts(gear, crank)
     B, normals = lines.B, -lines.normals
-    if design.ring.kind == "nonpin":
-        roots = envelope.sigma_contacts(gear, crank)
-        B, normals = np.concatenate([B, roots.B]), np.concatenate([normals, -roots.normals])
     arm = profile.moment_arm(gear, B)
     gap = np.full(B.size, profile_offset(design) - gear.pin_radius)
     gap += change.rotation * np.abs(arm) - change.pin_circle * np.cos(profile.conjugate_alpha(gear, B))
     if design.ring.kind == "pin":
         gap += np.sum(normals * made.pin_place, axis=1) - made.pin_radius
     zero = np.zeros(B.size)
-    return _Gaps(gap, np.stack([-normals[:, 0], -normals[:, 1], arm, zero], axis=1))
+    return Gaps(gap, np.stack([-normals[:, 0], -normals[:, 1], arm, zero], axis=1))
 
 
-def _cam(design: Design, crank: float) -> _Gaps:
+def _cam(design: Design, crank: float) -> Gaps:
     """Gaps of the bore to the cam, towards each side of the polygon."""
     sides = profile.unit(2 * np.pi * np.arange(_CAM_SIDES) / _CAM_SIDES)
     away = kinematics.gear_centre(tooth_profile(design), crank) / design.gear.eccentricity
     gap = design.clearance.cam + sides @ away * design.errors.eccentricity
-    return _Gaps(gap, np.concatenate([-sides, np.zeros((_CAM_SIDES, 2))], axis=1))
+    return Gaps(gap, np.concatenate([-sides, np.zeros((_CAM_SIDES, 2))], axis=1))
 
 
-def _output(design: Design, crank: float) -> _Gaps:
-    """Gaps of the output pins, which lie in their holes on the side towards the reducer's axis."""
+def output_gaps(design: Design, crank: float) -> Gaps:
+    """Give the gaps of the output pins, which lie in their holes on the side towards the reducer's axis."""
     gear, output, made = tooth_profile(design), design.output, deviations(design)
     inwards = -kinematics.gear_centre(gear, crank) / gear.eccentricity
     turned = -float(kinematics.gear_rotation(gear, crank))
@@ -125,4 +140,4 @@ def _output(design: Design, crank: float) -> _Gaps:
     room = output.hole_radius + design.clearance.output - output.pin_radius - gear.eccentricity
     lever = inwards[1] * place[:, 0] - inwards[0] * place[:, 1]
     slope = np.stack([np.full(output.pins, inwards[0]), np.full(output.pins, inwards[1]), lever, -lever], axis=1)
-    return _Gaps(room + beside @ inwards, slope)
+    return Gaps(room + beside @ inwards, slope)

@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from cycloid_mj import statics
 from cycloid_mj.contact.law import STRIBECK
+from cycloid_mj.contact.pressure import YIELD_PRESSURE
 from cycloid_mj.design import Design, override
 from cycloid_mj.errors import UsageError
 from cycloid_mj.measure.conditions import halved, rated_torque
@@ -18,9 +19,6 @@ from cycloid_mj.measure.steady import SETTLED, steady, steady_design
 from cycloid_mj.solid.gear import tooth_profile
 
 Array = npt.NDArray[np.float64]
-
-YIELD_PRESSURE = 1.79
-"""Peak pressure at which a line contact first yields, over the yield strength (von Mises; Johnson 1985, 4.4)."""
 
 CHECKED = 2
 """Mesh periods of the runs with half the step, and of those that find the capacity."""

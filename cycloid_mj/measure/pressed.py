@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj import envelope, statics
-from cycloid_mj.contact.law import STRIBECK
+from cycloid_mj.contact.pressure import hertz_pressure, line_curvature, line_share
 from cycloid_mj.design import Design
 from cycloid_mj.mjcf import names
 from cycloid_mj.record import Run
@@ -90,8 +90,8 @@ def pressed(run: Run, design: Design) -> dict[str, Pressed]:
     for kind, stems in mating.items():
         vector = np.stack([run.block([f"{stem}_force_x", f"{stem}_force_y"]) for stem in stems], axis=1)
         curvature = relative_curvature(design, kind, crank)
-        force = np.hypot(vector[..., 0], vector[..., 1]) * _share(design, kind)
-        found[kind] = Pressed(kind, angle, vector, _pressure(design, force, curvature))
+        force = np.hypot(vector[..., 0], vector[..., 1]) * line_share(design, kind)
+        found[kind] = Pressed(kind, angle, vector, hertz_pressure(design, force, curvature))
     return found
 
 
@@ -100,19 +100,7 @@ def relative_curvature(design: Design, kind: str, crank_angle: Array) -> Array:
     if kind == design.tooth_pair:
         gear = tooth_profile(design)
         return np.stack([envelope.arc_contacts(gear, float(angle)).relative_curvature for angle in crank_angle])
-    if kind == "cam" and _has_rollers(design):
-        roller = design.gear.bore_radius * math.sin(math.pi / design.contact.cam_rollers)
-        return np.array([1.0 / roller + 1.0 / design.gear.bore_radius])
-    inner, outer = {
-        "cam": (design.gear.bore_radius, design.gear.bore_radius + design.clearance.cam),
-        "output": (design.output.pin_radius, design.output.hole_radius + design.clearance.output),
-        "pin_socket": (design.ring.pin_radius, design.ring.pin_radius + design.clearance.pin_socket),
-        "pin_sleeve": (
-            design.ring.sleeve_bore_radius - design.clearance.pin_sleeve,
-            design.ring.sleeve_bore_radius,
-        ),
-    }[kind]
-    return np.array([1.0 / inner - 1.0 / outer])
+    return np.array([line_curvature(design, kind)])
 
 
 def ideal_peak(design: Design, kind: str, crank_angle: Array) -> float:
@@ -133,18 +121,3 @@ def _body_force(design: Design, crank_angle: Array) -> Array:
     outward = np.stack([-np.sin(crank_angle), np.cos(crank_angle)], axis=1)
     flung = design.gear.eccentricity * design.drive.speed**2 * outward
     return mass * (flung + np.array([design.environment.gravity_x, design.environment.gravity_y]))
-
-
-def _has_rollers(design: Design) -> bool:
-    return design.gear.bearing == "rolling"
-
-
-def _share(design: Design, kind: str) -> float:
-    """Share of a pair's force that its most loaded line contact bears: of the cam, one roller."""
-    return STRIBECK / design.contact.cam_rollers if kind == "cam" and _has_rollers(design) else 1.0
-
-
-def _pressure(design: Design, force: Array, curvature: Array) -> Array:
-    modulus = statics.contact_modulus(design.material.youngs_modulus, design.material.poisson)
-    curvature = np.maximum(curvature, np.finfo(float).tiny)
-    return statics.hertz_line_contact(force, design.gear.face_width, curvature, modulus).peak_pressure

@@ -1,0 +1,57 @@
+"""Hertz's pressure in the line contacts of a reducer, and the pressures that its material bears."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj import statics
+from cycloid_mj.contact.law import STRIBECK
+from cycloid_mj.design import Design
+
+Array = npt.NDArray[np.float64]
+
+YIELD_PRESSURE = 1.79
+"""Peak pressure at which a line contact first yields, over the yield strength (von Mises; Johnson 1985, 4.4)."""
+
+SHAKEDOWN_PRESSURE = 4.0 / math.sqrt(3.0)
+"""Peak pressure up to which rolling stays elastic after a first yield, 4 k (Johnson 1985, 9.2), over the same: 2.31."""
+
+HARDNESS_PRESSURE = 9.807 / 3.45
+"""Brinell hardness as a pressure over the tensile strength of steel: HB is 0.29 of the MPa (ISO 18265): 2.84."""
+
+
+def line_curvature(design: Design, kind: str) -> float:
+    """Give the relative curvature [1/m] of a kind of contact but the teeth; of a rolling cam, that of its rollers."""
+    if kind == "cam" and _has_rollers(design):
+        roller = design.gear.bore_radius * math.sin(math.pi / design.contact.cam_rollers)
+        return 1.0 / roller + 1.0 / design.gear.bore_radius
+    inner, outer = {
+        "cam": (design.gear.bore_radius, design.gear.bore_radius + design.clearance.cam),
+        "output": (design.output.pin_radius, design.output.hole_radius + design.clearance.output),
+        "pin_socket": (design.ring.pin_radius, design.ring.pin_radius + design.clearance.pin_socket),
+        "pin_sleeve": (
+            design.ring.sleeve_bore_radius - design.clearance.pin_sleeve,
+            design.ring.sleeve_bore_radius,
+        ),
+    }[kind]
+    return 1.0 / inner - 1.0 / outer
+
+
+def line_share(design: Design, kind: str) -> float:
+    """Give the share of a pair's force that its most loaded line contact bears: of a rolling cam, one roller."""
+    return STRIBECK / design.contact.cam_rollers if kind == "cam" and _has_rollers(design) else 1.0
+
+
+def hertz_pressure(design: Design, force: npt.ArrayLike, curvature: npt.ArrayLike) -> Array:
+    """Give Hertz's peak pressure [Pa] of lines as long as the face width; conformal ones count as flat on flat.
+
+    `force` [N] and relative `curvature` [1/m] broadcast to the shape of the result.
+    """
+    modulus = statics.contact_modulus(design.material.youngs_modulus, design.material.poisson)
+    curvature = np.maximum(curvature, np.finfo(float).tiny)
+    return statics.hertz_line_contact(force, design.gear.face_width, curvature, modulus).peak_pressure
+
+
+def _has_rollers(design: Design) -> bool:
+    return design.gear.bearing == "rolling"

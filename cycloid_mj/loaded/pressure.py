@@ -1,0 +1,54 @@
+"""The largest force and pressure on each kind of contact, and the torque at which one first yields."""
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.contact.pressure import YIELD_PRESSURE, hertz_pressure, line_curvature, line_share
+from cycloid_mj.design import Design
+from cycloid_mj.loaded.balance import Loads, loads
+from cycloid_mj.loaded.springs import Springs
+
+Array = npt.NDArray[np.float64]
+
+GUESSES, TOLERANCE = 12, 1e-3
+
+
+def kinds(design: Design) -> tuple[str, ...]:
+    """Give the kinds of mating pairs of a design, from the ring to the output."""
+    moving = "pin_socket" if design.ring.has_sockets else "pin_sleeve" if design.ring.has_sleeves else ""
+    return tuple(kind for kind in (design.tooth_pair, moving, "cam", "output") if kind)
+
+
+def peak_force(found: Loads, kind: str) -> float:
+    """Give the largest force on a contact of a kind [N]."""
+    return float(_forces(found, kind).max())
+
+
+def peak_pressure(design: Design, springs: Springs, found: Loads, kind: str) -> float:
+    """Give the largest Hertz pressure on a kind of contact [Pa]."""
+    curvature = springs.curvature if kind == design.tooth_pair else line_curvature(design, kind)
+    return float(hertz_pressure(design, _forces(found, kind) * line_share(design, kind), curvature).max())
+
+
+def yield_torque(design: Design, springs: Springs, kind: str, torque: float) -> float:
+    """Give the torque on the output at which a kind of contact first yields [N m], to a thousandth.
+
+    `torque` [N m] is the first guess, not 0; better ones follow, as if the pressure rose with its square root.
+
+    Raises
+    ------
+    RunError
+        No balance was found at a guess.
+    """
+    allowed = YIELD_PRESSURE * design.material.yield_strength
+    for _ in range(GUESSES):
+        factor = (allowed / peak_pressure(design, springs, loads(design, springs, torque), kind)) ** 2
+        torque *= factor
+        if abs(factor - 1.0) < TOLERANCE:
+            break
+    return torque
+
+
+def _forces(found: Loads, kind: str) -> Array:
+    other = {"cam": np.linalg.norm(found.cam, axis=1), "output": found.output}
+    return other.get(kind, found.teeth)

@@ -1,0 +1,100 @@
+"""The fast statics of a loaded reducer against the simulation, an independent equilibrium, and closed forms."""
+
+import math
+
+import numpy as np
+import pytest
+from designs import UNLIKE, unlike
+
+from cycloid_mj import loaded
+from cycloid_mj.contact.law import pair_stiffness
+from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.loaded.pressure import kinds
+from cycloid_mj.measure import play
+from cycloid_mj.measure.conditions import rated_torque
+from cycloid_mj.measure.loads import measure_loads
+from cycloid_mj.validation import equilibrium
+
+DESIGNS = {**PRESETS, **{name: unlike(name) for name in UNLIKE}}
+
+STILL = ["environment.gravity_y_m_s2=0", "drive.speed_rpm=0"]
+SMOOTH = [f"friction.{kind}=0" for kind in ("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output")]
+
+# README: largest force on a tooth, an output pin and the cam [N], Hertz pressure [MPa], first yield [N m], efficiency.
+SIMULATED = {"pin": (155, 910, 1402, 1231, 27.9, 0.9133), "nonpin": (157, 866, 1290, 1144, 34.4, 0.8901)}
+
+
+def carried(design: Design, torque: float | None = None) -> tuple[loaded.Springs, loaded.Loads]:
+    springs = loaded.springs_of(design)
+    return springs, loaded.loads(design, springs, rated_torque(design) if torque is None else torque)
+
+
+@pytest.mark.parametrize("name", SIMULATED)
+def test_figures_are_those_of_the_simulation_within_two_percent(name):
+    design = PRESETS[name]
+    tooth, output, cam, pressure, first, efficiency = SIMULATED[name]
+    springs, found = carried(design)
+    assert loaded.peak_force(found, design.tooth_pair) == pytest.approx(tooth, rel=0.02)
+    assert loaded.peak_force(found, "output") == pytest.approx(output, rel=0.02)
+    assert loaded.peak_force(found, "cam") == pytest.approx(cam, rel=0.02)
+    assert loaded.peak_pressure(design, springs, found, design.tooth_pair) == pytest.approx(1e6 * pressure, rel=0.02)
+    assert loaded.yield_torque(design, springs, design.tooth_pair, 30.0) == pytest.approx(first, rel=0.02)
+    ahead = -np.stack([np.cos(springs.crank), np.sin(springs.crank)], axis=1)
+    asked = np.sum(found.cam * ahead, axis=1).mean() * design.gear.eccentricity
+    assert rated_torque(design) / (asked * design.lobes) == pytest.approx(efficiency, abs=0.003)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", UNLIKE)
+def test_peak_forces_of_other_designs_are_those_of_the_simulation(name):
+    design = unlike(name)
+    quantities = measure_loads(design, quick=True).quantities
+    _, found = carried(design)
+    for kind in kinds(design):
+        assert loaded.peak_force(found, kind) == pytest.approx(quantities[f"{kind}_peak_force"].value, rel=0.1), kind
+
+
+@pytest.mark.parametrize("name", ["pin", "nonpin", "light", "large", "few", "teeth21"])
+def test_without_friction_it_is_the_independent_equilibrium(name):
+    design = override(DESIGNS[name], [*STILL, *SMOOTH, f"load.torque_nm={rated_torque(DESIGNS[name])!r}"])
+    springs, found = carried(design)
+    stiffness = {kind: pair_stiffness(design, kind) for kind in kinds(design)}
+    for row in (3, 20):
+        other = equilibrium.solve(design, stiffness, float(springs.crank[row]))
+        largest = np.linalg.norm(other.ring_forces, axis=1).max()
+        assert found.teeth[row].max() == pytest.approx(largest, rel=0.02)
+        assert found.cam[row] == pytest.approx(other.cam_force, abs=0.01 * np.linalg.norm(other.cam_force))
+        assert found.output_turn[row] == pytest.approx(other.output_turn, rel=0.01)
+
+
+@pytest.mark.parametrize("name", DESIGNS)
+def test_under_next_to_no_load_the_output_turns_by_its_backlash(name):
+    design = override(DESIGNS[name], [*STILL, *SMOOTH])
+    springs = loaded.springs_of(design, 7)
+    small = 1e-5 * rated_torque(design)
+    width = loaded.loads(design, springs, small).output_turn - loaded.loads(design, springs, -small).output_turn
+    assert width == pytest.approx(play.total(design, springs.crank), rel=1e-3)
+
+
+@pytest.mark.parametrize("name", DESIGNS)
+def test_output_pins_bear_the_whole_load(name):
+    design = override(DESIGNS[name], [*STILL, *SMOOTH])
+    springs, found = carried(design)
+    arms = springs.slope[:, springs.teeth :, 3] * design.output.pin_circle_radius
+    moment = -np.sum(found.output * arms, axis=1)
+    assert moment == pytest.approx(np.full(moment.size, rated_torque(design)), rel=1e-6)
+
+
+def test_a_crank_that_turns_backwards_is_the_mirror_image():
+    mirrored = override(PRESETS["pin"], ["environment.gravity_y_m_s2=0", "drive.speed_rpm=-1640"])
+    _, found = carried(override(PRESETS["pin"], ["environment.gravity_y_m_s2=0"]))
+    _, back = carried(mirrored, -rated_torque(mirrored))
+    assert back.teeth.max() == pytest.approx(found.teeth.max(), rel=0.01)
+    assert np.linalg.norm(back.cam, axis=1).mean() == pytest.approx(np.linalg.norm(found.cam, axis=1).mean(), rel=2e-3)
+
+
+def test_a_pin_that_stands_out_carries_more():
+    _, found = carried(PRESETS["pin"])
+    _, thick = carried(override(PRESETS["pin"], ["errors.pin_dr_um={5 = 0.9}"]))
+    assert thick.teeth[:, 4].max() > found.teeth[:, 4].max() + 50.0
+    assert math.isclose(thick.teeth[:, 22].max(), found.teeth[:, 22].max(), rel_tol=0.2)
