@@ -112,7 +112,7 @@ def measure_backlash(design: Design, angles: int = ANGLES, told: Done = nothing)
         design=design,
         quantities=_quantities(found, checked, closed),
         curves=_curves(found, closed),
-        assumptions=_assumptions(design, found[_ALL][0]),
+        assumptions=_assumptions(design, [one.run for presses in found.values() for one in presses]),
         runs={name: presses[0].run for name, presses in found.items()},
         details={"angles": _by_angle(found, closed)},
     )
@@ -134,13 +134,13 @@ def press(design: Design, crank: float, longer: float = 1.0, finer: float = 1.0)
     """
     torque = PRESS * rated_torque(design)
     dwell = longer * SETTLING * _crossing(design, crank, torque)
-    benched = bench.benched(design, max(LEVELS) * torque, len(LEVELS) * dwell, len(LEVELS) * SAMPLES, finer)
     levels = torque * np.array(LEVELS)
 
     def signal(time: Array) -> Array:
         return levels[np.minimum(time / dwell, len(LEVELS) - 0.5).astype(int)]
 
-    run = bench.locked_run(benched, crank, signal)
+    largest, duration, samples = max(LEVELS) * torque, len(LEVELS) * dwell, len(LEVELS) * SAMPLES
+    run = bench.run_to_the_end(design, crank, signal, largest, duration, samples, finer)
     turn, phase = bench.output_turn(run, design), run.time / dwell
     ends = [float(turn[(phase > n + 1 - READ) & (phase < n + 1)].mean()) for n in range(len(LEVELS))]
     return Press(crank, low=2.0 * ends[5] - ends[4], high=2.0 * ends[2] - ends[1], run=run)
@@ -203,15 +203,15 @@ def _curves(found: dict[str, list[Press]], closed: dict[str, Array]) -> tuple[Cu
     return tuple(drawn)
 
 
-def _assumptions(design: Design, first: Press) -> tuple[str, ...]:
-    torque, step = PRESS * rated_torque(design), float(first.run.provenance["timestep_s"])
+def _assumptions(design: Design, runs: list[Run]) -> tuple[str, ...]:
+    torque = PRESS * rated_torque(design)
     return (
         f"the crank is locked; the output is pressed to its stops by {torque:.2g} and {2.0 * torque:.2g} N m, and the "
         "line through both turns is drawn on to zero",
         "without friction and weight; see lost-motion for what they do",
         f"a clearance alone: the others {1e6 * CLOSED_UP:g} um, no manufacturing errors, no modification",
-        f"time step {1e6 * step:.3g} us; the numerical error is what {LONGER:g} times the time at a step {FINER:g} "
-        "times shorter changes at the first crank angle",
+        f"time step {bench.steps_told(runs)}; the numerical error is what {LONGER:g} times the time at a step "
+        f"{FINER:g} times shorter changes at the first crank angle",
     )
 
 
@@ -222,6 +222,7 @@ def _by_angle(found: dict[str, list[Press]], closed: dict[str, Array]) -> list[d
             "low_arcmin": one.low / ARCMINUTE,
             "high_arcmin": one.high / ARCMINUTE,
             "backlash_arcmin": {name: presses[place].backlash / ARCMINUTE for name, presses in found.items()},
+            "timestep_s": {name: bench.step_of(presses[place].run) for name, presses in found.items()},
             "closed_form_arcmin": {name: float(values[place]) / ARCMINUTE for name, values in closed.items()},
         }
         for place, one in enumerate(found[_ALL])

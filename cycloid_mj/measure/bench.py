@@ -2,11 +2,12 @@
 
 All is so slow that inertia does not matter, so steps may be longer than a run at speed bears. A free pin or sleeve is
 the exception: pressed between gear and socket by a force F, it rolls in its play delta like a ball in a bowl, with the
-stiffness F/(delta + F/K) across the force and nothing but its own mass m: the step must resolve that, unless friction
-holds the pin.
+stiffness F/(delta + F/K) across the force and nothing but its own mass m: the step must resolve that, or be stable where
+friction holds the pin. A run that goes wrong all the same is made again at half the step.
 """
 
 import math
+from collections.abc import Iterable
 from functools import lru_cache
 
 import numpy as np
@@ -16,6 +17,7 @@ from cycloid_mj import statics
 from cycloid_mj.contact.law import IMPRATIO, pair_stiffness, working_force
 from cycloid_mj.course import Signal, locked_crank
 from cycloid_mj.design import Design, Drive, Friction, Load, Settings
+from cycloid_mj.errors import ContactError, RunError
 from cycloid_mj.measure.conditions import has_default_step
 from cycloid_mj.measure.play import clearance_kinds
 from cycloid_mj.mjcf import ReducerModel, build
@@ -34,6 +36,12 @@ LONGEST_STEP = 10e-6
 
 STEP_SHARE = 0.5
 """Step as a share of the longest at which a pressed pin rolls in its play without growing, 2 sqrt(m/k)."""
+
+HELD_SHARE = 1.5
+"""The same where friction holds the pin, which it does up to about twice that limit (36 and 21 free pins)."""
+
+MOST_HALVINGS = 3
+"""How often the step of a run that goes wrong is halved."""
 
 HEAVIER = 3.0
 """Step that contacts with friction are made for, over the step taken: their added mass, which slow motion does not
@@ -61,14 +69,14 @@ def step(design: Design, torque: float) -> float:
     if not has_default_step(design):
         return design.settings.timestep
     ring, kind = design.ring, "pin_sleeve" if design.ring.has_sleeves else "pin_socket"
-    held = min(design.friction_of("pin_gear"), design.friction_of(kind)) > 0.0
-    if not ring.has_moving_pins or held or torque == 0.0:
+    if not ring.has_moving_pins or torque == 0.0:
         return LONGEST_STEP
+    held = min(design.friction_of("pin_gear"), design.friction_of(kind)) > 0.0
     bore = ring.sleeve_bore_radius if ring.has_sleeves else 0.0
     mass = math.pi * (ring.pin_radius**2 - bore**2) * design.gear.face_width * design.material.density
     force = float(statics.ideal_load_sharing(tooth_profile(design), abs(torque), 0.0).forces.max())
     bowl = force / (design.pin_play + force / pair_stiffness(design, kind))
-    return min(LONGEST_STEP, STEP_SHARE * 2.0 * math.sqrt(mass / bowl))
+    return min(LONGEST_STEP, (HELD_SHARE if held else STEP_SHARE) * 2.0 * math.sqrt(mass / bowl))
 
 
 def benched(design: Design, torque: float, duration: float, samples: int, finer: float = 1.0) -> Design:
@@ -98,6 +106,60 @@ def locked_run(benched: Design, crank: float, torque: Signal) -> Run:
     same = {"drive": drive, "load": Load(), "settings": Settings(timestep=made_for)}
     reducer = _reducer(benched.model_copy(update=same), timestep)
     return simulate(benched, reducer, locked_crank(reducer, crank, torque))
+
+
+def run_to_the_end(
+    design: Design, crank: float, torque: Signal, largest: float, duration: float, samples: int, finer: float = 1.0
+) -> Run:
+    """Run a design on the bench as in `benched` and `locked_run`, at half the step again where it goes wrong.
+
+    Parameters
+    ----------
+    design
+        What to run.
+    crank
+        Where it is locked [rad].
+    torque
+        On the output [N m] over time [s].
+    largest
+        Of it [N m].
+    duration, samples
+        Of the run [s].
+    finer
+        Divides the first step.
+
+    Returns
+    -------
+    Run
+        `step_of` tells the step that it was made with.
+
+    Raises
+    ------
+    RunError
+        It went wrong at the shortest step, too.
+    """
+    shortest, problem = 0.0, None
+    for halvings in range(MOST_HALVINGS + 1):
+        one = benched(design, largest, duration, samples, finer * 2.0**halvings)
+        shortest = one.settings.timestep
+        try:
+            return locked_run(one, crank, torque)
+        except (RunError, ContactError) as error:
+            problem = error
+    raise RunError(
+        f"with the crank locked at {math.degrees(crank):.1f} deg and up to {largest:.4g} N m on the output: {problem} "
+        f"(the step was halved {MOST_HALVINGS} times, to {1e6 * shortest:.3g} us)"
+    ) from problem
+
+
+def step_of(run: Run) -> float:
+    """Give the step [s] that a run was made with."""
+    return float(run.provenance["timestep_s"])
+
+
+def steps_told(runs: Iterable[Run]) -> str:
+    """Tell the steps that runs were made with, in microseconds, longest first."""
+    return " and ".join(f"{1e6 * step:.3g} us" for step in sorted({step_of(run) for run in runs}, reverse=True))
 
 
 def moving_inertia(design: Design) -> float:

@@ -149,9 +149,9 @@ def signal(rated: float, period: float) -> course.Signal:
 
 
 def loop(design: Design, crank: float, rated: float, period: float, finer: float = 1.0) -> Loop:
-    """Run the loop at a crank angle [rad]; `period` [s]; `finer` divides the step."""
-    benched = bench.benched(design, rated, (1.0 + LEAD) * period, round((1.0 + LEAD) * SAMPLES), finer)
-    run = bench.locked_run(benched, crank, signal(rated, period))
+    """Run the loop at a crank angle [rad]; `period` [s]; `finer` divides the step, see `bench.run_to_the_end`."""
+    duration, samples = (1.0 + LEAD) * period, round((1.0 + LEAD) * SAMPLES)
+    run = bench.run_to_the_end(design, crank, signal(rated, period), rated, duration, samples, finer)
     whole = run.select(run.time >= LEAD * period)
     return Loop(
         crank=crank,

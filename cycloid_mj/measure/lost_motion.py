@@ -71,13 +71,14 @@ def _statics(design: Design, cranks: list[float], rated: float) -> list[Balance]
 
 
 def _assumptions(found: Found, period: float) -> tuple[str, ...]:
-    step = float(found.service[0].run.provenance["timestep_s"])
+    steps = [bench.steps_told(one.run for one in loops) for loops in (found.service, found.ideal)]
+    checks = [bench.steps_told([loops[0].run]) for loops in (found.service_checks, found.ideal_checks)]
     beyond = () if found.statics else (LEFT_OUT,)
     return (
         f"the crank is locked; the torque at the output follows sin^5 over {1e3 * period:.3g} ms, up to "
         f"{found.service[0].rated:.4g} N m (rated input torque times the ratio, unless given)",
-        f"time step {1e6 * step:.3g} us; the numerical error is what a loop {SLOWER:g} times as slow and one at a step "
-        f"{FINER:g} times shorter change at the first crank angle, together",
+        f"time step {steps[0]}, without friction and weight {steps[1]}; the numerical error is what a loop {SLOWER:g} "
+        f"times as slow and one at a step of {checks[0]} and {checks[1]} change at the first crank angle, together",
         "friction is viscous below the creep speed, which is as low as the step bears: with free pins the stiffness "
         "falls by some percent as the step does",
         "shafts, gear body, output disc and housing are rigid: only contacts give",

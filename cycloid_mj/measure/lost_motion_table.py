@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.design import Design
-from cycloid_mj.measure import balance, hysteresis, play
+from cycloid_mj.measure import balance, bench, hysteresis, play
 from cycloid_mj.measure.balance import SERIES, Balance
 from cycloid_mj.measure.bench import ARCMINUTE
 from cycloid_mj.measure.hysteresis import Loop
@@ -218,6 +218,7 @@ def by_angle(found: Found) -> list[dict[str, Any]]:
                 "stiffness_nm_per_arcmin": stiffness(loop),
                 "backlash_arcmin": loop.backlash / ARCMINUTE,
                 "hysteresis_arcmin": loop.width / ARCMINUTE,
+                "timestep_s": bench.step_of(loop.run),
             }
         if found.statics:
             solved = found.statics[place]
