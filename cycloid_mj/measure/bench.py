@@ -2,8 +2,8 @@
 
 All is so slow that inertia does not matter, so steps may be longer than a run at speed bears. A free pin or sleeve is
 the exception: pressed between gear and socket by a force F, it rolls in its play delta like a ball in a bowl, with the
-stiffness F/(delta + F/K) across the force and nothing but its own mass m: the step must resolve that, or be stable where
-friction holds the pin. A run that goes wrong all the same is made again at half the step.
+stiffness F/(delta + F/K) across the force and nothing but its own mass m: the step must resolve that, or be stable
+where friction holds the pin. A run that goes wrong all the same is made again at half the step.
 """
 
 import math
