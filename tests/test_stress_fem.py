@@ -24,8 +24,8 @@ from cycloid_mj.stress import (
     stress_map,
 )
 from cycloid_mj.stress import shaft as shaft_loading
-from cycloid_mj.stress.case import part_case
 from cycloid_mj.stress.grid import BULK_DISTANCE, Grid, planar_grid
+from cycloid_mj.stress.part import part_case
 from cycloid_mj.stress.patch import patches
 from cycloid_mj.stress.probe import probe
 from cycloid_mj.stress.recover import principal, recovery, stresses, von_mises

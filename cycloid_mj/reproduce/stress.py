@@ -117,7 +117,7 @@ def _notes(findings: "Sequence[StressFindings]") -> tuple[str, ...]:
 def _swept(study: "StressStudy", part: str, settings: "StudySettings") -> dict[float, float]:
     """Give dimension [mm] -> largest bulk stress [MPa] of some crank angles, with the loads of the run."""
     from cycloid_mj.stress.field import solve
-    from cycloid_mj.stress.grid import part_grid
+    from cycloid_mj.stress.part import part_grid
     from cycloid_mj.stress.study import at_angles
 
     key, values = DIMENSIONS[part]

@@ -21,8 +21,9 @@ A part is meshed once and factorised once; every crank angle is one right-hand s
 """
 
 from cycloid_mj.stress.field import PartStress, StressMap, shaft_stress, solve, stress_map
-from cycloid_mj.stress.grid import Grid, GridSettings, part_grid
+from cycloid_mj.stress.grid import Grid, GridSettings
 from cycloid_mj.stress.loads import PartLoads
+from cycloid_mj.stress.part import part_grid
 from cycloid_mj.stress.vtu import as_vtu
 
 __all__ = [

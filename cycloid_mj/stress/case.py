@@ -43,21 +43,16 @@ class Case:
     resolved: Flags
 
 
-def part_case(design: Design, grid: Grid, loads: PartLoads) -> Case:
-    """Factorise a part with its loads.
+def patch_case(design: Design, grid: Grid, loads: PartLoads) -> Case:
+    """Factorise a part under patches and its mass.
 
-    On the shaft they are superposed unit loads. On other parts they are patches and mass; a moment that is carried
-    elsewhere is the support's: the output's load torque acts at its hub.
+    A moment that is carried elsewhere is the support's: the output's load torque acts at its hub.
 
     Raises
     ------
     CycloidError
         The loads are not this part's, its support is singular, or a package of the extra ``fem`` is missing.
     """
-    if grid.part == "shaft":
-        from cycloid_mj.stress.shaft import shaft_case
-
-        return shaft_case(design, grid, loads)
     put = patches(grid if grid.section is None else grid.section.grid, loads)
     pressed = put.loads if grid.section is None else (grid.section.lift @ put.loads).tocsc()
     part = elastic.body(grid, design.material)

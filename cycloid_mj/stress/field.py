@@ -11,9 +11,9 @@ from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
 from cycloid_mj.stress import elastic
 from cycloid_mj.stress.bulk import bulk, nodes_near_patches
-from cycloid_mj.stress.case import part_case
-from cycloid_mj.stress.grid import Grid, GridSettings, part_grid
+from cycloid_mj.stress.grid import Grid, GridSettings
 from cycloid_mj.stress.loads import PartLoads
+from cycloid_mj.stress.part import part_case, part_grid
 from cycloid_mj.stress.recover import principal, recovery, stresses, von_mises
 
 Array = npt.NDArray[np.float64]

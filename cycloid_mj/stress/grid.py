@@ -1,4 +1,4 @@
-"""Grids of quadratic triangles on the planar parts, and of quadratic tetrahedra on the shaft."""
+"""Grids of quadratic elements: what a grid is, how fine, and triangles on any planar region."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -6,11 +6,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.design import Design
 from cycloid_mj.errors import CycloidError, UsageError
 from cycloid_mj.stress.outline import Loop, Sizing, divide
 from cycloid_mj.stress.packages import MILLIMETRES, mesher, package
-from cycloid_mj.stress.region import Region, part_region
+from cycloid_mj.stress.region import Region
 
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
@@ -139,41 +138,6 @@ class Section:
     grid: Grid
     nodes: Indices
     lift: Any
-
-
-def part_grid(
-    design: Design, part: str, settings: GridSettings | None = None, focus: npt.ArrayLike | None = None
-) -> Grid:
-    """Give the grid of a part: "gear", "ring", "output", "pin_1" (planar, unless the settings say solid), or "shaft".
-
-    Parameters
-    ----------
-    design
-        The design.
-    part
-        Name of the part.
-    settings
-        How fine; the default has more than 150 000 unknowns for the default gear.
-    focus
-        Rows (x, y, edge length) [m]: outlines of planar grids are that fine there, e.g. to resolve a contact patch.
-
-    Raises
-    ------
-    UsageError
-        The design has no such part.
-    CycloidError
-        The part does not mesh, or a package of the extra ``fem`` is missing.
-    """
-    settings = GridSettings() if settings is None else settings
-    if part == "shaft":
-        from cycloid_mj.stress.shaftgrid import shaft_grid
-
-        return shaft_grid(design, settings)
-    if settings.solid:
-        from cycloid_mj.stress.extrude import solid_grid
-
-        return solid_grid(design, part, settings)
-    return planar_grid(part_region(design, part), settings, design.ring.pin_radius, focus)
 
 
 def planar_grid(region: Region, settings: GridSettings, length: float, focus: npt.ArrayLike | None = None) -> Grid:

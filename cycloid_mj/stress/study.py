@@ -14,8 +14,9 @@ from cycloid_mj.record import Run
 from cycloid_mj.stress.closed import LineStress, line_stress
 from cycloid_mj.stress.field import PartStress, solve
 from cycloid_mj.stress.findings import PartFindings, Peak, Refinement, StressFindings
-from cycloid_mj.stress.grid import BULK_DISTANCE, Grid, GridSettings, part_grid
+from cycloid_mj.stress.grid import BULK_DISTANCE, Grid, GridSettings
 from cycloid_mj.stress.loads import PartLoads, part_loads, part_names, require_part
+from cycloid_mj.stress.part import part_grid
 
 Array = npt.NDArray[np.float64]
 Told = Callable[[str, int, int], None]
