@@ -60,16 +60,15 @@ def export(
     """
     from cycloid_mj.checks import require_sound
     from cycloid_mj.export import export as exported
-    from cycloid_mj.whole import whole_file
+    from cycloid_mj.whole import write_whole
 
     chosen = designed(design, set_, ())
     require_sound(chosen)
     made = exported(chosen, format_, chord_error_um * 1e-6)
     into = folder(f"{chosen.name}-{format_}" if out is None else out, "the parts")
-    paths = [into / name for name in made.files]
-    for path in paths:
-        with whole_file(path) as beside:
-            beside.write_bytes(made.files[path.name])
+    files = {into / name: content for name, content in made.files.items()}
+    write_whole(files)
+    paths = list(files)
     if json:
         say_json({"files": [str(path) for path in paths], "clearances": [asdict(one) for one in made.clearances]})
         return 0

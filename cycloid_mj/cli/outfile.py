@@ -1,15 +1,15 @@
 """Files for the user: CSV tables written whole or not at all, folders, and what to say when they cannot be written."""
 
-import os
 import sys
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TextIO
 
 from cyclopts import Parameter
 
 from cycloid_mj.errors import CycloidError, UsageError
+from cycloid_mj.whole import whole_file
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -87,29 +87,16 @@ def _words(values: "npt.NDArray[Any]") -> list[str]:
 @contextmanager
 def _written(file: str) -> Iterator[TextIO]:
     """Open a file that takes its name only once it is whole; a device is written to as it is."""
-    path = Path(os.path.realpath(file))
-    beside = path.with_name(f".{path.name}.{os.getpid()}.new")
+    path = Path(file)
     try:
-        if path.exists() and not path.is_file():
+        if path.exists() and not path.is_file() and not path.is_dir():
             with path.open("w", encoding="utf-8", newline="\n") as stream:
                 yield stream
             return
-        try:
-            with beside.open("x", encoding="utf-8", newline="\n") as stream:
-                yield stream
-            os.replace(beside, path)
-        finally:
-            with suppress(OSError):
-                beside.unlink()
+        with whole_file(path) as beside, beside.open("w", encoding="utf-8", newline="\n") as stream:
+            yield stream
     except (OSError, ValueError) as problem:
         reason = getattr(problem, "strerror", None) or problem
         raise CycloidError(
             f"cannot write {file}: {reason}; give a file in a folder that exists and can be written"
         ) from problem
-
-
-def write_text(path: Path, text: str) -> Path:
-    """Write a file whole or not at all, replacing one of that name; raise CycloidError if it cannot be written."""
-    with _written(str(path)) as stream:
-        stream.write(text)
-    return path

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from cycloid_mj.cli.flags import JsonFlag
-from cycloid_mj.cli.outfile import folder, write_text
+from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.simulate import QuietFlag
 from cycloid_mj.cli.terminal import finite, say, say_json, say_table, tell
 from cycloid_mj.design import Design
 from cycloid_mj.errors import LogError, RunError, UsageError
+from cycloid_mj.whole import write_whole
 
 if TYPE_CHECKING:
     from cycloid_mj.record import Run
@@ -166,14 +167,16 @@ def _written(stages: "Sequence[Stage]", found: dict[str, Any], into: Path, quick
     drawings = {plate.name: plate.drawing for stage in stages for plate in stage.found.plates}
     save(drawings, into / "figures", FORMATS)
     pictures = {name: _smaller(into / "figures", name) for name in drawings}
-    write_text(into / RESULT, js.dumps(finite(found), indent=1, ensure_ascii=False) + "\n")
+    result = js.dumps(finite(found), indent=1, ensure_ascii=False) + "\n"
     about = (
         "Hsieh, Dynamics Analysis of Cycloidal Speed Reducers With Pinwheel and Nonpinwheel Designs (J. Mech. Des., "
         "2014). Captions are in our own words; the paper's plots are not shown, its stated values are.",
         f"cycloid-mj reproduce{' --quick' if quick else ''}, {seconds:.0f} s. Crank at 1640 rpm, every figure one "
         "settled turn at one degree (0.000101626 s), from runs at a step of 0.9963 us.",
     )
-    return write_text(into / PAGE, reproduction_page(stages, found["errata"], pictures, about))
+    page = reproduction_page(stages, found["errata"], pictures, about)
+    write_whole({into / RESULT: result.encode(), into / PAGE: page.encode()})
+    return into / PAGE
 
 
 def _smaller(figures: Path, name: str) -> bytes:

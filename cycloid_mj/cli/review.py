@@ -29,7 +29,7 @@ def report(*logs: LogNames, out: OutFlag = None, q: PointFlag = None) -> int:
     """
     from cycloid_mj.log import read
     from cycloid_mj.report import report as reviewed
-    from cycloid_mj.whole import whole_file
+    from cycloid_mj.whole import write_whole
 
     place = point(q)
     if not logs:
@@ -42,7 +42,6 @@ def report(*logs: LogNames, out: OutFlag = None, q: PointFlag = None) -> int:
             tell(f"note: the run of {log} did not reach its end: {run.note}")
     page = reviewed(runs, place)
     path = Path(logs[0]).with_suffix(".html") if out is None else Path(out)
-    with whole_file(path) as beside:
-        beside.write_text(page, encoding="utf-8")
+    write_whole({path: page.encode()})
     say(str(path))
     return 0

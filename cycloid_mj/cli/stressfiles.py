@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cycloid_mj.cli.terminal import say, say_json, say_table
-from cycloid_mj.errors import CycloidError
+from cycloid_mj.whole import write_whole
 
 if TYPE_CHECKING:
     from cycloid_mj.stress.field import StressMap
@@ -33,7 +33,7 @@ def report(studies: "Sequence[StressStudy]", into: Path, angle_deg: float | None
         "files": [str(path) for path in files],
     }
     result = into / RESULT
-    result.write_text(js.dumps(told, indent=1) + "\n", encoding="utf-8")
+    write_whole({result: (js.dumps(told, indent=1) + "\n").encode()})
     if json:
         say_json(told)
         return
@@ -46,23 +46,17 @@ def _drawn(studies: "Sequence[StressStudy]", into: Path, angle_deg: float | None
     from cycloid_mj.stress.vtu import as_vtu
 
     figures = stress_figures([study.findings for study in studies])
-    files = []
+    vtu: dict[Path, bytes] = {}
     for study in studies:
         maps = _maps(study, angle_deg)
         for part, found in maps.items():
-            path = into / f"{study.design.name}_{part}.vtu"
-            try:
-                path.write_bytes(as_vtu(found))
-            except OSError as problem:
-                raise CycloidError(
-                    f"cannot write {path}: {problem.strerror or problem}; choose another --out"
-                ) from problem
-            files.append(path)
+            vtu[into / f"{study.design.name}_{part}.vtu"] = as_vtu(found)
         figures[f"fig10_grid_{study.design.name}"] = grid_figure(
             {one.findings.part: one.grid for one in study.parts}, study.design.name
         )
         figures[f"fig11_map_{study.design.name}"] = map_figure(maps, study.design.name)
-    return [*save(figures, into, FORMATS), *files]
+    write_whole(vtu)
+    return [*save(figures, into, FORMATS), *vtu]
 
 
 def _maps(study: "StressStudy", angle_deg: float | None) -> "dict[str, StressMap]":

@@ -30,7 +30,7 @@ from cycloid_mj.mjcf import names
 from cycloid_mj.mjcf.keyframe import add_keyframes
 from cycloid_mj.mjcf.mesh import MeshSpec, add_rest, mesh_spec
 from cycloid_mj.mjcf.scene import scene_xml
-from cycloid_mj.whole import whole_file
+from cycloid_mj.whole import write_whole
 
 REDUCER, SCENE, MANIFEST, DESIGN = "reducer.xml", "scene.xml", "manifest.json", "design.toml"
 ASSETS = "assets"
@@ -77,7 +77,7 @@ def model_files(design: Design, settings: ConvexSettings | None = None) -> dict[
 
 
 def write_folder(files: Mapping[str, bytes], folder: Path) -> None:
-    """Write the files of a model into a folder that exists; other files in it stay.
+    """Write the files of a model, all of them or none, into a folder that exists; other files in it stay.
 
     Raises
     ------
@@ -88,9 +88,7 @@ def write_folder(files: Mapping[str, bytes], folder: Path) -> None:
         (folder / ASSETS).mkdir(exist_ok=True)
     except OSError as error:
         raise CycloidError(f"cannot make the folder {folder / ASSETS}: {error.strerror or error}") from error
-    for name, content in files.items():
-        with whole_file(folder / name) as beside:
-            beside.write_bytes(content)
+    write_whole({folder / name: content for name, content in files.items()})
 
 
 def design_hash(design: Design) -> str:

@@ -71,9 +71,26 @@ def _write_mp4(frames: Iterable[Frame], path: Path, rate: int) -> None:
     options: dict[str, Any] = {"fps": rate, "codec": "libx264", "quality": 8, "macro_block_size": 2}
     writer = ffmpeg.write_frames(str(path), (width, height), output_params=["-f", "mp4"], **options)
     writer.send(None)
-    for frame in chain([first], stream):
-        writer.send(np.ascontiguousarray(frame).tobytes())
-    writer.close()
+    sent = 0
+    try:
+        for frame in chain([first], stream):
+            writer.send(np.ascontiguousarray(frame).tobytes())
+            sent += 1
+        writer.close()
+    except OSError as problem:
+        # its message goes on with ffmpeg's whole output
+        raise OSError(str(problem).splitlines()[0]) from problem
+    _require_frames(ffmpeg, path, sent)
+
+
+def _require_frames(ffmpeg: Any, path: Path, frames: int) -> None:
+    """Raise OSError unless a film has all its frames: ffmpeg does not say whether it failed."""
+    try:
+        written, _ = ffmpeg.count_frames_and_secs(str(path))
+    except (RuntimeError, OSError):
+        written = 0
+    if written != frames:
+        raise OSError(f"ffmpeg could write {written} of {frames} frames")
 
 
 def _ffmpeg() -> Any:

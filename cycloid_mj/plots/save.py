@@ -1,6 +1,7 @@
 """Figures to files, the same bytes every time."""
 
 from collections.abc import Mapping, Sequence
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +9,7 @@ from matplotlib.figure import Figure
 
 from cycloid_mj.errors import CycloidError, UsageError
 from cycloid_mj.plots.style import styled
+from cycloid_mj.whole import write_whole
 
 METADATA: dict[str, dict[str, Any]] = {
     "png": {"Software": None},
@@ -26,7 +28,7 @@ class FigureError(CycloidError):
 
 @styled
 def save(figures: Mapping[str, Figure], folder: Path | str, formats: Sequence[str] = ("png",)) -> list[Path]:
-    """Write figures as `folder`/name.format, making the folder; give the paths.
+    """Write figures as `folder`/name.format, all of them or none, making the folder; give the paths.
 
     Parameters
     ----------
@@ -42,21 +44,29 @@ def save(figures: Mapping[str, Figure], folder: Path | str, formats: Sequence[st
     UsageError
         A format is none of these.
     FigureError
-        The folder or a file cannot be written.
+        The folder cannot be made.
+    CycloidError
+        A file cannot be written; all that were there before are as they were.
     """
     unknown = [name for name in formats if name not in METADATA]
     if unknown:
         raise UsageError(f"no figure format {unknown[0]!r}; there are {', '.join(METADATA)}")
     folder = Path(folder)
-    paths = []
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        for name, figure in figures.items():
-            for form in formats:
-                path = folder / f"{name}.{form}"
-                figure.savefig(path, format=form, dpi=RESOLUTION, metadata=METADATA[form])
-                paths.append(path)
     except OSError as problem:
         reason = problem.strerror or problem
         raise FigureError(f"cannot write figures to {folder}: {reason}; give a folder that can be written") from problem
-    return paths
+    files = {
+        folder / f"{name}.{form}": _drawn(figure, form)
+        for name, figure in figures.items()
+        for form in dict.fromkeys(formats)
+    }
+    write_whole(files)
+    return list(files)
+
+
+def _drawn(figure: Figure, form: str) -> bytes:
+    content = BytesIO()
+    figure.savefig(content, format=form, dpi=RESOLUTION, metadata=METADATA[form])
+    return content.getvalue()
