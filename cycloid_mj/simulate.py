@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.contact.collider import installed
+from cycloid_mj.contact.drag import drag_powers, dragged_joints
 from cycloid_mj.contact.forces import PairForces, pair_forces, pair_index
 from cycloid_mj.contact.peaks import Peaks
 from cycloid_mj.contact.shared import Shared
@@ -23,6 +24,7 @@ from cycloid_mj.course import Course, initial_state, ramp_and_hold
 from cycloid_mj.design import Design, dump
 from cycloid_mj.errors import RunError
 from cycloid_mj.mjcf import ReducerModel, build, sensors, xml
+from cycloid_mj.mjcf.names import DRAGS
 from cycloid_mj.record import Run
 
 Array = npt.NDArray[np.float64]
@@ -93,6 +95,7 @@ def columns(reducer: ReducerModel, design: Design) -> Groups:
     }
     for kind in kinds:
         groups[_REDUCER] |= {f"{kind}_friction_power": "W", f"{kind}_normal_power": "W"}
+    groups[_REDUCER] |= {f"{name}_friction_power": "W" for name in dragged_joints(reducer.model, DRAGS)}
     forces: dict[str, str] = {}
     for pair in reducer.pairs:
         forces |= {f"{pair.name}_force_x": "N", f"{pair.name}_force_y": "N", f"{pair.name}_moment": "N m"}
@@ -236,6 +239,7 @@ class _Sample(NamedTuple):
     summary: list[float]
     forces: PairForces
     peaks: Array
+    drag: Array
 
 
 class _Recorder:
@@ -250,6 +254,7 @@ class _Recorder:
         self._first_pin = len(groups[_REDUCER]) if _PINS in groups else None
         self._index = pair_index(reducer.model, reducer.pairs)
         self.peaks = Peaks(data, self._index)
+        self._dragged = dragged_joints(reducer.model, DRAGS)
         kinds = sorted(reducer.laws)
         self._kinds = np.array([[pair.kind == kind for kind in kinds] for pair in reducer.pairs], dtype=np.float64)
         self._deepest, self._lobes = design.contact.max_penetration, design.lobes
@@ -264,7 +269,8 @@ class _Recorder:
         found = pair_forces(self._data, self._index)
         iterations = max(self._iterations.tolist())
         summary = [found.active, found.penetration, found.peak_force, iterations, *self._energy.tolist()]
-        sample = _Sample(self._sensors.copy(), summary, found, self.peaks.taken())
+        drag = drag_powers(self._data, self._dragged)
+        sample = _Sample(self._sensors.copy(), summary, found, self.peaks.taken(), drag)
         return sample, self._problem(sample, iterations)
 
     def tables(self, samples: Sequence[_Sample]) -> dict[str, Array]:
@@ -275,10 +281,11 @@ class _Recorder:
         friction = np.array([sample.forces.friction_power for sample in samples]) @ self._kinds
         normal = np.array([sample.forces.normal_power for sample in samples]) @ self._kinds
         powers = np.stack([friction, normal], axis=2).reshape(count, -1)
+        drags = np.array([sample.drag for sample in samples])
         wrench = np.array([sample.forces.wrench for sample in samples])
         peak = np.array([sample.peaks for sample in samples])[:, :, np.newaxis]
         forces = np.concatenate([wrench, peak], axis=2).reshape(count, -1)
-        reducer = np.concatenate([seen[:, : self._first_pin], summary, powers], axis=1)
+        reducer = np.concatenate([seen[:, : self._first_pin], summary, powers, drags], axis=1)
         if self._first_pin is None:
             return {_REDUCER: reducer, _FORCES: forces}
         return {_REDUCER: reducer, _PINS: seen[:, self._first_pin :], _FORCES: forces}

@@ -20,6 +20,10 @@ FROM_PAPER = {
     "drive": {"power_kw", "torque_nm", "speed_rpm"},
     "environment": {"gravity_x_m_s2", "gravity_y_m_s2"},
 }
+FROM_ELSEWHERE = {
+    "friction": {"cam_rolling", "output_rolling"},
+    "material": {"poisson", "density_kg_m3"},
+}
 PAIRS = ("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output")
 ASSUMED_HERE = {
     "ring": {"sleeve_thickness_mm"},
@@ -35,7 +39,8 @@ ASSUMED_HERE = {
         *("pin_x_um", "pin_y_um", "pin_dr_um", "hole_x_um", "hole_y_um"),
     },
     "modification": {"equidistant_um", "pin_circle_um", "rotation_arcsec"},
-    "friction": {*PAIRS, "cam_rolling", "output_rolling"},
+    "friction": set(PAIRS),
+    "drag": {"crank_nm", "output_nm"},
     "stiffness": {f"{pair}_n_m" for pair in PAIRS},
     "damping": set(PAIRS),
     "working_force": {f"{pair}_n" for pair in PAIRS},
@@ -48,7 +53,6 @@ ASSUMED_HERE = {
         "creep_speed_mm_s",
         "max_penetration_um",
     },
-    "material": {"poisson", "density_kg_m3"},
     "drive": {"ramp_s", "hold_s", "rotor_inertia_kg_m2"},
     "load": {"torque_nm", "rise_s"},
     "settings": {"timestep_us", "log_rate_hz", "scene_rate_hz"},
@@ -170,7 +174,10 @@ def test_the_file_has_every_key_and_says_what_is_assumed() -> None:
     tables = {name: set(keys) for name, keys in tomllib.loads(text).items() if isinstance(keys, dict)}
     assert lines_noted(text, "assumed") == ASSUMED_HERE
     assert lines_noted(text, "Hsieh 2014") == FROM_PAPER
-    assert tables == {t: ASSUMED_HERE.get(t, set()) | FROM_PAPER.get(t, set()) for t in [*FROM_PAPER, *ASSUMED_HERE]}
+    assert lines_noted(text, "SKF, JTEKT catalogues") == {"friction": FROM_ELSEWHERE["friction"]}
+    assert lines_noted(text, "SolidWorks Alloy Steel") == {"material": FROM_ELSEWHERE["material"]}
+    kinds = (FROM_PAPER, ASSUMED_HERE, FROM_ELSEWHERE)
+    assert tables == {t: set().union(*(kind.get(t, set()) for kind in kinds)) for t in set().union(*kinds)}
     # Nothing of the model is missing in the file.
     assert set(Design.model_fields) == {"name", *tables}
     for table, keys in tables.items():

@@ -165,7 +165,7 @@ def test_each_pair_has_a_working_force_of_its_own(kind: str) -> None:
     assert working_force(after, kind) == 400.0
     others(kind, before, after)
     # The secant stiffness pi E* L / (a + ln kappa) falls by the logarithm of the force in a.
-    modulus = statics.contact_modulus(210e9, 0.3)
+    modulus = statics.contact_modulus(210e9, 0.28)
     compliance = [math.pi * modulus * 10e-3 / curvature_law(d, kind).stiffness for d in (before, after)]
     roller = 400.0 * STRIBECK / 20 if kind == "cam" else 400.0
     assert compliance[0] - compliance[1] == pytest.approx(math.log(roller / 100.0), rel=1e-9)
@@ -202,14 +202,15 @@ def test_rollers_have_a_friction_of_their_own() -> None:
         rolls = cam == "rolling"
         assert (laws["cam"].friction, laws["output"].friction) == ((0.001, 0.002) if rolls else (0.03, 0.04))
     laws = laws_of(with_pair("tooth"))
-    assert laws["cam"].friction == laws["output"].friction == 0.0
+    # needle rollers with a cage, by the makers' catalogues
+    assert laws["cam"].friction == laws["output"].friction == 0.002
     laws = laws_of(with_pair("tooth", "gear.bearing=plain", "output.rollers=false"))
     assert laws["cam"].friction == laws["output"].friction == 0.05
 
 
 def test_a_plain_cam_is_a_conformal_bearing() -> None:
     design = with_pair("cam", "gear.bearing=plain")
-    modulus = statics.contact_modulus(210e9, 0.3)
+    modulus = statics.contact_modulus(210e9, 0.28)
     assert pair_stiffness(design, "cam") == statics.conformal_stiffness(900.0, 10e-3, modulus, 1e-6)
     # It is stiffer than the rollers, and no stiffer than a bearing without play.
     assert pair_stiffness(with_pair("cam"), "cam") < pair_stiffness(design, "cam") < math.pi / 2 * modulus * 10e-3

@@ -20,7 +20,7 @@ from cycloid_mj.measure.efficiency import measure_efficiency
 from cycloid_mj.measure.efficiency_map import forward
 from cycloid_mj.measure.steady import powers, steady_design, whole_periods
 from cycloid_mj.measure.torque import held_efficiency, measure_torque, rated_test
-from cycloid_mj.validation import published
+from cycloid_mj.validation import published, rig
 
 FIXED = override(PRESETS["pin"], ['ring.pins="fixed"'])
 KINDS = {"fixed": FIXED, "nonpin": PRESETS["nonpin"]}
@@ -60,7 +60,8 @@ def test_mean_input_torque_is_the_one_given(torque):
 def test_energy_balance_closes(torque, efficiency):
     assert abs(torque["balance_residual"]) < 0.05
     assert abs(efficiency["balance_residual"]) < 0.05
-    parts = efficiency["output_power"] + efficiency["pin_gear_friction_power"] + efficiency["normal_power"]
+    losses = [efficiency[f"{kind}_friction_power"] for kind in ("pin_gear", "cam", "output")]
+    parts = efficiency["output_power"] + sum(losses) + efficiency["normal_power"]
     assert parts == pytest.approx(efficiency["input_power"], rel=1e-3)
 
 
@@ -72,7 +73,7 @@ def test_balance_misses_a_loss_that_is_left_out(efficiency):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_without_friction_nothing_is_lost(kind):
-    design = steady_design(sensitivity.with_common_friction(KINDS[kind], 0.0))
+    design = steady_design(override(KINDS[kind], rig.without_friction()))
     held = forward(design, 36.68, design.drive.speed, PERIODS)
     assert held.powers.efficiency == pytest.approx(1.0, abs=5e-4)
     # some of the ringing's energy is still in the mesh when the braked run begins to count
@@ -111,7 +112,6 @@ def test_ideal_limit_meets_the_closed_form(efficiency):
     # next to no clearance, a stiff cam and one stiffness: what ideal sharing assumes; as built, it loses more by half
     ideal = efficiency.quantities["efficiency_ideal_limit"]
     assert ideal.value == pytest.approx(1e2 * ideal_efficiency(FIXED, 36.68).efficiency, abs=0.5)
-    assert ideal.value == pytest.approx(ideal.reference, abs=1.0)
     assert efficiency["efficiency"] < ideal.value - 2.0
     spoiled = override(FIXED, ["friction.pin_gear=0.06"])
     assert ideal.value != pytest.approx(1e2 * ideal_efficiency(spoiled, 36.68).efficiency, abs=0.5)
@@ -125,7 +125,8 @@ def test_wang_formula_is_that_of_case_c():
 
 
 def test_wang_formula_and_ideal_sharing_meet_at_small_friction():
-    small = override(FIXED, ["friction.pin_gear=1e-4"])
+    # the formula has the bearings as factors of their own
+    small = override(FIXED, [*rig.without_friction(), "friction.pin_gear=1e-4"])
     wang, ideal = wang_efficiency(small).efficiency, ideal_efficiency(small, 36.68).efficiency
     # ideal sharing takes the pins as they stand, the formula an integral over many: some percent of the loss
     assert 1.0 - wang == pytest.approx(1.0 - ideal, rel=0.06)
@@ -166,8 +167,9 @@ def test_interpolated_friction_gives_back_the_rate_of_a_smooth_law():
 
 def test_friction_of_the_paper_lies_where_the_rates_do(torque):
     simulated, measured = torque["friction_for_paper_simulated"], torque["friction_for_paper_measured"]
-    # 35.8 N m needs less friction than 35.08 N m, and both less than the 0.05 that gives 32.7 N m
-    assert 0.0 < simulated < measured < 0.05
+    # 35.08 N m needs less friction than the design's; 35.8 N m none gives: the cam's bearing alone takes 3 points
+    assert 0.0 < measured < 0.05
+    assert simulated is None
 
 
 def test_sensitivity_covers_pins_free_fixed_and_sleeved():

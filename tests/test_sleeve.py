@@ -25,6 +25,7 @@ from cycloid_mj.report.tables import _clearances
 from cycloid_mj.scene import contact_forces
 from cycloid_mj.simulate import simulate
 from cycloid_mj.solid import mass_properties, parts, sleeve_core_radius
+from cycloid_mj.validation import rig
 from cycloid_mj.validation.equilibrium import solve
 
 SLEEVED = override(PRESETS["pin"], ["ring.pins=sleeved"])
@@ -40,7 +41,7 @@ def test_a_sleeve_is_a_ring_on_a_pin_that_is_smaller_by_the_clearance() -> None:
     solids = parts(SLEEVED)
     sleeve, housing = mass_properties(solids["pin"]), solids["housing"]
     # Chords of the mass properties leave 1e-6 of each circle.
-    mass = 7850.0 * 10e-3 * math.pi * (RHO**2 - BORE**2)
+    mass = SLEEVED.material.density * 10e-3 * math.pi * (RHO**2 - BORE**2)
     assert sleeve.mass == pytest.approx(mass, rel=5e-6)
     assert sleeve.inertia[2, 2] == pytest.approx(0.5 * mass * (RHO**2 + BORE**2), rel=5e-6)
     cores = housing.prisms[1:]
@@ -97,7 +98,15 @@ def test_a_sleeved_contact_is_as_stiff_as_its_two_contacts_in_series() -> None:
 
 @cache
 def loaded(pins: str) -> Run:
-    changes = [f"ring.pins={pins}", "drive.ramp_s=0", "drive.hold_s=0.006", "load.torque_nm=36", "load.rise_s=0.001"]
+    bearings = ["friction.cam_rolling=0", "friction.output_rolling=0"]
+    changes = [
+        *bearings,
+        f"ring.pins={pins}",
+        "drive.ramp_s=0",
+        "drive.hold_s=0.006",
+        "load.torque_nm=36",
+        "load.rise_s=0.001",
+    ]
     return simulate(override(PRESETS["pin"], [*changes, "contact.creep_speed_mm_s=2", "settings.log_rate_hz=20000"]))
 
 
@@ -192,7 +201,7 @@ def test_stock_collision_refuses_sleeves() -> None:
 def test_a_loaded_ring_of_sleeves_settles_at_the_independent_balance() -> None:
     """Slow and without friction, every force of ring and cam is that of `validation.equilibrium`: measured 3e-5."""
     changes = ["drive.ramp_s=0", "drive.hold_s=0.006", "drive.speed_rpm=60", "load.torque_nm=36", "load.rise_s=0.002"]
-    design = changed(*changes, "environment.gravity_y_m_s2=0", "friction.pin_gear=0", "friction.pin_sleeve=0")
+    design = changed(*changes, "environment.gravity_y_m_s2=0", *rig.without_friction())
     run = simulate(design)
     stiffness = {kind: pair_stiffness(design, kind) for kind in ("pin_gear", "pin_sleeve", "cam", "output")}
     balanced = solve(design, stiffness, float(run["crank_angle"][-1]))

@@ -401,7 +401,9 @@ def test_parts_that_do_not_fit_are_refused_by_name(key: str, limit: float | None
     start = PIN
     if key == "shaft.counterweight_radius":
         start = override(PIN, ["shaft.length_mm=3.0"])
-        unbalance = 1.5 * (mass_properties(gear_solid(PIN)).mass / 7850.0 + math.pi * 0.015**2 * 0.010) * 1e-3
+        unbalance = (
+            1.5 * (mass_properties(gear_solid(PIN)).mass / PIN.material.density + math.pi * 0.015**2 * 0.010) * 1e-3
+        )
         limit = 1e3 * (0.008**3 + unbalance / 0.003) ** (1 / 3)
     assert limit is not None
     outward = 1e-4 if allowed == "less" else -1e-4

@@ -205,8 +205,9 @@ def test_wangs_formula_is_the_closed_form_less_frictions_own_moment():
     forces = statics.ideal_load_sharing(gear, load, crank).forces
     plain = 0.05 * np.sum(forces * (profile.pitch_distance(gear, B) - gear.pin_radius), axis=1).mean() / load
     assert 1 / (1 + plain) == pytest.approx(published.mesh_efficiency(case), abs=2e-4)
-    mesh, output = published.loss_shares(design, crank, 0.05)
+    mesh, output, cam = published.loss_shares(design, crank, 0.05)
     assert mesh > plain
+    assert cam == 0.0
     assert 1 / (1 + output) == pytest.approx(published.output_efficiency(case), abs=5e-4)
 
 

@@ -133,6 +133,10 @@ def compare(
     each measure, and one of the relative curvature of the contact lines, go
     to --out.
 
+    A pin and a nonpin design are joined by a third: the nonpin design with the
+    pin design's total play and series stiffness. What is left between it and
+    the pin design is the effect of the design apart from its clearance.
+
     Every design runs under the settings of the first one (drive, load,
     environment, settings); --set changes every design. Signals are logged at
     20 kHz (unless --set settings.log_rate_hz), so vibration is told up to
@@ -172,15 +176,23 @@ def _held_for_turns(design: Design, changes: Sequence[str], hold_s: float | None
 
 
 def _cases(designs: Sequence[Design], first: Design, load_nm: float | None) -> list[Design]:
-    """Give every design under the settings of `first`, at no load and under load."""
-    from cycloid_mj.comparison import conditions, under
+    """Give every design under the settings of `first`, at no load and under load.
+
+    A pin and a nonpin design are joined by the nonpin design with the other's total play and series stiffness at that
+    load: it tells the effect of the design from that of the clearance.
+    """
+    from cycloid_mj.comparison import conditions, under, with_play_of
 
     names = [design.name for design in designs]
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise UsageError(f"two of the designs are called {twice!r}: give each a name of its own in its file")
     shared = conditions(first)
     rated = round(first.drive.torque * first.lobes, 9) if load_nm is None else load_nm
-    return [under(design, shared, load) for load in dict.fromkeys((0.0, rated)) for design in designs]
+    compared = list(designs)
+    if len(designs) == 2 and {design.ring.kind for design in designs} == {"pin", "nonpin"}:
+        pin, nonpin = sorted(designs, key=lambda design: design.ring.kind, reverse=True)
+        compared.append(with_play_of(nonpin, under(pin, shared, rated)))
+    return [under(design, shared, load) for load in dict.fromkeys((0.0, rated)) for design in compared]
 
 
 def _from_logs(

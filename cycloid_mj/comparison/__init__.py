@@ -5,6 +5,7 @@ A fluctuation is judged turn by turn, so that a verdict on the paper's findings 
 
 from cycloid_mj.comparison.comparison import Comparison, compare
 from cycloid_mj.comparison.conditions import conditions, differences, under
+from cycloid_mj.comparison.equalised import series_stiffness, total_play, with_play_of
 from cycloid_mj.comparison.measures import Measures, measure, settled, settling
 from cycloid_mj.comparison.ranking import Ranking, rankings
 from cycloid_mj.comparison.sweep import SWEEP, Variation, Varied, varied
@@ -25,9 +26,12 @@ __all__ = [
     "load_words",
     "measure",
     "rankings",
+    "series_stiffness",
     "settled",
     "settling",
     "table",
+    "total_play",
     "under",
     "varied",
+    "with_play_of",
 ]

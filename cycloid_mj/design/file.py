@@ -76,14 +76,22 @@ def override(design: Design, changes: Sequence[str]) -> Design:
 def dump(design: Design) -> str:
     """Give the complete commented design file of a design; reading it back gives an equal design."""
     lines = ["# cycloid_mj design file. Units stand in the key names."]
-    lines += ["# (assumed): not given in the paper (Hsieh 2014) and chosen here.", ""]
+    lines += [
+        "# (assumed): not given in the paper (Hsieh 2014) and chosen here. Another name: where the default is from.",
+        "",
+    ]
     for name, field, value in _fields(design):
         if isinstance(value, Section):
-            lines += ["", f"# {(type(value).__doc__ or '').strip()}", f"[{name}]"]
+            lines += ["", f"# {_summary(type(value))}", f"[{name}]"]
             lines += [_line(key, inner, item) for key, inner, item in _fields(value)]
         else:
             lines.append(_line(name, field, value))
     return "\n".join(lines) + "\n"
+
+
+def _summary(section: type[Section]) -> str:
+    """Give the first sentence on a section: the rest of its docstring is for readers of the code."""
+    return (section.__doc__ or "").strip().partition("\n")[0]
 
 
 def _line(name: str, field: FieldInfo, value: Any) -> str:

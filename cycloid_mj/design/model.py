@@ -218,16 +218,34 @@ class Modification(Section):
 
 
 class Friction(Section):
-    """Coulomb friction coefficient of each mating pair."""
+    """Coulomb friction coefficient of each mating pair, at the surface where the two parts of the model meet.
+
+    Catalogues give a rolling bearing's torque as 0.5 mu P d with its bore d, and mu = 0.0020 for needle rollers with a
+    cage (SKF, Rolling bearings, "Constant coefficient of friction"; JTEKT, Bearing knowledge, table 8-1: 0.0020 to
+    0.0030; cylindrical rollers 0.0008 to 0.0012). Here the coefficient acts at the cam's radius and at the rim of an
+    output pin's roller, as if those were the bore: the most that it can cost. A roller that is a plain sleeve slides
+    on its core instead, and has the coefficient of that times the core's radius over the roller's.
+    """
 
     pin_gear: float = quantity(0.05, "pin on gear (lubricated steel)", ge=0.0, le=2.0)
     pin_socket: float = quantity(0.05, "pin in its socket", ge=0.0, le=2.0)
     pin_sleeve: float = quantity(0.05, "sleeve on its pin (lubricated steel, sliding)", ge=0.0, le=2.0)
     tooth: float = quantity(0.05, "gear on internal gear", ge=0.0, le=2.0)
     cam: float = quantity(0.05, "cam that slides in the bore, where gear.bearing is plain", ge=0.0, le=2.0)
-    cam_rolling: float = quantity(0.0, "cam on rollers, where gear.bearing is rolling (0: left out)", ge=0.0, le=2.0)
+    cam_rolling: float = quantity(
+        0.002, "cam on rollers, at the cam's radius, where gear.bearing is rolling", source=u.CATALOGUE, ge=0.0, le=2.0
+    )
     output: float = quantity(0.05, "output pin that slides in its hole, without output.rollers", ge=0.0, le=2.0)
-    output_rolling: float = quantity(0.0, "output pin with a roller in its hole (0: left out)", ge=0.0, le=2.0)
+    output_rolling: float = quantity(
+        0.002, "output pin with a roller on needles, at the roller's rim", source=u.CATALOGUE, ge=0.0, le=2.0
+    )
+
+
+class Drag(Section):
+    """Torque of seals and lubricant, which neither load nor speed changes (Coulomb); 0: none."""
+
+    crank: float = quantity(0.0, "on the crank, against its turning", u.NEWTON_METRE, ge=0.0, le=1e5)
+    output: float = quantity(0.0, "on the output, against its turning", u.NEWTON_METRE, ge=0.0, le=1e6)
 
 
 class ContactLaw(Section):
@@ -304,11 +322,15 @@ class WorkingForce(Section):
 
 
 class Material(Section):
-    """The steel of every part (the paper's Table 1)."""
+    """The steel of every part: the paper's Table 1, which is the "Alloy Steel" of SolidWorks' material library.
+
+    Yield strength 620.422 MPa and shear modulus 79 000 MPa are that entry's; Poisson's ratio and density, which the
+    paper does not print, are taken from it too.
+    """
 
     youngs_modulus: float = quantity(210000.0, "Young's modulus", u.MEGAPASCAL, PAPER, ge=100.0, le=2e6)
-    poisson: float = quantity(0.3, "Poisson's ratio", ge=0.0, lt=0.5)
-    density: float = quantity(7850.0, "density", u.DENSITY, gt=100.0, le=25000.0)
+    poisson: float = quantity(0.28, "Poisson's ratio", source=u.ALLOY_STEEL, ge=0.0, lt=0.5)
+    density: float = quantity(7700.0, "density", u.DENSITY, u.ALLOY_STEEL, gt=100.0, le=25000.0)
     tensile_strength: float = quantity(723.1, "tensile strength", u.MEGAPASCAL, PAPER, gt=0.0, le=1e5)
     yield_strength: float = quantity(620.4, "yield strength", u.MEGAPASCAL, PAPER, gt=0.0, le=1e5)
 
@@ -365,6 +387,7 @@ class Design(Section):
     errors: Errors = Errors()
     modification: Modification = Modification()
     friction: Friction = Friction()
+    drag: Drag = Drag()
     contact: ContactLaw = ContactLaw()
     stiffness: Stiffness = Stiffness()
     damping: Damping = Damping()

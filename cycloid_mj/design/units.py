@@ -9,6 +9,10 @@ from pydantic.fields import FieldInfo
 
 PAPER = "Hsieh 2014"
 ASSUMED = "assumed"
+ALLOY_STEEL = "SolidWorks Alloy Steel"
+"""The entry of SolidWorks' material library whose values the paper's Table 1 prints."""
+CATALOGUE = "SKF, JTEKT catalogues"
+"""Makers' catalogues of rolling bearings; see `Friction`."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +75,7 @@ def quantity(default: Any, text: str, unit: Unit = NONE, source: str = ASSUMED, 
     unit
         Unit of the file; the value itself is kept in SI.
     source
-        Where the default comes from: the paper, or assumed.
+        Where the default comes from: the paper, another source, or assumed.
     bounds
         ``gt``, ``ge``, ``lt``, ``le`` in the file's unit.
     """

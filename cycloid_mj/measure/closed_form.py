@@ -12,7 +12,7 @@ from cycloid_mj.validation.published import loss_shares
 CRANK_ANGLES = 360
 AS_BUILT = (
     "the cam's give lets the gear move sideways, to where contacts that slide faster carry more than ideally; so do "
-    "clearances; pins that turn lose less than the closed form's most; it has no friction of the cam"
+    "clearances"
 )
 """Why a design as built departs from ideal sharing: with a stiff cam alone it comes within half a point."""
 PLAY_UM = 1e-3
@@ -32,8 +32,9 @@ class Closed:
 def mesh_friction(design: Design) -> float:
     """Give the coefficient that acts where the gear slides past its ring [1].
 
-    A pin that can turn rolls on the gear where its seat is the easier way: a free pin's socket has the pin's radius,
-    the bore of a sleeve has a smaller arm. Where both are alike, it does some of each: this is the most that it loses.
+    A pin that can turn slips where it is the easier: on the gear, or in its seat, where a free pin's socket has the
+    pin's radius and the bore of a sleeve a smaller arm. It is a two-body force: where both are alike, the loss is the
+    same however the slip divides.
     """
     ring, on_gear = design.ring, design.friction_of(design.tooth_pair)
     if ring.has_sockets:
@@ -46,11 +47,15 @@ def mesh_friction(design: Design) -> float:
 def ideal_efficiency(design: Design, load: float) -> Closed:
     """Give the efficiency under a load torque [N m] of equally stiff contacts without clearance, on a cam that holds.
 
-    The cam's friction is left out.
+    The contacts carry the drag of the output's seals besides the load.
     """
-    loaded = override(design, [f"load.torque_nm={load!r}"])
+    carried = load + design.drag.output
+    loaded = override(design, [f"load.torque_nm={carried!r}"])
     crank = np.linspace(0.0, 2.0 * np.pi, CRANK_ANGLES, endpoint=False)
-    return Closed(1.0 / (1.0 + sum(loss_shares(loaded, crank, mesh_friction(design)))), "ideal sharing, Coulomb")
+    supplied = (
+        carried * (1.0 + sum(loss_shares(loaded, crank, mesh_friction(design)))) + design.drag.crank * design.lobes
+    )
+    return Closed(load / supplied, "ideal sharing, Coulomb")
 
 
 def ideal_limit(design: Design) -> Design:

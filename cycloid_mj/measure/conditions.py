@@ -34,6 +34,15 @@ def require_motion(design: Design) -> None:
         raise DesignError("drive.speed_rpm is 0, but this measure turns the crank: give another speed, such as 1640")
 
 
+def drag_told(design: Design) -> str:
+    """Tell the drag of seals and lubricant on the shafts, and that it is an assumption where there is none."""
+    told = [
+        f"drag.{shaft}_nm {torque:g} N m" if torque else f"drag.{shaft}_nm 0: left out"
+        for shaft, torque in (("crank", design.drag.crank), ("output", design.drag.output))
+    ]
+    return f"seals and lubricant: {', '.join(told)}"
+
+
 def has_default_step(design: Design) -> bool:
     """Tell whether a design has the default step: a measure takes any other one as it is given."""
     return design.settings.timestep == Settings().timestep

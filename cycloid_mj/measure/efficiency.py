@@ -7,7 +7,7 @@ import numpy as np
 
 from cycloid_mj.design import Design
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency, wang_efficiency
-from cycloid_mj.measure.conditions import RPM, rated_torque
+from cycloid_mj.measure.conditions import RPM, drag_told, rated_torque
 from cycloid_mj.measure.efficiency_map import Found, Point, run_map
 from cycloid_mj.measure.measurement import Curve, Measurement, Quantity, Table
 from cycloid_mj.measure.pool import Done, nothing
@@ -20,7 +20,7 @@ TORQUES, SPEEDS = (0.25, 0.5, 1.0), (0.5, 1.0, 1.5)
 PERIODS, QUICK_PERIODS = 12, 4
 """Fewest mesh periods of an average: a third of a crank turn, or less."""
 
-LEFT_OUT = "the friction of a rolling pair is left out: friction.*_rolling"
+LEFT_OUT = "left out: this pair's friction is 0"
 
 
 def measure_efficiency(
@@ -90,10 +90,10 @@ def _rated(design: Design, found: Found) -> dict[str, Quantity]:
             1e2 * found.ideal.powers.efficiency,
             "%",
             1e2 * found.ideal.shift,
-            1e2 * wang.efficiency,
-            wang.source,
-            "at equal friction; the formula leaves out that friction turns the gear back, so that the teeth press "
-            f"harder: with it, ideal sharing gives {1e2 * ideal.efficiency:.2f} %",
+            1e2 * ideal.efficiency,
+            ideal.source,
+            f"{wang.source} give {1e2 * wang.efficiency:.2f} % without the cam's bearing and without the moment by "
+            "which friction turns the gear back, so that the teeth press harder",
         ),
         "balance_residual": Quantity(
             "largest residual of the energy balance",
@@ -133,7 +133,7 @@ def _driven(design: Design, found: Found) -> dict[str, Quantity]:
     forward = found.rated.powers.efficiency
     locked = backward.powers.crank > 0.0
     against = math.nan if locked else rated_torque(design) / backward.powers.efficiency
-    contacts = "the contacts' losses alone: no seals, no lubricant, no bearings of the shafts"
+    contacts = f"contacts, {drag_told(design)}; the shafts' own bearings are left out"
     return {
         "no_load_torque": Quantity(
             "no-load torque, on the crank", found.unloaded.drag, "N m", found.unloaded.drag_shift, note=contacts
@@ -233,8 +233,8 @@ def _assumptions(design: Design, periods: int) -> tuple[str, ...]:
     kinds = dict.fromkeys(pair.kind for pair in pairs(design))
     creep = 1e3 * design.contact.creep_speed
     return (
-        f"friction: {', '.join(f'{pair} {design.friction_of(pair):g}' for pair in kinds)}; seals, "
-        "lubricant and the shafts' own bearings are left out",
+        f"friction: {', '.join(f'{pair} {design.friction_of(pair):g}' for pair in kinds)}; "
+        f"{drag_told(design)}; the shafts' own bearings are left out",
         f"mean over {periods} mesh periods, {pins:g} periods of the output pins; the crank held at its speed, or "
         "the output where it drives",
         f"friction grows with the sliding speed until {creep:g} mm/s under the working force, and is whole beyond",

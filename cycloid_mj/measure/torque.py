@@ -10,7 +10,7 @@ from cycloid_mj.design import Design, override
 from cycloid_mj.measure import paper, sensitivity, steady
 from cycloid_mj.measure.braked import DECAY, braked_run
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency
-from cycloid_mj.measure.conditions import halved, rated_torque
+from cycloid_mj.measure.conditions import drag_told, halved, rated_torque
 from cycloid_mj.measure.measurement import Curve, Measurement, Quantity
 from cycloid_mj.measure.paper import PaperFigure
 from cycloid_mj.measure.pool import Done, each, nothing
@@ -174,7 +174,7 @@ def _assumptions(design: Design, periods: int) -> tuple[str, ...]:
     pins = round(periods * design.output.pins / design.lobes, 2)
     return (
         f"friction of the pairs that slide: {friction}; of rolling bearings: cam {design.friction_of('cam'):g}, "
-        f"output {design.friction_of('output'):g}; seals, lubricant and the shafts' own bearings are left out",
+        f"output {design.friction_of('output'):g}; {drag_told(design)}; the shafts' own bearings are left out",
         f"mean over {periods} mesh periods, {pins:g} periods of the output pins: torque repeats with both, and hardly "
         "with the crank's turn",
         "the motor's torque falls with its speed, which damps the ringing of its inertia on the mesh in "

@@ -47,6 +47,10 @@ _COLOURS = {
     "pin": (0.83, 0.84, 0.86, 1.0),
     names.OUTPUT: (0.36, 0.62, 0.42, 1.0),
 }
+SEAL_TIME, SEAL_IMPEDANCE = 1e-4, [0.99, 0.99, 1.0, 0.5, 1.0]
+"""Time [s] in which the drag of seals stops a shaft that it can hold, and how firmly: a shaft that turns feels all of
+it above a creep of some mrad/s."""
+
 _PLANAR = (("x", (1.0, 0.0, 0.0)), ("y", (0.0, 1.0, 0.0)))
 _Z = (0.0, 0.0, 1.0)
 
@@ -240,6 +244,13 @@ def _planar(body: Any, name: str, start: tuple[float, float], turn: str) -> None
     body.add_joint(name=turn, type=mujoco.mjtJoint.mjJNT_HINGE, axis=_Z)
 
 
+def _add_shaft_joint(body: Any, name: str, drag: float, **attributes: Any) -> None:
+    """Let a shaft turn about the axis, against the drag of its seals [N m]."""
+    if drag > 0.0:
+        attributes |= {"frictionloss": drag, "solref_friction": [SEAL_TIME, 1.0], "solimp_friction": SEAL_IMPEDANCE}
+    body.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_HINGE, axis=_Z, **attributes)
+
+
 def _add_bodies(spec: Any, design: Design, masses: Mapping[str, MassProperties]) -> float:
     """Add housing, ring, shaft, gear and output; give the inertia on the crank [kg m2]."""
     half = 0.5 * design.gear.face_width
@@ -248,7 +259,7 @@ def _add_bodies(spec: Any, design: Design, masses: Mapping[str, MassProperties])
 
     shaft = spec.worldbody.add_body(name=names.SHAFT)
     rotor = design.drive.rotor_inertia
-    shaft.add_joint(name=names.CRANK_JOINT, type=mujoco.mjtJoint.mjJNT_HINGE, axis=_Z, armature=rotor)
+    _add_shaft_joint(shaft, names.CRANK_JOINT, design.drag.crank, armature=rotor)
     _inertial(shaft, masses[names.SHAFT])
     _visual(shaft, names.SHAFT)
     cam = [0.0, design.gear.eccentricity + design.errors.eccentricity, 0.0]
@@ -257,7 +268,7 @@ def _add_bodies(spec: Any, design: Design, masses: Mapping[str, MassProperties])
     _add_gear(spec, design, masses[names.GEAR])
 
     output = spec.worldbody.add_body(name=names.OUTPUT)
-    output.add_joint(name=names.OUTPUT_JOINT, type=mujoco.mjtJoint.mjJNT_HINGE, axis=_Z)
+    _add_shaft_joint(output, names.OUTPUT_JOINT, design.drag.output)
     _inertial(output, masses[names.OUTPUT])
     _visual(output, names.OUTPUT)
     for number, angle in enumerate(output_angles(design), start=1):

@@ -9,6 +9,8 @@ SHAFT, GEAR, OUTPUT, HOUSING = "shaft", "gear", "output", "housing"
 CRANK_JOINT, OUTPUT_JOINT = "crank", "output"
 DRIVE, LOAD = "drive", "load"
 TEETH, BORE, CAM = "teeth", "bore", "cam"
+DRAGS = {"crank_drag": CRANK_JOINT, "output_drag": OUTPUT_JOINT}
+"""Loss of seals and lubricant -> the joint that it brakes; a design without has neither."""
 
 
 def pin(number: int) -> str:

@@ -218,6 +218,8 @@ def wang_design(case: Wang, ideal: bool) -> Design:
         "shaft.counterweight_radius_mm=45.0",
         f"friction.pin_gear={MESH_FRICTION}",
         f"friction.output_rolling={rolled!r}",
+        # The formula has the bearings as factors of their own.
+        "friction.cam_rolling=0.0",
         f"drive.speed_rpm={WANG_SPEED_RPM}",
         f"load.torque_nm={WANG_LOAD}",
         # Friction is whole where contacts of this size of force slide.
@@ -233,23 +235,32 @@ def efficiency(run: Run) -> float:
     return float(-np.mean(run["load_torque"] * run["output_speed"]) / np.mean(run["crank_torque"] * run["crank_speed"]))
 
 
-def loss_shares(design: Design, crank: Array, friction: float) -> tuple[float, float]:
-    """Give the ideal losses of mesh and output pins as shares of the output power, by Coulomb's law.
+def loss_shares(design: Design, crank: Array, friction: float) -> tuple[float, float, float]:
+    """Give the ideal losses of mesh, output pins and cam as shares of the output power, by Coulomb's law.
 
     A contact at l - rho from the pitch point slides at (l - rho) w/(N-1). Friction acts about the gear's centre with
     the arm s = l - rho + c (N-1) cos(B - alpha), against the gear's turning: the normal forces rise by
     1/(1 - mu sum F s / sum F arm). In the holes the gear slides at c w N/(N-1): its centre orbits while both turn back.
+    The cam of radius R slides, or rolls with a bearing's coefficient, at R w N/(N-1) under its whole force.
     """
     gear, load, output = tooth_profile(design), design.load.torque, design.output
     B = profile.pin_angles(gear) + crank[:, np.newaxis]
     reach = profile.pitch_distance(gear, B) - gear.pin_radius
-    forces = statics.ideal_load_sharing(gear, load, crank).forces
+    ring = statics.ideal_load_sharing(gear, load, crank)
+    forces = ring.forces
     arm = reach + gear.eccentricity * gear.lobes * np.cos(B - profile.conjugate_alpha(gear, B))
     raised = 1.0 / (1.0 - friction * np.sum(forces * arm, axis=1) / load)
     mesh = friction * np.mean(raised * np.sum(forces * reach, axis=1)) / load
     pins = statics.ideal_output_forces(gear, output.pins, output.pin_circle_radius, load, crank)
-    sliding = gear.eccentricity * gear.ring_teeth
-    return float(mesh), float(design.friction_of("output") * sliding * np.mean(np.sum(pins, axis=1)) / load)
+    cam = np.linalg.norm(statics.cam_force(ring, pins, crank), axis=1)
+    held = [
+        design.friction_of(kind) * radius * gear.ring_teeth * np.mean(force) / load
+        for kind, radius, force in (
+            ("output", gear.eccentricity, np.sum(pins, axis=1)),
+            ("cam", design.gear.bore_radius, cam),
+        )
+    ]
+    return float(mesh), float(held[0]), float(held[1])
 
 
 def friction_by_force(run: Run, design: Design) -> float:

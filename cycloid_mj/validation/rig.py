@@ -49,7 +49,7 @@ def changed(design: Design, *changes: str) -> Design:
 
 def without_friction() -> list[str]:
     """Give the changes that switch friction off."""
-    return [f"friction.{kind}=0.0" for kind in MATING]
+    return [f"friction.{kind}=0.0" for kind in (*MATING, "cam_rolling", "output_rolling")]
 
 
 def without_gravity() -> list[str]:
