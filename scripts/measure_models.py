@@ -61,7 +61,7 @@ def _run(name: str, load: float, contact: Contact, step: float) -> dict[str, Any
         "load_nm": load,
         "contact": contact,
         "timestep_us": step,
-        "gear_transmission_error_arcsec": round(found.transmission_error.mean_arcsec, 2),
+        "gear_transmission_error_arcsec": round(found.gear_transmission_error.mean_arcsec, 2),
         "output_transmission_error_arcsec": round(found.output_transmission_error.mean_arcsec, 2),
         "gear_speed_rms_error_percent": round(
             100.0 * found.gear_speed.rms_error_rad_s / abs(found.gear_speed.theory_rad_s), 3

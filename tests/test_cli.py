@@ -191,8 +191,10 @@ def test_table_of_a_run_goes_to_stdout_and_messages_to_stderr(here, monkeypatch,
     monkeypatch.setattr("cycloid_mj.cli.progress.SECONDS_BETWEEN_LINES", between_lines)
     code, out, err = told("simulate", "--design", "pin", *SHORT)
     assert code == 0
-    first, *lines = err.splitlines()
+    first, *lines, last = err.splitlines()
     assert first == "preparing the model"
+    # 0.01 s at 1640 rpm are 0.27 turns, half of which is settling
+    assert last.startswith("warning: only 0.13 crank turns")
     assert bool(lines) == progress
     assert all(re.fullmatch(r" *\d+%  \S+ of 0.01 s simulated, about \d+ s left", line) for line in lines), err
     for words in ("quantity", "simulated", "closed form", "error", "gear speed", "runs/pin.mcap", "wall time"):
@@ -394,7 +396,8 @@ def test_log_that_was_cut_is_judged_with_a_note(run, tmp_path):
     code, out, err = told("analyze", str(cut), "--json")
     found = one_object(out)
     assert code == 0
-    assert err.startswith("note: the run did not reach its end")
+    assert err.startswith("warning: the run did not reach its end")
+    assert found["warnings"][0].startswith("the run did not reach its end")
     assert (found["complete"], found["steps"]) == (False, None)
 
 

@@ -347,7 +347,7 @@ def judged(design: Design, contact: Contact, settings: ConvexSettings | None = N
     found, settled = analyze(run, settle=settle), run.select(run.time >= settle)
     assert found.contact == contact
     return {
-        "gear": found.transmission_error.mean_arcsec,
+        "gear": found.gear_transmission_error.mean_arcsec,
         "output": found.output_transmission_error.mean_arcsec,
         "cam": float(np.mean(np.hypot(settled["cam_force_x"], settled["cam_force_y"]))),
         "torque": found.power.crank_torque_nm,

@@ -67,8 +67,8 @@ def figures_of(design: Design) -> dict[str, float]:
     assert found.efficiency is not None
     return {
         "efficiency": found.efficiency,
-        "mean": found.transmission_error.mean_arcsec,
-        "peak_to_peak": found.transmission_error.peak_to_peak_arcsec,
+        "mean": found.gear_transmission_error.mean_arcsec,
+        "peak_to_peak": found.gear_transmission_error.peak_to_peak_arcsec,
         "rms": found.gear_speed.rms_error_rad_s,
     }
 

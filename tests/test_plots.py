@@ -25,7 +25,7 @@ from cycloid_mj.record import Run
 
 GEAR = CycloidGear(36, 1e-3, 40.75e-3, 2.25e-3)
 DT = 1e-4
-NAMES = ["fig5_input", "fig6_gear_speed", "fig7_q_path", "fig8_q_speed", "fig9_pin1", "transmission_error"]
+NAMES = ["transmission_error", "fig5_input", "fig6_gear_speed", "fig7_q_path", "fig8_q_speed", "fig9_pin1"]
 ARCSEC = math.pi / 180 / 3600
 
 
@@ -103,6 +103,21 @@ def test_figures_are_named_after_the_paper(design, drawn):
     assert list(figures(run_of(without))) == [name for name in NAMES if name != "fig9_pin1"]
 
 
+def test_every_figure_names_load_and_speed(drawn):
+    for name, figure in drawn.items():
+        assert figure.get_suptitle() == "pin, no load, 1640 rpm", name
+
+
+def test_a_run_that_ended_in_its_ramp_is_drawn(design):
+    cut = run_of(design).select(slice(0, 250))
+    found = figures(cut)
+    assert list(found) == NAMES
+    for figure in found.values():
+        assert "ended in its ramp" in figure.get_suptitle()
+    top = found["fig6_gear_speed"].axes[0]
+    assert top.get_ylim()[0] < -1640 * math.pi / 30 / 35 * 250 / 300
+
+
 def test_input(motion, drawn):
     top, bottom = drawn["fig5_input"].axes
     speed = motion.crank_speed
@@ -165,7 +180,7 @@ def test_pin_1(motion, turn, drawn, design):
 
 def test_transmission_error_is_that_of_the_findings(motion, turn, drawn):
     rows, degrees = turn
-    gear, output = drawn["transmission_error"].axes
+    output, gear = drawn["transmission_error"].axes
     for axes, column in ((gear, "gear_angle"), (output, "output_angle")):
         assert has_curve(axes, degrees, (motion.run[column] + motion.crank_angle / 35)[rows] / ARCSEC)
     found = analyze(motion.run, q=motion.q)

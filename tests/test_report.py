@@ -104,8 +104,9 @@ def test_page_is_whole_and_needs_nothing_from_elsewhere(text, both):
 def test_every_section_and_figure_has_its_place(text, both):
     titles = [words for tag, words in Page(both).texts if tag == "h2"]
     assert titles == [
-        *("What was run", "The mechanism", "Simulated, closed form, error", "Over time"),
-        *("Order spectrum of the gear's speed", "Where the power goes", "Provenance"),
+        *("What was run", "The mechanism", "Simulated, closed form, error: 36 N m, 1640 rpm"),
+        *("Over time: 36 N m, 1640 rpm", "Order spectrum of the speeds of output and gear"),
+        *("Where the power goes", "Provenance"),
     ]
     expected = {f"figure-{figure.name}" for figure in FIGURES} | {"figure-spectrum", "mechanism-0"}
     assert expected <= Page(text).ids()
@@ -228,13 +229,22 @@ def test_warnings_say_what_spoils_the_numbers(pin):
     assert told(pin) == []
     cut = replace(pin.select(slice(0, 250)), complete=False, note="killed <b>")
     deep = replace(pin, columns={**pin.columns, "penetration": pin["penetration"] + 30e-6})
-    assert told(cut)[0] == "The run did not reach its end: killed <b>."
+    assert told(cut)[0] == "the run did not reach its end: killed <b>"
     assert "crank turns at constant speed were judged" in told(cut)[1]
-    assert told(deep) == ["Contacts were 31 µm deep; the run ends at 50 µm."]
+    assert told(deep) == ["contacts were 31 um deep; a run ends with an error at 50 um"]
     page = report({"a.mcap": cut})
     assert "stopped early" in page
     assert "killed &lt;b&gt;" in page
     assert "killed <b>" not in page
+
+
+def test_a_run_that_ended_in_its_ramp_is_reported(tmp_path):
+    design = override(PRESETS["pin"], ["drive.ramp_s=0.2", "drive.hold_s=0.1", "load.torque_nm=36"])
+    page = Page(report({"a.mcap": replace(made_run(design, 1000), complete=False, note="stopped by Ctrl-C")}))
+    words = " ".join(text for _, text in page.texts)
+    assert "ended in its ramp" in words
+    assert "no spectrum" in words
+    assert page.data["runs"][0]["spans"]["hold"] == pytest.approx([0.0, 0.0999])
 
 
 def test_odd_names_are_text_and_nothing_else(pin):

@@ -177,7 +177,7 @@ def measured(design: Design) -> dict[str, float]:
     """Figures that must not depend on the step."""
     found = analyze(simulate(design))
     assert found.efficiency is not None
-    error = found.transmission_error
+    error = found.gear_transmission_error
     return {
         "efficiency": found.efficiency,
         "mean": error.mean_arcsec,

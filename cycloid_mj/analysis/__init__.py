@@ -5,9 +5,25 @@ closed form of everything but the crank is evaluated at the *measured* crank ang
 is judged once, in the crank's own line.
 """
 
+from cycloid_mj.analysis.condition import Condition, condition, load_words
 from cycloid_mj.analysis.findings import Findings
 from cycloid_mj.analysis.judge import analyze, judge
 from cycloid_mj.analysis.series import Compared, PinPath, Series, series
-from cycloid_mj.analysis.table import Row, table
+from cycloid_mj.analysis.table import Group, Row, groups, table
 
-__all__ = ["Compared", "Findings", "PinPath", "Row", "Series", "analyze", "judge", "series", "table"]
+__all__ = [
+    "Compared",
+    "Condition",
+    "Findings",
+    "Group",
+    "PinPath",
+    "Row",
+    "Series",
+    "analyze",
+    "condition",
+    "groups",
+    "judge",
+    "load_words",
+    "series",
+    "table",
+]

@@ -2,7 +2,11 @@
 
 import dataclasses
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
+
+from cycloid_mj.analysis.condition import Condition
+
+Phase = Literal["hold", "ramp"]
 
 
 @dataclass(frozen=True)
@@ -50,7 +54,10 @@ class AccelerationFindings:
 
 @dataclass(frozen=True)
 class TransmissionError:
-    """Angle of the gear or the output less -theta/(N-1) at the measured crank angle theta."""
+    """Angle of the gear or the output less -theta/(N-1) at the measured crank angle theta.
+
+    The mean is no error of the run but a state of the drive: play that is taken up and, under load, elastic wind-up.
+    """
 
     peak_to_peak_arcsec: float
     mean_arcsec: float
@@ -105,17 +112,23 @@ class Loss:
 
 @dataclass(frozen=True)
 class Window:
-    """The settled part of the hold that was judged."""
+    """The part of the run that was judged: the settled part of the hold, or the ramp of a run that ended in it."""
 
     start_s: float
     end_s: float
     samples: int
     crank_turns: float
+    phase: Phase
 
 
 @dataclass(frozen=True)
 class Findings:
-    """What a run says. None stands where a quantity does not exist or the run does not tell it."""
+    """What a run says. None stands where a quantity does not exist or the run does not tell it.
+
+    All that is not of the `ramp` is of the `window`, under the `condition`. `transmission_error` is the output's, which
+    a user of the drive feels; `output_transmission_error` is the same under its full name. `warnings` say what a reader
+    should know before he trusts the figures.
+    """
 
     design: str
     contact: str | None
@@ -135,12 +148,15 @@ class Findings:
     ramp: Ramp | None
     output_speed: SpeedFindings
     output_transmission_error: TransmissionError
+    gear_transmission_error: TransmissionError
     efficiency: float | None
     power: Power
     losses: tuple[Loss, ...]
     window: Window
     complete: bool
     note: str
+    condition: Condition
+    warnings: tuple[str, ...]
 
     def as_json(self) -> dict[str, Any]:
         """Give the findings as dicts, lists, numbers, text and None only."""

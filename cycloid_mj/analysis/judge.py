@@ -2,13 +2,15 @@
 
 Extremes and rms are over every settled sample of the hold, means over its whole crank turns (whole mesh periods where
 it is shorter than a turn). The peak-to-peak transmission error is that of a crank turn, the mean of all whole turns;
-`crank.max_relative_error` is over the whole run, `ramp` over the ramp.
+`crank.max_relative_error` is over the whole run, `ramp` over the ramp. A run that ended in its ramp is judged over all
+of it; then there is no efficiency, as the input also speeds up the drive.
 """
 
 import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj import kinematics
+from cycloid_mj.analysis.condition import condition
 from cycloid_mj.analysis.findings import (
     AccelerationFindings,
     ContactSummary,
@@ -25,6 +27,7 @@ from cycloid_mj.analysis.findings import (
     Window,
 )
 from cycloid_mj.analysis.series import Compared, Series, series
+from cycloid_mj.analysis.trust import warnings
 from cycloid_mj.analysis.window import Mask, turn_by_turn
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.record import Run
@@ -49,7 +52,7 @@ def analyze(run: Run, q: npt.ArrayLike | None = None, settle: float | None = Non
     Raises
     ------
     LogError
-        The run has no design, lacks a column, or did not reach the hold.
+        The run has no design, lacks a column, or has fewer than two samples.
     UsageError
         `q` is no point, or `settle` is negative.
     """
@@ -59,7 +62,8 @@ def analyze(run: Run, q: npt.ArrayLike | None = None, settle: float | None = Non
 def judge(motion: Series, log: str | None = None) -> Findings:
     """Judge a series; see `analyze`."""
     run, told = motion.run, motion.run.provenance
-    power = _power(motion)
+    power, contacts, judged = _power(motion), _contacts(motion), _window(motion)
+    output = _transmission_error(motion.output_angle, motion)
     return Findings(
         design=motion.design.name,
         contact=told.get("contact"),
@@ -69,22 +73,25 @@ def judge(motion: Series, log: str | None = None) -> Findings:
         wall_s=float(told["wall_s"]) if "wall_s" in told else None,
         crank=_crank(motion),
         gear_speed=_speed(motion.gear_speed, motion),
-        q_path=_path(motion, motion.hold),
-        q_speed=_velocity(motion.q_velocity, motion.hold),
-        transmission_error=_transmission_error(motion.gear_angle, motion),
-        contact_summary=_contacts(motion),
+        q_path=_path(motion, motion.judged),
+        q_speed=_velocity(motion.q_velocity, motion.judged),
+        transmission_error=output,
+        contact_summary=contacts,
         pin1=_pin_1(motion),
-        q_speed_magnitude=_velocity(motion.q_velocity.size, motion.hold),
-        q_acceleration=_acceleration(motion, motion.hold),
+        q_speed_magnitude=_velocity(motion.q_velocity.size, motion.judged),
+        q_acceleration=_acceleration(motion, motion.judged),
         ramp=_ramp(motion),
         output_speed=_speed(motion.output_speed, motion),
-        output_transmission_error=_transmission_error(motion.output_angle, motion),
-        efficiency=power.output_w / power.input_w if motion.design.load.torque > 0 and power.input_w > 0 else None,
+        output_transmission_error=output,
+        gear_transmission_error=_transmission_error(motion.gear_angle, motion),
+        efficiency=_efficiency(power, motion),
         power=power,
         losses=_losses(motion),
-        window=_window(motion),
+        window=judged,
         complete=run.complete,
         note=run.note,
+        condition=condition(motion.design),
+        warnings=tuple(warnings(motion, judged, contacts)),
     )
 
 
@@ -98,8 +105,8 @@ def _speed(speed: Compared, motion: Series) -> SpeedFindings:
     return SpeedFindings(
         theory_rad_s=_mean(speed.theory, motion),
         mean_rad_s=_mean(speed.simulated, motion),
-        rms_error_rad_s=_rms(speed.error[motion.hold]),
-        peak_error_rad_s=_peak(speed.error[motion.hold]),
+        rms_error_rad_s=_rms(speed.error[motion.judged]),
+        peak_error_rad_s=_peak(speed.error[motion.judged]),
     )
 
 
@@ -129,23 +136,23 @@ def _acceleration(motion: Series, rows: Mask) -> AccelerationFindings | None:
 
 
 def _transmission_error(angle: Compared, motion: Series) -> TransmissionError:
-    error = angle.error[motion.hold]
-    swings = [np.ptp(error[turn]) for turn in turn_by_turn(motion.crank_angle[motion.hold])]
+    error = angle.error[motion.judged]
+    swings = [np.ptp(error[turn]) for turn in turn_by_turn(motion.crank_angle[motion.judged])]
     return TransmissionError(ARCSEC * float(np.mean(swings)), ARCSEC * _mean(angle.error, motion))
 
 
 def _contacts(motion: Series) -> ContactSummary:
-    run, hold = motion.run, motion.hold
+    run, judged = motion.run, motion.judged
     return ContactSummary(
         mean_active=_mean(run["contacts"], motion),
-        max_penetration_um=1e6 * float(run["penetration"][hold].max()),
-        peak_force_n=float(run["peak_force"][hold].max()),
+        max_penetration_um=1e6 * float(run["penetration"][judged].max()),
+        peak_force_n=float(run["peak_force"][judged].max()),
     )
 
 
 def _pin_1(motion: Series) -> Pin1 | None:
     pin = motion.pin_1
-    return Pin1(1e6 * _peak(pin.radial[motion.hold]), _mean(pin.spin, motion)) if pin else None
+    return Pin1(1e6 * _peak(pin.radial[motion.judged]), _mean(pin.spin, motion)) if pin else None
 
 
 def _ramp(motion: Series) -> Ramp | None:
@@ -168,6 +175,11 @@ def _power(motion: Series) -> Power:
     )
 
 
+def _efficiency(power: Power, motion: Series) -> float | None:
+    loaded = motion.design.load.torque > 0 and power.input_w > 0
+    return power.output_w / power.input_w if loaded and motion.phase == "hold" else None
+
+
 def _losses(motion: Series) -> tuple[Loss, ...]:
     """Give the losses of each kind of pair that was ever in touch."""
     run = motion.run
@@ -182,8 +194,9 @@ def _losses(motion: Series) -> tuple[Loss, ...]:
 
 
 def _window(motion: Series) -> Window:
-    time, angle = motion.time[motion.hold], motion.crank_angle[motion.hold]
-    return Window(float(time[0]), float(time[-1]), time.size, float(abs(angle[-1] - angle[0]) / (2 * np.pi)))
+    time, angle = motion.time[motion.judged], motion.crank_angle[motion.judged]
+    turns = float(abs(angle[-1] - angle[0]) / (2 * np.pi))
+    return Window(float(time[0]), float(time[-1]), time.size, turns, motion.phase)
 
 
 def _mean(values: Array, motion: Series) -> float:

@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from cycloid_mj import kinematics
 from cycloid_mj.analysis import window
+from cycloid_mj.analysis.findings import Phase
 from cycloid_mj.analysis.window import Mask
 from cycloid_mj.design import Design, loads
 from cycloid_mj.errors import LogError, UsageError
@@ -24,6 +25,8 @@ MOTION = (
     *("gear_x", "gear_y", "gear_angle", "gear_vx", "gear_vy", "gear_speed"),
     *("contacts", "penetration", "peak_force"),
 )
+LARGEST = 1e30
+"""Size beyond which a value in SI units is no measurement; squares, and single precision in um, stay within range."""
 PIN_1 = ("pin_1_x", "pin_1_y", "pin_1_speed")
 
 
@@ -93,7 +96,7 @@ class Series:
     q
         The point of the gear that is followed, gear frame [m], shape (2,).
     ramp, hold
-        Masks of the samples in the ramp and in the settled hold, shape (n,).
+        Masks of the samples in the ramp and in the settled hold, shape (n,); a run that ended in its ramp has no hold.
     crank_speed
         Against the law of the drive [rad/s].
     gear_angle, gear_speed, output_angle, output_speed
@@ -129,22 +132,33 @@ class Series:
         return self.run["crank_angle"]
 
     @property
+    def phase(self) -> Phase:
+        """What is judged: the settled hold, or the ramp of a run that ended in it."""
+        return "hold" if self.hold.any() else "ramp"
+
+    @property
+    def judged(self) -> Mask:
+        """Mask of the samples that are judged, shape (n,): the settled hold, or the whole of a run without one."""
+        return self.hold if self.hold.any() else np.ones_like(self.hold)
+
+    @property
     def whole_periods(self) -> slice:
-        """Samples over which means are taken: whole crank turns of the hold, or whole mesh periods if it is shorter."""
-        first = int(np.argmax(self.hold))
+        """Samples over which means are taken: whole crank turns of what is judged, or else whole mesh periods."""
+        first = int(np.argmax(self.judged))
         part = window.whole_periods(self.crank_angle[first:], 2 * np.pi / self.design.ring.teeth)
         return slice(first, first + part.stop)
 
     @property
     def one_turn(self) -> slice:
-        """Samples of one crank turn of the hold, from crank angle 0 where the hold is long enough."""
-        first = int(np.argmax(self.hold))
-        part = window.one_turn(self.crank_angle[first:])
+        """Samples of one crank turn: of the hold, from crank angle 0 where it is long enough, or the ramp's last."""
+        first = int(np.argmax(self.judged))
+        chosen = window.one_turn if self.phase == "hold" else window.last_turn
+        part = chosen(self.crank_angle[first:])
         return slice(first + part.start, first + part.stop)
 
 
 def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None) -> Series:
-    """Hold the motion of a run against the closed form.
+    """Hold the motion of a run against the closed form, as far as the run goes.
 
     Parameters
     ----------
@@ -158,14 +172,19 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
     Raises
     ------
     LogError
-        The run has no design, lacks a column, or did not reach the hold.
+        The run has no design, lacks a column, or has fewer than two samples.
     UsageError
         `q` is no point, or `settle` is negative.
     """
     design = design_of(run)
     moving = design.ring.has_moving_pins
     run = _usable(run, (*MOTION, *PIN_1) if moving else MOTION)
-    hold = window.in_hold(design, run.time, settle)
+    if len(run) < window.FEWEST_SAMPLES:
+        raise LogError(f"the run has {len(run)} usable samples: there is nothing to judge; simulate it again")
+    if window.reaches_hold(design, run.time):
+        hold = window.in_hold(design, run.time, settle)
+    else:
+        hold = np.zeros(len(run), dtype=np.bool_)
     gear = tooth_profile(design)
     q = _point(q, design)
     crank_angle, crank_speed = run["crank_angle"], run["crank_speed"]
@@ -209,19 +228,20 @@ def design_of(run: Run) -> Design:
 
 
 def _usable(run: Run, names: tuple[str, ...]) -> Run:
-    """Give the run up to its first sample that is not all numbers; a run that went wrong may end with some."""
+    """Give the run up to its first sample that is not all usable numbers; a run that went wrong may end with some."""
     missing = [name for name in names if name not in run.columns]
     if missing:
         raise LogError(
             f"the run lacks {len(missing)} of the {len(names)} columns that an analysis needs:"
             f" {', '.join(missing)}; simulate it again"
         )
-    powers = [name for name in run.columns if name.endswith("_power")]
-    finite = np.isfinite(run.block([*names, *powers])).all(axis=1)
-    if finite.all():
+    sane = np.ones(len(run), dtype=np.bool_)
+    for values in run.columns.values():
+        sane &= np.abs(values) <= LARGEST
+    if sane.all():
         return run
-    first = int(np.argmin(finite))
-    cut = f"the samples from {run.time[first]:.9g} s on are not all numbers and were left out"
+    first = int(np.argmin(sane))
+    cut = f"the samples from {run.time[first]:.9g} s on are not all numbers below {LARGEST:g} and were left out"
     return replace(run.select(slice(0, first)), note="; ".join(filter(None, (run.note, cut))))
 
 

@@ -1,4 +1,4 @@
-"""Which samples count: the ramp, the settled hold, and whole periods of the crank within it."""
+"""Which samples count: the ramp, the settled hold, and whole periods of the crank within them."""
 
 from itertools import pairwise
 
@@ -23,6 +23,22 @@ def in_ramp(design: Design, time: Array) -> Mask:
     return time < design.drive.ramp * (1 - ROUNDING)
 
 
+def reaches_hold(design: Design, time: Array) -> bool:
+    """Say whether a run has enough samples at constant crank speed to judge them."""
+    return int(np.count_nonzero(~in_ramp(design, time))) >= FEWEST_SAMPLES
+
+
+def require_hold(design: Design, time: Array) -> None:
+    """Raise LogError for a run that does not reach its hold."""
+    if not reaches_hold(design, time):
+        held = np.count_nonzero(~in_ramp(design, time))
+        reached = f"it ends at {time[-1]:.6g} s" if time.size else "it has no usable samples"
+        raise LogError(
+            f"the run has {held} samples at constant crank speed, but this needs at least {FEWEST_SAMPLES}: {reached},"
+            f" the ramp ends at {design.drive.ramp:.6g} s; run the design to its end"
+        )
+
+
 def in_hold(design: Design, time: Array, settle: float | None = None) -> Mask:
     """Mark the settled samples at constant crank speed, shape (n,).
 
@@ -37,20 +53,14 @@ def in_hold(design: Design, time: Array, settle: float | None = None) -> Mask:
         The run ended before the hold, or with too few samples of it.
     """
     ramp = design.drive.ramp
-    held = ~in_ramp(design, time)
-    if held.sum() < FEWEST_SAMPLES:
-        reached = f"it ends at {time[-1]:.6g} s" if time.size else "it has no usable samples"
-        raise LogError(
-            f"the run has {held.sum()} samples at constant crank speed, but an analysis needs at least"
-            f" {FEWEST_SAMPLES}: {reached}, the ramp ends at {ramp:.6g} s; run the design to its end"
-        )
+    require_hold(design, time)
     if settle is None:
         loaded = design.load.rise if design.load.torque else 0.0
         settle = max(loaded - ramp, 0.0) + SETTLING
     if not settle >= 0.0:
         raise UsageError(f"the settling time is {settle} s; give 0 s or more, or leave it out")
     start = ramp + min(settle, (time[-1] - ramp) / 2)
-    return held & (time >= start - ROUNDING * max(ramp, time[-1]))
+    return ~in_ramp(design, time) & (time >= start - ROUNDING * max(ramp, time[-1]))
 
 
 def whole_periods(crank_angle: Array, mesh_period: float) -> slice:
@@ -83,3 +93,9 @@ def one_turn(crank_angle: Array) -> slice:
         if last < turns.size:
             return slice(int(first), int(last))
     return slice(0, turns.size)
+
+
+def last_turn(crank_angle: Array) -> slice:
+    """Give the last turn, or everything where there is less: in a ramp it is the nearest to the drive's speed."""
+    turns = np.abs(crank_angle) / (2 * np.pi)
+    return slice(int(np.searchsorted(turns, turns[-1] - 1 - 1e-6)), turns.size)

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from cycloid_mj.cli.terminal import say, say_json, say_table
+from cycloid_mj.cli.terminal import say, say_groups, say_json, tell
 
 if TYPE_CHECKING:
     from cycloid_mj.analysis import Findings
@@ -10,18 +10,22 @@ if TYPE_CHECKING:
 HEADER = ("quantity", "simulated", "closed form", "error", "unit")
 
 
-def report(findings: "Findings", json: bool) -> None:
-    """Write the findings of a run."""
+def report(findings: "Findings", json: bool, quiet: bool = False) -> None:
+    """Write the findings of a run, and what to know before trusting them as messages."""
+    if not quiet:
+        for warning in findings.warnings:
+            tell(f"warning: {warning}")
     if json:
         say_json(findings.as_json())
         return
-    from cycloid_mj.analysis import table
+    from cycloid_mj.analysis import groups
 
     window = findings.window
-    say_table(
-        f"{findings.design}: from {window.start_s:g} to {window.end_s:g} s ({window.crank_turns:.1f} crank turns)",
+    say_groups(
+        f"{findings.design}, {findings.condition}: {window.phase} from {window.start_s:.6g} to {window.end_s:.6g} s"
+        f" ({window.crank_turns:.1f} crank turns)",
         HEADER,
-        table(findings),
+        groups(findings),
     )
     say(f"log: {findings.log}")
     if findings.wall_s is not None:

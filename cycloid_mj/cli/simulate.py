@@ -103,7 +103,7 @@ def simulate(
         require_free(*names)
     with Progress(chosen.drive.ramp + chosen.drive.hold, quiet) as progress:
         ran = run_into_log(chosen, names, force, progress, contact)
-    report(ran.judged(), json)
+    report(ran.judged(), json, quiet)
     return 0
 
 

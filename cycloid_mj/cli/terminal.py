@@ -27,14 +27,23 @@ def tell(text: str) -> None:
 
 def say_table(title: str, header: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     """Write a table: the first column names the row, the others are set flush right."""
+    say_groups(title, header, [("", rows)])
+
+
+def say_groups(title: str, header: Sequence[str], groups: Sequence[tuple[str, Sequence[Sequence[str]]]]) -> None:
+    """Write a table whose rows stand in groups, each under its name; a group without a name has no heading."""
     from rich.console import Console
     from rich.table import Table
 
     table = Table(title=title, title_justify="left")
     for number, name in enumerate(header):
         table.add_column(name, justify="right" if number else "left", overflow="fold")
-    for row in rows:
-        table.add_row(*row)
+    for name, rows in groups:
+        if name:
+            table.add_section()
+            table.add_row(name.upper())
+        for row in rows:
+            table.add_row(*row)
     width = None if sys.stdout.isatty() else PIPE_WIDTH
     console = Console(file=sys.stdout, width=width, markup=False, highlight=False)
     with console.capture() as captured:

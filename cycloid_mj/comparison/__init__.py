@@ -3,6 +3,7 @@
 A fluctuation is judged turn by turn, so that a verdict on the paper's findings rests on more than one number.
 """
 
+from cycloid_mj.analysis import load_words
 from cycloid_mj.comparison.comparison import Comparison, compare
 from cycloid_mj.comparison.conditions import conditions, differences, under
 from cycloid_mj.comparison.equalised import series_stiffness, total_play, with_play_of
@@ -10,7 +11,7 @@ from cycloid_mj.comparison.measures import Measures, measure, settled, settling
 from cycloid_mj.comparison.ranking import Ranking, rankings
 from cycloid_mj.comparison.sweep import SWEEP, Variation, Varied, varied
 from cycloid_mj.comparison.table import table
-from cycloid_mj.comparison.trial import Trial, load_words
+from cycloid_mj.comparison.trial import Trial
 
 __all__ = [
     "SWEEP",

@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from cycloid_mj.analysis import load_words
 from cycloid_mj.comparison.conditions import conditions, differences
 from cycloid_mj.comparison.ranking import Ranking, rankings, summary
 from cycloid_mj.comparison.sweep import Varied, decisions
-from cycloid_mj.comparison.trial import Trial, load_words
+from cycloid_mj.comparison.trial import Trial
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
 

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from cycloid_mj.analysis import Findings, Series, judge, series
 from cycloid_mj.analysis.series import design_of
-from cycloid_mj.analysis.window import SETTLING
+from cycloid_mj.analysis.window import SETTLING, require_hold
 from cycloid_mj.comparison.fluctuation import Level, level, turns, unshifted
 from cycloid_mj.comparison.forces import Forces, forces
 from cycloid_mj.comparison.vibration import Vibration, vibration
@@ -44,8 +44,16 @@ def settling(design: Design) -> float:
 
 
 def settled(run: Run, q: npt.ArrayLike | None = None) -> Series:
-    """Hold a run against the closed form, after its `settling`; `q` as in `analysis.series`, which tells the errors."""
-    return series(run, q, settling(design_of(run)))
+    """Hold a run against the closed form, after its `settling`; `q` as in `analysis.series`, which tells the errors.
+
+    Raises
+    ------
+    LogError
+        The run did not reach the hold, too.
+    """
+    motion = series(run, q, settling(design_of(run)))
+    require_hold(motion.design, motion.time)
+    return motion
 
 
 def measure(motion: Series, log: str | None = None) -> Measures:

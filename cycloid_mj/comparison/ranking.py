@@ -4,8 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
+from cycloid_mj.analysis import load_words
 from cycloid_mj.comparison.fluctuation import Level
-from cycloid_mj.comparison.trial import Trial, load_words
+from cycloid_mj.comparison.trial import Trial
 
 Verdict = Literal["confirmed", "contradicted", "alike", "undecided"]
 

@@ -4,8 +4,9 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from cycloid_mj.analysis import load_words
 from cycloid_mj.comparison.ranking import Ranking, rankings
-from cycloid_mj.comparison.trial import Trial, load_words
+from cycloid_mj.comparison.trial import Trial
 from cycloid_mj.design import Design, override
 
 

@@ -22,8 +22,3 @@ class Trial:
     def load(self) -> float:
         """Load torque on the output [N m]."""
         return self.design.load.torque
-
-
-def load_words(load: float) -> str:
-    """Name a load [N m]."""
-    return f"{load:g} N m" if load else "no load"

@@ -6,19 +6,20 @@ The only room that knows matplotlib. Every figure is a `Figure` of its own: no w
 import numpy.typing as npt
 from matplotlib.figure import Figure
 
-from cycloid_mj.analysis import Series, series
+from cycloid_mj.analysis import Series, condition, series
 from cycloid_mj.plots.mechanism import mechanism
 from cycloid_mj.plots.motion import gear_speed_figure, input_figure, transmission_error_figure
 from cycloid_mj.plots.pin import pin_figure
 from cycloid_mj.plots.point import path_figure, velocity_figure
 from cycloid_mj.plots.save import FigureError, save
+from cycloid_mj.plots.style import state
 from cycloid_mj.record import Run
 
 __all__ = ["FigureError", "figures", "mechanism", "save"]
 
 
 def figures(run: Run | Series, q: npt.ArrayLike | None = None) -> dict[str, Figure]:
-    """Give the figures of a run by name; over one crank turn but for the input.
+    """Give the figures of a run by name; over one crank turn but for the input. Each names its load and speed.
 
     Parameters
     ----------
@@ -30,12 +31,13 @@ def figures(run: Run | Series, q: npt.ArrayLike | None = None) -> dict[str, Figu
     Raises
     ------
     LogError
-        The run has no design, lacks a column, or did not reach the hold.
+        The run has no design, lacks a column, or has fewer than two samples.
     UsageError
         `q` is no point.
     """
     motion = run if isinstance(run, Series) else series(run, q)
     drawn = {
+        "transmission_error": transmission_error_figure(motion),
         "fig5_input": input_figure(motion),
         "fig6_gear_speed": gear_speed_figure(motion),
         "fig7_q_path": path_figure(motion),
@@ -43,4 +45,7 @@ def figures(run: Run | Series, q: npt.ArrayLike | None = None) -> dict[str, Figu
     }
     if motion.pin_1:
         drawn["fig9_pin1"] = pin_figure(motion, motion.pin_1)
-    return drawn | {"transmission_error": transmission_error_figure(motion)}
+    ended = "" if motion.phase == "hold" else ", a run that ended in its ramp"
+    for figure in drawn.values():
+        state(figure, f"{motion.design.name}, {condition(motion.design)}{ended}")
+    return drawn

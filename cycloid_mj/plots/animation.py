@@ -36,7 +36,7 @@ class Take:
 
 
 def take(run: Run, magnification: float = 1.0, frames: int = FRAMES, turns: float = 1.0) -> Take:
-    """Choose the samples to film: settled crank turns of the hold, as evenly as the samples allow.
+    """Choose the samples to film: settled crank turns, or a ramp's last, as evenly as the samples allow.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def take(run: Run, magnification: float = 1.0, frames: int = FRAMES, turns: floa
     Raises
     ------
     LogError
-        The run has no design, lacks a column, or did not reach the hold.
+        The run has no design, lacks a column, or has fewer than two samples.
     UsageError
         `frames` or `turns` is not positive, or gaps cannot be drawn that wide.
     """

@@ -64,7 +64,8 @@ def gear_speed_figure(motion: Series) -> Figure:
     top.plot(degrees, speed.theory, **THEORY)
     top.plot(degrees, speed.simulated, **SIMULATED)
     middle = float(np.mean(speed.theory))
-    reach = max(SPEED_SPAN * abs(middle), 1.3 * float(speed.error_size.max()), 1e-9)
+    swing = max(float(np.abs(part - middle).max()) for part in (speed.theory, speed.simulated))
+    reach = max(SPEED_SPAN * abs(middle), 1.2 * swing, 1e-9)
     top.set_ylim(middle - reach, middle + reach)
     top.set_ylabel("gear speed [rad/s]")
     top.set_title("Speed of the cycloid gear")
@@ -79,17 +80,17 @@ def gear_speed_figure(motion: Series) -> Figure:
 
 @styled
 def transmission_error_figure(motion: Series) -> Figure:
-    """Draw the transmission error of gear and output over a crank turn."""
+    """Draw the transmission error of output and gear over a crank turn."""
     figure = sheet(3.6)
     degrees, rows = turn_degrees(motion), motion.one_turn
-    parts = (("cycloid gear", motion.gear_angle, BLUE), ("output", motion.output_angle, ORANGE))
+    parts = (("output", motion.output_angle, BLUE), ("cycloid gear", motion.gear_angle, ORANGE))
     for axes, (part, angle, color) in zip(figure.subplots(2, 1, sharex=True), parts, strict=True):
         error = ARCSEC * angle.error[rows]
         axes.plot(degrees, error, color=color, linewidth=1.0)
         axes.axhline(float(error.mean()), color=color, linewidth=0.7, linestyle=(0, (4, 3)))
-        axes.set_ylabel("error [arcsec]")
-        numbers = f"{np.ptp(error):.3g} arcsec peak to peak, mean {error.mean():.4g} arcsec (dashed)"
-        axes.set_title(typeset(f"Transmission error of the {part}: {numbers}"))
+        axes.set_ylabel("angle [arcsec]")
+        swing, mean = (typeset(f"{value:.4g}") for value in (np.ptp(error), error.mean()))
+        axes.set_title(f"Transmission error of the {part}: {swing} arcsec p-p about {mean} (play and wind-up)")
         axes.margins(y=0.12)
         crank_axis(axes, degrees)
         axes.label_outer()

@@ -77,6 +77,11 @@ def sheet(height: float) -> Figure:
     return Figure(figsize=(WIDTH, height), layout="constrained")
 
 
+def state(figure: Figure, condition: str) -> None:
+    """Name above a figure, in small, what was run and under what condition."""
+    figure.suptitle(condition, x=0.008, ha="left", fontsize=7.5, color=GREY)
+
+
 def crank_axis(axes: Axes, degrees: Array) -> None:
     """Make x the crank angle [deg] over the given span, with ticks at multiples of 45 deg if that is a turn or so."""
     low, high = float(np.floor(degrees.min() + 1e-3)), float(np.ceil(degrees.max() - 1e-3))

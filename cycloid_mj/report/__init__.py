@@ -35,7 +35,7 @@ def report(runs: Mapping[str, Run], q: npt.ArrayLike | None = None) -> str:
     UsageError
         There is no run, or too many, or `q` is no point.
     LogError
-        A run has no design, lacks a column, or did not reach the hold.
+        A run has no design, lacks a column, or has fewer than two samples.
     """
     if not 1 <= len(runs) <= MOST_RUNS:
         raise UsageError(f"a report of {len(runs)} runs: give 1 to {MOST_RUNS} logs")

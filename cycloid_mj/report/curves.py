@@ -15,12 +15,16 @@ ARCSEC = 3600 * 180 / np.pi
 
 @dataclass(frozen=True)
 class Panel:
-    """Axes of a figure: its label with the unit, the curve it shows, and perhaps the curve of the closed form."""
+    """Axes of a figure: its label with the unit, the curve it shows, and perhaps a curve of theory and its name.
+
+    `is_error` marks a difference from the closed form.
+    """
 
     label: str
     curve: str
     theory: str | None = None
     is_error: bool = False
+    theory_name: str = "closed form"
 
 
 @dataclass(frozen=True)
@@ -36,21 +40,28 @@ class Figure:
 
 FIGURES = (
     Figure(
+        "transmission_error",
+        "Transmission error",
+        "Angle of output and gear less \N{MINUS SIGN}θ/(N\N{MINUS SIGN}1) at the measured crank angle θ: its swing is "
+        "what the drive errs by, its mean is play that is taken up and, under load, wind-up.",
+        (Panel("output [arcsec]", "output_te"), Panel("gear [arcsec]", "gear_te")),
+    ),
+    Figure(
+        "output_speed",
+        "Speed of the output",
+        "Closed form: Eq. 12 at the measured crank speed.",
+        (
+            Panel("output speed [rad/s]", "output_speed", "output_speed_theory"),
+            Panel("error [mrad/s]", "output_speed_error", is_error=True),
+        ),
+    ),
+    Figure(
         "gear_speed",
         "Speed of the cycloid gear",
         "Fig. 6 of the paper; closed form: Eq. 12 at the measured crank speed.",
         (
             Panel("gear speed [rad/s]", "gear_speed", "gear_speed_theory"),
             Panel("error [mrad/s]", "gear_speed_error", is_error=True),
-        ),
-    ),
-    Figure(
-        "transmission_error",
-        "Transmission error",
-        "Angle of gear and output less \N{MINUS SIGN}θ/(N\N{MINUS SIGN}1) at the measured crank angle θ.",
-        (
-            Panel("gear [arcsec]", "gear_te", is_error=True),
-            Panel("output [arcsec]", "output_te", is_error=True),
         ),
     ),
     Figure(
@@ -89,9 +100,9 @@ FIGURES = (
     Figure(
         "torque",
         "Torques",
-        "Closed form of the crank torque: load/(N\N{MINUS SIGN}1), no losses.",
+        "The crank torque that the load would take without losses is load/(N\N{MINUS SIGN}1).",
         (
-            Panel("crank torque [N m]", "crank_torque", "crank_torque_ideal"),
+            Panel("crank torque [N m]", "crank_torque", "crank_torque_ideal", theory_name="without losses"),
             Panel("load torque [N m]", "load_torque"),
         ),
     ),
@@ -114,6 +125,9 @@ def curves(motion: Series) -> dict[str, Array]:
         "crank_speed": motion.crank_speed.simulated,
         "crank_speed_theory": motion.crank_speed.theory,
         "crank_speed_error": 1e3 * motion.crank_speed.error,
+        "output_speed": motion.output_speed.simulated,
+        "output_speed_theory": motion.output_speed.theory,
+        "output_speed_error": 1e3 * motion.output_speed.error,
         "gear_speed": motion.gear_speed.simulated,
         "gear_speed_theory": motion.gear_speed.theory,
         "gear_speed_error": 1e3 * motion.gear_speed.error,
@@ -121,8 +135,8 @@ def curves(motion: Series) -> dict[str, Array]:
         "q_speed": 1e3 * speed.simulated,
         "q_speed_theory": 1e3 * speed.theory,
         "q_speed_error": 1e3 * speed.error,
-        "gear_te": ARCSEC * motion.gear_angle.error,
         "output_te": ARCSEC * motion.output_angle.error,
+        "gear_te": ARCSEC * motion.gear_angle.error,
         "crank_torque": run["crank_torque"],
         "crank_torque_ideal": run["load_torque"] / motion.design.lobes,
         "load_torque": run["load_torque"],

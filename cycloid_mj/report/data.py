@@ -49,7 +49,7 @@ def _run_data(item: Reviewed, name: str, colour: str, runs: int) -> dict[str, An
     motion, found = item.motion, curves(item.motion)
     most = min(MOST_SAMPLES, MOST_VALUES // (runs * len(found)))
     time, values = decimated(motion.time, np.stack(list(found.values()), axis=1), most)
-    hold, turn = motion.time[motion.hold], motion.time[motion.one_turn]
+    judged, turn = motion.time[motion.judged], motion.time[motion.one_turn]
     return {
         "name": name,
         "colour": colour,
@@ -57,7 +57,7 @@ def _run_data(item: Reviewed, name: str, colour: str, runs: int) -> dict[str, An
         "time": encoded(time - time[0]),
         "curves": {key: encoded(values[:, column]) for column, key in enumerate(found)},
         "paths": {key: {part: _part(value) for part, value in path.items()} for key, path in paths(motion).items()},
-        "spans": {"hold": _span(hold), "turn": _span(turn), "all": _span(motion.time)},
+        "spans": {"hold": _span(judged), "turn": _span(turn), "all": _span(motion.time)},
         "mechanism": mechanism(motion),
         "spectrum": spectrum_data(item),
     }
@@ -72,15 +72,18 @@ def _span(time: Any) -> list[float]:
 
 
 def spectrum_data(item: Reviewed) -> dict[str, Any] | None:
-    """Give the order spectrum of the gear's speed; None if the hold is too short for one."""
-    found = order_spectrum(item.motion, item.motion.gear_speed.simulated)
-    if found is None:
+    """Give the order spectra of the output's and the gear's speed; None if the hold is too short for one."""
+    output, gear = (
+        order_spectrum(item.motion, part.simulated) for part in (item.motion.output_speed, item.motion.gear_speed)
+    )
+    if output is None or gear is None:
         return None
     teeth = item.motion.design.ring.teeth
-    shown = found.order <= HIGHEST_ORDER * teeth * 1.02
+    shown = output.order <= HIGHEST_ORDER * teeth * 1.02
     return {
-        "order": encoded(found.order[shown]),
-        "amplitude": encoded(1e3 * found.amplitude[shown]),
+        "order": encoded(output.order[shown]),
+        "output": encoded(1e3 * output.amplitude[shown]),
+        "gear": encoded(1e3 * gear.amplitude[shown]),
         "mesh": teeth,
-        "turns": found.turns,
+        "turns": output.turns,
     }

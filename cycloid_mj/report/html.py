@@ -20,15 +20,21 @@ def text(words: str) -> str:
 def table(head: Iterable[Row], body: Iterable[Row], **attributes: str) -> str:
     """Give a table of plain text in a box that scrolls where it is too wide; the first cell of a row names it.
 
-    A cell of the head that is followed by empty ones spans them.
+    A cell of the head that is followed by empty ones spans them. A row of one cell is the heading of those below.
     """
+    head, body = list(head), list(body)
     rows = "".join(tag("tr", _spanned(row)) for row in head)
-    lines = "".join(
-        tag("tr", tag("th", text(first), scope="row") + "".join(tag("td", text(cell)) for cell in cells))
-        for first, *cells in body
-    )
+    width = max(map(len, (*head, *body)), default=1)
+    lines = "".join(_line(row, width) for row in body)
     inside = (tag("thead", rows) if rows else "") + tag("tbody", lines)
     return tag("div", tag("table", inside, **attributes), class_="scroll", tabindex="0")
+
+
+def _line(row: Row, width: int) -> str:
+    first, *cells = row
+    if not cells and width > 1:
+        return tag("tr", tag("th", text(first), scope="rowgroup", colspan=str(width)), class_="group")
+    return tag("tr", tag("th", text(first), scope="row") + "".join(tag("td", text(cell)) for cell in cells))
 
 
 def _spanned(row: Row) -> str:

@@ -36,9 +36,9 @@ def _sections(reviewed: Sequence[Reviewed], title: str) -> list[str]:
         _warned(reviewed),
         _section("What was run", tables.setup(reviewed)),
         _section("The mechanism", _mechanisms(reviewed)),
-        _section("Simulated, closed form, error", tables.findings(reviewed)),
-        _section("Over time", _toolbar() + "".join(_figure(figure) for figure in figures(reviewed)), "figures"),
-        _section("Order spectrum of the gear's speed", _spectrum(reviewed)),
+        _section(f"Simulated, closed form, error: {_conditions(reviewed)}", tables.findings(reviewed)),
+        _section(f"Over time: {_conditions(reviewed)}", _over_time(reviewed), "figures"),
+        _section("Order spectrum of the speeds of output and gear", _spectrum(reviewed)),
         _section("Where the power goes", tables.losses(reviewed)),
         _section("Provenance", tables.provenance(reviewed)),
     ]
@@ -54,9 +54,11 @@ def _badges(reviewed: Sequence[Reviewed]) -> str:
     for item, name, colour in zip(reviewed, labels(reviewed), PALETTE, strict=False):
         found = item.findings
         numbers = [
-            ("efficiency", f"{100 * found.efficiency:.2f} %" if found.efficiency is not None else "no load"),
-            ("transmission error, p-p", f"{found.transmission_error.peak_to_peak_arcsec:.3g} arcsec"),
-            ("gear speed, rms error", f"{1e3 * found.gear_speed.rms_error_rad_s:.3g} mrad/s"),
+            ("efficiency", f"{100 * found.efficiency:.2f} %" if found.efficiency is not None else "none"),
+            ("output: transmission error, p-p", f"{found.transmission_error.peak_to_peak_arcsec:.3g} arcsec"),
+            ("output: speed, rms error", f"{1e3 * found.output_speed.rms_error_rad_s:.3g} mrad/s"),
+            ("gear: transmission error, p-p", f"{found.gear_transmission_error.peak_to_peak_arcsec:.3g} arcsec"),
+            ("gear: speed, rms error", f"{1e3 * found.gear_speed.rms_error_rad_s:.3g} mrad/s"),
             ("largest contact force", f"{found.contact_summary.peak_force_n:.4g} N"),
             ("contacts, mean", f"{found.contact_summary.mean_active:.3g}"),
         ]
@@ -64,8 +66,10 @@ def _badges(reviewed: Sequence[Reviewed]) -> str:
             html.tag("div", html.tag("dt", html.text(key)) + html.tag("dd", html.text(value))) for key, value in numbers
         )
         state = "complete" if found.complete else "stopped early"
+        judged = f"{found.condition}, {found.window.phase} of {found.window.crank_turns:.2f} crank turns"
         named = html.tag("b", html.text(name), style=f"color:{colour}") if len(reviewed) > 1 else ""
-        rows.append(html.tag("p", f"{named} {html.text(item.log)}: {state}", class_="log") + html.tag("dl", cards))
+        line = html.tag("p", f"{named} {html.text(f'{judged}; {item.log}: {state}')}", class_="log")
+        rows.append(line + html.tag("dl", cards))
     return "".join(rows)
 
 
@@ -106,14 +110,28 @@ def _mechanisms(reviewed: Sequence[Reviewed]) -> str:
 def _drawn(item: Reviewed, name: str) -> str:
     closed = "; the black line is ideal load sharing" if item.motion.design.ring.kind == "pin" else ""
     return (
-        f"{name}, one settled crank turn: the mechanism from the output side with the forces on the gear (ring, cam "
-        "and output pins have scales of their own; an overlap is elastic approach), and the force at each place of "
+        f"{name}, {item.findings.condition}, one crank turn of the {item.findings.window.phase}: the mechanism from "
+        "the output side with the forces on the gear (ring, cam and output pins have scales of their own; an overlap "
+        "is elastic approach), and the force at each place of "
         f"the ring{closed}, the light line the largest of the turn."
     )
 
 
-def _toolbar() -> str:
-    spans = (("hold", "settled hold"), ("turn", "one turn"), ("all", "whole run"))
+def _conditions(reviewed: Sequence[Reviewed]) -> str:
+    """Give the condition that all runs share, or that of each."""
+    told = [str(item.findings.condition) for item in reviewed]
+    if len(set(told)) == 1:
+        return told[0]
+    return "; ".join(f"{name} {words}" for name, words in zip(labels(reviewed), told, strict=True))
+
+
+def _over_time(reviewed: Sequence[Reviewed]) -> str:
+    settled = all(item.motion.phase == "hold" for item in reviewed)
+    return _toolbar(settled) + "".join(_figure(figure) for figure in figures(reviewed))
+
+
+def _toolbar(settled: bool) -> str:
+    spans = (("hold", "settled hold" if settled else "judged"), ("turn", "one turn"), ("all", "whole run"))
     buttons = "".join(html.tag("button", name, type_="button", data_span=key) for key, name in spans)
     hint = "Drag or pinch to zoom, double-click to go back; the cursor is shared."
     return html.tag("div", buttons + html.tag("span", hint, class_="hint"), class_="controls")
@@ -130,10 +148,11 @@ def _figure(figure: Figure) -> str:
 def _spectrum(reviewed: Sequence[Reviewed]) -> str:
     missing = [name for item, name in zip(reviewed, labels(reviewed), strict=True) if spectrum_data(item) is None]
     if len(missing) == len(reviewed):
-        return html.tag("p", "The hold is shorter than a crank turn: there is no spectrum.")
+        return html.tag("p", "The hold is shorter than a crank turn, or was not reached: there is no spectrum.")
     note = f" Not for {', '.join(missing)}: its hold is shorter than a turn." if missing else ""
     caption = (
-        "Amplitude of the speed about its mean, over whole crank turns with a Hann window. Dashed: the mesh orders, "
+        f"{_conditions(reviewed)}. Amplitude of the speed about its mean, over whole crank turns with a Hann window. "
+        "Dashed: the mesh orders, "
         f"multiples of the number of ring teeth per crank turn.{note}"
     )
     inside = '<div class="chart"></div>' + html.tag("figcaption", html.text(caption))

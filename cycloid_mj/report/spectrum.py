@@ -23,13 +23,15 @@ class Spectrum:
 
 
 def order_spectrum(motion: Series, values: Array) -> Spectrum | None:
-    """Give the spectrum of a column over the whole crank turns of the settled hold; None if there is not one.
+    """Give the spectrum of a column over the whole crank turns of the settled hold; None if there are none.
 
     The column is resampled evenly in crank angle, its mean is taken away, and a Hann window keeps what does not repeat
     with the turn from smearing; amplitudes are those of sines (a sine of amplitude 1 gives 1 at its order).
     """
     from scipy.interpolate import CubicSpline
 
+    if motion.phase != "hold":
+        return None
     part = motion.whole_periods
     angle = np.abs(motion.crank_angle[part] - motion.crank_angle[part.start]) / (2 * np.pi)
     sampled = angle.size / max(angle.size - 1, 1) * float(angle[-1])

@@ -2,18 +2,12 @@
 
 from collections.abc import Iterator, Sequence
 
-from cycloid_mj.analysis import Row, table
+from cycloid_mj.analysis import Row, groups
 from cycloid_mj.checks import check
 from cycloid_mj.design import Design
 from cycloid_mj.design.units import DEGREE, MICROMETRE, MICROSECOND, MILLIMETRE, RPM
 from cycloid_mj.report import html
 from cycloid_mj.report.reviewed import Reviewed, labels
-
-SHORTEST_HOLD = 1.0
-"""Crank turns of the hold below which means and spectra are of part of a period."""
-
-DEEP = 0.5
-"""Share of the allowed penetration that is worth a warning."""
 
 
 def setup(reviewed: Sequence[Reviewed]) -> str:
@@ -24,17 +18,22 @@ def setup(reviewed: Sequence[Reviewed]) -> str:
 
 
 def findings(reviewed: Sequence[Reviewed]) -> str:
-    """Give the table simulated / closed form / error, with the columns of each run side by side."""
-    tables = [{row.quantity: row for row in table(item.findings)} for item in reviewed]
-    quantities = list(dict.fromkeys(name for found in tables for name in found))
-    units = {name: row.unit for found in tables for name, row in found.items()}
-    names = labels(reviewed)
+    """Give the table simulated / closed form / error in its groups, with the columns of each run side by side."""
+    tables = [
+        {group.name: {row.quantity: row for row in group.rows} for group in groups(each.findings)} for each in reviewed
+    ]
     head = [("quantity", "unit", *("simulated", "closed form", "error") * len(tables))]
     if len(tables) > 1:
-        head.insert(0, ("", "", *(cell for name in names for cell in (name, "", ""))))
-    rows = [
-        (name, _unit(units[name]), *(c for found in tables for c in _cells(found.get(name)))) for name in quantities
-    ]
+        told = [f"{name}: {item.findings.condition}" for item, name in zip(reviewed, labels(reviewed), strict=True)]
+        head.insert(0, ("", "", *(cell for words in told for cell in (words, "", ""))))
+    rows: list[html.Row] = []
+    for group in dict.fromkeys(name for found in tables for name in found):
+        each = [found.get(group, {}) for found in tables]
+        units = {name: row.unit for found in each for name, row in found.items()}
+        rows.append((group,))
+        rows += [
+            (name, _unit(unit), *(c for found in each for c in _cells(found.get(name)))) for name, unit in units.items()
+        ]
     return html.table(head, rows, class_="findings one" if len(tables) == 1 else "findings")
 
 
@@ -71,25 +70,8 @@ def provenance(reviewed: Sequence[Reviewed]) -> str:
 
 def warnings(item: Reviewed) -> list[str]:
     """Give what a reader of a run should know before he trusts its numbers."""
-    found, design, window = item.findings, item.motion.design, item.findings.window
-    told = []
-    if not found.complete:
-        told.append(f"The run did not reach its end: {found.note or 'no reason is known'}.")
-    elif found.note:
-        told.append(f"{found.note}.")
-    if window.crank_turns < SHORTEST_HOLD:
-        told.append(
-            f"Only {window.crank_turns:.2f} crank turns at constant speed were judged: means are over part of a turn."
-        )
-    if trouble := item.motion.run.provenance.get("warnings"):
-        told.append(f"Before the run: {trouble}.")
-    limit = MICROMETRE.from_si(design.contact.max_penetration)
-    if found.contact_summary.max_penetration_um > DEEP * limit:
-        told.append(
-            f"Contacts were {found.contact_summary.max_penetration_um:.3g} µm deep; the run ends at {limit:g} µm."
-        )
-    told += [f"Design check: {one}" for one in check(design) if not one.passed]
-    return told
+    design = item.motion.design
+    return [*item.findings.warnings, *(f"design check: {one}" for one in check(design) if not one.passed)]
 
 
 def _told(item: Reviewed) -> Iterator[tuple[str, str]]:
@@ -114,7 +96,11 @@ def _told(item: Reviewed) -> Iterator[tuple[str, str]]:
     yield "simulated", f"{span:.4g} s, {turns:.1f} crank turns, {len(run):,} samples"
     steps = f", {item.findings.steps:,} steps" if item.findings.steps else ""
     yield "time step", f"{MICROSECOND.from_si(item.findings.timestep_s):g} µs{steps}"
-    yield "judged", f"{item.findings.window.start_s:.4g} to {item.findings.window.end_s:.4g} s"
+    window = item.findings.window
+    yield (
+        "judged",
+        f"{window.phase}, {window.start_s:.4g} to {window.end_s:.4g} s, {window.crank_turns:.2f} crank turns",
+    )
 
 
 def _ring(design: Design) -> str:

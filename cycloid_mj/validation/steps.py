@@ -25,8 +25,8 @@ STEPS_US = (1.0, 2.0, 5.0, 10.0, 20.0)
 class Figures:
     """Figures of a run that must not depend on the step.
 
-    Deviation of the gear's speed from the closed form, rms [mrad/s]; mean and peak-to-peak transmission error
-    [arcsec]; rms of the cam's force [N]; efficiency [%].
+    Deviation of the gear's speed from the closed form, rms [mrad/s]; mean and peak-to-peak transmission error of the
+    output [arcsec]; rms of the cam's force [N]; efficiency [%].
     """
 
     gear_speed: float

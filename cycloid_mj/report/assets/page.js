@@ -24,7 +24,7 @@ function curvesOf(panel) {
     const base = { x: run.time, offset: run.start };
     if (panel.theory && run.curves[panel.theory]) {
       const colour = several ? tint(run.colour, 0.4) : THEORY;
-      const name = several ? "" : "closed form";
+      const name = several ? "" : panel.theory_name;
       theories.push({ ...base, y: run.curves[panel.theory], colour, width: 4, name });
     }
     if (run.curves[panel.curve]) {
@@ -68,20 +68,23 @@ function drawSpectrum() {
   const highest = Math.max(...runs.map(({ spectrum }) => spectrum.order[spectrum.order.length - 1]));
   const view = new View([0, highest]);
   view.limits = view.home;
-  const curves = runs.map(({ name, colour, spectrum }) => ({
-    name: several ? name : "",
-    x: spectrum.order,
-    offset: 0,
-    y: spectrum.amplitude,
-    colour: several ? colour : SIMULATED,
-    width: 1.2,
-  }));
+  const curvesOfPart = (part) =>
+    runs.map(({ name, colour, spectrum }) => ({
+      name: several ? name : "",
+      x: spectrum.order,
+      offset: 0,
+      y: spectrum[part],
+      colour: several ? colour : SIMULATED,
+      width: 1.2,
+    }));
   const marks = [];
   for (const mesh of new Set(runs.map((run) => run.spectrum.mesh))) {
     for (let order = mesh; order < highest; order += mesh) marks.push(order);
   }
-  const panel = { label: "amplitude [mrad/s]", height: 1.7, fromZero: true, curves };
-  new Chart(place, view, [panel], { xLabel: "order [cycles per crank turn]", marks });
+  const panels = ["output", "gear"].map((part) => {
+    return { label: `${part} [mrad/s]`, height: 1.1, fromZero: true, curves: curvesOfPart(part) };
+  });
+  new Chart(place, view, panels, { xLabel: "order [cycles per crank turn]", marks });
 }
 
 /** Let the buttons of the toolbar choose what is seen. */
