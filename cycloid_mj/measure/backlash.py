@@ -18,6 +18,7 @@ from cycloid_mj.measure.bench import ARCMINUTE
 from cycloid_mj.measure.conditions import rated_torque
 from cycloid_mj.measure.measurement import Curve, Measurement, Quantity
 from cycloid_mj.measure.pool import Done, each, nothing
+from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
 from cycloid_mj.record import Run
 
 Array = npt.NDArray[np.float64]
@@ -111,7 +112,7 @@ def measure_backlash(design: Design, angles: int = ANGLES, told: Done = nothing)
         measure="backlash",
         design=design,
         quantities=_quantities(found, checked, closed),
-        curves=_curves(found, closed),
+        curves=_curves(design, found, closed),
         assumptions=_assumptions(design, [one.run for presses in found.values() for one in presses]),
         runs={name: presses[0].run for name, presses in found.items()},
         details={"angles": _by_angle(found, closed)},
@@ -152,30 +153,42 @@ def _crossing(design: Design, crank: float, torque: float) -> float:
     return math.sqrt(2.0 * bench.moving_inertia(design) * (high - low) / torque)
 
 
-def _closed_forms(design: Design, cranks: list[float]) -> dict[str, Array]:
-    """Give the backlash [rad] at each crank angle by the closed forms, whole and by each clearance alone."""
-    each_alone = {
-        kind: np.array([play.parts_alone(alone(design, kind), crank)[kind] for crank in cranks])
-        for kind in play.clearance_kinds(design)
-    }
-    whole = {_ALL: play.total(design, np.array(cranks))} if play.has_linear_gaps(design) else {}
-    return whole | each_alone
+def _closed_forms(design: Design, cranks: list[float]) -> dict[str, Known]:
+    """Give the backlash [rad] by the closed forms, whole and by each clearance alone."""
+    turn = play.turn(design)
+    found = {}
+    if play.has_linear_gaps(design):
+        found[_ALL] = Known(play.total(design, np.array(cranks)), play.over_a_turn(design)[1])
+    for kind in play.clearance_kinds(design):
+        single = alone(design, kind)
+        sampled, whole = (np.array([play.parts_alone(single, float(at))[kind] for at in way]) for way in (cranks, turn))
+        found[kind] = Known(sampled, whole)
+    return found
 
 
 def _quantities(
-    found: dict[str, list[Press]], checked: dict[str, Press], closed: dict[str, Array]
+    found: dict[str, list[Press]], checked: dict[str, Press], closed: dict[str, Known]
 ) -> dict[str, Quantity]:
     table: dict[str, Quantity] = {}
     for name, presses in found.items():
-        values = np.array([one.backlash for one in presses]) / ARCMINUTE
-        mean, least, largest = float(values.mean()), float(values.min()), float(values.max())
-        error = abs(checked[name].backlash - presses[0].backlash) / ARCMINUTE
-        reference = float(np.mean(closed[name])) / ARCMINUTE if name in closed else None
+        values, known = np.array([one.backlash for one in presses]), closed.get(name)
+        numerical = abs(checked[name].backlash - presses[0].backlash)
+        error = _arcminutes(added(numerical, error_of_mean(values, known)))
+        reference = None if known is None else float(known.turn.mean()) / ARCMINUTE
+        mean = float(values.mean()) / ARCMINUTE
         if name == _ALL:
-            source = "rigid contacts: linear programme" if name in closed else ""
+            source = "" if known is None else "rigid contacts: linear programme"
             table["backlash"] = Quantity("backlash of the output, mean", mean, "arcmin", error, reference, source)
-            table["backlash_min"] = Quantity("backlash, least over the crank angle", least, "arcmin", error)
-            table["backlash_max"] = Quantity("backlash, largest over the crank angle", largest, "arcmin", error)
+            for word, largest in (("least", False), ("largest", True)):
+                statistic = np.max if largest else np.min
+                table["backlash_max" if largest else "backlash_min"] = Quantity(
+                    f"backlash, {word} over the crank angle",
+                    float(statistic(values)) / ARCMINUTE,
+                    "arcmin",
+                    _arcminutes(added(numerical, error_of_extreme(values, largest, known))),
+                    None if known is None else float(statistic(known.turn)) / ARCMINUTE,
+                    source,
+                )
         else:
             label, source = f"by clearance of {NAMES[name]} alone, mean", _FORMULAS.get(name, _MESH_FORMULA)
             table[f"backlash_{name}"] = Quantity(label, mean, "arcmin", error, reference, source)
@@ -184,20 +197,25 @@ def _quantities(
         "sum of the parts",
         sum(part.value for part in parts),
         "arcmin",
-        sum(part.error or 0.0 for part in parts),
+        added(*(part.error for part in parts)),
         note="less than the whole: clearances together let the gear move in ways that none allows alone",
     )
     return table
 
 
-def _curves(found: dict[str, list[Press]], closed: dict[str, Array]) -> tuple[Curve, ...]:
+def _arcminutes(error: float | None) -> float | None:
+    return None if error is None else error / ARCMINUTE
+
+
+def _curves(design: Design, found: dict[str, list[Press]], closed: dict[str, Known]) -> tuple[Curve, ...]:
     drawn = []
     axes = "crank angle [deg]", "backlash [arcmin]"
     for name, presses in found.items():
         panel = "all clearances" if name == _ALL else f"clearance of {NAMES[name]} alone"
         crank = np.degrees([one.crank for one in presses])
         if name in closed:
-            drawn.append(Curve(panel, "closed form", crank, closed[name] / ARCMINUTE, *axes, "theory"))
+            turn = np.degrees(play.turn(design))
+            drawn.append(Curve(panel, "closed form", turn, closed[name].turn / ARCMINUTE, *axes, "theory"))
         values = np.array([one.backlash for one in presses]) / ARCMINUTE
         drawn.append(Curve(panel, "simulated", crank, values, *axes, "points"))
     return tuple(drawn)
@@ -211,11 +229,12 @@ def _assumptions(design: Design, runs: list[Run]) -> tuple[str, ...]:
         "without friction and weight; see lost-motion for what they do",
         f"a clearance alone: the others {1e6 * CLOSED_UP:g} um, no manufacturing errors, no modification",
         f"time step {bench.steps_told(runs)}; the numerical error is what {LONGER:g} times the time at a step "
-        f"{FINER:g} times shorter changes at the first crank angle",
+        f"{FINER:g} times shorter changes at the first crank angle, and "
+        "what the angles leave out of the turn: by the closed form, and by the scatter of what that does not explain",
     )
 
 
-def _by_angle(found: dict[str, list[Press]], closed: dict[str, Array]) -> list[dict[str, Any]]:
+def _by_angle(found: dict[str, list[Press]], closed: dict[str, Known]) -> list[dict[str, Any]]:
     return [
         {
             "crank_angle_deg": math.degrees(one.crank),
@@ -223,7 +242,7 @@ def _by_angle(found: dict[str, list[Press]], closed: dict[str, Array]) -> list[d
             "high_arcmin": one.high / ARCMINUTE,
             "backlash_arcmin": {name: presses[place].backlash / ARCMINUTE for name, presses in found.items()},
             "timestep_s": {name: bench.step_of(presses[place].run) for name, presses in found.items()},
-            "closed_form_arcmin": {name: float(values[place]) / ARCMINUTE for name, values in closed.items()},
+            "closed_form_arcmin": {name: float(known.sampled[place]) / ARCMINUTE for name, known in closed.items()},
         }
         for place, one in enumerate(found[_ALL])
     ]

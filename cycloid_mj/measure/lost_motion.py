@@ -78,7 +78,8 @@ def _assumptions(found: Found, period: float) -> tuple[str, ...]:
         f"the crank is locked; the torque at the output follows sin^5 over {1e3 * period:.3g} ms, up to "
         f"{found.service[0].rated:.4g} N m (rated input torque times the ratio, unless given)",
         f"time step {steps[0]}, without friction and weight {steps[1]}; the numerical error is what a loop {SLOWER:g} "
-        f"times as slow and one at a step of {checks[0]} and {checks[1]} change at the first crank angle, together",
+        f"times as slow and one at a step of {checks[0]} and {checks[1]} change at the first crank angle, together, "
+        "and what the crank angles leave out of the turn: by the backlash of rigid parts, and by the readings' scatter",
         "friction is viscous below the creep speed, which is as low as the step bears: with free pins the stiffness "
         "falls by some percent as the step does",
         "shafts, gear body, output disc and housing are rigid: only contacts give",

@@ -13,6 +13,7 @@ from cycloid_mj.measure.balance import SERIES, Balance
 from cycloid_mj.measure.bench import ARCMINUTE
 from cycloid_mj.measure.hysteresis import Loop
 from cycloid_mj.measure.measurement import Curve, Quantity
+from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
 
 Array = npt.NDArray[np.float64]
 
@@ -59,12 +60,13 @@ def _quantity(
     closed: Sequence[float] | Array = (),
     source: str = "",
     note: str = "",
+    known: Known | None = None,
 ) -> Quantity:
-    """Give the mean of a reading over the crank angles."""
+    """Give the mean of a reading over the crank angles; `known` tells what they leave out of the turn."""
     reference = float(np.mean(closed)) if len(closed) else None
-    error = _error(read, loops, checks)
-    value = float(np.mean([read(loop) for loop in loops]))
-    return Quantity(name, value, unit, error, reference, source if len(closed) else "", note)
+    values = [read(loop) for loop in loops]
+    error = added(_error(read, loops, checks), error_of_mean(values, known))
+    return Quantity(name, float(np.mean(values)), unit, error, reference, source if len(closed) else "", note)
 
 
 def _error(read: Callable[[Loop], float], loops: list[Loop], checks: list[Loop]) -> float:
@@ -73,12 +75,19 @@ def _error(read: Callable[[Loop], float], loops: list[Loop], checks: list[Loop])
 
 
 def _extremes(
-    key: str, name: str, read: Callable[[Loop], float], loops: list[Loop], checks: list[Loop], unit: str
+    key: str,
+    name: str,
+    read: Callable[[Loop], float],
+    loops: list[Loop],
+    checks: list[Loop],
+    unit: str,
+    known: Known | None = None,
 ) -> dict[str, Quantity]:
-    values, error = [read(loop) for loop in loops], _error(read, loops, checks)
+    values, numerical = [read(loop) for loop in loops], _error(read, loops, checks)
+    least, largest = (added(numerical, error_of_extreme(values, most, known)) for most in (False, True))
     return {
-        f"{key}_min": Quantity(f"{name}, least over the crank angle", min(values), unit, error),
-        f"{key}_max": Quantity(f"{name}, largest over the crank angle", max(values), unit, error),
+        f"{key}_min": Quantity(f"{name}, least over the crank angle", min(values), unit, least),
+        f"{key}_max": Quantity(f"{name}, largest over the crank angle", max(values), unit, largest),
     }
 
 
@@ -99,21 +108,29 @@ def stiffness(loop: Loop) -> float:
 
 def _motions(found: Found) -> dict[str, Quantity]:
     solved = [one.lost_motion / ARCMINUTE for one in found.statics]
-    cranks = np.array([loop.crank for loop in found.service])
-    rigid = play.total(found.design, cranks) / ARCMINUTE if play.has_linear_gaps(found.design) else ()
+    known = _rigid(found)
+    rigid = known.turn if known is not None else ()
     loops = {"": (found.service, found.service_checks), "_ideal": (found.ideal, found.ideal_checks)}
     table: dict[str, Quantity] = {}
     for suffix, pair in loops.items():
         which = f", {IDEAL}" if suffix else ""
         at = f"lost motion at +-3 % of rated torque{which}"
-        table["lost_motion" + suffix] = _quantity(at, lost_motion, *pair, closed=solved, source=STATICS)
+        table["lost_motion" + suffix] = _quantity(at, lost_motion, *pair, closed=solved, source=STATICS, known=known)
         if not suffix:
-            table |= _extremes("lost_motion", "lost motion", lost_motion, *pair, "arcmin")
+            table |= _extremes("lost_motion", "lost motion", lost_motion, *pair, "arcmin", known)
         name = f"backlash{which}"
         table["backlash" + suffix] = _quantity(
-            name, lambda loop: loop.backlash / ARCMINUTE, *pair, closed=rigid, source=RIGID
+            name, lambda loop: loop.backlash / ARCMINUTE, *pair, closed=rigid, source=RIGID, known=known
         )
     return table
+
+
+def _rigid(found: Found) -> Known | None:
+    """Give the backlash of rigid parts [arcmin] at the crank angles and over the turn; lost motion goes with it."""
+    if not play.has_linear_gaps(found.design):
+        return None
+    cranks = np.array([loop.crank for loop in found.service])
+    return Known(play.total(found.design, cranks) / ARCMINUTE, play.over_a_turn(found.design)[1] / ARCMINUTE)
 
 
 def _stiffness(found: Found) -> dict[str, Quantity]:
@@ -143,8 +160,8 @@ def _friction(found: Found) -> dict[str, Quantity]:
         f"friction, and {damped:.2g} arcmin of damping, which vanishes in slower loops; friction is viscous below the "
         "creep speed, lowered as far as the step bears: free pins roll, and what slides in them stays below it"
     )
-    shift = max(abs(a.offset - b.offset) for a, b in zip(found.service, found.ideal, strict=True))
-    shift_error = _error(offset, *pair) + _error(offset, found.ideal, found.ideal_checks)
+    shifts = [abs(a.offset - b.offset) / ARCMINUTE for a, b in zip(found.service, found.ideal, strict=True)]
+    numerical = (_error(offset, *pair) + _error(offset, found.ideal, found.ideal_checks)) / ARCMINUTE
     return {
         "hysteresis": _quantity(
             "width of the loop at half the rated torque", lambda loop: loop.width / ARCMINUTE, *pair, note=viscous
@@ -161,9 +178,9 @@ def _friction(found: Found) -> dict[str, Quantity]:
         ),
         "shift": Quantity(
             "shift of the loop by weight and friction, largest",
-            shift / ARCMINUTE,
+            max(shifts),
             "arcmin",
-            shift_error / ARCMINUTE,
+            added(numerical, error_of_extreme(shifts, True)),
             note="the gear's weight pulls it about the pitch point; the crank's lock holds it",
         ),
     }

@@ -13,6 +13,8 @@ clearance alone this has a closed form (`parts_alone`):
   about the pitch point.
 """
 
+from functools import lru_cache
+
 import numpy as np
 import numpy.typing as npt
 
@@ -27,6 +29,12 @@ Array = npt.NDArray[np.float64]
 
 CAM_DIRECTIONS = 720
 """Sides of the polygon that stands for the cam's play: it is larger than the circle by 1e-5 at most."""
+
+COARSE_DIRECTIONS = 180
+"""The same over a whole turn, where many angles are solved: larger by 1.6e-4 at most."""
+
+PER_MESH_PERIOD = 6
+"""Crank angles in a mesh period over a whole turn."""
 
 
 def clearance_kinds(design: Design) -> tuple[str, ...]:
@@ -60,10 +68,11 @@ def clearance(design: Design, kind: str) -> float:
     return float(getattr(design.clearance, kind) + wider.get(kind, 0.0))
 
 
-def stops(design: Design, crank: float) -> tuple[float, float]:
+def stops(design: Design, crank: float, directions: int = CAM_DIRECTIONS) -> tuple[float, float]:
     """Give the output's stops [rad], clockwise and counter-clockwise of the ideal angle, at a crank angle [rad].
 
-    All clearances and manufacturing errors are in it, of a modified profile the equidistant part.
+    All clearances and manufacturing errors are in it, of a modified profile the equidistant part. `directions` are the
+    sides of the polygon that stands for the cam's play.
 
     Raises
     ------
@@ -72,7 +81,7 @@ def stops(design: Design, crank: float) -> tuple[float, float]:
     """
     from scipy.optimize import linprog
 
-    matrix, gaps = _constraints(design, crank)
+    matrix, gaps = _constraints(design, crank, directions)
     found = []
     for direction in (-1.0, 1.0):
         ends = linprog([0.0, 0.0, 0.0, -direction], matrix, gaps * 1e6, bounds=(None, None))
@@ -82,7 +91,7 @@ def stops(design: Design, crank: float) -> tuple[float, float]:
     return found[0], found[1]
 
 
-def _constraints(design: Design, crank: float) -> tuple[Array, Array]:
+def _constraints(design: Design, crank: float, directions: int) -> tuple[Array, Array]:
     """Give A and the gaps [m] of A z <= gaps, z = d_x, d_y, R phi, R psi [m]: teeth, output pins, cam."""
     made, lever = deviations(design), design.output.pin_circle_radius
     centre = kinematics.gear_centre(tooth_profile(design), crank)
@@ -101,8 +110,8 @@ def _constraints(design: Design, crank: float) -> tuple[Array, Array]:
     holes = made.hole_place @ np.array([[np.cos(turned), np.sin(turned)], [-np.sin(turned), np.cos(turned)]])
     gaps.append(clearance(design, "output") - holes @ outward)
 
-    around = unit(np.linspace(0.0, 2.0 * np.pi, CAM_DIRECTIONS, endpoint=False))
-    rows.append(np.column_stack([around, np.zeros((CAM_DIRECTIONS, 2))]))
+    around = unit(np.linspace(0.0, 2.0 * np.pi, directions, endpoint=False))
+    rows.append(np.column_stack([around, np.zeros((directions, 2))]))
     gaps.append(design.clearance.cam + made.eccentricity * around @ outward)
     return np.concatenate(rows), np.concatenate(gaps)
 
@@ -125,6 +134,19 @@ def _both_ways(arms: Array) -> float:
     return float(1.0 / arms.max() - 1.0 / arms.min())
 
 
-def total(design: Design, cranks: Array) -> Array:
+def total(design: Design, cranks: Array, directions: int = CAM_DIRECTIONS) -> Array:
     """Give the backlash of the output [rad] at crank angles [rad] (n,) with all clearances together."""
-    return np.array([high - low for low, high in (stops(design, float(crank)) for crank in cranks)])
+    ends = np.array([stops(design, float(crank), directions) for crank in cranks])
+    return np.asarray(ends[:, 1] - ends[:, 0])
+
+
+@lru_cache(maxsize=8)
+def over_a_turn(design: Design) -> tuple[Array, Array]:
+    """Give crank angles [rad] all over a turn, shape (n,), and the backlash [rad] at each as `total` does."""
+    cranks = turn(design)
+    return cranks, total(design, cranks, COARSE_DIRECTIONS)
+
+
+def turn(design: Design) -> Array:
+    """Give crank angles [rad] that resolve the mesh all over a turn, both of its ends among them."""
+    return np.linspace(0.0, 2.0 * np.pi, PER_MESH_PERIOD * design.ring.teeth + 1)
