@@ -11,65 +11,24 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from ideal import ideal_run, ideal_runs
 
 from cycloid_mj.cli import reproduce as command
-from cycloid_mj.comparison import SWEEP, settled, settling
+from cycloid_mj.comparison import settled, settling
 from cycloid_mj.comparison.conditions import differences
-from cycloid_mj.comparison.fluctuation import Level
-from cycloid_mj.comparison.ranking import Q_VELOCITY, Ranking
-from cycloid_mj.design import PRESETS, Design, dump, override
+from cycloid_mj.design import PRESETS, dump, override
 from cycloid_mj.errors import RunError, UsageError
-from cycloid_mj.measure import Measurement, Quantity
-from cycloid_mj.record import Run
-from cycloid_mj.reproduce import cycle, motion, plan, stress, torque, vibration
+from cycloid_mj.reproduce import cycle, motion, plan
 from cycloid_mj.reproduce import run as stages
-from cycloid_mj.reproduce.claims import judged
 from cycloid_mj.reproduce.errata import errata
 from cycloid_mj.reproduce.fit import digest, fits, log_name
-from cycloid_mj.reproduce.plan import FULL, QUICK, at_speed, main_runs, ramped, varied_runs
+from cycloid_mj.reproduce.plan import FULL, QUICK, at_speed, idle_runs, main_runs, ramped, rated_runs, started
+from cycloid_mj.reproduce.plan import varied_idle_runs as varied_idle
+from cycloid_mj.reproduce.plan import varied_rated_runs as varied_rated
 from cycloid_mj.reproduce.stage import Found, nobody
 from cycloid_mj.simulate import schedule
 
 ROOT = Path(__file__).parent.parent
-LOBES, ECCENTRICITY = 35, 1e-3
-SPIN = 7.0
-
-
-def ideal_run(design: Design, wave: float = 0.0, ratio: float = LOBES) -> Run:
-    """The ideal mechanism at the samples of a design's run, its speeds with a wave of 36 a turn."""
-    steps = schedule(design)
-    time = steps.stride * steps.timestep * np.arange(steps.samples)
-    theta = design.drive.speed * time
-    centre = 1j * ECCENTRICITY * np.exp(1j * theta)
-    velocity = 1j * design.drive.speed * centre
-    columns = {"crank_angle": theta, "crank_speed": np.full_like(time, design.drive.speed)}
-    columns |= {"gear_x": centre.real, "gear_y": centre.imag, "gear_vx": velocity.real, "gear_vy": velocity.imag}
-    for part in ("gear", "output"):
-        columns |= {f"{part}_angle": -theta / ratio, f"{part}_speed": np.full_like(time, -design.drive.speed / LOBES)}
-    for name in ("gear_speed", "output_speed", "gear_vx"):
-        columns[name] = columns[name] + wave * np.cos(36 * theta)
-    stem = "pin" if design.ring.kind == "pin" else "lobe"
-    pairs = [*(f"{stem}_{i}" for i in range(1, 37)), "cam", *(f"output_pin_{i}" for i in range(1, 9))]
-    names = ["crank_torque", "contacts", "penetration", "peak_force"]
-    names += ["pin_1_angle"] if design.ring.has_moving_pins else []
-    names += [f"{pair}_force_{axis}" for pair in pairs for axis in "xy"]
-    columns |= {name: np.zeros_like(time) for name in names}
-    columns["load_torque"] = np.full_like(time, design.load.torque)
-    if design.ring.has_moving_pins:
-        columns |= {"pin_1_x": 0.6e-6 * np.cos(theta), "pin_1_y": 0.6e-6 * np.sin(theta)}
-        columns["pin_1_speed"] = np.full_like(time, SPIN)
-    return Run(
-        time, columns, dict.fromkeys(columns, "1"), {"design": design.name}, {"design.toml": dump(design).encode()}
-    )
-
-
-def ideal_runs(designs):
-    """The pin design's gear is the rougher one under load, and the calmer one without."""
-    loaded = [design.load.torque != 0.0 for design in designs]
-    rough = [(design.ring.kind == "pin") == load for design, load in zip(designs, loaded, strict=True)]
-    return [ideal_run(design, 0.004 if more else 0.001) for design, more in zip(designs, rough, strict=True)]
-
-
 # --- the two designs under one rule
 
 
@@ -91,14 +50,43 @@ def test_what_the_ring_implies_is_equal_as_well():
 
 @pytest.mark.parametrize("which", [QUICK, FULL])
 def test_no_run_differs_between_the_designs_but_in_the_ring(which):
-    groups = [main_runs(which), *(varied_runs(which, each) for each in plan.variations(which) if not each.pins_only)]
-    groups += [[ramped(design) for design in plan.designs()]]
-    for designs in groups:
-        for pin, nonpin in zip(designs[::2], designs[1::2], strict=True):
-            assert list(differences([pin, nonpin])) == ["ring.kind"]
-            assert pin.load == nonpin.load
+    pin, nonpin = plan.designs()
+    pairs = list(zip(main_runs(which)[::2], main_runs(which)[1::2], strict=True))
+    pairs += list(zip(idle_runs(which, pin), idle_runs(which, nonpin), strict=True))
+    pairs += [tuple(rated_runs(which)[:2]), tuple(ramped(design) for design in plan.designs())]
+    for each in plan.variations(which):
+        if not each.pins_only:
+            pairs += zip(varied_idle(which, each, pin), varied_idle(which, each, nonpin), strict=True)
+            pairs.append(tuple(varied_rated(which, each)))
+    for one, other in pairs:
+        assert list(differences([one, other])) == ["ring.kind"]
+        assert one.load == other.load
     spoiled = override(PRESETS["nonpin"], ["friction.tooth=0.04"])
     assert "friction.tooth" in differences([PRESETS["pin"], spoiled])
+
+
+def test_the_third_rated_design_is_as_loose_and_as_soft_as_the_pin_design():
+    pin, nonpin, third = rated_runs(QUICK)
+    assert third.ring.kind == "nonpin"
+    assert set(differences([nonpin, third])) == {"clearance.tooth_um", "stiffness.tooth_n_m"}
+    assert third.clearance.tooth == pytest.approx(pin.clearance.pin_gear + pin.clearance.pin_socket)
+
+
+# --- independent starts
+
+
+def test_starts_turn_gravity_by_whole_tooth_pitches():
+    design = at_speed(PRESETS["pin"], 0.0, 1)
+    found = [started(design, number) for number in range(plan.STARTS)]
+    assert found[0] == design
+    assert len(set(found)) == plan.STARTS >= 8
+    pitches = [plan.gravity_turn(each) / (2 * np.pi / 36) for each in found]
+    assert pitches == pytest.approx(np.round(pitches), abs=1e-9)
+    assert np.diff(pitches) == pytest.approx(4.5, abs=0.5 + 1e-9)
+    for each in found:
+        pull = each.environment
+        assert math.hypot(pull.gravity_x, pull.gravity_y) == pytest.approx(9.8)
+        assert differences([design, each]).keys() <= {"environment.gravity_x_m_s2", "environment.gravity_y_m_s2"}
 
 
 # --- the paper's sampling
@@ -135,53 +123,7 @@ def test_the_ramp_is_the_papers():
     assert design.drive.hold > settling(design)
 
 
-# --- claims
-
-
-@pytest.mark.parametrize(
-    ("here", "elsewhere", "verdict"),
-    [
-        ([True, True], [True], "agree"),
-        ([True, True], [], "agree"),
-        ([True, False], [], "depends"),
-        ([True, True], [False], "depends"),
-        ([False, False], [True], "depends"),
-        ([False], [False, False], "disagree"),
-    ],
-)
-def test_verdicts(here, elsewhere, verdict):
-    assert judged(here, elsewhere) == verdict
-
-
-def test_the_ratio_is_judged_by_the_turns():
-    few = replace(QUICK, turns=2)
-    claim = motion.gear_speed(few, ideal_runs, nobody).claims[0]
-    assert claim.verdict == "agree"
-    assert list(claim.values.values()) == pytest.approx([35.0] * 4, rel=1e-12)
-    slipping = motion.gear_speed(few, lambda designs: [ideal_run(one, ratio=34.9) for one in designs], nobody).claims[0]
-    assert slipping.verdict == "disagree"
-    assert list(slipping.values.values()) == pytest.approx([34.9] * 4, rel=1e-9)
-
-
-def test_pin_1_sways_and_spins_as_its_run_says():
-    sways, spins = motion.pin_1(replace(QUICK, turns=2), ideal_runs, nobody).claims
-    assert (sways.verdict, spins.verdict) == ("agree", "agree")
-    assert sways.values["sway_um_pin_loaded"] == pytest.approx(1.2, rel=1e-3)
-    assert spins.values["spin_rad_s_pin_unloaded"] == pytest.approx(SPIN)
-
-
-def test_vibration_depends_on_the_load_where_it_turns_round():
-    found = vibration.vibration(QUICK, ideal_runs, nobody)
-    speed = next(claim for claim in found.claims if claim.statement.startswith("gear speed"))
-    assert speed.verdict == "depends"
-    assert speed.on == "load"
-    # rms of a wave: both levels and the ratio come out of the runs
-    assert speed.values["loaded_ratio"] == pytest.approx(4.0, rel=1e-3)
-    assert speed.values["unloaded_ratio"] == pytest.approx(0.25, rel=1e-3)
-    assert len(found.findings["sweep"]) == len(SWEEP)
-    # in the sweep, what a variation does not concern is the main run itself
-    fixed = next(each for each in SWEEP if each.pins_only)
-    assert varied_runs(QUICK, fixed)[1::2] == main_runs(QUICK)[1::2]
+# --- stages
 
 
 def test_pin_1s_cycle_is_where_its_force_says():
@@ -197,58 +139,6 @@ def test_pin_1s_cycle_is_where_its_force_says():
     assert count == pytest.approx(123.5 / 360, abs=0.003)
     table = cycle.cycle_table({"as it is": [pressed, ideal_run(at_speed(PRESETS["nonpin"], 36.0, 2))]})
     assert [row[0] for row in table.rows] == ["as it is"]
-
-
-def test_the_error_of_a_ratio_is_what_turns_or_half_the_step_change():
-    def ranked(pin: float, turns: tuple[float, ...]) -> Ranking:
-        return Ranking(*Q_VELOCITY, 0.0, "pin", "nonpin", Level(pin, turns), Level(1.0, (1.0, 1.0)))
-
-    assert vibration._error(ranked(2.0, (1.8, 2.2)), []) == "10 % of 2.00 (turn to turn)"
-    assert vibration._error(ranked(2.0, (2.0, 2.0)), [ranked(2.5, (2.5,))]) == "25 % of 2.00 (half the step)"
-
-
-def measured(torque_nm: float, friction: float) -> Measurement:
-    quantities = {"output_torque": Quantity("output torque", torque_nm, "N m", 0.02)}
-    for way in ("simulated", "measured"):
-        quantities[f"friction_for_paper_{way}"] = Quantity("friction", friction, "1", 0.001)
-    return Measurement("torque", PRESETS["pin"], quantities)
-
-
-def test_torque_agrees_by_number_else_depends_on_friction_or_disagrees():
-    found = {"pin": measured(34.6, 0.03), "nonpin": measured(32.0, math.nan)}
-    assert [claim.verdict for claim in torque._claims(found)] == ["agree", "agree", "disagree", "disagree"]
-    found["nonpin"] = measured(32.0, 0.01)
-    assert [claim.verdict for claim in torque._claims(found)][2:] == ["depends", "depends"]
-    assert torque._order(found).verdict == "depends"
-    assert torque._order({"pin": measured(34.0, 0.03), "nonpin": measured(34.1, 0.01)}).verdict == "agree"
-    assert torque._order({"pin": measured(34.0, 0.03), "nonpin": measured(34.01, 0.01)}).verdict != "agree"
-
-
-def test_the_dimension_that_gives_a_stress():
-    # a cube law between the values: straight in logarithms
-    sizes = {value: 1000.0 / value**3 for value in (2.0, 4.0, 8.0)}
-    assert stress.giving(sizes, 1000.0 / 3.0**3) == pytest.approx(3.0, rel=1e-12)
-    assert math.isnan(stress.giving(sizes, 1000.0))
-    assert math.isnan(stress.giving({1.0: 5.0, 2.0: 5.0}, 6.0))
-
-
-def test_each_statement_on_stress_is_about_its_part():
-    cases = {
-        "pin: the shaft's stress stays below 160 MPa": {"shaft"},
-        "pin: two peaks a turn, near 75 and 255 deg, the highest at 74 deg": {"shaft"},
-        "pin: shaft > ring > gear": {"shaft", "ring", "gear"},
-        "pin: pin 1 is loaded at 0, relieved by 10 deg, loaded again from 350 deg": {"pin_1"},
-        "pin: the output's stress is low and regular": {"output"},
-        "gear: less stress in nonpin than in pin (ranges 0.5 to 1)": {"gear"},
-        "nonpin: the shaft's stress stays below 60 MPa": set(),
-    }
-    for statement, parts in cases.items():
-        about = {
-            part for part in ("shaft", "gear", "ring", "output", "pin_1") if stress._is_about(statement, "pin", part)
-        }
-        assert about == parts, statement
-    assert stress._paper("gear: less stress in nonpin than in pin (ranges 0.5 to 1)") == "0.5 to 1"
-    assert stress._paper("pin: the shaft's stress stays below 160 MPa") == "below 160 MPa"
 
 
 # --- stages, one of which may break
@@ -341,8 +231,8 @@ def test_ctrl_c_ends_the_command_and_a_run_that_fails_its_stage(tmp_path, monkey
     def stopped(*_, **__):
         try:
             raise KeyboardInterrupt
-        except KeyboardInterrupt:
-            raise RunError("stopped by Ctrl-C") from None
+        except KeyboardInterrupt as stop:
+            raise RunError("stopped by Ctrl-C") from stop
 
     def failed(*_, **__):
         raise RunError("it jumped")

@@ -31,7 +31,7 @@ OUT = "runs/reproduce"
 PAGE, RESULT = "reproduce.html", "reproduce.json"
 FORMATS = ("png", "svg")
 FAILURE = 1
-HEADER = ("claim", "the paper", "ours", "num. error", "verdict")
+HEADER = ("claim", "condition", "the paper", "ours", "num. error", "verdict")
 SECONDS_BETWEEN_LINES = 5.0
 
 ReproduceQuickFlag = Annotated[
@@ -75,8 +75,9 @@ def reproduce(
 
     Geometry, kinematics, dynamics, stress and torque of both designs, at the
     paper's sampling of one degree. One HTML page that needs no network shows
-    every figure, a table of claims (the paper's number, ours, its numerical
-    error, agree, disagree or depends, and on what) and the paper's errata.
+    every figure, a table of claims, each at the paper's own condition (its
+    number, ours, the numerical error, the verdict, what decides it, and ours
+    at the rated load beside), and the paper's errata.
     Figures (png, svg) and all numbers (JSON) lie beside it. Nothing is tuned
     to agree; both designs differ in the ring alone.
 
@@ -189,7 +190,17 @@ def _report(stages: "Sequence[Stage]", found: dict[str, Any], page: Path, json: 
         say_json(found | {"page": str(page)})
     else:
         claims = [claim for stage in stages for claim in stage.found.claims]
-        rows = [(f"{one.figure}: {one.statement}", one.paper, one.ours, one.error, one.verdict) for one in claims]
+        rows = [
+            (
+                f"{one.figure}, {one.design}: {one.paper.claim}",
+                one.condition.words,
+                one.paper.text,
+                one.ours.text,
+                one.error.words,
+                one.verdict,
+            )
+            for one in claims
+        ]
         if rows:
             say_table("the paper's claims (Hsieh 2014); what decides each is on the page", HEADER, rows)
         say(f"page: {page}")

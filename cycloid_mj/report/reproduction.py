@@ -7,11 +7,20 @@ from typing import Any
 
 from cycloid_mj.measure import Table
 from cycloid_mj.report import html
-from cycloid_mj.reproduce.claims import Claim
+from cycloid_mj.reproduce.claims import Claim, Verdict
 from cycloid_mj.reproduce.stage import Plate, Stage
 
 PNG = b"\x89PNG"
-CLAIM_HEAD = ("figure", "the paper says", "its number", "ours", "numerical error", "verdict", "depends on", "shown by")
+CLAIM_HEAD = (
+    *("figure", "design", "condition", "the paper says", "its number", "ours at that condition", "numerical error"),
+    *("verdict", "decided by", "beside it: ours at the rated load"),
+)
+TALLY: Mapping[Verdict, str] = {
+    "agrees": "agree",
+    "disagrees": "disagree",
+    "depends": "depend on what the paper leaves open at its condition",
+    "not determined": "are not determined",
+}
 ERRATUM_HEAD = ("Eq.", "printed", "right", "held against", "error as printed", "error corrected")
 
 
@@ -63,20 +72,34 @@ def claim_table(claims: Sequence[Claim]) -> str:
 
 
 def _claim(claim: Claim) -> str:
-    before = (claim.statement, claim.paper, claim.ours, claim.error)
-    after = (claim.on, claim.sweep)
+    before = (
+        claim.design,
+        claim.condition.words,
+        claim.paper.claim,
+        claim.paper.text,
+        claim.ours.text,
+        claim.error.words,
+    )
+    after = (claim.decided_by, claim.rated.text if claim.rated else "")
     cells = [
         html.tag("th", html.text(claim.figure), scope="row"),
         *(html.tag("td", html.text(cell)) for cell in before),
     ]
-    cells.append(html.tag("td", html.text(claim.verdict), class_=claim.verdict))
-    return html.tag("tr", "".join([*cells, *(html.tag("td", html.text(cell)) for cell in after)]))
+    cells.append(html.tag("td", html.text(claim.verdict), class_=claim.verdict.replace(" ", "-")))
+    return html.tag("tr", "".join([*cells, *(html.tag("td", html.text(cell)) for cell in after)]), id_=claim.key)
 
 
 def _tally(claims: Sequence[Claim]) -> str:
-    words = {"agree": "agree", "depends": "depend on what the paper leaves open", "disagree": "disagree"}
-    counts = ", ".join(f"{sum(claim.verdict == verdict for claim in claims)} {told}" for verdict, told in words.items())
-    return html.tag("p", html.text(f"Of {len(claims)} claims, {counts}. Nothing was tuned to agree."))
+    counts = ", ".join(
+        f"{sum(claim.verdict == verdict for claim in claims)} {words}" for verdict, words in TALLY.items()
+    )
+    return html.tag("p", html.text(f"Of {len(claims)} claims, {counts}. Nothing was tuned to agree.")) + html.tag(
+        "p",
+        "Each claim is judged at the paper's own condition: motion and stress without load (its sections 3.1 and 3.3), "
+        "only the output torque under load (3.3, 3.4). An idle quantity is the spread over independent starts; where "
+        "that exceeds the difference, the verdict is not determined. What the rated load makes of it is a result of "
+        "ours, in the last column, and never judged.",
+    )
 
 
 def _contents(stages: Sequence[Stage]) -> str:

@@ -3,8 +3,9 @@
 import math
 from dataclasses import dataclass
 
-from cycloid_mj.comparison import SWEEP, Variation, settling
+from cycloid_mj.comparison import SWEEP, Variation, settling, with_play_of
 from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.reproduce.claims import Condition
 
 SAMPLING = 360
 """Samples of a crank turn in the figures: one for each degree, 0.000101626 s at 1640 rpm (the paper's)."""
@@ -29,6 +30,8 @@ class Plan:
         Whether stress and torque take coarser grids and shorter averages.
     turns, varied_turns, finer_turns
         Settled crank turns of the main runs, of each run of the sweep, and of the runs with half the step (0: none).
+    varied_starts
+        Independent starts of each idle run of the sweep, and of those with half the step; the main runs have `STARTS`.
     ramp
         Whether the real ramp of 1 s is run for Fig. 5.
     """
@@ -37,11 +40,16 @@ class Plan:
     turns: int
     varied_turns: int
     finer_turns: int
+    varied_starts: int
     ramp: bool
 
 
+STARTS = 8
+"""Independent starts over which an idle quantity is given; turns of one run are not independent of each other."""
+
 PAIRS = ("pin_gear", "pin_socket", "tooth", "cam", "output")
 MORE = (
+    Variation("creep speed", "1 mm/s", ("contact.creep_speed_mm_s=1.0",)),
     Variation("stiffness", "half", ("material.youngs_modulus_mpa=105000.0",)),
     Variation("clearance", "2 um", tuple(f"clearance.{pair}_um=2.0" for pair in PAIRS)),
 )
@@ -49,8 +57,11 @@ MORE = (
 so that Young's modulus is the stiffness of these.
 """
 
-QUICK = Plan(quick=True, turns=4, varied_turns=2, finer_turns=0, ramp=False)
-FULL = Plan(quick=False, turns=6, varied_turns=6, finer_turns=6, ramp=True)
+LEFT_OPEN = ("damping", "friction", "creep speed", "stiffness")
+"""Parameters of the sweep that the paper leaves open: it gives the clearance, and that its pins are free."""
+
+QUICK = Plan(quick=True, turns=2, varied_turns=1, finer_turns=0, varied_starts=4, ramp=False)
+FULL = Plan(quick=False, turns=4, varied_turns=2, finer_turns=2, varied_starts=4, ramp=True)
 
 
 def designs() -> tuple[Design, Design]:
@@ -62,6 +73,17 @@ def loads() -> tuple[float, float]:
     """Give the load torques of the runs [N m]: none, and the torque without losses, 36.68."""
     first = PRESETS["pin"]
     return 0.0, round(first.drive.torque * first.lobes, 9)
+
+
+def no_load() -> Condition:
+    """Give the condition of the paper's motion and stress (sections 3.1 and 3.3: "no-load running")."""
+    return Condition(0.0, PRESETS["pin"].drive.speed)
+
+
+def torque_test() -> Condition:
+    """Give the condition of the paper's torque test: the rated torque on the crank, the load that follows from it."""
+    first = PRESETS["pin"]
+    return Condition(loads()[1], first.drive.speed, first.drive.torque)
 
 
 def at_speed(design: Design, load: float, turns: int, finer: int = 1) -> Design:
@@ -85,15 +107,56 @@ def ramped(design: Design) -> Design:
     return override(short, [f"drive.ramp_s={design.drive.ramp!r}", f"settings.log_rate_hz={rate!r}"])
 
 
+def started(design: Design, number: int, of: int = STARTS) -> Design:
+    """Give one of several independent starts of a design, the first as it is.
+
+    Gravity is turned by a whole number of tooth pitches: the same as to let the crank begin elsewhere in its turn, at
+    the same phase of the mesh.
+    """
+    teeth, pull = design.ring.teeth, design.environment
+    if (turn := 2 * math.pi * round(teeth * number / of) / teeth) == 0.0:
+        return design
+    cos, sin = math.cos(turn), math.sin(turn)
+    x, y = cos * pull.gravity_x - sin * pull.gravity_y, sin * pull.gravity_x + cos * pull.gravity_y
+    return override(design, [f"environment.gravity_x_m_s2={x!r}", f"environment.gravity_y_m_s2={y!r}"])
+
+
+def gravity_turn(design: Design) -> float:
+    """Give the angle [rad] by which the gravity of a start is turned, counter-clockwise from -y, in [0, 2 pi)."""
+    pull = design.environment
+    return math.atan2(pull.gravity_x, -pull.gravity_y) % (2 * math.pi)
+
+
 def main_runs(plan: Plan) -> list[Design]:
     """Give the designs of the main runs: load by load, pin and nonpin."""
     return [at_speed(design, load, plan.turns) for load in loads() for design in designs()]
 
 
-def finer_runs(plan: Plan) -> list[Design]:
-    """Give the main runs with half the step, or none."""
-    turns = plan.finer_turns
-    return [at_speed(design, load, turns, 2) for load in loads() for design in designs()] if turns else []
+def idle_runs(plan: Plan, design: Design) -> list[Design]:
+    """Give the independent starts of a design at no load; the first is its main run."""
+    return [started(at_speed(design, 0.0, plan.turns), number) for number in range(STARTS)]
+
+
+def equalised() -> Design:
+    """Give the third design of the rated runs: the nonpin one with the pin one's total play and series stiffness."""
+    pin, nonpin = designs()
+    return with_play_of(nonpin, pin)
+
+
+def rated_runs(plan: Plan) -> list[Design]:
+    """Give the main runs under the rated load: pin, nonpin, and nonpin as loose and as soft as pin."""
+    return [at_speed(design, loads()[1], plan.turns) for design in (*designs(), equalised())]
+
+
+def finer_idle_runs(plan: Plan, design: Design) -> list[Design]:
+    """Give some idle starts with half the step, or none."""
+    turns, count = plan.finer_turns, plan.varied_starts
+    return [started(at_speed(design, 0.0, turns, 2), number, count) for number in range(count)] if turns else []
+
+
+def finer_rated_runs(plan: Plan) -> list[Design]:
+    """Give the rated runs with half the step, or none."""
+    return [at_speed(design, loads()[1], plan.finer_turns, 2) for design in designs()] if plan.finer_turns else []
 
 
 def variations(plan: Plan) -> tuple[Variation, ...]:
@@ -101,11 +164,18 @@ def variations(plan: Plan) -> tuple[Variation, ...]:
     return SWEEP if plan.quick else (*SWEEP, *MORE)
 
 
-def varied_runs(plan: Plan, variation: Variation) -> list[Design]:
-    """Give the main runs with one parameter varied; what it does not concern stays the main run."""
+def varied_idle_runs(plan: Plan, variation: Variation, design: Design) -> list[Design]:
+    """Give the idle starts of a design with one parameter varied; where it does not concern it, the main ones."""
+    changed, count = variation.of(design), plan.varied_starts
+    if changed == design:
+        return idle_runs(plan, design)
+    return [started(at_speed(changed, 0.0, plan.varied_turns), number, count) for number in range(count)]
+
+
+def varied_rated_runs(plan: Plan, variation: Variation) -> list[Design]:
+    """Give the rated runs with one parameter varied; what it does not concern stays the main run."""
     found = []
-    for load in loads():
-        for design in designs():
-            changed = variation.of(design)
-            found.append(at_speed(changed, load, plan.turns if changed == design else plan.varied_turns))
+    for design in designs():
+        changed = variation.of(design)
+        found.append(at_speed(changed, loads()[1], plan.turns if changed == design else plan.varied_turns))
     return found

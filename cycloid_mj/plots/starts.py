@@ -1,0 +1,69 @@
+"""Independent starts of an idle reducer: one mark for each, pin beside nonpin, as parameters vary."""
+
+from collections.abc import Mapping, Sequence
+from typing import Protocol
+
+from matplotlib.figure import Figure
+
+from cycloid_mj.plots.comparison import COLORS
+from cycloid_mj.plots.style import WIDTH, keys, styled
+
+ROW, HEAD = 1.3, 1.4
+"""Height of a panel, and of what stands above and below them [in]."""
+BESIDE = 0.15
+"""From the middle of a case to the marks of a design."""
+
+
+class Sample(Protocol):
+    """Values of one quantity over several starts."""
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """One value for each start."""
+
+
+class Named(Protocol):
+    """A quantity with a key, a name and a unit."""
+
+    @property
+    def key(self) -> str:
+        """Key in the cases."""
+
+    @property
+    def name(self) -> str:
+        """Name in words."""
+
+    @property
+    def unit(self) -> str:
+        """Unit of the values."""
+
+
+@styled
+def starts_figure(cases: Mapping[str, Mapping[str, Mapping[str, Sample]]], quantities: Sequence[Named]) -> Figure:
+    """Draw each quantity in a panel: cases side by side, one mark for each start of each design.
+
+    Parameters
+    ----------
+    cases
+        Name of the case -> key of the quantity -> name of the design -> its starts.
+    quantities
+        Panels, from the top.
+    """
+    figure = Figure(figsize=(WIDTH, ROW * len(quantities) + HEAD), layout="constrained")
+    panels = figure.subplots(len(quantities), 1, sharex=True, squeeze=False)[:, 0]
+    names = list(next(iter(next(iter(cases.values())).values())))
+    for panel, quantity in zip(panels, quantities, strict=True):
+        for place, found in enumerate(cases.values()):
+            for number, name in enumerate(names):
+                values = found[quantity.key][name].values
+                x = place + BESIDE * (2 * number - len(names) + 1)
+                look = {"color": COLORS[number], "markersize": 3.0, "alpha": 0.7, "linestyle": ""}
+                panel.plot([x] * len(values), values, marker="o", **look)
+        if any(value > 0.0 for found in cases.values() for one in found[quantity.key].values() for value in one.values):
+            panel.set_yscale("log")
+        panel.set_title(quantity.name)
+        panel.set_ylabel(f"rms [{quantity.unit}]")
+    panels[-1].set_xticks(range(len(cases)), list(cases), rotation=45, ha="right")
+    looks = [(name, {"color": COLORS[number], "marker": "o", "linestyle": ""}) for number, name in enumerate(names)]
+    figure.legend(handles=keys(*looks), loc="outside lower center", ncols=len(names))
+    return figure

@@ -1,0 +1,258 @@
+"""The idle mechanism with the contact of a commercial motion solver: soft springs, on flanks made of facets.
+
+A small computation of its own, in the plane and without friction: it shares only the distance to the trochoid with the
+rest of the project. The crank turns at constant speed; cycloid gear, free pins and output move by Newton's law under
+gravity and the function IMPACT of such solvers, F = k d^e + c step(d) d', d the depth, whose damping rises as a cubic
+step from nothing at the surface to its whole at some depth.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from numba import njit
+
+from cycloid_mj.contact.gap import circle_in_circle, trochoid_curvature, trochoid_distance
+from cycloid_mj.design import Design
+from cycloid_mj.solid import mass_properties, parts
+
+Array = npt.NDArray[np.float64]
+
+TIMESTEP = 0.5e-6
+"""[s]"""
+
+SETTLING = 0.5
+"""Crank turns before forces count."""
+
+DEGREES = 360
+"""Samples of a turn in the paper: one for each degree."""
+
+
+@dataclass(frozen=True)
+class SoftContact:
+    """Parameters of IMPACT.
+
+    Attributes
+    ----------
+    name
+        Where they are the default.
+    stiffness, exponent
+        k [N/m^e] and e of the spring.
+    damping, depth
+        Whole damping c [N s/m], and the depth from which on it acts [m].
+    """
+
+    name: str
+    stiffness: float
+    exponent: float
+    damping: float
+    depth: float
+
+
+def in_millimetres(name: str, stiffness: float, exponent: float, damping: float, depth: float) -> SoftContact:
+    """Give parameters from N/mm^e, N s/mm and mm."""
+    return SoftContact(name, stiffness * 1e3**exponent, exponent, damping * 1e3, depth * 1e-3)
+
+
+STEEL = in_millimetres("steel on steel, dry or greasy", 1e5, 1.5, 50.0, 0.1)
+"""The material table of ADAMS, which SolidWorks Motion (COSMOSMotion) took over with its solver: stiffness 100 000,
+damping 50, exponent 1.5, penetration 0.1 (N, mm, s), as listed at https://www.cnblogs.com/sxhui/p/14557852.html.
+"""
+
+GENERIC = in_millimetres("unnamed material", 1e5, 2.2, 10.0, 0.1)
+"""Its default where no material is chosen: stiffness 1e5 N/mm, exponent 2.2, damping 10 N s/mm ("Contact Parameters for
+Parts with Small Mass", Adams View help, https://adams.thisaray.com/adams_view/building_models_contacts.11.10.html).
+
+Its 3-D contacts are found on polygons by default (RAPID; CONTACT statement, Adams Solver help,
+https://adams.thisaray.com/adams_solver/state_contact.html).
+"""
+
+
+@dataclass(frozen=True)
+class Forces:
+    """Largest normal force of each kind of contact over the turns that count [N].
+
+    `tooth` of the gear on a pin or on the internal gear, `seat` of a pin in its socket (of the tooth where there is
+    none), `cam`, `output`; `sampled` is the cam's largest at one sample for each degree.
+    """
+
+    tooth: float
+    seat: float
+    cam: float
+    output: float
+    sampled: float
+
+
+def soft_idle(
+    design: Design, contact: SoftContact, chord_error: float, turns: int, seed: int, phase: float = 0.0
+) -> Forces:
+    """Turn an idle reducer with soft contacts, and give its largest forces.
+
+    Parameters
+    ----------
+    design
+        A reducer with free pins, or with an internal gear, of which the arcs alone count.
+    contact
+        Parameters of every contact.
+    chord_error
+        Mean distance [m] between the middle of a facet and the flank that it stands for; 0 for exact flanks. A facet
+        of a hollow stretch stands out of the flank, one of a bulge stays behind it.
+    turns
+        Crank turns that count.
+    seed
+        Of the facets' heights, drawn evenly from nothing to twice the mean.
+    phase
+        Crank angle at the start [rad].
+    """
+    body = {name: mass_properties(solid) for name, solid in parts(design).items()}
+    ring, gear, output = design.ring, design.gear, design.output
+    free = ring.has_sockets
+    facets = _facets(design, chord_error, seed)
+    pin = body["pin"].mass if free else 1.0
+    values = np.array(
+        [
+            *(ring.pin_circle_radius, gear.eccentricity, ring.pin_radius, design.drive.speed),
+            *(design.clearance.pin_gear if free else design.clearance.tooth, design.clearance.pin_socket),
+            *(design.clearance.cam, output.pin_circle_radius),
+            output.hole_radius + design.clearance.output - output.pin_radius,
+            *(body["gear"].mass, float(body["gear"].inertia[2, 2]), pin, float(body["output"].inertia[2, 2])),
+            *(design.environment.gravity_x, design.environment.gravity_y, phase),
+            *(contact.stiffness, contact.exponent, contact.damping, contact.depth),
+        ]
+    )
+    turn = 2.0 * math.pi / abs(design.drive.speed)
+    steps = math.ceil((SETTLING + turns) * turn / TIMESTEP)
+    found = _turned(values, ring.teeth, output.pins, free, facets, steps, TIMESTEP, round(turn / TIMESTEP))
+    return Forces(*(float(value) for value in found))
+
+
+def _facets(design: Design, chord_error: float, seed: int) -> Array:
+    """Give the chord error of each facet [m], shape (lobes, facets of a lobe).
+
+    A chord of a circle of the valley's radius has this error at a length of sqrt(8 R error).
+    """
+    if chord_error == 0.0:
+        return np.zeros((design.lobes, 1))
+    length = 2.0 * math.pi * design.ring.pin_circle_radius / design.lobes
+    count = max(round(length / math.sqrt(8.0 * design.ring.pin_radius * chord_error)), 2)
+    return np.random.default_rng(seed).uniform(0.0, 2.0 * chord_error, (design.lobes, count))
+
+
+@njit(inline="always")
+def _spring(depth: float, stiffness: float, exponent: float) -> float:
+    return stiffness * depth**exponent if depth > 0.0 else 0.0
+
+
+@njit(inline="always")
+def _damper(depth: float, damping: float, whole: float) -> float:
+    if depth <= 0.0:
+        return 0.0
+    share = min(depth / whole, 1.0)
+    return damping * share * share * (3.0 - 2.0 * share)
+
+
+@njit(cache=True, nogil=True)
+def _turned(
+    values: Any, teeth: int, holes: int, free: bool, facets: Any, steps: int, timestep: float, per_turn: int
+) -> Any:
+    radius, c, rho, speed, play, socket, cam_play, circle, room = values[:9]
+    gear_mass, gear_inertia, pin_mass, output_inertia = values[9:13]
+    gravity_x, gravity_y, phase, k, e, damping, whole = values[13:20]
+    lobes, count = facets.shape
+    settled, stride = steps - (steps // per_turn) * per_turn, per_turn // 360
+    x, y, turned = -c * math.sin(phase), c * math.cos(phase), -phase / lobes
+    vx, vy, spin = -c * speed * math.cos(phase), -c * speed * math.sin(phase), -speed / lobes
+    angle, slow = turned, spin
+    pins = np.zeros((teeth, 4))
+    largest = np.zeros(5)
+    for step in range(steps):
+        theta = phase + speed * step * timestep
+        counts = step >= settled
+        fx, fy, moment, torque = gear_mass * gravity_x, gear_mass * gravity_y, 0.0, 0.0
+        sine, cosine = math.sin(turned), math.cos(turned)
+        for i in range(teeth):
+            home = 2.0 * math.pi * i / teeth
+            px, py = radius * math.sin(home) + pins[i, 0], radius * math.cos(home) + pins[i, 1]
+            dx, dy = px - x, py - y
+            t, distance, bx, by = trochoid_distance(
+                cosine * dx + sine * dy, cosine * dy - sine * dx, radius, c, float(teeth)
+            )
+            nx, ny = cosine * bx - sine * by, sine * bx + cosine * by
+            gap = distance + play
+            if count > 1:
+                at = t * lobes / (2.0 * math.pi)
+                lobe = math.floor(at)
+                along = (at - lobe) * count
+                facet = min(int(along), count - 1)
+                share = along - facet
+                side = 1.0 if trochoid_curvature(t, radius, c, float(teeth)) < 0.0 else -1.0
+                gap -= side * facets[int(lobe) % lobes, facet] * 4.0 * share * (1.0 - share)
+            # the gear's speed where they touch
+            rx, ry = dx - rho * nx, dy - rho * ny
+            gx, gy = vx - spin * ry, vy + spin * rx
+            spring, damper = _spring(-gap, k, e), _damper(-gap, damping, whole)
+            if free:
+                out, sx, sy = circle_in_circle(pins[i, 0], pins[i, 1], 0.0, socket)
+                seat, held = _spring(-out, k, e), _damper(-out, damping, whole)
+                # dampers act on the speed at the end of the step: a pin is too light for them otherwise
+                axx = pin_mass + timestep * (damper * nx * nx + held * sx * sx)
+                ayy = pin_mass + timestep * (damper * ny * ny + held * sy * sy)
+                axy = timestep * (damper * nx * ny + held * sx * sy)
+                pushed = spring + damper * (gx * nx + gy * ny)
+                bx = pin_mass * (pins[i, 2] + timestep * gravity_x) + timestep * (pushed * nx - seat * sx)
+                by = pin_mass * (pins[i, 3] + timestep * gravity_y) + timestep * (pushed * ny - seat * sy)
+                whole_mass = axx * ayy - axy * axy
+                wx, wy = (ayy * bx - axy * by) / whole_mass, (axx * by - axy * bx) / whole_mass
+                force = max(spring - damper * ((wx - gx) * nx + (wy - gy) * ny), 0.0)
+                pins[i, 2], pins[i, 3] = wx, wy
+                pins[i, 0] += timestep * wx
+                pins[i, 1] += timestep * wy
+                if counts:
+                    largest[1] = max(largest[1], seat + held * (wx * sx + wy * sy))
+            else:
+                force = max(spring + damper * (gx * nx + gy * ny), 0.0)
+            if force > 0.0:
+                fx -= force * nx
+                fy -= force * ny
+                moment -= force * (rx * ny - ry * nx)
+                if counts:
+                    largest[0] = max(largest[0], force)
+        cx, cy = -c * math.sin(theta), c * math.cos(theta)
+        gap, nx, ny = circle_in_circle(cx - x, cy - y, 0.0, cam_play)
+        closing = (-speed * cy - vx) * nx + (speed * cx - vy) * ny
+        cam = max(_spring(-gap, k, e) + _damper(-gap, damping, whole) * closing, 0.0)
+        fx += cam * nx
+        fy += cam * ny
+        if counts:
+            largest[2] = max(largest[2], cam)
+            if step % stride == 0:
+                largest[4] = max(largest[4], cam)
+        so, co = math.sin(angle), math.cos(angle)
+        for j in range(holes):
+            home = 2.0 * math.pi * j / holes
+            sj, cj = circle * math.sin(home), circle * math.cos(home)
+            qx, qy = co * sj - so * cj, so * sj + co * cj
+            hx, hy = cosine * sj - sine * cj, sine * sj + cosine * cj
+            gap, nx, ny = circle_in_circle(qx - x - hx, qy - y - hy, 0.0, room)
+            closing = (-slow * qy - vx + spin * hy) * nx + (slow * qx - vy - spin * hx) * ny
+            force = max(_spring(-gap, k, e) + _damper(-gap, damping, whole) * closing, 0.0)
+            if force > 0.0:
+                fx += force * nx
+                fy += force * ny
+                moment += force * (hx * ny - hy * nx)
+                torque -= force * (qx * ny - qy * nx)
+                if counts:
+                    largest[3] = max(largest[3], force)
+        vx += timestep * fx / gear_mass
+        vy += timestep * fy / gear_mass
+        spin += timestep * moment / gear_inertia
+        slow += timestep * torque / output_inertia
+        x += timestep * vx
+        y += timestep * vy
+        turned += timestep * spin
+        angle += timestep * slow
+    if not free:
+        largest[1] = largest[0]
+    return largest
