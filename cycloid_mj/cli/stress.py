@@ -77,8 +77,8 @@ AngleFlag = Annotated[
     Parameter(
         metavar="X",
         validator=within(0.0, 360.0),
-        help="Crank angle of the coloured maps and VTU files [deg]. Default: where the stress of the shaft is "
-        "largest, or of the first part where there is no shaft.",
+        help="Crank angle of the coloured maps and VTU files [deg]. Default: for each part, where its own bulk stress "
+        "is largest.",
     ),
 ]
 OutFlag = Annotated[
@@ -130,10 +130,10 @@ def stress(
     holds it against the paper (Hsieh 2014, Figs 10-16). To --out go figures
     (png, svg), a VTU file of each part for ParaView, and stress.json.
 
-    Bulk begins a distance d from every loaded patch: half the ring's pin
-    radius; in the shaft 0.15 of its radius from sharp inner corners. The
-    table also tells the maximum if bulk began at d/2 or 2d: a part whose
-    stress hangs on d is loaded most near its contacts.
+    Bulk stress is the largest beyond a distance d from narrow contacts and
+    sharp inner corners, where it stands on a plateau. The table tells d, and
+    how far the stress falls to 2d: a part without plateau is loaded most
+    near its contacts.
 
     Without --log, each design is run first: no ramp, and long enough for one
     turn once the load has settled. Needs the extra `fem`: gmsh, scikit-fem.

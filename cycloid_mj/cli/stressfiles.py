@@ -60,22 +60,22 @@ def _drawn(studies: "Sequence[StressStudy]", into: Path, angle_deg: float | None
 
 
 def _maps(study: "StressStudy", angle_deg: float | None) -> "dict[str, StressMap]":
-    from cycloid_mj.stress.field import stress_map
+    """Map every part at one crank angle, or by default each where its own bulk stress is largest."""
+    from cycloid_mj.stress.study import part_map
 
-    shown = next((one for one in study.parts if one.findings.part == "shaft"), study.parts[0])
-    angle = shown.findings.bulk_peak.angle if angle_deg is None else math.radians(angle_deg)
-    return {one.findings.part: stress_map(study.design, one.grid, one.loads, one.nearest(angle)) for one in study.parts}
+    angle = None if angle_deg is None else math.radians(angle_deg)
+    return {one.findings.part: part_map(study.design, one, angle) for one in study.parts}
 
 
 def _say(studies: "Sequence[StressStudy]", judged: "Sequence[Claim]", files: Sequence[Path]) -> None:
     from cycloid_mj.stress.findings import ASSUMPTIONS, BOUND
-    from cycloid_mj.stress.table import CLAIM_HEADER, HEADER, claim_table, distances, table
+    from cycloid_mj.stress.table import CLAIM_HEADER, HEADER, claim_table, table
 
     for study in studies:
         found = study.findings
         title = f"{found.design}, {found.load:g} N m: largest von Mises stress of a crank turn"
         say_table(title, HEADER, table(found))
-        say(f"bulk begins at d = {distances(found)}; d/2, 2d: the largest stress if it began there")
+        say("bulk: where the largest stress is on its plateau, d from narrow contacts; to 2d: how far it falls")
         balance = ", ".join(f"{part.part} {100 * part.imbalance:.2g} %" for part in found.parts)
         say(f"out of balance, of the largest force: {balance}")
         if rough := [part.part for part in found.parts if not part.refinement.holds]:

@@ -20,6 +20,11 @@ SHAKEDOWN_PRESSURE = 4.0 / math.sqrt(3.0)
 HARDNESS_PRESSURE = 9.807 / 3.45
 """Brinell hardness as a pressure over the tensile strength of steel: HB is 0.29 of the MPa (ISO 18265): 2.84."""
 
+HERTZ_REACH = 0.3
+"""Assumed: Hertz's strip, of half planes, holds up to this half width, over the radius of the thinner body.
+
+Hertz takes b << R (Johnson 1985, 4.1); a strip of 0.3 R, 17 deg to each side, is where conformal solutions leave it."""
+
 
 def line_curvature(design: Design, kind: str) -> float:
     """Give the relative curvature [1/m] of a kind of contact but the teeth; of a rolling cam, that of its rollers."""
@@ -51,6 +56,27 @@ def hertz_pressure(design: Design, force: npt.ArrayLike, curvature: npt.ArrayLik
     modulus = statics.contact_modulus(design.material.youngs_modulus, design.material.poisson)
     curvature = np.maximum(curvature, np.finfo(float).tiny)
     return statics.hertz_line_contact(force, design.gear.face_width, curvature, modulus).peak_pressure
+
+
+def hertz_holds(design: Design, kind: str, force: npt.ArrayLike, curvature: npt.ArrayLike) -> npt.NDArray[np.bool_]:
+    """Tell where a line contact of a kind is no conformal one: its strip is narrow against the thinner body.
+
+    `force` [N] on the line and relative `curvature` [1/m] broadcast to the shape of the result.
+    """
+    modulus = statics.contact_modulus(design.material.youngs_modulus, design.material.poisson)
+    curvature = np.maximum(curvature, np.finfo(float).tiny)
+    strip = statics.hertz_line_contact(force, design.gear.face_width, curvature, modulus).half_width
+    return np.asarray(strip < HERTZ_REACH * _thinner_radius(design, kind))
+
+
+def _thinner_radius(design: Design, kind: str) -> float:
+    """Radius [m] of the smaller body of a kind of contact."""
+    if kind == "cam":
+        share = math.sin(math.pi / design.contact.cam_rollers) if _has_rollers(design) else 1.0
+        return design.gear.bore_radius * share
+    return {"output": design.output.pin_radius, "pin_sleeve": design.ring.sleeve_bore_radius}.get(
+        kind, design.ring.pin_radius
+    )
 
 
 def _has_rollers(design: Design) -> bool:

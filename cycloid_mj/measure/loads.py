@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from cycloid_mj import statics
 from cycloid_mj.contact.law import STRIBECK
-from cycloid_mj.contact.pressure import YIELD_PRESSURE
+from cycloid_mj.contact.pressure import HERTZ_REACH, SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.design import Design, override
 from cycloid_mj.errors import UsageError
 from cycloid_mj.measure.conditions import halved, rated_torque
@@ -24,6 +24,10 @@ CHECKED = 2
 """Mesh periods of the runs with half the step, and of those that find the capacity."""
 
 MOST_GUESSES, CAPACITY_TOLERANCE = 4, 0.01
+
+FIRST_YIELD = "capacity: torque at which a contact first yields, below its surface"
+SHAKEDOWN = "shakedown: torque up to which rolling turns elastic again after first yield"
+CONFORMAL = "none: the bodies fit so closely that the contact is no narrow strip"
 
 IDEAL = {"cam": "full statics of ideal sharing", "tooth": "ideal sharing, arcs alone"}
 _CRANK, _FORCE = "crank angle [deg]", "force [N]"
@@ -65,36 +69,49 @@ def measure_loads(
     run, finer = each(lambda one: steady(one[0], SETTLED, one[1]), work, lambda done, _: told(done, whole))
     found, fine = pressed(run, loaded), pressed(finer, loaded)
     coarse = pressed(run.select(slice(0, len(finer))), loaded)
-    limits = _limits(found, loaded)
+    limits, lasting = (_limits(found, loaded, allowed) for allowed in (YIELD_PRESSURE, SHAKEDOWN_PRESSURE))
     weakest = min(limits, key=lambda kind: limits[kind])
-    capacity = _capacity(loaded, weakest, torque * limits[weakest])
+    capacities = {
+        "capacity": _capacity(loaded, weakest, torque * limits[weakest], YIELD_PRESSURE, FIRST_YIELD),
+        "capacity_shakedown": _capacity(loaded, weakest, torque * lasting[weakest], SHAKEDOWN_PRESSURE, SHAKEDOWN),
+    }
     told(whole, whole)
     quantities = {key: one for kind in found for key, one in _of_kind(loaded, found[kind], coarse[kind], fine[kind])}
     return Measurement(
         measure="loads",
         design=design,
-        quantities=quantities | {"capacity": capacity},
+        quantities=quantities | capacities,
         curves=_curves(found, loaded),
         assumptions=_assumptions(loaded),
         runs={"loaded": run},
-        details={"load_torque_nm": torque, "weakest": weakest, "capacity_by_kind_nm": _scaled(limits, torque)},
+        details={
+            "load_torque_nm": torque,
+            "rated_torque_nm": rated_torque(design),
+            "weakest": weakest,
+            "capacity_by_kind_nm": _scaled(limits, torque),
+            "shakedown_by_kind_nm": _scaled(lasting, torque),
+        },
     )
 
 
-def _capacity(design: Design, weakest: str, torque: float) -> Quantity:
-    """Give the torque at which the weakest kind yields, from runs at better and better guesses of it [N m]."""
+def _capacity(design: Design, weakest: str, torque: float, allowed: float, name: str) -> Quantity:
+    """Give the torque [N m] at which the weakest kind reaches a pressure, from runs at better and better guesses of it.
+
+    `allowed` is the pressure over the yield strength.
+    """
     for _ in range(MOST_GUESSES):
         run = steady(override(design, [f"load.torque_nm={torque!r}"]), SETTLED, CHECKED)
-        before, torque = torque, torque * _limits(pressed(run, design), design)[weakest]
+        before, torque = torque, torque * _limits(pressed(run, design), design, allowed)[weakest]
         if abs(torque - before) < CAPACITY_TOLERANCE * torque:
             break
+    rated = rated_torque(design)
     return Quantity(
-        "capacity: torque at which the first contact yields",
+        name,
         torque,
         "N m",
         error=abs(torque - before),
-        note=f"{weakest} decides: its largest pressure reaches {YIELD_PRESSURE} x the yield strength; found over "
-        f"{CHECKED} mesh periods",
+        note=f"{weakest} decides: its largest pressure reaches {allowed:.3g} x the yield strength, at "
+        f"{torque / rated:.2f} of the rated {rated:.4g} N m; found over {CHECKED} mesh periods",
     )
 
 
@@ -119,16 +136,20 @@ def _of_kind(design: Design, found: Pressed, coarse: Pressed, fine: Pressed) -> 
     yield f"{kind}_mean_force", Quantity(name, found.mean_force, "N", mean_error)
     name, error = f"{kind}: contacts that carry, on average", abs(coarse.carrying - fine.carrying)
     yield f"{kind}_carrying", Quantity(name, found.carrying, "1", error)
-    name = f"{kind}: largest Hertz pressure"
-    yield f"{kind}_pressure", Quantity(name, 1e-6 * pressure, "MPa", 1e-6 * pressure_error)
-    name, margin = f"{kind}: margin against yield", allowed / pressure
+    name, note = f"{kind}: largest Hertz pressure", CONFORMAL if math.isnan(pressure) else ""
+    yield f"{kind}_pressure", Quantity(name, 1e-6 * pressure, "MPa", 1e-6 * pressure_error, note=note)
+    name, margin = f"{kind}: margin against first yield", allowed / pressure
     yield f"{kind}_margin", Quantity(name, margin, "1", margin * pressure_error / pressure)
 
 
-def _limits(found: Kinds, design: Design) -> dict[str, float]:
-    """Give, for each kind, the factor on the torque at which its peak pressure reaches yield."""
-    allowed = YIELD_PRESSURE * design.material.yield_strength
-    return {kind: (allowed / one.peak_pressure) ** 2 for kind, one in found.items()}
+def _limits(found: Kinds, design: Design, allowed: float) -> dict[str, float]:
+    """Give, for each kind that is not conformal, the factor on the torque at which its pressure reaches a limit.
+
+    `allowed` is the limit over the yield strength.
+    """
+    pressures = {kind: one.peak_pressure for kind, one in found.items()}
+    limit = allowed * design.material.yield_strength
+    return {kind: (limit / pressure) ** 2 for kind, pressure in pressures.items() if not math.isnan(pressure)}
 
 
 def _scaled(limits: Mapping[str, float], torque: float) -> dict[str, float]:
@@ -188,8 +209,10 @@ def _assumptions(design: Design) -> tuple[str, ...]:
         "ideal sharing takes equally stiff contacts without play on a cam that holds: the cam's give and the "
         "clearances move the gear sideways, so that other teeth carry, and more than ideally",
         f"a contact first yields below its surface at a peak pressure of {YIELD_PRESSURE} times the yield strength "
-        "(von Mises, plane strain)",
-        "pins in sockets and holes are so conformal that Hertz's strip is only a guide: it is told, and seldom decides",
+        f"(von Mises, plane strain), which does no visible harm; up to {SHAKEDOWN_PRESSURE:.3g} times rolling leaves "
+        "stresses behind that keep it elastic (shakedown: Johnson 1985, 9.2, without friction); neither tells fatigue",
+        f"no pressure is given where Hertz's strip would be wider than {HERTZ_REACH} of the thinner body's radius to "
+        "each side (conformal, as pins in close sockets)",
         bearing,
         f"a contact carries from {CARRIES:.0%} of the largest force of its kind; numerical error: what half the step "
         f"changes over the first {CHECKED} mesh periods; of the capacity: the last change of the guess",

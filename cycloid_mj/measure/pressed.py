@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj import envelope, statics
-from cycloid_mj.contact.pressure import hertz_pressure, line_curvature, line_share
+from cycloid_mj.contact.pressure import hertz_holds, hertz_pressure, line_curvature, line_share
 from cycloid_mj.design import Design
 from cycloid_mj.mjcf import names
 from cycloid_mj.record import Run
@@ -33,13 +33,16 @@ class Pressed:
     vector
         Forces on the gear (on the pin, in its socket) [N], shape (n, contacts, 2).
     pressure
-        Hertz's peak pressure [Pa], shape (n, contacts).
+        Hertz's peak pressure [Pa], shape (n, contacts), as if he held everywhere.
+    holds
+        Whether Hertz holds, shape (n, contacts): not where the contact is conformal.
     """
 
     kind: str
     angle: Array
     vector: Array
     pressure: Array
+    holds: npt.NDArray[np.bool_]
 
     @property
     def force(self) -> Array:
@@ -75,8 +78,9 @@ class Pressed:
 
     @property
     def peak_pressure(self) -> float:
-        """The largest Hertz pressure [Pa]."""
-        return float(self.pressure.max())
+        """The largest Hertz pressure [Pa]; not a number where the contact that has it is conformal."""
+        worst = int(np.argmax(self.pressure))
+        return float(self.pressure.flat[worst]) if self.holds.flat[worst] else math.nan
 
 
 def pressed(run: Run, design: Design) -> dict[str, Pressed]:
@@ -91,7 +95,8 @@ def pressed(run: Run, design: Design) -> dict[str, Pressed]:
         vector = np.stack([run.block([f"{stem}_force_x", f"{stem}_force_y"]) for stem in stems], axis=1)
         curvature = relative_curvature(design, kind, crank)
         force = np.hypot(vector[..., 0], vector[..., 1]) * line_share(design, kind)
-        found[kind] = Pressed(kind, angle, vector, hertz_pressure(design, force, curvature))
+        pressure, holds = hertz_pressure(design, force, curvature), hertz_holds(design, kind, force, curvature)
+        found[kind] = Pressed(kind, angle, vector, pressure, holds)
     return found
 
 

@@ -71,13 +71,13 @@ def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
 
 @styled
 def map_figure(maps: Mapping[str, StressMap], design: str) -> Figure:
-    """Draw the von Mises stress on every part at one crank angle; colours end at each part's largest bulk stress."""
-    figure, panels = _panels(list(maps), f"{design}: von Mises stress at a crank angle of {_angle(maps)} deg")
+    """Draw the von Mises stress on every part at its crank angle; colours end at the largest bulk stress there."""
+    figure, panels = _panels(list(maps), f"{design}: von Mises stress")
     for axes, (part, drawn) in zip(panels, maps.items(), strict=False):
         top = float(drawn.von_mises[drawn.bulk].max()) / MEGAPASCAL
         image = _coloured(axes, drawn, drawn.von_mises / MEGAPASCAL, top)
         figure.colorbar(image, ax=axes, extend="max", shrink=0.85, label="[MPa]")
-        axes.set_title(f"{TITLES[part]}: at most {top:.3g} MPa in bulk")
+        axes.set_title(f"{TITLES[part]} at {np.degrees(drawn.angle):.0f} deg: at most {top:.3g} MPa in bulk")
     return figure
 
 
@@ -142,10 +142,6 @@ def _look(number: int) -> dict[str, Any]:
 
 def _color(number: int) -> str:
     return COLORS[number % len(COLORS)]
-
-
-def _angle(maps: Mapping[str, StressMap]) -> str:
-    return f"{np.degrees(next(iter(maps.values())).angle):.0f}" if maps else ""
 
 
 def _panels(names: Sequence[str], title: str) -> tuple[Figure, list[Axes]]:

@@ -62,18 +62,14 @@ def _part_begins(told: Told, design: str, part: str, number: int, of: int) -> No
 
 def _plates(found: Mapping[str, IdleStress]) -> list[Plate]:
     from cycloid_mj.plots.stress import grid_figure, map_figure, stress_figures
-    from cycloid_mj.stress.field import stress_map
+    from cycloid_mj.stress.study import part_map
 
     plates = []
     for name, one in found.items():
         study = one.study
-        angle = study["shaft"].findings.bulk_peak.angle
         grids = {each.findings.part: each.grid for each in study.parts}
-        maps = {
-            each.findings.part: stress_map(study.design, each.grid, each.loads, each.nearest(angle))
-            for each in study.parts
-        }
-        words = f"{name}, no load: von Mises stress on every part where that of the shaft is largest"
+        maps = {each.findings.part: part_map(study.design, each) for each in study.parts}
+        words = f"{name}, no load: von Mises stress on every part at the crank angle where its own is largest"
         plates.append(Plate(f"fig10_grid_{name}", "Fig. 10", f"{name}: grids of the parts.", grid_figure(grids, name)))
         plates.append(Plate(f"fig11_map_{name}", "Fig. 11", f"{words}.", map_figure(maps, name)))
     for name, drawing in stress_figures([one.study.findings for one in found.values()]).items():

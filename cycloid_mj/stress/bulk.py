@@ -1,8 +1,12 @@
-"""Where stress counts as bulk: farther than a distance from every loaded patch, and from sharp inner corners."""
+"""Where contact stress ends and bulk stress begins: the plateau of the largest stress against the distance.
 
-import itertools
+Near a narrow patch stress falls as 1/distance (Flamant), so the largest stress beyond any one distance from the patches
+would tell that distance. What the part bears as a whole shows as a plateau of that largest stress, over a ladder of
+distances. Conformal patches, over which stress is spread, belong to the bulk; sharp inner corners do not.
+"""
+
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -10,155 +14,108 @@ from scipy.spatial import cKDTree
 
 from cycloid_mj.stress.case import Case
 from cycloid_mj.stress.grid import Grid
-from cycloid_mj.stress.probe import probe
-from cycloid_mj.stress.recover import von_mises
 
 Array = npt.NDArray[np.float64]
-Flags = npt.NDArray[np.bool_]
 Indices = npt.NDArray[np.int64]
 
-RIM_POINTS = 24
-"""Points on the circle about each narrow patch where the bulk begins."""
+RUNG = np.sqrt(2.0)
+"""Ratio of neighbouring distances of the ladder."""
+
+OCTAVE = 2
+"""Rungs to twice the distance."""
+
+FLAT = 0.05
+"""The largest stress stands on a plateau where it falls by less than this share to the next rung."""
+
+MOST_RUNGS = 16
 
 
 @dataclass(frozen=True)
-class Bulk:
-    """The bulk of a part at each of its k angles, for one distance.
-
-    Attributes
-    ----------
-    distance
-        From every loaded patch [m].
-    near
-        Nodes that are not in the bulk, for each angle.
-    rim
-        Points just where the bulk begins about narrow patches.
-    points
-        All nodes (n, d) [m].
-    """
-
-    distance: float
-    near: tuple[Indices, ...]
-    rim: "Rim"
-    points: Array
-
-    def largest(self, block: Indices, components: Array, stress: Array) -> tuple[Array, Array]:
-        """Give the largest von Mises stress (c,) [Pa] of each angle of a block, nan without bulk, and where (c, d) [m].
-
-        `components` and `stress` are those of all nodes, (3 or 6, n, c) and (n, c).
-        """
-        found = np.full(len(block), np.nan)
-        place = np.full((len(block), self.points.shape[1]), np.nan)
-        for column, angle in enumerate(block):
-            left = stress[:, column].copy()
-            left[self.near[angle]] = -1.0
-            node = int(left.argmax())
-            if left[node] >= 0.0:
-                found[column], place[column] = left[node], self.points[node]
-            on_rim, where = self.rim.stress(int(angle), components[..., column])
-            if len(on_rim) and not on_rim.max() <= found[column]:
-                found[column], place[column] = on_rim.max(), where[on_rim.argmax()]
-        return found, place
-
-
-@dataclass(frozen=True)
-class Rim:
-    """Points on circles of the bulk distance about narrow patches, as far as they lie in the bulk.
-
-    There the bulk stress of a part in contact is largest; the nearest nodes would find it only by chance.
+class Distances:
+    """How far each node of a part lies from narrow patches and sharp corners, at each of its k angles.
 
     Attributes
     ----------
     points
-        In the plane (p, 2) [m], in the order of their angles.
-    ends
-        Where the points of each angle begin, (k + 1,).
-    operator
-        From values at the section's nodes to the points, sparse (p, n2).
-    nodes
-        The part's node over each node of the section, at h heights (h, n2), and their z [m] (h,); z is empty in a
-        planar part.
+        Nodes (n, d) [m].
+    outside
+        How far each node lies, along z, from the heights where contact forces act (n,) [m]; 0 in a plane.
+    patches, ends
+        Centres of narrow patches (p, 2) [m] in the order of their angles, and where those of each angle begin (k + 1,).
+    from_corners
+        Distance of each node from the nearest sharp corner (n,) [m].
     """
 
     points: Array
+    outside: Array
+    patches: Array
     ends: Indices
-    operator: Any
-    nodes: Indices
-    z: Array
+    from_corners: Array
 
-    def stress(self, angle: int, components: Array) -> tuple[Array, Array]:
-        """Give the von Mises stress [Pa] (h p,) of components (3 or 6, n) at the points of an angle, and their places.
+    def at(self, angle: int) -> Array:
+        """Give the distance [m] (n,) of each node from what is no bulk at an angle; inf where nothing is near."""
+        squared = self.from_corners**2
+        across = self.outside**2
+        for x, y in self.patches[self.ends[angle] : self.ends[angle + 1]]:
+            np.minimum(squared, (self.points[:, 0] - x) ** 2 + (self.points[:, 1] - y) ** 2 + across, out=squared)
+        return np.sqrt(squared)
 
-        Places are (h p, d) [m].
-        """
-        chosen = slice(self.ends[angle], self.ends[angle + 1])
-        points = self.points[chosen]
-        if not len(points):
-            return np.zeros(0), points
-        operator = self.operator[chosen]
-        at_heights = np.stack([operator @ component[self.nodes].T for component in components])  # (components, p, h)
-        places = points if not len(self.z) else _over(points, self.z)
-        return von_mises(at_heights).T.ravel(), places
+    def farthest(self) -> float:
+        """Give the largest distance [m] beyond which something of the part is left at every angle."""
+        return min(float(self.at(angle).max()) for angle in range(len(self.ends) - 1))
 
 
-def bulk(grid: Grid, case: Case, distance: float) -> Bulk:
-    """Give the bulk of a part, farther than a distance [m] from the loaded patches of its case."""
-    always = _near_corners(grid, distance)
-    near = [np.union1d(always, nodes) for nodes in _near(grid, case, distance)]
-    return Bulk(distance, tuple(near), _rim(grid, case, distance), grid.points)
-
-
-def nodes_near_patches(grid: Grid, case: Case, distance: float, angle: int) -> Indices:
-    """Give the nodes that are not in the bulk at the angle of an index."""
-    return np.union1d(_near_corners(grid, distance), _near(grid, case, distance)[angle])
-
-
-def _near(grid: Grid, case: Case, distance: float) -> list[Indices]:
-    """Nodes within a distance of the loaded patches of each angle; in a solid, of the lines that they stand for."""
-    if not len(case.points):
-        return [np.zeros(0, np.int64)] * len(case.resolved)
-    plane = grid if grid.section is None else grid.section.grid
+def distances_of(grid: Grid, case: Case) -> Distances:
+    """Give the distances of a part's nodes from the patches of its case and from its corners."""
+    points = grid.points
+    outside = np.zeros(len(points))
+    if grid.section is not None:
+        heights = points[grid.section.nodes.max(axis=1), 2]
+        outside = np.maximum(0.0, np.maximum(heights.min() - points[:, 2], points[:, 2] - heights.max()))
+    corners = np.full(len(points), np.inf)
+    if len(grid.keep_off):
+        corners = np.asarray(cKDTree(grid.keep_off).query(points)[0])
     order = np.argsort(case.angle, kind="stable")
-    found: Any = cKDTree(plane.points).query_ball_point(case.points[order], distance, return_sorted=False)
     ends = np.searchsorted(case.angle[order], np.arange(len(case.resolved) + 1))
-    close = [np.array(list(itertools.chain.from_iterable(found[a:b])), np.int64) for a, b in itertools.pairwise(ends)]
-    if grid.section is None:
-        return close
-    above = [grid.section.nodes[:, nodes].ravel() for nodes in close]
-    return [nodes[nodes >= 0] for nodes in above]
+    return Distances(points, outside, case.points[order, :2], ends, corners)
 
 
-def _near_corners(grid: Grid, distance: float) -> Indices:
-    if not len(grid.keep_off):
-        return np.zeros(0, np.int64)
-    apart, _ = cKDTree(grid.keep_off).query(grid.points)
-    return np.flatnonzero(apart < distance)
+def ladder(found: Distances, start: float) -> Array:
+    """Give the distances [m] (s,), from half the start on, beyond which something of the part is left at every angle.
+
+    The last is the farthest such distance where that lies before the start.
+    """
+    rungs = start / 2.0 * RUNG ** np.arange(MOST_RUNGS)
+    kept = rungs[rungs <= found.farthest()]
+    return kept if len(kept) > OCTAVE else np.append(kept, found.farthest() * (1.0 - 1e-9))
 
 
-def _rim(grid: Grid, case: Case, distance: float) -> Rim:
-    plane = grid if grid.section is None else grid.section.grid
-    nodes = np.arange(len(grid.points))[np.newaxis] if grid.section is None else grid.section.nodes
-    centres, owners = case.points[case.narrow], case.angle[case.narrow]
-    if not len(centres):
-        return Rim(np.zeros((0, 2)), np.zeros(len(case.resolved) + 1, np.int64), None, nodes, np.zeros(0))
-    turn = 2 * np.pi * np.arange(RIM_POINTS) / RIM_POINTS
-    circle = distance * np.stack([np.cos(turn), np.sin(turn)], axis=1)
-    angle = np.repeat(owners, RIM_POINTS)
-    points = (centres[:, np.newaxis] + circle).reshape(-1, 2)
-    apart = 1e3 * float(np.ptp(plane.points))  # the angles lie on planes, one above the other
-    nearest, _ = cKDTree(np.column_stack([case.points, apart * case.angle])).query(
-        np.column_stack([points, apart * angle])
-    )
-    kept = nearest > distance * (1 - 1e-6)
-    operator, inside = probe(plane, points[kept])
-    inside &= np.asarray(abs(operator) @ (nodes < 0).any(axis=0)) == 0.0
-    points, angle = points[kept][inside], angle[kept][inside]
-    order = np.argsort(angle, kind="stable")
-    ends = np.searchsorted(angle[order], np.arange(len(case.resolved) + 1))
-    z = np.zeros(0) if grid.section is None else grid.points[nodes.max(axis=1), 2]
-    return Rim(points[order], ends, operator[inside][order], nodes, z)
+def largest(found: Distances, distances: Array, block: Indices, stress: Array) -> Iterator[tuple[Array, Indices]]:
+    """Give the largest von Mises stress [Pa] (s,) beyond each distance, and its node (s,), for each angle of a block.
+
+    `stress` is that of all nodes, (n, c).
+    """
+    for column, angle in enumerate(block):
+        apart, here = found.at(int(angle)), stress[:, column]
+        nodes = np.array([int(np.where(apart >= distance, here, -1.0).argmax()) for distance in distances])
+        yield here[nodes], nodes
 
 
-def _over(points: Array, z: Array) -> Array:
-    """Put points (p, 2) at heights (h,): places (h p, 3)."""
-    return np.column_stack([np.tile(points, (len(z), 1)), np.repeat(z, len(points))])
+def plateau(sizes: Array, first: int) -> int:
+    """Give the rung where the largest stresses (s,) of a turn stand on a plateau, from the first one on.
+
+    It is the first that the next one falls short of by less than `FLAT`; where there is none, the one after the
+    smallest fall.
+    """
+    first = min(first, len(sizes) - 1)
+    falls = 1.0 - sizes[first + 1 :] / np.maximum(sizes[first:-1], np.finfo(float).tiny)
+    flat = np.flatnonzero(falls < FLAT)
+    if len(flat):
+        return first + int(flat[0])
+    return first + int(falls.argmin()) + 1 if len(falls) else first
+
+
+def fall(sizes: Array, rung: int) -> float:
+    """Give how far the largest stress falls from a rung to twice its distance, as a share; 1 where nothing is left."""
+    beyond = sizes[rung + OCTAVE] if rung + OCTAVE < len(sizes) else 0.0
+    return float(1.0 - beyond / sizes[rung]) if sizes[rung] > 0.0 else 0.0

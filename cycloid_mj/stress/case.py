@@ -28,9 +28,9 @@ class Case:
         The factorised part.
     response
         Balanced loads (n, c) [N], displacements (n, c) [m] and imbalance (c, r) at the angles of given indices (c,).
-    angle, points, narrow
-        Points (p, 2) [m] of loaded patches that the bulk keeps off, the index of the angle (p,) of each, and whether
-        it is the centre of a narrow patch (p,), about which stress falls as 1/distance.
+    angle, points
+        Centres (p, 2) [m] of narrow patches, about which stress falls as 1/distance, and the index of the angle (p,) of
+        each.
     resolved
         Whether the grid resolves the stress at the patches, (k,).
     """
@@ -39,7 +39,6 @@ class Case:
     response: Callable[[Indices], tuple[Array, Array, Array]]
     angle: Indices
     points: Array
-    narrow: Flags
     resolved: Flags
 
 
@@ -64,7 +63,7 @@ def patch_case(design: Design, grid: Grid, loads: PartLoads) -> Case:
         return forces, elastic.displacements(part, forces), imbalance
 
     resolved = put.resolved & (grid.section is None)
-    return Case(part, response, put.angle, put.points, put.narrow, resolved)
+    return Case(part, response, put.angle, put.points, resolved)
 
 
 def mass_coefficients(loads: PartLoads) -> Array:

@@ -22,7 +22,7 @@ DEEPEST = 3.0
 
 @dataclass(frozen=True)
 class LineStress:
-    """Stress of each contact at each crank angle, shape (k, m), zero where there is no force.
+    """Stress of each contact at each crank angle, shape (k, m): zero without force, not a number where conformal.
 
     `peak_pressure` p0 [Pa]; `largest_shear` [Pa], 0.300 p0, at the depth `shear_depth` [m], 0.786 b; and the largest
     `von_mises` stress [Pa] below the surface.
@@ -35,12 +35,16 @@ class LineStress:
 
 
 def line_stress(loads: PartLoads, design: Design) -> LineStress:
-    """Give the stress of every contact of a part by Hertz: p0 = 2 F / (pi b L), with L the face width."""
-    force = np.linalg.norm(loads.force, axis=-1)
-    area = np.pi * loads.half_width * design.gear.face_width / 2.0
-    pressure = np.divide(force, area, out=np.zeros_like(force), where=area > 0.0)
+    """Give the stress of every contact of a part by Hertz, as far as he holds.
+
+    A contact that is conformal where it is pressed most has no figures at all, else that of a lesser force would stand
+    for the largest.
+    """
+    worst = np.argmax(loads.pressure, axis=0)
+    holds = loads.hertz & loads.hertz[worst, np.arange(len(loads.labels))]
+    pressure, strip = np.where(holds, loads.pressure, np.nan), np.where(holds, loads.strip, np.nan)
     share, _ = largest_von_mises(design.material.poisson)
-    return LineStress(pressure, LARGEST_SHEAR * pressure, SHEAR_DEPTH * loads.half_width, share * pressure)
+    return LineStress(pressure, LARGEST_SHEAR * pressure, SHEAR_DEPTH * strip, share * pressure)
 
 
 def von_mises_below(depth: npt.ArrayLike, poisson: float) -> Array:

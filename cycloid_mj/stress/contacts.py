@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj.contact.pressure import hertz_holds, hertz_pressure, line_curvature, line_share
 from cycloid_mj.design import Design
 from cycloid_mj.deviations import deviations
 from cycloid_mj.profile import unit
@@ -27,6 +28,18 @@ so does a roller bearing with its loaded half.
 
 
 @dataclass(frozen=True)
+class Line:
+    """Hertz's line contact along a turn of k samples: peak `pressure` [Pa] (k,), `half_width` [m] (k,) of its strip.
+
+    `holds` (k,): whether he does; not where the contact is conformal, the numbers are then no more than formal.
+    """
+
+    pressure: Array
+    half_width: Array
+    holds: npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
 class Contact:
     """One contact of a part along a turn of k samples.
 
@@ -39,13 +52,16 @@ class Contact:
     place
         Where it acts [m], shape (k, 2); nan where there is no force.
     half_width
-        Hertz's half width of its patch [m], shape (k,).
+        Half width of its patch on the part [m], shape (k,): Hertz's, or that of a conformal contact.
+    line
+        The line contact in it that bears most.
     """
 
     name: str
     action: Action
     place: Array
     half_width: Array
+    line: Line
 
 
 @dataclass(frozen=True)
@@ -88,6 +104,20 @@ def half_width(design: Design, force: Array, curvature: Array | float, radius: f
     conformal = 4.0 * force / (np.pi * length * modulus * (WIDEST * radius) ** 2)
     bounded = np.maximum(curvature, np.maximum(conformal, np.finfo(float).tiny))
     return hertz_line_contact(force, length, bounded, modulus).half_width
+
+
+def line(design: Design, kind: str, force: Array, curvature: Array | float | None = None) -> Line:
+    """Give the line contact that bears most of the force [N] (k,) on a pair of a kind.
+
+    `curvature` [1/m] is that of a tooth; other kinds have one of their own. It is the same line, and the same pressure,
+    that ``measure loads`` gives: of a rolling cam, that of the most loaded roller.
+    """
+    bend = line_curvature(design, kind) if curvature is None else curvature
+    force = force * line_share(design, kind)
+    pressure = hertz_pressure(design, force, bend)
+    load = 2.0 * force / (np.pi * design.gear.face_width)
+    width = np.divide(load, pressure, out=np.zeros_like(load), where=pressure > 0.0)
+    return Line(pressure, width, hertz_holds(design, kind, force, bend))
 
 
 def pin_centre(turn: Turn, pin: int) -> Array:
@@ -140,7 +170,7 @@ def _teeth(turn: Turn, part: str) -> list[Contact]:
         if part == "ring":
             place, action = turned(place, on_gear.angle) + on_gear.origin, action.reaction()
         width = half_width(turn.design, action.size, curvature, gear.pin_radius)
-        found.append(Contact(name, _in(seat, action), place, width))
+        found.append(Contact(name, _in(seat, action), place, width, line(turn.design, "tooth", action.size, curvature)))
     return found
 
 
@@ -149,14 +179,16 @@ def _pin_on_gear(turn: Turn, pin: int) -> Contact:
     action = _in(seat, _on_gear(turn, f"pin_{pin + 1}"))
     place = action.on_hole(seat.sees(pin_centre(turn, pin)), gear.pin_radius + deviations(turn.design).pin_radius[pin])
     curvature = pin_curvature(gear, pin, seat.angle, profile_offset(turn.design))
-    return Contact(f"pin_{pin + 1}", action, place, half_width(turn.design, action.size, curvature, gear.pin_radius))
+    width = half_width(turn.design, action.size, curvature, gear.pin_radius)
+    return Contact(f"pin_{pin + 1}", action, place, width, line(turn.design, "pin_gear", action.size, curvature))
 
 
 def _cam_in_bore(turn: Turn) -> Contact:
     action = _in(frame(turn, "gear"), _on_gear(turn, "cam"))
     radius = turn.design.gear.bore_radius + turn.design.clearance.cam
     width = _cam_width(turn, action)
-    return Contact("cam", action, action.on_hole(np.zeros(2), radius, width), width)
+    place = action.on_hole(np.zeros(2), radius, width)
+    return Contact("cam", action, place, width, line(turn.design, "cam", action.size))
 
 
 def _holes(turn: Turn) -> list[Contact]:
@@ -168,7 +200,8 @@ def _holes(turn: Turn) -> list[Contact]:
     for number, centre in enumerate(centres, start=1):
         action = _in(seat, _on_gear(turn, f"output_pin_{number}"))
         width = _hole_width(turn, action)
-        found.append(Contact(f"output_pin_{number}", action, action.on_hole(centre, radius, width), width))
+        place, pressed = action.on_hole(centre, radius, width), line(turn.design, "output", action.size)
+        found.append(Contact(f"output_pin_{number}", action, place, width, pressed))
     return found
 
 
@@ -178,7 +211,8 @@ def _of_output(turn: Turn) -> list[Contact]:
     for number, centre in enumerate(output_centres(turn.design), start=1):
         action = _in(seat, _on_gear(turn, f"output_pin_{number}").reaction())
         width = _hole_width(turn, action)
-        found.append(Contact(f"output_pin_{number}", action, action.on_disc(centre, radius, width), width))
+        place, pressed = action.on_disc(centre, radius, width), line(turn.design, "output", action.size)
+        found.append(Contact(f"output_pin_{number}", action, place, width, pressed))
     return found
 
 
@@ -187,7 +221,8 @@ def _of_shaft(turn: Turn) -> list[Contact]:
     action = _in(seat, _on_gear(turn, "cam").reaction())
     width = _cam_width(turn, action)
     centre = np.array([0.0, gear.eccentricity + deviations(turn.design).eccentricity])
-    return [Contact("cam", action, action.on_disc(centre, gear.bore_radius, width), width)]
+    place = action.on_disc(centre, gear.bore_radius, width)
+    return [Contact("cam", action, place, width, line(turn.design, "cam", action.size))]
 
 
 def _of_pin(turn: Turn) -> list[Contact]:
@@ -198,8 +233,11 @@ def _of_pin(turn: Turn) -> list[Contact]:
     curvature = pin_curvature(gear, 0, turn["gear_angle"], profile_offset(turn.design))
     narrow, wide = half_width(turn.design, pushed.size, curvature, radius), _socket_width(turn, held)
     return [
-        Contact("gear", pushed, pushed.on_disc(centre, radius, narrow), narrow),
-        Contact("socket", held, held.on_disc(centre, radius, wide), wide),
+        Contact(
+            *("gear", pushed, pushed.on_disc(centre, radius, narrow), narrow),
+            line(turn.design, "pin_gear", pushed.size, curvature),
+        ),
+        Contact("socket", held, held.on_disc(centre, radius, wide), wide, line(turn.design, "pin_socket", held.size)),
     ]
 
 
@@ -215,7 +253,8 @@ def _socket(turn: Turn, pin: int) -> Contact:
     out = np.linalg.norm(action.on_hole(centre, radius), axis=-1)
     action = action.where(out > ring.pin_circle_radius)
     width = _socket_width(turn, action)
-    return Contact(f"socket_{pin + 1}", action, action.on_hole(centre, radius + turn.design.socket_play, width), width)
+    place = action.on_hole(centre, radius + turn.design.socket_play, width)
+    return Contact(f"socket_{pin + 1}", action, place, width, line(turn.design, "pin_socket", action.size))
 
 
 def _by_socket(turn: Turn, pin: int) -> Action:

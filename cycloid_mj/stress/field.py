@@ -1,6 +1,6 @@
 """Stress of a part: its maxima at every crank angle (``PartStress``), and whole fields at one (``StressMap``)."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +10,7 @@ import numpy.typing as npt
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
 from cycloid_mj.stress import elastic
-from cycloid_mj.stress.bulk import bulk, nodes_near_patches
+from cycloid_mj.stress.bulk import OCTAVE, distances_of, ladder, largest, plateau
 from cycloid_mj.stress.grid import Grid, GridSettings
 from cycloid_mj.stress.loads import PartLoads
 from cycloid_mj.stress.part import part_case, part_grid
@@ -35,10 +35,10 @@ class PartStress:
     angle
         Crank angle [rad], (k,).
     bulk_stress, bulk_place
-        Largest von Mises stress [Pa] (k,) farther than `bulk_distance` from every loaded patch, and where [m] (k, d).
+        Largest von Mises stress [Pa] (k,) farther than `bulk_distance` from every narrow patch and sharp corner, and
+        where [m] (k, d).
     distances, stress_by_distance
-        Multiples (s,) of `bulk_distance`, and the largest von Mises stress beyond each of them [Pa] (s, k); nan where
-        nothing lies beyond.
+        Distances [m] (s,), and the largest von Mises stress beyond each of them [Pa] (s, k).
     contact_stress, contact_place
         The same over all nodes. It means something only where `resolved`.
     resolved
@@ -51,7 +51,7 @@ class PartStress:
     load
         The largest contact force [N], to hold the imbalance against, (k,).
     bulk_distance
-        [m]; it does not change with the refinement.
+        Where the largest stress stands on its plateau [m].
     edge
         Longest edge of the outlines that other parts touch [m].
     unknowns
@@ -62,7 +62,7 @@ class PartStress:
     angle: Array
     bulk_stress: Array
     bulk_place: Array
-    distances: tuple[float, ...]
+    distances: Array
     stress_by_distance: Array
     contact_stress: Array
     contact_place: Array
@@ -111,7 +111,7 @@ def solve(
     grid: Grid,
     loads: PartLoads,
     progress: Callable[[float], None] | None = None,
-    distances: Sequence[float] = (),
+    distance: float | None = None,
 ) -> PartStress:
     """Give the maxima of stress on a part at each crank angle of its loads.
 
@@ -125,8 +125,9 @@ def solve(
         The loads on the same part.
     progress
         Told the share that is done, 0 to 1.
-    distances
-        Multiples of the bulk distance for which to give the largest bulk stress as well.
+    distance
+        Where bulk stress begins [m], as another solution found it; by default where the largest stress of all angles
+        stands on a plateau, from the grid's distance on.
 
     Raises
     ------
@@ -134,35 +135,33 @@ def solve(
         The loads are not this part's, its support is singular, or a package of the extra ``fem`` is missing.
     """
     case, operators = part_case(design, grid, loads), recovery(grid).at_nodes
-    bulks = [bulk(grid, case, factor * grid.bulk_distance) for factor in (1.0, *distances)]
+    apart = distances_of(grid, case)
+    rungs = ladder(apart, grid.bulk_distance) if distance is None else np.array([distance])
     found: list[tuple[Array, ...]] = []
     for block in _blocks(len(loads.angle)):
         forces, moved, imbalance = case.response(block)
-        components = stresses(operators, moved, design.material)
-        stress = von_mises(components)
+        stress = von_mises(stresses(operators, moved, design.material))
+        sizes, nodes = map(np.array, zip(*largest(apart, rungs, block, stress), strict=True))
         contact = stress.max(axis=0), grid.points[stress.argmax(axis=0)]
-        inner, *others = (one.largest(block, components, stress) for one in bulks)
-        by_distance = np.array([size for size, _ in others]).reshape(len(others), len(block)).T
-        found.append((*inner, by_distance, *contact, elastic.reactions(case.body, moved, forces), imbalance))
+        found.append((sizes, nodes, *contact, elastic.reactions(case.body, moved, forces), imbalance))
         if progress is not None:
             progress(float(block[-1] + 1) / len(loads.angle))
-    bulk_stress, bulk_place, by_distance, contact_stress, contact_place, reaction, imbalance = map(
-        np.concatenate, zip(*found, strict=True)
-    )
+    sizes, nodes, contact_stress, contact_place, reaction, imbalance = map(np.concatenate, zip(*found, strict=True))
+    rung = plateau(sizes.max(axis=0), OCTAVE) if distance is None else 0
     return PartStress(
         part=grid.part,
         angle=np.array(loads.angle),
-        bulk_stress=bulk_stress,
-        bulk_place=bulk_place,
-        distances=tuple(distances),
-        stress_by_distance=by_distance.T,
+        bulk_stress=sizes[:, rung],
+        bulk_place=grid.points[nodes[:, rung]],
+        distances=rungs,
+        stress_by_distance=sizes.T,
         contact_stress=contact_stress,
         contact_place=contact_place,
         resolved=case.resolved,
         reaction=reaction,
         imbalance=imbalance,
         load=np.nan_to_num(np.linalg.norm(loads.force, axis=2)).max(axis=1, initial=0.0),
-        bulk_distance=grid.bulk_distance,
+        bulk_distance=float(rungs[rung]),
         edge=_longest_edge(grid if grid.section is None else grid.section.grid),
         unknowns=grid.unknowns,
     )
@@ -184,8 +183,8 @@ def shaft_stress(
     return solve(design, part_grid(design, "shaft", settings), loads, progress)
 
 
-def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int) -> StressMap:
-    """Give the fields on a part at the crank angle of an index.
+def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int, distance: float | None = None) -> StressMap:
+    """Give the fields on a part at the crank angle of an index; bulk begins at a distance [m], or at the grid's.
 
     Raises
     ------
@@ -199,8 +198,7 @@ def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int) -> Stre
     case = part_case(design, grid, loads)
     _, moved, _ = case.response(np.array([index]))
     stress = stresses(recovery(grid).at_nodes, moved, design.material)[..., 0]
-    inside = np.ones(len(grid.points), bool)
-    inside[nodes_near_patches(grid, case, grid.bulk_distance, index)] = False
+    inside = distances_of(grid, case).at(index) >= (grid.bulk_distance if distance is None else distance)
     return StressMap(
         part=grid.part,
         angle=float(loads.angle[index]),

@@ -19,22 +19,34 @@ ASSUMPTIONS = (
     "stress over the face width, or in 3-D where asked for, with their forces even over it",
     "loads quasi-static: the logged contact forces of each instant, gravity, and inertia; no stress waves",
     "each force acts on an elliptical patch of Hertz's half width, at most 60 deg of the thinner cylinder: so wide is "
-    "the cam in its bore (as in a roller bearing's loaded half)",
+    "the cam in its bore (as in a roller bearing's loaded half); its contact stress is that of the most loaded roller",
     "the force of one lobe of the internal gear, a sum of up to three contact lines, acts as one",
     "the free parts, gear and pin 1, have the acceleration that their forces give them (d'Alembert)",
     "the housing is held at its outer circle, the output disc at a hub of the shaft's radius, the shaft in "
     "two bearings on its input journal",
-    "bulk stress is the largest von Mises stress farther than half the ring's pin radius from every loaded patch, and "
-    "from the roots of the output's pins and the rims of its hub; in the shaft, farther than 0.15 of its radius from "
-    "its sharp inner corners. Contact stress is the largest below a patch by Hertz, whose strip is long",
+    "bulk stress is the largest von Mises stress beyond a distance d from every narrow contact and sharp inner corner, "
+    "where it stands on a plateau: the first d at which it falls by less than 5 % to the next, 1.41 d. Contact stress "
+    "is the largest below a narrow contact by Hertz, whose strip is long; conformal contacts belong to the bulk",
 )
 
 
 @dataclass(frozen=True)
 class Peak:
-    """A maximum: `stress` [Pa] (von Mises), crank `angle` [rad], `place` in the part's frame [m], `contact` if it sits
-    below one, and the `safety` factor against yield.
-    """  # noqa: D205
+    """A maximum of the von Mises stress.
+
+    Attributes
+    ----------
+    stress
+        [Pa]; not a number where there is none to give.
+    angle
+        Crank angle [rad].
+    place
+        In the part's frame [m].
+    contact
+        Name of the contact that it sits below; empty in the bulk.
+    safety
+        Factor against yield.
+    """
 
     stress: float
     angle: float
@@ -45,7 +57,7 @@ class Peak:
     def as_json(self) -> dict[str, Any]:
         """Give the peak in MPa, degrees and mm."""
         return {
-            "stress_mpa": self.stress / MEGAPASCAL,
+            "stress_mpa": _finite(self.stress / MEGAPASCAL),
             "angle_deg": float(np.degrees(self.angle)),
             "place_mm": [_finite(value / MILLIMETRE) for value in self.place],
             "contact": self.contact,
@@ -118,11 +130,17 @@ class PartFindings:
     bulk_peak, contact_peak
         The maxima of the two.
     bulk_distance
-        From loaded patches, or from sharp inner corners, beyond which stress counts as bulk [m].
+        From narrow patches, or from sharp inner corners, where the largest stress stands on its plateau [m].
     sensitivity
-        Other such distances [m], and the largest bulk stress [Pa] that each would give, nan where nothing is left.
+        Other distances at which the search for the plateau might begin [m], and the bulk stress [Pa] that it finds.
+    choice
+        How far the largest stress falls from the plateau to twice its distance, as a share.
+    by_distance
+        Distances [m] (s,), and the largest stress of the turn beyond each [Pa] (s,).
     largest_pressure
-        Hertz's peak pressure [Pa].
+        Hertz's peak pressure [Pa], not a number where every contact is conformal; the same as ``measure loads`` gives.
+    shakedown
+        Safety of that pressure against shakedown, 4 k (Johnson 1985, 9.2), beyond which rolling yields at every pass.
     largest_force
         Of one contact [N].
     near_field
@@ -145,9 +163,12 @@ class PartFindings:
     bulk_peak: Peak
     bulk_distance: float
     sensitivity: tuple[tuple[float, float], ...]
+    choice: float
+    by_distance: tuple[Array, Array]
     contact: Array
     contact_peak: Peak
     largest_pressure: float
+    shakedown: float
     largest_force: float
     near_field: float
     imbalance: float
@@ -171,15 +192,21 @@ class PartFindings:
                 {"distance_mm": distance / MILLIMETRE, "bulk_mpa": _finite(size / MEGAPASCAL)}
                 for distance, size in self.sensitivity
             ],
+            "choice": self.choice,
+            "by_distance": {
+                "distance_mm": (self.by_distance[0] / MILLIMETRE).tolist(),
+                "bulk_mpa": (self.by_distance[1] / MEGAPASCAL).tolist(),
+            },
             "contact_peak": self.contact_peak.as_json(),
-            "largest_pressure_mpa": self.largest_pressure / MEGAPASCAL,
+            "largest_pressure_mpa": _finite(self.largest_pressure / MEGAPASCAL),
+            "safety_against_shakedown": _finite(self.shakedown),
             "largest_force_n": self.largest_force,
             "near_field_mpa": self.near_field / MEGAPASCAL,
             "imbalance": self.imbalance,
             "refinement": self.refinement.as_json(),
             "angle_deg": np.degrees(self.angle).tolist(),
             "bulk_mpa": (self.bulk / MEGAPASCAL).tolist(),
-            "contact_mpa": (self.contact / MEGAPASCAL).tolist(),
+            "contact_mpa": [_finite(stress / MEGAPASCAL) for stress in self.contact],
             "wall_s": self.wall,
         }
 

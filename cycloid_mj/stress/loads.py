@@ -35,7 +35,13 @@ class PartLoads:
     force: Array
     """Force on the part, normal and friction [N], shape (k, m, 2); zero where there is none."""
     half_width: Array
-    """Hertz half width of each patch [m], shape (k, m)."""
+    """Half width of each patch on the part [m], shape (k, m): Hertz's, or that of a conformal contact."""
+    pressure: Array
+    """Hertz's peak pressure of the line contact in each patch that bears most [Pa], shape (k, m)."""
+    strip: Array
+    """Half width of that line contact [m], shape (k, m)."""
+    hertz: npt.NDArray[np.bool_]
+    """Whether Hertz holds for that line contact, shape (k, m): not where it is conformal."""
     labels: tuple[str, ...]
     """Name of each of the m contacts, e.g. "pin_3", "cam", "output_pin_2"."""
     body_force: Array
@@ -46,6 +52,11 @@ class PartLoads:
     """Angular acceleration [rad/s2], shape (k,)."""
     torque: Array
     """Moment about z that is carried elsewhere (crank torque, load) [N m], shape (k,)."""
+
+    @property
+    def narrow(self) -> npt.NDArray[np.bool_]:
+        """Whether each patch is Hertz's strip itself, shape (k, m): no conformal one, and no row of rollers."""
+        return np.asarray(self.hertz & (self.half_width < 2.0 * self.strip))
 
 
 def part_names(design: Design) -> tuple[str, ...]:
@@ -82,6 +93,9 @@ def part_loads(run: Run, design: Design, part: str, angles: npt.ArrayLike = DEGR
         place=np.stack([contact.place for contact in found], axis=1),
         force=np.stack([contact.action.force for contact in found], axis=1),
         half_width=np.stack([contact.half_width for contact in found], axis=1),
+        pressure=np.stack([contact.line.pressure for contact in found], axis=1),
+        strip=np.stack([contact.line.half_width for contact in found], axis=1),
+        hertz=np.stack([contact.line.holds for contact in found], axis=1),
         labels=tuple(contact.name for contact in found),
         body_force=moved.body_force,
         spin=moved.spin,

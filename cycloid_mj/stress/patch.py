@@ -44,11 +44,9 @@ class Patches:
     loads
         Sparse (n, k) [N].
     angle
-        Index of the angle (p,) that each point belongs to.
+        Index of the angle (p,) that each narrow patch belongs to.
     points
-        Points (p, 2) [m] that stand for the loaded stretches: the centre of a narrow patch, some points of a wide one.
-    narrow
-        Whether a point is the centre of a narrow patch, (p,).
+        Centres (p, 2) [m] of narrow patches.
     resolved
         Whether the edges under every loaded patch are no longer than half its half width, (k,).
     """
@@ -56,7 +54,6 @@ class Patches:
     loads: Any
     angle: Indices
     points: Array
-    narrow: npt.NDArray[np.bool_]
     resolved: npt.NDArray[np.bool_]
 
 
@@ -88,7 +85,7 @@ def patches(grid: Grid, loads: PartLoads) -> Patches:
     tree, tree_edge, tree_xi = _sampled(edges)
     size = np.linalg.norm(loads.force, axis=2)
     active = np.isfinite(loads.place).all(axis=2) & (size > NO_FORCE * np.nanmax(size, initial=0.0))
-    rows, columns, values, angle, points, is_narrow = [], [], [], [], [], []
+    rows, columns, values, angle, points = [], [], [], [], []
     resolved = np.ones(len(loads.angle), bool)
     for contact, name in enumerate(loads.labels):
         at = np.flatnonzero(active[:, contact])
@@ -109,11 +106,9 @@ def patches(grid: Grid, loads: PartLoads) -> Patches:
         rows.append(2 * spread.nodes[..., np.newaxis] + np.arange(2))
         columns.append(np.broadcast_to(at[:, np.newaxis, np.newaxis, np.newaxis], rows[-1].shape))
         values.append(spread.forces)
-        narrow = half_width < grid.bulk_distance / 4
-        wide = spread.points[~narrow][:, _stride(spread.points.shape[1], half_width.max(), grid.bulk_distance)]
-        angle += [at[narrow], np.repeat(at[~narrow], wide.shape[1])]
-        points += [loads.place[at, contact][narrow], wide.reshape(-1, 2)]
-        is_narrow += [np.ones(narrow.sum(), bool), np.zeros(wide.size // 2, bool)]
+        narrow = loads.narrow[at, contact]
+        angle.append(at[narrow])
+        points.append(loads.place[at, contact][narrow])
     flat = [np.concatenate([part.ravel() for part in parts] or [np.zeros(0)]) for parts in (values, rows, columns)]
     shape = (grid.unknowns, len(loads.angle))
     matrix = sparse.csc_matrix((flat[0], (flat[1].astype(np.int64), flat[2].astype(np.int64))), shape=shape)
@@ -121,14 +116,8 @@ def patches(grid: Grid, loads: PartLoads) -> Patches:
         loads=matrix,
         angle=np.concatenate([np.zeros(0, np.int64), *angle]),
         points=np.concatenate([np.zeros((0, 2)), *points]),
-        narrow=np.concatenate([np.zeros(0, bool), *is_narrow]),
         resolved=resolved,
     )
-
-
-def _stride(count: int, half_width: float, distance: float) -> slice:
-    """Thin out the points of a wide patch, which are at most pi b/(count + 1) apart, to half the bulk distance."""
-    return slice(None, None, max(1, int(distance / 2 * (count + 1) / (np.pi * half_width))))
 
 
 @dataclass(frozen=True)

@@ -64,8 +64,7 @@ def shaft_case(design: Design, grid: Grid, loads: PartLoads) -> Case:
         some = shares[:, block]
         return units @ some, moved @ some, some.T @ imbalances
 
-    nowhere, none = np.zeros(0, np.int64), np.zeros(0, bool)
-    return Case(part, response, nowhere, np.zeros((0, 3)), none, np.zeros(len(loads.angle), bool))
+    return Case(part, response, np.zeros(0, np.int64), np.zeros((0, 2)), np.zeros(len(loads.angle), bool))
 
 
 def _cam_shares(shaft: Shaft, loads: PartLoads) -> Iterator[Array]:

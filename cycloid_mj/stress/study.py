@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj.contact.pressure import SHAKEDOWN_PRESSURE
 from cycloid_mj.design import Design
-from cycloid_mj.errors import CycloidError
 from cycloid_mj.record import Run
+from cycloid_mj.stress.bulk import OCTAVE, fall, plateau
 from cycloid_mj.stress.closed import LineStress, line_stress
-from cycloid_mj.stress.field import PartStress, solve
+from cycloid_mj.stress.field import PartStress, StressMap, solve, stress_map
 from cycloid_mj.stress.findings import PartFindings, Peak, Refinement, StressFindings
 from cycloid_mj.stress.grid import BULK_DISTANCE, Grid, GridSettings
 from cycloid_mj.stress.loads import PartLoads, part_loads, part_names, require_part
@@ -24,8 +25,8 @@ Told = Callable[[str, int, int], None]
 FINER = {"pin_1": 3.0}
 """Small parts, whose grids are refined on top: they cost little."""
 
-SENSITIVITY = (0.5, 2.0)
-"""Multiples of the bulk distance for which the maxima are told as well."""
+SENSITIVITY = {0.5: 0, 2.0: 2 * OCTAVE}
+"""Multiples of the distance at which the search for the bulk begins -> rung of the ladder."""
 
 ALWAYS_SOLID = ("shaft", "output")
 """Parts that no plane can stand for: the output's pins are cantilevers on its disc."""
@@ -50,7 +51,7 @@ class StudySettings:
         Crank angles of the refinement study, that of the maximum first; no divisor of the mesh periods in a turn, so
         that they fall on many phases of the mesh.
     bulk_distance
-        Distance from loaded patches beyond which stress counts as bulk, as a share of the ring's pin radius.
+        Distance from narrow patches at which the search for the bulk begins, as a share of the ring's pin radius.
     solid
         Whether gear, ring and pin 1 are solid bodies as well; shaft and output always are.
     """
@@ -166,12 +167,8 @@ def part_study(run: Run, design: Design, part: str, settings: StudySettings) -> 
     turn = 2 * np.pi * np.arange(settings.angles) / settings.angles
     loads = part_loads(run, design, part, turn)
     grid = part_grid(design, part, settings.grid(part))
-    stress, lines = solve(design, grid, loads, distances=SENSITIVITY), line_stress(loads, design)
-    if not np.isfinite(stress.bulk_stress).all():
-        raise CycloidError(
-            f"the {part} has no bulk: no point of it lies farther than {1e3 * grid.bulk_distance:.3g} mm from every "
-            "loaded patch at some crank angles, and nothing but contact stress could be told; leave this part out"
-        )
+    stress, lines = solve(design, grid, loads), line_stress(loads, design)
+    pressure = float(_largest(lines.peak_pressure.reshape(1, -1))[0])
     findings = PartFindings(
         part=part,
         unknowns=grid.unknowns,
@@ -181,10 +178,13 @@ def part_study(run: Run, design: Design, part: str, settings: StudySettings) -> 
         bulk=stress.bulk_stress,
         bulk_peak=_bulk_peak(loads, stress, design),
         bulk_distance=stress.bulk_distance,
-        sensitivity=_sensitivity(stress),
-        contact=lines.von_mises.max(axis=1),
+        sensitivity=_sensitivity(stress, grid),
+        choice=_choice(stress),
+        by_distance=(stress.distances, stress.stress_by_distance.max(axis=1)),
+        contact=_largest(lines.von_mises),
         contact_peak=_contact_peak(loads, lines, design),
-        largest_pressure=float(lines.peak_pressure.max()),
+        largest_pressure=pressure,
+        shakedown=SHAKEDOWN_PRESSURE * _safety(pressure, design),
         largest_force=float(np.linalg.norm(loads.force, axis=-1).max()),
         near_field=_near_field(loads, design, stress.bulk_distance),
         imbalance=_imbalance(stress, grid),
@@ -192,6 +192,12 @@ def part_study(run: Run, design: Design, part: str, settings: StudySettings) -> 
         wall=time.perf_counter() - start,
     )
     return PartStudy(grid, loads, stress, lines, findings)
+
+
+def part_map(design: Design, one: PartStudy, angle: float | None = None) -> StressMap:
+    """Map the stress of a part at a crank angle [rad], by default where its bulk stress is largest."""
+    row = one.nearest(one.findings.bulk_peak.angle if angle is None else angle)
+    return stress_map(design, one.grid, one.loads, row, one.stress.bulk_distance)
 
 
 def at_angles(loads: PartLoads, rows: npt.ArrayLike) -> PartLoads:
@@ -211,7 +217,9 @@ def _refined(design: Design, grid: Grid, settings: StudySettings, loads: PartLoa
     rows = _checked_rows(stress.bulk_stress, settings.checked)
     some = at_angles(loads, rows)
     found = [
-        solve(design, part_grid(design, grid.part, settings.grid(grid.part, factor)), some)
+        solve(
+            design, part_grid(design, grid.part, settings.grid(grid.part, factor)), some, distance=stress.bulk_distance
+        )
         for factor in settings.steps(grid)
     ]
     coarse, fine = found
@@ -234,15 +242,29 @@ def _bulk_peak(loads: PartLoads, stress: PartStress, design: Design) -> Peak:
     return Peak(size, float(loads.angle[row]), stress.bulk_place[row], "", _safety(size, design))
 
 
-def _sensitivity(stress: PartStress) -> tuple[tuple[float, float], ...]:
-    """Give other bulk distances [m], and the largest stress of the turn beyond each [Pa]: nan where nothing lies."""
-    largest = [float(np.max(row[np.isfinite(row)], initial=-np.inf)) for row in stress.stress_by_distance]
-    sizes = [size if np.isfinite(size) else float("nan") for size in largest]
-    return tuple((factor * stress.bulk_distance, size) for factor, size in zip(stress.distances, sizes, strict=True))
+def _sensitivity(stress: PartStress, grid: Grid) -> tuple[tuple[float, float], ...]:
+    """Give other distances [m] at which the search for the bulk might begin, and the bulk stress [Pa] that it finds."""
+    sizes = stress.stress_by_distance.max(axis=1)
+    return tuple(
+        (factor * grid.bulk_distance, float(sizes[plateau(sizes, rung)])) for factor, rung in SENSITIVITY.items()
+    )
+
+
+def _choice(stress: PartStress) -> float:
+    """Give what the choice of the distance may change, as a share: how far the plateau falls to twice its distance."""
+    return fall(stress.stress_by_distance.max(axis=1), int(np.argmin(np.abs(stress.distances - stress.bulk_distance))))
+
+
+def _largest(values: Array) -> Array:
+    """Give the largest number of each row (k, m), not a number where there is none."""
+    largest = np.max(values, axis=1, initial=-np.inf, where=~np.isnan(values))
+    return np.where(np.isfinite(largest), largest, np.nan)
 
 
 def _contact_peak(loads: PartLoads, lines: LineStress, design: Design) -> Peak:
-    row, contact = np.unravel_index(int(np.argmax(lines.von_mises)), lines.von_mises.shape)
+    """Give the largest stress below a contact; not a number where all are conformal."""
+    told = np.where(np.isnan(lines.von_mises), -1.0, lines.von_mises)
+    row, contact = np.unravel_index(int(np.argmax(told)), told.shape)
     size = float(lines.von_mises[row, contact])
     place = loads.place[row, contact]
     return Peak(size, float(loads.angle[row]), place, loads.labels[contact], _safety(size, design))
@@ -264,4 +286,4 @@ def _near_field(loads: PartLoads, design: Design, distance: float) -> float:
 
 
 def _safety(stress: float, design: Design) -> float:
-    return design.material.yield_strength / stress if stress > 0.0 else float("inf")
+    return design.material.yield_strength / stress if stress != 0.0 else float("inf")

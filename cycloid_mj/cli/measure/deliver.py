@@ -2,6 +2,7 @@
 
 import json as text_of
 from collections.abc import Sequence
+from math import isnan
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING
@@ -92,9 +93,9 @@ def told(what: str, quiet: bool) -> "Done":
 def _row(one: "Quantity") -> tuple[str, ...]:
     return (
         one.name,
-        f"{one.value:.6g}",
+        "-" if isnan(one.value) else f"{one.value:.6g}",
         one.unit,
-        "" if one.error is None else f"{one.error:.2g}",
+        "" if one.error is None or isnan(one.error) else f"{one.error:.2g}",
         "" if one.reference is None else f"{one.reference:.6g}",
         one.source,
     )
