@@ -17,6 +17,9 @@ from cycloid_mj.errors import LogError
 
 Array = npt.NDArray[np.float64]
 
+LARGEST = 1e30
+"""No quantity of a reducer comes near, in SI units; double precision still holds its square, and single itself."""
+
 
 @dataclass(frozen=True, eq=False)
 class Run:
@@ -86,6 +89,11 @@ class Run:
             block[:, k] = self[name]
         return block
 
+    def usable(self) -> "Run":
+        """Give the run with NaN for every value that no reducer can have; see `usable`."""
+        columns = {name: usable(values) for name, values in self.columns.items()}
+        return Run(self.time, columns, self.units, self.provenance, self.attachments, self.complete, self.note)
+
     def select(self, rows: npt.NDArray[np.bool_] | slice) -> "Run":
         """Give the run with only the samples `rows`: a mask of shape (n,) or a forward slice."""
         if not isinstance(rows, slice) and (rows.dtype != np.bool_ or rows.shape != self.time.shape):
@@ -95,6 +103,12 @@ class Run:
             )
         columns = {name: values[rows] for name, values in self.columns.items()}
         return Run(self.time[rows], columns, self.units, self.provenance, self.attachments, self.complete, self.note)
+
+
+def usable(values: Array) -> Array:
+    """Give values of any shape with NaN for those that are infinite or beyond `LARGEST`: one can compute with them."""
+    sound = np.abs(values) <= LARGEST
+    return values if sound.all() else np.where(sound, values, np.nan)
 
 
 def _locked(values: npt.ArrayLike) -> Array:

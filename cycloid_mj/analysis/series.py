@@ -1,5 +1,6 @@
 """The motion of a run beside its closed form, sample by sample."""
 
+import re
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -15,7 +16,7 @@ from cycloid_mj.errors import LogError, UsageError
 from cycloid_mj.kinematics import CrankLaw
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.profile import CycloidGear
-from cycloid_mj.record import Run
+from cycloid_mj.record import LARGEST, Run
 
 Array = npt.NDArray[np.float64]
 
@@ -25,8 +26,7 @@ MOTION = (
     *("gear_x", "gear_y", "gear_angle", "gear_vx", "gear_vy", "gear_speed"),
     *("contacts", "penetration", "peak_force"),
 )
-LARGEST = 1e30
-"""Size beyond which a value in SI units is no measurement; squares, and single precision in um, stay within range."""
+_FORCE = re.compile(r"(pin|lobe|output_pin)_(\d{1,6})_force_x")
 PIN_1 = ("pin_1_x", "pin_1_y", "pin_1_speed")
 
 
@@ -224,7 +224,27 @@ def design_of(run: Run) -> Design:
         text = run.attachments[DESIGN_FILE].decode()
     except UnicodeDecodeError as problem:
         raise LogError(f"the run's {DESIGN_FILE} is no text ({problem}): simulate it again") from problem
-    return loads(text, f"the run's {DESIGN_FILE}")
+    design = loads(text, f"the run's {DESIGN_FILE}")
+    _require_fit(run, design)
+    return design
+
+
+def _require_fit(run: Run, design: Design) -> None:
+    """Raise LogError if the forces are of other pins, lobes or output pins than the design has."""
+    kinds = {"pin": "ring pins", "lobe": "lobes of the internal gear", "output_pin": "output pins"}
+    wanted = dict.fromkeys(kinds, 0) | {
+        "lobe" if design.ring.kind == "nonpin" else "pin": design.ring.teeth,
+        "output_pin": design.output.pins,
+    }
+    numbers: dict[str, set[int]] = {kind: set() for kind in kinds}
+    for found in filter(None, map(_FORCE.fullmatch, run.columns)):
+        numbers[found[1]].add(int(found[2]))
+    for kind, has in numbers.items():
+        if has and has != set(range(1, wanted[kind] + 1)):
+            raise LogError(
+                f"the run's {DESIGN_FILE} has {wanted[kind]} {kinds[kind]}, but its columns are of {len(has)}: "
+                "the file belongs to another run; take the log as it was written, or simulate it again"
+            )
 
 
 def _usable(run: Run, names: tuple[str, ...]) -> Run:

@@ -218,6 +218,8 @@ def _scene(found: "Log", rate: float | None) -> "Scene | None":
     try:
         return Scene(design_of(found.run), rate or (own[0] if own else RATE))
     except CycloidError as problem:
+        if rate is not None:
+            raise
         tell(f"note: the new log has no 3-D scene: {problem}")
         return None
 

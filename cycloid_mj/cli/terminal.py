@@ -8,10 +8,13 @@ from typing import Any
 
 PIPE_WIDTH = 120
 
+LONGEST_MESSAGE = 4000
+"""Characters of a message; of a longer one the start is written."""
+
 
 def say(text: str) -> None:
-    """Write a result."""
-    sys.stdout.write(f"{text}\n")
+    """Write a result; control codes in it, as of a hostile log, are shown and not obeyed."""
+    _write(printable(text))
 
 
 def say_json(value: Any) -> None:
@@ -20,7 +23,10 @@ def say_json(value: Any) -> None:
 
 
 def tell(text: str) -> None:
-    """Write a message."""
+    """Write a message; control codes in it are shown and not obeyed, and of one too long the start is written."""
+    text = printable(text)
+    if len(text) > LONGEST_MESSAGE:
+        text = f"{text[:LONGEST_MESSAGE]}... ({len(text):,} characters in all)"
     sys.stderr.write(f"{text}\n")
     sys.stderr.flush()
 
@@ -35,20 +41,31 @@ def say_groups(title: str, header: Sequence[str], groups: Sequence[tuple[str, Se
     from rich.console import Console
     from rich.table import Table
 
-    table = Table(title=title, title_justify="left")
+    table = Table(title=printable(title), title_justify="left")
     for number, name in enumerate(header):
-        table.add_column(name, justify="right" if number else "left", overflow="fold")
+        table.add_column(printable(name), justify="right" if number else "left", overflow="fold")
     for name, rows in groups:
         if name:
             table.add_section()
-            table.add_row(name.upper())
+            table.add_row(printable(name).upper())
         for row in rows:
-            table.add_row(*row)
+            table.add_row(*map(printable, row))
     width = None if sys.stdout.isatty() else PIPE_WIDTH
     console = Console(file=sys.stdout, width=width, markup=False, highlight=False)
     with console.capture() as captured:
         console.print(table)
-    say(captured.get().rstrip("\n"))
+    _write(captured.get().rstrip("\n"))
+
+
+def printable(text: str) -> str:
+    """Give text with what cannot be seen written as its escape, but for spaces, ends of lines and tabs."""
+    return "".join(
+        sign if sign.isprintable() or sign in "\n\t" else sign.encode("unicode_escape").decode() for sign in text
+    )
+
+
+def _write(text: str) -> None:
+    sys.stdout.write(f"{text}\n")
 
 
 def finite(value: Any) -> Any:

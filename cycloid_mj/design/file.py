@@ -19,6 +19,12 @@ from cycloid_mj.errors import DesignError, UsageError
 LARGEST_INTEGER = 2**63 - 1
 """TOML's integers have 64 bits; a larger one counts as infinite."""
 
+LONGEST_LIST = 10_000
+"""More parts than any kind of part may have."""
+
+MOST_ERRORS = 5
+"""Wrong values of a file that are told one by one; the others are counted."""
+
 
 def resolve(name_or_file: str, changes: Sequence[str] = ()) -> Design:
     """Give the design of a preset's name or a TOML file, with ``table.key=value`` changes applied.
@@ -180,8 +186,8 @@ def _filled(values: dict[str, Any], where: str) -> dict[str, Any]:
 
 def _full_list(sparse: Mapping[str, Any], number: Any, where: str) -> tuple[Any, ...]:
     """Give as many values as there are parts, 0 but for those named by their number from 1 on."""
-    if not isinstance(number, int):
-        return tuple(sparse.values())  # their number is no number: that is what will be told
+    if not isinstance(number, int) or number > LONGEST_LIST:
+        return tuple(sparse.values())  # their number is none that is allowed: that is what will be told
     parts = [str(part) for part in range(1, number + 1)]
     for part in sparse:
         if part not in parts:
@@ -193,7 +199,9 @@ def _validated(values: dict[str, Any], where: str) -> Design:
     try:
         return Design.model_validate(_filled(values, where), strict=True)
     except ValidationError as error:
-        raise DesignError("; ".join(_told(details, where) for details in error.errors())) from error
+        told = [_told(details, where) for details in error.errors()[:MOST_ERRORS]]
+        rest = error.error_count() - len(told)
+        raise DesignError("; ".join([*told, f"and {rest:,} more"] if rest else told)) from error
 
 
 def _told(details: ErrorDetails, where: str) -> str:

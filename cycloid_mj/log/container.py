@@ -14,12 +14,13 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any, BinaryIO
 
+import lz4.frame
 import numpy as np
 import numpy.typing as npt
+import zstandard
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, Metadata, Schema
-from mcap.stream_reader import get_chunk_data_stream
 
 from cycloid_mj.errors import LogError
 
@@ -37,6 +38,13 @@ MESSAGE_HEAD = np.dtype(
         ("publish_time", "<u8"),
     ]
 )
+LARGEST_CHUNK = 1 << 30
+"""Bytes of a chunk once it is inflated. Chunks are inflated in memory; those written here have half a megabyte."""
+
+LEAST_MESSAGE = MESSAGE_HEAD.itemsize - HEAD.size
+MOST_DESCRIBED = 1 << 17
+"""Schemas and channels in a chunk: their ids have 16 bits each."""
+
 _START_OF_MESSAGE = struct.Struct("<BQH")  # opcode, length, channel
 
 
@@ -135,28 +143,57 @@ def messages(record: Record, path: Path) -> Messages:
     """Give what a chunk holds; its CRC must be right."""
     with reading(path, f"malformed chunk at byte {record.offset}"):
         chunk = Chunk.read(_stream(record.content))
-        inner, size = get_chunk_data_stream(chunk)
-        data = inner.read(size)
-        if size != chunk.uncompressed_size or zlib.crc32(data) != chunk.uncompressed_crc:
-            raise ValueError("its CRC or length is wrong")
+        data = inflated(chunk.data, chunk.compression, chunk.uncompressed_size)
+        if zlib.crc32(data) != chunk.uncompressed_crc:
+            raise ValueError("its CRC is wrong")
         return _messages(data)
 
 
+def inflated(data: bytes, compression: str, size: int) -> bytes:
+    """Give the content of a chunk, which is to have `size` bytes; never take the room for more.
+
+    Raises
+    ------
+    ValueError
+        It has more or fewer bytes, or more than `LARGEST_CHUNK`.
+    Exception
+        Whatever zstandard or lz4 have to say about malformed data.
+    """
+    if size > LARGEST_CHUNK:
+        raise ValueError(f"it says it has {size:,} bytes; {LARGEST_CHUNK:,} at most are read")
+    if compression == "zstd":
+        with zstandard.ZstdDecompressor().stream_reader(data) as stream:
+            content = stream.read(size + 1)
+    elif compression == "lz4":
+        content = lz4.frame.LZ4FrameDecompressor().decompress(data, max_length=size + 1)
+    elif not compression:
+        content = data
+    else:
+        raise ValueError(f"its compression {compression!r} is not known: zstd and lz4 are")
+    if len(content) != size:
+        raise ValueError(f"it does not have the {size:,} bytes that it says it has")
+    return content
+
+
 def _messages(data: bytes) -> Messages:
-    schemas, channels = {}, {}
+    schemas: dict[int, Any] = {}
+    channels: dict[int, Any] = {}
     starts: dict[int, list[int]] = defaultdict(list)
+    described = 0
     position = 0
     while position < len(data):
         opcode, length, channel = _START_OF_MESSAGE.unpack_from(data, position)
-        if opcode == Opcode.MESSAGE:
+        content = position + HEAD.size
+        if opcode == Opcode.MESSAGE and length >= LEAST_MESSAGE:
             starts[channel].append(position)
-        elif opcode == Opcode.SCHEMA:
-            schema = Schema.read(_stream(data[position + HEAD.size : position + HEAD.size + length]))
-            schemas[schema.id] = schema
-        elif opcode == Opcode.CHANNEL:
-            described = Channel.read(_stream(data[position + HEAD.size : position + HEAD.size + length]))
-            channels[described.id] = described
-        position += HEAD.size + length
+        elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL) and described < MOST_DESCRIBED:
+            into, kind = (schemas, Schema) if opcode == Opcode.SCHEMA else (channels, Channel)
+            found = kind.read(_stream(data[content : content + length]))
+            into[found.id] = found
+            described += 1
+        else:
+            raise ValueError(f"no schema, channel or message can be read {position} bytes into it")
+        position = content + length
     of = {channel: rows for channel, where in starts.items() if (rows := _rows(data, where)) is not None}
     counts = {channel: len(where) for channel, where in starts.items()}
     return Messages(schemas, channels, of, frozenset(starts.keys() - of.keys()), counts)

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from cycloid_mj.design import Design
 from cycloid_mj.kinematics import gear_centre
+from cycloid_mj.record import usable
 from cycloid_mj.scene.drawing import Drawing, Radii, drawn_radii
 from cycloid_mj.scene.pose import GEAR, OUTPUT, SHAFT, pin, poses, ring_places
 from cycloid_mj.solid import output_centres
@@ -98,7 +99,7 @@ def contact_forces(design: Design, columns: Mapping[str, Array], drawn: Drawing 
     shown = true if drawn is None else _drawn(design, drawn)
     for row, (name, kind, match) in enumerate(zip(names, kinds, pairs, strict=True)):
         number = int(match["number"] or 1)
-        wrench = np.stack([columns[f"{name}_{part}"] for part in ("force_x", "force_y", "moment")], axis=1)
+        wrench = usable(np.stack([columns[f"{name}_{part}"] for part in ("force_x", "force_y", "moment")], axis=1))
         origin = (place[pin(number)] if kind in _ON_PINS else place[GEAR])[:, :2]
         along = _direction(wrench[:, :2])
         aside = _aside(wrench, along, true.surface(kind, number, along) - origin)

@@ -8,6 +8,7 @@ import numpy.typing as npt
 from cycloid_mj.design import Design
 from cycloid_mj.errors import LogError
 from cycloid_mj.profile import unit
+from cycloid_mj.record import usable
 
 Array = npt.NDArray[np.float64]
 
@@ -64,4 +65,4 @@ def poses(design: Design, columns: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def _pose(x: Array, y: Array, angle: Array) -> Array:
-    return np.stack([x, y, angle], axis=1)
+    return usable(np.stack([x, y, angle], axis=1))

@@ -74,6 +74,7 @@ def turn(run: Run, design: Design | None = None, angles: npt.ArrayLike = DEGREES
             f"the run has no forces of the mating pairs (no column 'cam_force_x' among {len(run.columns)}), so there "
             "are no loads to put on the parts; simulate it again with the forces in its log"
         )
+    run = run.usable()
     wanted = np.atleast_1d(np.asarray(angles, dtype=np.float64))
     rows = _last_turn(run, in_hold(ran, run.time))
     crank = run["crank_angle"][rows]
