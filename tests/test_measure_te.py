@@ -4,11 +4,13 @@ import json
 
 import numpy as np
 import pytest
+from designs import unlike
 
+from cycloid_mj.analysis.spectrum import periodic_orders
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import DesignError
-from cycloid_mj.measure.conditions import stepped
-from cycloid_mj.measure.orders import Cause, causes, order_spectrum
+from cycloid_mj.measure.conditions import rated_torque, stepped
+from cycloid_mj.measure.orders import Cause, causes
 from cycloid_mj.measure.static_error import kinematic_error, static_error
 from cycloid_mj.measure.te import measure_te
 from cycloid_mj.measure.trace import ARCSEC, Case, trace
@@ -37,21 +39,8 @@ def cause(key: str) -> Cause:
 def shares(design: Design, place: str, base: float) -> dict[int, float]:
     """Amplitudes [arcsec] of the multiples of a base order in the elastic error under the rated load."""
     gear, output = ARCSEC * static_error(design, TURN, 36.68).T
-    found = order_spectrum(TURN, gear if place == "gear" else output - gear, base, 80.0)
+    found = periodic_orders(TURN, gear if place == "gear" else output - gear, base, 80.0)
     return {round(order / base): float(size) for order, size in zip(found.order, found.amplitude, strict=True)}
-
-
-@pytest.mark.parametrize(("base", "turns"), [(1.0, 1), (AGAINST_GEAR, 1), (AGAINST_GEAR, LOBES)])
-def test_a_spectrum_finds_orders_and_amplitudes(base: float, turns: int) -> None:
-    crank = np.linspace(0.0, 2.0 * np.pi * turns, 4000 * turns + 1)
-    error = 5.0 + 2.0 * np.cos(3.0 * base * crank + 0.4) + 0.5 * np.sin(35.0 * base * crank)
-    found = order_spectrum(crank, error, base, 60.0)
-    sizes = {round(order, 6): size for order, size in zip(found.order, found.amplitude, strict=True)}
-    # Straight lines between samples lose (2 pi 36 / 4000)^2 / 6 of order 36.
-    assert sizes.pop(round(3.0 * base, 6)) == pytest.approx(2.0, rel=1e-4)
-    assert sizes.pop(round(35.0 * base, 6)) == pytest.approx(0.5, rel=1e-3)
-    assert max(sizes.values()) < 1e-3
-    assert found.rms(found.order > 0.0) == pytest.approx(np.sqrt(2.0 + 0.125), rel=1e-3)
 
 
 def test_each_order_has_one_cause_in_its_place() -> None:
@@ -121,9 +110,9 @@ def test_one_pin_in_error_shows_as_its_displacement_over_its_arm() -> None:
     rigid = ARCSEC * kinematic_error(design, found.crank, 1.0)
     assert np.ptp(found.gear) == pytest.approx(np.ptp(rigid), rel=0.05)
     assert np.std(found.gear) == pytest.approx(np.std(rigid), rel=0.05)
-    seen, ideal = (order_spectrum(found.crank, error, 1.0, 40.0).amplitude for error in (found.gear, rigid))
+    seen, ideal = (periodic_orders(found.crank, error, 1.0, 40.0).amplitude for error in (found.gear, rigid))
     assert seen[:2] == pytest.approx(ideal[:2], rel=0.05)
-    assert cause("ring").strongest(order_spectrum(found.crank, found.gear, 1.0, 40.0))[0] == 1.0
+    assert cause("ring").strongest(periodic_orders(found.crank, found.gear, 1.0, 40.0))[0] == 1.0
     # The neighbouring pin would show a pitch earlier, a pin that is pulled out not at all.
     for spoiled in ("errors.pin_y_um={2=-5.0}", "errors.pin_y_um={1=5.0}"):
         wrong = ARCSEC * kinematic_error(override(fixed(*tight), [spoiled]), found.crank, 1.0)
@@ -164,3 +153,14 @@ def test_a_crank_that_stands_still_is_refused() -> None:
     for measure in (measure_te, measure_vibration):
         with pytest.raises(DesignError, match=r"drive\.speed_rpm is 0"):
             measure(fixed("drive.speed_rpm=0.0"))
+
+
+@pytest.mark.parametrize("name", ["large", "few"])
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_statics_is_found_from_the_ideal_pose_of_any_reducer(name: str, way: float) -> None:
+    """A step past the middle of a valley's circle would leave the large reducer without a balance at 0.1 rad."""
+    design = unlike(name)
+    found = static_error(design, [0.1], way * rated_torque(design))[0]
+    near = static_error(design, np.linspace(0.0, 0.1, 6), way * rated_torque(design))[-1]
+    assert found == pytest.approx(near, rel=1e-4)
+    assert way * found[1] > way * found[0] > 0.0

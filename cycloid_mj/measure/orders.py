@@ -1,4 +1,4 @@
-"""Orders of the crank in a periodic error, and which cause gives which.
+"""Which cause gives which orders of the crank in a periodic error.
 
 An order is a number of cycles in a turn of the crank. The crank turns by theta against the ring and by theta N/(N-1)
 against gear and output, which turn the other way by theta/(N-1). So what belongs to the ring repeats after a turn, at
@@ -12,34 +12,12 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj.analysis.spectrum import Orders
 from cycloid_mj.design import Design
 
 Array = npt.NDArray[np.float64]
 Place = Literal["gear", "stage"]
 """Where an error shows: in the gear's turn, or in the output's turn against the gear's, the stage of output pins."""
-
-
-@dataclass(frozen=True)
-class Orders:
-    """A spectrum.
-
-    Attributes
-    ----------
-    base
-        Cycles in a crank turn of the first of the orders that are told apart [1].
-    order
-        Orders [1], shape (n,).
-    amplitude
-        Half of the peak-to-peak value of each, in the error's unit, shape (n,).
-    """
-
-    base: float
-    order: Array
-    amplitude: Array
-
-    def rms(self, kept: npt.NDArray[np.bool_]) -> float:
-        """Give the rms value of some orders together."""
-        return float(np.sqrt(0.5 * np.sum(self.amplitude[kept] ** 2)))
 
 
 @dataclass(frozen=True)
@@ -89,30 +67,6 @@ class Cause:
     def as_json(self) -> dict[str, Any]:
         """Give the cause for a program."""
         return {"key": self.key, "name": self.name, "shows_in": self.place, "base_order": self.base, "why": self.why}
-
-
-def order_spectrum(crank: Array, error: Array, base: float, most: float) -> Orders:
-    """Give the orders of an error up to `most`.
-
-    Parameters
-    ----------
-    crank
-        Crank angles [rad], increasing, shape (n,).
-    error
-        Shape (n,).
-    base
-        Cycles in a crank turn of what the error is taken to repeat with [1]; the window is as many whole cycles as fit.
-    most
-        The largest order [1]; samples must be denser than two in a cycle of it.
-    """
-    period = 2.0 * np.pi / base
-    cycles = int((crank[-1] - crank[0]) / period + 0.02)
-    points = int(np.ceil(4.0 * cycles * most / base))
-    grid = crank[0] + cycles * period * np.arange(points) / points
-    amplitude = 2.0 / points * np.abs(np.fft.rfft(np.interp(grid, crank, error)))
-    order = base * np.arange(amplitude.size) / cycles
-    kept = (order > 0.0) & (order <= most)
-    return Orders(base, order[kept], amplitude[kept])
 
 
 def causes(design: Design) -> tuple[Cause, ...]:

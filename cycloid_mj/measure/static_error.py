@@ -28,6 +28,9 @@ _BALANCED = 1e-4
 """Largest residual of a balance, as a share of the largest force in it."""
 _FLOATING = 1e-9
 """Stiffness that keeps a floating gear where it is, as a share of the cam's."""
+_NEAR = 0.5
+"""Longest step on the way to a balance, as a share of the least radius that a contact's curve has: past its middle the
+circle would push the other way."""
 
 
 @dataclass(frozen=True)
@@ -174,7 +177,7 @@ def _balance(design: Design, contacts: Contacts, load: Array, start: Array) -> A
         if np.abs(force).max() <= _BALANCED * max(float(np.abs(load).max()), 1.0):
             return z
         step = np.linalg.solve(matrix + stiffness, force)
-        share = 1.0
+        share = min(1.0, _NEAR / float(np.abs(contacts.bend).max() * np.abs(step).max()))
         while _springs(design, contacts, load, z + share * step)[0] > energy and share > 1e-6:
             share *= 0.5
         z = z + share * step

@@ -1,12 +1,17 @@
-"""Runs for the vibration: one speed and load each, with what sways there about its closed form or mean."""
+"""Runs for the vibration: one speed and load each, with what sways there about its closed form or mean.
+
+Contacts shake the parts far above the rate that a log has room for: a run is sampled several times as fast, and what
+would fold down is taken away before one sample in so many is kept.
+"""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.analysis import series
+from cycloid_mj.analysis.spectrum import thinned
 from cycloid_mj.comparison.vibration import acceleration
 from cycloid_mj.design import Design
 from cycloid_mj.measure.conditions import LOG_RATE, RPM, at_speed, turn_period
@@ -19,10 +24,19 @@ from cycloid_mj.simulate import simulate
 
 Array = npt.NDArray[np.float64]
 
+FASTER = 10
+"""Samples taken for each one that is kept, or as many as there are steps."""
+
+MARGIN = 12
+"""Samples after the window, which the filter and the differences reach into."""
+
+ACCELERATIONS = ("gear_centre", "output", "momentum")
+"""Signals that are differences of velocities: means from a sample to the next."""
+
 
 @dataclass(frozen=True, eq=False)
 class Sway:
-    """What sways at one speed and load, over whole crank turns; each value the mean from a sample to the next.
+    """What sways at one speed and load, over whole crank turns, up to half of the rate that it is kept at.
 
     Attributes
     ----------
@@ -38,6 +52,12 @@ class Sway:
         force on the housing by the accelerations of gear and shaft alone, without that of free pins.
     orbit
         The rms size of the gear centre's acceleration [m/s2].
+    rate
+        Samples kept per second.
+    whole_rms
+        Key -> rms size of a signal with what is above half of the rate, up to half of `sampled_rate`.
+    sampled_rate
+        Samples taken per second.
     mean_force
         On the housing [N], shape (2,).
     run
@@ -49,12 +69,19 @@ class Sway:
     crank: Array
     signals: Mapping[str, Array]
     orbit: float
+    rate: float
+    whole_rms: Mapping[str, float]
+    sampled_rate: float
     mean_force: Array
     run: Run
 
     def rms(self, key: str) -> float:
         """Give the rms size of a signal."""
         return rms(self.signals[key])
+
+    def above(self, key: str) -> float:
+        """Give the share of a signal's power that lies above half of the rate; 0 where nothing sways."""
+        return max(0.0, 1.0 - (self.rms(key) / self.whole_rms[key]) ** 2) if self.whole_rms[key] else 0.0
 
     def rms_of_half(self, key: str) -> float:
         """Give the same over the first half of the window: a shorter average."""
@@ -85,22 +112,51 @@ def sway(design: Design, reducer: ReducerModel, load: str, torque: float, speed:
         The run went wrong.
     """
     swept_time = turns * turn_period(speed)
-    design = at_speed(design, speed, SETTLING + swept_time + 4.0 / LOG_RATE, torque, RISE, LOG_RATE)
+    every = max(1, min(FASTER, int(1.0 / (LOG_RATE * design.settings.timestep) + 1e-6)))
+    duration = SETTLING + swept_time + MARGIN / LOG_RATE
+    design = at_speed(design, speed, duration, torque, RISE, every * LOG_RATE)
     run = simulate(design, reducer, pressed(design, reducer))
     step = float(np.mean(np.diff(run.time)))
-    first = int(np.searchsorted(run.time, SETTLING))
-    rows = slice(first, first + round(swept_time / step))
     of, found = masses(design), acceleration(series(run, settle=SETTLING))
     orbit = np.diff(run.block(["gear_vx", "gear_vy"]), axis=0) / step
-    whole = reaction(run, design).whole
-    signals = {
+    force = reaction(run, design).whole
+    taken = {
         "gear_centre": found.centre,
         "output": found.output[:, np.newaxis],
-        "housing": whole,
-        "housing_bare": without_counterweight(run, design, whole),
+        "housing": force,
+        "housing_bare": without_counterweight(run, design, force),
         "momentum": -of[GEAR].mass * orbit - of[SHAFT].mass * shaft_acceleration(run, of[SHAFT])[1:],
     }
-    of_forces = ("housing", "housing_bare", "momentum")
-    kept = {key: signal[rows] - signal[rows].mean(axis=0) * (key in of_forces) for key, signal in signals.items()}
-    swept = np.abs(run["crank_angle"][rows])
-    return Sway(load, speed, swept, kept, rms(orbit[rows]), whole[rows].mean(axis=0), run)
+    kept = {key: thinned(signal, every, key in ACCELERATIONS) for key, signal in taken.items()}
+    first = int(np.searchsorted(run.time[::every], SETTLING))
+    rows = slice(first, first + round(swept_time / (every * step)))
+    fine = slice(every * rows.start, every * rows.stop)
+    return Sway(
+        load=load,
+        speed=speed,
+        crank=np.abs(run["crank_angle"][::every][rows]),
+        signals={key: _swaying(key, signal[rows]) for key, signal in kept.items()},
+        orbit=rms(thinned(orbit, every, means=True)[rows]),
+        rate=1.0 / (every * step),
+        whole_rms={key: rms(_swaying(key, signal[fine])) for key, signal in taken.items()},
+        sampled_rate=1.0 / step,
+        mean_force=kept["housing"][rows].mean(axis=0),
+        run=_fewer(run, every),
+    )
+
+
+def _swaying(key: str, signal: Array) -> Array:
+    """Give an acceleration's departures as they are, a force less its mean."""
+    return signal if key in ("gear_centre", "output") else signal - signal.mean(axis=0)
+
+
+def _fewer(run: Run, every: int) -> Run:
+    """Keep one of `every` samples of a run, and the largest of the peaks since the one before it."""
+    kept = run.select(slice(None, None, every))
+    starts = np.maximum(np.arange(len(kept)) * every - every + 1, 0)
+    peaks = {
+        name: np.maximum.reduceat(run[name][: starts[-1] + every], starts)
+        for name in run.columns
+        if name.endswith("_peak_force")
+    }
+    return replace(kept, columns={**kept.columns, **peaks})

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj.analysis.spectrum import Orders, periodic_orders
 from cycloid_mj.design import Design
 from cycloid_mj.measure.measurement import Curve, Quantity
-from cycloid_mj.measure.orders import Orders, causes, order_spectrum
+from cycloid_mj.measure.orders import causes
 from cycloid_mj.measure.trace import Case, Trace
 
 Array = npt.NDArray[np.float64]
@@ -167,7 +168,7 @@ def _bases(design: Design) -> dict[str, float]:
 
 
 def _spectrum(design: Design, errors: Trace | Static, place: str, base: float) -> Orders:
-    return order_spectrum(errors.crank, getattr(errors, place), base, HIGHEST * design.ring.teeth)
+    return periodic_orders(errors.crank, getattr(errors, place), base, HIGHEST * design.ring.teeth)
 
 
 def _step_error(found: Found, finer: Finer, case: Case, shaft: str, level: str) -> float | None:

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from cycloid_mj.analysis.spectrum import BAND, tapered_orders
 from cycloid_mj.design import Design
-from cycloid_mj.measure.conditions import DRAG, LOG_RATE, RPM, halved, rated_torque, require_motion, stepped
+from cycloid_mj.measure.conditions import DRAG, RPM, halved, rated_torque, require_motion, stepped
 from cycloid_mj.measure.measurement import Curve, Measurement, Quantity
-from cycloid_mj.measure.orders import order_spectrum
 from cycloid_mj.measure.pool import Done, each, nothing
 from cycloid_mj.measure.reaction import unbalance, weight
 from cycloid_mj.measure.sway import Sway, sway
@@ -18,10 +18,10 @@ from cycloid_mj.mjcf import build
 
 SHARES = (0.5, 0.75, 1.0, 1.25, 1.5)
 """Crank speeds of the sweep as shares of the design's."""
-BAND = 0.45
-"""Highest frequency of the spectra as a share of the log rate."""
+SHOWN = ("gear_centre", "output", "housing")
+"""Signals whose spectra are drawn."""
 _RPM, _HZ = "crank speed [rpm]", "frequency [Hz]"
-_NOTE = "the sum of all contact forces at the sample; m a is its mean between samples, without what is faster than that"
+_NOTE = "the sum of all contact forces; m a leaves out what free pins and sleeves push with"
 _SIGNALS = {
     "gear_centre": ("acceleration of the gear's centre", "m/s2"),
     "output": ("acceleration of the output", "rad/s2"),
@@ -83,14 +83,14 @@ def measure_vibration(
         assumptions=(
             "bearings and housing are rigid; a bearing's force is what contacts and weight leave of its body's inertia",
             "departures are from the closed form (Eqs 12 and 14) at the measured crank, forces from their mean",
-            f"accelerations and forces are logged at {LOG_RATE / 1e3:g} kHz: what is above half of it is folded down",
+            _band_told(at_speed[0]),
             f"unloaded: a drag of {DRAG:.0%} of the rated torque, which presses the flanks together before the window; "
             "the spectra are at the design's speed",
             "numerical error: what half the step changes at the design's speed, of an rms also what half the window "
             "changes; unloaded pins rattle, and a run with other rounding may end some percent off",
         ),
         runs={f"{one.load}_{abs(one.rpm):.0f}rpm": one.run for one in full},
-        details={"sweep": [_row(one) for one in full]},
+        details={"band_hz": 0.5 * at_speed[0].rate, "sweep": [_row(one) for one in full]},
     )
 
 
@@ -104,8 +104,15 @@ def _levels(design: Design, at_speed: Sequence[Sway], checks: Mapping[str, Sway]
             error = None if error is None else max(error, abs(one.rms_of_half(key) - value))
             reference, source = (one.rms("momentum"), "m a of gear and shaft") if key == "housing" else (None, "")
             note = _NOTE if key == "housing" else ""
-            words = f"rms {name}, {one.load}"
+            words = f"rms {name} below {5e-4 * one.rate:.3g} kHz, {one.load}"
             yield f"{key}_rms_{one.load}", Quantity(words, value, unit, error, reference, source, note)
+        for key in SHOWN:
+            name, _ = _SIGNALS[key]
+            words = f"share of the power of the {name} above {5e-4 * one.rate:.3g} kHz, {one.load}"
+            error = _error(one, check, methodcaller("above", key))
+            error = None if error is None else 1e2 * error
+            note = f"sampled at {1e-3 * one.sampled_rate:.4g} kHz; the figures hold what is below"
+            yield f"{key}_above_band_{one.load}", Quantity(words, 1e2 * one.above(key), "%", error, note=note)
         words, error = f"whole acceleration of the gear's centre, {one.load}", _error(one, check, _orbit)
         yield f"orbit_{one.load}", Quantity(words, one.orbit, "m/s2", error, closed, "c omega^2")
         words, error = f"mean force on the housing, {one.load}", _error(one, check, _mean_force)
@@ -168,15 +175,25 @@ def _sweep(design: Design, found: Sequence[Sway]) -> Iterator[Curve]:
 
 def _spectra(at_speed: Sequence[Sway]) -> Iterator[Curve]:
     """Give the spectra at the design's speed: of vectors, the root of both components' squares."""
-    for key in ("gear_centre", "output", "housing"):
+    for key in SHOWN:
         name, unit = _SIGNALS[key]
         for one in at_speed:
             turns_per_second = abs(one.speed) / (2.0 * np.pi)
-            most = BAND * LOG_RATE / turns_per_second
-            parts = [order_spectrum(one.crank, axis, 1.0, most) for axis in one.signals[key].T]
-            size = np.sqrt(np.sum([part.amplitude**2 for part in parts], axis=0))
-            frequency = parts[0].order * turns_per_second
-            yield Curve(f"spectrum of the {name}", one.load, frequency, size, _HZ, f"amplitude [{unit}]")
+            axes = [found for axis in one.signals[key].T if (found := tapered_orders(one.crank, axis)) is not None]
+            if axes:
+                size = np.sqrt(np.sum([found.amplitude**2 for found in axes], axis=0))
+                low, high = (order * turns_per_second for order in axes[0].band)
+                panel = f"spectrum of the {name}, right within 1 % from {low:.2g} to {high:.2g} Hz"
+                yield Curve(panel, one.load, axes[0].order * turns_per_second, size, _HZ, f"amplitude [{unit}]")
+
+
+def _band_told(one: Sway) -> str:
+    return (
+        f"accelerations and forces are sampled at {1e-3 * one.sampled_rate:.4g} kHz and filtered before they are kept "
+        f"at {1e-3 * one.rate:.4g} kHz: their rms holds what is below {5e-4 * one.rate:.3g} kHz (the filter falls from "
+        f"{1e-3 * BAND * one.rate:.3g} to {1e-3 * (1.0 - BAND) * one.rate:.3g} kHz), the spectra end at "
+        f"{1e-3 * BAND * one.rate:.3g} kHz"
+    )
 
 
 def _row(one: Sway) -> dict[str, Any]:

@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
+from cycloid_mj.analysis.spectrum import tapered_orders
 from cycloid_mj.report.curves import FIGURES, Figure, curves, paths
 from cycloid_mj.report.encode import decimated, encoded
 from cycloid_mj.report.mechanism import mechanism
 from cycloid_mj.report.reviewed import PALETTE, Reviewed, labels
-from cycloid_mj.report.spectrum import order_spectrum
 
 MOST_VALUES = 1_000_000
 """Values of curves that a page carries, over all runs: 5 MB."""
@@ -17,6 +17,9 @@ MOST_VALUES = 1_000_000
 MOST_SAMPLES = 40_000
 HIGHEST_ORDER = 5
 """Largest order of the spectrum that is shown, in mesh orders."""
+
+MOST_TURNS = 50
+"""Crank turns of the hold that the spectrum is taken over."""
 
 HEIGHTS = {1: 2.2, 2: 1.1, 3: 0.8}
 """Number of panels of a figure -> height of each, so that figures side by side are about as high."""
@@ -72,18 +75,23 @@ def _span(time: Any) -> list[float]:
 
 
 def spectrum_data(item: Reviewed) -> dict[str, Any] | None:
-    """Give the order spectra of the output's and the gear's speed; None if the hold is too short for one."""
+    """Give the order spectra of the output's and the gear's speed; None if there is no whole crank turn of the hold."""
+    motion, teeth = item.motion, item.motion.design.ring.teeth
+    if motion.phase != "hold":
+        return None
+    swept = np.abs(motion.crank_angle - motion.crank_angle[motion.hold][0]) / (2.0 * np.pi)
+    rows = motion.hold & (swept < MOST_TURNS)
     output, gear = (
-        order_spectrum(item.motion, part.simulated) for part in (item.motion.output_speed, item.motion.gear_speed)
+        tapered_orders(motion.crank_angle[rows], part.simulated[rows], HIGHEST_ORDER * teeth * 1.02)
+        for part in (motion.output_speed, motion.gear_speed)
     )
     if output is None or gear is None:
         return None
-    teeth = item.motion.design.ring.teeth
-    shown = output.order <= HIGHEST_ORDER * teeth * 1.02
     return {
-        "order": encoded(output.order[shown]),
-        "output": encoded(1e3 * output.amplitude[shown]),
-        "gear": encoded(1e3 * gear.amplitude[shown]),
+        "order": encoded(output.order),
+        "output": encoded(1e3 * output.amplitude),
+        "gear": encoded(1e3 * gear.amplitude),
         "mesh": teeth,
-        "turns": output.turns,
+        "turns": output.cycles,
+        "band": list(output.band),
     }

@@ -7,7 +7,7 @@ from typing import Any
 
 from cycloid_mj.report import html, tables
 from cycloid_mj.report.curves import Figure
-from cycloid_mj.report.data import figures, page_data, spectrum_data
+from cycloid_mj.report.data import MOST_TURNS, figures, page_data, spectrum_data
 from cycloid_mj.report.reviewed import PALETTE, Reviewed, labels
 
 SCRIPTS = ("scale.js", "chart.js", "plane.js", "mechanism.js", "page.js")
@@ -146,14 +146,17 @@ def _figure(figure: Figure) -> str:
 
 
 def _spectrum(reviewed: Sequence[Reviewed]) -> str:
-    missing = [name for item, name in zip(reviewed, labels(reviewed), strict=True) if spectrum_data(item) is None]
+    spectra = dict(zip(labels(reviewed), map(spectrum_data, reviewed), strict=True))
+    missing = [name for name, spectrum in spectra.items() if spectrum is None]
     if len(missing) == len(reviewed):
         return html.tag("p", "The hold is shorter than a crank turn, or was not reached: there is no spectrum.")
     note = f" Not for {', '.join(missing)}: its hold is shorter than a turn." if missing else ""
+    bands = [spectrum["band"] for spectrum in spectra.values() if spectrum is not None]
+    low, high = max(band[0] for band in bands), min(band[1] for band in bands)
     caption = (
-        f"{_conditions(reviewed)}. Amplitude of the speed about its mean, over whole crank turns with a Hann window. "
-        "Dashed: the mesh orders, "
-        f"multiples of the number of ring teeth per crank turn.{note}"
+        f"{_conditions(reviewed)}. Amplitude of the speed about its mean, over whole crank turns (at most {MOST_TURNS}) "
+        f"with a Hann window, right within 1 % from order {low:.3g} to {high:.4g}. "
+        f"Dashed: the mesh orders, multiples of the number of ring teeth per crank turn.{note}"
     )
     inside = '<div class="chart"></div>' + html.tag("figcaption", html.text(caption))
     return html.tag("figure", inside, id_="figure-spectrum", class_="plot wide")

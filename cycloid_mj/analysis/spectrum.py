@@ -1,0 +1,223 @@
+"""The one spectrum of the project: amplitudes by order, densities by frequency, and the filter before sampling less.
+
+An order is a number of cycles in a turn of the crank. `periodic_orders` is for values at even steps of the crank that
+repeat: it is exact. `tapered_orders` is for logs, whose samples are even in time while the crank's speed sways, and
+whose signals need not repeat in the window: values between samples are those of the band-limited signal through them,
+and a Hann window keeps apart what does not fit. It reads a cosine within 1 % of its amplitude between ``LOWEST`` cycles
+in the window and ``BAND`` of the sampling rate; straight lines between samples would take 7 % at 0.15 of the rate and
+nearly half of it at 0.4.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.errors import UsageError
+
+Array = npt.NDArray[np.float64]
+
+BAND = 0.4
+"""Highest frequency that is told, as a share of the sampling rate."""
+
+LOWEST = 3.0
+"""Least number of cycles in the window at which any cosine is read within 1 %; one that fits in whole is below it, too,
+at its own order."""
+
+REACH = 16
+"""Samples on either side that a value between samples is made of."""
+
+SHARPNESS = 9.0
+"""Kaiser's beta of the windows: ripples of 1e-4."""
+
+PADDING = 8
+"""Orders told for each cycle in the window, so that one that lies between is not read too low."""
+
+HANN_BANDWIDTH = 1.5
+"""Equivalent noise bandwidth of a Hann window, in cycles of the window."""
+
+EVEN = 1e-6
+"""Relative; by how much steps of the crank may differ."""
+
+SHORT = 0.02
+"""Share of a cycle by which a window may fall short of whole ones."""
+
+
+@dataclass(frozen=True, eq=False)
+class Orders:
+    """A spectrum by order.
+
+    Attributes
+    ----------
+    base
+        Cycles in a crank turn of the first of the orders that are told apart [1].
+    order
+        Orders [1], increasing, shape (n,).
+    amplitude
+        Half of the peak-to-peak value of a cosine of each order, in the values' unit, shape (n,).
+    band
+        Lowest and highest order that is read within 1 % [1].
+    cycles
+        Whole cycles of the base in the window.
+    spread
+        Orders that one cosine shows in, as a power: 1 where each is told once.
+    """
+
+    base: float
+    order: Array
+    amplitude: Array
+    band: tuple[float, float]
+    cycles: int
+    spread: float = 1.0
+
+    def rms(self, kept: npt.NDArray[np.bool_]) -> float:
+        """Give the rms value of some orders together."""
+        return float(np.sqrt(0.5 * np.sum(self.amplitude[kept] ** 2) / self.spread))
+
+
+def periodic_orders(crank: Array, values: Array, base: float = 1.0, most: float = np.inf) -> Orders:
+    """Give the orders of values that repeat, over as many whole cycles as there are.
+
+    Parameters
+    ----------
+    crank
+        Crank angles [rad] at even steps, increasing, a whole number of them in a cycle, shape (n,).
+    values
+        Shape (n,).
+    base
+        Cycles in a crank turn of what the values repeat with [1].
+    most
+        The largest order that is told [1]; at most that of two samples in a cycle.
+
+    Raises
+    ------
+    UsageError
+        The steps are not even, or do not fit in a cycle, or there is no whole cycle.
+    """
+    period, step = 2.0 * np.pi / base, float(crank[-1] - crank[0]) / (len(crank) - 1)
+    cycles = int((len(crank) * step) / period + EVEN)
+    points = round(cycles * period / step)
+    uneven = np.abs(np.diff(crank) - step).max() > EVEN * step
+    if cycles < 1 or uneven or abs(points * step - cycles * period) > EVEN * period:
+        raise UsageError(
+            f"{len(crank)} crank angles over {np.degrees(crank[-1] - crank[0]):.6g} deg are no even division of whole "
+            f"cycles of {np.degrees(period):.6g} deg: sample at even angles, a whole number in a cycle"
+        )
+    amplitude = 2.0 / points * np.abs(np.fft.rfft(values[:points]))
+    order = base * np.arange(amplitude.size) / cycles
+    highest = 0.5 * base * points / cycles
+    kept = (order > 0.0) & (order <= most) & (order < highest)
+    return Orders(base, order[kept], amplitude[kept], (base / cycles, min(most, highest)), cycles)
+
+
+def tapered_orders(angle: Array, values: Array, most: float = np.inf) -> Orders | None:
+    """Give the orders of logged values about their mean, over as many whole crank turns as there are.
+
+    Parameters
+    ----------
+    angle
+        Crank angles [rad] at even times, strictly increasing or decreasing, shape (n,).
+    values
+        Shape (n,).
+    most
+        The largest order that is told [1]; at most ``BAND`` of the samples in a turn.
+
+    Returns
+    -------
+    Orders or None
+        None where there is not one whole turn.
+    """
+    from scipy.interpolate import CubicSpline
+
+    swept = np.abs(angle - angle[0]) / (2.0 * np.pi)
+    if len(swept) < 2 * REACH or (np.diff(swept) <= 0.0).any():
+        return None
+    sampled = float(swept[-1]) * len(swept) / (len(swept) - 1)
+    turns = int(sampled + SHORT)
+    if turns < 1:
+        return None
+    points = int(np.ceil(turns / sampled * len(swept)))
+    places = CubicSpline(swept, np.arange(len(swept)))(turns * np.arange(points) / points)
+    even = between_samples(values, places)
+    taper = np.hanning(points + 1)[:-1]
+    amplitude = 2.0 * np.abs(np.fft.rfft(taper * (even - even.mean()), PADDING * points)) / np.sum(taper)
+    order = np.arange(amplitude.size) / (PADDING * turns)
+    highest = min(most, BAND * len(swept) / sampled)
+    kept = (order > 0.0) & (order <= highest)
+    return Orders(1.0, order[kept], amplitude[kept], (LOWEST / turns, highest), turns, HANN_BANDWIDTH * PADDING)
+
+
+def between_samples(values: Array, places: Array) -> Array:
+    """Give the band-limited signal through even samples, right to 1e-3 up to ``BAND`` of their rate.
+
+    Parameters
+    ----------
+    values
+        Samples, shape (n,); beyond both ends they are taken to go on turned by half a turn about the end.
+    places
+        Where to read it, in samples from the first, from 0 to n - 1 or little more, shape (k,).
+    """
+    ahead = np.pad(values, REACH, mode="reflect", reflect_type="odd")
+    first = np.clip(np.floor(places).astype(np.int64), 0, len(values) - 1)
+    total, weights = np.zeros(len(places)), np.zeros(len(places))
+    for offset in range(1 - REACH, REACH + 1):
+        away = places - first - offset
+        weight = np.sinc(away) * np.i0(SHARPNESS * np.sqrt(np.clip(1.0 - (away / REACH) ** 2, 0.0, 1.0)))
+        total += weight * ahead[first + offset + REACH]
+        weights += weight
+    return np.asarray(total / weights)
+
+
+def thinned(values: Array, every: int, means: bool = False) -> Array:
+    """Keep one of `every` samples, after a filter that takes away what would fold into the band.
+
+    Parameters
+    ----------
+    values
+        Even samples, shape (n,) or (n, k).
+    every
+        What is above ``1 - BAND`` of the new rate is taken away to 1e-3, what is below ``BAND`` of it kept.
+    means
+        Whether each value is a mean from one sample to the next, which reads high frequencies too low: made good.
+
+    Returns
+    -------
+    Array
+        Shape (ceil(n / every),) or (ceil(n / every), k); the first and last 10 of them feel the ends.
+    """
+    from scipy.signal import fftconvolve, firwin2
+
+    if every == 1:
+        return values
+    edges = np.linspace(0.0, 0.5 / every, 65)
+    gain = 1.0 / np.sinc(edges) if means else np.ones_like(edges)
+    taps = firwin2(20 * every + 1, [*edges, 0.5 / every, 0.5], [*gain, 0.0, 0.0], window=("kaiser", 6.0), fs=1.0)
+    columns = values.reshape(len(values), -1)
+    ends = len(taps) // 2
+    ahead = np.pad(columns, ((ends, ends), (0, 0)), mode="reflect", reflect_type="odd")
+    kept = fftconvolve(ahead, taps[:, np.newaxis], mode="valid", axes=0)[::every]
+    return np.asarray(kept.reshape(-1, *values.shape[1:]))
+
+
+def density(values: Array, rate: float, segment: int) -> tuple[Array, Array]:
+    """Give frequencies [Hz] and one-sided power spectral densities by Welch's method, Hann windows half laid over.
+
+    Parameters
+    ----------
+    values
+        Even samples, shape (n,) or (n, k).
+    rate
+        Samples per second.
+    segment
+        Samples in a segment.
+
+    Returns
+    -------
+    tuple of Array
+        Up to ``BAND`` of the rate: shapes (m,), and (m,) or (m, k) in squares of the values' unit per Hz.
+    """
+    from scipy.signal import welch
+
+    frequency, power = welch(values, rate, nperseg=segment, axis=0)
+    kept = frequency <= BAND * rate
+    return frequency[kept], power[kept]
