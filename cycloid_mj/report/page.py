@@ -154,8 +154,8 @@ def _spectrum(reviewed: Sequence[Reviewed]) -> str:
     bands = [spectrum["band"] for spectrum in spectra.values() if spectrum is not None]
     low, high = max(band[0] for band in bands), min(band[1] for band in bands)
     caption = (
-        f"{_conditions(reviewed)}. Amplitude of the speed about its mean, over whole crank turns (at most {MOST_TURNS}) "
-        f"with a Hann window, right within 1 % from order {low:.3g} to {high:.4g}. "
+        f"{_conditions(reviewed)}. Amplitude of the speed about its mean, over whole crank turns (at most "
+        f"{MOST_TURNS}) with a Hann window, right within 1 % from order {low:.3g} to {high:.4g}. "
         f"Dashed: the mesh orders, multiples of the number of ring teeth per crank turn.{note}"
     )
     inside = '<div class="chart"></div>' + html.tag("figcaption", html.text(caption))
