@@ -162,6 +162,14 @@ def test_transmission_error_of_gear_and_output():
     assert found.output_transmission_error.mean_arcsec == near(-96)
 
 
+def test_peak_to_peak_is_the_mean_of_the_turns_and_not_their_largest():
+    design = designed()
+    swing = np.where(np.arange(2 * TURN) < TURN, 0.5, 2.0) * wave(design, 36)
+    found = analyze(ideal(design, gear_angle=ARCSEC * swing, output_angle=ARCSEC * 2 * swing), settle=0.0)
+    assert found.gear_transmission_error.peak_to_peak_arcsec == near((1.0 + 4.0) / 2)
+    assert found.output_transmission_error.peak_to_peak_arcsec == near((2.0 + 8.0) / 2)
+
+
 def test_q_path_is_the_distance_of_two_points():
     design = designed()
     shifted = analyze(ideal(design, gear_x=3e-6, gear_y=-4e-6))

@@ -226,10 +226,10 @@ def test_the_order_is_found_where_there_is_one():
 @pytest.mark.parametrize(
     ("name", "within", "beyond"),
     [
-        ("gear_speed", 2.05, 2.07),
-        ("mean_error", 21.5, 21.7),
-        ("cam_force", 1213.0, 1211.0),
-        ("efficiency", 89.15, 88.7),
+        ("gear_speed", 2.03, 2.05),
+        ("mean_error", 21.0008, 21.0009),
+        ("cam_force", 1249.98, 1249.97),
+        ("efficiency", 89.0002, 88.9996),
     ],
 )
 def test_a_step_up_to_the_default_is_judged(name, within, beyond):

@@ -80,7 +80,8 @@ def whole_periods(crank_angle: Array, mesh_period: float) -> slice:
 def turn_by_turn(crank_angle: Array) -> list[slice]:
     """Give each whole crank turn from the first sample on; everything where it is shorter than one turn."""
     swept = np.abs(crank_angle - crank_angle[0]) / (2 * np.pi)
-    turns = int(swept[-1] + 1e-6)
+    # a turn of n samples ends one sample after its last
+    turns = int(swept[-1] * swept.size / max(swept.size - 1, 1) + 1e-6)
     starts = np.searchsorted(swept, np.arange(turns + 1) - 1e-9)
     return [slice(int(first), int(last)) for first, last in pairwise(starts)] or [slice(0, swept.size)]
 

@@ -28,6 +28,8 @@ IDEAL = [
     'contact.stiffness_law="uniform"',
     "settings.timestep_us=2.0",
 ]
+RADIAL_BOUND = 1.5
+"""Percent; the radial load is a fifth of the tangential one, whose ripple leaves 0.62 % of it in the mean."""
 STIFF_CAM = 2e11
 SETTLED = 0.008
 
@@ -42,7 +44,7 @@ def _slow_row(quick: bool) -> Row:
     design = reducer_of(FIXED, *IDEAL, *rig.without_gravity(), "contact.stiffness_n_m=1e7", "load.torque_nm=1.0")
     run = _ideal_run(design, rpm, 60.0 / (rpm * design.ring.teeth))
     ours, ideal = rig.forces(run, [CAM])[:, 0], statics_load(design, run["crank_angle"])
-    return deviation("load of the cam, slow and ideal", ours, ideal, "N", "ring + output pins, closed form", 1.0)
+    return deviation("load of the cam, slow and ideal", ours, ideal, "N", "ring + output pins, closed form", 0.5)
 
 
 def _fast_rows(quick: bool) -> list[Row]:
@@ -59,8 +61,10 @@ def _fast_rows(quick: bool) -> list[Row]:
     radial, expected = (float(np.mean(np.sum(force * outward, axis=1))) for force in (ours, ideal))
     up, weight = (float(np.mean(force[:, 1])) for force in (ours, ideal))
     return [
-        relative("radial load of the cam, fast and ideal", radial, expected, "N", "ring + output + m c w^2", 1.0),
-        relative("upward load of the cam, fast, at 10 g", up, weight, "N", "ring + output + weight", 1.0),
+        relative(
+            "radial load of the cam, fast and ideal", radial, expected, "N", "ring + output + m c w^2", RADIAL_BOUND
+        ),
+        relative("upward load of the cam, fast, at 10 g", up, weight, "N", "ring + output + weight", 0.3),
     ]
 
 
@@ -73,7 +77,7 @@ def _rated_rows(quick: bool) -> list[Row]:
     ours, held = (np.mean(_turning(force, crank), axis=0, keepdims=True) for force in (cam, balance))
     ideal = statics_load(design, crank, body)
     return [
-        deviation("load of the cam, rated, free pins", ours, held, "N", "m (g - a), ring, output, logged", 0.1),
+        deviation("load of the cam, rated, free pins", ours, held, "N", "m (g - a), ring, output, logged", 0.01),
         relative(
             "load of the cam, rated, free pins",
             float(rig.sizes(cam).mean()),

@@ -54,7 +54,12 @@ def rows(quick: bool) -> list[Row]:
     creeping = MASS * GRAVITY * math.sin(low) / law.creep
     return [
         relative(
-            "creep of a block below the friction angle", 1e6 * stuck.speed, 1e6 * creeping, "um/s", "m g sin/creep", 1.0
+            "creep of a block below the friction angle",
+            1e6 * stuck.speed,
+            1e6 * creeping,
+            "um/s",
+            "m g sin/creep",
+            5e-6,
         ),
         relative(
             "acceleration of a block above it",
@@ -62,10 +67,10 @@ def rows(quick: bool) -> list[Row]:
             GRAVITY * (math.sin(high) - law.friction * math.cos(high)),
             "m/s2",
             "g (sin - mu cos)",
-            0.5,
+            1e-6,
         ),
         relative(
-            "acceleration of a rolling cylinder", rolling.acceleration, 2.0 * slope / 3.0, "m/s2", "2/3 g sin", 0.5
+            "acceleration of a rolling cylinder", rolling.acceleration, 2.0 * slope / 3.0, "m/s2", "2/3 g sin", 5e-5
         ),
         relative(
             "slip of the rolling cylinder",
@@ -73,7 +78,7 @@ def rows(quick: bool) -> list[Row]:
             1e6 * MASS * slope / 3.0 / law.creep,
             "um/s",
             "m g sin/(3 creep)",
-            1.0,
+            2.5e-3,
         ),
     ]
 

@@ -139,7 +139,7 @@ def efficiency_rows(quick: bool) -> list[Row]:
             None,
             "the formula leaves out that friction turns the gear back, so that the teeth press harder: see next row",
         ),
-        absolute("efficiency, simulated, ideal", ours, closed, "%", "the same with friction's own moment", 0.1),
+        absolute("efficiency, simulated, ideal", ours, closed, "%", "the same with friction's own moment", 0.2),
         absolute(
             "efficiency, simulated, as built",
             built,
@@ -156,7 +156,7 @@ def efficiency_rows(quick: bool) -> list[Row]:
             logged,
             "W",
             "mu w sum F (l - rho)/(N-1)",
-            1.0,
+            0.45,
         ),
     ]
 

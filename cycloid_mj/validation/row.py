@@ -30,7 +30,7 @@ class Row:
     error_unit
         Unit of `error` and `bound`: "%", "points" of a percentage, or `unit`.
     bound
-        Largest error that passes; None where the row only tells.
+        Largest error that passes, about three times the largest that was seen; None where the row only tells.
     note
         What explains the error, where it needs that.
     rung
