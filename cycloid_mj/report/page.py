@@ -54,7 +54,7 @@ def _badges(reviewed: Sequence[Reviewed]) -> str:
     for item, name, colour in zip(reviewed, labels(reviewed), PALETTE, strict=False):
         found = item.findings
         numbers = [
-            ("efficiency", f"{100 * found.efficiency:.2f} %" if found.efficiency is not None else "none"),
+            ("efficiency", f"{100 * found.efficiency:.2f} %" if found.efficiency is not None else _no_efficiency(item)),
             ("output: transmission error, p-p", f"{found.transmission_error.peak_to_peak_arcsec:.3g} arcsec"),
             ("output: speed, rms error", f"{1e3 * found.output_speed.rms_error_rad_s:.3g} mrad/s"),
             ("gear: transmission error, p-p", f"{found.gear_transmission_error.peak_to_peak_arcsec:.3g} arcsec"),
@@ -71,6 +71,10 @@ def _badges(reviewed: Sequence[Reviewed]) -> str:
         line = html.tag("p", f"{named} {html.text(f'{judged}; {item.log}: {state}')}", class_="log")
         rows.append(line + html.tag("dl", cards))
     return "".join(rows)
+
+
+def _no_efficiency(item: Reviewed) -> str:
+    return "no load" if not item.findings.condition.load_nm else "not in a ramp"
 
 
 def _warned(reviewed: Sequence[Reviewed]) -> str:

@@ -27,7 +27,7 @@ class View {
   }
 }
 
-const MARGIN = { right: 10, top: 20, gap: 24, bottom: 34 };
+const MARGIN = { right: 10, top: 20, gap: 26, bottom: 34 };
 const PANEL = 118;
 const LETTER = 6.4;
 
@@ -112,7 +112,7 @@ class Chart {
       element(lines, "path", { class: "curve", d, stroke: curve.colour, "stroke-width": curve.width });
     });
     element(group, "line", { class: "axis", x1: left, x2: left + inner, y1: top + height, y2: top + height });
-    element(group, "text", { x: 2, y: top - 7, "font-weight": 600 }, panel.label);
+    element(group, "text", { x: 2, y: top - 9, "font-weight": 600 }, panel.label);
     const readout = element(group, "text", { x: left + inner, y: top - 7, "text-anchor": "end" });
     this.readouts.push({ panel, readout });
   }
