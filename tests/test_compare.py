@@ -24,9 +24,12 @@ from cycloid_mj.plots.curvature import CRANK_ANGLES, curvature_figure
 from cycloid_mj.profile import CycloidGear
 
 PAPER = CycloidGear(36, 1e-3, 40.75e-3, 2.25e-3)
-SHORT = ("--hold-s", "0.012", "--timestep-us", "4", "--set", "load.rise_s=0.001")
+SHORT = ("--hold-s", "0.012", "--timestep-us", "4", "--set", "load.rise_s=0.001", "--quick")
 DESIGNS = ("pin", "nonpin", "nonpin-like-pin")
-NAMES = ("gear_speed", "q_path", "q_speed", "transmission_error", "teeth", "tooth_force", "cam_force", "vibration")
+NAMES = (
+    *("transmission_error", "gear_transmission_error", "output_speed", "gear_speed", "q_path", "q_speed"),
+    *("teeth", "tooth_force", "cam_force", "vibration"),
+)
 
 
 def told(*argv: str) -> tuple[int, str, str]:
@@ -150,7 +153,12 @@ def test_table_and_words_go_to_stdout(compared, tmp_path, undrawn):
     assert (code, err) == (0, "")
     assert "no load" not in out
     flat = " ".join(out.split())
-    for words in ("36.68 N m: from", "gear speed error, rms", "vibration of the output", "differ in: ring.kind (pin"):
+    for words in (
+        "36.68 N m, 1640 rpm: from",
+        "gear speed error, rms",
+        "vibration of the output",
+        "differ in: ring.kind (pin",
+    ):
         assert words in flat
     for ranking in found["rankings"][10:]:
         assert ranking["sentence"] in flat
@@ -164,6 +172,24 @@ def test_default_hold_is_whole_turns_after_settling(here, instant, undrawn):
     assert design.drive.hold == pytest.approx(settling(design) + TURNS * turn, abs=1.5 / design.settings.log_rate)
     assert f"{design.drive.hold:.4f}" == "0.2661", "the help says how long"
     assert all(ran.drive == design.drive for ran in instant)
+
+
+def test_loaded_runs_are_repeated_with_each_assumption_unless_quick(here, instant, undrawn):
+    argv = ("compare", "pin", "nonpin", "--hold-s", "0.02", "--json", "--quiet", "--out")
+    found = json.loads(told(*argv, "whole")[1])
+    cases = [(design.name, design.load.torque) for design in instant]
+    creep = [design.contact.creep_speed for design in instant]
+    damping = [design.contact.damping_ratio for design in instant]
+    assert len(cases) == 2 * len(DESIGNS) + 2 * len(DESIGNS)
+    assert creep.count(1e-3) == damping.count(0.1) == len(DESIGNS)
+    assert all(load for (_, load), slow, soft in zip(cases, creep, damping, strict=True) if slow < 0.02 or soft < 0.5)
+    assert {each["design"] for each in found["sensitivity"]} == set(DESIGNS)
+    assert {each["load_nm"] for each in found["sensitivity"]} == {36.68}
+    for each in (each for each in found["sensitivity"] if each["quantity"] != "efficiency"):  # noise may have none
+        assert [response["parameter"] for response in each["responses"]] == ["creep speed", "damping ratio"]
+    quick = json.loads(told(*argv, "quick", "--quick")[1])
+    assert quick["sensitivity"] == []
+    assert len(instant) == 6 * len(DESIGNS)
 
 
 def test_next_comparisons_take_free_folders(here, instant, undrawn):
@@ -365,5 +391,8 @@ def test_figures_have_a_panel_for_each_run_and_name_it(compared):
         else:
             assert titles == [f"{name}, {load}" for name in DESIGNS for load in ("no load", "36.68 N m")]
             assert figure.get_supylabel()
+        assert figure.get_suptitle().endswith("1640 rpm")
+    error = drawn["compare_transmission_error"].axes[1].lines[0].get_ydata()
+    assert error == pytest.approx(np.degrees(motions[3].output_angle.error[motions[3].one_turn]) * 3600)
     speed = drawn["compare_gear_speed"].axes[1].lines[0].get_ydata()
     assert speed == pytest.approx(1e3 * motions[3].gear_speed.error[motions[3].one_turn])

@@ -15,6 +15,7 @@ from cycloid_mj.comparison.conditions import conditions, differences
 from cycloid_mj.comparison.fluctuation import Level, level, turns, unshifted
 from cycloid_mj.comparison.forces import cam_force, tooth_forces
 from cycloid_mj.comparison.ranking import FEWEST_TURNS, SIGNIFICANCE, Ranking, summary
+from cycloid_mj.comparison.sensitivity import ASSUMPTIONS, Response, Sensitivity, sensitivities, sensitivity_table
 from cycloid_mj.comparison.vibration import acceleration, spectrum
 from cycloid_mj.design import PRESETS, Design, dump, override
 from cycloid_mj.errors import LogError, UsageError
@@ -363,6 +364,45 @@ def test_what_cannot_be_compared_is_refused(trials, words):
         compare(trials())
 
 
+# --- sensitivity
+
+
+def test_sensitivity_states_the_change_with_each_assumption():
+    base = pair(20.0)
+    creep, damping = ASSUMPTIONS
+    found = sensitivities(base, {creep: pair(20.0, pin=0.0029, nonpin=0.0012), damping: pair(20.0, pin=0.005)})
+    (speed,) = (each for each in found if (each.design, each.quantity) == ("pin", "gear speed error, rms"))
+    assert [(one.parameter, one.value) for one in speed.responses] == [
+        ("creep speed", "1 mm/s"),
+        ("damping ratio", "0.1"),
+    ]
+    assert speed.changes == pytest.approx((0.45, 1.5))
+    assert not speed.determined  # 0.005 is more than twice 0.002
+    (other,) = (each for each in found if (each.design, each.quantity) == ("nonpin", "gear speed error, rms"))
+    assert other.changes == pytest.approx((0.2, 0.0))
+    assert other.determined
+    header, rows = sensitivity_table(found)
+    assert header == ["quantity", "pin", "nonpin"]
+    told = {row[0]: row[1:] for row in rows}
+    assert told["gear speed error, rms"] == ["not determined: x 1.4, 2.5", "+20 %, +0 %"]
+    as_json = compare(base, sensitivity=found).as_json()["sensitivity"]
+    assert as_json == json.loads(json.dumps(as_json, allow_nan=False))
+
+
+@pytest.mark.parametrize(
+    ("figure", "changed", "determined"),
+    [(1.0, 1.9, True), (1.0, 0.55, True), (1.0, 2.1, False), (1.0, -0.9, False), (0.0, 0.0, True), (0.0, 1.0, False)],
+)
+def test_a_figure_is_determined_within_a_factor_of_two_and_by_its_sign(figure, changed, determined):
+    responses = (Response("creep speed", "1 mm/s", changed),)
+    assert Sensitivity("spin", "rad/s", "pin", 36.0, figure, responses).determined == determined
+
+
+def test_assumptions_change_what_they_name_only():
+    for variation, key in zip(ASSUMPTIONS, ("contact.creep_speed_mm_s", "contact.damping_ratio"), strict=True):
+        assert list(differences([PRESETS["pin"], variation.of(PRESETS["pin"])])) == [key]
+
+
 # --- sweep
 
 
@@ -396,7 +436,7 @@ def test_sweep_figure_marks_every_ratio():
     base = pair(20.0) + pair(0.0)
     found = compare(base, [varied(Variation("pins", "fixed", ()), pair(20.0, pin=0.0011) + pair(0.0, pin=0.003))])
     panels = sweep_figure(found).axes
-    assert [panel.get_title(loc="left") for panel in panels] == ["no load", "20 N m"]
+    assert [panel.get_title(loc="left") for panel in panels] == ["no load, 1666.67 rpm", "20 N m, 1666.67 rpm"]
     marks = sorted(line.get_ydata()[0] for panel in panels for line in panel.lines if line.get_marker() != "None")
     ratios = [r.ratio for r in (*found.rankings, *found.sweep[0].rankings) if math.isfinite(r.ratio)]
     assert marks == pytest.approx(sorted(ratios))

@@ -36,9 +36,10 @@ def broken(found: Findings) -> list[str]:
     bounds = {
         "crank law": found.crank.max_relative_error < 1e-4,
         "mean gear speed": abs(speed.mean_rad_s / speed.theory_rad_s - 1) < 5e-4,
+        # seen: 1.4, 1.8 and 0.05 um; the gear floats in its play
         "path of q in the hold": found.q_path.max_error_um < 5.0,
         "path of q in the ramp": found.ramp.q_path.max_error_um < 5.0,
-        "penetration": 0.0 < penetration < 0.5,
+        "penetration": 0.0 < penetration < 0.2,
     }
     return [name for name, kept in bounds.items() if not kept]
 
@@ -79,10 +80,10 @@ def at_steps(load: float, hold: float, *steps_us: float) -> list[dict[str, float
 
 
 def test_two_microseconds_give_what_one_gives_and_twenty_do_not():
-    """Under load the motion is periodic after 10 ms: the rms speed error changes by less than 0.1 %, measured."""
+    """Under load the motion is periodic after 10 ms: the rms speed error changes by 0.07 %, the others by less."""
     one, two, twenty = at_steps(36.0, 0.022, 1.0, 2.0, 20.0)
     for name, value in one.items():
-        assert two[name] == pytest.approx(value, rel=0.01), name
+        assert two[name] == pytest.approx(value, rel=0.002), name
     assert abs(twenty["rms"] / one["rms"] - 1) > 0.1
 
 

@@ -42,7 +42,7 @@ def test_the_crank_follows_the_ramp_and_the_gear_follows_the_crank() -> None:
     slip = run["gear_angle"] + run["crank_angle"] / design.lobes
     backlash = 2e-6 / (design.gear.eccentricity * design.lobes)
     assert 0.0 < np.abs(slip).max() < 3.0 * backlash
-    assert run["penetration"].max() < 0.5e-6
+    assert run["penetration"].max() < 0.25e-6  # 0.05 um; idle free pins are chaotic
 
 
 def test_two_runs_are_the_same_bit_for_bit() -> None:
@@ -70,7 +70,8 @@ def test_other_designs_run_by_their_own_ratio(changes: tuple[str, ...]) -> None:
     run = simulate(design)
     slip = run["gear_angle"] + run["crank_angle"] / design.lobes
     assert np.abs(slip).max() < 6.0 * 2e-6 / (design.gear.eccentricity * design.lobes)
-    assert run["gear_angle"][-1] == pytest.approx(-design.drive.speed * run.time[-1] / design.lobes, rel=2e-3)
+    # backlash and the first jerk: 0.023 to 0.035 % of a few degrees
+    assert run["gear_angle"][-1] == pytest.approx(-design.drive.speed * run.time[-1] / design.lobes, rel=1e-3)
     assert run["penetration"].max() < 2e-6
 
 
@@ -99,7 +100,8 @@ def test_backlash_at_locked_crank(pins: str) -> None:
                 mujoco.mj_step(reducer.model, data, 800)
         stops.append(data.joint("gear_angle").qpos[0])
     expected = 2.0 * clearances[pins] / (design.gear.eccentricity * design.lobes)
-    assert stops[0] - stops[1] == pytest.approx(expected, rel=0.02)
+    # the torque presses the teeth in: 0.43 % (fixed) and 0.30 % (free)
+    assert stops[0] - stops[1] == pytest.approx(expected, rel=0.013)
 
 
 def test_friction_power_explains_the_loss() -> None:
@@ -111,7 +113,8 @@ def test_friction_power_explains_the_loss() -> None:
     power_out = -np.mean(steady["load_torque"] * steady["output_speed"])
     lost = sum(np.mean(steady[f"{kind}_friction_power"]) for kind in ("pin_gear", "cam", "output"))
     assert power_in - power_out > 0.05 * power_in
-    assert lost == pytest.approx(power_in - power_out, rel=0.02)
+    # what is left is stored: the window ends within a mesh period; 0.009 %
+    assert lost == pytest.approx(power_in - power_out, rel=3e-4)
 
 
 def test_no_friction_loses_nothing() -> None:
@@ -126,7 +129,7 @@ def test_no_friction_loses_nothing() -> None:
     steady = run.select(run.time > 0.01)
     power_in = np.mean(steady["crank_torque"] * steady["crank_speed"])
     power_out = -np.mean(steady["load_torque"] * steady["output_speed"])
-    assert power_out / power_in == pytest.approx(1.0, abs=0.002)
+    assert power_out / power_in == pytest.approx(1.0, abs=6e-5)  # 2e-5: damping, and a mesh period that is cut
 
 
 def ended(design: Design) -> tuple[int, str]:

@@ -226,8 +226,9 @@ def test_the_order_is_found_where_there_is_one():
 @pytest.mark.parametrize(
     ("name", "within", "beyond"),
     [
-        ("gear_speed", 2.03, 2.05),
+        ("gear_speed", 2.0039, 2.0041),
         ("mean_error", 21.0008, 21.0009),
+        ("peak_to_peak", 0.2401, 0.2402),
         ("cam_force", 1249.98, 1249.97),
         ("efficiency", 89.0002, 88.9996),
     ],

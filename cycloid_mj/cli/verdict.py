@@ -18,12 +18,17 @@ def report(comparison: "Comparison", figures: Sequence[Path], json: bool) -> Non
     if json:
         say_json(comparison.as_json() | {"figures": [str(path) for path in figures]})
         return
-    from cycloid_mj.comparison import load_words, table
+    from cycloid_mj.comparison import ASSUMPTIONS, sensitivity_table, table
 
     for load in comparison.loads:
-        window = comparison.at(load)[0].measures.findings.window
-        title = f"{load_words(load)}: from {window.start_s:g} to {window.end_s:g} s ({window.crank_turns:.1f} turns)"
-        say_table(title, *table(comparison, load))
+        findings = comparison.at(load)[0].measures.findings
+        window = findings.window
+        span = f"from {window.start_s:.6g} to {window.end_s:.6g} s ({window.crank_turns:.1f} turns)"
+        say_table(f"{findings.condition}: {span}", *table(comparison, load))
+    if comparison.sensitivity:
+        ends = " and ".join(f"{each.parameter} {each.value}" for each in ASSUMPTIONS)
+        condition = comparison.trials[-1].measures.findings.condition
+        say_table(f"{condition}: change with {ends}", *sensitivity_table(comparison.sensitivity))
     for line in _words(comparison):
         say(line)
     say("logs: " + " ".join(str(trial.measures.findings.log) for trial in comparison.trials))

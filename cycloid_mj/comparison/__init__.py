@@ -9,15 +9,18 @@ from cycloid_mj.comparison.conditions import conditions, differences, under
 from cycloid_mj.comparison.equalised import series_stiffness, total_play, with_play_of
 from cycloid_mj.comparison.measures import Measures, measure, settled, settling
 from cycloid_mj.comparison.ranking import Ranking, rankings
+from cycloid_mj.comparison.sensitivity import ASSUMPTIONS, Sensitivity, sensitivities, sensitivity_table
 from cycloid_mj.comparison.sweep import SWEEP, Variation, Varied, varied
 from cycloid_mj.comparison.table import table
 from cycloid_mj.comparison.trial import Trial
 
 __all__ = [
+    "ASSUMPTIONS",
     "SWEEP",
     "Comparison",
     "Measures",
     "Ranking",
+    "Sensitivity",
     "Trial",
     "Variation",
     "Varied",
@@ -27,6 +30,8 @@ __all__ = [
     "load_words",
     "measure",
     "rankings",
+    "sensitivities",
+    "sensitivity_table",
     "series_stiffness",
     "settled",
     "settling",

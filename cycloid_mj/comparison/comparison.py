@@ -9,6 +9,7 @@ from typing import Any
 from cycloid_mj.analysis import load_words
 from cycloid_mj.comparison.conditions import conditions, differences
 from cycloid_mj.comparison.ranking import Ranking, rankings, summary
+from cycloid_mj.comparison.sensitivity import Sensitivity
 from cycloid_mj.comparison.sweep import Varied, decisions
 from cycloid_mj.comparison.trial import Trial
 from cycloid_mj.design import Design
@@ -33,6 +34,8 @@ class Comparison:
         The paper's findings on vibration, judged; empty unless a pin and a nonpin design are compared.
     sweep
         The same with parameters varied.
+    sensitivity
+        How far each dynamic figure of the loaded runs moves with what the contact model assumes.
     """
 
     designs: tuple[str, ...]
@@ -41,6 +44,7 @@ class Comparison:
     trials: tuple[Trial, ...]
     rankings: tuple[Ranking, ...]
     sweep: tuple[Varied, ...] = ()
+    sensitivity: tuple[Sensitivity, ...] = ()
 
     @property
     def loads(self) -> tuple[float, ...]:
@@ -80,12 +84,18 @@ class Comparison:
                     for point in self.sweep
                 ],
                 "decisions": self.decisions,
+                "sensitivity": [
+                    dataclasses.asdict(each) | {"changes": each.changes, "determined": each.determined}
+                    for each in self.sensitivity
+                ],
             }
         )
         return plain
 
 
-def compare(trials: Sequence[Trial], sweep: Sequence[Varied] = ()) -> Comparison:
+def compare(
+    trials: Sequence[Trial], sweep: Sequence[Varied] = (), sensitivity: Sequence[Sensitivity] = ()
+) -> Comparison:
     """Put runs side by side.
 
     Raises
@@ -105,6 +115,7 @@ def compare(trials: Sequence[Trial], sweep: Sequence[Varied] = ()) -> Comparison
         trials=ordered,
         rankings=tuple(rankings(ordered)),
         sweep=tuple(sweep),
+        sensitivity=tuple(sensitivity),
     )
 
 

@@ -8,9 +8,8 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cycloid_mj.analysis import Series
+from cycloid_mj.analysis import Series, condition, load_words
 from cycloid_mj.analysis.spectrum import BAND
-from cycloid_mj.comparison import load_words
 from cycloid_mj.comparison.forces import cam_force, tooth_forces
 from cycloid_mj.comparison.vibration import spectrum
 from cycloid_mj.plots.motion import ARCSEC, turn_degrees
@@ -54,6 +53,15 @@ def comparison_figures(motions: Sequence[Series]) -> dict[str, Figure]:
     names = list(dict.fromkeys(motion.design.name for motion in motions))
     grid = [[motion for motion in motions if motion.design.name == name] for name in names]
     return {
+        "compare_transmission_error": _over_a_turn(
+            grid, "Transmission error of the output", "arcsec", lambda m: ARCSEC * m.output_angle.error
+        ),
+        "compare_gear_transmission_error": _over_a_turn(
+            grid, "Transmission error of the gear", "arcsec", lambda m: ARCSEC * m.gear_angle.error
+        ),
+        "compare_output_speed": _over_a_turn(
+            grid, "Error of the output's speed", "mrad/s", lambda m: 1e3 * m.output_speed.error
+        ),
         "compare_gear_speed": _over_a_turn(
             grid, "Error of the gear's speed", "mrad/s", lambda m: 1e3 * m.gear_speed.error
         ),
@@ -62,9 +70,6 @@ def comparison_figures(motions: Sequence[Series]) -> dict[str, Figure]:
         ),
         "compare_q_speed": _over_a_turn(
             grid, "Error of the speed of q", "mm/s", lambda m: 1e3 * m.q_velocity.size.error
-        ),
-        "compare_transmission_error": _over_a_turn(
-            grid, "Transmission error of the gear", "arcsec", lambda m: ARCSEC * m.gear_angle.error
         ),
         "compare_teeth": _over_a_turn(
             grid, "Teeth that carry force", "1", lambda m: np.count_nonzero(tooth_forces(m), axis=1).astype(float)
@@ -80,7 +85,7 @@ def comparison_figures(motions: Sequence[Series]) -> dict[str, Figure]:
 @styled
 def _over_a_turn(grid: Grid, title: str, unit: str, signal: Signal) -> Figure:
     """Draw a signal of every run over one crank turn; axes of one load share their scale."""
-    figure, axes = _sheet(len(grid), len(grid[0]), title, sharey="col")
+    figure, axes = _sheet(len(grid), len(grid[0]), f"{title}, {_speed(grid)}", sharey="col")
     for row, runs in enumerate(grid):
         for column, motion in enumerate(runs):
             panel, values = axes[row][column], signal(motion)[motion.one_turn]
@@ -101,7 +106,9 @@ def _over_a_turn(grid: Grid, title: str, unit: str, signal: Signal) -> Figure:
 def _spectra(grid: Grid) -> Figure:
     """Draw amplitude spectral densities of the vibration; the mesh frequency and its multiples are dotted."""
     loads = len(grid[0])
-    figure, axes = _sheet(2, loads, "Vibration about the closed form", sharey="row", sharex=True, row=1.9)
+    figure, axes = _sheet(
+        2, loads, f"Vibration about the closed form, {_speed(grid)}", sharey="row", sharex=True, row=1.9
+    )
     for row, runs in enumerate(grid):
         for column, motion in enumerate(runs):
             found = spectrum(motion)
@@ -132,6 +139,11 @@ def _sheet(rows: int, columns: int, title: str, row: float = ROW, **shared: Any)
     figure = Figure(figsize=(WIDTH, row * rows + HEAD), layout="constrained")
     figure.suptitle(title, x=0.01, ha="left", fontsize=9.5)
     return figure, figure.subplots(rows, columns, squeeze=False, **shared)
+
+
+def _speed(grid: Grid) -> str:
+    """Name the crank speed, which all runs share."""
+    return f"{condition(grid[0][0].design).speed_rpm:g} rpm"
 
 
 def _color(number: int) -> str:

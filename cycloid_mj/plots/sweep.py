@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
-from cycloid_mj.comparison import Comparison, Ranking, load_words
+from cycloid_mj.comparison import Comparison, Ranking
 from cycloid_mj.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, keys, sheet, styled
 
 MARKS = ((BLUE, "o"), (VERMILION, "s"), (GREEN, "D"), (PURPLE, "^"), (ORANGE, "v"))
@@ -33,7 +33,7 @@ def sweep_figure(comparison: Comparison) -> Figure:
         panel.yaxis.set_minor_formatter(FuncFormatter(_few))
         panel.set_xlim(-0.6, len(points) - 0.4)
         panel.set_xticks(range(len(points)), [words for words, _ in points], rotation=60, ha="right")
-        panel.set_title(load_words(load))
+        panel.set_title(str(comparison.at(load)[0].measures.findings.condition))
     panels[0].set_ylabel(f"rms of {first.pin} / rms of {first.nonpin}")
     looks = [
         (name, {"color": color, "marker": mark, "linestyle": "none", "markersize": 4.5})
