@@ -86,7 +86,7 @@ def test_sharing_is_the_equilibrium_of_equal_springs():
     heavy = 1e6
     system = np.vstack([heavy * shared.arms[None, :], np.eye(36)])
     springs = lsq_linear(system, np.append(-heavy * TORQUE, np.zeros(36)), bounds=(0, np.inf), tol=1e-14)
-    assert shared.forces == pytest.approx(springs.x, abs=1e-4 * shared.forces.max())
+    assert shared.forces == pytest.approx(springs.x, abs=1e-8 * shared.forces.max())
 
 
 def test_shapes_broadcast_and_no_torque_means_no_force():
@@ -126,7 +126,7 @@ def test_largest_shear_is_that_of_the_stress_field():
     contact = statics.hertz_line_contact(100.0, 0.01, 500.0, 1e11)
     assert contact.largest_shear / contact.peak_pressure == pytest.approx(-found.fun, rel=1e-12)
     assert contact.shear_depth / contact.half_width == pytest.approx(found.x, abs=1e-7)
-    assert contact.largest_shear / contact.peak_pressure == pytest.approx(0.30, abs=5e-3)
+    assert contact.largest_shear / contact.peak_pressure == pytest.approx(0.30, abs=1e-3)
     assert contact.shear_depth / contact.half_width == pytest.approx(0.786, abs=5e-4)
 
 
@@ -222,7 +222,7 @@ def test_the_secants_error_is_that_of_its_line_at_the_same_approach():
         true = brentq(lambda force, reached=reached: approach(force) - reached, 1.0, 1e4, xtol=1e-12)
         assert error == pytest.approx(secant * reached / true - 1, rel=1e-9)
     # For the paper's pins: 6 % too much at half of the working force, 6 % too little at twice.
-    assert statics.secant_error(working, 10e-3, modulus, depth, curvature) == pytest.approx([0.0594, -0.0594], abs=1e-3)
+    assert statics.secant_error(working, 10e-3, modulus, depth, curvature) == pytest.approx([0.0594, -0.0594], abs=4e-4)
     # At the working force itself there is none, and it broadcasts over curvatures.
     assert statics.secant_error(working, 10e-3, modulus, depth, [300.0, 500.0], 1.0) == pytest.approx([0, 0])
 
@@ -242,4 +242,4 @@ def test_a_conformal_bearing_presses_as_its_bed(force, play):
 def test_a_conformal_bearing_without_play_is_linear():
     for force in (1.0, 1e5):
         stiffness = statics.conformal_stiffness(force, 0.02, 1e11, 1e-15)
-        assert stiffness == pytest.approx(np.pi / 2 * 1e11 * 0.02, rel=1e-4)
+        assert stiffness == pytest.approx(np.pi / 2 * 1e11 * 0.02, rel=3e-6)
