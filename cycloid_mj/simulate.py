@@ -20,11 +20,12 @@ from cycloid_mj.contact.drag import drag_powers, dragged_joints
 from cycloid_mj.contact.forces import PairForces, pair_forces, pair_index
 from cycloid_mj.contact.peaks import Peaks
 from cycloid_mj.contact.shared import Shared
+from cycloid_mj.contact.working import at_rated_load, working_forces_told
 from cycloid_mj.course import Course, initial_state, ramp_and_hold
 from cycloid_mj.design import Design, dump
 from cycloid_mj.errors import RunError
 from cycloid_mj.mjcf import ReducerModel, build, sensors, xml
-from cycloid_mj.mjcf.names import DRAGS
+from cycloid_mj.mjcf.names import DRAGS, pairs
 from cycloid_mj.record import Run
 
 Array = npt.NDArray[np.float64]
@@ -162,13 +163,15 @@ def simulate(design: Design, reducer: ReducerModel | None = None, course: Course
 
 
 def provenance(design: Design, contact: Contact = "profile") -> dict[str, str]:
-    """Give what a run stands on: contact method, time step, versions."""
+    """Give what a run stands on: contact method, time step, the forces that stiffness is the secant of, versions."""
     from cycloid_mj import __version__
 
+    made_for = at_rated_load(design) if contact == "mesh" else design
     return {
         "design": design.name,
         "contact": contact,
         "timestep_s": repr(design.settings.timestep),
+        "working_forces": working_forces_told(made_for, dict.fromkeys(pair.kind for pair in pairs(design))),
         "cycloid_mj": __version__,
         "mujoco": mujoco.__version__,
         "numpy": np.__version__,

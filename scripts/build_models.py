@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from cycloid_mj.contact.working import at_rated_load, working_force
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.mjcf.folder import MANIFEST, SCENE, model_files, write_folder
 
@@ -77,7 +78,7 @@ def overview(manifests: dict[str, dict[str, Any]]) -> str:
         agreement="\n".join(_run_row(row) for row in rows),
         ratios=_ratios(rows),
         free="\n".join(_free_row(name, found) for name, found in free.items()),
-        force=PRESETS["pin"].contact.working_force,
+        force=round(working_force(at_rated_load(PRESETS["pin"]), "pin_gear")),
     )
 
 

@@ -25,6 +25,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.contact.collider import installed
+from cycloid_mj.contact.working import working_force
 from cycloid_mj.course import initial_state, ramp_and_hold
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.mjcf import build
@@ -92,7 +93,7 @@ def bedding(design: Design, stiffness: float) -> float:
 
     A circle of radius rho, p deep in the bed, meets a force of 4/3 sqrt(2 rho) p^(3/2) times it.
     """
-    force = design.contact.working_force
+    force = working_force(design, design.tooth_pair)
     return force / (4.0 / 3.0 * math.sqrt(2.0 * design.ring.pin_radius) * (force / stiffness) ** 1.5)
 
 

@@ -350,8 +350,9 @@ def test_profile_writes_the_contact_lines(preset, tmp_path):
     curvature = np.array([float(word) for word in columns["relative_curvature_per_mm"]])
     assert curvature == pytest.approx(1e-3 * lines.relative_curvature)
     pressure = np.array([float(word) for word in columns["pressure_mpa"]])
-    # 100 N on 10 mm of steel with a Poisson's ratio of 0.28: sqrt(F E kappa / (2 pi (1 - nu^2) L))
-    asked = np.sqrt(100 * 210e3 * curvature / (2 * np.pi * (1 - 0.28**2) * 10))
+    # the most loaded tooth's share of the rated torque on 10 mm of steel: sqrt(F E kappa / (2 pi (1 - nu^2) L))
+    force = 4 * 36.68 / (36 * 0.035)
+    asked = np.sqrt(force * 210e3 * curvature / (2 * np.pi * (1 - 0.28**2) * 10))
     assert pressure == pytest.approx(asked, rel=1e-3, abs=1e-6)
 
 

@@ -48,6 +48,7 @@ ASSUMED_HERE = {
         "stiffness_law",
         "stiffness_n_m",
         "working_force_n",
+        "working_load_nm",
         "cam_rollers",
         "damping_ratio",
         "creep_speed_mm_s",

@@ -10,15 +10,14 @@ import pytest
 from cycloid_mj import statics
 from cycloid_mj.contact.collider import Role, installed
 from cycloid_mj.contact.law import (
-    STRIBECK,
     ContactLaw,
     contact_law,
     curvature_law,
     damping_ratio,
     pair_stiffness,
     solver_parameters,
-    working_force,
 )
+from cycloid_mj.contact.working import STRIBECK, working_force
 from cycloid_mj.design import PRESETS, Design, Ring, override
 from cycloid_mj.errors import ContactError
 from cycloid_mj.mjcf.model import contact_laws
@@ -161,7 +160,9 @@ def test_each_pair_has_a_damping_of_its_own(kind: str) -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_each_pair_has_a_working_force_of_its_own(kind: str) -> None:
-    before, after = with_pair(kind), with_pair(kind, f"working_force.{kind}_n=400")
+    before, after = (
+        with_pair(kind, "contact.working_force_n=100", *own) for own in ([], [f"working_force.{kind}_n=400"])
+    )
     assert working_force(after, kind) == 400.0
     others(kind, before, after)
     # The secant stiffness pi E* L / (a + ln kappa) falls by the logarithm of the force in a.
@@ -180,13 +181,13 @@ def test_teeth_follow_their_own_stiffness_and_force() -> None:
 
 
 def test_a_stiffness_for_all_is_that_of_a_pin_on_a_flat() -> None:
-    design = with_pair("pin_gear", "contact.stiffness_n_m=1e8")
+    design = with_pair("pin_gear", "contact.stiffness_n_m=1e8", "contact.working_force_n=100")
     assert pair_stiffness(design, "pin_gear") == 1e8
     assert pair_stiffness(design, "cam") == pytest.approx(1e8 * 20 / (2 * STRIBECK), rel=1e-12)
     assert pair_stiffness(design, "pin_socket") == pytest.approx(2e8, rel=1e-12)
 
 
-def test_by_default_a_pair_works_at_the_force_for_all() -> None:
+def test_one_working_force_may_be_given_for_all_pairs() -> None:
     design = with_pair("pin_gear", "contact.working_force_n=70")
     assert {working_force(design, kind) for kind in KINDS if kind != "cam"} == {70.0}
     # Its most loaded roller bears 70 N, or ideal load sharing asks N/4 of it of a plain cam.
@@ -209,7 +210,7 @@ def test_rollers_have_a_friction_of_their_own() -> None:
 
 
 def test_a_plain_cam_is_a_conformal_bearing() -> None:
-    design = with_pair("cam", "gear.bearing=plain")
+    design = with_pair("cam", "gear.bearing=plain", "contact.working_force_n=100")
     modulus = statics.contact_modulus(210e9, 0.28)
     assert pair_stiffness(design, "cam") == statics.conformal_stiffness(900.0, 10e-3, modulus, 1e-6)
     # It is stiffer than the rollers, and no stiffer than a bearing without play.

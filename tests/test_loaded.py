@@ -13,12 +13,12 @@ from cycloid_mj.loaded.pressure import kinds
 from cycloid_mj.measure import play
 from cycloid_mj.measure.conditions import rated_torque
 from cycloid_mj.measure.loads import measure_loads
-from cycloid_mj.validation import equilibrium
+from cycloid_mj.validation import equilibrium, rig
 
 DESIGNS = {**PRESETS, **{name: unlike(name) for name in UNLIKE}}
 
 STILL = ["environment.gravity_y_m_s2=0", "drive.speed_rpm=0"]
-SMOOTH = [f"friction.{kind}=0" for kind in ("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output")]
+SMOOTH = rig.without_friction()
 
 # README: largest force on a tooth, an output pin and the cam [N], Hertz pressure [MPa], first yield [N m], efficiency.
 SIMULATED = {"pin": (155, 910, 1402, 1231, 27.9, 0.9133), "nonpin": (157, 866, 1290, 1144, 34.4, 0.8901)}

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from cycloid_mj.cli.app import main
+from cycloid_mj.contact.working import at_rated_load
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.errors import UsageError
 from cycloid_mj.measure import balance, bench, hysteresis, play
@@ -14,7 +15,7 @@ from cycloid_mj.measure.hysteresis import Loop
 from cycloid_mj.measure.lost_motion import measure_lost_motion
 from cycloid_mj.record import Run
 
-FIXED = override(PRESETS["pin"], ['ring.pins="fixed"'])
+FIXED = at_rated_load(override(PRESETS["pin"], ['ring.pins="fixed"']))
 CRANK = 1.7
 
 

@@ -7,6 +7,7 @@ import pytest
 from designs import unlike
 
 from cycloid_mj.analysis.spectrum import periodic_orders
+from cycloid_mj.contact.working import at_rated_load
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import DesignError
 from cycloid_mj.measure.conditions import rated_torque, stepped
@@ -122,7 +123,7 @@ def test_one_pin_in_error_shows_as_its_displacement_over_its_arm() -> None:
 @pytest.mark.parametrize("name", ["pin", "nonpin"])
 def test_no_error_no_load_and_no_clearance_leave_no_transmission_error(name: str) -> None:
     design = override(PRESETS[name], CLOSED if name == "nonpin" else ['ring.pins="fixed"', *CLOSED])
-    design = stepped(design)
+    design = at_rated_load(stepped(design))
     found = trace(design, build(design), 1.0, Case("unloaded", "forward", "speed", 0.0, design.drive.speed))
     assert np.ptp(found.gear) < 0.05
     assert np.ptp(found.output) < 0.05

@@ -151,6 +151,7 @@ def test_a_jumped_tooth_ends_the_run() -> None:
     changes = [
         *QUICK,
         "load.torque_nm=20000.0",
+        "contact.working_force_n=100",
         "load.rise_s=0.001",
         "contact.max_penetration_um=1000.0",
         'ring.pins="fixed"',

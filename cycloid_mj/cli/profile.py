@@ -66,7 +66,8 @@ def profile(*, design: DesignFlag, csv: CsvFlag, points: PointsFlag = None, part
     part (pin, arc, sigma1 or sigma2), phase_deg (0 in a valley of the gear,
     180 on a lobe's tip), x_mm, y_mm (ring's frame), relative_curvature_per_mm
     (gear's plus ring's) and pressure_mpa (Hertz's, if the line carried the
-    design's contact.working_force_n).
+    teeth's working force at the rated torque: working_force.*_n and
+    contact.working_force_n, or ideal sharing).
     """
     chosen = designed(design, (), ())
     columns = {"gear": _gear, "ring": _ring, "curvature": _curvature}[part](chosen, points)
@@ -100,6 +101,7 @@ def _ring(design: Design, points: int | None) -> Columns:
 def _curvature(design: Design, crank_angles: int | None) -> Columns:
     import numpy as np
 
+    from cycloid_mj.contact.working import at_rated_load, working_force
     from cycloid_mj.contact_lines import contact_lines, mesh_period, pressure
     from cycloid_mj.solid.gear import tooth_profile
     from cycloid_mj.statics import contact_modulus
@@ -112,6 +114,7 @@ def _curvature(design: Design, crank_angles: int | None) -> Columns:
         )
     lines = contact_lines(gear, design.ring.kind, mesh_period(gear, crank_angles))
     modulus = contact_modulus(material.youngs_modulus, material.poisson)
+    force = working_force(at_rated_load(design), design.tooth_pair)
     x, y = 1e3 * lines.points.T
     return {
         "crank_deg": np.degrees(lines.crank_angle),
@@ -121,7 +124,7 @@ def _curvature(design: Design, crank_angles: int | None) -> Columns:
         "x_mm": x,
         "y_mm": y,
         "relative_curvature_per_mm": 1e-3 * lines.relative_curvature,
-        "pressure_mpa": 1e-6 * pressure(lines, design.contact.working_force, design.gear.face_width, modulus),
+        "pressure_mpa": 1e-6 * pressure(lines, force, design.gear.face_width, modulus),
     }
 
 

@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass
 
 from cycloid_mj import statics
+from cycloid_mj.contact.working import STRIBECK, working_force, working_load, working_source
 from cycloid_mj.design import Design
 from cycloid_mj.errors import ContactError
 
@@ -18,9 +19,6 @@ IMPRATIO = 10.0
 While a contact slides, MuJoCo's convex cone adds friction * creep * speed / impratio to the normal force. At 1 the
 teeth would push each other apart at every touch, and the gear would chatter the more, the longer the step.
 """
-
-STRIBECK = 4.08
-"""Load of the most loaded roller of a bearing without play as a share of the mean load per roller F/Z."""
 
 _LEAST_SHARE = 1e-2
 LEAST_IMPEDANCE, MOST_IMPEDANCE = 1e-4, 0.9999
@@ -84,20 +82,6 @@ class CurvatureLaw:
         return self.reference / (self.constant + math.log(max(relative_curvature, least)))
 
 
-def working_force(design: Design, kind: str) -> float:
-    """Give the force [N] at which a kind of pair has its secant stiffness; of the cam, its whole force.
-
-    By default it is contact.working_force; a rolling cam's most loaded roller bears that, a plain cam N/4 times that,
-    which ideal load sharing asks of it when the ring's most loaded contact bears its working force.
-    """
-    given: float = getattr(design.working_force, kind)
-    force = design.contact.working_force
-    if given or kind != "cam":
-        return given or force
-    rolling = design.gear.bearing == "rolling"
-    return force * (design.contact.cam_rollers / STRIBECK if rolling else design.ring.teeth / 4.0)
-
-
 def damping_ratio(design: Design, kind: str) -> float:
     """Give the damping of a kind of pair as a share of critical [1]."""
     return float(getattr(design.damping, kind)) or design.contact.damping_ratio
@@ -148,10 +132,9 @@ def curvature_law(design: Design, kind: str = "") -> CurvatureLaw:
     constant = statics.line_contact_constant(force, length, modulus, depth)
     reference = constant - math.log(depth)
     if reference <= 1.0:
-        key = f"working_force.{kind}_n" if getattr(design.working_force, kind) else "contact.working_force_n"
         raise ContactError(
-            f"{key} flattens a pin of radius {1e3 * depth:g} mm beyond a line contact ({force:g} N on one); "
-            "lower it, or use a wider face or a stiffer material"
+            f"{_blamed(design, kind)} flattens a pin of radius {1e3 * depth:g} mm beyond a line contact "
+            f"({force:g} N on one); lower it, or use a wider face or a stiffer material"
         )
     of_teeth = getattr(design.stiffness, kind) if kind == design.tooth_pair else 0.0
     given = of_teeth or design.contact.stiffness
@@ -162,10 +145,17 @@ def curvature_law(design: Design, kind: str = "") -> CurvatureLaw:
 
 def _line_force(design: Design, kind: str) -> float:
     """Give the working force of one line contact [N]; of a rolling cam, on its most loaded roller."""
-    given: float = getattr(design.working_force, kind)
-    if kind == "cam":
-        given *= STRIBECK / design.contact.cam_rollers
-    return given or design.contact.working_force
+    force = working_force(design, kind)
+    return force * STRIBECK / design.contact.cam_rollers if kind == "cam" else force
+
+
+def _blamed(design: Design, kind: str) -> str:
+    """Name the value of the design that a working force comes from."""
+    source = working_source(design, kind)
+    if source == "given":
+        return f"working_force.{kind}_n" if getattr(design.working_force, kind) else "contact.working_force_n"
+    key = "contact.working_load_nm" if source == "working load" else "load.torque_nm"
+    return f"{key} (a working load of {working_load(design):.4g} N m)"
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj import statics
-from cycloid_mj.contact.law import STRIBECK
+from cycloid_mj.contact.working import STRIBECK
 from cycloid_mj.design import Design
 
 Array = npt.NDArray[np.float64]

@@ -258,7 +258,14 @@ class ContactLaw(Section):
         0.0, "stiffness of a pin on a flat; 0: from material and working force", u.NEWTON_PER_METRE, ge=0.0, le=1e12
     )
     working_force: float = quantity(
-        100.0, "force at which a line contact has its secant stiffness", u.NEWTON, gt=0.0, le=1e6
+        0.0, "force at which every line contact has its secant stiffness; 0: each pair's own", u.NEWTON, ge=0.0, le=1e6
+    )
+    working_load: float = quantity(
+        0.0,
+        "torque on the output whose ideal sharing gives each pair's working force; 0: load.torque_nm",
+        u.NEWTON_METRE,
+        ge=0.0,
+        le=1e6,
     )
     cam_rollers: int = quantity(20, "rollers of the cam's bearing, which share its load (Stribeck)", ge=3, le=1000)
     damping_ratio: float = quantity(
@@ -304,20 +311,18 @@ class Damping(Section):
     output: float = _ratio("output pin in its hole")
 
 
-def _force(pair: str, otherwise: str = "contact.working_force_n") -> Any:
-    return quantity(0.0, f"{pair}; 0: {otherwise}", u.NEWTON, ge=0.0, le=1e6)
+def _force(pair: str) -> Any:
+    return quantity(0.0, f"{pair}; 0: contact.working_force_n, or by the load", u.NEWTON, ge=0.0, le=1e6)
 
 
 class WorkingForce(Section):
-    """Force at which each mating pair has its secant stiffness where it is given; 0: contact.working_force_n."""
+    """Force at which each mating pair has its secant stiffness where it is given; 0: by contact.working_*."""
 
     pin_gear: float = _force("pin on gear")
     pin_socket: float = _force("pin in its socket")
     pin_sleeve: float = _force("sleeve on its pin")
     tooth: float = _force("gear on internal gear")
-    cam: float = _force(
-        "whole force of the cam", "contact.working_force_n on its most loaded roller, or N/4 of it on a plain cam"
-    )
+    cam: float = _force("whole force of the cam")
     output: float = _force("output pin in its hole")
 
 

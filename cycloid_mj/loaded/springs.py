@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from cycloid_mj import assembly, kinematics, profile
 from cycloid_mj.contact.law import curvature_law, pair_stiffness
+from cycloid_mj.contact.working import at_rated_load
 from cycloid_mj.design import Design
 from cycloid_mj.loaded.rubbing import output_rubbing, ring_rubbing
 from cycloid_mj.modification import gear_profile, profile_offset, tooth_profile
@@ -63,13 +64,14 @@ class Springs:
 
 
 def springs_of(design: Design, poses: int = POSES) -> Springs:
-    """Give the springs of a design, which must be sound.
+    """Give the springs of a design, which must be sound; their stiffness is that `at_rated_load`.
 
     Raises
     ------
     ContactError
         The working force flattens a pin beyond a line contact.
     """
+    design = at_rated_load(design)
     crank = 2.0 * math.pi * np.mod(GOLDEN * np.arange(poses), 1.0)
     lines = [assembly.mesh_lines(design, float(angle)) for angle in crank]
     ring = [assembly.ring_gaps(design, part) for part in lines]

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj.contact.working import at_rated_load, working_forces_told
 from cycloid_mj.design import Design, Errors, Modification
 from cycloid_mj.errors import UsageError
 from cycloid_mj.measure import bench, play
@@ -98,6 +99,7 @@ def measure_backlash(design: Design, angles: int = ANGLES, told: Done = nothing)
     """
     if angles < 1:
         raise UsageError(f"cannot measure at {angles} crank angles: give 1 or more")
+    design = at_rated_load(design)
     cranks = [float(crank) for crank in bench.crank_angles(design, angles)]
     cases = {_ALL: bench.ideal(design)} | {kind: alone(design, kind) for kind in play.clearance_kinds(design)}
     longer = {name: PATIENCE if name == _ALL else 1.0 for name in cases}
@@ -227,6 +229,8 @@ def _assumptions(design: Design, runs: list[Run]) -> tuple[str, ...]:
         f"the crank is locked; the output is pressed to its stops by {torque:.2g} and {2.0 * torque:.2g} N m, and the "
         "line through both turns is drawn on to zero",
         "without friction and weight; see lost-motion for what they do",
+        "contacts are as stiff as under the rated load, which the line drawn on to zero takes out: "
+        f"{working_forces_told(design, play.clearance_kinds(design))}",
         f"a clearance alone: the others {1e6 * CLOSED_UP:g} um, no manufacturing errors, no modification",
         f"time step {bench.steps_told(runs)}; the numerical error is what {LONGER:g} times the time at a step "
         f"{FINER:g} times shorter changes at the first crank angle, and "

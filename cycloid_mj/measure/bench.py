@@ -14,7 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj import statics
-from cycloid_mj.contact.law import IMPRATIO, pair_stiffness, working_force
+from cycloid_mj.contact.law import IMPRATIO, pair_stiffness
+from cycloid_mj.contact.working import working_force
 from cycloid_mj.course import Signal, locked_crank
 from cycloid_mj.design import Design, Drive, Friction, Load, Settings
 from cycloid_mj.errors import ContactError, RunError

@@ -7,6 +7,7 @@ speed, and that damps it; in the mean the slope takes nothing, as the output hol
 import math
 from dataclasses import replace
 
+from cycloid_mj.contact.working import working_at
 from cycloid_mj.course import braked_output, rising
 from cycloid_mj.design import Design
 from cycloid_mj.measure.steady import steady
@@ -28,13 +29,15 @@ SETTLED = 15e-3
 def braked_run(design: Design, torque: float, periods: int) -> Run:
     """Run with a torque on the crank [N m] and the output held; give the samples of so many mesh periods.
 
-    A positive torque drives the crank on its way, a negative one holds against it: then the output drives.
+    A positive torque drives the crank on its way, a negative one holds against it: then the output drives. Contacts
+    have the stiffness of the output torque that it holds without losses.
 
     Raises
     ------
     RunError
         The run went wrong.
     """
+    design = working_at(design, torque * design.lobes) if torque else design
     speed = design.drive.speed
     reducer = build(design, held="output")
     slope = 2.0 * reducer.crank_inertia / DECAY if torque else 0.0

@@ -7,8 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj import statics
-from cycloid_mj.contact.law import STRIBECK
 from cycloid_mj.contact.pressure import HERTZ_REACH, SHAKEDOWN_PRESSURE, YIELD_PRESSURE
+from cycloid_mj.contact.working import STRIBECK
 from cycloid_mj.design import Design, override
 from cycloid_mj.errors import UsageError
 from cycloid_mj.measure.conditions import halved, rated_torque

@@ -1,5 +1,6 @@
 """Lost motion, torsional stiffness and friction's hysteresis: a slow torque loop at the output, the crank locked."""
 
+from cycloid_mj.contact.working import working_at, working_forces_told
 from cycloid_mj.design import Design
 from cycloid_mj.errors import RunError, UsageError
 from cycloid_mj.measure import balance, bench, hysteresis
@@ -7,6 +8,7 @@ from cycloid_mj.measure.balance import Balance
 from cycloid_mj.measure.conditions import rated_torque
 from cycloid_mj.measure.lost_motion_table import Found, by_angle, curves, quantities
 from cycloid_mj.measure.measurement import Measurement
+from cycloid_mj.measure.play import clearance_kinds
 from cycloid_mj.measure.pool import Done, each, nothing
 
 ANGLES = 6
@@ -41,6 +43,7 @@ def measure_lost_motion(
     rated = rated_torque(design) if rated is None else rated
     if not rated > 0.0 or angles < 1:
         raise UsageError(f"cannot measure under {rated:g} N m at {angles} crank angles: both must be more than 0")
+    design = working_at(design, rated)
     cranks = [float(crank) for crank in bench.crank_angles(design, angles)]
     period, level = hysteresis.slow_period(design, rated), bench.ideal(design)
     # the longest first, so that no processor is left alone with one
@@ -83,6 +86,7 @@ def _assumptions(found: Found, period: float) -> tuple[str, ...]:
         "friction is viscous below the creep speed, which is as low as the step bears: with free pins the stiffness "
         "falls by some percent as the step does",
         "shafts, gear body, output disc and housing are rigid: only contacts give",
-        "contacts have the secant stiffness of their working force",
+        f"contacts have the secant stiffness of one working force, that at the loop's end: "
+        f"{working_forces_told(found.design, clearance_kinds(found.design))}",
         *beyond,
     )

@@ -9,11 +9,13 @@ from itertools import product
 
 import numpy as np
 
+from cycloid_mj.contact.working import working_at, working_forces_told
 from cycloid_mj.design import Design
 from cycloid_mj.measure import te_table
 from cycloid_mj.measure.conditions import DRAG, halved, rated_torque, require_motion, stepped
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.orders import causes
+from cycloid_mj.measure.play import clearance_kinds
 from cycloid_mj.measure.pool import Done, each, nothing
 from cycloid_mj.measure.static_error import static_error
 from cycloid_mj.measure.trace import ARCSEC, Case, Trace, own, trace
@@ -72,7 +74,7 @@ def measure_te(
     cases = [
         Case(one, way, pace, torques[one], ways[way] * paces[pace]) for pace, one, way in product(paces, torques, ways)
     ]
-    design = stepped(design)
+    design = working_at(stepped(design), torques["loaded"])
     runs = _traces(design, cases, float(turns), told, not quick)
     found = {case: runs[case, 1.0] for case in cases}
     finer = {(case.load, case.pace): one for (case, share), one in runs.items() if share == 0.5}
@@ -122,6 +124,8 @@ def _assumptions(design: Design, turns: int) -> tuple[str, ...]:
         "floats in its backlash; up to the rated torque presses the flanks together before the window",
         "statics: the ideal mesh's contacts as springs at their gaps, without friction, and without inertia but the "
         "gear's centrifugal force; friction makes the teeth press harder, which winds a loaded gear up further",
+        "contacts have the secant stiffness of one working force in all runs, that of the loaded ones: "
+        f"{working_forces_told(design, clearance_kinds(design))}",
         f"numerical error: what half the step changes over the first {CHECKED} mesh periods of the run forward, told "
         "of the run in reverse as well; of orders: the rms of that change, which none of them exceeds",
         *(f"orders of {cause.name}: {cause.why}" for cause in causes(design)),

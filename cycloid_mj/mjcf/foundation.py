@@ -8,7 +8,6 @@ import math
 
 from cycloid_mj.contact.law import ContactLaw
 from cycloid_mj.convex import Slice
-from cycloid_mj.design import Design
 
 
 def slice_law(law: ContactLaw, factor: float, part: Slice, force: float) -> ContactLaw:
@@ -55,22 +54,3 @@ def hole_patch(depth: float, radius: float, play: float) -> float:
     x = play + depth
     end = math.acos(play / x)
     return radius * (x * (end + math.sin(end) * math.cos(end)) - 2.0 * play * math.sin(end)) / depth
-
-
-def working_forces(design: Design) -> dict[str, float]:
-    """Give the force of each kind of pair [N]: its own working force, or when the ring's most loaded contact bears F.
-
-    The load T = F c (N-1) N / 4 (ideal load sharing) asks T / (c (N-1)) of the cam, and 4 T / (n R_w) of the most
-    loaded of n output pins on the radius R_w.
-    """
-    force, output = design.contact.working_force, design.output
-    load = force * design.gear.eccentricity * design.lobes * design.ring.teeth / 4.0
-    ideal = {
-        "pin_gear": force,
-        "pin_socket": force,
-        "pin_sleeve": force,
-        "tooth": force,
-        "cam": load / (design.gear.eccentricity * design.lobes),
-        "output": 4.0 * load / (output.pins * output.pin_circle_radius),
-    }
-    return {kind: getattr(design.working_force, kind) or size for kind, size in ideal.items()}

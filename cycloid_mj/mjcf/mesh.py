@@ -17,6 +17,7 @@ import mujoco
 import numpy as np
 
 from cycloid_mj.contact.law import ContactLaw, SolverParameters, curvature_law, solver_parameters
+from cycloid_mj.contact.working import at_rated_load, working_force
 from cycloid_mj.convex import ConvexSettings, Place, Rest, Surface, prism, surfaces
 from cycloid_mj.design import Design
 from cycloid_mj.deviations import deviations
@@ -24,7 +25,7 @@ from cycloid_mj.errors import DesignError
 from cycloid_mj.export.stl import stl_bytes
 from cycloid_mj.mjcf import model as exact
 from cycloid_mj.mjcf import names
-from cycloid_mj.mjcf.foundation import slice_law, working_forces
+from cycloid_mj.mjcf.foundation import slice_law
 from cycloid_mj.mjcf.model import ReducerModel
 from cycloid_mj.solid import VISUAL_CHORD_ERROR, MassProperties, mass_properties, mesh, parts
 
@@ -80,7 +81,11 @@ def build_mesh(design: Design, settings: ConvexSettings | None = None) -> Reduce
 
 
 def mesh_spec(design: Design, settings: ConvexSettings) -> MeshSpec:
-    """Give the bodies of a design with their visual and their colliding geoms: no actuators, no sensors, no rest."""
+    """Give the bodies of a design with their visual and their colliding geoms: no actuators, no sensors, no rest.
+
+    A bed of slices stiffens with its depth: without a load it is made for the rated one, `at_rated_load`.
+    """
+    design = at_rated_load(design)
     if design.ring.has_sleeves:
         raise DesignError(
             'ring.pins = "sleeved" has no meshes for stock collision: a sleeve turns on its pin by exact contact only; '
@@ -186,7 +191,7 @@ def _add_surface(
 ) -> None:
     """Add one class for each slice of a surface, with mesh and contact physics, and its geoms at every place."""
     kind = _KINDS[surface.name] or ("tooth" if design.ring.kind == "nonpin" else "pin_gear")
-    curve, force = curvature_law(design), working_forces(design)[kind]
+    curve, force = curvature_law(design), working_force(design, kind)
     weight = sum(weights[body] for body in _mating_bodies(design, surface.name))
     rubs = surface.name in _MATES and laws[kind].friction > 0.0
     classes = []

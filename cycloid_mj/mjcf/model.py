@@ -20,10 +20,10 @@ from cycloid_mj.contact.law import (
     damping_ratio,
     pair_stiffness,
     solver_parameters,
-    working_force,
 )
 from cycloid_mj.contact.library import exact_xml
 from cycloid_mj.contact.teeth import USER_DATA, Teeth
+from cycloid_mj.contact.working import working_force
 from cycloid_mj.design import Design
 from cycloid_mj.deviations import deviations
 from cycloid_mj.mjcf import names

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
 from cycloid_mj import statics
+from cycloid_mj.contact.working import at_rated_load, working_force
 from cycloid_mj.contact_lines import ContactLines, contact_lines, mesh_period, pressure
 from cycloid_mj.design import Design
 from cycloid_mj.modification import tooth_profile
@@ -32,8 +33,8 @@ WIDEST = 3.4
 def curvature_figure(designs: Sequence[Design]) -> Figure:
     """Draw relative curvature and Hertz pressure of every contact line of one mesh period against its phase.
 
-    The pressure is that of each design's working force on one line. Phase 0 is a valley of the gear at the tooth,
-    180 deg a lobe's tip.
+    The pressure is that of the teeth's working force at the rated load on one line. Phase 0 is a valley of the gear at
+    the tooth, 180 deg a lobe's tip.
     """
     figure = sheet(4.4)
     top, bottom = figure.subplots(2, 1, sharex=True)
@@ -45,7 +46,7 @@ def curvature_figure(designs: Sequence[Design]) -> Figure:
         _draw(bottom, lines, 1e-6 * _pressure(lines, design), look)
     top.set_title("Relative normal curvature of the contact lines")
     top.set_ylabel("curvature [1/mm]")
-    forces = ", ".join(f"{force:g}" for force in dict.fromkeys(design.contact.working_force for design in designs))
+    forces = ", ".join(f"{force:.4g}" for force in dict.fromkeys(_force(design) for design in designs))
     bottom.set_title(f"Hertz pressure of one line under {forces} N")
     bottom.set_ylabel("pressure [MPa]")
     for panel in (top, bottom):
@@ -75,7 +76,11 @@ def _draw(axes: Axes, lines: ContactLines, values: Any, look: dict[str, Any]) ->
             axes.plot(np.degrees(lines.phase[rows]), values[rows], **look, **style)
 
 
+def _force(design: Design) -> float:
+    return working_force(at_rated_load(design), design.tooth_pair)
+
+
 def _pressure(lines: ContactLines, design: Design) -> Any:
     material = design.material
     modulus = statics.contact_modulus(material.youngs_modulus, material.poisson)
-    return pressure(lines, design.contact.working_force, design.gear.face_width, modulus)
+    return pressure(lines, _force(design), design.gear.face_width, modulus)

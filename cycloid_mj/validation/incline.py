@@ -11,6 +11,7 @@ from typing import Any
 import mujoco
 
 from cycloid_mj.contact.law import IMPRATIO, ContactLaw, contact_law, curvature_law, solver_parameters
+from cycloid_mj.contact.working import at_rated_load, working_force
 from cycloid_mj.design import PRESETS
 from cycloid_mj.validation.row import Row, relative
 
@@ -85,9 +86,9 @@ def rows(quick: bool) -> list[Row]:
 
 def pair_law() -> ContactLaw:
     """Give the law of a pin on the gear for a body of `MASS`."""
-    design = PRESETS["pin"]
+    design = at_rated_load(PRESETS["pin"])
     friction = design.friction.pin_gear
-    creep = friction * design.contact.working_force / design.contact.creep_speed
+    creep = friction * working_force(design, "pin_gear") / design.contact.creep_speed
     stiffness = curvature_law(design).stiffness
     return contact_law(stiffness, design.contact.damping_ratio, MASS, friction, creep, TIMESTEP)
 

@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj import profile, statics
-from cycloid_mj.contact.law import working_force
+from cycloid_mj.contact.working import working_force
 from cycloid_mj.design import Design
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.validation.gaps import Flanks, Gaps, Pose, flank_distance, offset_root

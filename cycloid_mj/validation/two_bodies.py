@@ -15,11 +15,13 @@ import numpy.typing as npt
 from cycloid_mj import statics
 from cycloid_mj.contact.collider import Role, installed
 from cycloid_mj.contact.law import ContactLaw, contact_law, curvature_law, solver_parameters
+from cycloid_mj.contact.working import at_rated_load, working_force
 from cycloid_mj.design import PRESETS
 from cycloid_mj.validation.row import Row, relative
 
 Array = npt.NDArray[np.float64]
 
+RATED = at_rated_load(PRESETS["pin"])
 MASS = 0.05
 """Mass of the moving disc [kg]."""
 FORCE = 400.0
@@ -42,7 +44,7 @@ _XML = """<mujoco>
 
 def rows(quick: bool) -> list[Row]:
     """Give the rows of this rung."""
-    stiffness, ratio = curvature_law(PRESETS["pin"]).stiffness, PRESETS["pin"].contact.damping_ratio
+    stiffness, ratio = curvature_law(RATED).stiffness, RATED.contact.damping_ratio
     timestep = PRESETS["pin"].settings.timestep
     law = contact_law(stiffness, ratio, MASS, 0.0, 0.0, timestep)
     swinging = replace(law, damping=0.0, added_mass=0.3 * MASS)
@@ -141,15 +143,15 @@ def two_bodies(law: ContactLaw, timestep: float, gravity: float) -> Any:
 
 def _secant_rows(stiffness: float) -> list[Row]:
     """Tell what the one stiffness at the working force leaves out, and what Palmgren's empirical formula gives."""
-    design = PRESETS["pin"]
-    working, length, radius = design.contact.working_force, design.gear.face_width, design.ring.pin_radius
+    design = RATED
+    working, length, radius = working_force(design, "pin_gear"), design.gear.face_width, design.ring.pin_radius
     modulus = statics.contact_modulus(design.material.youngs_modulus, design.material.poisson)
 
     def hertz(force: float) -> float:
         return float(statics.line_contact_stiffness(force, length, modulus, radius, 1.0 / radius))
 
     palmgren = float(statics.palmgren_stiffness(working, length))
-    secant = "the model keeps the secant stiffness at contact.working_force_n"
+    secant = "the model keeps the secant stiffness at the working force, ideal sharing of the load"
 
     def told(force: float, reference: float, source: str, note: str) -> Row:
         return relative(

@@ -1,0 +1,132 @@
+"""The force at which a pair of parts has its secant stiffness: given, or what the load of the run asks of it.
+
+A line contact stiffens with its force; the model keeps one stiffness for a run, the secant at the working force. By
+default that is what ideal sharing puts on the most loaded contact of the kind under the load torque.
+"""
+
+import math
+from collections.abc import Iterable
+from functools import lru_cache
+from typing import Literal
+
+import numpy as np
+
+from cycloid_mj import statics
+from cycloid_mj.design import Design, override
+from cycloid_mj.modification import tooth_profile
+from cycloid_mj.profile import CycloidGear
+
+STRIBECK = 4.08
+"""Load of the most loaded roller of a bearing without play as a share of the mean load per roller F/Z."""
+
+_ANGLES = 97
+"""Crank angles in a turn over which the cam's force is averaged: a prime, so that they miss no phase of the mesh."""
+
+Source = Literal["given", "working load", "load", "weight and inertia"]
+"""Where a working force comes from: given itself, or from a torque; without a load, from the gear's own forces."""
+
+
+def working_force(design: Design, kind: str) -> float:
+    """Give the force [N] at which a kind of pair has its secant stiffness; of the cam, its whole force.
+
+    The pair's own in ``working_force``, or ``contact.working_force`` for all: then a rolling cam's most loaded roller
+    bears that, and a plain cam N/4 times that, which ideal sharing asks of it when the ring's most loaded contact bears
+    its working force. Where neither is given, it follows from `working_load` T by ideal sharing: 4 T/(N c (N-1)) on the
+    most loaded tooth, 4 T/(n R) on the most loaded of n output pins on the radius R, and the cam's mean force over a
+    turn, which holds both.
+    """
+    given: float = getattr(design.working_force, kind)
+    force = design.contact.working_force
+    if given:
+        return given
+    if not force:
+        return _shared(design, kind, working_load(design))
+    if kind != "cam":
+        return force
+    rolling = design.gear.bearing == "rolling"
+    return force * (design.contact.cam_rollers / STRIBECK if rolling else design.ring.teeth / 4.0)
+
+
+def working_load(design: Design) -> float:
+    """Give the torque on the output [N m] that the working forces follow from.
+
+    ``contact.working_load`` if it is given, else the size of the run's own load, but no less than `own_load`.
+    """
+    return design.contact.working_load or max(abs(design.load.torque), own_load(design))
+
+
+def own_load(design: Design) -> float:
+    """Give the torque on the output [N m] that presses an idle reducer's contacts as its own forces do.
+
+    The gear's weight and its inertia force on the eccentric, W = m (g + c w^2), act on the cam; a load torque T presses
+    the teeth sideways against the cam by T/(c (N-1)): that of W has the torque W c (N-1). The gear's mass is that of a
+    disc of its mean radius E - rho.
+    """
+    gear, ring, output = design.gear, design.ring, design.output
+    squares = (ring.pin_circle_radius - ring.pin_radius) ** 2 - gear.bore_radius**2
+    area = math.pi * (squares - output.pins * output.hole_radius**2)
+    weight = math.hypot(design.environment.gravity_x, design.environment.gravity_y)
+    flung = gear.eccentricity * design.drive.speed**2
+    force = design.material.density * gear.face_width * area * (weight + flung)
+    return force * gear.eccentricity * design.lobes
+
+
+def working_source(design: Design, kind: str) -> Source:
+    """Tell where the working force of a kind of pair comes from."""
+    if getattr(design.working_force, kind) or design.contact.working_force:
+        return "given"
+    if design.contact.working_load:
+        return "working load"
+    return "load" if abs(design.load.torque) >= own_load(design) else "weight and inertia"
+
+
+def working_at(design: Design, torque: float) -> Design:
+    """Give a design whose contacts have the stiffness of one torque on the output [N m], whatever load a run has.
+
+    A design that gives a working load, or one working force for all pairs, keeps it.
+    """
+    if design.contact.working_load or design.contact.working_force:
+        return design
+    return override(design, [f"contact.working_load_nm={abs(torque)!r}"])
+
+
+def at_rated_load(design: Design) -> Design:
+    """Give `working_at` the design's own load, or the rated torque where it has none.
+
+    For what is made for no load in particular: a folder with a model, springs for any torque, a figure.
+    """
+    return working_at(design, design.load.torque or design.drive.torque * design.lobes)
+
+
+def working_forces_told(design: Design, kinds: Iterable[str]) -> str:
+    """Tell the working forces of kinds of pairs and where each comes from."""
+    found = [f"{kind} {working_force(design, kind):.3g} N ({_source_told(design, kind)})" for kind in kinds]
+    return ", ".join(found)
+
+
+def _source_told(design: Design, kind: str) -> str:
+    source = working_source(design, kind)
+    return {
+        "given": "given",
+        "working load": f"ideal sharing of {working_load(design):.4g} N m",
+        "load": f"ideal sharing of the load, {working_load(design):.4g} N m",
+        "weight and inertia": "the gear's own weight and inertia, as there is no larger load",
+    }[source]
+
+
+def _shared(design: Design, kind: str, torque: float) -> float:
+    gear, output = design.gear, design.output
+    if kind == "output":
+        return 4.0 * torque / (output.pins * output.pin_circle_radius)
+    if kind == "cam":
+        return torque * _cam_share(tooth_profile(design), output.pins, output.pin_circle_radius)
+    return 4.0 * torque / (design.ring.teeth * gear.eccentricity * design.lobes)
+
+
+@lru_cache(maxsize=64)
+def _cam_share(gear: CycloidGear, pins: int, radius: float) -> float:
+    """Give the mean size of the cam's force under ideal sharing, over the load torque [1/m]."""
+    crank = np.linspace(0.0, 2.0 * np.pi, _ANGLES, endpoint=False)
+    ring = statics.ideal_load_sharing(gear, 1.0, crank)
+    output = statics.ideal_output_forces(gear, pins, radius, 1.0, crank)
+    return float(np.mean(np.linalg.norm(statics.cam_force(ring, output, crank), axis=1)))
