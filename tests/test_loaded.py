@@ -20,8 +20,9 @@ DESIGNS = {**PRESETS, **{name: unlike(name) for name in UNLIKE}}
 STILL = ["environment.gravity_y_m_s2=0", "drive.speed_rpm=0"]
 SMOOTH = rig.without_friction()
 
-# README: largest force on a tooth, an output pin and the cam [N], Hertz pressure [MPa], first yield [N m], efficiency.
-SIMULATED = {"pin": (155, 910, 1402, 1231, 27.9, 0.9133), "nonpin": (157, 866, 1290, 1144, 34.4, 0.8901)}
+# `measure loads` over a turn, bearings' friction and working forces by the load: largest force on a tooth, an output
+# pin and the cam [N], Hertz pressure [MPa], first yield [N m]; and the efficiency of a steady run at the rated load.
+SIMULATED = {"pin": (154.0, 954, 1414, 1231, 28.1, 0.8805), "nonpin": (155.3, 904, 1298, 1141, 34.55, 0.8613)}
 
 
 def carried(design: Design, torque: float | None = None) -> tuple[loaded.Springs, loaded.Loads]:
