@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cycloid_mj.contact.working import at_rated_load
 from cycloid_mj.course import Course
 from cycloid_mj.design import Design, override
 from cycloid_mj.measure.conditions import rated_torque
@@ -50,8 +51,8 @@ class BreakAway:
 def break_away(design: Design) -> BreakAway:
     """Let the output torque grow from zero on a reducer at rest, its crank free.
 
-    Friction without a load is that of the parts' own weight and inertia; what is in proportion to the load is in the
-    efficiency of back-driving. The crank's speed follows T t^2/2 - T0 t: the straight line of its acceleration meets
+    Contacts have the stiffness of the rated load, or they would creep under the growing one. Friction without a load is
+    that of the parts' own weight and inertia; what is in proportion to the load is in the efficiency of back-driving. The crank's speed follows T t^2/2 - T0 t: the straight line of its acceleration meets
     zero at the torque T0.
 
     Raises
@@ -67,7 +68,7 @@ def break_away(design: Design) -> BreakAway:
         drive=lambda time: np.zeros_like(time),
         load=lambda time: forward * largest * time / GROWS_FOR,
     )
-    resting = override(design, [f"drive.hold_s={GROWS_FOR!r}"])
+    resting = override(at_rated_load(design), [f"drive.hold_s={GROWS_FOR!r}"])
     reducer = build(resting, held="")
     run = simulate(resting, reducer, course)
     moving = run.select(np.abs(run["crank_angle"]) > TURNED)

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from cycloid_mj.contact.working import at_rated_load, working_forces_told
 from cycloid_mj.design import Design
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency, wang_efficiency
 from cycloid_mj.measure.conditions import RPM, drag_told, rated_torque
@@ -235,6 +236,9 @@ def _assumptions(design: Design, periods: int) -> tuple[str, ...]:
     return (
         f"friction: {', '.join(f'{pair} {design.friction_of(pair):g}' for pair in kinds)}; "
         f"{drag_told(design)}; the shafts' own bearings are left out",
+        "contacts of each run have the secant stiffness of its own load (of the output torque that it holds without "
+        "losses), from rest of the rated one; at the rated load "
+        f"{working_forces_told(at_rated_load(design), kinds)}",
         f"mean over {periods} mesh periods, {pins:g} periods of the output pins; the crank held at its speed, or "
         "the output where it drives",
         f"friction grows with the sliding speed until {creep:g} mm/s under the working force, and is whole beyond",

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cycloid_mj.contact.working import working_at, working_forces_told
 from cycloid_mj.design import Design, override
 from cycloid_mj.measure import paper, sensitivity, steady
 from cycloid_mj.measure.braked import DECAY, braked_run
@@ -13,6 +14,7 @@ from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency
 from cycloid_mj.measure.conditions import drag_told, halved, rated_torque
 from cycloid_mj.measure.measurement import Curve, Measurement, Quantity
 from cycloid_mj.measure.paper import PaperFigure
+from cycloid_mj.measure.play import clearance_kinds
 from cycloid_mj.measure.pool import Done, each, nothing
 from cycloid_mj.measure.sensitivity import Variation
 from cycloid_mj.measure.steady import Powers, first_half, powers, steady_design, whole_periods
@@ -51,7 +53,7 @@ def measure_torque(design: Design, quick: bool = False, told: Done = nothing) ->
     DesignError
         The crank does not turn.
     """
-    own = steady_design(design)
+    own = working_at(steady_design(design), rated_torque(design))
     main = whole_periods(own, QUICK_PERIODS if quick else PERIODS)
     rows = sensitivity.variations(design, quick)
     varied = list(dict.fromkeys(row.design for row in rows))
@@ -175,6 +177,8 @@ def _assumptions(design: Design, periods: int) -> tuple[str, ...]:
     return (
         f"friction of the pairs that slide: {friction}; of rolling bearings: cam {design.friction_of('cam'):g}, "
         f"output {design.friction_of('output'):g}; {drag_told(design)}; the shafts' own bearings are left out",
+        "contacts have the secant stiffness of one working force in all runs: "
+        f"{working_forces_told(design, clearance_kinds(design))}",
         f"mean over {periods} mesh periods, {pins:g} periods of the output pins: torque repeats with both, and hardly "
         "with the crank's turn",
         "the motor's torque falls with its speed, which damps the ringing of its inertia on the mesh in "
