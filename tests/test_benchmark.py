@@ -82,6 +82,7 @@ def test_against_needs_one_revision_that_git_knows(monkeypatch, capsys) -> None:
         pass
 
 
+@pytest.mark.slow
 def test_a_tree_against_itself_has_the_same_figures(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(against, "SETTLING", 0.001)
     trial = against.Trial("short", ("--design", "nonpin", "--ramp-s", "0", "--hold-s", "0.002"), None, 1.0)
