@@ -215,8 +215,11 @@ def sample_ring_by_sagitta(gear: CycloidGear, chord_error: float) -> RingOutline
     return _ring_at(gear, lobe.ravel(), np.tile(signed, gear.ring_teeth))
 
 
-def arc_contacts(gear: CycloidGear, crank_angle: float) -> RingContacts:
-    """Contacts of the gear with the N arcs (or pins) at the counter-clockwise `crank_angle` [rad]."""
+def arc_contacts(gear: CycloidGear, crank_angle: float | Array) -> RingContacts:
+    """Contacts of the gear with the N arcs (or pins) at the counter-clockwise `crank_angle` [rad].
+
+    Crank angles of shape (k, 1) give numbers of shape (k, N) and vectors of shape (k, N, 2).
+    """
     zeta = profile.pin_angles(gear)
     B = zeta + crank_angle
     alpha = profile.conjugate_alpha(gear, B)
@@ -313,7 +316,7 @@ def _ring_at(gear: CycloidGear, lobe: npt.NDArray[np.int64], signed: Array) -> R
 
 def _contacts(
     gear: CycloidGear,
-    crank_angle: float,
+    crank_angle: float | Array,
     lobe: npt.NDArray[np.int64],
     B: Array,
     angle: Array,

@@ -9,6 +9,7 @@ from cycloid_mj.cli.app import main
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import RunError, UsageError
 from cycloid_mj.measure import backlash, bench, play
+from cycloid_mj.mechanism import limits
 
 DESIGNS = {
     "free": PRESETS["pin"],
@@ -21,7 +22,7 @@ CRANK = 1.7
 
 
 def width(design: Design, crank: float = CRANK) -> float:
-    low, high = play.stops(design, crank)
+    low, high = limits.stops(design, crank)
     return high - low
 
 
@@ -62,7 +63,7 @@ def test_thicker_pins_are_a_smaller_clearance_and_too_thick_ones_jam():
     smaller = override(DESIGNS["fixed"], ["clearance.pin_gear_um=0.6"])
     assert width(design) == pytest.approx(width(smaller), rel=1e-9)
     with pytest.raises(RunError, match="jams"):
-        play.stops(override(design, [f"errors.pin_dr_um={[1.2] * 36}"]), CRANK)
+        limits.stops(override(design, [f"errors.pin_dr_um={[1.2] * 36}"]), CRANK)
 
 
 def test_holes_moved_all_alike_change_the_gaps_of_the_output_pins_along_the_eccentric_alone():

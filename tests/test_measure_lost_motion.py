@@ -9,10 +9,11 @@ from cycloid_mj.cli.app import main
 from cycloid_mj.contact.working import at_rated_load
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.errors import UsageError
-from cycloid_mj.measure import balance, bench, hysteresis, play
+from cycloid_mj.measure import balance, bench, hysteresis
 from cycloid_mj.measure.conditions import rated_torque
 from cycloid_mj.measure.hysteresis import Loop
 from cycloid_mj.measure.lost_motion import measure_lost_motion
+from cycloid_mj.mechanism import limits
 from cycloid_mj.record import Run
 
 FIXED = at_rated_load(override(PRESETS["pin"], ['ring.pins="fixed"']))
@@ -71,7 +72,7 @@ def test_balance_of_a_softer_cam_is_another(ideal_loop: Loop):
 
 
 def test_backlash_of_a_loop_is_that_of_rigid_contacts(ideal_loop: Loop):
-    low, high = play.stops(FIXED, CRANK)
+    low, high = limits.stops(FIXED, CRANK)
     # the contacts that close first are softer than the line that is drawn on to zero
     assert ideal_loop.backlash == pytest.approx(high - low, rel=0.005)
 
@@ -94,7 +95,7 @@ def test_balance_is_found_where_the_last_one_is_no_good_start():
     # from the balance under the rated torque, or from none, the solver misses that at a half: it is led there
     crank = float(bench.crank_angles(PRESETS["pin"], 6)[1])
     solved = balance.balance(PRESETS["pin"], crank, 36.68)
-    low, high = play.stops(PRESETS["pin"], crank)
+    low, high = limits.stops(PRESETS["pin"], crank)
     assert high - low < solved.lost_motion < 1.1 * (high - low)
     shares = sorted(solved.turn)
     assert all(solved.turn[a] < solved.turn[b] for a, b in pairwise(shares))

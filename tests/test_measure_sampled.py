@@ -65,5 +65,5 @@ def test_backlash_at_two_angles_misses_the_turn_by_no_more_than_its_error(name):
 def test_a_coarse_polygon_is_near_the_fine_one():
     design = unlike("few")
     cranks = np.linspace(0.0, 6.0, 7)
-    fine, coarse = play.total(design, cranks), play.total(design, cranks, play.COARSE_DIRECTIONS)
+    fine, coarse = play.total(design, cranks), play.total(design, cranks, play.COARSE_SIDES)
     assert np.all((coarse >= fine * (1.0 - 1e-9)) & (coarse < fine * (1.0 + 1.6e-4)))

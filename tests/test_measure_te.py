@@ -84,11 +84,11 @@ def test_statics_without_clearance_is_ideal_load_sharing() -> None:
     stiff = ['contact.stiffness_law="uniform"', "stiffness.pin_gear_n_m=1e7", "stiffness.cam_n_m=1e12"]
     design = fixed(*SMOOTH, *(f"clearance.{pair}_um=1e-6" for pair in PAIRS), *stiff, "stiffness.output_n_m=1e12")
     crank = np.linspace(0.0, 2.0 * np.pi / N, 7)
-    turned = static_error(design, crank, 1.0)[:, 0]
-    arms = ideal_load_sharing(tooth_profile(design), 1.0, crank).arms
-    ideal = 1.0 / (1e7 * np.sum(np.where(arms < 0.0, arms**2, 0.0), axis=-1))
-    # The cam gives 1e-5 as much as the teeth.
-    assert turned == pytest.approx(ideal, rel=1e-3)
+    turned = static_error(design, crank, 0.1)[:, 0]
+    arms = ideal_load_sharing(tooth_profile(design), 0.1, crank).arms
+    ideal = 0.1 / (1e7 * np.sum(np.where(arms < 0.0, arms**2, 0.0), axis=-1))
+    # The cam gives 1e-5 as much as the teeth; at ten times the load the normals' turning shows, by 1e-3.
+    assert turned == pytest.approx(ideal, rel=3e-4)
 
 
 @pytest.mark.parametrize("changes", [['ring.pins="fixed"', "errors.pin_y_um={1=-2.0}"], ['ring.kind="nonpin"']])

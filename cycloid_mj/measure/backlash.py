@@ -20,6 +20,7 @@ from cycloid_mj.measure.conditions import rated_torque
 from cycloid_mj.measure.measurement import Curve, Measurement, Quantity
 from cycloid_mj.measure.pool import Done, each, nothing
 from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
+from cycloid_mj.mechanism import limits
 from cycloid_mj.record import Run
 
 Array = npt.NDArray[np.float64]
@@ -151,7 +152,7 @@ def press(design: Design, crank: float, longer: float = 1.0, finer: float = 1.0)
 
 def _crossing(design: Design, crank: float, torque: float) -> float:
     """Time [s] in which a torque [N m] carries output and gear over the play from rest."""
-    low, high = play.stops(design, crank)
+    low, high = limits.stops(design, crank)
     return math.sqrt(2.0 * bench.moving_inertia(design) * (high - low) / torque)
 
 

@@ -18,6 +18,7 @@ from cycloid_mj import course, statics
 from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.design import Design
 from cycloid_mj.measure import bench, play
+from cycloid_mj.mechanism import limits
 from cycloid_mj.record import Run
 from cycloid_mj.solid.gear import tooth_profile
 
@@ -173,7 +174,7 @@ def slow_period(design: Design, rated: float) -> float:
     at least `SLOWNESS` periods of J on the stiffness of the reducer.
     """
     inertia = bench.moving_inertia(design)
-    low, high = play.stops(design, 0.0)
+    low, high = limits.stops(design, 0.0)
     crossing = math.sqrt(ARRIVAL ** (7.0 / POWER) * rated / (42.0 * inertia * max(high - low, 1e-9)))
     return 2.0 * math.pi * max(1.0 / crossing, SLOWNESS * math.sqrt(inertia / closed_stiffness(design)))
 

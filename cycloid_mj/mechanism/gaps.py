@@ -1,0 +1,230 @@
+"""The gaps of all mating pairs at a crank angle, as functions of small motions of the discs and the output.
+
+The unknowns z [m], shape (3 D + 1,), are departures from the ideal pose: x, y and R phi of each of the D discs, and
+R psi of the output; R is the radius of the circle of output pins, phi and psi are counter-clockwise. A gap is the
+normal distance of two surfaces, positive where they are apart. At the ideal pose it is what clearances, manufacturing
+errors and profile modification leave; its gradient is the direction of the force that the contact puts on the parts.
+
+Along the surface a contact moves too: each curve then counts as its circle of curvature, so what is left is of third
+order in the displacement, but for the turning of the parts. In the valleys of the paper's gear, where that circle has a
+radius of 18 um, that is good for displacements of some micrometres.
+
+Angles as in ``kinematics``, tooth geometry as in ``envelope``. A disc at the phase beta on the crank meshes as the gear
+of a crank at theta + beta (Hsieh 2014, Eqs 7 and 11, for one disc); its holes turn with the output.
+"""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj import envelope, profile
+from cycloid_mj.design import Design
+from cycloid_mj.deviations import deviations
+from cycloid_mj.kinematics import gear_centre
+from cycloid_mj.modification import profile_offset, tooth_profile
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Gaps:
+    """Gaps at one crank angle, n of them, or at k of them: then arrays of numbers have k in front.
+
+    Attributes
+    ----------
+    kind
+        Kind of the mating pair: ``pin_gear``, ``tooth`` or ``output``, shape (n,).
+    owner
+        Index of the pin, lobe or output pin, 0 on +y, clockwise, shape (n,).
+    disc
+        Index of the disc, shape (n,).
+    room
+        What the gap is wider by than the distance, wherever the parts are [m], shape (n,): clearances, errors of radii.
+        The play of a pin in its socket or sleeve is not in it.
+    distance
+        Normal distance of the two curves at z = 0 [m], shape (n,): 0 for ideal parts.
+    slope
+        Its gradient [1], shape (n, 3 D + 1).
+    shift, shift_slope
+        How far the parts are displaced along the surface at z = 0 [m], shape (n,), and the gradient of that.
+    bend
+        Relative curvature [1/m] of the two curves, shape (n,): of the gear's trochoid, on which ideal pins have their
+        centres; of the circle of a hole less the pin in it. Convex positive.
+    relative_curvature
+        Of the line contact [1/m]: gear's plus mate's surface, shape (n,).
+    """
+
+    kind: npt.NDArray[np.str_]
+    owner: npt.NDArray[np.int64]
+    disc: npt.NDArray[np.int64]
+    room: Array
+    distance: Array
+    slope: Array
+    shift: Array
+    shift_slope: Array
+    bend: Array
+    relative_curvature: Array
+
+    def select(self, rows: npt.NDArray[np.bool_]) -> "Gaps":
+        """Give some of the gaps at one crank angle, by a mask of shape (n,)."""
+        return Gaps(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
+
+    @property
+    def width(self) -> Array:
+        """Gaps at z = 0, to first order [m], shape (n,)."""
+        return np.asarray(self.room + self.distance)
+
+    def at(self, z: Array) -> tuple[Array, Array]:
+        """Give the gaps [m], shape (n,), and their gradient [1], shape (n, 3 D + 1), at departures z [m]."""
+        distance, shift = self.distance + self.slope @ z, self.shift + self.shift_slope @ z
+        along, across = 1.0 + self.bend * distance, self.bend * shift
+        reach = np.hypot(along, across)
+        near = along > 0.0  # else it is open by more than the curve's radius
+        cosine, sine = np.where(near, along / reach, 1.0), np.where(near, across / reach, 0.0)
+        width = self.room + np.where(near, (reach - 1.0) / self.bend, distance)
+        return width, cosine[:, np.newaxis] * self.slope + sine[:, np.newaxis] * self.shift_slope
+
+
+def phases(design: Design) -> tuple[float, ...]:
+    """Give the phase of each disc on the crank [rad], counter-clockwise: one disc, in phase with the crank."""
+    return (0.0,)
+
+
+def unknowns(design: Design) -> int:
+    """Give the number of unknowns: three for each disc, one for the output."""
+    return 3 * len(phases(design)) + 1
+
+
+def gaps(design: Design, crank: float) -> Gaps:
+    """Give the gaps of teeth and output pins of all discs at a crank angle [rad].
+
+    An internal gear has those of its flanks as well, after those of its arcs: 4 or 5 a disc. The cam is not among them:
+    its gap is round, see `cam_places`.
+    """
+    discs = range(len(phases(design)))
+    flanks = [_flank_gaps(design, crank, disc) for disc in discs] if design.ring.kind == "nonpin" else []
+    return _joined([arc_gaps(design, crank), *flanks])
+
+
+def arc_gaps(design: Design, crank: npt.ArrayLike) -> Gaps:
+    """Give the gaps at crank angles [rad] of shape (k,), or at one, without those of an internal gear's flanks.
+
+    The same pairs in the same order at every crank angle: all teeth, then all output pins, disc by disc.
+    """
+    angles = np.asarray(crank, dtype=np.float64)
+    discs = range(len(phases(design)))
+    return _joined([side(design, angles, disc) for disc in discs for side in (_arc_gaps, _output_gaps)])
+
+
+def _arc_gaps(design: Design, crank: Array, disc: int) -> Gaps:
+    gear, turned = tooth_profile(design), crank[..., np.newaxis] + phases(design)[disc]
+    lines = envelope.arc_contacts(gear, turned)
+    return _tooth_gaps(design, disc, lines, gear_centre(gear, turned), np.zeros(()))
+
+
+def _flank_gaps(design: Design, crank: float, disc: int) -> Gaps:
+    gear, turned = tooth_profile(design), crank + phases(design)[disc]
+    lines = envelope.sigma_contacts(gear, turned)
+    surface = lines.relative_curvature - profile.curvature(gear, lines.t)
+    parallel = surface / (1.0 - gear.pin_radius * surface)
+    return _tooth_gaps(design, disc, lines, gear_centre(gear, turned), parallel)
+
+
+def _tooth_gaps(design: Design, disc: int, lines: envelope.RingContacts, middle: Array, mate: Array) -> Gaps:
+    """Give the gaps between a disc and the ring, pins in their places.
+
+    A pin displaced by d opens its gap by d . n, n the gear's outward normal, and a radius larger by r closes it by r. A
+    pin circle of the gear larger by x moves its profile out by x cos(alpha); flanks turned by a retreat by a times the
+    arm of their normal. The gear's curve is its trochoid, its `mate` a pin's centre or a flank's parallel through it,
+    by its curvature [1/m]; the disc's `middle` [m] is where the ideal one is.
+    """
+    gear, made, change = tooth_profile(design), deviations(design), design.modification
+    push, arm, place = lines.normals, profile.moment_arm(gear, lines.B), made.pin_place[lines.lobe]
+    room = profile_offset(design) - gear.pin_radius - made.pin_radius[lines.lobe]
+    moved = change.rotation * np.abs(arm) - change.pin_circle * np.cos(profile.conjugate_alpha(gear, lines.B))
+    side = _quarter_turned(push)
+    centre = lines.points - gear.pin_radius * push
+    lever = np.sum(side * _quarter_turned(centre - middle), axis=-1)
+    return Gaps(
+        kind=np.full(lines.lobe.size, design.tooth_pair),
+        owner=lines.lobe,
+        disc=np.full(lines.lobe.size, disc),
+        room=np.broadcast_to(room, arm.shape),
+        distance=moved - np.sum(place * push, axis=-1),
+        slope=_by_unknown(design, disc, push, arm, np.zeros(arm.shape)),
+        shift=np.sum(place * side, axis=-1),
+        shift_slope=_by_unknown(design, disc, -side, -lever, np.zeros(arm.shape)),
+        bend=profile.curvature(gear, lines.t, 0.0) + mate,
+        relative_curvature=lines.relative_curvature,
+    )
+
+
+def _output_gaps(design: Design, crank: Array, disc: int) -> Gaps:
+    """Give the gaps between the holes of a disc and the output pins.
+
+    Every pin lies in its hole on the side towards the reducer's axis, and pushes the disc inwards along the eccentric.
+    A hole displaced by d in the disc opens its gap by d along that push. Holes and pins turn together: the same arm,
+    about the disc's centre and about the output's.
+    """
+    gear, made, output = tooth_profile(design), deviations(design), design.output
+    turned = crank[..., np.newaxis] / gear.lobes
+    push = -gear_centre(gear, crank[..., np.newaxis] + phases(design)[disc]) / gear.eccentricity
+    place = profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins + turned) * output.pin_circle_radius
+    side, hole, around = (
+        _quarter_turned(push),
+        _turned(made.hole_place, -turned),
+        output.hole_radius - output.pin_radius,
+    )
+    arm, lever = np.sum(place * -_quarter_turned(push), axis=-1), np.sum(place * push, axis=-1)
+    distance = (around - gear.eccentricity) + np.sum(hole * push, axis=-1)
+    return Gaps(
+        kind=np.full(output.pins, "output"),
+        owner=np.arange(output.pins),
+        disc=np.full(output.pins, disc),
+        room=np.full(distance.shape, design.clearance.output),
+        distance=distance,
+        slope=_by_unknown(design, disc, push, arm, -arm),
+        shift=-np.sum(hole * side, axis=-1),
+        shift_slope=_by_unknown(design, disc, -side, -lever, lever),
+        bend=np.full(distance.shape, -1.0 / around),
+        relative_curvature=np.full(distance.shape, 1.0 / output.pin_radius - 1.0 / output.hole_radius),
+    )
+
+
+def cam_places(design: Design, crank: npt.ArrayLike) -> Array:
+    """Give where each disc's cam is, from where its teeth would have it [m], shape (..., D, 2), at angles (...) [rad].
+
+    The disc's own centre departs from there by the cam's clearance at most; errors of the eccentricity carry it along.
+    """
+    gear, made = tooth_profile(design), deviations(design)
+    angles = np.asarray(crank, dtype=np.float64)[..., np.newaxis] + np.array(phases(design))
+    return np.asarray(made.eccentricity * gear_centre(gear, angles) / gear.eccentricity)
+
+
+def _by_unknown(design: Design, disc: int, by_place: Array, by_turn: Array, by_output: Array) -> Array:
+    """Give a gradient by z (..., n, 3 D + 1) from that by a disc's place (..., n, 2), its turn and the output's [m]."""
+    slope = np.zeros((*by_turn.shape, unknowns(design)))
+    slope[..., 3 * disc : 3 * disc + 2] = by_place
+    slope[..., 3 * disc + 2] = by_turn / design.output.pin_circle_radius
+    slope[..., -1] = by_output / design.output.pin_circle_radius
+    return slope
+
+
+def _joined(parts: list[Gaps]) -> Gaps:
+    """Put gaps one after the other along n."""
+    along = {field.name: -2 if field.name.endswith("slope") else -1 for field in fields(Gaps)}
+    joined = {name: [getattr(part, name) for part in parts] for name in along}
+    return Gaps(**{name: np.concatenate(arrays, axis=along[name]) for name, arrays in joined.items()})
+
+
+def _quarter_turned(vectors: Array) -> Array:
+    """Turn vectors (..., 2) counter-clockwise by a right angle."""
+    return np.stack([-vectors[..., 1], vectors[..., 0]], axis=-1)
+
+
+def _turned(vectors: Array, angle: Array) -> Array:
+    """Turn vectors (n, 2) counter-clockwise by angles (...) [rad], shape (..., n, 2)."""
+    x, y = vectors[:, 0], vectors[:, 1]
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)

@@ -1,0 +1,111 @@
+"""How far rigid parts can move at a locked crank, as linear programmes: the pose with the most room, and the stops.
+
+Rigid contacts only push, so every gap is a limit on the unknowns of ``gaps``. A cam's play is a circle: a polygon
+around it stands for it, larger than the circle by 1 - cos(pi/sides).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj import profile
+from cycloid_mj.design import Design
+from cycloid_mj.errors import RunError
+from cycloid_mj.mechanism.gaps import Gaps, cam_places, gaps, unknowns
+
+Array = npt.NDArray[np.float64]
+
+_SCALE = 1e-6
+"""Unit of length of the programmes [m]."""
+
+CAM_SIDES = 720
+"""Sides of the polygon around a cam's play: it is larger than the circle by 1e-5 of the play."""
+
+_FIT_SIDES = 16
+"""The same where only a place to start from is looked for."""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """The pose at one crank angle that leaves the most room.
+
+    Attributes
+    ----------
+    room
+        Smallest gap of any pair in this pose [m]; negative where the parts only go together pressed into each other.
+    shift
+        Of the gear's centre from the ideal one [m], shape (2,).
+    gear_turn, output_turn
+        Angles of gear and output less the ideal ones [rad].
+    pin_shift
+        Of each pin or sleeve that moves, out of the gear's way [m], shape (N, 2); zero for pins that do not.
+    """
+
+    room: float
+    shift: Array
+    gear_turn: float
+    output_turn: float
+    pin_shift: Array
+
+
+def best_fit(design: Design, crank: float) -> Fit:
+    """Find the pose at a crank angle [rad] that leaves the most room in all pairs."""
+    from scipy.optimize import linprog
+
+    found = gaps(design, crank)
+    slope, room = _limits(design, crank, found, _FIT_SIDES)
+    count = unknowns(design)
+    matrix = np.concatenate([-slope, np.ones((len(room), 1))], axis=1)
+    best = linprog([0.0] * count + [-1.0], A_ub=matrix, b_ub=room / _SCALE, bounds=[(None, None)] * (count + 1))
+    *free, least = np.asarray(best.x, dtype=np.float64)
+    pose = _SCALE * np.array(free)
+    turn = pose[[2, -1]] / design.output.pin_circle_radius
+    return Fit(float(least) * _SCALE, pose[:2], float(turn[0]), float(turn[1]), _aside(design, found, pose))
+
+
+def stops(design: Design, crank: float, sides: int = CAM_SIDES) -> tuple[float, float]:
+    """Give the output's stops [rad], clockwise and counter-clockwise of the ideal angle, at a crank angle [rad].
+
+    All clearances, errors and modifications are in it; `sides` are those of the polygon around a cam's play.
+
+    Raises
+    ------
+    RunError
+        The errors leave no place for the gear: it jams.
+    """
+    from scipy.optimize import linprog
+
+    slope, room = _limits(design, crank, gaps(design, crank), sides)
+    found = []
+    for direction in (-1.0, 1.0):
+        goal = np.zeros(unknowns(design))
+        goal[-1] = -direction
+        ends = linprog(goal, -slope, room / _SCALE, bounds=(None, None))
+        if ends.x is None:
+            raise RunError(f"the gear jams at crank angle {crank:.4f} rad: its errors are larger than its clearances")
+        found.append(float(ends.x[-1]) * _SCALE / design.output.pin_circle_radius)
+    return found[0], found[1]
+
+
+def _limits(design: Design, crank: float, found: Gaps, sides: int) -> tuple[Array, Array]:
+    """Give gradients (m, u) [1] and rooms (m,) [m] of slope . z + room >= 0: contacts, then cams' polygons."""
+    slopes, rooms = [found.slope], [found.width + np.where(found.kind == design.tooth_pair, design.pin_play, 0.0)]
+    around = profile.unit(np.linspace(0.0, 2.0 * np.pi, sides, endpoint=False))
+    for disc, place in enumerate(cam_places(design, crank)):
+        slope = np.zeros((sides, unknowns(design)))
+        slope[:, 3 * disc : 3 * disc + 2] = -around
+        slopes.append(slope)
+        rooms.append(design.clearance.cam + around @ place)
+    return np.concatenate(slopes), np.concatenate(rooms)
+
+
+def _aside(design: Design, found: Gaps, pose: Array) -> Array:
+    """Put each pin that a disc would cut half-way between the disc and the far side of its play."""
+    moved = np.zeros((design.ring.teeth, 2))
+    if design.ring.has_moving_pins:
+        teeth = found.select(found.kind == design.tooth_pair)
+        gap = teeth.width + teeth.slope @ pose
+        outwards = np.where(gap < 0.0, (design.pin_play - gap) / 2.0, 0.0)
+        moved[teeth.owner] = outwards[:, np.newaxis] * -teeth.slope[:, :2]
+    return moved
