@@ -9,7 +9,7 @@ import numpy.typing as npt
 import pytest
 
 from cycloid_mj import envelope, profile, solid
-from cycloid_mj.checks import WALL_SHARE, Check, check, require_sound
+from cycloid_mj.checks import WALL_SHARE, Check, require_sound, soundness
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import DesignError
 from cycloid_mj.profile import CycloidGear, unit
@@ -104,7 +104,7 @@ PASSING = [
 
 
 def failed(design: Design) -> dict[str, Check]:
-    return {item.name: item for item in check(design) if not item.passed}
+    return {item.name: item for item in soundness(design) if not item.passed}
 
 
 def mesh_of(design: Design) -> CycloidGear:
@@ -193,7 +193,7 @@ def crosses_itself(points: Array) -> bool:
 
 
 def test_the_presets_pass_everything() -> None:
-    names = {kind: [item.name for item in check(design)] for kind, design in PRESETS.items()}
+    names = {kind: [item.name for item in soundness(design)] for kind, design in PRESETS.items()}
     for design in PRESETS.values():
         assert failed(design) == {}
         assert require_sound(design) is None
@@ -382,7 +382,7 @@ def test_check_never_crashes_on_what_the_model_accepts() -> None:
     rng = np.random.default_rng(11)
     outcomes: set[tuple[str, bool]] = set()
     for _ in range(400):
-        for item in check(random_design(rng)):
+        for item in soundness(random_design(rng)):
             outcomes.add((item.name, item.passed))
             assert not re.search(r"\b(nan|inf|None)\b", f"{item.got} {item.limit}")
             assert (item.remedy == "") is item.passed

@@ -10,6 +10,7 @@ from cycloid_mj import loaded
 from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.loaded.pressure import kinds
+from cycloid_mj.loaded.springs import turn_evenly
 from cycloid_mj.measure import play
 from cycloid_mj.measure.conditions import rated_torque
 from cycloid_mj.measure.loads import measure_loads
@@ -51,13 +52,19 @@ def test_figures_are_those_of_the_simulation_within_two_percent(name):
 @pytest.mark.parametrize("name", UNLIKE)
 def test_peak_forces_of_other_designs_are_those_of_the_simulation(name):
     design = unlike(name)
-    quantities = measure_loads(design, quick=True).quantities
-    _, found = carried(design)
+    measured = measure_loads(design, quick=True)
+    springs = loaded.springs_of(design, measured.runs["loaded"]["crank_angle"][::20])
+    found = loaded.loads(design, springs, rated_torque(design))
     for kind in kinds(design):
-        assert loaded.peak_force(found, kind) == pytest.approx(quantities[f"{kind}_peak_force"].value, rel=0.1), kind
+        assert loaded.peak_force(found, kind) == pytest.approx(
+            measured.quantities[f"{kind}_peak_force"].value, rel=0.05
+        ), kind
 
 
-@pytest.mark.parametrize("name", ["pin", "nonpin", "light", "large", "few", "teeth21"])
+SLOW = [pytest.param(name, marks=pytest.mark.slow) for name in ("pin", "nonpin", "light", "large")]
+
+
+@pytest.mark.parametrize("name", ["few", "teeth21", *SLOW])
 def test_without_friction_it_is_the_independent_equilibrium(name):
     design = override(DESIGNS[name], [*STILL, *SMOOTH, f"load.torque_nm={rated_torque(DESIGNS[name])!r}"])
     springs, found = carried(design)
@@ -73,7 +80,7 @@ def test_without_friction_it_is_the_independent_equilibrium(name):
 @pytest.mark.parametrize("name", DESIGNS)
 def test_under_next_to_no_load_the_output_turns_by_its_backlash(name):
     design = override(DESIGNS[name], [*STILL, *SMOOTH])
-    springs = loaded.springs_of(design, 7)
+    springs = loaded.springs_of(design, turn_evenly(7))
     small = 1e-5 * rated_torque(design)
     width = loaded.loads(design, springs, small).output_turn - loaded.loads(design, springs, -small).output_turn
     assert width == pytest.approx(play.total(design, springs.crank), rel=1e-3)

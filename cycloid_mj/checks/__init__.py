@@ -1,23 +1,37 @@
-"""Whether a design can be built and would work: each geometric and mechanical check with its reason and remedy.
+"""Whether a design can be built, and how well it would work: each check with its reason and remedy.
 
 Symbols: N ring teeth, c eccentricity, E pin-circle radius, rho pin radius [m]. As in the parts, the clearance is cut
 from the gear (profile and holes) or added to sockets and bore. Where no source sets a limit it is assumed here and
-stated: ``WALL_SHARE``, ``PLAY_SHARE``, ``OVERLOAD`` and ``PLAUSIBLE``.
+stated: ``WALL_SHARE``, ``PLAY_SHARE``, ``OVERLOAD`` and ``PLAUSIBLE``, and those of `margin` and `strength`.
 """
 
 from cycloid_mj.checks.assembly import assembly_checks
 from cycloid_mj.checks.body import balance, bearings, body_checks
 from cycloid_mj.checks.limit import Check, Limit
+from cycloid_mj.checks.margin import margin_checks
 from cycloid_mj.checks.mechanics import OVERLOAD, PLAUSIBLE, PLAY_SHARE, mechanical_checks
+from cycloid_mj.checks.strength import strength_checks
 from cycloid_mj.checks.teeth import WALL_SHARE, tooth_checks
+from cycloid_mj.checks.tolerance import tolerance_checks
 from cycloid_mj.design import Design
 from cycloid_mj.errors import DesignError
 
-__all__ = ["OVERLOAD", "PLAUSIBLE", "PLAY_SHARE", "WALL_SHARE", "Check", "Limit", "check", "require_sound"]
+__all__ = ["OVERLOAD", "PLAUSIBLE", "PLAY_SHARE", "WALL_SHARE", "Check", "Limit", "check", "require_sound", "soundness"]
 
 
 def check(design: Design) -> tuple[Check, ...]:
-    """Give every check of a design, passed or not.
+    """Give every check of a design, passed or not: those of `soundness`, then those that decide how good it is.
+
+    The latter need a design without errors, and are all warnings.
+    """
+    sound = soundness(design)
+    if any(item.severity == "error" and not item.passed for item in sound):
+        return sound
+    return (*sound, *margin_checks(design), *tolerance_checks(design), *strength_checks(design))
+
+
+def soundness(design: Design) -> tuple[Check, ...]:
+    """Give the checks of whether a design can be built and would turn.
 
     What rests on a failed check is left out: undercut where there are loops, balance and assembly of an unsound gear.
     """
@@ -34,8 +48,8 @@ def _of_whole(design: Design) -> tuple[Check, ...]:
 
 
 def require_sound(design: Design) -> None:
-    """Raise DesignError that tells each failed check in a line of its own; warnings pass."""
-    failed = [item for item in check(design) if not item.passed and item.severity == "error"]
+    """Raise DesignError that tells each failed check of `soundness` in a line of its own; warnings pass."""
+    failed = [item for item in soundness(design) if not item.passed and item.severity == "error"]
     if failed:
         lines = "\n".join(f"  {item}" for item in failed)
         raise DesignError(f"the design {design.name!r} cannot be built:\n{lines}")

@@ -5,6 +5,7 @@ import operator
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
 from pydantic.fields import FieldInfo
 
 from cycloid_mj.design import Design, override
@@ -144,4 +145,4 @@ def millimetres(length: float) -> str:
 
 def _shortened(number: float, digits: int) -> str:
     """Round to significant digits, without the exponent that large numbers would get."""
-    return f"{float(f'{number:.{digits}g}'):.16g}"
+    return np.format_float_positional(float(f"{number:.{digits}g}"), trim="-")

@@ -9,8 +9,8 @@ from typing import Any, get_origin
 
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
-from pydantic_core import ErrorDetails
 
+from cycloid_mj.design.mistakes import refusal
 from cycloid_mj.design.model import Design, Section
 from cycloid_mj.design.presets import PRESETS
 from cycloid_mj.design.units import Unit, counted_by, file_key, source_of, unit_of
@@ -21,9 +21,6 @@ LARGEST_INTEGER = 2**63 - 1
 
 LONGEST_LIST = 10_000
 """More parts than any kind of part may have."""
-
-MOST_ERRORS = 5
-"""Wrong values of a file that are told one by one; the others are counted."""
 
 
 def resolve(name_or_file: str, changes: Sequence[str] = ()) -> Design:
@@ -64,19 +61,52 @@ def loads(text: str, where: str = "the design") -> Design:
     return _validated(_to_si(Design, tables, where), where)
 
 
-def override(design: Design, changes: Sequence[str]) -> Design:
-    """Give the design with ``table.key=value`` changes in the file's words, e.g. ``load.torque_nm=36``."""
+def override(design: Design, changes: Sequence[str] | Mapping[str, Any]) -> Design:
+    """Give the design with changes in the words and units of its file, as ``table.key=value`` or as a mapping.
+
+    ``override(design, ["load.torque_nm=36"])`` and ``override(design, {"load.torque_nm": 36.0})`` are the same. In a
+    mapping, values are those of Python: numbers, words, lists; `Design.but` takes SI units.
+
+    Raises
+    ------
+    UsageError
+        A change has not the form of one.
+    DesignError
+        There is no such key, or its value is not allowed.
+    """
+    if isinstance(changes, Mapping):
+        where, pairs = "override", [(path, _plain(value)) for path, value in changes.items()]
+    else:
+        where, pairs = "--set", [_pair(change) for change in changes]
     tables = dict(_tables(design))
-    for change in changes:
-        path, equals, value = change.partition("=")
-        keys = path.strip().split(".")
-        if not equals or len(keys) > 2 or not all(keys):
-            raise UsageError(f"--set {change!r}: expected table.key=value, e.g. --set load.torque_nm=36")
+    for path, value in pairs:
+        keys = _keys(path)
+        if not keys:
+            raise UsageError(f"{where} {path!r}: expected table.key, e.g. load.torque_nm")
         table = tables if len(keys) == 1 else tables.setdefault(keys[0], {})
         if not isinstance(table, dict):
-            raise UsageError(f"--set {change!r}: {keys[0]} is a value, not a table")
-        table[keys[-1]] = _parsed(value.strip())
-    return _validated(_to_si(Design, tables, "--set"), "--set") if changes else design
+            raise UsageError(f"{where} {path!r}: {keys[0]} is a value, not a table")
+        table[keys[-1]] = value
+    return _validated(_to_si(Design, tables, where), where) if pairs else design
+
+
+def _pair(change: str) -> tuple[str, Any]:
+    """Take a ``table.key=value`` apart."""
+    path, equals, value = change.partition("=")
+    if not equals or not _keys(path.strip()):
+        raise UsageError(f"--set {change!r}: expected table.key=value, e.g. --set load.torque_nm=36")
+    return path.strip(), _parsed(value.strip())
+
+
+def _keys(path: str) -> list[str]:
+    """Give table and key, or the one key of a value outside of tables; nothing if a path is neither."""
+    keys = path.split(".")
+    return keys if len(keys) <= 2 and all(keys) else []
+
+
+def _plain(value: Any) -> Any:
+    """Give a value of numpy's as one of Python's."""
+    return value.tolist() if hasattr(value, "tolist") else value
 
 
 def dump(design: Design) -> str:
@@ -199,37 +229,7 @@ def _validated(values: dict[str, Any], where: str) -> Design:
     try:
         return Design.model_validate(_filled(values, where), strict=True)
     except ValidationError as error:
-        told = [_told(details, where) for details in error.errors()[:MOST_ERRORS]]
-        rest = error.error_count() - len(told)
-        raise DesignError("; ".join([*told, f"and {rest:,} more"] if rest else told)) from error
-
-
-def _told(details: ErrorDetails, where: str) -> str:
-    """One validation error in the words of the file: key, value, what is allowed."""
-    section: type[Section] = Design
-    field: FieldInfo | None = None
-    keys: list[str] = []
-    for name in details["loc"]:
-        if isinstance(name, int) and keys:
-            keys[-1] += f"[{name + 1}]"
-            continue
-        field = section.model_fields.get(str(name))
-        keys.append(file_key(str(name), field) if field else str(name))
-        if field and isinstance(field.annotation, type) and issubclass(field.annotation, Section):
-            section = field.annotation
-    got = details["input"]
-    if not keys:
-        return f"{where}: {details.get('ctx', {}).get('error', details['msg'])}"
-    if field is None:
-        return f"{where}: {'.'.join(keys)}: {details['msg']}"
-    unit = unit_of(field)
-    shown = unit.from_si(got) if isinstance(got, float) else got
-    bounds = {name: bound for name, bound in details.get("ctx", {}).items() if isinstance(bound, (int, float))}
-    words = {"gt": "more than", "ge": "at least", "lt": "less than", "le": "at most"}
-    limits = [f"{words[name]} {unit.from_si(float(bound)):g}" for name, bound in bounds.items() if name in words]
-    message = "a list such as [5.0, 0.0] or {1 = 5.0}" if details["type"] == "tuple_type" else details["msg"]
-    allowed = " and ".join(limits) if limits else message
-    return f"{where}: {'.'.join(keys)} = {shown!r:.80} is not allowed: {allowed} ({field.description})"
+        raise refusal(error, Design, where) from error
 
 
 def _nearest(key: str, known: list[str], prefix: str) -> str:

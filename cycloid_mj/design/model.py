@@ -1,10 +1,14 @@
 """The frozen ``Design``: every input of the project, in SI units; the defaults are the paper's pin reducer."""
 
+import math
+from collections.abc import Mapping
+from html import escape
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from cycloid_mj.design import units as u
+from cycloid_mj.design.mistakes import refusal
 from cycloid_mj.design.units import PAPER, choice, counted_by, file_key, listed, quantity, switch
 
 Offsets = tuple[Annotated[float, Field(ge=-1e-3, le=1e-3, allow_inf_nan=False)], ...]
@@ -403,6 +407,55 @@ class Design(Section):
     environment: Environment = Environment()
     settings: Settings = Settings()
 
+    def __repr__(self) -> str:
+        """Tell the design in one line; the design file, `design.dump`, tells all of it."""
+        return f"Design({', '.join(f'{key} {value}' for key, value in self._facts())})"
+
+    __str__ = __repr__
+
+    def _repr_html_(self) -> str:
+        """Tell the design as a table of a notebook."""
+        rows = "".join(f"<tr><th>{escape(key)}</th><td>{escape(value)}</td></tr>" for key, value in self._facts())
+        return f"<table>{rows}</table>"
+
+    def _facts(self) -> tuple[tuple[str, str], ...]:
+        ring = self.ring
+        kind = "internal gear" if ring.kind == "nonpin" else f"{ring.pins} pins"
+        return (
+            ("name", repr(self.name)),
+            ("ratio", f"{self.lobes}:1"),
+            ("ring", f"{ring.teeth} teeth, {kind}, E {1e3 * ring.pin_circle_radius:g} mm"),
+            ("eccentricity", f"{1e3 * self.gear.eccentricity:g} mm"),
+            ("speed", f"{self.drive.speed * 30.0 / math.pi:.6g} rpm"),
+            ("rated torque", f"{self.rated_torque:.6g} N m"),
+            ("load", f"{self.load.torque:.6g} N m"),
+        )
+
+    def but(self, **changes: Any) -> Self:
+        """Give the design with other values, in SI: ``design.but(load={"torque": 36.0}, name="loaded")``.
+
+        A table's values that are not named stay as they are.
+
+        Raises
+        ------
+        DesignError
+            There is no such table or value, or it is not allowed.
+        """
+        values = self.model_dump()
+        for name, change in changes.items():
+            if isinstance(change, Mapping):
+                change = {**values.get(name, {}), **{key: _tupled(value) for key, value in change.items()}}
+            values[name] = change
+        try:
+            return type(self).model_validate(values, strict=True)
+        except ValidationError as error:
+            raise refusal(error, type(self), "but") from error
+
+    @property
+    def rated_torque(self) -> float:
+        """Torque at the output that the rated input torque holds without loss [N m]."""
+        return self.drive.torque * self.lobes
+
     @property
     def lobes(self) -> int:
         """Lobes of the cycloid gear, N - 1: the reduction ratio."""
@@ -470,3 +523,8 @@ class Design(Section):
                     "leave it out, or take ring.kind = 'pin'"
                 )
         return self
+
+
+def _tupled(value: Any) -> Any:
+    """Give a list as the tuple that the model has in its place."""
+    return tuple(value) if isinstance(value, list) else value

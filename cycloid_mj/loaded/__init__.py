@@ -9,7 +9,16 @@ its two contacts are one, in series, and the smaller of both frictions is that o
 """
 
 from cycloid_mj.loaded.balance import Loads, loads
-from cycloid_mj.loaded.pressure import peak_force, peak_pressure, yield_torque
+from cycloid_mj.loaded.pressure import peak_force, peak_pressure, torque_at_pressure, yield_torque
 from cycloid_mj.loaded.springs import Springs, springs_of
 
-__all__ = ["Loads", "Springs", "loads", "peak_force", "peak_pressure", "springs_of", "yield_torque"]
+__all__ = [
+    "Loads",
+    "Springs",
+    "loads",
+    "peak_force",
+    "peak_pressure",
+    "springs_of",
+    "torque_at_pressure",
+    "yield_torque",
+]

@@ -30,8 +30,8 @@ def peak_pressure(design: Design, springs: Springs, found: Loads, kind: str) -> 
     return float(hertz_pressure(design, _forces(found, kind) * line_share(design, kind), curvature).max())
 
 
-def yield_torque(design: Design, springs: Springs, kind: str, torque: float) -> float:
-    """Give the torque on the output at which a kind of contact first yields [N m], to a thousandth.
+def torque_at_pressure(design: Design, springs: Springs, kind: str, pressure: float, torque: float) -> float:
+    """Give the torque on the output at which a kind of contact has a peak pressure [Pa], to a thousandth [N m].
 
     `torque` [N m] is the first guess, not 0; better ones follow, as if the pressure rose with its square root.
 
@@ -40,13 +40,17 @@ def yield_torque(design: Design, springs: Springs, kind: str, torque: float) -> 
     RunError
         No balance was found at a guess.
     """
-    allowed = YIELD_PRESSURE * design.material.yield_strength
     for _ in range(GUESSES):
-        factor = (allowed / peak_pressure(design, springs, loads(design, springs, torque), kind)) ** 2
+        factor = (pressure / peak_pressure(design, springs, loads(design, springs, torque), kind)) ** 2
         torque *= factor
         if abs(factor - 1.0) < TOLERANCE:
             break
     return torque
+
+
+def yield_torque(design: Design, springs: Springs, kind: str, torque: float) -> float:
+    """Give the torque on the output at which a kind of contact first yields, as `torque_at_pressure` [N m]."""
+    return torque_at_pressure(design, springs, kind, YIELD_PRESSURE * design.material.yield_strength, torque)
 
 
 def _forces(found: Loads, kind: str) -> Array:

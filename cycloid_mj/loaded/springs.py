@@ -63,8 +63,15 @@ class Springs:
     cam_rubbing: float
 
 
-def springs_of(design: Design, poses: int = POSES) -> Springs:
-    """Give the springs of a design, which must be sound; their stiffness is that `at_rated_load`.
+def turn_evenly(poses: int = POSES) -> Array:
+    """Give crank angles [rad], shape (poses,), that lie evenly in the turn and, taken modulo it, in the mesh period."""
+    return np.asarray(2.0 * math.pi * np.mod(GOLDEN * np.arange(poses), 1.0))
+
+
+def springs_of(design: Design, crank: Array | None = None) -> Springs:
+    """Give the springs of a design, which must be sound, at crank angles [rad], shape (m,); by default all round.
+
+    Their stiffness is that `at_rated_load`.
 
     Raises
     ------
@@ -72,7 +79,7 @@ def springs_of(design: Design, poses: int = POSES) -> Springs:
         The working force flattens a pin beyond a line contact.
     """
     design = at_rated_load(design)
-    crank = 2.0 * math.pi * np.mod(GOLDEN * np.arange(poses), 1.0)
+    crank = turn_evenly() if crank is None else crank
     lines = [assembly.mesh_lines(design, float(angle)) for angle in crank]
     ring = [assembly.ring_gaps(design, part) for part in lines]
     holes = [assembly.output_gaps(design, float(angle)) for angle in crank]
@@ -84,7 +91,7 @@ def springs_of(design: Design, poses: int = POSES) -> Springs:
     springs = _tooth_stiffness(design, curvature)
     rubbing = [ring_rubbing(design, part, angle) for part, angle in zip(lines, crank, strict=True)]
     beside = [output_rubbing(design, part, angle) for part, angle in zip(holes, crank, strict=True)]
-    output = np.full((poses, design.output.pins), pair_stiffness(design, "output"))
+    output = np.full((crank.size, design.output.pins), pair_stiffness(design, "output"))
     gear = design.gear
     away = kinematics.gear_centre(tooth_profile(design), crank) / gear.eccentricity
     return Springs(

@@ -1,0 +1,79 @@
+"""What the contacts of a sound design carry at its rated torque: computed once, for all checks and the summary."""
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from cycloid_mj import assembly, profile, statics
+from cycloid_mj.design import Design
+from cycloid_mj.loaded import Loads, Springs, loads, peak_force, peak_pressure, springs_of
+from cycloid_mj.modification import tooth_profile
+
+CARRIES = 0.01
+"""A tooth carries where its force is at least this share of the largest."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rated:
+    """A design under its rated torque.
+
+    Attributes
+    ----------
+    design
+        The design.
+    torque
+        On the output, that of the drive times the ratio [N m], with the sign that opposes the output's turning.
+    springs, found
+        The statics and their solution.
+    """
+
+    design: Design
+    torque: float
+    springs: Springs
+    found: Loads
+
+    def peak_force(self, kind: str) -> float:
+        """Give the largest force on a contact of a kind [N]."""
+        return peak_force(self.found, kind)
+
+    def peak_pressure(self, kind: str) -> float:
+        """Give the largest Hertz pressure on a kind of contact [Pa]."""
+        return peak_pressure(self.design, self.springs, self.found, kind)
+
+    @property
+    def concentration(self) -> float:
+        """Largest force on a tooth over that of ideal sharing [1]."""
+        ideal = statics.ideal_load_sharing(tooth_profile(self.design), self.torque, self.springs.crank)
+        return float(self.found.teeth.max() / ideal.forces.max())
+
+    @property
+    def loaded_teeth(self) -> float:
+        """Contact lines with the ring that carry, on average [1]."""
+        return float((self.found.teeth > CARRIES * self.found.teeth.max()).sum(axis=1).mean())
+
+    @property
+    def pressure_angle(self) -> float:
+        """Angle of the tooth forces to the way that they turn the gear, averaged by force [rad]."""
+        gear, turned = tooth_profile(self.design), 0.0
+        for angle, forces in zip(self.springs.crank, self.found.teeth, strict=True):
+            lines = assembly.mesh_lines(self.design, float(angle))
+            turned += float(np.sum(profile.pressure_angle(gear, lines.B) * forces[: lines.B.size]))
+        return turned / float(self.found.teeth.sum())
+
+
+@lru_cache(maxsize=4)
+def rated(design: Design) -> Rated:
+    """Give a sound design under its rated torque.
+
+    Raises
+    ------
+    ContactError
+        The working force flattens a pin beyond a line contact.
+    RunError
+        No static balance was found.
+    """
+    torque = math.copysign(design.rated_torque, design.drive.speed)
+    springs = springs_of(design)
+    return Rated(design, torque, springs, loads(design, springs, torque))

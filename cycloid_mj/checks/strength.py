@@ -1,0 +1,275 @@
+"""Checks of a sound design under its rated torque: pressures, sharing, walls. All are warnings: it runs all the same.
+
+Forces are those of `loaded`, with the real clearances, errors and friction, and the stiffness of contacts and cam.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from cycloid_mj.checks.limit import Check, Limit, told
+from cycloid_mj.checks.rated import Rated, rated
+from cycloid_mj.contact.pressure import HARDNESS_PRESSURE, SHAKEDOWN_PRESSURE, YIELD_PRESSURE
+from cycloid_mj.design import Design
+from cycloid_mj.design.units import DEGREE, MEGAPASCAL, NEWTON_METRE, NONE
+from cycloid_mj.errors import CycloidError
+from cycloid_mj.loaded import torque_at_pressure
+from cycloid_mj.modification import profile_offset
+
+CONCENTRATION = 3.0
+"""Assumed: most that the largest tooth force may be, over that of ideal sharing."""
+
+PRESSURE_ANGLE = math.radians(70.0)
+"""Assumed: largest mean pressure angle; beyond, the teeth push the gear aside three times as hard as round."""
+
+SAFETY = 2.0
+"""Assumed: what the notches of a wall leave of its strength; `cycloid-mj stress` finds it by finite elements."""
+
+MARGIN = 1e-3
+"""Relative; how far a remedy that rests on the statics stays inside its limit: they are as exact as that."""
+
+GUESSES = 6
+
+TENSION, SHEAR = 1.0, 1.0 / math.sqrt(3.0)
+"""Share of the yield strength that a wall bears (von Mises)."""
+
+PARTS = {"tooth": "the teeth", "output": "the output pins in their holes", "cam": "the cam's bearing"}
+
+
+def strength_checks(design: Design) -> Iterator[Check]:
+    """Check what a sound design carries at its rated torque."""
+    try:
+        state = rated(design)
+    except CycloidError as error:
+        yield _unknown(error)
+        return
+    for part in PARTS:
+        yield from _pressures(state, part)
+    yield _concentration(state)
+    yield _pressure_angle(state)
+    for wall in _walls(design):
+        yield _wall(state, wall)
+
+
+def _unknown(error: CycloidError) -> Check:
+    return Check(
+        name="rated_load",
+        passed=False,
+        got="without a static balance",
+        limit="one that the contacts can hold",
+        why=str(error),
+        remedy="",
+        severity="warning",
+        key="the design at its rated torque",
+    )
+
+
+def _pressures(state: Rated, part: str) -> Iterator[Check]:
+    """Check the Hertz pressure of one part's contacts against first yield, shakedown and hardness."""
+    design, material = state.design, state.design.material
+    kind = design.tooth_pair if part == "tooth" else part
+    pressure = state.peak_pressure(kind)
+    yields, breaks = "material.yield_strength", "material.tensile_strength"
+    for name, key, factor, where, what in (
+        ("yield", yields, YIELD_PRESSURE, "x yield strength", "the material first yields below the surface"),
+        ("shakedown", yields, SHAKEDOWN_PRESSURE, "x yield strength, 4 k", "the material yields anew at each passing"),
+        (
+            "hardness",
+            breaks,
+            HARDNESS_PRESSURE,
+            "x tensile strength",
+            "the contact leaves dents, as a hardness test does",
+        ),
+    ):
+        strength = material.yield_strength if key == yields else material.tensile_strength
+        allowed = factor * strength
+        passed = pressure <= allowed
+        remedies: list[Limit] = []
+        beyond = f"beyond, {what}"
+        if not passed:
+            torque = abs(torque_at_pressure(design, state.springs, kind, allowed, state.torque))
+            beyond = f"{what} from {_newton_metres(torque)} on"
+            remedies = [
+                _face_width(design, lambda other: other.peak_pressure(kind), allowed, 2.0),
+                Limit(key, "at least", pressure / factor),
+                Limit("drive.torque", "at most", (1.0 - MARGIN) * torque / design.lobes),
+            ]
+        got, limit = told(pressure, "at most", allowed, MEGAPASCAL)
+        yield Check(
+            name=f"{part}_{name}",
+            passed=passed,
+            got=got,
+            limit=f"{limit} ({factor:.3g} {where})",
+            why=beyond,
+            remedy=_alternatives(design, remedies),
+            severity="warning",
+            key=f"the Hertz pressure of {PARTS[part]} at {_newton_metres(abs(state.torque))}",
+        )
+
+
+def _face_width(design: Design, value: Callable[[Rated], float], allowed: float, power: float) -> Limit:
+    """Give the face width at which a value of a rated design, about width ** -1/power, falls to what is allowed."""
+    width, found = design.gear.face_width, value(rated(design))
+    for _ in range(GUESSES):
+        width *= (1.0 + MARGIN) * (found / allowed) ** power
+        try:
+            found = value(rated(design.but(gear={"face_width": width})))
+        except CycloidError:
+            return Limit("gear.face_width", "at least", math.inf)
+        if (1.0 - 4.0 * MARGIN) * allowed < found <= allowed:
+            break
+    return Limit("gear.face_width", "at least", width)
+
+
+def _concentration(state: Rated) -> Check:
+    design, ratio = state.design, state.concentration
+    names = _clearances(design)
+    passed = ratio <= CONCENTRATION
+    got, limit = told(ratio, "at most", CONCENTRATION, NONE)
+
+    def tighter(share: float) -> Design:
+        return design.but(clearance={name: share * getattr(design.clearance, name) for name in names})
+
+    share = 1.0 if passed else _threshold(lambda share: rated(tighter(share)).concentration <= CONCENTRATION)
+    limits = [Limit(f"clearance.{name}", "at most", share * getattr(design.clearance, name)) for name in names]
+    return Check(
+        name="load_concentration",
+        passed=passed,
+        got=got,
+        limit=f"{limit} (assumed)",
+        why="with clearances and a cam that gives, few teeth carry what ideal sharing spreads over half of them",
+        remedy=""
+        if passed
+        else " and ".join(filter(None, (limit.remedy(design) for limit in limits)))
+        if share
+        else "no smaller clearance is enough: a wider face or more rollers make the cam stiffer"
+        " (gear.face_width_mm, contact.cam_rollers)",
+        severity="warning",
+        key="the largest tooth force over that of ideal sharing",
+    )
+
+
+def _clearances(design: Design) -> tuple[str, ...]:
+    moving = {"pin_socket": design.ring.has_sockets, "pin_sleeve": design.ring.has_sleeves}
+    return (design.tooth_pair, *(name for name, moves in moving.items() if moves), "cam", "output")
+
+
+def _pressure_angle(state: Rated) -> Check:
+    design, angle = state.design, state.pressure_angle
+    passed = angle <= PRESSURE_ANGLE
+    got, limit = told(angle, "at most", PRESSURE_ANGLE, DEGREE)
+    least, most = design.gear.eccentricity, design.ring.pin_circle_radius / design.ring.teeth
+
+    def steeper(share: float) -> Design:
+        eccentricity = most + share * (least - most)
+        return design.but(
+            gear={"eccentricity": eccentricity}, output={"hole_radius": design.output.pin_radius + eccentricity}
+        )
+
+    def holds(share: float) -> bool:
+        return rated(steeper(share)).pressure_angle <= PRESSURE_ANGLE
+
+    share = 1.0 if passed else _threshold(holds)
+    better = steeper(share) if share else design
+    limits = [
+        Limit("gear.eccentricity", "at least", better.gear.eccentricity),
+        Limit("output.hole_radius", "at least", better.output.hole_radius),
+    ]
+    return Check(
+        name="pressure_angle",
+        passed=passed,
+        got=f"{got} (weighted by force)",
+        limit=f"{limit} (assumed)",
+        why="the steeper the tooth forces, the more they load cam and housing instead of turning the gear",
+        remedy=""
+        if passed
+        else " and ".join(filter(None, (limit.remedy(design) for limit in limits)))
+        if share
+        else "no larger eccentricity is enough: lower the clearances",
+        severity="warning",
+        key="the mean pressure angle at the rated torque",
+    )
+
+
+def _threshold(holds: Callable[[float], bool]) -> float:
+    """Give the largest share from 0 to 1, to a thousandth, at which something holds that does not at 1; 0 for none."""
+
+    def kept(share: float) -> bool:
+        try:
+            return holds(share)
+        except CycloidError:
+            return False
+
+    low, high = 0.0, 1.0
+    while high - low > MARGIN * high and high > MARGIN:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if kept(middle) else (low, middle)
+    return low
+
+
+@dataclass(frozen=True)
+class _Wall:
+    """A wall that a pin of one `kind` presses on: `thickness` [m], and what `share` of the yield strength it bears."""
+
+    name: str
+    where: str
+    kind: str
+    thickness: float
+    share: float
+
+    def stress(self, state: Rated) -> float:
+        """Give the stress [Pa]: two planes of shear, or of tension, bear the largest force."""
+        return state.peak_force(self.kind) / (2.0 * self.thickness * state.design.gear.face_width)
+
+
+def _walls(design: Design) -> tuple[_Wall, ...]:
+    output, ring, gear = design.output, design.ring, design.gear
+    hole = output.hole_radius + design.clearance.output
+    root = ring.pin_circle_radius + design.modification.pin_circle - gear.eccentricity - profile_offset(design)
+    outside = ring.pin_circle_radius + ring.pin_radius + design.socket_play
+    if ring.kind == "nonpin":
+        outside = ring.pin_circle_radius - ring.pin_radius + 2.0 * gear.eccentricity
+    between = 2.0 * (output.pin_circle_radius * math.sin(math.pi / output.pins) - hole)
+    inside, beyond = output.pin_circle_radius - hole, root - output.pin_circle_radius - hole
+    ligament, tooth = design.housing.outer_radius - outside, design.tooth_pair
+    return (
+        _Wall("hole_to_hole", "between neighbouring output holes", "output", between, TENSION),
+        _Wall("hole_to_root", "between the output holes and the root of the lobes", "output", beyond, SHEAR),
+        _Wall(
+            "bore_to_hole",
+            "between the bore and the output holes",
+            "output",
+            inside - gear.bore_radius - design.clearance.cam,
+            SHEAR,
+        ),
+        _Wall("housing_ligament", "of the housing outside the ring's teeth", tooth, ligament, SHEAR),
+    )
+
+
+def _wall(state: Rated, wall: _Wall) -> Check:
+    """Check that no pin tears out of its wall."""
+    design, stress = state.design, wall.stress(state)
+    strength = wall.share * design.material.yield_strength / SAFETY
+    passed = stress <= strength
+    kind = "tension" if wall.share == TENSION else "shear"
+    got, limit = told(stress, "at most", strength, MEGAPASCAL)
+    enough = Limit("material.yield_strength", "at least", design.material.yield_strength * stress / strength)
+    return Check(
+        name=wall.name,
+        passed=passed,
+        got=f"{got} of {kind}",
+        limit=f"{limit} (the yield strength in {kind} over {SAFETY:g}, assumed)",
+        why=f"the largest force there, {state.peak_force(wall.kind):.4g} N, must not tear the"
+        f" {1e3 * wall.thickness:.4g} mm of wall",
+        remedy="" if passed else _alternatives(design, [_face_width(design, wall.stress, strength, 1.0), enough]),
+        severity="warning",
+        key=f"the wall {wall.where}",
+    )
+
+
+def _alternatives(design: Design, limits: list[Limit]) -> str:
+    return ", or ".join(filter(None, (limit.remedy(design) for limit in limits)))
+
+
+def _newton_metres(torque: float) -> str:
+    return f"{NEWTON_METRE.from_si(torque):.4g} N m"

@@ -1,0 +1,49 @@
+"""What pydantic finds wrong with a design, told in the words of the design file."""
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
+
+from cycloid_mj.design.units import file_key, unit_of
+from cycloid_mj.errors import DesignError
+
+MOST_ERRORS = 5
+"""Wrong values of a design that are told one by one; the others are counted."""
+
+
+def refusal(error: ValidationError, root: type[BaseModel], where: str) -> DesignError:
+    """Give the error that tells each mistake in a design: key, value and what is allowed, in the units of the file.
+
+    `root` is the model that was validated; `where` tells where the values came from.
+    """
+    told = [_told(details, root, where) for details in error.errors()[:MOST_ERRORS]]
+    rest = error.error_count() - len(told)
+    return DesignError("; ".join([*told, f"and {rest:,} more"] if rest else told))
+
+
+def _told(details: ErrorDetails, root: type[BaseModel], where: str) -> str:
+    """One validation error in the words of the file: key, value, what is allowed."""
+    section = root
+    field: FieldInfo | None = None
+    keys: list[str] = []
+    for name in details["loc"]:
+        if isinstance(name, int) and keys:
+            keys[-1] += f"[{name + 1}]"
+            continue
+        field = section.model_fields.get(str(name))
+        keys.append(file_key(str(name), field) if field else str(name))
+        if field and isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel):
+            section = field.annotation
+    got = details["input"]
+    if not keys:
+        return f"{where}: {details.get('ctx', {}).get('error', details['msg'])}"
+    if field is None:
+        return f"{where}: {'.'.join(keys)}: {details['msg']}"
+    unit = unit_of(field)
+    shown = unit.from_si(got) if isinstance(got, float) else got
+    bounds = {name: bound for name, bound in details.get("ctx", {}).items() if isinstance(bound, (int, float))}
+    words = {"gt": "more than", "ge": "at least", "lt": "less than", "le": "at most"}
+    limits = [f"{words[name]} {unit.from_si(float(bound)):g}" for name, bound in bounds.items() if name in words]
+    message = "a list such as [5.0, 0.0] or {1 = 5.0}" if details["type"] == "tuple_type" else details["msg"]
+    allowed = " and ".join(limits) if limits else message
+    return f"{where}: {'.'.join(keys)} = {shown!r:.80} is not allowed: {allowed} ({field.description})"
