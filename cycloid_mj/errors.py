@@ -1,4 +1,7 @@
-"""The errors a user can meet: each message says what went wrong, what was got, what is allowed, what to do next."""
+"""The errors and warnings a user can meet: each says what is wrong, what was got, what is allowed, what to do next."""
+
+import warnings
+from collections.abc import Iterable
 
 
 class CycloidError(Exception):
@@ -30,3 +33,13 @@ class ContactError(CycloidError):
 
 class RunError(CycloidError):
     """A simulation that went wrong and was stopped; its log holds what came before."""
+
+
+class CycloidWarning(UserWarning):
+    """A run goes through, but its figures are not, or not all, those of its design."""
+
+
+def warn(design: str, texts: Iterable[str]) -> None:
+    """Issue warnings about a design of some name."""
+    for text in texts:
+        warnings.warn(f"{design}: {text}", CycloidWarning, stacklevel=3)

@@ -36,7 +36,7 @@ class Run:
     units
         Name -> unit: "rad", "rad/s", "N", "N m", "m", "1", ...; one for every column.
     provenance
-        Flat text about the run: versions, seed, solver.
+        Flat text about the run: versions, seed, solver; ``warnings``, a line each.
     attachments
         File name -> content, such as ``design.toml`` and ``model.xml``.
     complete
@@ -66,6 +66,11 @@ class Run:
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
         _check_time(self.time)
         _check_columns(self.time.size, self.columns, self.units)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Why the figures of this run may not be those of its design, as far as was known before it began."""
+        return tuple(self.provenance.get("warnings", "").splitlines())
 
     def __len__(self) -> int:
         """Give the number of samples n."""

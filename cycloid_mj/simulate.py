@@ -19,11 +19,12 @@ from cycloid_mj.contact.collider import installed
 from cycloid_mj.contact.drag import drag_powers, dragged_joints
 from cycloid_mj.contact.forces import PairForces, pair_forces, pair_index
 from cycloid_mj.contact.peaks import Peaks
+from cycloid_mj.contact.regime import pace
 from cycloid_mj.contact.shared import Shared
 from cycloid_mj.contact.working import at_rated_load, working_forces_told
 from cycloid_mj.course import Course, initial_state, ramp_and_hold
 from cycloid_mj.design import Design, dump
-from cycloid_mj.errors import RunError
+from cycloid_mj.errors import RunError, warn
 from cycloid_mj.mjcf import ReducerModel, build, sensors, xml
 from cycloid_mj.mjcf.names import DRAGS, pairs
 from cycloid_mj.record import Run
@@ -143,6 +144,11 @@ def simulate(design: Design, reducer: ReducerModel | None = None, course: Course
     ------
     RunError
         The run went wrong; nothing is returned.
+
+    Warns
+    -----
+    CycloidWarning
+        Its figures may not be those of the design; `Run.warnings` keeps why.
     """
     reducer = reducer or build(design)
     groups = columns(reducer, design)
@@ -157,7 +163,7 @@ def simulate(design: Design, reducer: ReducerModel | None = None, course: Course
         time=time,
         columns=values,
         units=units,
-        provenance=provenance(design, contact_of(reducer)),
+        provenance=provenance(design, contact_of(reducer)) | warned(warnings(reducer, design, course)),
         attachments=attachments(reducer, design),
     )
 
@@ -178,6 +184,17 @@ def provenance(design: Design, contact: Contact = "profile") -> dict[str, str]:
     }
 
 
+def warnings(reducer: ReducerModel, design: Design, course: Course | None = None) -> tuple[str, ...]:
+    """Tell why the figures of a run may not be those of its design; a course that starts at rest does not hurry."""
+    hurries = course is None or course.speed != 0.0
+    return (*reducer.warnings, *(pace(design) if hurries else ()))
+
+
+def warned(texts: Sequence[str]) -> dict[str, str]:
+    """Give the entry of a run's provenance that keeps its warnings; none where there are none."""
+    return {"warnings": "\n".join(texts)} if texts else {}
+
+
 def attachments(reducer: ReducerModel, design: Design) -> dict[str, bytes]:
     """Give the files that make a log complete: the design file and the model, with the meshes that it refers to."""
     return {"design.toml": dump(design).encode(), "model.xml": xml(reducer.spec).encode(), **reducer.spec.assets}
@@ -191,7 +208,13 @@ def blocks(reducer: ReducerModel, design: Design, course: Course | None = None) 
     RunError
         Not a number, a warning of MuJoCo's, penetration beyond ``contact.max_penetration_um``, a jumped tooth, or a
         solver that did not converge; raised after the samples before it were given.
+
+    Warns
+    -----
+    CycloidWarning
+        As `simulate`.
     """
+    warn(design.name, warnings(reducer, design, course))
     plan = schedule(design)
     course = course or ramp_and_hold(reducer, design)
     data = initial_state(reducer, design, course)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from cycloid_mj.analysis.doubts import doubts
 from cycloid_mj.analysis.findings import ContactSummary, Window
 from cycloid_mj.analysis.series import Series
 from cycloid_mj.design.units import MICROMETRE, RPM
@@ -21,8 +22,7 @@ def warnings(motion: Series, judged: Window, contacts: ContactSummary) -> Iterat
         yield _ended_in_ramp(motion)
     elif _turns(judged) < 1.0:
         yield _short(motion, judged)
-    if trouble := run.provenance.get("warnings"):
-        yield f"before the run: {trouble}"
+    yield from doubts(motion)
     limit = MICROMETRE.from_si(design.contact.max_penetration)
     if contacts.max_penetration_um > DEEP * limit:
         yield f"contacts were {contacts.max_penetration_um:.3g} um deep; a run ends with an error at {limit:g} um"

@@ -33,6 +33,7 @@ from cycloid_mj.cli import (
 )
 from cycloid_mj.cli.mistakes import sentence
 from cycloid_mj.cli.terminal import tell
+from cycloid_mj.cli.warned import warnings_kept
 from cycloid_mj.errors import CycloidError, UsageError
 from cycloid_mj.interrupt import cause
 
@@ -80,7 +81,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         if group := _group_alone(app, words):
             app.help_print(words, console=page.console(stderr=True))
             raise UsageError(f"{group} needs a command: {', '.join(page.commands(app[group]))}")
-        code = app(words)
+        with warnings_kept(None if "--quiet" in words else tell):
+            code = app(words)
         sys.stdout.flush()
         return code or 0
     except CycloptsError as error:

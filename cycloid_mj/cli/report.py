@@ -2,7 +2,8 @@
 
 from typing import TYPE_CHECKING
 
-from cycloid_mj.cli.terminal import say, say_groups, say_json, tell
+from cycloid_mj.cli.terminal import say, say_groups, say_json
+from cycloid_mj.errors import warn
 
 if TYPE_CHECKING:
     from cycloid_mj.analysis import Findings
@@ -10,11 +11,9 @@ if TYPE_CHECKING:
 HEADER = ("quantity", "simulated", "closed form", "error", "unit")
 
 
-def report(findings: "Findings", json: bool, quiet: bool = False) -> None:
-    """Write the findings of a run, and what to know before trusting them as messages."""
-    if not quiet:
-        for warning in findings.warnings:
-            tell(f"warning: {warning}")
+def report(findings: "Findings", json: bool) -> None:
+    """Write the findings of a run, and what to know before trusting them as warnings."""
+    warn(findings.design, findings.warnings)
     if json:
         say_json(findings.as_json())
         return

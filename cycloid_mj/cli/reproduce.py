@@ -13,8 +13,9 @@ from cycloid_mj.cli.flags import JsonFlag
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.simulate import QuietFlag
 from cycloid_mj.cli.terminal import finite, say, say_json, say_table, tell
+from cycloid_mj.cli.warned import with_warnings
 from cycloid_mj.design import Design
-from cycloid_mj.errors import LogError, RunError, UsageError
+from cycloid_mj.errors import LogError, RunError, UsageError, warn
 from cycloid_mj.whole import write_whole
 
 if TYPE_CHECKING:
@@ -94,12 +95,14 @@ def reproduce(
     into = folder(out or OUT, "the report")
     start = monotonic()
     stages = reproduced(QUICK if quick else FULL, _Logs(into, fresh, quiet), _teller(quiet), only)
-    found = {
-        "quick": quick,
-        "stages": [stage.as_json() for stage in stages],
-        "claims": [claim.as_json() for stage in stages for claim in stage.found.claims],
-        "errata": errata(),
-    }
+    found = with_warnings(
+        {
+            "quick": quick,
+            "stages": [stage.as_json() for stage in stages],
+            "claims": [claim.as_json() for stage in stages for claim in stage.found.claims],
+            "errata": errata(),
+        }
+    )
     page = _written(stages, found, into, quick, monotonic() - start)
     _report(stages, found, page, json)
     return FAILURE if any(stage.error for stage in stages) else 0
@@ -132,6 +135,8 @@ class _Logs:
                     raise error.__cause__ from None
                 raise
         self._known |= {design: read(path) for design, path in paths.items()}
+        for design in paths:
+            warn(design.name, self._known[design].warnings)
         return [self._known[design] for design in designs]
 
     def _fits(self, design: Design, path: Path) -> bool:

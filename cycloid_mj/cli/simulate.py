@@ -103,7 +103,7 @@ def simulate(
         require_free(*names)
     with Progress(chosen.drive.ramp + chosen.drive.hold, quiet) as progress:
         ran = run_into_log(chosen, names, force, progress, contact)
-    report(ran.judged(), json, quiet)
+    report(ran.judged(), json)
     return 0
 
 
@@ -192,20 +192,24 @@ def run_into_log(
 ) -> Ran:
     """Run a design into the first log of `names` that no other run has taken meanwhile."""
     progress.tell("preparing the model")
-    from cycloid_mj.contact.regime import warnings
     from cycloid_mj.log import LogWriter
     from cycloid_mj.scene import Scene
-    from cycloid_mj.simulate import attachments, blocks, columns, provenance, reducer_model, schedule
+    from cycloid_mj.simulate import (
+        attachments,
+        blocks,
+        columns,
+        provenance,
+        reducer_model,
+        schedule,
+        warned,
+        warnings,
+    )
 
     plan = schedule(design)
     _require_held_samples(design, plan)
     reducer = reducer_model(design, contact)
-    troubles = warnings(design, reducer)
-    for trouble in troubles:
-        progress.tell(f"warning: {trouble}")
     groups = {topic: list(units.items()) for topic, units in columns(reducer, design).items()}
-    told = provenance(design, contact) | {"steps": str(plan.steps)}
-    told |= {"warnings": "; ".join(troubles)} if troubles else {}
+    told = provenance(design, contact) | {"steps": str(plan.steps)} | warned(warnings(reducer, design))
     start = time.perf_counter()
     scene = Scene(design, design.settings.scene_rate)
     files = attachments(reducer, design)

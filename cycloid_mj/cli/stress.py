@@ -17,7 +17,7 @@ from cycloid_mj.cli.simulate import QuietFlag, logs_folder, require_possible
 from cycloid_mj.cli.stressfiles import report
 from cycloid_mj.cli.terminal import tell
 from cycloid_mj.design import Design, override
-from cycloid_mj.errors import UsageError
+from cycloid_mj.errors import UsageError, warn
 
 if TYPE_CHECKING:
     from cycloid_mj.record import Run
@@ -200,6 +200,7 @@ def _read(logs: Sequence[str], designs: Sequence[str], out: str | None) -> tuple
     for number, name in enumerate(logs):
         run = read(Path(name))
         ran = design_of(run)
+        warn(ran.name, run.warnings)
         if designs:
             require_same(designed(designs[number], (), ()), ran)
         found.append((ran, run, Path(name)))

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cycloid_mj.cli.terminal import say, say_json, say_table
+from cycloid_mj.cli.warned import with_warnings
 from cycloid_mj.whole import write_whole
 
 if TYPE_CHECKING:
@@ -27,11 +28,13 @@ def report(studies: "Sequence[StressStudy]", into: Path, angle_deg: float | None
     findings = [study.findings for study in studies]
     judged = claims(findings)
     files = _drawn(studies, into, angle_deg)
-    told: dict[str, Any] = {
-        "designs": [each.as_json() for each in findings],
-        "paper": [claim.as_json() for claim in judged],
-        "files": [str(path) for path in files],
-    }
+    told: dict[str, Any] = with_warnings(
+        {
+            "designs": [each.as_json() for each in findings],
+            "paper": [claim.as_json() for claim in judged],
+            "files": [str(path) for path in files],
+        }
+    )
     result = into / RESULT
     write_whole({result: (js.dumps(told, indent=1) + "\n").encode()})
     if json:

@@ -6,6 +6,8 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
+from cycloid_mj.cli.warned import with_warnings
+
 PIPE_WIDTH = 120
 
 LONGEST_MESSAGE = 4000
@@ -18,8 +20,9 @@ def say(text: str) -> None:
 
 
 def say_json(value: Any) -> None:
-    """Write one JSON object; what is no number there (JSON has no NaN) becomes null."""
-    say(json.dumps(finite(value), indent=2, allow_nan=False))
+    """Write one JSON object, warnings included; what is no number there (JSON has no NaN) becomes null."""
+    noted = with_warnings(value) if isinstance(value, dict) else value
+    say(json.dumps(finite(noted), indent=2, allow_nan=False))
 
 
 def tell(text: str) -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cycloid_mj.cli.terminal import say, say_json, say_table
+from cycloid_mj.errors import warn
 
 if TYPE_CHECKING:
     from cycloid_mj.comparison import Comparison
@@ -14,7 +15,9 @@ LINE = 110
 
 
 def report(comparison: "Comparison", figures: Sequence[Path], json: bool) -> None:
-    """Write the comparison: a table for each load and words, or one JSON object."""
+    """Write the comparison: a table for each load and words, or one JSON object; warn of what is doubtful in it."""
+    for trial in comparison.trials:
+        warn(trial.name, trial.measures.findings.warnings)
     if json:
         say_json(comparison.as_json() | {"figures": [str(path) for path in figures]})
         return

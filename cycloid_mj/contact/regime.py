@@ -4,7 +4,7 @@ Each is told in one line: what, where, and what to change. What cannot run at al
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, Protocol
 
 from cycloid_mj.contact.law import LEAST_IMPEDANCE, ContactLaw
@@ -32,6 +32,20 @@ RESOLVED = 1.0
 NOISE = 1e4 * 2.0**-52
 """Least clearance as a share of E. Gaps are right to some ten roundings of E: to a thousandth of it."""
 
+FEWEST_STEPS = 25.0
+"""Fewest steps from tooth to tooth.
+
+Fixed pins at 20 N m, 5000 to 20 000 rpm, against a tenth of the step: at 33 steps the efficiency is right within 0.05
+points and the transmission error within 1 %, at 17 within 0.7 points and 2 %, at 8 the efficiency is 102 %.
+"""
+
+FEWEST_SAMPLES = 8.0
+"""Fewest samples from tooth to tooth.
+
+A sine sampled at as many per period keeps 92 % of its peak to peak at least; the transmission error of fixed pins keeps
+99 %, at 3 samples 87 to 98 %, at one 50 to 97 %.
+"""
+
 RAISED = 0.01
 """Share of the effective mass by which MuJoCo may raise an added mass without a word."""
 
@@ -55,8 +69,41 @@ class Reducer(Protocol):
 def warnings(design: Design, reducer: Reducer) -> tuple[str, ...]:
     """Tell every bad regime of a built design: what, where, and what to change; nothing where there is none."""
     resolved = [text for kind, law in reducer.laws.items() for text in _resolution(design, kind, law)]
-    noisy = [text for kind in reducer.laws for text in _noise(design, kind)]
-    return (*_step(design, reducer.laws), *resolved, *noisy, *_clamped(reducer), *_unused(design))
+    return (*_step(design, reducer.laws), *resolved, *_clamped(reducer), *at_rest(design, reducer.laws))
+
+
+def at_rest(design: Design, kinds: Iterable[str]) -> tuple[str, ...]:
+    """Tell those that count even where all motion is so slow that neither step nor mass has an effect."""
+    return (*(text for kind in kinds for text in _noise(design, kind)), *_unused(design))
+
+
+def pace(design: Design) -> tuple[str, ...]:
+    """Tell where a run at the design's crank speed has too few steps or samples from tooth to tooth."""
+    passing = design.ring.teeth * abs(design.drive.speed) / (2.0 * math.pi)
+    return (*_few_steps(design, passing), *_few_samples(design, passing)) if passing else ()
+
+
+def _few_steps(design: Design, passing: float) -> Iterator[str]:
+    """Tell of a crank that turns too far in a step; teeth pass ``passing`` times a second."""
+    step, longest = design.settings.timestep, 1.0 / (FEWEST_STEPS * passing)
+    if step > longest * (1.0 + 1e-9):
+        yield (
+            f"settings.timestep_us = {1e6 * step:g}: the crank turns by "
+            f"{math.degrees(abs(design.drive.speed)) * step:.3g} deg in a step, and a tooth passes in "
+            f"{1.0 / (passing * step):.3g} steps: powers and efficiency are wrong, peaks are cut; shorten it to "
+            f"{_below(1e6 * longest)} or lower drive.speed_rpm"
+        )
+
+
+def _few_samples(design: Design, passing: float) -> Iterator[str]:
+    """Tell of a log too coarse for a tooth's passing; it holds a sample a step at most."""
+    rate, least = min(design.settings.log_rate, 1.0 / design.settings.timestep), FEWEST_SAMPLES * passing
+    if rate < least * (1.0 - 1e-9):
+        yield (
+            f"settings.log_rate_hz = {design.settings.log_rate:g} gives {rate / passing:.2g} samples of each passing "
+            f"tooth ({passing:.4g} a second): transmission error, peaks and rms may read too low; raise it to "
+            f"{_above(least)} or more, or lower drive.speed_rpm"
+        )
 
 
 def frequency_shift(law: ContactLaw) -> float:
@@ -96,7 +143,7 @@ def _resolution(design: Design, kind: str, law: ContactLaw) -> Iterator[str]:
     yield (
         f"{kind}: {cause} is too large for a step of {1e6 * step:g} us: K dt^2/m = {ratio:.3g}, and the added mass "
         f"that it needs lowers the contact's own frequency by {shift:.0%}{worse}; shorten settings.timestep_us to "
-        f"{_rounded(1e6 * longest, math.floor)} or lower {'damping' if damped else 'stiffness'}.{kind}"
+        f"{_below(1e6 * longest)} or lower {'damping' if damped else 'stiffness'}.{kind}"
         f"{'' if damped else '_n_m'}"
     )
 
@@ -106,7 +153,7 @@ def _noise(design: Design, kind: str) -> Iterator[str]:
     if clearance < least:
         yield (
             f"clearance.{kind}_um = {1e6 * clearance:g} is below the numerical noise of the gaps; "
-            f"raise it to {_rounded(1e6 * least, math.ceil)} or more"
+            f"raise it to {_above(1e6 * least)} or more"
         )
 
 
@@ -132,7 +179,7 @@ def _unused(design: Design) -> Iterator[str]:
     rolling |= {"output": ("output.rollers = false", design.output.rollers)}
     for kind, (change, rolls) in rolling.items():
         given = getattr(design.friction, kind)
-        if rolls and given != getattr(Friction(), kind):
+        if rolls and given not in (0.0, getattr(Friction(), kind)):
             yield (
                 f"friction.{kind} = {given:g} has no effect where rollers run: set friction.{kind}_rolling, or {change}"
             )
@@ -142,7 +189,13 @@ def _ratio(law: ContactLaw) -> float:
     return law.damping / (2.0 * math.sqrt(law.stiffness * law.effective_mass))
 
 
-def _rounded(number: float, direction: Callable[[float], int]) -> str:
-    """Give a number with two digits, rounded in a direction."""
-    digit = 10.0 ** (math.floor(math.log10(number)) - 1)
-    return f"{direction(number / digit) * digit:.4g}"
+def _below(number: float) -> str:
+    """Give the next lower of 1, 2 and 5 times a power of ten: a remedy should not lie on the limit."""
+    ten = 10.0 ** math.floor(math.log10(number))
+    return f"{max(digit for digit in (0.5, 1.0, 2.0, 5.0) if digit < number / ten) * ten:g}"
+
+
+def _above(number: float) -> str:
+    """Give the next higher one."""
+    ten = 10.0 ** math.floor(math.log10(number))
+    return f"{min(digit for digit in (2.0, 5.0, 10.0) if digit > number / ten) * ten:g}"

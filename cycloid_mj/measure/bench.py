@@ -8,6 +8,7 @@ where friction holds the pin. A run that goes wrong all the same is made again a
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -15,6 +16,7 @@ import numpy.typing as npt
 
 from cycloid_mj import statics
 from cycloid_mj.contact.law import IMPRATIO, pair_stiffness
+from cycloid_mj.contact.regime import at_rest
 from cycloid_mj.contact.working import working_force
 from cycloid_mj.course import Signal, locked_crank
 from cycloid_mj.design import Design, Drive, Friction, Load, Settings
@@ -178,6 +180,7 @@ def _inertia(design: Design) -> float:
 def _reducer(design: Design, timestep: float) -> ReducerModel:
     """Build a model once for all crank angles; a run leaves it as it is."""
     reducer = build(design)
+    reducer = replace(reducer, warnings=at_rest(design, reducer.laws))
     reducer.spec.option.timestep = reducer.model.opt.timestep = timestep
     return reducer
 

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj.analysis.doubts import unbalanced
 from cycloid_mj.course import Course
 from cycloid_mj.design import Design, override
+from cycloid_mj.errors import warn
 from cycloid_mj.measure.conditions import LOG_RATE, require_motion, stepped
 from cycloid_mj.mjcf import ReducerModel
 from cycloid_mj.record import Run
@@ -56,7 +58,9 @@ def steady(
     """
     hold = settled + periods * mesh_period(design)
     run = simulate(override(design, [f"drive.hold_s={hold!r}"]), reducer, course)
-    return run.select(run.time >= settled * (1.0 - 1e-9))
+    run = run.select(run.time >= settled * (1.0 - 1e-9))
+    warn(design.name, unbalanced(run, design))
+    return run
 
 
 def steady_design(design: Design) -> Design:

@@ -77,7 +77,8 @@ def build_mesh(design: Design, settings: ConvexSettings | None = None) -> Reduce
     gains = exact._add_actuators(made.spec, made.crank_inertia)
     exact._add_sensors(made.spec, design)
     model = made.spec.compile()
-    return ReducerModel(made.spec, model, names.pairs(design), made.laws, gains, made.crank_inertia)
+    reducer = ReducerModel(made.spec, model, names.pairs(design), made.laws, gains, made.crank_inertia)
+    return exact.judged(reducer, design)
 
 
 def mesh_spec(design: Design, settings: ConvexSettings) -> MeshSpec:

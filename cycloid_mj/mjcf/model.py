@@ -5,7 +5,7 @@ The gear and the free pins move in the plane (two slides and a hinge); shaft and
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import mujoco
@@ -22,6 +22,7 @@ from cycloid_mj.contact.law import (
     solver_parameters,
 )
 from cycloid_mj.contact.library import exact_xml
+from cycloid_mj.contact.regime import warnings
 from cycloid_mj.contact.teeth import USER_DATA, Teeth
 from cycloid_mj.contact.working import working_force
 from cycloid_mj.design import Design
@@ -71,6 +72,8 @@ class ReducerModel:
         kp [N m/rad] and kv [N m s/rad] of the servo on the shaft that is held.
     crank_inertia
         Inertia of shaft and rotor about the crank axis [kg m2].
+    warnings
+        Why its figures may not be those of its design, see ``contact.regime``.
     """
 
     spec: Any
@@ -79,6 +82,7 @@ class ReducerModel:
     laws: Mapping[str, ContactLaw]
     servo_gains: tuple[float, float]
     crank_inertia: float
+    warnings: tuple[str, ...] = ()
 
 
 def build(design: Design, held: Held = "crank") -> ReducerModel:
@@ -111,7 +115,12 @@ def build(design: Design, held: Held = "crank") -> ReducerModel:
     laws = contact_laws(design, masses)
     set_solver(spec, laws, design.ring.has_moving_pins)
     model = _add_pairs(spec, mating, laws)
-    return ReducerModel(spec, model, mating, laws, gains, crank_inertia)
+    return judged(ReducerModel(spec, model, mating, laws, gains, crank_inertia), design)
+
+
+def judged(reducer: ReducerModel, design: Design) -> ReducerModel:
+    """Give a model with its warnings."""
+    return replace(reducer, warnings=warnings(design, reducer))
 
 
 def xml(spec: Any) -> str:

@@ -3,11 +3,12 @@
 import multiprocessing
 import os
 import signal
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
-from cycloid_mj.errors import CycloidError, UsageError
+from cycloid_mj.errors import CycloidError, CycloidWarning, UsageError
 from cycloid_mj.validation import (
     backlash,
     cam_load,
@@ -104,7 +105,10 @@ def climb(parts: Sequence[Part], quick: bool = False, workers: int = WORKERS) ->
         return
     context = multiprocessing.get_context("spawn")
     with context.Pool(workers, initializer=_leave_interrupts) as pool:
-        yield from pool.imap_unordered(_run, work)
+        for number, rows, issued in pool.imap_unordered(_run_apart, work):
+            for text in issued:
+                warnings.warn(text, CycloidWarning, stacklevel=2)
+            yield number, rows
 
 
 def in_order(found: Iterable[tuple[int, list[Row]]]) -> list[Row]:
@@ -120,6 +124,13 @@ def _run(work: tuple[int, Part, bool]) -> tuple[int, list[Row]]:
         nan = float("nan")
         rows = [Row("could not be run", nan, nan, "", "", nan, "", 0.0, note=str(error))]
     return number, [replace(row, rung=part.rung) for row in rows]
+
+
+def _run_apart(work: tuple[int, Part, bool]) -> tuple[int, list[Row], list[str]]:
+    """Run a part in a process of its own; give also what it was warned of, which would not leave that process."""
+    with warnings.catch_warnings(record=True) as issued:
+        warnings.simplefilter("always")
+        return *_run(work), [str(one.message) for one in issued]
 
 
 def _leave_interrupts() -> None:

@@ -8,6 +8,7 @@ from time import monotonic
 from typing import TYPE_CHECKING
 
 from cycloid_mj.cli.terminal import finite, say, say_json, say_table, tell
+from cycloid_mj.cli.warned import with_warnings
 from cycloid_mj.interrupt import unbroken
 from cycloid_mj.whole import write_whole
 
@@ -42,7 +43,7 @@ def write(found: "Measurement", into: Path, no_log: bool) -> list[Path]:
     stem = f"{found.measure}-{found.design.name}"
     written = [*save({stem: measurement_figure(found)}, into, ("png", "svg"))]
     result = into / f"{stem}.json"
-    write_whole({result: (text_of.dumps(finite(found.as_json()), indent=2) + "\n").encode()})
+    write_whole({result: (text_of.dumps(finite(with_warnings(found.as_json())), indent=2) + "\n").encode()})
     written.append(result)
     if not no_log:
         written += [write_log(run, into / f"{stem}-{name}.mcap") for name, run in found.runs.items()]

@@ -1,0 +1,118 @@
+"""What is doubtful in a run: what was known before it began, its pace, its power balance and its efficiency."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.analysis.series import Series
+from cycloid_mj.contact.regime import pace
+from cycloid_mj.design import Design
+from cycloid_mj.record import Run
+from cycloid_mj.solid import mass_properties, parts
+
+OPEN = 0.02
+"""Share of the power that may be missing from the balance. It is below 0.5 % in whole turns of designs within their
+regimes, loaded or not, and 2.2 % where the efficiency of fixed pins reads 102 % (20 000 rpm at 10 us)."""
+
+WHOLE_TURN = 0.99
+"""Crank turns from which sampled powers of an idling reducer average out."""
+
+IDLE = 0.01
+"""Least power that a share is taken of, over the rated power: an idling reducer takes next to none."""
+
+
+@dataclass(frozen=True)
+class Balance:
+    """Mean powers of a run [W].
+
+    Attributes
+    ----------
+    crank, output
+        Into the reducer through each shaft; negative where it gives power out.
+    lost
+        What friction and the normal forces take.
+    stored
+        Growth of kinetic and potential energy.
+    """
+
+    crank: float
+    output: float
+    lost: float
+    stored: float
+
+    @property
+    def missing(self) -> float:
+        """What comes in and neither is lost nor stored [W]."""
+        return self.crank + self.output - self.lost - self.stored
+
+    @property
+    def efficiency(self) -> float:
+        """Power given out as a share of that supplied, whichever shaft drives; NaN where none does."""
+        supplied = max(self.crank, self.output)
+        return -min(self.crank, self.output) / supplied if supplied > 0.0 else float("nan")
+
+
+def balance(run: Run) -> Balance:
+    """Give the mean powers of all samples of a run."""
+    still = np.zeros(len(run))
+    energy = run.columns.get("kinetic_energy", still) + run.columns.get("potential_energy", still)
+    losses = [float(np.mean(run[name])) for name in run.columns if name.endswith(("_friction_power", "_normal_power"))]
+    return Balance(
+        crank=float(np.mean(run["crank_torque"] * run["crank_speed"])),
+        output=float(np.mean(run["load_torque"] * run["output_speed"])),
+        lost=sum(losses),
+        stored=float((energy[-1] - energy[0]) / (run.time[-1] - run.time[0])),
+    )
+
+
+def doubts(motion: Series) -> tuple[str, ...]:
+    """Tell what is doubtful in a run: what, where, and what to change; nothing where there is nothing."""
+    run, design = motion.run, motion.design
+    judged = run.select(motion.whole_periods)
+    told = unbalanced(judged, design) if motion.phase == "hold" and len(judged) > 1 else ()
+    return tuple(dict.fromkeys((*run.warnings, *pace(design), *told)))
+
+
+def unbalanced(run: Run, design: Design) -> tuple[str, ...]:
+    """Tell of a power balance that is open, and of an efficiency that no reducer has, in the samples of a run.
+
+    A run that logs no losses has no balance, and over less than a crank turn sampled powers do not tell it. A reducer
+    whose load is not the design's may be driven through both shafts, with an efficiency below 0 where it locks itself.
+    """
+    found = balance(run)
+    idle = IDLE * design.drive.torque * abs(design.drive.speed)
+    scale = max(found.crank, found.output, found.lost, idle)
+    told = []
+    short = _turns(run) < WHOLE_TURN
+    if "kinetic_energy" in run.columns and not short and abs(found.missing) > OPEN * scale:
+        told.append(
+            f"the power balance is open by {found.missing:.3g} of {scale:.4g} W: powers, losses and efficiency are "
+            f"wrong; {_cause(found, design)}"
+        )
+    outside = not 0.0 <= found.efficiency <= 1.0 if design.load.torque else found.efficiency > 1.0
+    if outside and (design.load.torque or max(found.crank, found.output) > idle):
+        why = "the hold is too short to average over: lengthen drive.hold_s" if short else _cause(found, design)
+        told.append(f"the efficiency reads {found.efficiency:.2%}, which no reducer has; {why}")
+    return tuple(told)
+
+
+def _turns(run: Run) -> float:
+    angle = run["crank_angle"]
+    return float(abs(angle[-1] - angle[0]) / (2.0 * np.pi) * angle.size / (angle.size - 1))
+
+
+def _cause(found: Balance, design: Design) -> str:
+    """Name what opens a balance: the step's own work, or else samples that miss the ripple of the powers.
+
+    Contact forces are those of a step's start, in the mean half a step late: on a gear of mass m that goes round on c
+    they do the work m (c omega)^2 omega (omega dt) / 2 a second.
+    """
+    speed, step = abs(design.drive.speed), design.settings.timestep
+    mass = mass_properties(parts(design)["gear"]).mass
+    late = 0.5 * mass * design.gear.eccentricity**2 * speed**4 * step
+    if late > 0.5 * abs(found.missing):
+        return (
+            f"a step of {1e6 * step:g} us is too long for this speed: contact forces act half a step late, which alone "
+            f"does {late:.3g} W on the orbiting gear; shorten settings.timestep_us or lower drive.speed_rpm"
+        )
+    return "the log is too coarse or the hold too short for these powers: raise settings.log_rate_hz or drive.hold_s"
