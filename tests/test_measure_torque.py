@@ -47,8 +47,8 @@ def efficiency():
 
 
 def test_braked_and_crank_held_runs_agree(torque):
-    # two ways to hold the reducer, one figure: asked for within 0.5 points, found within 0.05
-    assert torque["efficiency_crank_held"] == pytest.approx(torque["efficiency"], abs=0.1)
+    # two ways to hold the reducer, one figure: found within 0.10 points over these 4 mesh periods, 0.02 over 13
+    assert torque["efficiency_crank_held"] == pytest.approx(torque["efficiency"], abs=0.15)
     assert torque["output_rate"] == pytest.approx(torque["efficiency"], abs=0.1)
 
 
