@@ -20,6 +20,7 @@ from cycloid_mj.analysis import analyze
 from cycloid_mj.cli import main
 from cycloid_mj.contact.forces import pair_forces, pair_index
 from cycloid_mj.contact.law import IMPRATIO, curvature_law
+from cycloid_mj.contact.working import at_rated_load, working_force
 from cycloid_mj.convex import ConvexSettings, Surface, fill, polygon_body, surfaces
 from cycloid_mj.course import initial_state, load_torque, servo_target
 from cycloid_mj.design import PRESETS, Design, override
@@ -29,7 +30,7 @@ from cycloid_mj.kinematics import CrankLaw
 from cycloid_mj.log import read
 from cycloid_mj.mjcf import build, sensors
 from cycloid_mj.mjcf.folder import design_hash
-from cycloid_mj.mjcf.foundation import flank_patch, hole_patch, working_forces
+from cycloid_mj.mjcf.foundation import flank_patch, hole_patch
 from cycloid_mj.mjcf.keyframe import joint_state
 from cycloid_mj.mjcf.mesh import build_mesh
 from cycloid_mj.modification import gear_profile, profile_offset
@@ -117,10 +118,10 @@ def pressed(settings: ConvexSettings, kind: str) -> tuple[float, float, int]:
     Gives the springs' force and what an elastic foundation of the law's stiffness has at the deepest penetration that
     MuJoCo finds, each as a share of the working force; and the number of contacts.
     """
-    design = changed("pin")
+    design = at_rated_load(changed("pin"))
     reducer = build_mesh(design, settings)
     model, data = reducer.model, mujoco.MjData(reducer.model)
-    law, force = reducer.laws[kind], working_forces(design)[kind]
+    law, force = reducer.laws[kind], working_force(design, kind)
     if kind == "pin_gear":
         # pin 1 into valley 1, and out of its socket
         _, _, valley = _valley(design)

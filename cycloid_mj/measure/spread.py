@@ -1,0 +1,135 @@
+"""How far a rate moves with the inputs that are assumed: each varied alone, over the range that it may have.
+
+A numerical error says how well a model is solved; where its inputs are assumptions, it is no error of the rate.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from cycloid_mj.contact.law import pair_stiffness
+from cycloid_mj.design import Design, override
+from cycloid_mj.measure.measurement import Table
+from cycloid_mj.measure.play import clearance_kinds
+
+PLAY = (0.5, 2.0)
+"""Factors on a clearance: what a drawing says against what a gauge finds."""
+CAM_PLAY = (0.1, 2.0)
+"""The same on the cam's, down to a bearing next to preload."""
+CAM_STIFFNESS = (0.5, 4.0)
+"""Factors on the cam's stiffness: a row of few rollers, and about that of a plain journal without play."""
+TEETH = (0.02, 0.1)
+"""Friction of lubricated hardened steel on steel, from a full film to boundary lubrication (assumed)."""
+BEARING = (0.001, 0.003)
+"""Friction of rolling bearings: cylindrical rollers 0.0008 to 0.0012, needles with a cage 0.0020 to 0.0030 (JTEKT)."""
+CREEP, DAMPING = (0.001, 0.02), (0.1, 0.5)
+"""What only regularises the contacts: creep speed [m/s] and damping as a share of critical."""
+
+
+@dataclass(frozen=True)
+class Input:
+    """One input at the ends of its range: the values there, in `unit`, and the designs with them."""
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    low_design: Design
+    high_design: Design
+
+
+@dataclass(frozen=True)
+class Moved:
+    """What a rate becomes at the ends of an input's range [1]."""
+
+    input: Input
+    value_low: float
+    value_high: float
+
+
+def inputs(design: Design) -> list[Input]:
+    """Give the assumed inputs that a design's rate rests on."""
+    seats = [kind for kind in clearance_kinds(design) if kind not in ("cam", "output")]
+    return [
+        _input(design, "mesh play", "um", _scaled(design, seats, PLAY), [f"clearance.{kind}_um" for kind in seats]),
+        _input(design, "cam play", "um", _scaled(design, ["cam"], CAM_PLAY), ["clearance.cam_um"]),
+        _input(design, "cam stiffness", "N/m", _stiffnesses(design), ["stiffness.cam_n_m"]),
+        _input(design, "friction of the teeth", "1", _alike(TEETH, seats), [f"friction.{kind}" for kind in seats]),
+        _bearing(design, "cam", design.gear.bearing == "rolling", BEARING),
+        _bearing(design, "output", design.output.rollers, (BEARING[0], plain_roller(design))),
+        _input(design, "creep speed", "mm/s", _alike([1e3 * v for v in CREEP], ["creep"]), ["contact.creep_speed_mm_s"]),
+        _input(design, "contact damping", "of critical", _alike(DAMPING, ["damping"]), ["contact.damping_ratio"]),
+    ]
+
+
+def plain_roller(design: Design) -> float:
+    """Give the friction at the rim of a roller that is a plain sleeve sliding on its core, as a ring sleeve does."""
+    return design.friction.pin_sleeve * design.output.root_radius / design.output.pin_radius
+
+
+def table(rate: str, own: float, found: Sequence[Moved]) -> Table:
+    """Give the spread of a rate, by name, about the design's own [1] as a table in percent."""
+    rows = [
+        (one.input.name, one.input.unit, one.input.low, one.input.high, 1e2 * one.value_low, 1e2 * one.value_high)
+        for one in found
+    ]
+    low, high = spread(own, found)
+    return Table(
+        f"{rate} by assumed inputs, one at a time: {1e2 * low:.1f} to {1e2 * high:.1f} %",
+        ("input", "unit", "low", "high", "at low [%]", "at high [%]"),
+        tuple(rows),
+    )
+
+
+def spread(own: float, found: Sequence[Moved]) -> tuple[float, float]:
+    """Give the least and the largest of a rate over all inputs [1]."""
+    values = [own, *(value for one in found for value in (one.value_low, one.value_high))]
+    return min(values), max(values)
+
+
+def as_json(own: float, found: Sequence[Moved]) -> dict[str, Any]:
+    """Give the spread for a program."""
+    low, high = spread(own, found)
+    return {
+        "sensitivity": [
+            {
+                "input": one.input.name,
+                "unit": one.input.unit,
+                "low": one.input.low,
+                "high": one.input.high,
+                "value_low": one.value_low,
+                "value_high": one.value_high,
+            }
+            for one in found
+        ],
+        "spread": {"value": own, "low": low, "high": high},
+    }
+
+
+def _input(design: Design, name: str, unit: str, ends: Sequence[Sequence[float]], keys: Sequence[str]) -> Input:
+    """Give an input that sets keys of the design file; `ends` are the values of each key at either end.
+
+    Plays in series add up; of all else, the keys have one value.
+    """
+    low, high = (override(design, [f"{key}={value!r}" for key, value in zip(keys, end, strict=True)]) for end in ends)
+    least, most = (sum(end) if unit == "um" else end[0] for end in ends)
+    return Input(name, unit, least, most, low, high)
+
+
+def _alike(range_: Sequence[float], keys: Sequence[str]) -> list[list[float]]:
+    return [[value] * len(keys) for value in range_]
+
+
+def _scaled(design: Design, kinds: Sequence[str], factors: Sequence[float]) -> list[list[float]]:
+    return [[1e6 * factor * getattr(design.clearance, kind) for kind in kinds] for factor in factors]
+
+
+def _stiffnesses(design: Design) -> list[list[float]]:
+    return [[factor * pair_stiffness(design, "cam")] for factor in CAM_STIFFNESS]
+
+
+def _bearing(design: Design, kind: str, rolls: bool, rolling: tuple[float, float]) -> Input:
+    """Give the friction of cam or output pins: of a bearing, or of what slides."""
+    if not rolls:
+        return _input(design, f"friction of the {kind}, sliding", "1", _alike(TEETH, [kind]), [f"friction.{kind}"])
+    return _input(design, f"friction of the {kind}'s rollers", "1", _alike(rolling, [kind]), [f"friction.{kind}_rolling"])
