@@ -57,7 +57,9 @@ def inputs(design: Design) -> list[Input]:
         _input(design, "friction of the teeth", "1", _alike(TEETH, seats), [f"friction.{kind}" for kind in seats]),
         _bearing(design, "cam", design.gear.bearing == "rolling", BEARING),
         _bearing(design, "output", design.output.rollers, (BEARING[0], plain_roller(design))),
-        _input(design, "creep speed", "mm/s", _alike([1e3 * v for v in CREEP], ["creep"]), ["contact.creep_speed_mm_s"]),
+        _input(
+            design, "creep speed", "mm/s", _alike([1e3 * v for v in CREEP], ["creep"]), ["contact.creep_speed_mm_s"]
+        ),
         _input(design, "contact damping", "of critical", _alike(DAMPING, ["damping"]), ["contact.damping_ratio"]),
     ]
 
@@ -132,4 +134,6 @@ def _bearing(design: Design, kind: str, rolls: bool, rolling: tuple[float, float
     """Give the friction of cam or output pins: of a bearing, or of what slides."""
     if not rolls:
         return _input(design, f"friction of the {kind}, sliding", "1", _alike(TEETH, [kind]), [f"friction.{kind}"])
-    return _input(design, f"friction of the {kind}'s rollers", "1", _alike(rolling, [kind]), [f"friction.{kind}_rolling"])
+    return _input(
+        design, f"friction of the {kind}'s rollers", "1", _alike(rolling, [kind]), [f"friction.{kind}_rolling"]
+    )
