@@ -242,7 +242,7 @@ def stressed(**sizes):
     parts = (*said.ORDER, "output", "pin_1")
     full = {part: Spread(sizes.get(part, (0.1, 0.2))) for part in parts}
     rated = {part: Spread.of(10.0 * value for value in one.values) for part, one in full.items()}
-    return SimpleNamespace(starts=full, rated=rated, refinement=lambda part: 0.01)
+    return SimpleNamespace(starts=full, rated=rated, error=lambda part: 0.01)
 
 
 @pytest.fixture(scope="module")

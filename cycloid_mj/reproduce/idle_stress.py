@@ -46,9 +46,10 @@ class IdleStress:
     starts: Mapping[str, Spread]
     rated: Mapping[str, Spread]
 
-    def refinement(self, part: str) -> float:
-        """Give by what share one more refinement of the grid changes the maximum of a part."""
-        return self.study.findings[part].refinement.change
+    def error(self, part: str) -> float:
+        """Give by what share one more refinement, or the choice of where bulk begins, changes the maximum of a part."""
+        found = self.study.findings[part]
+        return max(found.refinement.change, found.choice)
 
 
 def idle_stress(
@@ -79,7 +80,9 @@ def idle_stress(
     for one in study.parts:
         part, grid = one.findings.part, one.grid
         heavy = [heaviest(part_loads(run, design, part, turn), HEAVIEST) for run in peaks[1:]]
-        found = solve(design, grid, joined(heavy)).bulk_stress.reshape(len(heavy), HEAVIEST).max(axis=1)
+        # beyond one distance from the patches in every start, so that they are held against each other alone
+        solved = solve(design, grid, joined(heavy), distance=one.stress.bulk_distance)
+        found = solved.bulk_stress.reshape(len(heavy), HEAVIEST).max(axis=1)
         largest[part] = Spread.of([one.findings.bulk_peak.stress / MEGAPASCAL, *(found / MEGAPASCAL)])
         loads = part_loads(rated, design, part, under_load)
         loaded[part] = Spread.of(solve(design, grid, loads).bulk_stress / MEGAPASCAL)

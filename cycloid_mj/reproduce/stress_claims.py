@@ -29,6 +29,7 @@ REGULAR = 0.5
 MOSTLY = 0.5
 """Pin 1 is loaded about crank angle 0 if this share of what presses it over a turn falls there."""
 
+ERROR = "one more refinement, or where bulk begins"
 TREATMENT = (
     "the treatment of contact: the paper states no stiffness, damping or mesh of its motion solver; see the hypothesis"
 )
@@ -77,7 +78,7 @@ def height(design: str, part: str, one: IdleStress) -> Claim:
             "MPa",
             (ours.low, ours.high),
         ),
-        error=_refinement(one, [part]),
+        error=_error(one, [part]),
         verdict=range_verdict(ours, said.LEAST * stated, said.MOST * stated),
         decided_by=TREATMENT,
         rated=_rated(one, part),
@@ -99,7 +100,7 @@ def parts_in_order(design: str, one: IdleStress) -> Claim:
         ours=Result(
             ", ".join(f"{part} {size.words}" for part, size in zip(said.ORDER, spreads, strict=True)) + " MPa",
         ),
-        error=_refinement(one, said.ORDER),
+        error=_error(one, said.ORDER),
         verdict=chain_verdict(orders),
         decided_by="the parts' assumed dimensions, and where bulk stress begins",
         rated=Result(", ".join(f"{part} {one.rated[part].high:.3g}" for part in said.ORDER) + " MPa"),
@@ -135,9 +136,7 @@ def designs_in_order(part: str, pin: IdleStress, nonpin: IdleStress) -> Claim:
             "nonpin / pin",
             (ratio.low, ratio.high),
         ),
-        error=NumericalError(
-            ratio.values[0] * max(pin.refinement(part), nonpin.refinement(part)), "nonpin / pin", "one more refinement"
-        ),
+        error=NumericalError(ratio.values[0] * max(pin.error(part), nonpin.error(part)), "nonpin / pin", ERROR),
         verdict=verdict,
         decided_by="how hard the gear strikes: through two clearances and a loose pin, or one",
         rated=Result(
@@ -202,7 +201,7 @@ def output(design: str, one: IdleStress, starts: Sequence[Run]) -> Claim:
             "MPa",
             (one.starts["output"].low, one.starts["output"].high),
         ),
-        error=_refinement(one, ["output"]),
+        error=_error(one, ["output"]),
         verdict=both(chain_verdict([low]), regular),
         decided_by="the output pins' assumed dimensions (low); chaos (regular)",
         rated=_rated(one, "output"),
@@ -251,9 +250,9 @@ def _rated(one: IdleStress, part: str) -> Result:
     return Result(f"{one.rated[part].high:.3g} MPa", one.rated[part].high, "MPa")
 
 
-def _refinement(one: IdleStress, parts: Sequence[str]) -> NumericalError:
-    share, part = max((one.refinement(part), part) for part in parts)
-    return NumericalError(share * one.starts[part].mean, "MPa", f"one more refinement, {part}")
+def _error(one: IdleStress, parts: Sequence[str]) -> NumericalError:
+    share, part = max((one.error(part), part) for part in parts)
+    return NumericalError(share * one.starts[part].mean, "MPa", f"{part}: {ERROR}")
 
 
 def _output_pins(run: Run) -> int:
