@@ -79,10 +79,12 @@ def test_holes_moved_all_alike_change_the_gaps_of_the_output_pins_along_the_ecce
 def test_simulated_backlash_of_one_clearance_is_its_closed_form(name: str, kind: str):
     design = backlash.alone(DESIGNS[name], kind)
     found, closed = backlash.press(design, CRANK).backlash, play.parts_alone(design, CRANK)[kind]
-    assert found == pytest.approx(closed, rel=0.02)
+    # 0.4 % for pins, which the small torques press into their sockets; 0.06 % for cam and output pins
+    within = 0.012 if kind.startswith(("pin", "tooth")) else 0.002
+    assert found == pytest.approx(closed, rel=within)
     spoiled = design.clearance.model_copy(update={kind: 1.05 * getattr(design.clearance, kind)})
     wrong = play.parts_alone(design.model_copy(update={"clearance": spoiled}), CRANK)[kind]
-    assert found != pytest.approx(wrong, rel=0.02)
+    assert found != pytest.approx(wrong, rel=within)
 
 
 @pytest.mark.parametrize("name", ["free", "nonpin"])
@@ -90,7 +92,17 @@ def test_simulated_backlash_of_all_clearances_is_the_linear_programme(name: str)
     design = bench.ideal(DESIGNS[name])
     # 0.1 to 0.3 % is the press of the small torques that the line to zero does not take off
     found = backlash.press(design, CRANK, longer=backlash.PATIENCE)
-    assert found.backlash == pytest.approx(width(design), rel=0.01)
+    assert found.backlash == pytest.approx(width(design), rel=0.006)
+
+
+@pytest.mark.parametrize("eccentricity", [0.6, -0.6])
+@pytest.mark.parametrize("crank", [0.0, CRANK])
+def test_a_cam_that_is_too_eccentric_takes_play_and_one_that_is_too_little_gives_it(eccentricity: float, crank: float):
+    """The simulation moves the cam itself; the wrong sign would be 25 % off."""
+    design = override(DESIGNS["fixed"], [f"errors.eccentricity_um={eccentricity}"])
+    found = backlash.press(bench.ideal(design), crank, longer=backlash.PATIENCE)
+    assert (found.low, found.high) == pytest.approx(play.stops(design, crank), rel=0.005)
+    assert (width(design, crank) < width(DESIGNS["fixed"], crank)) == (eccentricity > 0.0)
 
 
 def test_crank_angles_spread_over_turn_and_mesh_period():

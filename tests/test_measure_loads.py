@@ -4,12 +4,13 @@ import json
 
 import numpy as np
 import pytest
+from designs import unlike
 
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.errors import UsageError
-from cycloid_mj.measure.loads import YIELD_PRESSURE, measure_loads
-from cycloid_mj.measure.pressed import ideal_peak, pressed, relative_curvature
+from cycloid_mj.measure.loads import CONFORMAL, SHOWN, YIELD_PRESSURE, measure_loads
+from cycloid_mj.measure.pressed import CARRIES, ideal_peak, pressed, relative_curvature
 from cycloid_mj.measure.steady import steady
 
 FIXED = override(PRESETS["pin"], ['ring.pins="fixed"', "settings.timestep_us=5.0"])
@@ -55,10 +56,13 @@ def test_at_capacity_the_weakest_contact_yields(found) -> None:
 
 
 def test_half_the_step_changes_little(found) -> None:
-    """5 us serves fixed pins: the largest forces hold within 1 % at half of it."""
+    """5 us serves fixed pins: the largest forces hold within 1 % at half of it.
+
+    Of an output pin ideal sharing says that the turn holds forces that are 2 % larger than in two mesh periods.
+    """
     for key, one in found.quantities.items():
         if key.endswith("_peak_force"):
-            assert one.error < 0.01 * one.value
+            assert one.error < (0.03 if key == "output_peak_force" else 0.01) * one.value
 
 
 def test_pressure_grows_with_curvature() -> None:
@@ -95,3 +99,37 @@ def test_command_writes_figure_json_and_log(tmp_path, capsys) -> None:
     names = {path.name for path in tmp_path.iterdir()}
     assert names == {"loads-pin.png", "loads-pin.svg", "loads-pin.json", "loads-pin-loaded.mcap"}
     assert json.loads((tmp_path / "loads-pin.json").read_text()) == printed
+
+
+def test_the_error_of_a_peak_tells_what_two_mesh_periods_leave_out(found) -> None:
+    one = found.quantities["output_peak_force"]
+    turn = np.linspace(0.0, 2.0 * np.pi, 2000)
+    swept = next(curve.x for curve in found.curves if curve.panel.startswith("output"))
+    loaded = override(FIXED, [f"load.torque_nm={found.details['load_torque_nm']!r}"])
+    missed = ideal_peak(loaded, "output", turn) / ideal_peak(loaded, "output", np.radians(swept)) - 1.0
+    assert missed > 0.01
+    assert one.error > 0.99 * missed * one.value
+    assert found.quantities["capacity"].error > 0.0
+
+
+def test_contacts_that_are_drawn_carry_and_the_most_loaded_is_among_them(found) -> None:
+    for kind in ("pin_gear", "output"):
+        drawn = [one for one in found.curves if one.panel.startswith(f"{kind}: force on") and one.style == "line"]
+        assert 2 <= len(drawn) <= SHOWN
+        assert max(one.y.max() for one in drawn) == found[f"{kind}_peak_force"]
+        assert all(one.y.max() > CARRIES * found[f"{kind}_peak_force"] for one in drawn)
+    ideal = next(one for one in found.curves if one.name == "ideal sharing")
+    assert ideal.of in {one.name for one in found.curves}
+    assert ideal.y.max() > 0.0
+
+
+def test_a_capacity_is_found_for_a_soft_material_or_said_to_have_no_contact_that_decides_it() -> None:
+    """Contacts of a printed reducer grow deeper than its own limit before they yield."""
+    found = measure_loads(unlike("printed"), quick=True)
+    capacity = found.quantities["capacity"]
+    if found.details["weakest"]:
+        assert capacity.value > found.details["load_torque_nm"]
+        assert 0.0 < capacity.error < 0.3 * capacity.value
+    else:
+        assert np.isnan(capacity.value)
+        assert capacity.note == CONFORMAL

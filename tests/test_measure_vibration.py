@@ -101,7 +101,7 @@ def test_the_measure_over_speed(found: Measurement) -> None:
 @pytest.mark.parametrize(("load", "within"), [("unloaded", 0.1), ("loaded", 0.3)])
 def test_a_spectrum_holds_the_power_of_its_signal(found: Measurement, load: str, within: float) -> None:
     curve = next(one for one in found.curves if one.panel.startswith("spectrum of the force") and one.name == load)
-    low, high = (float(word) for word in curve.panel.split("from ")[1].removesuffix(" Hz").split(" to "))
+    low, high = (float(word) for word in curve.x_label.split("from ")[1].removesuffix(" Hz").split(" to "))
     whole = math.sqrt(0.5 * float(np.sum(curve.y**2)) / (PADDING * HANN_BANDWIDTH))
     # The spectrum ends at 0.4 of the log rate, the rms at half of it, and under load much lies there; the taper weighs
     # the middle of the turn more.

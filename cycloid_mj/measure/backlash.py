@@ -114,6 +114,7 @@ def measure_backlash(design: Design, angles: int = ANGLES, told: Done = nothing)
     return Measurement(
         measure="backlash",
         design=design,
+        condition="crank locked, without friction and weight",
         quantities=_quantities(found, checked, closed),
         curves=_curves(design, found, closed),
         assumptions=_assumptions(design, [one.run for presses in found.values() for one in presses]),

@@ -11,7 +11,7 @@ from cycloid_mj.contact.pressure import HERTZ_REACH, SHAKEDOWN_PRESSURE, YIELD_P
 from cycloid_mj.contact.working import STRIBECK
 from cycloid_mj.design import Design, override
 from cycloid_mj.errors import UsageError
-from cycloid_mj.measure.conditions import halved, rated_torque
+from cycloid_mj.measure.conditions import RPM, halved, rated_torque
 from cycloid_mj.measure.measurement import Curve, Measurement, Quantity
 from cycloid_mj.measure.pool import Done, each, nothing
 from cycloid_mj.measure.pressed import CARRIES, Pressed, ideal_peak, pressed
@@ -24,6 +24,15 @@ CHECKED = 2
 """Mesh periods of the runs with half the step, and of those that find the capacity."""
 
 MOST_GUESSES, CAPACITY_TOLERANCE = 4, 0.01
+
+DEEPEST = 1e-3
+"""Largest depth of a contact that a design may allow [m]."""
+
+PER_MESH_PERIOD = 24
+"""Crank angles in a mesh period at which ideal sharing is taken over the turn."""
+
+SHOWN = 4
+"""Contacts of a kind whose forces are drawn."""
 
 FIRST_YIELD = "capacity: torque at which a contact first yields, below its surface"
 SHAKEDOWN = "shakedown: torque up to which rolling turns elastic again after first yield"
@@ -70,16 +79,27 @@ def measure_loads(
     found, fine = pressed(run, loaded), pressed(finer, loaded)
     coarse = pressed(run.select(slice(0, len(finer))), loaded)
     limits, lasting = (_limits(found, loaded, allowed) for allowed in (YIELD_PRESSURE, SHAKEDOWN_PRESSURE))
-    weakest = min(limits, key=lambda kind: limits[kind])
-    capacities = {
-        "capacity": _capacity(loaded, weakest, torque * limits[weakest], YIELD_PRESSURE, FIRST_YIELD),
-        "capacity_shakedown": _capacity(loaded, weakest, torque * lasting[weakest], SHAKEDOWN_PRESSURE, SHAKEDOWN),
-    }
+    missed = {kind: _missed(loaded, one) for kind, one in found.items()}
+    weakest = min(limits, key=lambda kind: limits[kind], default="")
+    capacities = {"capacity": _conformal(FIRST_YIELD), "capacity_shakedown": _conformal(SHAKEDOWN)}
+    if weakest:
+        ratios = (one[weakest].peak_pressure / coarse[weakest].peak_pressure for one in (found, fine))
+        # pressure goes with the root of the force
+        unsure = missed[weakest] + sum(2.0 * abs(ratio - 1.0) for ratio in ratios)
+        capacities = {
+            "capacity": _capacity(loaded, weakest, torque * limits[weakest], YIELD_PRESSURE, FIRST_YIELD, unsure),
+            "capacity_shakedown": _capacity(
+                loaded, weakest, torque * lasting[weakest], SHAKEDOWN_PRESSURE, SHAKEDOWN, unsure
+            ),
+        }
     told(whole, whole)
-    quantities = {key: one for kind in found for key, one in _of_kind(loaded, found[kind], coarse[kind], fine[kind])}
+    quantities = {
+        key: one for kind in found for key, one in _of_kind(loaded, found[kind], coarse[kind], fine[kind], missed[kind])
+    }
     return Measurement(
         measure="loads",
         design=design,
+        condition=f"{torque:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm",
         quantities=quantities | capacities,
         curves=_curves(found, loaded),
         assumptions=_assumptions(loaded),
@@ -94,13 +114,31 @@ def measure_loads(
     )
 
 
-def _capacity(design: Design, weakest: str, torque: float, allowed: float, name: str) -> Quantity:
+def _missed(design: Design, one: Pressed) -> float:
+    """Give by which share a kind's largest force over the turn exceeds that of the samples in ideal sharing.
+
+    It is 0 where the samples sweep the turn.
+    """
+    turn = np.linspace(0.0, 2.0 * math.pi, PER_MESH_PERIOD * design.ring.teeth + 1)
+    return max(0.0, ideal_peak(design, one.kind, turn) / ideal_peak(design, one.kind, one.angle) - 1.0)
+
+
+def _conformal(name: str) -> Quantity:
+    """Give a capacity that no contact decides."""
+    return Quantity(name, math.nan, "N m", note=CONFORMAL)
+
+
+def _capacity(design: Design, weakest: str, torque: float, allowed: float, name: str, unsure: float) -> Quantity:
     """Give the torque [N m] at which the weakest kind reaches a pressure, from runs at better and better guesses of it.
 
-    `allowed` is the pressure over the yield strength.
+    `allowed` is the pressure over the yield strength; `unsure` the share by which the forces of these runs may be off.
     """
+    deepest = design.contact.max_penetration
     for _ in range(MOST_GUESSES):
-        run = steady(override(design, [f"load.torque_nm={torque!r}"]), SETTLED, CHECKED)
+        # a contact grows deeper with its force, and may: the limit is to find runs that went wrong
+        deeper = min(deepest * max(1.0, torque / design.load.torque), DEEPEST)
+        guess = override(design, [f"load.torque_nm={torque!r}", f"contact.max_penetration_um={1e6 * deeper!r}"])
+        run = steady(guess, SETTLED, CHECKED)
         before, torque = torque, torque * _limits(pressed(run, design), design, allowed)[weakest]
         if abs(torque - before) < CAPACITY_TOLERANCE * torque:
             break
@@ -109,17 +147,26 @@ def _capacity(design: Design, weakest: str, torque: float, allowed: float, name:
         name,
         torque,
         "N m",
-        error=abs(torque - before),
+        error=abs(torque - before) + unsure * torque,
         note=f"{weakest} decides: its largest pressure reaches {allowed:.3g} x the yield strength, at "
         f"{torque / rated:.2f} of the rated {rated:.4g} N m; found over {CHECKED} mesh periods",
     )
 
 
-def _of_kind(design: Design, found: Pressed, coarse: Pressed, fine: Pressed) -> Iterator[tuple[str, Quantity]]:
-    """Give the numbers of one kind; their errors are what half the step changes over the first mesh periods."""
+def _of_kind(
+    design: Design, found: Pressed, coarse: Pressed, fine: Pressed, missed: float
+) -> Iterator[tuple[str, Quantity]]:
+    """Give the numbers of one kind.
+
+    Errors: what half the step changes over the first mesh periods, and what the samples leave out of the turn: of a
+    peak `missed`, a share of the force; of a mean half of what it changes from one half of the samples to the other.
+    """
     kind, allowed = found.kind, YIELD_PRESSURE * design.material.yield_strength
-    peak_error, mean_error = abs(coarse.peak_force - fine.peak_force), abs(coarse.mean_force - fine.mean_force)
-    pressure, pressure_error = found.peak_pressure, abs(coarse.peak_pressure - fine.peak_pressure)
+    peak_error = abs(coarse.peak_force - fine.peak_force) + missed * found.peak_force
+    one, other = found.halves
+    mean_error = abs(coarse.mean_force - fine.mean_force) + 0.5 * abs(one.mean_force - other.mean_force)
+    pressure = found.peak_pressure
+    pressure_error = abs(coarse.peak_pressure - fine.peak_pressure) + 0.5 * missed * pressure
     yield (
         f"{kind}_peak_force",
         Quantity(
@@ -134,7 +181,8 @@ def _of_kind(design: Design, found: Pressed, coarse: Pressed, fine: Pressed) -> 
     )
     name = f"{kind}: mean force of the contacts that carry"
     yield f"{kind}_mean_force", Quantity(name, found.mean_force, "N", mean_error)
-    name, error = f"{kind}: contacts that carry, on average", abs(coarse.carrying - fine.carrying)
+    name = f"{kind}: contacts that carry, on average"
+    error = abs(coarse.carrying - fine.carrying) + 0.5 * abs(one.carrying - other.carrying)
     yield f"{kind}_carrying", Quantity(name, found.carrying, "1", error)
     name, note = f"{kind}: largest Hertz pressure", CONFORMAL if math.isnan(pressure) else ""
     yield f"{kind}_pressure", Quantity(name, 1e-6 * pressure, "MPa", 1e-6 * pressure_error, note=note)
@@ -162,13 +210,21 @@ def _curves(found: Kinds, design: Design) -> tuple[Curve, ...]:
 
 
 def _contacts(one: Pressed, design: Design) -> Iterator[Curve]:
-    """Give the force on some contacts of a kind; of teeth beside ideal sharing."""
-    panel, degrees = f"{one.kind}: force on single contacts", np.degrees(one.angle)
+    """Give the force on some of the contacts of a kind that carry, the most loaded among them.
+
+    Of teeth that one beside ideal sharing.
+    """
+    peaks = one.force.max(axis=0)
+    loaded = np.flatnonzero(peaks > CARRIES * one.peak_force)
+    most = int(np.argmax(peaks))
+    spread = loaded[np.linspace(0, len(loaded) - 1, min(SHOWN, len(loaded))).astype(int)]
+    places = sorted({*spread[spread != most][: SHOWN - 1].tolist(), most})
+    panel = f"{one.kind}: force on {len(places)} of the {len(loaded)} that carry, of {len(peaks)}"
+    degrees = np.degrees(one.angle)
     if one.kind == design.tooth_pair:
-        ideal = _shared(design, one.angle)
-        yield Curve(panel, "number 1, ideal", degrees, ideal[:, 0], _CRANK, _FORCE, "theory")
-    count = one.force.shape[1]
-    for place in dict.fromkeys((0, count // 4, count // 2)):
+        ideal, of = _shared(design, one.angle)[:, most], f"number {most + 1}"
+        yield Curve(panel, "ideal sharing", degrees, ideal, _CRANK, _FORCE, "theory", of)
+    for place in places:
         yield Curve(panel, f"number {place + 1}", degrees, one.force[:, place], _CRANK, _FORCE)
 
 
@@ -215,5 +271,7 @@ def _assumptions(design: Design) -> tuple[str, ...]:
         "each side (conformal, as pins in close sockets)",
         bearing,
         f"a contact carries from {CARRIES:.0%} of the largest force of its kind; numerical error: what half the step "
-        f"changes over the first {CHECKED} mesh periods; of the capacity: the last change of the guess",
+        f"changes over the first {CHECKED} mesh periods, of means also half of what they change from one half of the "
+        "samples to the other, of peaks what ideal sharing adds to them over a whole turn; of the capacity: that, the "
+        f"last change of the guess, and by how much all samples exceed the {CHECKED} mesh periods it is found from",
     )

@@ -55,6 +55,7 @@ def measure_lost_motion(
     return Measurement(
         measure="lost-motion",
         design=design,
+        condition=f"crank locked, up to {rated:.4g} N m on the output",
         quantities=quantities(found),
         curves=curves(found),
         assumptions=_assumptions(found, period),

@@ -209,14 +209,16 @@ def curves(found: Found) -> tuple[Curve, ...]:
         ("lost motion at ±3 %", "arcmin"): (lost_motion, [one.lost_motion / ARCMINUTE for one in found.statics]),
         ("stiffness", "N m/arcmin"): (stiffness, [ARCMINUTE / one.compliance(one.turn) for one in found.statics]),
     }
+    known = _rigid(found)
     for (panel, unit), (read, solved) in over_angle.items():
         axes = "crank angle [deg]", f"{panel.split(' at')[0]} [{unit}]"
+        if read is lost_motion and known is not None:
+            everywhere = np.degrees(play.turn(found.design))
+            drawn.append(Curve(panel, "backlash of rigid parts", everywhere, known.turn, *axes, "theory"))
         if solved:
-            drawn.append(Curve(panel, "statics", crank, np.array(solved), *axes, "theory"))
-        drawn.append(
-            Curve(panel, "as designed", crank, np.array([read(one) for one in found.service]), *axes, "points")
-        )
-        drawn.append(Curve(panel, "no friction", crank, np.array([read(one) for one in found.ideal]), *axes, "points"))
+            drawn.append(Curve(panel, "statics", crank, np.array(solved), *axes, "rings"))
+        for name, loops in (("as designed", found.service), ("no friction", found.ideal)):
+            drawn.append(Curve(panel, name, crank, np.array([read(one) for one in loops]), *axes, "points"))
     return tuple(drawn)
 
 

@@ -70,8 +70,10 @@ class Curve:
     x_label, y_label
         What the axes show, with units: ``crank angle [deg]``.
     style
-        ``line``, ``theory`` (broad and light), ``points``, ``bars`` (a spectrum) or ``polar`` (x in degrees,
-        clockwise from +y).
+        ``line``, ``theory`` (broad and light), ``points``, ``rings`` (theory at single points), ``bars`` (a spectrum)
+        or ``polar`` (x in degrees, clockwise from +y).
+    of
+        Of a theory: name of the one of the panel's curves that it belongs to, drawn in its colour.
     """
 
     panel: str
@@ -81,6 +83,7 @@ class Curve:
     x_label: str
     y_label: str
     style: str = "line"
+    of: str = ""
 
     def as_json(self) -> dict[str, Any]:
         """Give the curve for a program."""
@@ -140,6 +143,8 @@ class Measurement:
         Name -> underlying run, for the logs.
     details
         More for a program: key -> anything that JSON can hold.
+    condition
+        Under what it was measured: load, speed; it stands above the figure.
     """
 
     measure: str
@@ -150,6 +155,7 @@ class Measurement:
     assumptions: tuple[str, ...] = ()
     runs: Mapping[str, Run] = field(default_factory=dict)
     details: Mapping[str, Any] = field(default_factory=dict)
+    condition: str = ""
 
     def __getitem__(self, key: str) -> float:
         """Give the value of a quantity."""
@@ -160,6 +166,7 @@ class Measurement:
         return {
             "measure": self.measure,
             "design": self.design.name,
+            "condition": self.condition,
             "quantities": {key: quantity.as_json() for key, quantity in self.quantities.items()},
             "assumptions": list(self.assumptions),
             **self.details,

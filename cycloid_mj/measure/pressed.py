@@ -77,6 +77,15 @@ class Pressed:
         return float(self.carries.sum(axis=1).mean())
 
     @property
+    def halves(self) -> tuple["Pressed", "Pressed"]:
+        """The first and the second half of the samples."""
+        middle = max(1, len(self.angle) // 2)
+        return self._part(slice(0, middle)), self._part(slice(len(self.angle) - middle, None))
+
+    def _part(self, rows: slice) -> "Pressed":
+        return Pressed(self.kind, self.angle[rows], self.vector[rows], self.pressure[rows], self.holds[rows])
+
+    @property
     def peak_pressure(self) -> float:
         """The largest Hertz pressure [Pa]; not a number where the contact that has it is conformal."""
         worst = int(np.argmax(self.pressure))

@@ -12,7 +12,7 @@ import numpy as np
 from cycloid_mj.contact.working import working_at, working_forces_told
 from cycloid_mj.design import Design
 from cycloid_mj.measure import te_table
-from cycloid_mj.measure.conditions import DRAG, halved, rated_torque, require_motion, stepped
+from cycloid_mj.measure.conditions import DRAG, RPM, halved, rated_torque, require_motion, stepped
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.orders import causes
 from cycloid_mj.measure.play import clearance_kinds
@@ -82,6 +82,8 @@ def measure_te(
     return Measurement(
         measure="te",
         design=design,
+        condition=" and ".join(f"{one} {torque:.3g} N m" for one, torque in torques.items())
+        + f", {abs(design.drive.speed) / RPM:.0f} rpm at speed",
         quantities=te_table.quantities(design, found, finer, statics),
         curves=te_table.curves(design, found, statics),
         assumptions=_assumptions(design, turns),

@@ -78,17 +78,17 @@ def curves(design: Design, found: Found, statics: Statics) -> tuple[Curve, ...]:
 
 
 def _panel(found: Found, statics: Statics, pace: str, shaft: str, whole: bool = False) -> Iterator[Curve]:
-    """Give the curves of one shaft at one pace, less their means or `whole`; one key for all curves of statics."""
-    panel, name = f"{shaft}, {_PACES[pace]}" + ("" if whole else ", less its mean"), STATICS
-    for case, solved in statics.items():
-        if case.pace == pace:
-            error = _about_mean(getattr(solved, shaft), whole)
-            yield Curve(panel, name, np.degrees(solved.crank), error, _CRANK, _ERROR, "theory")
-            name = ""
-    for case, trace in found.items():
-        if case.pace == pace:
-            words, error = f"{case.load}, {case.way}", _about_mean(getattr(trace, shaft), whole)
-            yield Curve(panel, words, np.degrees(trace.crank), error, _CRANK, _ERROR)
+    """Give the curves of one shaft at one pace, less their means or `whole`, each beside its own statics."""
+    panel = f"{shaft}, {_PACES[pace]}" + ("" if whole else ", less its mean")
+    shown = {case: f"{case.load}, {case.way}" for case in found if case.pace == pace}
+    for case, words in shown.items():
+        solved = statics[case]
+        error = _about_mean(getattr(solved, shaft), whole)
+        yield Curve(panel, STATICS, np.degrees(solved.crank), error, _CRANK, _ERROR, "theory", words)
+    for case, words in shown.items():
+        trace = found[case]
+        error = _about_mean(getattr(trace, shaft), whole)
+        yield Curve(panel, words, np.degrees(trace.crank), error, _CRANK, _ERROR)
 
 
 def _about_mean(error: Array, whole: bool) -> Array:

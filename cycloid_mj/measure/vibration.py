@@ -78,6 +78,8 @@ def measure_vibration(
     return Measurement(
         measure="vibration",
         design=design,
+        condition=" and ".join(f"{one} {torque:.3g} N m" for one, torque in torques.items())
+        + f", spectra at {abs(speed) / RPM:.0f} rpm",
         quantities=dict(_levels(design, at_speed, checks)) | dict(_unbalance(design, at_speed, checks)),
         curves=(*_sweep(design, full), *_spectra(at_speed)),
         assumptions=(
@@ -183,8 +185,9 @@ def _spectra(at_speed: Sequence[Sway]) -> Iterator[Curve]:
             if axes:
                 size = np.sqrt(np.sum([found.amplitude**2 for found in axes], axis=0))
                 low, high = (order * turns_per_second for order in axes[0].band)
-                panel = f"spectrum of the {name}, right within 1 % from {low:.2g} to {high:.2g} Hz"
-                yield Curve(panel, one.load, axes[0].order * turns_per_second, size, _HZ, f"amplitude [{unit}]")
+                words = f"{_HZ}, right within 1 % from {low:.0f} to {high:.0f} Hz"
+                frequency, panel = axes[0].order * turns_per_second, f"spectrum of the {name}"
+                yield Curve(panel, one.load, frequency, size, words, f"amplitude [{unit}]")
 
 
 def _band_told(one: Sway) -> str:

@@ -1,10 +1,15 @@
-"""The figure of a measurement: a panel for each title that its curves name."""
+"""The figure of a measurement: a panel for each title that its curves name.
+
+Nothing is made to look more than it is: a panel of values above zero begins at zero, or is at least as high as a
+quarter of its largest value; bars of several curves stand side by side; points that coincide show round each other.
+"""
 
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.transforms import ScaledTranslation
 
 from cycloid_mj.measure import Curve, Measurement
 from cycloid_mj.plots.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, THEORY, VERMILION, sheet, styled, typeset
@@ -12,8 +17,27 @@ from cycloid_mj.plots.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, THEOR
 COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, GREY)
 HEIGHT, POLAR_HEIGHT = 1.9, 3.2
 """Of one panel [in]."""
-FINEST = 0.01
-"""Least half height of a panel of points, as a share of its values: less would make a difference of nothing."""
+
+LEAST_HEIGHT = 0.25
+"""Of a panel, as a share of its largest value: less would make much of a difference of nothing."""
+
+FROM_ZERO = 0.75
+"""A panel of values above zero begins at zero if its least is below this share of its largest."""
+
+MARGIN = 0.06
+"""Room above and below the values, as a share of the panel's height."""
+
+BAR, THINNEST_BAR = 1.4, 0.3
+"""Width of a bar [pt], and of one among very many."""
+
+BARS_WIDTH = 300.0
+"""Room for all bars of a panel side by side [pt]."""
+
+POINT, SMALLER = 5.5, 1.3
+"""Diameter of the first points of a panel [pt], and by how much those of each further curve are smaller."""
+
+MOST_MARKED = 72
+"""Contacts round a ring up to which each is marked."""
 
 
 @styled
@@ -29,40 +53,92 @@ def measurement_figure(found: Measurement) -> Figure:
         polar = curves[0].style == "polar"
         axes = figure.add_subplot(grid[place], projection="polar" if polar else None)
         axes.set_title(title)
-        _draw(axes, curves)
-    figure.suptitle(f"{found.measure}: {found.design.name}", fontsize=9.5)
+        if polar:
+            _draw_round(axes, curves)
+        else:
+            _draw(axes, curves)
+            _limit(axes, curves)
+            axes.set(xlabel=curves[0].x_label, ylabel=curves[0].y_label)
+        axes.yaxis.set_major_formatter(lambda value, _: typeset(f"{value:g}"))
+        if axes.get_legend_handles_labels()[1]:
+            axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0)
+    title = f"{found.measure}: {found.design.name}"
+    figure.suptitle(f"{title}, {found.condition}" if found.condition else title, fontsize=9.5)
     return figure
 
 
 def _draw(axes: Axes, curves: list[Curve]) -> None:
-    colours = iter(COLOURS * (1 + len(curves) // len(COLOURS)))
+    own = [curve for curve in curves if curve.style not in ("theory", "rings")]
+    colours = {id(curve): COLOURS[place % len(COLOURS)] for place, curve in enumerate(own)}
+    by_name = {curve.name: colours[id(curve)] for curve in own}
+    bars = [curve for curve in own if curve.style == "bars"]
+    points = [curve for curve in own if curve.style == "points"]
+    for name in dict.fromkeys(curve.name for curve in curves if curve.of):
+        axes.plot([], [], label=name, **{**THEORY, "color": GREY, "alpha": 0.4})
     for curve in curves:
         if curve.style == "theory":
-            axes.plot(curve.x, curve.y, label=curve.name, **THEORY)
+            tint: dict[str, Any] = {"color": by_name[curve.of], "alpha": 0.35} if curve.of else {"label": curve.name}
+            axes.plot(curve.x, curve.y, **{**THEORY, **tint})
+        elif curve.style == "rings":
+            ring: dict[str, Any] = {
+                "markersize": POINT + 3.0,
+                "markerfacecolor": "none",
+                "markeredgewidth": 2.0,
+                "clip_on": False,
+            }
+            axes.plot(curve.x, curve.y, "o", label=curve.name, markeredgecolor=THEORY["color"], **ring)
         elif curve.style == "bars":
-            axes.vlines(curve.x, 0.0, curve.y, label=curve.name, color=next(colours), linewidth=1.4)
+            _draw_bars(axes, curve, bars, colours[id(curve)])
         elif curve.style == "points":
+            size = max(POINT - SMALLER * points.index(curve), SMALLER)
             # points on the edge of the panel are drawn whole
-            axes.plot(curve.x, curve.y, "o", markersize=3.0, label=curve.name, color=next(colours), clip_on=False)
-        elif curve.style == "polar":
-            axes.plot(np.radians(curve.x), curve.y, label=curve.name, color=next(colours), linewidth=0.9)
+            look: dict[str, Any] = {"markersize": size, "color": colours[id(curve)], "clip_on": False}
+            axes.plot(curve.x, curve.y, "o", label=curve.name, **look)
         else:
-            axes.plot(curve.x, curve.y, label=curve.name, color=next(colours), linewidth=0.9)
+            axes.plot(curve.x, curve.y, label=curve.name, color=colours[id(curve)], linewidth=0.9)
+
+
+def _draw_bars(axes: Axes, curve: Curve, bars: list[Curve], colour: str) -> None:
+    """Draw the bars of one curve beside those of the panel's others, so that none hides another."""
+    width = float(np.clip(0.7 * BARS_WIDTH / (len(bars) * max(len(one.x) for one in bars)), THINNEST_BAR, BAR))
+    aside = (bars.index(curve) - 0.5 * (len(bars) - 1)) * 1.15 * width / 72.0
+    shifted = axes.transData + ScaledTranslation(aside, 0.0, axes.figure.dpi_scale_trans)
+    axes.vlines(curve.x, 0.0, curve.y, label=curve.name, color=colour, linewidth=width, transform=shifted)
+
+
+def _draw_round(axes: Axes, curves: list[Curve]) -> None:
+    """Draw forces round a ring, clockwise from +y; contacts that are few enough are marked one by one."""
+    for place, curve in enumerate(curves):
+        marker = "o" if len(curve.x) <= MOST_MARKED else ""
+        look: dict[str, Any] = {
+            "color": COLOURS[place % len(COLOURS)],
+            "linewidth": 0.9,
+            "marker": marker,
+            "markersize": 2.5,
+        }
+        axes.plot(np.radians(curve.x), curve.y, label=curve.name, **look)
+    axes.set_title(f"{curves[0].panel}: {curves[0].y_label}")
+    polar: Any = axes
+    polar.set_theta_zero_location("N")
+    polar.set_theta_direction(-1)
+    polar.set_rmin(0.0)
+    # the radii stand opposite to the largest value, where there is room
+    polar.set_rlabel_position(float(curves[0].x[np.argmax(curves[0].y)]) + 180.0)
+
+
+def _limit(axes: Axes, curves: list[Curve]) -> None:
+    """Limit the axes to the values, and to no less than makes a difference."""
+    x, y = (np.concatenate([getattr(curve, name) for curve in curves]) for name in ("x", "y"))
+    x, y = x[np.isfinite(x)], y[np.isfinite(y)]
+    if not len(x) or not len(y):
+        return
     if curves[0].style == "bars":
-        axes.set_xlim(left=0.0)
-    if any(curve.style == "points" for curve in curves):
-        low, high = axes.get_ylim()
-        middle, reach = 0.5 * (low + high), max(0.5 * (high - low), FINEST * 0.5 * abs(low + high))
-        axes.set_ylim(middle - reach, middle + reach)
-    if curves[0].style != "polar":
-        axes.set(xlabel=curves[0].x_label, ylabel=curves[0].y_label)
-    else:
-        axes.set_title(f"{curves[0].panel}: {curves[0].y_label}")
-        polar: Any = axes
-        polar.set_theta_zero_location("N")
-        polar.set_theta_direction(-1)
-        # the radii stand opposite to the largest value, where there is room
-        polar.set_rlabel_position(float(curves[0].x[np.argmax(curves[0].y)]) + 180.0)
-    axes.yaxis.set_major_formatter(lambda value, _: typeset(f"{value:g}"))
-    if any(curve.name for curve in curves):
-        axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0)
+        axes.set_xlim(0.0, 1.02 * x.max())
+    elif x.min() == x.max() > 0.0:
+        axes.set_xlim(0.0, 1.1 * x.max())
+    low, high = float(y.min()), float(y.max())
+    if low >= 0.0 and low < FROM_ZERO * high:
+        axes.set_ylim(0.0, (1.0 + MARGIN) * high)
+    elif low < high or low != 0.0:
+        reach = max((0.5 + MARGIN) * (high - low), 0.5 * LEAST_HEIGHT * max(abs(low), abs(high)))
+        axes.set_ylim(0.5 * (low + high) - reach, 0.5 * (low + high) + reach)
