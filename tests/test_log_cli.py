@@ -199,7 +199,7 @@ def test_report_of_one_and_of_several_logs(path, cut, tmp_path):
     target = tmp_path / "page.html"
     assert told("report", path, "--out", target, "--q", "10,3") == (0, f"{target}\n", "")
     page = target.read_text(encoding="utf-8")
-    assert "path of q = (10, 3) mm" in page
+    assert "(10, 3) mm" in page
     code, out, err = told("report", cut, path)
     assert (code, out) == (0, f"{cut.with_suffix('.html')}\n")
     assert err.startswith(f"note: the run of {cut} did not reach its end")

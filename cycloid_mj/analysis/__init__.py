@@ -9,9 +9,10 @@ from cycloid_mj.analysis.condition import Condition, condition, load_words
 from cycloid_mj.analysis.findings import Findings
 from cycloid_mj.analysis.judge import analyze, judge
 from cycloid_mj.analysis.series import Compared, PinPath, Series, series
-from cycloid_mj.analysis.table import Group, Row, groups, table
+from cycloid_mj.analysis.table import GROUPS, Group, Row, groups, table
 
 __all__ = [
+    "GROUPS",
     "Compared",
     "Condition",
     "Findings",

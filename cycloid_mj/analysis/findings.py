@@ -158,6 +158,11 @@ class Findings:
     condition: Condition
     warnings: tuple[str, ...]
 
+    @property
+    def condition_words(self) -> str:
+        """The condition, and whether the run came that far."""
+        return str(self.condition) + ("" if self.window.phase == "hold" else " (not reached: in the ramp)")
+
     def as_json(self) -> dict[str, Any]:
         """Give the findings as dicts, lists, numbers, text and None only."""
         plain: dict[str, Any] = _plain(self)

@@ -21,10 +21,15 @@ class Row(NamedTuple):
 
 
 class Group(NamedTuple):
-    """The rows about one part of the drive."""
+    """The rows about one part of the drive, one of `GROUPS`; `detail` says more of it, such as where a point is."""
 
     name: str
     rows: tuple[Row, ...]
+    detail: str = ""
+
+
+GROUPS = ("output", "gear", "path of q", "contacts", "pin 1", "torques and losses", "energy", "crank")
+"""Names of the groups, in their order."""
 
 
 def table(findings: Findings) -> list[Row]:
@@ -34,16 +39,15 @@ def table(findings: Findings) -> list[Row]:
 
 def groups(findings: Findings) -> list[Group]:
     """Give the rows of `table` by what they are about; a group without rows is left out."""
-    found = (
-        Group("output", (*_part("output", findings.output_speed, findings.output_transmission_error),)),
-        Group("gear", (*_part("gear", findings.gear_speed, findings.gear_transmission_error),)),
-        Group("path of q", (*_point(findings),)),
-        Group("contacts", (*_contacts(findings),)),
-        Group("pin 1", (*_pin_1(findings),)),
-        Group("torques and losses", (*_torques(findings),)),
-        Group("energy", (*_energy(findings),)),
-        Group("crank", (*_crank(findings),)),
+    rows = (
+        _part("output", findings.output_speed, findings.output_transmission_error),
+        _part("gear", findings.gear_speed, findings.gear_transmission_error),
+        _point(findings),
+        *(about(findings) for about in (_contacts, _pin_1, _torques, _energy, _crank)),
     )
+    x, y = findings.q_path.q_mm
+    details = {"path of q": f"= ({x:.6g}, {y:.6g}) mm"}
+    found = [Group(name, tuple(part), details.get(name, "")) for name, part in zip(GROUPS, rows, strict=True)]
     return [group for group in found if group.rows]
 
 
@@ -57,16 +61,14 @@ def _part(part: str, speed: SpeedFindings, error: TransmissionError) -> Iterator
 
 
 def _point(findings: Findings) -> Iterator[Row]:
-    x, y = findings.q_path.q_mm
-    path, velocity = findings.q_path, findings.q_speed
-    yield from _errors(f"q = ({x:.6g}, {y:.6g}) mm", findings.window.phase, path, velocity)
+    yield from _errors(findings.window.phase, findings.q_path, findings.q_speed)
     if findings.ramp and findings.window.phase == "hold":
-        yield from _errors(f"q = ({x:.6g}, {y:.6g}) mm", "ramp", findings.ramp.q_path, findings.ramp.q_speed)
+        yield from _errors("ramp", findings.ramp.q_path, findings.ramp.q_speed)
 
 
-def _errors(q: str, phase: str, path: PathFindings, velocity: VelocityFindings) -> Iterator[Row]:
-    yield Row(f"path of {q}, {phase}, rms error", "", "", _text(path.rms_error_um), "um")
-    yield Row(f"path of {q}, {phase}, largest error", "", "", _text(path.max_error_um), "um")
+def _errors(phase: str, path: PathFindings, velocity: VelocityFindings) -> Iterator[Row]:
+    yield Row(f"path of q, {phase}, rms error", "", "", _text(path.rms_error_um), "um")
+    yield Row(f"path of q, {phase}, largest error", "", "", _text(path.max_error_um), "um")
     yield Row(f"velocity of q, {phase}, rms error", "", "", _text(velocity.rms_error_mm_s), "mm/s")
     yield Row(f"velocity of q, {phase}, largest error", "", "", _text(velocity.max_error_mm_s), "mm/s")
 

@@ -8,7 +8,7 @@ from cyclopts import Parameter
 from cycloid_mj.cli.analyze import LogName
 from cycloid_mj.cli.flags import PointFlag, point
 from cycloid_mj.cli.outfile import folder
-from cycloid_mj.cli.terminal import say
+from cycloid_mj.cli.terminal import say, tell
 
 EXAMPLES = """Examples:
   cycloid-mj plot runs/pin.mcap
@@ -29,14 +29,18 @@ OutFlag = Annotated[
 def plot(log: LogName, /, *, q: PointFlag = None, out: OutFlag = None, format_: FormatFlag = "png") -> int:
     """Draw Figs 5-9 of the paper (Hsieh 2014) for a logged run.
 
-    The paths of the files are printed, one in a line. The log alone is enough.
+    The paths of the files are printed, one in a line. The log alone is enough;
+    that of a run that ended in its ramp is drawn as far as it goes.
     """
     place = point(q)
+    from cycloid_mj.analysis import judge, series
     from cycloid_mj.log import read
     from cycloid_mj.plots import figures, save
 
-    run = read(log)
-    drawn = figures(run, place)
+    motion = series(read(log), place)
+    for warning in judge(motion).warnings:
+        tell(f"warning: {warning}")
+    drawn = figures(motion)
     into = folder(str(Path(log).with_suffix("")) if out is None else out, "the figures")
     for path in save(drawn, into, (format_,)):
         say(str(path))

@@ -20,11 +20,11 @@ def report(findings: "Findings", json: bool) -> None:
     from cycloid_mj.analysis import groups
 
     window = findings.window
+    span = f"{window.phase} from {window.start_s:.6g} to {window.end_s:.6g} s ({window.crank_turns:.1f} crank turns)"
     say_groups(
-        f"{findings.design}, {findings.condition}: {window.phase} from {window.start_s:.6g} to {window.end_s:.6g} s"
-        f" ({window.crank_turns:.1f} crank turns)",
+        f"{findings.design}, {findings.condition_words}: {span}",
         HEADER,
-        groups(findings),
+        [(f"{group.name} {group.detail}".strip(), group.rows) for group in groups(findings)],
     )
     say(f"log: {findings.log}")
     if findings.wall_s is not None:

@@ -50,7 +50,7 @@ def say_groups(title: str, header: Sequence[str], groups: Sequence[tuple[str, Se
     for name, rows in groups:
         if name:
             table.add_section()
-            table.add_row(printable(name).upper())
+            table.add_row(f"[{printable(name)}]")
         for row in rows:
             table.add_row(*map(printable, row))
     width = None if sys.stdout.isatty() else PIPE_WIDTH

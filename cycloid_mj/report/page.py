@@ -66,7 +66,7 @@ def _badges(reviewed: Sequence[Reviewed]) -> str:
             html.tag("div", html.tag("dt", html.text(key)) + html.tag("dd", html.text(value))) for key, value in numbers
         )
         state = "complete" if found.complete else "stopped early"
-        judged = f"{found.condition}, {found.window.phase} of {found.window.crank_turns:.2f} crank turns"
+        judged = f"{found.condition_words}, {found.window.phase} of {found.window.crank_turns:.2f} crank turns"
         named = html.tag("b", html.text(name), style=f"color:{colour}") if len(reviewed) > 1 else ""
         line = html.tag("p", f"{named} {html.text(f'{judged}; {item.log}: {state}')}", class_="log")
         rows.append(line + html.tag("dl", cards))
@@ -114,8 +114,8 @@ def _mechanisms(reviewed: Sequence[Reviewed]) -> str:
 def _drawn(item: Reviewed, name: str) -> str:
     closed = "; the black line is ideal load sharing" if item.motion.design.ring.kind == "pin" else ""
     return (
-        f"{name}, {item.findings.condition}, one crank turn of the {item.findings.window.phase}: the mechanism from "
-        "the output side with the forces on the gear (ring, cam and output pins have scales of their own; an overlap "
+        f"{name}, {item.findings.condition_words}, one crank turn of the {item.findings.window.phase}: the mechanism "
+        "from the output side with the forces on the gear (ring, cam and output pins have scales of their own; an overlap "
         "is elastic approach), and the force at each place of "
         f"the ring{closed}, the light line the largest of the turn."
     )
@@ -123,7 +123,7 @@ def _drawn(item: Reviewed, name: str) -> str:
 
 def _conditions(reviewed: Sequence[Reviewed]) -> str:
     """Give the condition that all runs share, or that of each."""
-    told = [str(item.findings.condition) for item in reviewed]
+    told = [item.findings.condition_words for item in reviewed]
     if len(set(told)) == 1:
         return told[0]
     return "; ".join(f"{name} {words}" for name, words in zip(labels(reviewed), told, strict=True))

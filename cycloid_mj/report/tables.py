@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
-from cycloid_mj.analysis import Row, groups
+from cycloid_mj.analysis import GROUPS, Row, groups
 from cycloid_mj.checks import check
 from cycloid_mj.design import Design
 from cycloid_mj.design.units import DEGREE, MICROMETRE, MICROSECOND, MILLIMETRE, RPM
@@ -24,10 +24,12 @@ def findings(reviewed: Sequence[Reviewed]) -> str:
     ]
     head = [("quantity", "unit", *("simulated", "closed form", "error") * len(tables))]
     if len(tables) > 1:
-        told = [f"{name}: {item.findings.condition}" for item, name in zip(reviewed, labels(reviewed), strict=True)]
+        told = [
+            f"{name}: {item.findings.condition_words}" for item, name in zip(reviewed, labels(reviewed), strict=True)
+        ]
         head.insert(0, ("", "", *(cell for words in told for cell in (words, "", ""))))
     rows: list[html.Row] = []
-    for group in dict.fromkeys(name for found in tables for name in found):
+    for group in (name for name in GROUPS if any(name in found for found in tables)):
         each = [found.get(group, {}) for found in tables]
         units = {name: row.unit for found in each for name, row in found.items()}
         rows.append((group,))
@@ -91,6 +93,8 @@ def _told(item: Reviewed) -> Iterator[tuple[str, str]]:
     yield "friction", _friction(design)
     yield "crank", f"{RPM.from_si(drive.speed):g} rpm, ramp {drive.ramp:g} s"
     yield "load", f"{load.torque:g} N m" if load.torque else "none"
+    x, y = item.findings.q_path.q_mm
+    yield "point q of the gear", f"({x:.6g}, {y:.6g}) mm"
     span = float(run.time[-1] - run.time[0])
     turns = abs(DEGREE.from_si(float(run["crank_angle"][-1] - run["crank_angle"][0]))) / 360
     yield "simulated", f"{span:.4g} s, {turns:.1f} crank turns, {len(run):,} samples"

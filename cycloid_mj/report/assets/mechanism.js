@@ -32,7 +32,7 @@ class Mechanism {
   }
 
   build(place) {
-    const reach = 1.02 * this.shape.housing;
+    const reach = 1.06 * this.shape.housing;
     const svg = document.createElementNS(SVG, "svg");
     svg.setAttribute("viewBox", `${-reach} ${-reach} ${2 * reach} ${2 * reach}`);
     svg.setAttribute("role", "img");
