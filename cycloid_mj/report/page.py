@@ -115,8 +115,8 @@ def _drawn(item: Reviewed, name: str) -> str:
     closed = "; the black line is ideal load sharing" if item.motion.design.ring.kind == "pin" else ""
     return (
         f"{name}, {item.findings.condition_words}, one crank turn of the {item.findings.window.phase}: the mechanism "
-        "from the output side with the forces on the gear (ring, cam and output pins have scales of their own; an overlap "
-        "is elastic approach), and the force at each place of "
+        "from the output side with the forces on the gear (ring, cam and output pins have scales of their own; an "
+        "overlap is elastic approach), and the force at each place of "
         f"the ring{closed}, the light line the largest of the turn."
     )
 
