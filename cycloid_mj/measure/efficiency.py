@@ -2,16 +2,19 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from cycloid_mj.contact.working import at_rated_load, working_forces_told
 from cycloid_mj.design import Design
+from cycloid_mj.measure import build_up, paper, spread
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency, wang_efficiency
 from cycloid_mj.measure.conditions import RPM, drag_told, rated_torque
 from cycloid_mj.measure.efficiency_map import Found, Point, run_map
 from cycloid_mj.measure.measurement import Curve, Measurement, Quantity, Table
 from cycloid_mj.measure.pool import Done, nothing
+from cycloid_mj.measure.sensitivity import friction_for
 from cycloid_mj.measure.steady import steady_design, whole_periods
 from cycloid_mj.mjcf.names import pairs
 
@@ -59,14 +62,23 @@ def measure_efficiency(
     speeds = speeds or [share * speed for share in ((1.0,) if quick else SPEEDS)]
     periods = QUICK_PERIODS if quick else PERIODS
     found = run_map(own, torques, speeds, periods, not quick, told)
+    figures = [replace(one, friction=friction_for(found.by_friction, one.rate)) for one in paper.figures(own)]
     return Measurement(
         measure="efficiency",
         design=own,
         quantities=_rated(own, found) | _losses(found.rated) | _driven(own, found),
         curves=_curves(found),
-        tables=_tables(found),
+        tables=(
+            build_up.table(found.rated.powers, figures, found.error),
+            spread.table(f"efficiency at {rated:g} N m", found.rated.powers.efficiency, found.by_input),
+            *_tables(found),
+        ),
         assumptions=_assumptions(own, whole_periods(own, periods)),
-        details={"losses_by_pair": [_details(point) for point in found.grid]},
+        details={
+            "losses_by_pair": [_details(point) for point in found.grid],
+            **build_up.as_json(found.rated.powers, figures),
+            **spread.as_json(found.rated.powers.efficiency, found.by_input),
+        },
         runs={"rated": found.rated.run, "backward": found.backward.run, "from-rest": found.rest.run},
     )
 
@@ -84,7 +96,7 @@ def _rated(design: Design, found: Found) -> dict[str, Quantity]:
             error,
             1e2 * ideal.efficiency,
             ideal.source,
-            AS_BUILT,
+            f"{spread.told(found.rated.powers.efficiency, found.by_input)}; {AS_BUILT}",
         ),
         "efficiency_ideal_limit": Quantity(
             "the same, fixed pins or lobes, no play, a cam that holds",

@@ -1,15 +1,18 @@
 """The runs that efficiency is measured by: a map of torque and speed, no load, and the output as the driver."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
 from cycloid_mj.design import Design, override
+from cycloid_mj.measure import sensitivity
 from cycloid_mj.measure.back_driving import BreakAway, break_away
 from cycloid_mj.measure.braked import braked_run
 from cycloid_mj.measure.closed_form import ideal_limit
 from cycloid_mj.measure.conditions import RPM, halved, rated_torque
 from cycloid_mj.measure.pool import Done, each
+from cycloid_mj.measure.spread import PERIODS as SPREAD_PERIODS
+from cycloid_mj.measure.spread import Moved, inputs, moved
 from cycloid_mj.measure.steady import SETTLED, Powers, first_half, powers, steady, whole_periods
 from cycloid_mj.record import Run
 
@@ -54,7 +57,11 @@ class Point:
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """Points of the map; the rated point, with half the step, and in the ideal limit; no load; the output as driver."""
+    """Points of the map; the rated point, with half the step, and in the ideal limit; no load; the output as driver.
+
+    `by_input` is the rated point's efficiency with each assumed input varied, `by_friction` that by the friction of the
+    teeth.
+    """
 
     grid: tuple[Point, ...]
     rated: Point
@@ -64,6 +71,8 @@ class Found:
     coasting: Point
     backward: Point
     rest: BreakAway
+    by_input: tuple[Moved, ...]
+    by_friction: Mapping[float, float]
 
     @property
     def error(self) -> float:
@@ -98,10 +107,16 @@ def run_map(
     others: list[Callable[[], Point]] = [
         partial(forward, design, *place, periods) for place in grid if place != (rated, speed)
     ]
-    whole = 1 + len(singles) + len(others)
+    assumed = inputs(design)
+    frictions = [sensitivity.with_common_friction(design, value) for value in sensitivity.COMMON]
+    first = 1 + len(singles) + len(others)
+    whole = first + 2 * len(assumed) + len(frictions)
     rest = break_away(design)
     told(1, whole)
     points = each(_done, others + singles, lambda done, _: told(1 + done, whole))
+    rate = partial(_rate, torque=rated, periods=SPREAD_PERIODS)
+    by_input = moved(rate, assumed, lambda done, _: told(first + done, whole))
+    rates = each(rate, frictions, lambda done, _: told(first + 2 * len(assumed) + done, whole))
     main, ideal, unloaded, coasting, driven, *finer = points[len(others) :]
     at = {(point.torque, point.speed): point for point in (*points[: len(others)], main)}
     return Found(
@@ -113,6 +128,8 @@ def run_map(
         coasting=coasting,
         backward=driven,
         rest=rest,
+        by_input=tuple(by_input),
+        by_friction=dict(zip(sensitivity.COMMON, rates, strict=True)),
     )
 
 
@@ -125,6 +142,10 @@ def forward(design: Design, torque: float, speed: float, periods: int) -> Point:
 def backward(design: Design, torque: float, periods: int) -> Point:
     """Drive the output at its speed against a torque on the crank [N m]; with none, the crank is free."""
     return _point(torque, design.drive.speed, braked_run(design, -torque, whole_periods(design, periods)))
+
+
+def _rate(design: Design, torque: float, periods: int) -> float:
+    return forward(design, torque, design.drive.speed, periods).powers.efficiency
 
 
 def _done(task: Callable[[], Point]) -> Point:

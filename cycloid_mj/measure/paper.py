@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cycloid_mj.design import Design
+from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.measure.conditions import rated_torque
 from cycloid_mj.measure.measurement import Quantity, Table
 
@@ -42,8 +42,10 @@ class PaperFigure:
 
 
 def figures(design: Design) -> list[PaperFigure]:
-    """Give the paper's torques for this kind of ring; none for a design of another ratio or input torque."""
-    if not math.isclose(rated_torque(design), IDEAL, rel_tol=1e-3):
+    """Give the paper's torques for this kind of ring; none for a reducer of other teeth or another input torque."""
+    paper = PRESETS[design.ring.kind]
+    cut = [(one.ring.teeth, one.gear.eccentricity, one.ring.pin_circle_radius) for one in (design, paper)]
+    if cut[0] != cut[1] or not math.isclose(rated_torque(design), IDEAL, rel_tol=1e-3):
         return []
     return [PaperFigure(way, torque) for way, torque in TORQUES[design.ring.kind].items()]
 

@@ -3,7 +3,7 @@
 A numerical error says how well a model is solved; where its inputs are assumptions, it is no error of the rate.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +11,7 @@ from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.design import Design, override
 from cycloid_mj.measure.measurement import Table
 from cycloid_mj.measure.play import clearance_kinds
+from cycloid_mj.measure.pool import Done, each
 
 PLAY = (0.5, 2.0)
 """Factors on a clearance: what a drawing says against what a gauge finds."""
@@ -24,6 +25,10 @@ BEARING = (0.001, 0.003)
 """Friction of rolling bearings: cylindrical rollers 0.0008 to 0.0012, needles with a cage 0.0020 to 0.0030 (JTEKT)."""
 CREEP, DAMPING = (0.001, 0.02), (0.1, 0.5)
 """What only regularises the contacts: creep speed [m/s] and damping as a share of critical."""
+
+
+PERIODS = 4
+"""Fewest mesh periods of a run with an input varied."""
 
 
 @dataclass(frozen=True)
@@ -64,6 +69,12 @@ def inputs(design: Design) -> list[Input]:
     ]
 
 
+def moved(rate: Callable[[Design], float], varied: Sequence[Input], told: Done) -> list[Moved]:
+    """Find a rate [1] at both ends of every input's range, several runs at a time; `told` after each."""
+    rates = each(rate, [end for one in varied for end in (one.low_design, one.high_design)], told)
+    return [Moved(one, *ends) for one, ends in zip(varied, zip(rates[::2], rates[1::2], strict=True), strict=True)]
+
+
 def plain_roller(design: Design) -> float:
     """Give the friction at the rim of a roller that is a plain sleeve sliding on its core, as a ring sleeve does."""
     return design.friction.pin_sleeve * design.output.root_radius / design.output.pin_radius
@@ -81,6 +92,13 @@ def table(rate: str, own: float, found: Sequence[Moved]) -> Table:
         ("input", "unit", "low", "high", "at low [%]", "at high [%]"),
         tuple(rows),
     )
+
+
+def told(own: float, found: Sequence[Moved]) -> str:
+    """Tell the spread of a rate beside its numerical error."""
+    low, high = spread(own, found)
+    widest = max(found, key=lambda one: abs(one.value_high - one.value_low)).input.name
+    return f"by its assumed inputs, one at a time, {1e2 * low:.1f} to {1e2 * high:.1f} %, the widest by {widest}"
 
 
 def spread(own: float, found: Sequence[Moved]) -> tuple[float, float]:

@@ -1,14 +1,14 @@
 """The paper's test (Hsieh 2014, Fig. 19): a given torque on the crank, the output held at its speed by a brake."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cycloid_mj.contact.working import working_at, working_forces_told
 from cycloid_mj.design import Design, override
-from cycloid_mj.measure import paper, sensitivity, steady
+from cycloid_mj.measure import build_up, paper, sensitivity, spread, steady
 from cycloid_mj.measure.braked import DECAY, braked_run
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency
 from cycloid_mj.measure.conditions import drag_told, halved, rated_torque
@@ -17,6 +17,7 @@ from cycloid_mj.measure.paper import PaperFigure
 from cycloid_mj.measure.play import clearance_kinds
 from cycloid_mj.measure.pool import Done, each, nothing
 from cycloid_mj.measure.sensitivity import Variation
+from cycloid_mj.measure.spread import Moved
 from cycloid_mj.measure.steady import Powers, first_half, powers, steady_design, whole_periods
 from cycloid_mj.record import Run
 
@@ -59,22 +60,34 @@ def measure_torque(design: Design, quick: bool = False, told: Done = nothing) ->
     varied = list(dict.fromkeys(row.design for row in rows))
     work = [(own, main)] if quick else [(own, main), (halved(own), main)]
     work += [(one, whole_periods(one, sensitivity.PERIODS)) for one in varied]
-    whole = len(work) + 1 + len(paper.figures(own))
+    assumed = spread.inputs(own)
+    whole = len(work) + 1 + 2 * len(assumed) + len(paper.figures(own))
     tests = each(lambda item: rated_test(*item), work, lambda done, _: told(done, whole))
     ours, finer = tests[0], None if quick else tests[1]
     rates = {one: tried.powers.efficiency for one, tried in zip(varied, tests[-len(varied) :], strict=True)}
     found = {row: rates[row.design] for row in rows}
     held = held_efficiency(own, ours.output, main)
-    told(len(work) + 1, whole)
+    done = len(work) + 1
+    told(done, whole)
+    periods = whole_periods(own, spread.PERIODS)
+    by_input = spread.moved(
+        lambda one: rated_test(one, periods).powers.efficiency, assumed, lambda runs, _: told(done + runs, whole)
+    )
     figures = paper_figures(own, found, None if quick else rate_error(ours, finer))
     told(whole, whole)
     return Measurement(
         measure="torque",
         design=own,
-        quantities=_quantities(own, ours, finer, held) | paper.friction_quantities(figures),
+        quantities=_quantities(own, ours, finer, held, by_input) | paper.friction_quantities(figures),
         curves=(*_curves(own, ours), *sensitivity.curves(found, figures)),
-        tables=(*paper.tables(ours.output, figures), sensitivity.table(own, found)),
+        tables=(
+            build_up.table(ours.powers, figures, rate_error(ours, finer)),
+            *paper.tables(ours.output, figures),
+            spread.table("output rate", ours.powers.efficiency, by_input),
+            sensitivity.table(own, found),
+        ),
         assumptions=_assumptions(own, main),
+        details=build_up.as_json(ours.powers, figures) | spread.as_json(ours.powers.efficiency, by_input),
         runs={"braked": ours.run},
     )
 
@@ -119,7 +132,9 @@ def rate_test(design: Design, friction: float, periods: int) -> float:
     return rated_test(sensitivity.with_common_friction(design, friction), periods).powers.efficiency
 
 
-def _quantities(design: Design, ours: Outcome, finer: Outcome | None, held: float) -> dict[str, Quantity]:
+def _quantities(
+    design: Design, ours: Outcome, finer: Outcome | None, held: float, by_input: Sequence[Moved]
+) -> dict[str, Quantity]:
     ideal = rated_torque(design)
     found, closed = ours.powers, ideal_efficiency(design, ours.output)
     error = rate_error(ours, finer)
@@ -139,7 +154,11 @@ def _quantities(design: Design, ours: Outcome, finer: Outcome | None, held: floa
             AS_BUILT,
         ),
         "output_rate": Quantity(
-            f"output rate, of {ideal:g} N m", 1e2 * ours.output / ideal, "%", 1e2 * torque_error / ideal
+            f"output rate, of {ideal:g} N m",
+            1e2 * ours.output / ideal,
+            "%",
+            1e2 * torque_error / ideal,
+            note=spread.told(found.efficiency, by_input),
         ),
         "ripple_peak_to_peak": Quantity(
             "ripple of the output torque, p-p", ripple, "N m", max(abs(float(np.ptp(one)) - ripple) for one in others)

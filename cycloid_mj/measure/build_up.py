@@ -1,0 +1,52 @@
+"""An efficiency as it builds up: what teeth, cam, output, seals and damping take of the input power."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from cycloid_mj.measure.measurement import Table
+from cycloid_mj.measure.paper import PaperFigure
+from cycloid_mj.measure.steady import Powers
+from cycloid_mj.mjcf.names import DRAGS
+
+TEETH = ("pin_gear", "pin_socket", "pin_sleeve", "tooth")
+DAMPING = "damping of all contacts"
+NOTES = {"seals": "drag.crank_nm, drag.output_nm", DAMPING: "and what step and window leave of elastic energy"}
+
+
+def build_up(found: Powers) -> dict[str, float]:
+    """Give the loss of each part as a share of the input power [1], and the damping of all contacts."""
+    parts = {"teeth": TEETH, "cam": ("cam",), "output": ("output",), "seals": tuple(DRAGS)}
+    friction = {part: sum(found.friction.get(kind, 0.0) for kind in kinds) for part, kinds in parts.items()}
+    losses = {**friction, DAMPING: sum(found.normal.values())}
+    return {part: power / found.supplied for part, power in losses.items()}
+
+
+def table(found: Powers, paper: Sequence[PaperFigure], error: float) -> Table:
+    """Give the build-up as a table in percent of the input, with the paper's rates beside it where it has any.
+
+    `error` is the numerical error of the efficiency [1].
+    """
+    left, rows = 1.0, []
+    for part, share in build_up(found).items():
+        left -= share
+        rows.append((part, 1e2 * share, 1e2 * left, NOTES.get(part, "")))
+    rows.append(
+        ("efficiency", 1e2 * (1.0 - found.efficiency), 1e2 * found.efficiency, f"numerical error {1e2 * error:.2g}")
+    )
+    for one in paper:
+        needed = f"{one.friction:.3f}" if one.friction == one.friction else "none that was tried"
+        rows.append(
+            (f"the paper, {one.way}", 1e2 * (1.0 - one.rate), 1e2 * one.rate, f"friction of the teeth: {needed}")
+        )
+    return Table(
+        "efficiency as it builds up, in % of the input power", ("part", "loss", "left over", "note"), tuple(rows)
+    )
+
+
+def as_json(found: Powers, paper: Sequence[PaperFigure]) -> dict[str, Any]:
+    """Give the build-up for a program: shares of the input power."""
+    published: Mapping[str, Any] = {
+        one.way: {"rate": one.rate, "friction_of_teeth": one.friction if one.friction == one.friction else None}
+        for one in paper
+    }
+    return {"build_up": {"losses": build_up(found), "efficiency": found.efficiency, "paper": published}}
