@@ -7,6 +7,7 @@ computed nor how it is stored.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
+from html import escape
 from types import MappingProxyType
 from typing import Any
 
@@ -86,6 +87,26 @@ class Run:
         """Let a run travel to other processes: a mapping proxy cannot be pickled, a dict can."""
         mappings = (dict(m) for m in (self.columns, self.units, self.provenance, self.attachments))
         return Run, (self.time, *mappings, self.complete, self.note)
+
+    def __repr__(self) -> str:
+        """Tell the run in one line; columns, units and attachments have their names in mappings."""
+        return f"Run({', '.join(f'{key} {value}' for key, value in self._facts())})"
+
+    def _repr_html_(self) -> str:
+        """Tell the run as a table of a notebook."""
+        rows = "".join(f"<tr><th>{escape(key)}</th><td>{escape(value)}</td></tr>" for key, value in self._facts())
+        return f"<table>{rows}</table>"
+
+    def _facts(self) -> tuple[tuple[str, str], ...]:
+        end = "yes" if self.complete else f"no: {self.note or 'no reason given'}"
+        time = f"{self.time[0]:g} to {self.time[-1]:g} s" if len(self) else "none"
+        return (
+            ("samples", str(len(self))),
+            ("columns", str(len(self.columns))),
+            ("time", time),
+            ("attachments", ", ".join(self.attachments) or "none"),
+            ("complete", end),
+        )
 
     def block(self, names: Sequence[str]) -> Array:
         """Give the k columns `names` side by side, shape (n, k); raise LogError if one is unknown."""

@@ -5,8 +5,11 @@ import shlex
 from pathlib import Path
 
 import pytest
+from cyclopts import CycloptsError
 
 from cycloid_mj.cli import main
+from cycloid_mj.cli.app import application
+from cycloid_mj.design import resolve
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -18,8 +21,21 @@ COMMANDS = [
     for line in block.splitlines()
     if line.startswith("cycloid-mj ")
 ]
+INLINE = re.findall(r"`(cycloid-mj [^`]+)`", README)
 QUICK = ["--ramp-s", "0", "--hold-s", "0.006"]
 SLOW = ("validate", "reproduce", "compare", "render", "view", "build", "export", "measure", "stress")
+
+
+def words_of(command: str) -> list[str]:
+    """What stands behind ``cycloid-mj`` in a command, without its redirection."""
+    return shlex.split(command.split(" > ")[0])[1:]
+
+
+def parsed(words: list[str]) -> dict[str, object]:
+    """Values that a command would be called with: every flag is known, and its value read and tested."""
+    _, bound, unknown = application().parse_args(words, exit_on_error=False, print_error=False)[:3]
+    assert not unknown
+    return dict(bound.arguments)
 
 
 def shortened(arguments: list[str]) -> list[str]:
@@ -47,19 +63,60 @@ def test_every_command_runs_in_order(tmp_path, monkeypatch, capsys) -> None:
     assert len(COMMANDS) > 5
     for command in COMMANDS:
         arguments, *redirection = command.split(" > ")
-        words = shlex.split(arguments)[1:]
+        words = words_of(arguments)
         if words[0] in SLOW:
-            words = [*words[: 1 + (words[0] == "measure")], "--help"]
+            continue
         assert main(shortened(words)) == 0, command
         printed = capsys.readouterr().out
         if redirection:
             Path(redirection[0]).write_text(printed, encoding="utf-8")
 
 
+@pytest.mark.parametrize("command", INLINE)
+def test_commands_in_the_text_exist(command, capsys) -> None:
+    words = [word for word in words_of(command) if word.islower() and not word.startswith("-")]
+    assert main([*words, "--help"]) == 0
+    assert capsys.readouterr().out.startswith(" ".join(["Usage: cycloid-mj", *words]))
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_is_understood_to_its_last_flag(command) -> None:
+    words = words_of(command)
+    parsed(words)
+    with pytest.raises(CycloptsError):
+        parsed([*words, "--no-such-flag"])
+    for at, word in enumerate(words):
+        if word.startswith("--"):
+            with pytest.raises(CycloptsError):
+                parsed([*words[:at], f"{word}-misspelt", *words[at + 1 :]])
+
+
+def test_values_of_commands_that_are_only_parsed_are_designs_and_numbers_that_exist(tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    slow = [words_of(command) for command in COMMANDS if words_of(command)[0] in SLOW]
+    assert len(slow) > 10
+    named = []
+    for words in slow:
+        values = parsed(words)
+        for name in ("design", "designs", "sources"):
+            given = values.get(name, ())
+            named += [given] if isinstance(given, str) else list(given)
+    assert len(named) >= 10
+    assert {resolve(name).name for name in named} == {"pin", "nonpin"}
+
+
 @pytest.mark.parametrize("code", [block for language, block in BLOCKS if language == "python"])
-def test_python_blocks_run(code: str, tmp_path, monkeypatch) -> None:
+def test_python_blocks_print_figures_that_mean_something(code: str, tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     exec(compile(code, "README.md", "exec"), {})
+    first, second = capsys.readouterr().out.splitlines()
+    efficiency, error = map(
+        float, re.fullmatch(r"efficiency ([\d.]+)%, transmission error ([\d.]+) arcsec", first).groups()
+    )
+    force = float(re.fullmatch(r"largest force on a pin (\d+) N", second)[1])
+    assert 85.0 < efficiency < 93.0
+    assert 0.2 < error < 2.0
+    assert 120.0 < force < 200.0
 
 
 def test_links_and_pictures_exist() -> None:

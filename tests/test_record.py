@@ -129,3 +129,20 @@ def test_travels_to_other_processes(travel):
 def test_refuses_what_does_not_fit(changes, message):
     with pytest.raises(LogError, match=message):
         make_run(**changes)
+
+
+def test_a_run_tells_itself_in_a_line_however_many_samples_it_has() -> None:
+    time = np.arange(100_000) * 1e-4
+    columns = {f"column_{n}": np.zeros(time.size) for n in range(50)}
+    run = Run(time, columns, dict.fromkeys(columns, "1"), attachments={"a<b>.toml": b"x" * 10_000}, complete=False)
+    assert repr(run) == (
+        "Run(samples 100000, columns 50, time 0 to 9.9999 s, attachments a<b>.toml, complete no: no reason given)"
+    )
+    html = run._repr_html_()
+    assert html.startswith("<table><tr><th>samples</th><td>100000</td>")
+    assert "a&lt;b&gt;.toml" in html
+    assert len(html) < 500
+
+
+def test_a_run_without_samples_tells_itself() -> None:
+    assert repr(Run(np.zeros(0), {}, {})) == "Run(samples 0, columns 0, time none, attachments none, complete yes)"

@@ -11,12 +11,25 @@ from cycloid_mj.checks.limit import Check, Limit
 from cycloid_mj.checks.margin import margin_checks
 from cycloid_mj.checks.mechanics import OVERLOAD, PLAUSIBLE, PLAY_SHARE, mechanical_checks
 from cycloid_mj.checks.strength import strength_checks
+from cycloid_mj.checks.summary import Summary, summary
 from cycloid_mj.checks.teeth import WALL_SHARE, tooth_checks
 from cycloid_mj.checks.tolerance import tolerance_checks
 from cycloid_mj.design import Design
 from cycloid_mj.errors import DesignError
 
-__all__ = ["OVERLOAD", "PLAUSIBLE", "PLAY_SHARE", "WALL_SHARE", "Check", "Limit", "check", "require_sound", "soundness"]
+__all__ = [
+    "OVERLOAD",
+    "PLAUSIBLE",
+    "PLAY_SHARE",
+    "WALL_SHARE",
+    "Check",
+    "Limit",
+    "Summary",
+    "check",
+    "require_sound",
+    "soundness",
+    "summary",
+]
 
 
 def check(design: Design) -> tuple[Check, ...]:

@@ -33,6 +33,7 @@ class Check:
     `got` and `limit` are short texts in the file's units, about the value of the file's `key`; `why` says what the
     limit is there for; `remedy` names the keys to change, in which direction and to which number (empty if passed). A
     failed check of severity "error" means that the design cannot be built; a "warning" is told and stops nothing.
+    `value` and `bound` are what `got` and `limit` tell, in the file's `unit`, where each is one number.
     """
 
     name: str
@@ -43,6 +44,9 @@ class Check:
     remedy: str
     severity: Severity = "error"
     key: str = ""
+    value: float | None = None
+    bound: float | None = None
+    unit: str = ""
 
     def __str__(self) -> str:
         """Tell the check in one line."""
@@ -70,6 +74,11 @@ class Limit:
     def told(self, design: Design) -> tuple[str, str]:
         """Give value and limit as texts in the file's unit."""
         return told(self.value(design), self.side, self.bound, unit_of(self._field(design)))
+
+    def numbers(self, design: Design) -> tuple[float, float, str]:
+        """Give value, bound and the file's unit of both."""
+        unit = unit_of(self._field(design))
+        return unit.from_si(self.value(design)), unit.from_si(self.bound), unit.suffix
 
     def remedy(self, design: Design) -> str:
         """Tell the change that keeps the limit, rounded to the safe side; empty if the file allows none."""
@@ -120,7 +129,8 @@ def verdict(
     passed = limit.holds(design)
     got, allowed = limit.told(design)
     remedy = "" if passed else _remedy(design, [*([] if tied else [limit]), *instead])
-    return Check(name, passed, got, allowed, why, remedy, severity, limit.file_key(design))
+    value, bound, unit = limit.numbers(design)
+    return Check(name, passed, got, allowed, why, remedy, severity, limit.file_key(design), value, bound, unit)
 
 
 def _remedy(design: Design, limits: list[Limit]) -> str:

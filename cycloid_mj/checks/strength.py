@@ -6,12 +6,13 @@ Forces are those of `loaded`, with the real clearances, errors and friction, and
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import TypedDict
 
 from cycloid_mj.checks.limit import Check, Limit, told
 from cycloid_mj.checks.rated import Rated, rated
 from cycloid_mj.contact.pressure import HARDNESS_PRESSURE, SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.design import Design
-from cycloid_mj.design.units import DEGREE, MEGAPASCAL, NEWTON_METRE, NONE
+from cycloid_mj.design.units import DEGREE, MEGAPASCAL, NEWTON_METRE, NONE, Unit
 from cycloid_mj.errors import CycloidError
 from cycloid_mj.loaded import torque_at_pressure
 from cycloid_mj.modification import profile_offset
@@ -34,6 +35,12 @@ TENSION, SHEAR = 1.0, 1.0 / math.sqrt(3.0)
 """Share of the yield strength that a wall bears (von Mises)."""
 
 PARTS = {"tooth": "the teeth", "output": "the output pins in their holes", "cam": "the cam's bearing"}
+
+
+class _Numbers(TypedDict):
+    value: float
+    bound: float
+    unit: str
 
 
 def strength_checks(design: Design) -> Iterator[Check]:
@@ -104,6 +111,7 @@ def _pressures(state: Rated, part: str) -> Iterator[Check]:
             remedy=_alternatives(design, remedies),
             severity="warning",
             key=f"the Hertz pressure of {PARTS[part]} at {_newton_metres(abs(state.torque))}",
+            **_numbers(pressure, allowed, MEGAPASCAL),
         )
 
 
@@ -146,6 +154,7 @@ def _concentration(state: Rated) -> Check:
         " (gear.face_width_mm, contact.cam_rollers)",
         severity="warning",
         key="the largest tooth force over that of ideal sharing",
+        **_numbers(ratio, CONCENTRATION, NONE),
     )
 
 
@@ -188,6 +197,7 @@ def _pressure_angle(state: Rated) -> Check:
         else "no larger eccentricity is enough: lower the clearances",
         severity="warning",
         key="the mean pressure angle at the rated torque",
+        **_numbers(angle, PRESSURE_ANGLE, DEGREE),
     )
 
 
@@ -264,11 +274,17 @@ def _wall(state: Rated, wall: _Wall) -> Check:
         remedy="" if passed else _alternatives(design, [_face_width(design, wall.stress, strength, 1.0), enough]),
         severity="warning",
         key=f"the wall {wall.where}",
+        **_numbers(stress, strength, MEGAPASCAL),
     )
 
 
 def _alternatives(design: Design, limits: list[Limit]) -> str:
     return ", or ".join(filter(None, (limit.remedy(design) for limit in limits)))
+
+
+def _numbers(value: float, bound: float, unit: Unit) -> _Numbers:
+    """Give a value and its bound [SI] in a unit of the file."""
+    return {"value": unit.from_si(value), "bound": unit.from_si(bound), "unit": unit.suffix}
 
 
 def _newton_metres(torque: float) -> str:

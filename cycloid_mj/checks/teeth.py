@@ -121,6 +121,11 @@ def _housing(design: Design) -> Check:
         "housing",
         Limit("housing.outer_radius", "more than", outermost + wall(design)),
         wall_needed(design, f"outside the ring's teeth (out to {millimetres(outermost)})"),
+        Limit(
+            "ring.pin_circle_radius",
+            "less than",
+            (design.housing.outer_radius - (outermost - ring.pin_circle_radius)) / (1 + WALL_SHARE),
+        ),
     )
 
 

@@ -48,7 +48,7 @@ Results go to stdout, progress and messages to stderr. Exit code: 0 done,
 EXAMPLES = """Start with:
   cycloid-mj simulate --design pin    # the paper's reducer
   cycloid-mj plot runs/pin.mcap       # draw that run
-  cycloid-mj design show pin > my.toml   # edit this file
+  cycloid-mj design new my            # edit this: my.toml
   cycloid-mj design check my.toml"""
 
 COMMANDS: dict[Callable[..., int], str] = {

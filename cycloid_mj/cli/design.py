@@ -1,31 +1,65 @@
-"""``cycloid-mj design show`` and ``cycloid-mj design check``."""
+"""``cycloid-mj design new``, ``show`` and ``check``."""
 
+import re
 from dataclasses import asdict
+from math import degrees
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
-from cycloid_mj.cli.flags import JsonFlag
+from cycloid_mj.cli.flags import JsonFlag, SetFlag, designed
 from cycloid_mj.cli.terminal import say, say_json
-from cycloid_mj.design import dump, resolve
+from cycloid_mj.design import PRESETS, Design, dump, resolve
+from cycloid_mj.errors import CycloidError, UsageError
+from cycloid_mj.whole import write_whole
 
 if TYPE_CHECKING:
-    from cycloid_mj.checks import Check
+    from cycloid_mj.checks import Check, Summary
 
 DesignName = Annotated[str, Parameter(metavar="NAME|FILE", help="Design: pin, nonpin, or a TOML file.")]
+NewName = Annotated[
+    str, Parameter(metavar="NAME", help="Name of the new design and of its runs; the file is NAME.toml.")
+]
+FromFlag = Annotated[
+    str, Parameter(name="--from", metavar="NAME|FILE", help="Design to start from: pin, nonpin, or a TOML file.")
+]
 
 EXAMPLES = """Examples:
-  cycloid-mj design show pin > my.toml
-  cycloid-mj design check my.toml
-  cycloid-mj design check nonpin --json"""
+  cycloid-mj design new my --from nonpin
+  cycloid-mj design check my.toml --set ring.pin_radius_mm=2
+  cycloid-mj design check nonpin --json
+  cycloid-mj design show pin"""
 
 
 def commands(sort_key: int) -> App:
     """Give the commands about design files; `sort_key` is their place in the help."""
-    app = App(name="design", help="Print a design file, or check one.", help_epilogue=EXAMPLES, sort_key=sort_key)
-    app.command(show)
-    app.command(check)
+    about = "Make a design file, print one, or check one."
+    app = App(name="design", help=about, help_epilogue=EXAMPLES, sort_key=sort_key)
+    for place, command in enumerate((new, show, check)):
+        app.command(command, sort_key=place)
     return app
+
+
+def new(name: NewName, /, *, source: FromFlag = "pin", set_: SetFlag = ()) -> int:
+    """Write NAME.toml, a complete, commented design file to edit; an existing file is left alone.
+
+    It starts from a preset or a file, with the changes of --set, and carries the
+    new name, so that its runs do not meet those of another design. The path of
+    the file is printed.
+    """
+    stem = name.removesuffix(".toml")
+    if not re.fullmatch(r"\w[\w .-]{0,63}", stem):
+        raise UsageError(f"NAME {name!r}: expected letters, digits, space . _ -, at most 64, e.g. my")
+    if stem in PRESETS:
+        raise UsageError(f"NAME {name!r} is a preset; give a design of your own another name, e.g. my-{stem}")
+    design = designed(source, set_, ()).but(name=stem)
+    file = Path(f"{stem}.toml")
+    if file.exists():
+        raise CycloidError(f"{file} exists already: give another NAME, or delete it")
+    write_whole({file: dump(design).encode()})
+    say(str(file))
+    return 0
 
 
 def show(design: DesignName, /) -> int:
@@ -38,27 +72,71 @@ def show(design: DesignName, /) -> int:
     return 0
 
 
-def check(design: DesignName, /, *, json: JsonFlag = False) -> int:
-    """Make every geometric and mechanical check of a design and list them all.
+def check(design: DesignName, /, *, set_: SetFlag = (), json: JsonFlag = False) -> int:
+    """Make every check of a design, list them all, and sum the design up.
 
-    For each: the value, its limit and the reason; for a failure also what to
-    change. The exit code is 1 if the design cannot be built, else 0: warnings
-    do not count.
+    For each check: the value, its limit and the reason; for a failure also what
+    to change. First come those of whether it can be built, then those that decide
+    how well it works at its rated torque (drive torque times the ratio), by
+    statics with the real clearances, friction and errors; these only warn.
+
+    The summary tells ratio, size, mass, what carries, backlash, and the capacity:
+    the torque at which a contact first yields. The exit code is 1 if the design
+    cannot be built, else 0: warnings do not count.
     """
     from cycloid_mj.checks import check as checks
 
-    chosen = resolve(design)
+    chosen = designed(design, set_, ())
     found = checks(chosen)
     sound = not any(_word(item) == "FAIL" for item in found)
+    summed = _summed(chosen) if sound else None
     if json:
-        say_json({"design": chosen.name, "sound": sound, "checks": [asdict(item) for item in found]})
+        told = _in_file_units(summed) if summed else None
+        say_json({"design": chosen.name, "sound": sound, "checks": [asdict(item) for item in found], "summary": told})
     else:
         for item in found:
             say(f"{_word(item):4}  {item}")
-        failed = [item for item in found if not item.passed]
-        warnings = sum(_word(item) == "warn" for item in failed)
-        say(f"{len(found)} checks: {len(failed) - warnings} failed, {warnings} warnings")
+        if summed:
+            for line in _lines(summed):
+                say(f"      {line}")
+        failed = sum(_word(item) == "FAIL" for item in found)
+        warnings = sum(_word(item) == "warn" for item in found)
+        say(f"{len(found)} checks: {failed} failed, {warnings} {'warning' if warnings == 1 else 'warnings'}")
     return 0 if sound else 1
+
+
+def _summed(design: Design) -> "Summary | None":
+    """Sum a design up; nothing where its statics have no solution, which a check has told."""
+    from cycloid_mj.checks import summary
+
+    try:
+        return summary(design)
+    except CycloidError:
+        return None
+
+
+def _in_file_units(summed: "Summary") -> dict[str, float | str]:
+    return {
+        "ratio": summed.ratio,
+        "outer_diameter_mm": 1e3 * summed.outer_diameter,
+        "mass_kg": summed.mass,
+        "rated_torque_nm": summed.rated_torque,
+        "loaded_teeth": summed.loaded_teeth,
+        "pressure_angle_deg": degrees(summed.pressure_angle),
+        "backlash_arcmin": 60.0 * degrees(summed.backlash),
+        "capacity_nm": summed.capacity,
+        "weakest": summed.weakest,
+    }
+
+
+def _lines(summed: "Summary") -> list[str]:
+    angle, play = degrees(summed.pressure_angle), 60.0 * degrees(summed.backlash)
+    return [
+        f"ratio {summed.ratio}:1, outer diameter {1e3 * summed.outer_diameter:.4g} mm, mass {summed.mass:.3g} kg",
+        f"at the rated {summed.rated_torque:.4g} N m: {summed.loaded_teeth:.1f} teeth carry on average,"
+        f" mean pressure angle {angle:.1f} deg",
+        f"backlash {play:.3g} arcmin; capacity {summed.capacity:.3g} N m, at which {summed.weakest} first yields",
+    ]
 
 
 def _word(item: "Check") -> str:

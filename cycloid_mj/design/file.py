@@ -57,7 +57,7 @@ def loads(text: str, where: str = "the design") -> Design:
     except (ValueError, RecursionError) as error:
         raise DesignError(f"{where} is not TOML: {error}; `cycloid-mj design show pin` prints a whole file") from error
     if not tables:
-        raise DesignError(f"{where} is empty; start from the output of `cycloid-mj design show pin`")
+        raise DesignError(f"{where} is empty; `cycloid-mj design new my` makes a whole one")
     return _validated(_to_si(Design, tables, where), where)
 
 
@@ -250,7 +250,7 @@ def _unknown_design(path: Path) -> str:
     folder = path.parent if path.parent.is_dir() else Path()
     files = [str(folder / name) for name in sorted(item.name for item in folder.glob("*.toml"))]
     near = difflib.get_close_matches(str(path), [*PRESETS, *files], n=1)
-    hint = f"did you mean {near[0]}?" if near else "`cycloid-mj design show pin > my.toml` makes a file to start from"
+    hint = f"did you mean {near[0]}?" if near else "`cycloid-mj design new my` makes a file to start from"
     return f"no design {str(path)!r}: it is neither a preset ({presets}) nor a file; {hint}"
 
 

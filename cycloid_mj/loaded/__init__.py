@@ -9,12 +9,15 @@ its two contacts are one, in series, and the smaller of both frictions is that o
 """
 
 from cycloid_mj.loaded.balance import Loads, loads
-from cycloid_mj.loaded.pressure import peak_force, peak_pressure, torque_at_pressure, yield_torque
+from cycloid_mj.loaded.play import backlash
+from cycloid_mj.loaded.pressure import kinds, peak_force, peak_pressure, torque_at_pressure, yield_torque
 from cycloid_mj.loaded.springs import Springs, springs_of
 
 __all__ = [
     "Loads",
     "Springs",
+    "backlash",
+    "kinds",
     "loads",
     "peak_force",
     "peak_pressure",

@@ -1,0 +1,78 @@
+"""What a sound design is, in a few numbers."""
+
+from dataclasses import dataclass
+
+from cycloid_mj.checks.rated import rated
+from cycloid_mj.design import Design
+from cycloid_mj.loaded import backlash, kinds, yield_torque
+from cycloid_mj.solid import mass_properties, parts
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What a design is, by statics and closed forms.
+
+    Attributes
+    ----------
+    ratio
+        Turns of the crank in one of the output.
+    outer_diameter
+        Of the housing [m].
+    mass
+        Of all parts [kg].
+    rated_torque
+        On the output, that of the drive times the ratio [N m].
+    loaded_teeth
+        Contact lines with the ring that carry at the rated torque, on average.
+    pressure_angle
+        Mean angle of their forces to the way that they turn the gear, weighted by force [rad].
+    backlash
+        Play of the output from stop to stop, mean over a turn of the crank [rad].
+    capacity
+        Torque on the output at which the first contact yields [N m].
+    weakest
+        Kind of that contact.
+    """
+
+    ratio: int
+    outer_diameter: float
+    mass: float
+    rated_torque: float
+    loaded_teeth: float
+    pressure_angle: float
+    backlash: float
+    capacity: float
+    weakest: str
+
+
+def summary(design: Design) -> Summary:
+    """Sum up a design that has no errors.
+
+    Raises
+    ------
+    ContactError
+        The working force flattens a pin beyond a line contact.
+    RunError
+        No static balance was found.
+    """
+    state = rated(design)
+    weakest = max(kinds(design), key=state.peak_pressure)
+    return Summary(
+        ratio=design.lobes,
+        outer_diameter=2.0 * design.housing.outer_radius,
+        mass=_mass(design),
+        rated_torque=design.rated_torque,
+        loaded_teeth=state.loaded_teeth,
+        pressure_angle=state.pressure_angle,
+        backlash=backlash(design),
+        capacity=abs(yield_torque(design, state.springs, weakest, state.torque)),
+        weakest=weakest,
+    )
+
+
+def _mass(design: Design) -> float:
+    """Mass of all parts [kg], each ring pin or sleeve counted."""
+    return sum(
+        mass_properties(solid).mass * (design.ring.teeth if name == "pin" else 1)
+        for name, solid in parts(design).items()
+    )
