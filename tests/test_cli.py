@@ -194,7 +194,7 @@ def test_table_of_a_run_goes_to_stdout_and_messages_to_stderr(here, monkeypatch,
     first, *lines, last = err.splitlines()
     assert first == "preparing the model"
     # 0.01 s at 1640 rpm are 0.27 turns, half of which is settling
-    assert last.startswith("warning: only 0.13 crank turns")
+    assert last.startswith("warning: pin: only 0.13 crank turns")
     assert bool(lines) == progress
     assert all(re.fullmatch(r" *\d+%  \S+ of 0.01 s simulated, about \d+ s left", line) for line in lines), err
     for words in ("quantity", "simulated", "closed form", "error", "gear speed", "runs/pin.mcap", "wall time"):
