@@ -219,7 +219,7 @@ def blocks(reducer: ReducerModel, design: Design, course: Course | None = None) 
     course = course or ramp_and_hold(reducer, design)
     data = initial_state(reducer, design, course)
     recorder = _Recorder(reducer, design, data)
-    collider = installed() if contact_of(reducer) == "profile" else nullcontext()
+    collider = installed(design.ring.kind == "nonpin") if contact_of(reducer) == "profile" else nullcontext()
     with collider, _no_log_file.made():
         for first in range(0, plan.samples, _BLOCK):
             taken, problem = _advance(

@@ -31,6 +31,7 @@ from cycloid_mj.cli import (
     validate,
     view,
 )
+from cycloid_mj.cli.logged import log_told
 from cycloid_mj.cli.mistakes import sentence
 from cycloid_mj.cli.terminal import tell
 from cycloid_mj.cli.warned import warnings_kept
@@ -81,7 +82,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         if group := _group_alone(app, words):
             app.help_print(words, console=page.console(stderr=True))
             raise UsageError(f"{group} needs a command: {', '.join(page.commands(app[group]))}")
-        with warnings_kept(None if "--quiet" in words else tell):
+        quiet = "--quiet" in words
+        with warnings_kept(None if quiet else tell), log_told(quiet):
             code = app(words)
         sys.stdout.flush()
         return code or 0

@@ -7,7 +7,8 @@ state: all it needs stands in the ``mjModel`` and ``mjData`` that it is called w
 """
 
 import zlib
-from contextlib import AbstractContextManager
+from collections.abc import Iterator
+from contextlib import contextmanager
 from enum import IntEnum
 from functools import cache
 from pathlib import Path
@@ -17,6 +18,7 @@ import llvmlite.binding
 from numba import cfunc, types
 
 from cycloid_mj.contact import gap, mating, memory, near, ring, teeth
+from cycloid_mj.contact.compiling import announced, cacheable
 from cycloid_mj.contact.layout import Layout, discover
 from cycloid_mj.contact.library import CYLINDER, TYPES, collision_table
 from cycloid_mj.contact.mating import PRIORITY, inner_in_outer, lobe_on_teeth, pin_on_teeth
@@ -27,7 +29,9 @@ from cycloid_mj.errors import ContactError
 _SIGNATURE = types.int32(types.intp, types.intp, types.intp, types.int32, types.int32, types.float64)
 _ENTRY = CYLINDER * TYPES + CYLINDER
 _ORIGINAL = "cycloid_mj_original_cylinder_collider"
+_PINS = "cycloid_mj_pin_collider"
 _original = types.ExternalFunction(_ORIGINAL, _SIGNATURE)
+_pins = types.ExternalFunction(_PINS, _SIGNATURE)
 
 
 class Role(IntEnum):
@@ -43,18 +47,23 @@ class Role(IntEnum):
 _PIN, _TEETH, _INNER, _OUTER, _LOBE = (int(role) for role in Role)
 
 
-def _compile(layout: Layout) -> Any:
-    """Compile the collider for a layout, or load it from numba's cache.
+def _places(layout: Layout) -> tuple[int, ...]:
+    """Give the places that a collider closes over.
 
-    The cache's key holds the places that the function closes over; with them stands a digest of the sources compiled
-    into it, which numba does not follow into other files.
+    They are in the key of numba's cache; with them stands a digest of the sources compiled into it, which numba does
+    not follow into other files.
     """
     compiled = (gap, mating, memory, near, ring, teeth)
     sources = [Path(module.__file__).read_bytes() for module in compiled if module.__file__]
     digest = zlib.crc32(b"".join(sources))
-    at = (layout.geom_size, layout.geom_priority, layout.geom_user, layout.geom_xpos, layout.geom_xmat, digest)
+    return (layout.geom_size, layout.geom_priority, layout.geom_user, layout.geom_xpos, layout.geom_xmat, digest)
 
-    @cfunc(_SIGNATURE, cache=True)
+
+def _compile_pins(layout: Layout) -> Any:
+    """Compile the collider of pins, sockets, cam and holes, or load it; it passes other pairs on to the original."""
+    at = _places(layout)
+
+    @cfunc(_SIGNATURE, cache=cacheable())
     def collide(model: int, data: int, out: int, geom1: int, geom2: int, margin: float) -> int:
         priority = read_address(model + at[PRIORITY])
         role1, role2 = read_int(priority + 4 * geom1), read_int(priority + 4 * geom2)
@@ -62,10 +71,6 @@ def _compile(layout: Layout) -> Any:
             return pin_on_teeth(at, model, data, out, geom1, geom2, 1.0, margin)
         if role1 == _PIN and role2 == _TEETH:
             return pin_on_teeth(at, model, data, out, geom2, geom1, -1.0, margin)
-        if role1 == _TEETH and role2 == _LOBE:
-            return lobe_on_teeth(at, model, data, out, geom1, geom2, 1.0, margin)
-        if role1 == _LOBE and role2 == _TEETH:
-            return lobe_on_teeth(at, model, data, out, geom2, geom1, -1.0, margin)
         if role2 == _OUTER and role1 in (_INNER, _PIN):
             return inner_in_outer(at, model, data, out, geom1, geom2, 1.0, margin)
         if role1 == _OUTER and role2 in (_INNER, _PIN):
@@ -75,29 +80,69 @@ def _compile(layout: Layout) -> Any:
     return collide
 
 
+def _compile_lobes(layout: Layout) -> Any:
+    """Compile the collider of lobes on teeth, or load it; it passes other pairs on to that of pins.
+
+    It takes as long to compile as all the others together, and a pinwheel does without.
+    """
+    at = _places(layout)
+
+    @cfunc(_SIGNATURE, cache=cacheable())
+    def collide(model: int, data: int, out: int, geom1: int, geom2: int, margin: float) -> int:
+        priority = read_address(model + at[PRIORITY])
+        role1, role2 = read_int(priority + 4 * geom1), read_int(priority + 4 * geom2)
+        if role1 == _TEETH and role2 == _LOBE:
+            return lobe_on_teeth(at, model, data, out, geom1, geom2, 1.0, margin)
+        if role1 == _LOBE and role2 == _TEETH:
+            return lobe_on_teeth(at, model, data, out, geom2, geom1, -1.0, margin)
+        return _pins(model, data, out, geom1, geom2, margin)
+
+    return collide
+
+
 @cache
-def _collider() -> Any:
-    """Compile the collider, or load it from numba's cache; the original's address is bound by name."""
+def _pin_collider() -> Any:
+    """Give MuJoCo's own collider and that of pins; the own one's address is bound by name."""
     original = collision_table()[_ENTRY]
     if not original:
         raise ContactError("MuJoCo has no collision function for two cylinders to pass foreign pairs on to")
     llvmlite.binding.add_symbol(_ORIGINAL, original)
-    return original, _compile(discover())
+    with announced():
+        return original, _compile_pins(discover())
+
+
+@cache
+def _lobe_collider() -> Any:
+    _, pins = _pin_collider()
+    llvmlite.binding.add_symbol(_PINS, pins.address)
+    with announced():
+        return _compile_lobes(discover())
 
 
 def _install() -> None:
-    _, collider = _collider()
+    _, collider = _pin_collider()
     collision_table()[_ENTRY] = collider.address
 
 
 def _uninstall() -> None:
-    original, _ = _collider()
+    original, _ = _pin_collider()
     collision_table()[_ENTRY] = original
 
 
 _installation = Shared(_install, _uninstall)
 
 
-def installed() -> AbstractContextManager[None]:
-    """Run MuJoCo with exact conjugate contact inside this ``with`` block; nested and parallel blocks are allowed."""
-    return _installation.made()
+@contextmanager
+def installed(lobes: bool = True) -> Iterator[None]:
+    """Run MuJoCo with exact conjugate contact inside this ``with`` block; nested and parallel blocks are allowed.
+
+    Parameters
+    ----------
+    lobes
+        Whether an internal gear is to meet the teeth. Without one, half of what there is to compile is left out.
+    """
+    with _installation.made():
+        if lobes:
+            # it stays until the last block ends: what it passes on is all that the one of pins takes
+            collision_table()[_ENTRY] = _lobe_collider().address
+        yield

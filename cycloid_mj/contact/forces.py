@@ -8,6 +8,8 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
+from cycloid_mj.contact.compiling import cacheable
+
 Array = npt.NDArray[np.float64]
 
 
@@ -91,6 +93,9 @@ def pair_forces(data: Any, index: PairIndex) -> PairForces:
     count = len(index.origin)
     wrench, friction, normal = np.zeros((count, 3)), np.zeros(count), np.zeros(count)
     contact = data.contact
+    if not len(contact.dist):
+        # empty arrays have another layout, for which numba would compile all of `_gather` a second time
+        return PairForces(wrench, friction, normal, 0, 0.0, 0.0)
     active, depth, peak = _gather(
         contact.geom,
         contact.efc_address,
@@ -111,7 +116,7 @@ def pair_forces(data: Any, index: PairIndex) -> PairForces:
     return PairForces(wrench, friction, normal, active, depth, peak)
 
 
-@njit(cache=True)
+@njit(cache=cacheable())
 def _gather(
     geom: Any,
     address: Any,

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
+from cycloid_mj.contact.compiling import cacheable
 from cycloid_mj.contact.forces import PairIndex
 from cycloid_mj.contact.layout import ContactLayout, discover_contacts
 from cycloid_mj.contact.memory import read_address, read_float, read_int, write_float
@@ -52,7 +53,7 @@ class Peaks:
         return table
 
 
-@njit(cache=True)
+@njit(cache=cacheable())
 def _note(table: Any, contacts: Any) -> None:
     first, force = read_address(read_address(table + 8 * _CONTACTS)), read_address(read_address(table + 8 * _FORCES))
     stride, geom, row = (

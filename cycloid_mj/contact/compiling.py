@@ -1,0 +1,55 @@
+"""How the contact code is compiled: kept in numba's cache where that has a place, and told when it takes time."""
+
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
+from typing import Any
+
+from numba import njit
+from numba.core import event
+
+_log = logging.getLogger(__name__)
+
+
+@cache
+def cacheable() -> bool:
+    """Tell whether numba can keep what it compiles: in ``NUMBA_CACHE_DIR``, beside the sources, or in the home folder.
+
+    A container often has none of them that can be written.
+    """
+    try:
+        njit(cache=True)(_probe)
+    except RuntimeError:
+        return False
+    return True
+
+
+@contextmanager
+def announced() -> Iterator[None]:
+    """Log once (level info) that code is being compiled, if it is in this block, and not loaded from the cache."""
+    with event.install_listener("numba:compile", _Announcer()):
+        yield
+
+
+class _Announcer(event.Listener):
+    def on_start(self, event: Any) -> None:
+        _announce()
+
+    def on_end(self, event: Any) -> None:
+        """Nothing more is to be said."""
+
+
+@cache
+def _announce() -> None:
+    if cacheable():
+        _log.info("compiling the contact code, once per installation; this takes some seconds")
+    else:
+        _log.info(
+            "compiling the contact code, for this run only, since there is no folder to keep it in: "
+            "set NUMBA_CACHE_DIR to one that can be written"
+        )
+
+
+def _probe() -> None:
+    """Be a function to ask for a place in the cache."""
