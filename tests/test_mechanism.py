@@ -8,7 +8,7 @@ from cycloid_mj import kinematics, profile
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.deviations import deviations
 from cycloid_mj.mechanism import limits
-from cycloid_mj.mechanism.gaps import arc_gaps, cam_places, gaps
+from cycloid_mj.mechanism.gaps import arc_gaps, cam_places, gaps, ideal_motion
 from cycloid_mj.modification import gear_profile, profile_offset, tooth_profile
 from cycloid_mj.validation.gaps import Flanks, Pose, pin_gaps, ring_gaps, rotate
 
@@ -117,3 +117,19 @@ def test_the_cam_carries_the_gear_outwards_by_its_error() -> None:
     np.testing.assert_allclose(cam_places(design, 0.0), [[0.0, 20e-6]], rtol=0.0, atol=1e-18)
     fit = limits.best_fit(design, 0.0)
     assert 2e-6 < fit.shift[1] < 20e-6
+
+
+@pytest.mark.parametrize("kind", ["pin", "nonpin"])
+def test_ideal_parts_slide_and_never_part(kind: str) -> None:
+    """The normals meet in the pitch point: sliding is the distance from there times the relative speed of turning."""
+    design = PRESETS[kind]
+    gear, found, motion = tooth_profile(design), gaps(design, CRANK), ideal_motion(design, CRANK)
+    np.testing.assert_allclose(found.slope @ motion, 0.0, rtol=0.0, atol=1e-17)
+    slip, arcs = found.slip_slope @ motion, np.arange(found.owner.size) < design.ring.teeth
+    # The gear turns about the pitch point c N from the axis, by -1/(N-1) of the crank.
+    pins = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear))
+    pitch = gear.ring_teeth * kinematics.gear_centre(gear, CRANK)
+    away = np.linalg.norm(pins - pitch, axis=1) - gear.pin_radius
+    np.testing.assert_allclose(np.abs(slip[arcs]), away / gear.lobes, rtol=1e-12)
+    holes = np.abs(slip[found.kind == "output"])
+    np.testing.assert_allclose(holes, gear.eccentricity * (1.0 + 1.0 / gear.lobes), rtol=1e-12)

@@ -98,7 +98,7 @@ def solve(design: Design, crank: npt.ArrayLike, stiffness: Stiffness, load: Arra
     departures, forces = np.zeros_like(load), np.zeros_like(springs.distance)
     for disc, place in enumerate(cams[0]):
         departures[0, 3 * disc : 3 * disc + 2] = place
-    left = balance(springs, design.clearance.cam, stiffness.cam, load, departures, forces)
+    left = balance(springs, design.clearance.cam, stiffness.cam, load, departures, forces, True)
     if not left <= BALANCED:
         raise RunError(f"no static balance of the mesh: {left:.3g} of the load is left over")
     return Balance(departures, forces, contacts)

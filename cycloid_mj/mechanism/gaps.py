@@ -53,6 +53,9 @@ class Gaps:
         centres; of the circle of a hole less the pin in it. Convex positive.
     relative_curvature
         Of the line contact [1/m]: gear's plus mate's surface, shape (n,).
+    slip_slope
+        Gradient of how far the disc's surface slides over its mate [1], shape (n, 3 D + 1), towards the normal force
+        turned counter-clockwise by a right angle; the mate does not turn about itself.
     """
 
     kind: npt.NDArray[np.str_]
@@ -65,6 +68,7 @@ class Gaps:
     shift_slope: Array
     bend: Array
     relative_curvature: Array
+    slip_slope: Array
 
     def select(self, rows: npt.NDArray[np.bool_]) -> "Gaps":
         """Give some of the gaps at one crank angle, by a mask of shape (n,)."""
@@ -144,8 +148,8 @@ def _tooth_gaps(design: Design, disc: int, lines: envelope.RingContacts, middle:
     room = profile_offset(design) - gear.pin_radius - made.pin_radius[lines.lobe]
     moved = change.rotation * np.abs(arm) - change.pin_circle * np.cos(profile.conjugate_alpha(gear, lines.B))
     side = _quarter_turned(push)
-    centre = lines.points - gear.pin_radius * push
-    lever = np.sum(side * _quarter_turned(centre - middle), axis=-1)
+    rubbed = np.sum(side * _quarter_turned(lines.points - middle), axis=-1)
+    lever = rubbed - gear.pin_radius
     return Gaps(
         kind=np.full(lines.lobe.size, design.tooth_pair),
         owner=lines.lobe,
@@ -157,6 +161,7 @@ def _tooth_gaps(design: Design, disc: int, lines: envelope.RingContacts, middle:
         shift_slope=_by_unknown(design, disc, -side, -lever, np.zeros(arm.shape)),
         bend=profile.curvature(gear, lines.t, 0.0) + mate,
         relative_curvature=lines.relative_curvature,
+        slip_slope=_by_unknown(design, disc, side, rubbed, np.zeros(arm.shape)),
     )
 
 
@@ -169,7 +174,8 @@ def _output_gaps(design: Design, crank: Array, disc: int) -> Gaps:
     """
     gear, made, output = tooth_profile(design), deviations(design), design.output
     turned = crank[..., np.newaxis] / gear.lobes
-    push = -gear_centre(gear, crank[..., np.newaxis] + phases(design)[disc]) / gear.eccentricity
+    middle = gear_centre(gear, crank[..., np.newaxis] + phases(design)[disc])
+    push = -middle / gear.eccentricity
     place = profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins + turned) * output.pin_circle_radius
     side, hole, around = (
         _quarter_turned(push),
@@ -189,7 +195,21 @@ def _output_gaps(design: Design, crank: Array, disc: int) -> Gaps:
         shift_slope=_by_unknown(design, disc, -side, -lever, lever),
         bend=np.full(distance.shape, -1.0 / around),
         relative_curvature=np.full(distance.shape, 1.0 / output.pin_radius - 1.0 / output.hole_radius),
+        slip_slope=_by_unknown(design, disc, side, lever + output.hole_radius, -(lever + output.pin_radius)),
     )
+
+
+def ideal_motion(design: Design, crank: npt.ArrayLike) -> Array:
+    """Give how the parts move with the crank, by the unknowns [m/rad], shape (..., 3 D + 1), at angles (...) [rad].
+
+    Disc centres run on circles, discs and output turn by -1/(N-1) (Hsieh 2014, Eqs 12 and 13, corrected). Times
+    `Gaps.slip_slope` it is the sliding of every contact; times `Gaps.slope` it is 0.
+    """
+    gear, angles = tooth_profile(design), np.asarray(crank, dtype=np.float64)
+    motion = np.full((*angles.shape, unknowns(design)), -design.output.pin_circle_radius / gear.lobes)
+    for disc, phase in enumerate(phases(design)):
+        motion[..., 3 * disc : 3 * disc + 2] = _quarter_turned(gear_centre(gear, angles + phase))
+    return motion
 
 
 def cam_places(design: Design, crank: npt.ArrayLike) -> Array:

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 ROUNDS = 200
 """Most Newton steps at one crank angle."""
 
-BALANCED = 1e-10
+BALANCED = 1e-8
 """Largest residual of a balance, as a share of the largest force in it."""
 
 FLOATING = 1e-9
@@ -26,7 +26,7 @@ FLOATING = 1e-9
 _NEAR = 0.5
 """Longest step as a share of the least radius of a contact's curve: past its middle the circle pushes the other way."""
 
-_SHORTEST = 1e-6
+_HALVINGS = 20
 _ROUNDING = 1e-12
 """By how much energy [1] may seem to grow: next to the balance it is flat, and its differences are rounding."""
 
@@ -48,44 +48,57 @@ class Springs(NamedTuple):
     cam_place: Array
 
 
+class System(NamedTuple):
+    """Generalised forces left over [N], shape (u,), and the springs' stiffness [N/m], shape (u, u), its lower half."""
+
+    residual: Array
+    tangent: Array
+
+
 @njit(cache=True, nogil=True)
-def balance(springs: Springs, cam_clearance: float, cam_stiffness: float, load: Array, z: Array, force: Array) -> float:
+def balance(
+    springs: Springs, cam_clearance: float, cam_stiffness: float, load: Array, z: Array, force: Array, follow: bool
+) -> float:
     """Solve for the departures z (k, u) [m] at every crank angle under a load (k, u) [N], and the springs' forces.
 
-    z and force (k, n) [N] are filled in; the first row of z is where the search starts.
+    z and force (k, n) [N] are filled in. Each row of z is where its search starts; with `follow`, the first row is, and
+    the others start from the balance before them.
 
     Returns
     -------
     The worst residual, as a share of the largest load [1]: above ``BALANCED`` no balance was found somewhere.
     """
     count, number = load.shape
-    tangent, residual, step = np.zeros((number, number)), np.zeros(number), np.zeros(number)
-    trial = np.zeros(number)
+    system = System(np.zeros(number), np.zeros((number, number)))
+    trial = System(np.zeros(number), np.zeros((number, number)))
+    step, there = np.zeros(number), np.zeros(number)
     worst = 0.0
     for k in range(count):
         here = z[k]
-        if k:
+        if follow and k > 1:
+            here[:] = 2.0 * z[k - 1] - z[k - 2]
+        elif follow and k:
             here[:] = z[k - 1]
         scale = max(1.0, np.abs(load[k]).max())
-        energy = _spring_energy(springs, k, cam_clearance, cam_stiffness, load[k], here)
-        left = math.inf
+        least_radius = 1.0 / np.abs(springs.bend[k]).max()
+        energy = _assemble(springs, k, cam_clearance, cam_stiffness, load[k], here, system)
+        left = np.abs(system.residual).max() / scale
         for _ in range(ROUNDS):
-            _assemble(springs, k, cam_clearance, cam_stiffness, load[k], here, residual, tangent)
-            left = np.abs(residual).max() / scale
             if left <= BALANCED:
                 break
-            _solve(tangent, residual, step, FLOATING * cam_stiffness)
-            share = min(1.0, _NEAR / (np.abs(springs.bend[k]).max() * np.abs(step).max()))
-            shortest = _SHORTEST * share
-            while share > shortest:
+            _solve(system.tangent, system.residual, step, FLOATING * cam_stiffness)
+            share = min(1.0, _NEAR * least_radius / np.abs(step).max())
+            for _ in range(_HALVINGS):
                 for i in range(number):
-                    trial[i] = here[i] + share * step[i]
-                found = _spring_energy(springs, k, cam_clearance, cam_stiffness, load[k], trial)
+                    there[i] = here[i] + share * step[i]
+                found = _assemble(springs, k, cam_clearance, cam_stiffness, load[k], there, trial)
                 if found <= energy + _ROUNDING * abs(energy):
                     break
                 share *= 0.5
-            here[:] = trial
+            here[:] = there
             energy = found
+            system, trial = trial, system
+            left = np.abs(system.residual).max() / scale
         worst = max(worst, left)
         for i in range(springs.distance.shape[1]):
             force[k, i] = -springs.stiffness[k, i] * min(_gap(springs, k, i, here)[0], 0.0)
@@ -109,60 +122,41 @@ def _gap(springs: Springs, k: int, i: int, z: Array) -> tuple[float, float, floa
 
 
 @njit(cache=True, nogil=True)
-def _spring_energy(
-    springs: Springs, k: int, cam_clearance: float, cam_stiffness: float, load: Array, z: Array
-) -> float:
-    """Give the energy of the springs less the work of the load [J]."""
-    energy = -np.sum(load * z)
-    for i in range(springs.distance.shape[1]):
-        gap, _, _, _ = _gap(springs, k, i, z)
-        if gap < 0.0:
-            energy += 0.5 * springs.stiffness[k, i] * gap * gap
-    for disc in range(springs.cam_place.shape[1]):
-        x = z[3 * disc] - springs.cam_place[k, disc, 0]
-        y = z[3 * disc + 1] - springs.cam_place[k, disc, 1]
-        depth = math.sqrt(x * x + y * y) - cam_clearance
-        if depth > 0.0:
-            energy += 0.5 * cam_stiffness * depth * depth
-    return energy
-
-
-@njit(cache=True, nogil=True)
 def _assemble(
-    springs: Springs,
-    k: int,
-    cam_clearance: float,
-    cam_stiffness: float,
-    load: Array,
-    z: Array,
-    residual: Array,
-    tangent: Array,
-) -> None:
-    """Give the generalised forces on z [N], shape (u,), and the springs' stiffness [N/m], shape (u, u)."""
+    springs: Springs, k: int, cam_clearance: float, cam_stiffness: float, load: Array, z: Array, system: System
+) -> float:
+    """Put together the system at departures z; give the energy of the springs less the work of the load [J]."""
     number = z.size
-    residual[:] = load
-    tangent[:] = 0.0
-    slope, side = np.empty(number), np.empty(number)
+    residual, tangent = system.residual, system.tangent
+    energy = 0.0
+    for j in range(number):
+        energy -= load[j] * z[j]
+        residual[j] = load[j]
+        for m in range(j + 1):
+            tangent[j, m] = 0.0
     for i in range(springs.distance.shape[1]):
         gap, cosine, sine, rate = _gap(springs, k, i, z)
         if gap >= 0.0:
             continue
         stiffness = springs.stiffness[k, i]
-        for j in range(number):
-            slope[j] = cosine * springs.slope[k, i, j] + sine * springs.shift_slope[k, i, j]
-            side[j] = cosine * springs.shift_slope[k, i, j] - sine * springs.slope[k, i, j]
+        energy += 0.5 * stiffness * gap * gap
         # The normal's turning stiffens a concave contact and softens a convex one: what softens is left to Newton.
         turning = max(stiffness * gap * rate, 0.0)
         for j in range(number):
-            residual[j] -= stiffness * gap * slope[j]
+            ahead = cosine * springs.slope[k, i, j] + sine * springs.shift_slope[k, i, j]
+            aside = cosine * springs.shift_slope[k, i, j] - sine * springs.slope[k, i, j]
+            residual[j] -= stiffness * gap * ahead
             for m in range(j + 1):
-                tangent[j, m] += stiffness * slope[j] * slope[m] + turning * side[j] * side[m]
+                also = cosine * springs.slope[k, i, m] + sine * springs.shift_slope[k, i, m]
+                beside = cosine * springs.shift_slope[k, i, m] - sine * springs.slope[k, i, m]
+                tangent[j, m] += stiffness * ahead * also + turning * aside * beside
     for disc in range(springs.cam_place.shape[1]):
         a, b = 3 * disc, 3 * disc + 1
         x, y = z[a] - springs.cam_place[k, disc, 0], z[b] - springs.cam_place[k, disc, 1]
         reach = math.sqrt(x * x + y * y)
         depth = reach - cam_clearance
         if depth > 0.0:
+            energy += 0.5 * cam_stiffness * depth * depth
             x, y = x / reach, y / reach
             residual[a] -= cam_stiffness * depth * x
             residual[b] -= cam_stiffness * depth * y
@@ -170,6 +164,7 @@ def _assemble(
             tangent[a, a] += cam_stiffness * (x * x + around * y * y)
             tangent[b, a] += cam_stiffness * (1.0 - around) * x * y
             tangent[b, b] += cam_stiffness * (y * y + around * x * x)
+    return energy
 
 
 @njit(cache=True, nogil=True)
