@@ -6,12 +6,13 @@ import pytest
 from scipy.spatial import cKDTree
 from test_ring import Rig, brute_minima, chain_point, turned
 
-from cycloid_mj import assembly, profile
+from cycloid_mj import profile
 from cycloid_mj.checks import check
 from cycloid_mj.contact.collider import installed
 from cycloid_mj.design import PRESETS, Design, dump, loads, override
 from cycloid_mj.deviations import deviations, is_ideal
 from cycloid_mj.errors import DesignError
+from cycloid_mj.mechanism import limits
 from cycloid_mj.mjcf import build
 from cycloid_mj.modification import flank_ends, gear_profile, profile_offset, sample_turned
 from cycloid_mj.profile import CycloidGear, unit
@@ -343,7 +344,7 @@ def test_parts_of_the_model_stand_where_they_were_made() -> None:
 
 def test_an_ideal_reducer_has_its_clearance_as_room() -> None:
     for preset in PRESETS.values():
-        assert assembly.best_fit(preset, 0.7).room == pytest.approx(1e-6, rel=1e-6)
+        assert limits.best_fit(preset, 0.7).room == pytest.approx(1e-6, rel=1e-6)
 
 
 def test_the_best_pose_is_seen_by_the_collider() -> None:
@@ -351,7 +352,7 @@ def test_the_best_pose_is_seen_by_the_collider() -> None:
     changes = ["errors.pin_position_um=2.0", "errors.eccentricity_um=6.0", "errors.hole_position_um=2.0"]
     start = ["drive.ramp_s=0.0", "drive.hold_s=1e-5", 'contact.stiffness_law="uniform"']
     for design in (pin(*changes, *start), nonpin(*changes[1:], "modification.pin_circle_um=-30.0", *start)):
-        room = assembly.best_fit(design, 0.0).room
+        room = limits.best_fit(design, 0.0).room
         assert room < -1e-6
         # The polygon around the cam's circle: 1 - cos(pi/16) of its displacement, 6 um.
         assert simulate(design)["penetration"][0] == pytest.approx(-room, abs=0.15e-6)
@@ -361,7 +362,7 @@ def test_free_pins_that_are_in_the_way_move_aside() -> None:
     design = override(
         PRESETS["pin"], ["errors.pin_y_um={1 = -3.0}", "drive.ramp_s=0.0", "drive.hold_s=1e-5", "clearance.cam_um=0.1"]
     )
-    fit = assembly.best_fit(design, np.pi)
+    fit = limits.best_fit(design, np.pi)
     assert fit.pin_shift.any()
     run = simulate(design)
     assert run["penetration"][0] < 1.2e-6

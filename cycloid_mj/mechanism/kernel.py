@@ -79,7 +79,7 @@ def balance(
             here[:] = 2.0 * z[k - 1] - z[k - 2]
         elif follow and k:
             here[:] = z[k - 1]
-        scale = max(1.0, np.abs(load[k]).max())
+        scale = np.abs(load[k]).max() or 1.0
         least_radius = 1.0 / np.abs(springs.bend[k]).max()
         energy = _assemble(springs, k, cam_clearance, cam_stiffness, load[k], here, system)
         left = np.abs(system.residual).max() / scale
