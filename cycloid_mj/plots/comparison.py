@@ -26,6 +26,7 @@ from cycloid_mj.plots.style import (
     crank_axis,
     keys,
     styled,
+    typeset,
 )
 
 Array = npt.NDArray[np.float64]
@@ -54,10 +55,10 @@ def comparison_figures(motions: Sequence[Series]) -> dict[str, Figure]:
     grid = [[motion for motion in motions if motion.design.name == name] for name in names]
     return {
         "compare_transmission_error": _over_a_turn(
-            grid, "Transmission error of the output", "arcsec", lambda m: ARCSEC * m.output_angle.error
+            grid, "Transmission error of the output", "arcsec", lambda m: ARCSEC * m.output_angle.error, about_mean=True
         ),
         "compare_gear_transmission_error": _over_a_turn(
-            grid, "Transmission error of the gear", "arcsec", lambda m: ARCSEC * m.gear_angle.error
+            grid, "Transmission error of the gear", "arcsec", lambda m: ARCSEC * m.gear_angle.error, about_mean=True
         ),
         "compare_output_speed": _over_a_turn(
             grid, "Error of the output's speed", "mrad/s", lambda m: 1e3 * m.output_speed.error
@@ -83,18 +84,24 @@ def comparison_figures(motions: Sequence[Series]) -> dict[str, Figure]:
 
 
 @styled
-def _over_a_turn(grid: Grid, title: str, unit: str, signal: Signal) -> Figure:
-    """Draw a signal of every run over one crank turn; axes of one load share their scale."""
+def _over_a_turn(grid: Grid, title: str, unit: str, signal: Signal, about_mean: bool = False) -> Figure:
+    """Draw a signal of every run over one crank turn; axes of one load share their scale.
+
+    `about_mean` draws it about its mean, which is told: play and wind-up would hide what swings.
+    """
     figure, axes = _sheet(len(grid), len(grid[0]), f"{title}, {_speed(grid)}", sharey="col")
     for row, runs in enumerate(grid):
         for column, motion in enumerate(runs):
             panel, values = axes[row][column], signal(motion)[motion.one_turn]
-            degrees = turn_degrees(motion)
+            degrees, named = turn_degrees(motion), f"{motion.design.name}, {load_words(motion.design.load.torque)}"
+            if about_mean:
+                mean = float(values.mean())
+                values, named = values - mean, typeset(f"{named}: about {mean:.4g} {unit}")
             panel.plot(degrees, values, color=_color(row), linewidth=0.8)
             if values.min() < 0.0 < values.max():
                 panel.axhline(0.0, color=BLACK, linewidth=0.5)
             panel.margins(y=0.1)
-            panel.set_title(f"{motion.design.name}, {load_words(motion.design.load.torque)}")
+            panel.set_title(named)
             crank_axis(panel, degrees)
             if row + 1 < len(grid):
                 panel.set_xlabel("")

@@ -26,7 +26,8 @@ PARTS: tuple[tuple[tuple[str, ...], dict[str, Any]], ...] = (
     (("sigma1",), ON_SIGMA),
     (("sigma2",), ON_SIGMA),
 )
-WIDEST = 3.4
+WIDEST = 4.0
+"""Line of the first design [pt]; the next ones are narrower, so that equal curves show one inside the other."""
 
 
 @styled
@@ -41,7 +42,7 @@ def curvature_figure(designs: Sequence[Design]) -> Figure:
     for number, design in enumerate(designs):
         gear = tooth_profile(design)
         lines = contact_lines(gear, design.ring.kind, mesh_period(gear, CRANK_ANGLES))
-        look = {"color": COLORS[number % len(COLORS)], "linewidth": WIDEST / (1 + 1.6 * number)}
+        look = {"color": COLORS[number % len(COLORS)], "linewidth": WIDEST * (1 - number / len(designs))}
         _draw(top, lines, 1e-3 * lines.relative_curvature, look)
         _draw(bottom, lines, 1e-6 * _pressure(lines, design), look)
     top.set_title("Relative normal curvature of the contact lines")

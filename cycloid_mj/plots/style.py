@@ -4,6 +4,7 @@ The palette is Okabe and Ito's, made for colour-blind readers; theory is broad a
 so that the two also tell apart in grey.
 """
 
+import re
 from collections.abc import Callable
 from functools import wraps
 from typing import Any, ParamSpec, TypeVar
@@ -107,8 +108,8 @@ def square(axes: Axes, reach: float) -> None:
 
 
 def typeset(text: str) -> str:
-    """Give a text with true minus signs."""
-    return text.replace("-", "\N{MINUS SIGN}")
+    """Give a text with true minus signs before numbers."""
+    return re.sub(r"(?<![\w)])-(?=[\d.])|(?<=\de)-(?=\d)", "\N{MINUS SIGN}", text)
 
 
 def keys(*entries: tuple[str, dict[str, Any]]) -> list[Line2D]:
