@@ -188,6 +188,7 @@ def test_stage_moves_what_it_is_told(pin_run, monkeypatch):
     ideal = animation._ideal(PIN, columns)
     script = stage.Script(PIN, drawn, acting, ideal)
     set_up = stage.set_stage(script, 400)
+    assert "36 N m, 1640 rpm" in [text.get_text() for text in set_up.figure.texts]
     for row in (2, 0):
         stage.show(set_up, script, row)
         ring = acting.of("pin_gear")

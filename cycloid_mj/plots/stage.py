@@ -11,8 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
+from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Affine2D
 
+from cycloid_mj.analysis import condition
 from cycloid_mj.design import Design
 from cycloid_mj.envelope import sample_ring_by_sagitta
 from cycloid_mj.plots.mechanism import LOOKS
@@ -97,6 +99,7 @@ def set_stage(script: Script, width: int) -> Stage:
     parts = _parts(axes, design, script.drawn.radii)
     arrows = {kind: _arrows(axes, design, acting.of(kind)) for kind in FORCES if kind in acting.kinds}
     figure.text(0.025, 0.972, _title(design, script.drawn.magnification), fontsize=9.5, weight="bold")
+    figure.text(0.025, 0.945, str(condition(design)), fontsize=8.5)
     clock = figure.text(0.975, 0.972, "", fontsize=9.5, ha="right", family="DejaVu Sans Mono")
     _legend(figure, acting)
     bars, steps = _load_axes(figure, acting.of(*RING), script.ideal)
@@ -256,5 +259,6 @@ def _load_axes(figure: Figure, ring: ContactForces, ideal: Array | None) -> tupl
         top = max(top, float(ideal.max()))
     kind = "pin" if ring.kinds[0] == "pin_gear" else "lobe of the internal gear"
     axes.set(xlim=(0.4, number.size + 0.6), ylim=(0.0, 1.08 * top), ylabel="force [N]")
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set_xlabel(f"{kind} (1 on +y, clockwise)", labelpad=1.0)
     return bars, line
