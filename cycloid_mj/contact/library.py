@@ -10,6 +10,7 @@ from typing import Any
 
 import mujoco
 
+from cycloid_mj.contact.tested import require_tested
 from cycloid_mj.errors import ContactError
 
 CYLINDER = int(mujoco.mjtGeom.mjGEOM_CYLINDER)
@@ -21,7 +22,14 @@ _precision = threading.Lock()
 
 @cache
 def library() -> ctypes.CDLL:
-    """Give the library that the bindings use; opening it again gives the same one."""
+    """Give the library that the bindings use; opening it again gives the same one.
+
+    Raises
+    ------
+    ContactError
+        It is not of a release that was tested, or was not found.
+    """
+    require_tested(mujoco.__version__)
     folders = [Path(folder) for folder in mujoco.__path__]
     found = [path for folder in folders for name in ("libmujoco*", "mujoco.dll") for path in sorted(folder.rglob(name))]
     for path in found:

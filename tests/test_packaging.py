@@ -1,0 +1,58 @@
+"""What pyproject.toml and README.md promise about other packages."""
+
+import importlib.metadata
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import mujoco
+import pytest
+
+from cycloid_mj.contact import library
+from cycloid_mj.contact.tested import FAULTY, NEWEST, OLDEST, REQUIREMENT, UNTESTED, require_tested
+from cycloid_mj.errors import ContactError
+
+ROOT = Path(__file__).resolve().parents[1]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+
+
+def test_mujoco_is_bounded_alike_by_pip_and_at_run_time():
+    assert REQUIREMENT in PROJECT["dependencies"]
+    bounds = dict(re.findall(r"(>=|<=|!=)([\d.]+)", REQUIREMENT))
+    numbers = {operator: tuple(map(int, f"{text}.0".split(".")[:3])) for operator, text in bounds.items()}
+    assert numbers == {">=": OLDEST, "<=": NEWEST, "!=": FAULTY[0]}
+
+
+@pytest.mark.parametrize("version", ["3.17.0", "3.18", "4.0.1", mujoco.__version__])
+def test_tested_releases_of_mujoco_pass(version):
+    require_tested(version)
+
+
+@pytest.mark.parametrize("version", ["3.16.0", "4.0.0", "4.0.2", "4.1.0", "4.1.0rc1", "5.0"])
+def test_other_releases_of_mujoco_are_refused(version, monkeypatch):
+    monkeypatch.delenv(UNTESTED, raising=False)
+    message = rf"MuJoCo {version} is not one .* \(3\.17\.0 to 4\.0\.1, without 4\.0\.0\): pip install 'mujoco>="
+    with pytest.raises(ContactError, match=message):
+        require_tested(version)
+    monkeypatch.setattr(mujoco, "__version__", version)
+    library.library.cache_clear()
+    with pytest.raises(ContactError, match="is not one"):
+        library.collision_table()
+    monkeypatch.undo()
+    library.collision_table()
+    monkeypatch.setenv(UNTESTED, "1")
+    require_tested(version)
+
+
+def test_the_licence_of_gmsh_is_told_and_only_extras_import_it():
+    extras = [name for name, needs in PROJECT["optional-dependencies"].items() if any("gmsh" in need for need in needs)]
+    assert extras == ["cad", "fem", "test"]
+    licence = importlib.metadata.metadata("gmsh")["License"]
+    assert licence.startswith("GPL"), "it has changed: README.md and pyproject.toml name it"
+    readme = " ".join((ROOT / "README.md").read_text().split())
+    assert "`cad` and `fem` (and `test`) install gmsh, which is under GPL-2.0-or-later" in readme
+    assert "GPL-2.0-or-later" in (ROOT / "pyproject.toml").read_text()
+    script = "import sys, cycloid_mj.cli.app, cycloid_mj.simulate, cycloid_mj.report; print('gmsh' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", script], capture_output=True, text=True).stdout == "False\n"
