@@ -236,7 +236,7 @@ def test_actions_are_opposite_to_reactions(request):
     assert sizes[1][:, 0] == pytest.approx(sizes[0][:, cam])
     assert sizes[2] == pytest.approx(sizes[0][:, cam + 1 :])
     # the load's torque, the pins and the disc's inertia are in balance about the axis
-    axis = np.nansum(cross(output.place, output.force), axis=1) + output.torque
+    axis = moments(output, design).sum(axis=1) + output.torque
     body = mass_properties(parts(design)["output"])
     assert axis == pytest.approx(body.inertia[2, 2] * output.spin_rate, abs=1e-9)
     assert np.abs(axis).max() < 0.02 * np.abs(output.torque).max()
@@ -383,6 +383,9 @@ def made_part(part, bulk, teeth=36):
         largest_force=100.0,
         near_field=0.0,
         imbalance=0.0,
+        notches=(),
+        variants=(),
+        yield_strength=620.4e6,
         refinement=refined,
         wall=1.0,
     )

@@ -24,6 +24,7 @@ from cycloid_mj.stress import (
     stress_map,
 )
 from cycloid_mj.stress import shaft as shaft_loading
+from cycloid_mj.stress.bearing import bearing_pads
 from cycloid_mj.stress.grid import BULK_DISTANCE, Grid, planar_grid
 from cycloid_mj.stress.part import part_case
 from cycloid_mj.stress.patch import patches
@@ -314,7 +315,7 @@ def test_bulk_leaves_the_patches_out_and_does_not_hang_on_the_grid() -> None:
 def test_torsion_of_the_shaft(shaft: Grid) -> None:
     """A couple between cam and input end shears the journal's surface by 2 T/(pi r^3), within 1 %."""
     measures = shaft_measures(PIN)
-    part = elastic.body(shaft, STEEL, springs=shaft_loading._bearings(shaft, measures, PIN), loose=(2, 5))
+    part = elastic.body(shaft, STEEL, springs=bearing_pads(shaft, measures, 1e8).springs, loose=(2, 5))
     couples = shaft_loading._couples(shaft, measures, shaft_loading._pressures(shaft, measures))
     loads, imbalance = elastic.balanced(part, 10.0 * (couples[:, :1] - couples[:, 1:]))
     assert np.abs(imbalance).max() < 1e-9
@@ -353,7 +354,8 @@ def test_superposition_equals_a_direct_solve(shaft: Grid) -> None:
     """Sum of unit loads against one solve of the summed load by the other solver, and against a pressure by hand."""
     loads = shaft_loads(3)
     case = shaft_loading.shaft_case(PIN, shaft, loads)
-    forces, moved, _ = case.response(np.arange(3))
+    answer = case.response(np.arange(3))
+    forces, moved = answer.forces, answer.moved
     direct = np.zeros_like(moved)
     free = case.body.free
     direct[free] = elastic._superlu(case.body.stiffness.tocsc()[free][:, free], "shaft")(forces[free])
@@ -374,7 +376,7 @@ def test_planar_solution_is_linear_in_its_loads() -> None:
     force[0, :2, 1] = [-10.0, 10.0]
     force[1, 2:, 0] = [-7.0, 7.0]
     force[2] = force[0] + force[1]
-    _, moved, _ = part_case(PIN, grid, made_loads("pin_1", place, force, 1e-4)).response(np.arange(3))
+    moved = part_case(PIN, grid, made_loads("pin_1", place, force, 1e-4)).response(np.arange(3)).moved
     np.testing.assert_allclose(moved[:, 0] + moved[:, 1], moved[:, 2], rtol=0, atol=1e-11 * np.abs(moved).max())
 
 
@@ -534,7 +536,7 @@ def test_reactions_of_a_solid_are_the_loads() -> None:
 
 def test_an_output_pin_bends_as_a_cantilever() -> None:
     """Across the middle of the load, stress along z has the slope M/I, within 3 %: the load is even over the width."""
-    slender, width, force = override(PIN, ["gear.face_width_mm=40.0"]), 40e-3, 500.0
+    slender, width, force = override(PIN, ["gear.face_width_mm=40.0", "output.rollers=false"]), 40e-3, 500.0
     radius, centre = PIN.output.pin_radius, np.array([0.0, PIN.output.pin_circle_radius])
     grid = part_grid(slender, "output", GridSettings(refinement=0.4, layer_edge=0.9, solid=True))
     loads = made_loads("output", [[centre + np.array([radius, 0.0])]], [[[-force, 0.0]]], 2e-4)
@@ -585,14 +587,14 @@ def test_the_bulk_is_a_plateau_wherever_the_search_begins() -> None:
     np.testing.assert_allclose(found, found[1], rtol=0.05)
 
 
-def test_no_place_of_the_bulk_lies_within_its_distance(shaft: Grid) -> None:
+def test_no_place_of_the_bulk_lies_within_its_distance() -> None:
     """Neither from a narrow patch nor from a sharp corner: the output's pins, loaded hard by their roots."""
     grid = part_grid(PIN, "output", GridSettings(refinement=0.4, solid=True))
     centre = np.array([0.0, PIN.output.pin_circle_radius])
     place = centre + np.array([radius_of(grid, centre), 0.0])
     found = solve(PIN, grid, made_loads("output", [[place]], [[[-500.0, 0.0]]], 1e-5))
     where, distance = found.bulk_place[0], found.bulk_distance
-    assert np.linalg.norm(grid.keep_off - where, axis=1).min() >= distance
+    assert np.linalg.norm(grid.keep_off - where, axis=1).min() >= grid.corner_distance > 1e-3
     assert np.hypot(*(where[:2] - place)) >= distance or abs(where[2]) > PIN.gear.face_width / 2
 
 

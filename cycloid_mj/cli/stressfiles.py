@@ -72,13 +72,16 @@ def _maps(study: "StressStudy", angle_deg: float | None) -> "dict[str, StressMap
 
 def _say(studies: "Sequence[StressStudy]", judged: "Sequence[Claim]", files: Sequence[Path]) -> None:
     from cycloid_mj.stress.findings import ASSUMPTIONS, BOUND
-    from cycloid_mj.stress.table import CLAIM_HEADER, HEADER, claim_table, table
+    from cycloid_mj.stress.table import CLAIM_HEADER, HEADER, claim_table, table, told_beside
 
     for study in studies:
         found = study.findings
         title = f"{found.design}, {found.load:g} N m: largest von Mises stress of a crank turn"
         say_table(title, HEADER, table(found))
         say("bulk: where the largest stress is on its plateau, d from narrow contacts; to 2d: how far it falls")
+        for part in found.parts:
+            for line in told_beside(part):
+                say(line)
         balance = ", ".join(f"{part.part} {100 * part.imbalance:.2g} %" for part in found.parts)
         say(f"out of balance, of the largest force: {balance}")
         if rough := [part.part for part in found.parts if not part.refinement.holds]:

@@ -157,11 +157,12 @@ def _shaft(design: Design) -> tuple[Section, ...]:
         Arc((0.0, 0.0), inner, 0.0, math.pi),
         Line((-inner, 0.0), (-outer, 0.0)),
     )
-    loops = (journal, (counterweight,), journal, ((_circle(cam, (0.0, design.gear.eccentricity)),),))
-    names = ("journal", "counterweight", "inner_journal", "cam")
-    stretches = shaft_solid(design).prisms
+    loops = (journal, (counterweight,), journal, ((_circle(cam, (0.0, design.gear.eccentricity)),),), journal)
+    names = ("journal", "counterweight", "inner_journal", "cam", "far_journal")
+    stretches = shaft_solid(design).prisms  # the last only where the shaft straddles the gear
     return tuple(
-        Section(name, loop, stretch.z0, stretch.z1) for name, loop, stretch in zip(names, loops, stretches, strict=True)
+        Section(name, loop, stretch.z0, stretch.z1)
+        for name, loop, stretch in zip(names, loops, stretches, strict=False)
     )
 
 

@@ -20,7 +20,8 @@ Array = npt.NDArray[np.float64]
 def shaft_solid(design: Design, chord_error: float | None = None) -> Solid:
     """Give the input shaft with its counterweight and cam, frame of the reducer axis, crank at 0 (cam towards +y).
 
-    Along z: journal, counterweight (with the shaft in its middle), journal across the gap, cam within the gear.
+    Along z: journal, counterweight (with the shaft in its middle), journal across the gap, cam within the gear; and,
+    where the shaft straddles the gear, a journal beyond it, for the bearing in the output's hub.
 
     Parameters
     ----------
@@ -51,8 +52,25 @@ def balanced_shaft(design: Design, gear: Solid, chord_error: float | None = None
         Prism(counterweight, (), start, end),
         Prism(journal, (), end, -half),
         cam,
+        *_far_journal(design, journal, start - (end - shaft.length)),
     )
     return Solid("shaft", prisms, design.material.density)
+
+
+def bearing_width(design: Design, journal: float) -> float:
+    """Give the width [m] of each bearing on a journal [m] before the counterweight: as given, or its radius if it fits.
+
+    Where that is longer than a third of the journal, it is the third.
+    """
+    return design.shaft.bearing_width or min(design.shaft.radius, journal / 3.0)
+
+
+def _far_journal(design: Design, outline: Array, journal: float) -> list[Prism]:
+    """Give the journal beyond the gear, as far as the bearing in the output's hub; none on an overhung shaft."""
+    if design.shaft.mounting == "overhang":
+        return []
+    half = design.gear.face_width / 2
+    return [Prism(outline, (), half, half + AXIAL_GAP + bearing_width(design, journal))]
 
 
 def _counterweight(design: Design, chord_error: float) -> Array:

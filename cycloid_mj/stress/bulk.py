@@ -32,7 +32,7 @@ MOST_RUNGS = 16
 
 @dataclass(frozen=True)
 class Distances:
-    """How far each node of a part lies from narrow patches and sharp corners, at each of its k angles.
+    """How far each node of a part lies from narrow patches, at each of its k angles, and which lie at sharp corners.
 
     Attributes
     ----------
@@ -42,19 +42,19 @@ class Distances:
         How far each node lies, along z, from the heights where contact forces act (n,) [m]; 0 in a plane.
     patches, ends
         Centres of narrow patches (p, 2) [m] in the order of their angles, and where those of each angle begin (k + 1,).
-    from_corners
-        Distance of each node from the nearest sharp corner (n,) [m].
+    at_corner
+        Whether each node lies so near to a sharp corner that it is never in the bulk (n,).
     """
 
     points: Array
     outside: Array
     patches: Array
     ends: Indices
-    from_corners: Array
+    at_corner: npt.NDArray[np.bool_]
 
     def at(self, angle: int) -> Array:
-        """Give the distance [m] (n,) of each node from what is no bulk at an angle; inf where nothing is near."""
-        squared = self.from_corners**2
+        """Give the distance [m] (n,) of each node from narrow patches at an angle, inf without; 0 at corners."""
+        squared = np.where(self.at_corner, 0.0, np.inf)
         across = self.outside**2
         for x, y in self.patches[self.ends[angle] : self.ends[angle + 1]]:
             np.minimum(squared, (self.points[:, 0] - x) ** 2 + (self.points[:, 1] - y) ** 2 + across, out=squared)
@@ -72,12 +72,12 @@ def distances_of(grid: Grid, case: Case) -> Distances:
     if grid.section is not None:
         heights = points[grid.section.nodes.max(axis=1), 2]
         outside = np.maximum(0.0, np.maximum(heights.min() - points[:, 2], points[:, 2] - heights.max()))
-    corners = np.full(len(points), np.inf)
+    at_corner = np.zeros(len(points), bool)
     if len(grid.keep_off):
-        corners = np.asarray(cKDTree(grid.keep_off).query(points)[0])
+        at_corner = np.asarray(cKDTree(grid.keep_off).query(points)[0]) < grid.corner_distance
     order = np.argsort(case.angle, kind="stable")
     ends = np.searchsorted(case.angle[order], np.arange(len(case.resolved) + 1))
-    return Distances(points, outside, case.points[order, :2], ends, corners)
+    return Distances(points, outside, case.points[order, :2], ends, at_corner)
 
 
 def ladder(found: Distances, start: float) -> Array:

@@ -19,6 +19,29 @@ Indices = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)
+class Response:
+    """What a part answers to its loads at c angles.
+
+    Attributes
+    ----------
+    forces, moved
+        Loads on its unknowns (n, c) [N] that it is in balance under, and displacements (n, c) [m].
+    imbalance
+        What was out of balance (c, r), as of ``elastic.balanced``.
+    reaction
+        Resultants of the supports (c, r), as of ``elastic.reactions``.
+    moments
+        Moments about x, y and z at the stations of the shaft (c, s, 3) [N m]; other parts have none.
+    """
+
+    forces: Array
+    moved: Array
+    imbalance: Array
+    reaction: Array
+    moments: Array
+
+
+@dataclass(frozen=True)
 class Case:
     """A part with its loads, ready for any angles.
 
@@ -27,7 +50,7 @@ class Case:
     body
         The factorised part.
     response
-        Balanced loads (n, c) [N], displacements (n, c) [m] and imbalance (c, r) at the angles of given indices (c,).
+        Answers the loads at the angles of given indices (c,).
     angle, points
         Centres (p, 2) [m] of narrow patches, about which stress falls as 1/distance, and the index of the angle (p,) of
         each.
@@ -36,7 +59,7 @@ class Case:
     """
 
     body: Body
-    response: Callable[[Indices], tuple[Array, Array, Array]]
+    response: Callable[[Indices], Response]
     angle: Indices
     points: Array
     resolved: Flags
@@ -57,10 +80,11 @@ def patch_case(design: Design, grid: Grid, loads: PartLoads) -> Case:
     part = elastic.body(grid, design.material)
     mass, shares = elastic.mass_loads(part, grid.points), mass_coefficients(loads)
 
-    def response(block: Indices) -> tuple[Array, Array, Array]:
+    def response(block: Indices) -> Response:
         applied = pressed[:, block].toarray() + mass @ shares[:, block]
         forces, imbalance = elastic.balanced(part, applied)
-        return forces, elastic.displacements(part, forces), imbalance
+        moved = elastic.displacements(part, forces)
+        return Response(forces, moved, imbalance, elastic.reactions(part, moved, forces), np.zeros((len(block), 0, 3)))
 
     resolved = put.resolved & (grid.section is None)
     return Case(part, response, put.angle, put.points, resolved)

@@ -206,11 +206,13 @@ def _holes(turn: Turn) -> list[Contact]:
 
 
 def _of_output(turn: Turn) -> list[Contact]:
-    radius, seat = turn.design.output.pin_radius, frame(turn, "output")
+    """Give the output pins' contacts: on the pins themselves, or handed on by the bores of rollers to their cores."""
+    output, seat = turn.design.output, frame(turn, "output")
+    radius = output.root_radius
     found = []
     for number, centre in enumerate(output_centres(turn.design), start=1):
         action = _in(seat, _on_gear(turn, f"output_pin_{number}").reaction())
-        width = _hole_width(turn, action)
+        width = np.full_like(action.size, WIDEST * radius) if output.rollers else _hole_width(turn, action)
         place, pressed = action.on_disc(centre, radius, width), line(turn.design, "output", action.size)
         found.append(Contact(f"output_pin_{number}", action, place, width, pressed))
     return found

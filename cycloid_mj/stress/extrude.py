@@ -29,6 +29,9 @@ COARSER = {"contact_edge": 3.0, "wide_edge": 2.0, "free_edge": 2.5, "inner_edge"
 OUTPUT_SECTION = 0.8
 """Refinement of the output's section: its stress is largest at the roots of its pins, not near their contacts."""
 
+CORNER_DISTANCE = 0.5
+"""Share of the radius of the output pins' roots by which the bulk keeps off them, and off the rims of the hub."""
+
 _TETRAHEDRA = (((0, 0), (1, 0), (2, 0), (2, 1)), ((0, 0), (1, 0), (1, 1), (2, 1)), ((0, 0), (0, 1), (1, 1), (2, 1)))
 """Tetrahedra of a prism: (corner by rising number, bottom or top) of each of their corners."""
 
@@ -64,7 +67,9 @@ def solid_grid(design: Design, part: str, settings: GridSettings) -> Grid:
     filled = np.ones((len(loaded) + len(disc) - 1, len(section.cells)), bool)
     filled[: len(loaded)] = _within_pins(design, section)
     grid = extruded(section, np.concatenate([loaded, disc]), filled, len(loaded) - 1)
-    return replace(grid, keep_off=_output_corners(design, face, disc[-1], grid.bulk_distance / 4))
+    distance = CORNER_DISTANCE * design.output.root_radius
+    corners = _output_corners(design, face, disc[-1], distance / 4)
+    return replace(grid, keep_off=corners, corner_distance=distance)
 
 
 def extruded(section: Grid, levels: Array, filled: Flags, loaded: int) -> Grid:
@@ -152,12 +157,12 @@ def _within_pins(design: Design, section: Grid) -> Flags:
     """Tell the triangles (m,) of the output's section that lie in its pins."""
     middle = section.points[section.cells[:, :3]].mean(axis=1)
     apart = np.linalg.norm(middle[:, np.newaxis] - output_centres(design), axis=2)
-    return np.asarray(apart.min(axis=1) < design.output.pin_radius)
+    return np.asarray(apart.min(axis=1) < design.output.root_radius)
 
 
 def _output_corners(design: Design, face: float, back: float, step: float) -> Array:
     """Points on the roots of the output's pins, and along both rims of its hub, about a step [m] apart."""
-    pin, hub = design.output.pin_radius, design.shaft.radius
+    pin, hub = design.output.root_radius, design.shaft.radius
     roots = [_ring(pin, step, face) + np.append(centre, 0.0) for centre in output_centres(design)]
     return np.concatenate([*roots, _ring(hub, step, face), _ring(hub, step, back)])
 

@@ -9,7 +9,6 @@ import numpy.typing as npt
 
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
-from cycloid_mj.stress import elastic
 from cycloid_mj.stress.bulk import OCTAVE, distances_of, ladder, largest, plateau
 from cycloid_mj.stress.grid import Grid, GridSettings
 from cycloid_mj.stress.loads import PartLoads
@@ -48,6 +47,8 @@ class PartStress:
         the auxiliary supports of a free part are zero but for rounding.
     imbalance
         What was out of balance in the loads of a free part [N], [N m] (k, 3 or 6); it was spread over the mass.
+    moments
+        Moments about x, y and z [N m] in the sections at the shaft's stations (k, s, 3); other parts have none.
     load
         The largest contact force [N], to hold the imbalance against, (k,).
     bulk_distance
@@ -69,6 +70,7 @@ class PartStress:
     resolved: Flags
     reaction: Array
     imbalance: Array
+    moments: Array
     load: Array
     bulk_distance: float
     edge: float
@@ -139,14 +141,16 @@ def solve(
     rungs = ladder(apart, grid.bulk_distance) if distance is None else np.array([distance])
     found: list[tuple[Array, ...]] = []
     for block in _blocks(len(loads.angle)):
-        forces, moved, imbalance = case.response(block)
-        stress = von_mises(stresses(operators, moved, design.material))
+        answer = case.response(block)
+        stress = von_mises(stresses(operators, answer.moved, design.material))
         sizes, nodes = map(np.array, zip(*largest(apart, rungs, block, stress), strict=True))
         contact = stress.max(axis=0), grid.points[stress.argmax(axis=0)]
-        found.append((sizes, nodes, *contact, elastic.reactions(case.body, moved, forces), imbalance))
+        found.append((sizes, nodes, *contact, answer.reaction, answer.imbalance, answer.moments))
         if progress is not None:
             progress(float(block[-1] + 1) / len(loads.angle))
-    sizes, nodes, contact_stress, contact_place, reaction, imbalance = map(np.concatenate, zip(*found, strict=True))
+    sizes, nodes, contact_stress, contact_place, reaction, imbalance, moments = map(
+        np.concatenate, zip(*found, strict=True)
+    )
     rung = plateau(sizes.max(axis=0), OCTAVE) if distance is None else 0
     return PartStress(
         part=grid.part,
@@ -160,6 +164,7 @@ def solve(
         resolved=case.resolved,
         reaction=reaction,
         imbalance=imbalance,
+        moments=moments,
         load=np.nan_to_num(np.linalg.norm(loads.force, axis=2)).max(axis=1, initial=0.0),
         bulk_distance=float(rungs[rung]),
         edge=_longest_edge(grid if grid.section is None else grid.section.grid),
@@ -196,7 +201,7 @@ def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int, distanc
     if not 0 <= index < len(loads.angle):
         raise UsageError(f"the loads have no angle of index {index}; choose 0 to {len(loads.angle) - 1}")
     case = part_case(design, grid, loads)
-    _, moved, _ = case.response(np.array([index]))
+    moved = case.response(np.array([index])).moved
     stress = stresses(recovery(grid).at_nodes, moved, design.material)[..., 0]
     inside = distances_of(grid, case).at(index) >= (grid.bulk_distance if distance is None else distance)
     return StressMap(

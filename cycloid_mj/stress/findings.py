@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj.stress.notch import Notch
+
 Array = npt.NDArray[np.float64]
 
 MEGAPASCAL, MILLIMETRE = 1e6, 1e-3
@@ -22,8 +24,10 @@ ASSUMPTIONS = (
     "the cam in its bore (as in a roller bearing's loaded half); its contact stress is that of the most loaded roller",
     "the force of one lobe of the internal gear, a sum of up to three contact lines, acts as one",
     "the free parts, gear and pin 1, have the acceleration that their forces give them (d'Alembert)",
-    "the housing is held at its outer circle, the output disc at a hub of the shaft's radius, the shaft in "
-    "two bearings on its input journal",
+    "the housing is held at the circles that its bolts clamp, or all round outside (housing.support); the output disc "
+    "at a hub of the shaft's radius; the shaft in two bearings that press and do not pull (shaft.mounting)",
+    "fillets are not in the grids: their stress is the nominal one, of beam theory, times the notch factor of a "
+    "shoulder by DIN 743-2; output rollers hand their force on to the core pins over 60 deg to each side",
     "bulk stress is the largest von Mises stress beyond a distance d from every narrow contact and sharp inner corner, "
     "where it stands on a plateau: the first d at which it falls by less than 5 % to the next, 1.41 d. Contact stress "
     "is the largest below a narrow contact by Hertz, whose strip is long; conformal contacts belong to the bulk",
@@ -148,6 +152,12 @@ class PartFindings:
     imbalance
         What a free part's loads leave on its grid, as a share of the largest force, or of its moment at the part's
         radius; it is spread over the mass.
+    notches
+        Stress at fillets, of shaft and output.
+    variants
+        Other supports of the part, and the largest bulk stress [Pa] under them at some crank angles.
+    yield_strength
+        [Pa].
     refinement
         The maxima on other grids.
     wall
@@ -172,6 +182,9 @@ class PartFindings:
     largest_force: float
     near_field: float
     imbalance: float
+    notches: tuple[Notch, ...]
+    variants: tuple[tuple[str, float], ...]
+    yield_strength: float
     refinement: Refinement
     wall: float
 
@@ -203,6 +216,8 @@ class PartFindings:
             "largest_force_n": self.largest_force,
             "near_field_mpa": self.near_field / MEGAPASCAL,
             "imbalance": self.imbalance,
+            "notches": [notch.as_json(self.yield_strength) for notch in self.notches],
+            "variants": [{"change": change, "bulk_mpa": size / MEGAPASCAL} for change, size in self.variants],
             "refinement": self.refinement.as_json(),
             "angle_deg": np.degrees(self.angle).tolist(),
             "bulk_mpa": (self.bulk / MEGAPASCAL).tolist(),

@@ -84,8 +84,8 @@ class Grid:
         Nodes that do not move; empty for a free part.
     bulk_distance
         Distance from loaded patches beyond which stress counts as bulk [m].
-    keep_off
-        Points (n, d) [m] that the bulk keeps off as it does off patches: sharp inner corners without their fillets.
+    keep_off, corner_distance
+        Points (n, d) [m] on sharp inner corners without their fillets, and how far the bulk always keeps off them [m].
     section
         Of a solid that is drawn out along z: its planar grid, which contact forces act on; None of others.
     """
@@ -97,6 +97,7 @@ class Grid:
     held: Indices
     bulk_distance: float
     keep_off: Array
+    corner_distance: float = 0.0
     section: "Section | None" = None
 
     @property

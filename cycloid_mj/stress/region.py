@@ -44,8 +44,9 @@ class Region:
 def part_region(design: Design, part: str) -> Region:
     """Give the region of a planar part in the frame of its solid.
 
-    The housing is held by its seat, the outer circle. The output disc is held by its hub, a rigid circle of the shaft's
-    radius (an assumption: the design has none), and its pins are joined on. Gear and pin are free.
+    The housing is held as the design says, by circles that its bolts clamp or by its seat, the outer circle. The output
+    disc is held by its hub, a rigid circle of the shaft's radius (an assumption: the design has none), and its pins, or
+    their cores under the rollers, are joined on. Gear and pin are free.
 
     Raises
     ------
@@ -62,8 +63,8 @@ def part_region(design: Design, part: str) -> Region:
             return Region(part, (Boundary(prism.outline, "outline", touched="line"), bore, *holes), width)
         case "ring":
             prism = solids["housing"].prisms[0]
-            teeth = Boundary(prism.holes[0], "hole", touched="line")
-            return Region(part, (Boundary(prism.outline, "outline", held=True), teeth), width)
+            rim = Boundary(prism.outline, "outline", held=design.housing.support == "rim")
+            return Region(part, (rim, Boundary(prism.holes[0], "hole", touched="line"), *_bolts(design)), width)
         case "pin_1" if design.ring.kind == "pin":
             return Region(part, (Boundary(solids["pin"].prisms[0].outline, "outline", touched="line"),), width)
         case "output":
@@ -72,11 +73,22 @@ def part_region(design: Design, part: str) -> Region:
     raise UsageError(f"the design {design.name!r} has no planar part {part!r}; choose one of {', '.join(known)}")
 
 
+def _bolts(design: Design) -> tuple[Boundary, ...]:
+    """Give the circles that the bolts of the housing clamp, none where its rim is held."""
+    housing = design.housing
+    if housing.support == "rim":
+        return ()
+    turn = 2.0 * np.pi * np.arange(housing.bolts) / housing.bolts
+    centres = design.bolt_circle_radius * np.stack([np.sin(turn), np.cos(turn)], axis=1)
+    clamped = circle(design.bolt_radius, CHORD_ERROR)
+    return tuple(Boundary(clamped + centre, "inset", held=True) for centre in centres)
+
+
 def _output(design: Design, rim: Array) -> Region:
     output, hub = design.output, design.shaft.radius
     if not hub < output.pin_circle_radius - output.pin_radius:
         raise UsageError("the output's pins leave no room for a hub of the shaft's radius: lessen shaft.radius_mm")
-    pin = circle(output.pin_radius, CHORD_ERROR)
+    pin = circle(output.root_radius, CHORD_ERROR)
     pins = tuple(Boundary(pin + centre, "inset", touched="line") for centre in output_centres(design))
     held = Boundary(circle(hub, CHORD_ERROR), "hole", held=True)
     return Region("output", (Boundary(rim, "outline"), held, *pins), output.disc_thickness)

@@ -4,12 +4,12 @@ The cam's bearing presses on half of the cam: p(psi) = 2 F/(pi R L) max(0, cos p
 side. Its Fourier series, 1/pi + cos(psi)/2 + (2/pi) sum (-1)^(j+1) cos(2 j psi)/(4 j^2 - 1), turns with the force, so a
 few unit loads serve all directions.
 
-Assumed, since the design leaves it open: two bearings on the input journal, one at its end and one before the
-counterweight, which are elastic radially and hold nothing else; the crank's torque enters as shear on the end face.
+Two bearings, where the design has them, press on the shaft and do not pull: they are rows of radial springs that each
+hold a pad of the journal, and open ones bear nothing (an active set of the few hundred pads decides which, from the
+compliance between them). They hold nothing else, assumed; the crank's torque enters as shear on the end face.
 """
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -17,11 +17,12 @@ import numpy.typing as npt
 from cycloid_mj.design import Design
 from cycloid_mj.errors import CycloidError
 from cycloid_mj.stress import elastic
-from cycloid_mj.stress.case import Case, mass_coefficients
+from cycloid_mj.stress.bearing import Pads, bearing_pads, on_cylinder, opened
+from cycloid_mj.stress.case import Case, Response, mass_coefficients
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.loads import PartLoads
 from cycloid_mj.stress.shaftgrid import Shaft, shaft_measures
-from cycloid_mj.stress.surface import foundation, surface, traction_loads
+from cycloid_mj.stress.surface import surface, traction_loads
 
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
@@ -31,13 +32,12 @@ HARMONICS = (0, 1, 2, 4, 6, 8)
 """Orders of the pressure around the cam that are kept; what is left out is 0.4 % of the peak."""
 
 BEARING_STIFFNESS = 0.1
-"""Radial stiffness of a bearing over Young's modulus times journal radius; two bearings carry as statics says."""
+"""Radial stiffness of a bearing over Young's modulus times journal radius, assumed: that of rolling bearings.
+
+The softer they are, the more the two carry as statics says of point supports in their middles."""
 
 ROUNDING = 1e-6
 """Share of the shaft's radius by which a point may miss the end face."""
-
-CHORD = 0.05
-"""Share of the radius by which the middle of a face's corners may lie below its cylinder."""
 
 
 def shaft_case(design: Design, grid: Grid, loads: PartLoads) -> Case:
@@ -53,16 +53,27 @@ def shaft_case(design: Design, grid: Grid, loads: PartLoads) -> Case:
             f"the shaft's grid takes the loads of its cam, got {', '.join(loads.labels) or 'none'} on the {loads.part}"
         )
     shaft = shaft_measures(design)
-    part = elastic.body(grid, design.material, springs=_bearings(grid, shaft, design), loose=(2, 5))
+    pads = bearing_pads(grid, shaft, BEARING_STIFFNESS * design.material.youngs_modulus * shaft.radius)
+    part = elastic.body(grid, design.material, springs=pads.springs, loose=(2, 5))
     pressures = _pressures(grid, shaft)
     units = np.hstack([pressures, _couples(grid, shaft, pressures), elastic.mass_loads(part, grid.points)])
     units, imbalances = elastic.balanced(part, units)
     moved = elastic.displacements(part, units)
     shares = np.vstack([*_cam_shares(shaft, loads), mass_coefficients(loads)])
+    relief, compliance = _relieved(part, pads)
 
-    def response(block: Indices) -> tuple[Array, Array, Array]:
+    def response(block: Indices) -> Response:
         some = shares[:, block]
-        return units @ some, moved @ some, some.T @ imbalances
+        freed = np.column_stack([opened(pads, compliance, pressed) for pressed in (pads.press.T @ (moved @ some)).T])
+        forces, found = units @ some + pads.press @ freed, moved @ some + relief @ freed
+        held = pads.press @ freed - pads.springs @ found
+        return Response(
+            forces=forces,
+            moved=found,
+            imbalance=some.T @ imbalances,
+            reaction=held.T @ part.motions,
+            moments=section_moments(grid.points, units @ some + held, shaft.stations),
+        )
 
     return Case(part, response, np.zeros(0, np.int64), np.zeros((0, 2)), np.zeros(len(loads.angle), bool))
 
@@ -114,33 +125,36 @@ def _couples(grid: Grid, shaft: Shaft, pressures: Array) -> Array:
     return loads / (x @ loads[1::3] - y @ loads[0::3])
 
 
-def _bearings(grid: Grid, shaft: Shaft, design: Design) -> Any:
-    """Springs along the normal of the journal in its bearings."""
-    stiffness = BEARING_STIFFNESS * design.material.youngs_modulus * shaft.radius
-    return sum(
-        foundation(
-            surface(grid, lambda x, z0=z0, z1=z1: _on_journal(x, shaft, z0, z1)),  # type: ignore[misc]
-            stiffness / (np.pi * shaft.radius * (z1 - z0)),
-        )
-        for z0, z1 in shaft.bearings
-    )
+def _relieved(part: elastic.Body, pads: Pads) -> tuple[Array, Array]:
+    """Give displacements (n, p) under 1 N out on each pad, and the compliance (p, p) [m/N] between the pads."""
+    loads, _ = elastic.balanced(part, pads.press.toarray())
+    moved = elastic.displacements(part, loads)
+    return moved, np.asarray(pads.press.T @ moved)
+
+
+def section_moments(points: Array, forces: Array, places: Array) -> Array:
+    """Give the moments about x, y and z (c, s, 3) [N m] that forces (3 n, c) [N] on nodes before places z (s,) hand on.
+
+    About the axis, in the section at each place; they are in balance with what comes after it.
+    """
+    x, y, z = points.T
+    fx, fy, fz = forces[0::3], forces[1::3], forces[2::3]
+    found = []
+    for place in places:
+        before = z < place - ROUNDING
+        arm = (z[before] - place)[:, np.newaxis]
+        about_x = y[before] @ fz[before] - np.sum(arm * fy[before], axis=0)
+        about_y = np.sum(arm * fx[before], axis=0) - x[before] @ fz[before]
+        found.append(np.stack([about_x, about_y, x[before] @ fy[before] - y[before] @ fx[before]], axis=-1))
+    return np.stack(found, axis=1)
 
 
 def _on_cam(x: Array, shaft: Shaft) -> Flags:
-    return _on_cylinder(x, shaft.cam_radius, shaft.eccentricity) & (x[2] > shaft.cam[0]) & (x[2] < shaft.cam[1])
-
-
-def _on_journal(x: Array, shaft: Shaft, z0: float, z1: float) -> Flags:
-    return _on_cylinder(x, shaft.radius, 0.0) & (z0 < x[2]) & (x[2] < z1)
+    return on_cylinder(x, shaft.cam_radius, shaft.eccentricity) & (x[2] > shaft.cam[0]) & (x[2] < shaft.cam[1])
 
 
 def _at_end(x: Array, shaft: Shaft) -> Flags:
     return x[2] - shaft.end < ROUNDING * shaft.radius
-
-
-def _on_cylinder(x: Array, radius: float, height: float) -> Flags:
-    """Tell middles of faces on a cylinder, whose chords reach below it, from those on its end faces."""
-    return np.abs(np.hypot(x[0], x[1] - height) - radius) < CHORD * radius
 
 
 def _radial(normals: Array) -> Array:

@@ -9,6 +9,7 @@ import numpy.typing as npt
 from cycloid_mj.design import Design
 from cycloid_mj.errors import CycloidError
 from cycloid_mj.solid import shaft_solid
+from cycloid_mj.solid.shaft import bearing_width
 from cycloid_mj.stress.grid import Grid, GridSettings, quadratic
 from cycloid_mj.stress.packages import MILLIMETRES, mesher
 
@@ -17,41 +18,74 @@ Array = npt.NDArray[np.float64]
 CORNER_DISTANCE = 0.15
 """Share of the shaft's radius by which the bulk keeps off sharp inner corners, which in truth have fillets."""
 
+STATIONS = 41
+"""Sections along each journal at which the nominal stress is looked for."""
+
 CORNER_EDGE = 1 / 3
 """Edges at the inner corners as a share of those elsewhere."""
 
 
 @dataclass(frozen=True)
+class Shoulder:
+    """A step of the shaft: its name, its place `z` along the shaft, and the `outer` radius that it steps up to [m]."""
+
+    name: str
+    z: float
+    outer: float
+
+
+@dataclass(frozen=True)
 class Shaft:
-    """Measures of the shaft [m]: radii, eccentricity, and along z its end, counterweight and cam."""
+    """Measures of the shaft [m]: radii, eccentricity, and along z its ends, counterweight, cam and both bearings."""
 
     radius: float
     cam_radius: float
     eccentricity: float
     counterweight_radius: float
     end: float
+    far_end: float
     counterweight: tuple[float, float]
     cam: tuple[float, float]
+    bearings: tuple[tuple[float, float], tuple[float, float]]
 
     @property
-    def bearings(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Stretches of the journal in the two bearings: as long as its radius, or a third of it."""
-        z0, z1 = self.end, self.counterweight[0]
-        width = min(self.radius, (z1 - z0) / 3)
-        return (z0, z0 + width), (z1 - width, z1)
+    def shoulders(self) -> tuple[Shoulder, ...]:
+        """Where the shaft steps up to the counterweight, taken as a whole disc, and to the cam, at its lowest."""
+        lowest = self.cam_radius - self.eccentricity
+        found = [
+            Shoulder("journal at the counterweight", self.counterweight[0], self.counterweight_radius),
+            Shoulder("journal at the cam", self.cam[0], lowest),
+        ]
+        beyond = [Shoulder("far journal at the cam", self.cam[1], lowest)] if self.far_end > self.cam[1] else []
+        return (*found, *beyond)
+
+    @property
+    def stations(self) -> Array:
+        """Places (s,) [m] along the journals where nominal stress is looked for, those of the shoulders first."""
+        stretches = [(self.end, self.counterweight[0])]
+        stretches += [(self.cam[1], self.far_end)] if self.far_end > self.cam[1] else []
+        between = [np.linspace(z0, z1, STATIONS) for z0, z1 in stretches]
+        return np.concatenate([[shoulder.z for shoulder in self.shoulders], *between])
 
 
 def shaft_measures(design: Design) -> Shaft:
     """Give the measures of a design's balanced shaft."""
-    journal, counterweight, _, cam = shaft_solid(design).prisms
+    journal, counterweight, _, cam, *beyond = shaft_solid(design).prisms
+    shaft, z0, z1 = design.shaft, journal.z0, counterweight.z0
+    width = bearing_width(design, z1 - z0)
+    near = z1 - shaft.bearing_offset
+    outer = near - width - shaft.bearing_spacing if shaft.bearing_spacing else z0
+    far = beyond[0].z1 - width if beyond else outer
     return Shaft(
         radius=design.shaft.radius,
         cam_radius=design.gear.bore_radius,
         eccentricity=design.gear.eccentricity,
         counterweight_radius=design.shaft.counterweight_radius,
-        end=journal.z0,
+        end=z0,
+        far_end=beyond[0].z1 if beyond else cam.z1,
         counterweight=(counterweight.z0, counterweight.z1),
         cam=(cam.z0, cam.z1),
+        bearings=((far, far + width), (near - width, near)),
     )
 
 
@@ -72,19 +106,21 @@ def shaft_grid(design: Design, settings: GridSettings) -> Grid:
         loops=(),
         held=np.zeros(0, np.int64),
         bulk_distance=CORNER_DISTANCE * shaft.radius,
+        corner_distance=CORNER_DISTANCE * shaft.radius,
         keep_off=_inner_corners(shaft),
     )
 
 
 def _inner_corners(shaft: Shaft) -> Array:
-    """Points along the sharp inner edges: at both faces and the flats of the counterweight, and at the cam's face."""
+    """Points along the sharp inner edges: at both faces and the flats of the counterweight, and at the cam's faces."""
     step = CORNER_DISTANCE * shaft.radius / 8
     turn = np.linspace(0, 2 * np.pi, int(np.ceil(2 * np.pi * shaft.radius / step)))
     x, y = shaft.radius * np.cos(turn), shaft.radius * np.sin(turn)
     z0, z1 = shaft.counterweight
+    whole = [shaft.cam[0], *([shaft.cam[1]] if shaft.far_end > shaft.cam[1] else [])]
     rings = [
         np.column_stack([x[keep], y[keep], np.full(keep.sum(), z)])
-        for z, keep in ((z0, y <= 0), (z1, y <= 0), (shaft.cam[0], y < np.inf))
+        for z, keep in ((z0, y <= 0), (z1, y <= 0), *((z, y < np.inf) for z in whole))
     ]
     z = np.linspace(z0, z1, int(np.ceil((z1 - z0) / step)) + 1)
     flats = [np.column_stack([np.full(len(z), side * shaft.radius), np.zeros(len(z)), z]) for side in (-1, 1)]
@@ -99,7 +135,10 @@ def _tetrahedra(shaft: Shaft, edge: float) -> Any:
         weight = _cylinder(occ, 0.0, shaft.counterweight_radius, *shaft.counterweight, angle=np.pi)
         occ.rotate([(3, weight)], 0, 0, 0, 0, 0, 1, np.pi)
         _cylinder(occ, shaft.eccentricity, shaft.cam_radius, *shaft.cam)
-        solids, _ = occ.fuse([(3, 1)], [(3, 2), (3, 3)])
+        joined = [(3, 2), (3, 3)]
+        if shaft.far_end > shaft.cam[1]:
+            joined.append((3, _cylinder(occ, 0.0, shaft.radius, shaft.cam[1], shaft.far_end)))
+        solids, _ = occ.fuse([(3, 1)], joined)
         occ.synchronize()
         if len(solids) != 1:
             raise CycloidError("the shaft does not mesh: its stretches do not make one solid; check the design")

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.contact.pressure import SHAKEDOWN_PRESSURE
-from cycloid_mj.design import Design
+from cycloid_mj.design import Design, override
 from cycloid_mj.record import Run
 from cycloid_mj.stress.bulk import OCTAVE, fall, plateau
 from cycloid_mj.stress.closed import LineStress, line_stress
@@ -17,7 +17,9 @@ from cycloid_mj.stress.field import PartStress, StressMap, solve, stress_map
 from cycloid_mj.stress.findings import PartFindings, Peak, Refinement, StressFindings
 from cycloid_mj.stress.grid import BULK_DISTANCE, Grid, GridSettings
 from cycloid_mj.stress.loads import PartLoads, part_loads, part_names, require_part
+from cycloid_mj.stress.notch import Notch, output_roots, shaft_shoulders
 from cycloid_mj.stress.part import part_grid
+from cycloid_mj.stress.shaftgrid import shaft_measures
 
 Array = npt.NDArray[np.float64]
 Told = Callable[[str, int, int], None]
@@ -27,6 +29,12 @@ FINER = {"pin_1": 3.0}
 
 SENSITIVITY = {0.5: 0, 2.0: 2 * OCTAVE}
 """Multiples of the distance at which the search for the bulk begins -> rung of the ladder."""
+
+SUPPORTS = {"shaft": ("shaft.mounting", ("overhang", "straddle")), "ring": ("housing.support", ("bolts", "rim"))}
+"""Choices of the design that say how a part is held: the others than its own are told as well."""
+
+VARIED = 5
+"""Crank angles under other supports, that of the maximum first."""
 
 ALWAYS_SOLID = ("shaft", "output")
 """Parts that no plane can stand for: the output's pins are cantilevers on its disc."""
@@ -188,6 +196,9 @@ def part_study(run: Run, design: Design, part: str, settings: StudySettings) -> 
         largest_force=float(np.linalg.norm(loads.force, axis=-1).max()),
         near_field=_near_field(loads, design, stress.bulk_distance),
         imbalance=_imbalance(stress, grid),
+        notches=_notches(design, loads, stress),
+        variants=_variants(design, part, settings, loads, stress),
+        yield_strength=design.material.yield_strength,
         refinement=_refined(design, grid, settings, loads, stress),
         wall=time.perf_counter() - start,
     )
@@ -234,6 +245,30 @@ def _checked_rows(stress: Array, count: int) -> npt.NDArray[np.intp]:
     """Give the row of the largest stress, and others at equal distances around the turn."""
     steps = np.arange(min(count, stress.size)) * stress.size // max(min(count, stress.size), 1)
     return (int(np.argmax(stress)) + steps) % stress.size
+
+
+def _notches(design: Design, loads: PartLoads, stress: PartStress) -> tuple[Notch, ...]:
+    if stress.part == "shaft":
+        return shaft_shoulders(design, shaft_measures(design), stress.moments, loads.angle)
+    return output_roots(design, loads) if stress.part == "output" else ()
+
+
+def _variants(
+    design: Design, part: str, settings: StudySettings, loads: PartLoads, stress: PartStress
+) -> tuple[tuple[str, float], ...]:
+    """Give the part's largest bulk stress [Pa] under its other supports, at some crank angles and the same loads."""
+    if part not in SUPPORTS:
+        return ()
+    key, choices = SUPPORTS[part]
+    table, name = key.split(".")
+    some = at_angles(loads, _checked_rows(stress.bulk_stress, VARIED))
+    found = []
+    for choice in choices:
+        if choice != getattr(getattr(design, table), name):
+            other = override(design, [f'{key}="{choice}"'])
+            solved = solve(other, part_grid(other, part, settings.grid(part)), some)
+            found.append((f"{key} = {choice}", float(solved.bulk_stress.max())))
+    return tuple(found)
 
 
 def _bulk_peak(loads: PartLoads, stress: PartStress, design: Design) -> Peak:

@@ -1,4 +1,4 @@
-"""Integrals over the curved faces of a solid grid: tractions and elastic foundations.
+"""Integrals over the curved faces of a solid grid: tractions.
 
 scikit-fem's own bases on facets invert the map of curved elements by a Newton iteration that need not converge; a face
 of six nodes needs no inverse.
@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy import sparse
 
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.packages import package
@@ -79,16 +78,6 @@ def traction_loads(face: Surface, traction: Array) -> Array:
     forces = np.einsum("fq,qa,fqx->fax", face.area, face.shape, traction)
     rows = 3 * face.nodes[..., np.newaxis] + np.arange(3)
     return np.asarray(np.bincount(rows.ravel(), weights=forces.ravel(), minlength=face.unknowns), np.float64)
-
-
-def foundation(face: Surface, stiffness: float) -> Any:
-    """Give the springs (n, n) [N/m], sparse, of an elastic foundation [N/m3] along the normal."""
-    n = face.normals
-    blocks = stiffness * np.einsum("fq,qa,qb,fqx,fqy->faxby", face.area, face.shape, face.shape, n, n, optimize=True)
-    rows = (3 * face.nodes[..., np.newaxis] + np.arange(3)).reshape(len(face.nodes), -1)
-    i = np.repeat(rows, rows.shape[1], axis=1).ravel()
-    j = np.tile(rows, (1, rows.shape[1])).ravel()
-    return sparse.coo_matrix((blocks.ravel(), (i, j)), shape=(face.unknowns,) * 2).tocsr()
 
 
 def _middles(mesh: Any, corners: Indices) -> Indices:

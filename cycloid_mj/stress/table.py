@@ -24,6 +24,23 @@ def table(findings: StressFindings) -> list[list[str]]:
     return [_row(part) for part in findings.parts]
 
 
+def told_beside(part: PartFindings) -> list[str]:
+    """Tell what stands beside the table: stress at fillets, and under other supports."""
+    lines = []
+    for notch in part.notches:
+        nominal = f"{part.part}, {notch.name}: nominal stress {notch.nominal / MEGAPASCAL:.3g} MPa"
+        if np.isfinite(notch.fillet):
+            nominal += (
+                f", {notch.stress / MEGAPASCAL:.3g} at its fillet of {notch.fillet / MILLIMETRE:.3g} mm "
+                f"(notch factor {notch.bending_factor:.2f}), safety {part.yield_strength / notch.stress:.3g}"
+                if notch.stress
+                else ""
+            )
+        lines.append(nominal)
+    lines += [f"{part.part}, if {change}: bulk {size / MEGAPASCAL:.3g} MPa" for change, size in part.variants]
+    return lines
+
+
 def claim_table(claims: Sequence[Claim]) -> list[list[str]]:
     """Give a row for each statement of the paper; columns as in `CLAIM_HEADER`."""
     return [[claim.figure, claim.statement, claim.found, claim.verdict] for claim in claims]

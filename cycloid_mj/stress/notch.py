@@ -1,0 +1,149 @@
+"""Stress at fillets: the nominal stress of a round section, times the notch factors of its shoulder.
+
+The grids have sharp inner corners, where stress grows without end under refinement; so the bulk keeps off them, and
+what a fillet makes of the nominal stress stands beside it, by DIN 743-2:2012 (shoulder, in bending and torsion)::
+
+    alpha = 1 + 1/sqrt(A r/t + 2 B r/d (1 + 2 r/d)^2 + C (r/t)^z d/D),   t = (D - d)/2
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.design import Design
+from cycloid_mj.solid.output import AXIAL_GAP
+from cycloid_mj.stress.loads import PartLoads
+from cycloid_mj.stress.shaftgrid import Shaft
+
+Array = npt.NDArray[np.float64]
+
+BENDING = (0.62, 5.8, 0.2, 3.0)
+TORSION = (3.4, 19.0, 1.0, 2.0)
+"""A, B, C and z of a shoulder in DIN 743-2."""
+
+MEGAPASCAL, MILLIMETRE = 1e6, 1e-3
+
+
+@dataclass(frozen=True)
+class Notch:
+    """Stress at the fillet of a shoulder where it is largest in a turn.
+
+    Attributes
+    ----------
+    name
+        Which shoulder.
+    radius, fillet
+        Of the thinner stretch, and of the fillet [m]; inf where the section has no notch.
+    angle
+        Crank angle [rad].
+    bending, torsion
+        Nominal stresses on the surface, 4 M/(pi R^3) and 2 T/(pi R^3) [Pa].
+    bending_factor, torsion_factor
+        Their notch factors.
+    """
+
+    name: str
+    radius: float
+    fillet: float
+    angle: float
+    bending: float
+    torsion: float
+    bending_factor: float
+    torsion_factor: float
+
+    @property
+    def nominal(self) -> float:
+        """Nominal von Mises stress [Pa]."""
+        return math.hypot(self.bending, math.sqrt(3.0) * self.torsion)
+
+    @property
+    def stress(self) -> float:
+        """Von Mises stress [Pa] at the fillet."""
+        return math.hypot(self.bending_factor * self.bending, math.sqrt(3.0) * self.torsion_factor * self.torsion)
+
+    def as_json(self, yield_strength: float) -> dict[str, Any]:
+        """Give the notch in MPa, degrees and mm."""
+        return {
+            "name": self.name,
+            "radius_mm": self.radius / MILLIMETRE,
+            "fillet_mm": None if math.isinf(self.fillet) else self.fillet / MILLIMETRE,
+            "angle_deg": math.degrees(self.angle),
+            "nominal_mpa": self.nominal / MEGAPASCAL,
+            "bending_mpa": self.bending / MEGAPASCAL,
+            "torsion_mpa": self.torsion / MEGAPASCAL,
+            "bending_factor": self.bending_factor,
+            "torsion_factor": self.torsion_factor,
+            "stress_mpa": self.stress / MEGAPASCAL,
+            "safety_against_yield": yield_strength / self.stress if self.stress else None,
+        }
+
+
+def shoulder_factor(radius: float, fillet: float, outer: float, terms: tuple[float, float, float, float]) -> float:
+    """Give the notch factor alpha of a shoulder from radius R to `outer` (inf: a wide disc) with a fillet r [m].
+
+    `terms` are `BENDING` or `TORSION`.
+    """
+    a, b, c, z = terms
+    depth = outer - radius
+    share, slope = fillet / (2.0 * radius), 0.0 if math.isinf(outer) else fillet / depth
+    shorter = 0.0 if math.isinf(outer) else radius / outer
+    return 1.0 + 1.0 / math.sqrt(a * slope + 2.0 * b * share * (1.0 + 2.0 * share) ** 2 + c * slope**z * shorter)
+
+
+def output_roots(design: Design, loads: PartLoads) -> tuple[Notch, ...]:
+    """Give the most loaded root of the output's pins, cantilevers that carry their force evenly over the gear's width.
+
+    Their nominal bending stress is 4 F (w/2 + gap)/(pi R^3), R being the core's radius under a roller.
+    """
+    force = np.linalg.norm(loads.force, axis=2)
+    row, pin = np.unravel_index(int(force.argmax()), force.shape)
+    radius, fillet = design.output.root_radius, design.output.root_fillet
+    moment = float(force[row, pin]) * (design.gear.face_width / 2.0 + AXIAL_GAP)
+    return (
+        Notch(
+            name=f"root of {loads.labels[pin]}",
+            radius=radius,
+            fillet=fillet,
+            angle=float(loads.angle[row]),
+            bending=4.0 * moment / (math.pi * radius**3),
+            torsion=0.0,
+            bending_factor=shoulder_factor(radius, fillet, math.inf, BENDING),
+            torsion_factor=shoulder_factor(radius, fillet, math.inf, TORSION),
+        ),
+    )
+
+
+def shaft_shoulders(design: Design, shaft: Shaft, moments: Array, angle: Array) -> tuple[Notch, ...]:
+    """Give the shoulders of the shaft, and first the journal's section of the largest nominal stress, without a notch.
+
+    `moments` (k, s, 3) [N m] about x, y and z are those at the shaft's stations, at crank angles (k,) [rad].
+    """
+    bending = 4.0 * np.hypot(moments[..., 0], moments[..., 1]) / (np.pi * shaft.radius**3)
+    torsion = 2.0 * np.abs(moments[..., 2]) / (np.pi * shaft.radius**3)
+    fillet = design.shaft.shoulder_fillet
+
+    def notch(name: str, station: int, fillet: float, factors: tuple[float, float]) -> Notch:
+        bends, twists = bending[:, station], torsion[:, station]
+        row = int(np.argmax(np.hypot(factors[0] * bends, np.sqrt(3.0) * factors[1] * twists)))
+        sizes = float(bends[row]), float(twists[row])
+        return Notch(name, shaft.radius, fillet, float(angle[row]), *sizes, *factors)
+
+    nominal = np.hypot(bending, np.sqrt(3.0) * torsion)
+    largest = int(np.unravel_index(int(nominal.argmax()), nominal.shape)[1])
+    place = f"journal at z = {shaft.stations[largest] / MILLIMETRE:.1f} mm"
+    return (
+        notch(place, largest, math.inf, (1.0, 1.0)),
+        *(
+            notch(
+                *(one.name, station, fillet),
+                (
+                    shoulder_factor(shaft.radius, fillet, one.outer, BENDING),
+                    shoulder_factor(shaft.radius, fillet, one.outer, TORSION),
+                ),
+            )
+            for station, one in enumerate(shaft.shoulders)
+        ),
+    )
