@@ -3,9 +3,12 @@
 import math
 
 import pytest
+from designs import unlike
 
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.measure import build_up, paper, spread
+from cycloid_mj.measure.closed_form import ideal_efficiency
+from cycloid_mj.measure.conditions import halved, rated_torque
 from cycloid_mj.measure.efficiency import measure_efficiency
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.steady import SETTLED, powers, steady, steady_design
@@ -100,3 +103,19 @@ def test_seals_are_a_part_of_the_build_up():
     supplied = 36.68 / 35 / 0.84
     assert losses["seals"] == pytest.approx((0.02 + 0.4 / 35) / supplied, rel=0.02)
     assert math.isclose(sum(losses.values()), 1.0 - 0.84, abs_tol=0.03)
+
+
+@pytest.mark.parametrize(
+    "name", ["light", "printed", *(pytest.param(name, marks=pytest.mark.slow) for name in ("large", "few", "teeth21"))]
+)
+def test_other_designs_build_up_and_hold_at_half_the_step(name):
+    # found within 0.001 points of half the step, and 0.4 to 5.6 points of ideal sharing, which knows no clearance
+    design = unlike(name)
+    torque = rated_torque(design)
+    own = steady_design(override(design, [f"load.torque_nm={torque!r}"]))
+    found, finer = (powers(steady(one, SETTLED, spread.PERIODS)) for one in (own, halved(own)))
+    assert found.efficiency == pytest.approx(finer.efficiency, abs=1e-3)
+    assert found.efficiency == pytest.approx(ideal_efficiency(design, torque).efficiency, abs=0.08)
+    assert abs(found.residual) < 1e-4
+    assert all(share >= 0.0 for part, share in build_up.build_up(found).items() if part != build_up.DAMPING)
+    assert paper.figures(design) == []

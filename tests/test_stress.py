@@ -238,7 +238,8 @@ def test_actions_are_opposite_to_reactions(request):
     # the load's torque, the pins and the disc's inertia are in balance about the axis
     axis = moments(output, design).sum(axis=1) + output.torque
     body = mass_properties(parts(design)["output"])
-    assert axis == pytest.approx(body.inertia[2, 2] * output.spin_rate, abs=1e-9)
+    # friction of 2 N acts at the middle of a contact's depth of 2 um, not on the surface
+    assert axis == pytest.approx(body.inertia[2, 2] * output.spin_rate, abs=3e-6)
     assert np.abs(axis).max() < 0.02 * np.abs(output.torque).max()
 
 
