@@ -1,0 +1,41 @@
+"""The documents name what is there: links lead somewhere, modules and files exist."""
+
+import importlib.util
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+PAGES = [ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_links_lead_somewhere(page: Path) -> None:
+    for target in re.findall(r"\]\(([^)#]+)\)", page.read_text(encoding="utf-8")):
+        assert (page.parent / target).exists(), target
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_files_and_modules_exist(page: Path) -> None:
+    for word in re.findall(r"`([\w./]+)`", page.read_text(encoding="utf-8")):
+        if "/" in word:
+            assert any((root / word).exists() for root in (ROOT, ROOT / "cycloid_mj")), word
+        elif re.fullmatch(r"(mechanism|loaded|cycloid_mj)\.[a-z_.]+", word):
+            module = word if word.startswith("cycloid_mj") else f"cycloid_mj.{word}"
+            assert importlib.util.find_spec(module), word
+
+
+def test_every_decision_is_numbered_once() -> None:
+    numbers = [int(page.name.split("-")[0]) for page in (ROOT / "docs" / "decisions").glob("*.md")]
+    assert sorted(numbers) == list(range(1, len(numbers) + 1))
+
+
+def test_the_check_of_one_room_names_the_rooms(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
+    import check
+
+    assert check.tests(None) == ("pytest", "-n", "2")
+    assert "tests/test_mechanism.py" in check.tests("mechanism")
+    with pytest.raises(SystemExit, match=r"choose of .*mechanism"):
+        check.tests("cellar")
