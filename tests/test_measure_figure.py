@@ -95,6 +95,7 @@ def test_contacts_round_a_ring_are_marked_where_they_can_be_told_apart(count):
     about = 360.0 / count * np.arange(count + 1)
     axes = drawn(replace(curve(np.ones(count + 1), "simulated", "polar", about), x_label="")).axes[0]
     assert (axes.lines[0].get_marker() == "o") == (count < MOST_MARKED)
+    assert (axes.lines[0].get_linestyle() == "None") == (count < MOST_MARKED)
     assert axes.get_rmin() == 0.0
 
 

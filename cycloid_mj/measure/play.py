@@ -30,6 +30,9 @@ COARSE_SIDES = 180
 PER_MESH_PERIOD = 6
 """Crank angles in a mesh period over a whole turn."""
 
+FEWEST_IN_A_TURN = 180
+"""Crank angles over a whole turn of a reducer with few teeth."""
+
 
 def clearance_kinds(design: Design) -> tuple[str, ...]:
     """Give the kinds of pairs that a design has, from the ring to the output: the keys of their clearances."""
@@ -81,4 +84,4 @@ def over_a_turn(design: Design) -> tuple[Array, Array]:
 
 def turn(design: Design) -> Array:
     """Give crank angles [rad] that resolve the mesh all over a turn, both of its ends among them."""
-    return np.linspace(0.0, 2.0 * np.pi, PER_MESH_PERIOD * design.ring.teeth + 1)
+    return np.linspace(0.0, 2.0 * np.pi, max(PER_MESH_PERIOD * design.ring.teeth, FEWEST_IN_A_TURN) + 1)

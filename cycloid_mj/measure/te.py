@@ -129,7 +129,9 @@ def _assumptions(design: Design, turns: int) -> tuple[str, ...]:
         "contacts have the secant stiffness of one working force in all runs, that of the loaded ones: "
         f"{working_forces_told(design, clearance_kinds(design))}",
         f"numerical error: what half the step changes over the first {CHECKED} mesh periods of the run forward, told "
-        "of the run in reverse as well; of orders: the rms of that change, which none of them exceeds",
+        "of the run in reverse as well (not known with --quick), and half of what levels change from one half of the "
+        "window to the other, as no turn of the crank is like the next; of orders: the rms of what half the step "
+        "changes, which none of them exceeds",
         *(f"orders of {cause.name}: {cause.why}" for cause in causes(design)),
         *([apart] if turns % lobes else []),
     )

@@ -172,11 +172,13 @@ def _spectrum(design: Design, errors: Trace | Static, place: str, base: float) -
 
 
 def _step_error(found: Found, finer: Finer, case: Case, shaft: str, level: str) -> float | None:
-    """Give by how much half the step changes a level."""
+    """Give by how much half the step changes a level, and half of what it changes from one half turn to the other."""
     if not finer:
         return None
-    coarse, fine = (_LEVELS[level][1](error) for error in _change(found, finer, case, shaft))
-    return abs(coarse - fine)
+    measure, error = _LEVELS[level][1], getattr(found[case], shaft)
+    coarse, fine = (measure(one) for one in _change(found, finer, case, shaft))
+    first, second = (measure(half) for half in np.array_split(error, 2))
+    return abs(coarse - fine) + 0.5 * abs(first - second)
 
 
 def _mean_change(found: Found, finer: Finer, case: Case, place: str) -> float:

@@ -88,8 +88,9 @@ def measure_vibration(
             _band_told(at_speed[0]),
             f"unloaded: a drag of {DRAG:.0%} of the rated torque, which presses the flanks together before the window; "
             "the spectra are at the design's speed",
-            "numerical error: what half the step changes at the design's speed, of an rms also what half the window "
-            "changes; unloaded pins rattle, and a run with other rounding may end some percent off",
+            "numerical error: what half the step changes at the design's speed (not known with --quick), of an rms "
+            "also what half the window changes; unloaded pins rattle, and a run with other rounding may end some "
+            "percent off",
         ),
         runs={f"{one.load}_{abs(one.rpm):.0f}rpm": one.run for one in full},
         details={"band_hz": 0.5 * at_speed[0].rate, "sweep": [_row(one) for one in full]},

@@ -107,16 +107,18 @@ def _draw_bars(axes: Axes, curve: Curve, bars: list[Curve], colour: str) -> None
 
 
 def _draw_round(axes: Axes, curves: list[Curve]) -> None:
-    """Draw forces round a ring, clockwise from +y; contacts that are few enough are marked one by one."""
+    """Draw forces round a ring, clockwise from +y; contacts that are few enough each for itself."""
     for place, curve in enumerate(curves):
-        marker = "o" if len(curve.x) <= MOST_MARKED else ""
-        look: dict[str, Any] = {
-            "color": COLOURS[place % len(COLOURS)],
-            "linewidth": 0.9,
-            "marker": marker,
-            "markersize": 2.5,
-        }
-        axes.plot(np.radians(curve.x), curve.y, label=curve.name, **look)
+        about, colour = np.radians(curve.x), COLOURS[place % len(COLOURS)]
+        if len(curve.x) > MOST_MARKED:
+            axes.plot(about, curve.y, label=curve.name, color=colour, linewidth=0.9)
+            continue
+        # a line from contact to contact would tell of forces between them
+        if place == 0:
+            axes.vlines(about, 0.0, curve.y, color=colour, linewidth=1.2)
+        face = colour if place == 0 else "none"
+        look: dict[str, Any] = {"markersize": 3.5, "markerfacecolor": face, "markeredgecolor": colour}
+        axes.plot(about, curve.y, "o", label=curve.name, **look)
     axes.set_title(f"{curves[0].panel}: {curves[0].y_label}")
     polar: Any = axes
     polar.set_theta_zero_location("N")
@@ -136,6 +138,8 @@ def _limit(axes: Axes, curves: list[Curve]) -> None:
         axes.set_xlim(0.0, 1.02 * x.max())
     elif x.min() == x.max() > 0.0:
         axes.set_xlim(0.0, 1.1 * x.max())
+    elif all(curve.style in ("points", "rings") for curve in curves):
+        axes.set_xlim(x.min() - MARGIN * np.ptp(x), x.max() + MARGIN * np.ptp(x))
     low, high = float(y.min()), float(y.max())
     if low >= 0.0 and low < FROM_ZERO * high:
         axes.set_ylim(0.0, (1.0 + MARGIN) * high)
