@@ -8,7 +8,10 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
+from cycloid_mj.contact.collider import Role
 from cycloid_mj.contact.compiling import cacheable
+from cycloid_mj.contact.gap import Flank, flank_distance
+from cycloid_mj.contact.teeth import Teeth
 
 Array = npt.NDArray[np.float64]
 
@@ -28,7 +31,7 @@ class PairForces:
     active
         Contacts that carry a force.
     penetration
-        Deepest penetration [m].
+        Deepest geometric penetration [m].
     peak_force
         Largest force of one contact [N].
     """
@@ -43,7 +46,7 @@ class PairForces:
 
 @dataclass(frozen=True)
 class PairIndex:
-    """Which mating pair two geoms belong to.
+    """Which mating pair two geoms belong to, and the flanks that the collider knows.
 
     Attributes
     ----------
@@ -54,11 +57,17 @@ class PairIndex:
         surfaces + 1).
     origin
         Body of each pair's ``on`` surface, shape (pairs,).
+    teeth
+        The geom that stands for the gear's exact teeth; -1 where they are meshes.
+    flank
+        The flanks of these teeth.
     """
 
     surface: npt.NDArray[np.int32]
     pair: npt.NDArray[np.int32]
     origin: npt.NDArray[np.int32]
+    teeth: int
+    flank: Flank
 
 
 def pair_index(model: Any, pairs: Sequence[Any]) -> PairIndex:
@@ -71,7 +80,17 @@ def pair_index(model: Any, pairs: Sequence[Any]) -> PairIndex:
     for count, pair in enumerate(pairs, start=1):
         on, by = number[pair.on], number[pair.by]
         index[on, by], index[by, on] = -count, count
-    return PairIndex(surface, index, np.array([body[number[pair.on]] for pair in pairs], dtype=np.int32))
+    origin = np.array([body[number[pair.on]] for pair in pairs], dtype=np.int32)
+    return PairIndex(surface, index, origin, *_exact_teeth(model))
+
+
+def _exact_teeth(model: Any) -> tuple[int, Flank]:
+    """Give the geom that the collider takes for the gear's teeth, and its flanks; -1 and none where there is none."""
+    found = np.flatnonzero(model.geom_priority == int(Role.TEETH))
+    if not found.size:
+        return -1, Flank(*[0.0] * len(Flank._fields))
+    teeth = Teeth(*model.geom_user[found[0]].tolist())
+    return int(found[0]), Flank(**{name: getattr(teeth, name) for name in Flank._fields})
 
 
 def surface_name(model: Any, geom: int) -> str:
@@ -109,6 +128,10 @@ def pair_forces(data: Any, index: PairIndex) -> PairForces:
         index.pair,
         data.xpos,
         index.origin,
+        index.teeth,
+        index.flank,
+        data.geom_xpos,
+        data.geom_xmat,
         wrench,
         friction,
         normal,
@@ -130,13 +153,20 @@ def _gather(
     pairs: Any,
     xpos: Any,
     origin: Any,
+    teeth: Any,
+    flank: Any,
+    geom_xpos: Any,
+    geom_xmat: Any,
     wrench: Any,
     friction: Any,
     normal: Any,
 ) -> tuple[int, float, float]:
     active, depth, peak = 0, 0.0, 0.0
     for k in range(len(dist)):
-        depth = max(depth, -dist[k])
+        overlap = -dist[k]
+        if overlap > 0.0 and (geom[k, 0] == teeth or geom[k, 1] == teeth):
+            overlap = _overlap(pos[k, 0], pos[k, 1], flank, geom_xpos[teeth], geom_xmat[teeth])
+        depth = max(depth, overlap)
         number = pairs[surface[geom[k, 0]], surface[geom[k, 1]]]
         row = address[k]
         if number == 0 or row < 0:
@@ -156,3 +186,14 @@ def _gather(
         active += magnitude > 0.0
         peak = max(peak, magnitude)
     return active, depth, peak
+
+
+@njit(inline="always")
+def _overlap(x: Any, y: Any, flank: Any, centre: Any, frame: Any) -> Any:
+    """Give how deep a part is in the gear's teeth [m], from the contact point, which lies half-way.
+
+    MuJoCo's own distance there is scaled: it makes the stiffness follow the local curvature (``mating``).
+    """
+    dx, dy, cosine, sine = x - centre[0], y - centre[1], frame[0], frame[3]
+    distance = flank_distance(cosine * dx + sine * dy, cosine * dy - sine * dx, flank)[1]
+    return -2.0 * (distance + flank.offset)

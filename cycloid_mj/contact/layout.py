@@ -14,7 +14,9 @@ import mujoco
 from cycloid_mj.errors import ContactError
 
 _WORD = ctypes.sizeof(ctypes.c_void_p)
-_SPAN = 8192
+_SPAN, _DATA_SPAN = 8192, 2048
+"""Bytes in which pointers are looked for: of ``mjModel`` from its start, of ``mjData`` after its energies."""
+
 _PROBE = """
 <mujoco><size nuser_geom="{user}"/><worldbody>
 <geom type="sphere" size="1" user="1"/>
@@ -74,26 +76,38 @@ def discover_contacts() -> ContactLayout:
     ContactError
         The structures are not as expected; the message names the field and the release.
     """
-    first, second = (_contact_layout(_PROBE_OF_CONTACTS.format(more=_BALL * more)) for more in (1, 5))
-    if first != second:
-        raise ContactError(_strange(f"two models disagree: {astuple(first)} and {astuple(second)}"))
-    return first
+    # What lies behind the structure may hold an address by chance, but not for both models at the same place.
+    first, second = (_ContactPlaces.of(_PROBE_OF_CONTACTS.format(more=_BALL * balls)) for balls in (1, 5))
+    forces = sorted(first.efc_force & second.efc_force)
+    # The contacts begin the arena, whose own pointer comes before theirs; their forces come after them.
+    contacts = sorted(place for place in first.contact & second.contact if forces and place < forces[0])
+    if not contacts or first.fields != second.fields:
+        raise ContactError(_strange("mjData.contact or mjData.efc_force was not found"))
+    return ContactLayout(contacts[-1], forces[0], *first.fields)
 
 
-def _contact_layout(probe: str) -> ContactLayout:
-    model = mujoco.MjModel.from_xml_string(probe)
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    # The distance is the first field of a contact; pointers to contacts and forces follow the energies.
-    contact, in_data = data.contact, data.energy.ctypes.data - data._address
-    first = contact.dist.ctypes.data
-    return ContactLayout(
-        contact=_offset(data._address, in_data, contact.dist, "mjData.contact"),
-        efc_force=_offset(data._address, in_data, data.efc_force, "mjData.efc_force"),
-        stride=contact.dist.strides[0],
-        geom=contact.geom.ctypes.data - first,
-        efc_address=contact.efc_address.ctypes.data - first,
-    )
+@dataclass(frozen=True)
+class _ContactPlaces:
+    """Where the addresses of contacts and their forces stand in one ``mjData``; stride and offsets of the fields."""
+
+    contact: frozenset[int]
+    efc_force: frozenset[int]
+    fields: tuple[int, int, int]
+
+    @classmethod
+    def of(cls, probe: str) -> "_ContactPlaces":
+        model = mujoco.MjModel.from_xml_string(probe)
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        contact, start = data.contact, data.energy.ctypes.data - data._address
+        # The distance is the first field of a contact.
+        first = contact.dist.ctypes.data
+        offsets = (contact.geom.ctypes.data - first, contact.efc_address.ctypes.data - first)
+        return cls(
+            contact=frozenset(_places(data._address, start, first, _DATA_SPAN)),
+            efc_force=frozenset(_places(data._address, start, data.efc_force.ctypes.data, _DATA_SPAN)),
+            fields=(contact.dist.strides[0], *offsets),
+        )
 
 
 def _layout(model: Any) -> Layout:
@@ -106,18 +120,23 @@ def _layout(model: Any) -> Layout:
         geom_priority=_offset(model._address, 0, model.geom_priority, "mjModel.geom_priority"),
         geom_user=_offset(model._address, 0, model.geom_user, "mjModel.geom_user"),
         geom_type=_offset(model._address, 0, model.geom_type, "mjModel.geom_type"),
-        geom_xpos=_offset(data._address, in_data, data.geom_xpos, "mjData.geom_xpos"),
-        geom_xmat=_offset(data._address, in_data, data.geom_xmat, "mjData.geom_xmat"),
+        geom_xpos=_offset(data._address, in_data, data.geom_xpos, "mjData.geom_xpos", _DATA_SPAN),
+        geom_xmat=_offset(data._address, in_data, data.geom_xmat, "mjData.geom_xmat", _DATA_SPAN),
     )
 
 
-def _offset(structure: int, start: int, array: Any, name: str) -> int:
+def _offset(structure: int, start: int, array: Any, name: str, span: int = _SPAN) -> int:
     """Give the offset of the last pointer to the array: empty arrays before it may share its address."""
-    words = (ctypes.c_size_t * (_SPAN // _WORD)).from_address(structure + start)
-    places = [start + _WORD * i for i, word in enumerate(words) if word == array.ctypes.data]
+    places = _places(structure, start, array.ctypes.data, span)
     if not places:
         raise ContactError(_strange(f"{name} was not found"))
     return places[-1]
+
+
+def _places(structure: int, start: int, address: int, span: int) -> list[int]:
+    """Give the offsets at which an address stands in a structure."""
+    words = (ctypes.c_size_t * (span // _WORD)).from_address(structure + start)
+    return [start + _WORD * i for i, word in enumerate(words) if word == address]
 
 
 def _strange(what: str) -> str:

@@ -29,7 +29,7 @@ class Peaks:
     def __init__(self, data: Any, index: PairIndex) -> None:
         count = len(index.origin)
         self._data, self._peak, self._sum = data, np.zeros(count), np.zeros(count)
-        self._index = PairIndex(*(np.ascontiguousarray(part) for part in (index.surface, index.pair, index.origin)))
+        self._index = index
         self._table = self._places(discover_contacts())
         self._address = self._table.ctypes.data
 
