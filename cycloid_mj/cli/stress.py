@@ -126,9 +126,11 @@ def stress(
     as Hertz-wide patches, and inertia. A table tells for each part the
     largest von Mises stress away from the contacts (bulk) and below them (by
     Hertz), where and at which crank angle it sits, the safety against yield,
-    and how much one more refinement of the grid changes it. A second table
-    holds it against the paper (Hsieh 2014, Figs 10-16). To --out go figures
-    (png, svg), a VTU file of each part for ParaView, and stress.json.
+    and how much one more refinement of the grid changes it; below it stand
+    the stress at fillets and under other supports. A second table holds the
+    paper's own designs without load against its figures (Hsieh 2014, Figs
+    10-16). To --out go figures (png, svg), a VTU file of each part for
+    ParaView, and stress.json.
 
     Bulk stress is the largest beyond a distance d from narrow contacts and
     sharp inner corners, where it stands on a plateau. The table tells d, and

@@ -86,6 +86,8 @@ def _say(studies: "Sequence[StressStudy]", judged: "Sequence[Claim]", files: Seq
         say(f"out of balance, of the largest force: {balance}")
         if rough := [part.part for part in found.parts if not part.refinement.holds]:
             say(f"NOT CONVERGED to {100 * BOUND:g} % under one more refinement: {', '.join(rough)}")
+    if not judged and any(study.findings.of_the_paper for study in studies):
+        say("not held against the paper (Hsieh 2014), whose figures of stress are without load: see --load-nm 0")
     if judged:
         say_table("against the paper (Hsieh 2014)", CLAIM_HEADER, claim_table(judged))
         say("What decides it:")

@@ -11,6 +11,18 @@ from cycloid_mj.stress.notch import Notch
 Array = npt.NDArray[np.float64]
 
 MEGAPASCAL, MILLIMETRE = 1e6, 1e-3
+
+FIGURES = {"shaft": "Fig. 12", "gear": "Fig. 13", "ring": "Fig. 14", "output": "Fig. 15", "pin_1": "Fig. 16"}
+RANGES = {
+    ("shaft", "pin"): 160.0,
+    ("shaft", "nonpin"): 60.0,
+    ("gear", "pin"): 20.0,
+    ("gear", "nonpin"): 10.0,
+    ("ring", "pin"): 65.0,
+    ("ring", "nonpin"): 50.0,
+}
+"""Stress that each part of the paper's two designs stays below in its figures, without load [MPa]."""
+
 BOUND = 0.03
 """Largest change of a maximum under one more refinement for which it counts as found."""
 
@@ -230,8 +242,8 @@ class PartFindings:
 class StressFindings:
     """Stress of the parts of one design under one load.
 
-    `design` its name, `ring` its kind, `load` torque [N m], `log` the run's file, `yield_strength` [Pa], `parts`, and
-    the `wall` time [s].
+    `design` its name, `ring` its kind, `load` torque [N m], `log` the run's file, `yield_strength` [Pa], `parts`, the
+    `wall` time [s], and whether it is one `of_the_paper`: then its parts carry what the paper has, as reference.
     """
 
     design: str
@@ -241,10 +253,23 @@ class StressFindings:
     yield_strength: float
     parts: tuple[PartFindings, ...]
     wall: float
+    of_the_paper: bool = False
+
+    @property
+    def at_the_papers_load(self) -> bool:
+        """Whether the paper's figures of stress hold for it: its own designs, without load (section 3.3)."""
+        return self.of_the_paper and self.load == 0.0
 
     def __getitem__(self, part: str) -> PartFindings:
         """Give the findings of a part."""
         return next(found for found in self.parts if found.part == part)
+
+    def _reference(self, part: str) -> dict[str, Any] | None:
+        """Give what the paper has on a part of its own designs, and under which load; None on any other design."""
+        if not self.of_the_paper:
+            return None
+        source = f"Hsieh 2014, {FIGURES[part]}"
+        return {"source": source, "below_mpa": RANGES.get((part, self.ring)), "load_nm": 0.0}
 
     def __contains__(self, part: str) -> bool:
         """Tell whether a part was studied."""
@@ -258,7 +283,7 @@ class StressFindings:
             "load_nm": self.load,
             "log": self.log,
             "yield_strength_mpa": self.yield_strength / MEGAPASCAL,
-            "parts": [found.as_json() for found in self.parts],
+            "parts": [found.as_json() | {"reference": self._reference(found.part)} for found in self.parts],
             "assumptions": list(ASSUMPTIONS),
             "wall_s": self.wall,
         }

@@ -20,6 +20,7 @@ from cycloid_mj.stress.loads import PartLoads, part_loads, part_names, require_p
 from cycloid_mj.stress.notch import Notch, output_roots, shaft_shoulders
 from cycloid_mj.stress.part import part_grid
 from cycloid_mj.stress.shaftgrid import shaft_measures
+from cycloid_mj.stress.turn import is_of_the_paper
 
 Array = npt.NDArray[np.float64]
 Told = Callable[[str, int, int], None]
@@ -165,6 +166,7 @@ def stress_study(
         yield_strength=design.material.yield_strength,
         parts=tuple(study.findings for study in found),
         wall=time.perf_counter() - start,
+        of_the_paper=is_of_the_paper(design),
     )
     return StressStudy(design, tuple(found), findings)
 
