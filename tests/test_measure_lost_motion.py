@@ -56,13 +56,13 @@ def ideal_loop() -> Loop:
 
 def test_loop_without_friction_is_the_static_balance(ideal_loop: Loop):
     solved = balance.balance(FIXED, CRANK, ideal_loop.rated)
-    # bound asked for 3 %; what is left is inertia, damping and the straight lines through the readings
-    assert ideal_loop.stiffness == pytest.approx(1.0 / solved.compliance(solved.turn), rel=0.005)
-    assert ideal_loop.lost_motion == pytest.approx(solved.lost_motion, rel=0.01)
+    # left: inertia, damping and the straight lines through the readings, 0.05 %, 0.07 %, and 0.26 % of the mesh
+    assert ideal_loop.stiffness == pytest.approx(1.0 / solved.compliance(solved.turn), rel=0.0015)
+    assert ideal_loop.lost_motion == pytest.approx(solved.lost_motion, rel=0.0022)
     series = balance.loop_series(FIXED, ideal_loop)
     assert sum(series.values()) == pytest.approx(1.0 / ideal_loop.stiffness, rel=1e-12)
     for part, value in solved.series(FIXED).items():
-        assert series[part] == pytest.approx(value, rel=0.03), part
+        assert series[part] == pytest.approx(value, rel=0.008 if part == "mesh" else 0.0015), part
 
 
 def test_balance_of_a_softer_cam_is_another(ideal_loop: Loop):

@@ -114,6 +114,15 @@ def test_periodic_orders_are_exact_up_to_two_samples_in_a_cycle(base, turns):
     assert found.rms(found.order > 0.0) == pytest.approx(np.sqrt(2.0 + 0.125), rel=1e-9)
 
 
+def test_a_window_of_mesh_periods_does_for_what_repeats_with_the_mesh():
+    crank = swept(0.9)
+    found = tapered_orders(crank, 7.0 + np.cos(36.0 * crank + 0.3), most=144.0, base=36.0)
+    assert found.cycles == 32
+    assert found.band == pytest.approx((3.0 * 36.0 / 32.0, 144.0))
+    assert found.amplitude.max() == pytest.approx(1.0, abs=0.002)
+    assert found.order[np.argmax(found.amplitude)] == pytest.approx(36.0)
+
+
 def test_periodic_orders_refuse_what_they_would_misread():
     even = 2.0 * np.pi * np.arange(100) / 100
     for crank in (even[:90], even + 1e-3 * np.sin(even), 2.0 * np.pi * np.arange(107) / 106.5):

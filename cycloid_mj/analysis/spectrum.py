@@ -110,8 +110,8 @@ def periodic_orders(crank: Array, values: Array, base: float = 1.0, most: float 
     return Orders(base, order[kept], amplitude[kept], (base / cycles, min(most, highest)), cycles)
 
 
-def tapered_orders(angle: Array, values: Array, most: float = np.inf) -> Orders | None:
-    """Give the orders of logged values about their mean, over as many whole crank turns as there are.
+def tapered_orders(angle: Array, values: Array, most: float = np.inf, base: float = 1.0) -> Orders | None:
+    """Give the orders of logged values about their mean, over as many whole cycles of a base as there are.
 
     Parameters
     ----------
@@ -121,30 +121,33 @@ def tapered_orders(angle: Array, values: Array, most: float = np.inf) -> Orders 
         Shape (n,).
     most
         The largest order that is told [1]; at most ``BAND`` of the samples in a turn.
+    base
+        Cycles in a crank turn of which the window is to hold whole ones [1]; by default whole turns.
 
     Returns
     -------
     Orders or None
-        None where there is not one whole turn.
+        None where there is not one whole cycle.
     """
     from scipy.interpolate import CubicSpline
 
-    swept = np.abs(angle - angle[0]) / (2.0 * np.pi)
+    swept = base * np.abs(angle - angle[0]) / (2.0 * np.pi)
     if len(swept) < 2 * REACH or (np.diff(swept) <= 0.0).any():
         return None
     sampled = float(swept[-1]) * len(swept) / (len(swept) - 1)
-    turns = int(sampled + SHORT)
-    if turns < 1:
+    cycles = int(sampled + SHORT)
+    if cycles < 1:
         return None
-    points = int(np.ceil(turns / sampled * len(swept)))
-    places = CubicSpline(swept, np.arange(len(swept)))(turns * np.arange(points) / points)
+    points = int(np.ceil(cycles / sampled * len(swept)))
+    places = CubicSpline(swept, np.arange(len(swept)))(cycles * np.arange(points) / points)
     even = between_samples(values, places)
     taper = np.hanning(points + 1)[:-1]
     amplitude = 2.0 * np.abs(np.fft.rfft(taper * (even - even.mean()), PADDING * points)) / np.sum(taper)
-    order = np.arange(amplitude.size) / (PADDING * turns)
-    highest = min(most, BAND * len(swept) / sampled)
+    order = base * np.arange(amplitude.size) / (PADDING * cycles)
+    highest = min(most, BAND * base * len(swept) / sampled)
     kept = (order > 0.0) & (order <= highest)
-    return Orders(1.0, order[kept], amplitude[kept], (LOWEST / turns, highest), turns, HANN_BANDWIDTH * PADDING)
+    band = LOWEST * base / cycles, highest
+    return Orders(base, order[kept], amplitude[kept], band, cycles, HANN_BANDWIDTH * PADDING)
 
 
 def between_samples(values: Array, places: Array) -> Array:

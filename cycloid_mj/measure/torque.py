@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cycloid_mj.analysis.spectrum import tapered_orders
 from cycloid_mj.contact.working import working_at, working_forces_told
 from cycloid_mj.design import Design, override
 from cycloid_mj.measure import build_up, paper, sensitivity, spread, steady
@@ -179,15 +180,17 @@ def _curves(design: Design, ours: Outcome) -> tuple[Curve, ...]:
     """Give the output torque against the crank angle, and its orders."""
     torque, angle = ours.run["load_torque"], ours.run["crank_angle"]
     turned = np.abs(angle - angle[0])
-    size = 2.0 * np.abs(np.fft.rfft(torque - np.mean(torque))) / len(torque)
-    orders = np.arange(len(size)) * 2.0 * np.pi / (turned[-1] * len(turned) / (len(turned) - 1))
-    shown = orders <= 4.0 * design.ring.teeth
-    x, y = "crank angle [deg]", "torque [N m]"
-    return (
+    teeth, x, y = design.ring.teeth, "crank angle [deg]", "torque [N m]"
+    curves = [
         Curve("output torque", "mean", np.degrees(turned), np.full(len(torque), ours.output), x, y, "theory"),
         Curve("output torque", "simulated", np.degrees(turned), np.abs(torque), x, y),
-        Curve("its ripple by order", "", orders[shown], size[shown], "order of the crank", "amplitude [N m]", "bars"),
-    )
+    ]
+    found = tapered_orders(angle, torque, 4.0 * teeth, teeth)
+    if found is not None:
+        low, high = found.band
+        words = f"order of the crank, right within 1 % from {low:.3g} to {high:.4g}"
+        curves.append(Curve("its ripple by order", "", found.order, found.amplitude, words, "amplitude [N m]"))
+    return tuple(curves)
 
 
 def _assumptions(design: Design, periods: int) -> tuple[str, ...]:
