@@ -21,6 +21,7 @@ from ideal import ideal_run, ideal_runs
 from cycloid_mj import reproduce
 from cycloid_mj.design import PRESETS
 from cycloid_mj.measure import Measurement, Quantity
+from cycloid_mj.report.reproduction import claim_table
 from cycloid_mj.reproduce import chaos, claims, motion, peaks, phases, said, stress_claims, torque, vibration
 from cycloid_mj.reproduce.claims import Spread, order, order_verdict, range_verdict, share_verdict
 from cycloid_mj.reproduce.plan import QUICK, STARTS, at_speed, designs, idle_runs, started
@@ -184,6 +185,11 @@ def test_chaos_is_the_rate_at_which_two_runs_part():
     assert found.foldings == pytest.approx(20.0, rel=0.01)
     assert found.turns == pytest.approx(math.log(0.1 * np.std(wave) / 1e-12) / 20.0, rel=0.05)
     assert math.isnan(chaos.divergence(first, first).foldings)
+    # what parts slowly has a rate, though it does not part far within the run
+    slow = replace(one, columns={**one.columns, "gear_angle": one["gear_angle"] + wave + 1e-12 * np.exp(4.0 * turns)})
+    late = chaos.divergence(first, slow)
+    assert late.foldings == pytest.approx(4.0, rel=0.01)
+    assert late.turns == math.inf
 
 
 # --- impact peaks
@@ -306,8 +312,8 @@ def test_patterns_of_stress(idle):
         ]
 
     loaded = at_degrees(rated["pin"], "pin_1", (100.0,))
-    assert stress_claims.pin_1_cycle(stressed(), pressed((355.0,)), loaded).verdict == "agrees"
-    assert stress_claims.pin_1_cycle(stressed(), pressed((180.0,)), loaded).verdict == "disagrees"
+    assert stress_claims.pin_1_cycle(pressed((355.0,)), starts["nonpin"], loaded).verdict == "agrees"
+    assert stress_claims.pin_1_cycle(pressed((180.0,)), starts["nonpin"], loaded).verdict == "disagrees"
 
 
 def test_the_output_is_low_and_regular(idle):
@@ -354,6 +360,15 @@ def test_a_claim_has_exactly_its_keys(calm):
         assert told["condition"] == {"load_nm": 0.0, "speed_rpm": 1640.0}
         assert set(told["paper"]) == {"claim", "kind", "value", "unit", "text"}
         assert set(told["ours"]) == {"value", "unit", "spread", "text"}
+
+
+def test_the_page_names_the_load_of_every_claim(calm):
+    page = claim_table([*calm.claims, torque._order({"pin": measured(34.6, 0.03), "nonpin": measured(33.0, 0.01)})])
+    assert page.count("<td>no load</td>") == len(calm.claims)
+    assert page.count("<td>1.048 N m in</td>") == 1
+    assert page.count('class="not-determined"') == sum(each.verdict == "not determined" for each in calm.claims) > 0
+    assert "beside it: ours at the rated load" in page
+    assert 'id="gear_speed"' in page
 
 
 SENTENCE = re.compile(r"[A-Za-z]{2,},? +[A-Za-z]{2,}")

@@ -24,7 +24,7 @@ class Divergence:
     ----------
     foldings
         Growth of their difference, in e-foldings a crank turn (the largest Lyapunov exponent, roughly); not a number
-        where it stays small, and the motion is not chaotic.
+        where it stays below `SMALL`, and nothing is found of chaos.
     turns
         Crank turns after which they differ by a tenth of the motion itself; infinite where they never do.
     """
@@ -44,8 +44,9 @@ def divergence(one: Run, other: Run) -> Divergence:
     error, same = motion.gear_angle.error, settled(other).gear_angle.error
     size = np.abs(error - same) / (float(np.std(error[motion.hold])) or 1.0)
     turned = np.abs(motion.crank_angle - motion.crank_angle[0]) / (2.0 * math.pi)
-    first, last = (int(np.argmax(size > share)) for share in (SMALL, LARGE))
-    if not last:
+    if not (size > SMALL).any():
         return Divergence(math.nan, math.inf)
-    grown = math.log(size[last] / size[first])
-    return Divergence(grown / max(float(turned[last] - turned[first]), float(turned[1])), float(turned[last]))
+    parted = bool((size > LARGE).any())
+    first, last = int(np.argmax(size > SMALL)), int(np.argmax(size > LARGE) if parted else np.argmax(size))
+    grown = math.log(size[last] / size[first]) / max(float(turned[last] - turned[first]), float(turned[1]))
+    return Divergence(grown, float(turned[last]) if parted else math.inf)

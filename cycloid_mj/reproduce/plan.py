@@ -60,7 +60,7 @@ so that Young's modulus is the stiffness of these.
 LEFT_OPEN = ("damping", "friction", "creep speed", "stiffness")
 """Parameters of the sweep that the paper leaves open: it gives the clearance, and that its pins are free."""
 
-QUICK = Plan(quick=True, turns=1, varied_turns=1, finer_turns=0, varied_starts=4, ramp=False)
+QUICK = Plan(quick=True, turns=2, varied_turns=1, finer_turns=0, varied_starts=4, ramp=False)
 FULL = Plan(quick=False, turns=4, varied_turns=2, finer_turns=2, varied_starts=4, ramp=True)
 
 

@@ -30,14 +30,14 @@ class Step:
 STEPS = (
     Step("geometry", "Generation of the profiles", "Figs 1-4", geometry, 4, 4),
     Step("equal", "What differs between the designs", "section 3.1", equal, 0.1, 0.1),
-    Step("input", "Input law", "Fig. 5", input_law, 20, 70),
-    Step("gear_speed", "Angular velocity of the gear", "Fig. 6", gear_speed, 3, 3),
+    Step("input", "Input law", "Fig. 5", input_law, 6, 70),
+    Step("gear_speed", "Angular velocity of the gear", "Fig. 6", gear_speed, 30, 45),
     Step("q_path", "Path of q", "Fig. 7", q_path, 3, 3),
     Step("q_velocity", "Velocity of q and its error", "Fig. 8", q_velocity, 3, 3),
     Step("pin_1", "Spin and centre of pin 1", "Fig. 9", pin_1, 2, 2),
-    Step("vibration", "Pin against nonpin", "Figs 6-8", vibration, 35, 180),
-    Step("stress", "Grids and stress", "Figs 10-16", stress, 60, 500),
-    Step("torque", "Output torque", "Fig. 19", torque, 15, 90),
+    Step("vibration", "Pin against nonpin", "Figs 6-8", vibration, 50, 260),
+    Step("stress", "Grids and stress", "Figs 10-16", stress, 60, 600),
+    Step("torque", "Output torque", "Fig. 19", torque, 20, 120),
 )
 
 Begins = Callable[[Step, str, float | None], None]

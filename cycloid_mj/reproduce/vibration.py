@@ -22,6 +22,7 @@ from cycloid_mj.reproduce.plan import (
     Plan,
     at_speed,
     designs,
+    equalised,
     finer_idle_runs,
     finer_rated_runs,
     idle_runs,
@@ -51,9 +52,6 @@ CAPTIONS = {
 
 def vibration(plan: Plan, runs: Runs, told: Told) -> Found:
     """Rank the idle fluctuations of both designs over independent starts, and vary what the paper leaves open."""
-    from cycloid_mj.plots.comparison import comparison_figures
-    from cycloid_mj.plots.starts import starts_figure
-
     # asked for together, so that the runs fill every core
     pairs = [(at_speed(design, 0.0, plan.turns), nudged(at_speed(design, 0.0, plan.turns))) for design in designs()]
     runs([*(run for design in designs() for run in idle_runs(plan, design)), *rated_runs(plan), *(b for _, b in pairs)])
@@ -61,22 +59,9 @@ def vibration(plan: Plan, runs: Runs, told: Told) -> Found:
     finer = of_runs({each.name: runs(finer_idle_runs(plan, each)) for each in designs()}) if plan.finer_turns else None
     chaos = {one.name: divergence(*runs([one, other])) for one, other in pairs}
     rated = {"as it is": _rated(runs(rated_runs(plan)))} | _varied_rated(plan, runs)
-    drawn = comparison_figures([settled(run) for run in runs(main_runs(plan))])
-    plates = [
-        Plate(name, figure, f"{words} Left no load, right the rated load.", drawn[name])
-        for name, (figure, words) in CAPTIONS.items()
-    ]
     cases = {"as it is": base} | {label(one): found for one, found in sweep.items()}
-    plates.append(
-        Plate(
-            "compare_starts",
-            "Figs 6-8",
-            "No load: rms of every independent start, pin and nonpin, as it is and with one parameter varied.",
-            starts_figure({name: found.levels for name, found in cases.items()}, QUANTITIES),
-        )
-    )
     return Found(
-        tuple(plates),
+        tuple(_plates(plan, runs, cases)),
         (
             _idle_table(cases, finer),
             _rated_table(rated),
@@ -92,6 +77,22 @@ def vibration(plan: Plan, runs: Runs, told: Told) -> Found:
             },
         },
         tuple(_notes(plan, chaos)),
+    )
+
+
+def _plates(plan: Plan, runs: Runs, cases: Mapping[str, Idle]) -> Iterator[Plate]:
+    """Draw one turn of each main run, and every idle start of every case."""
+    from cycloid_mj.plots.comparison import comparison_figures
+    from cycloid_mj.plots.starts import starts_figure
+
+    drawn = comparison_figures([settled(run) for run in runs(main_runs(plan))])
+    for name, (figure, words) in CAPTIONS.items():
+        yield Plate(name, figure, f"{words} Left no load, right the rated load.", drawn[name])
+    yield Plate(
+        "compare_starts",
+        "Figs 6-8",
+        "No load: rms of every independent start, pin and nonpin, as it is and with one parameter varied.",
+        starts_figure({name: found.levels for name, found in cases.items()}, QUANTITIES),
     )
 
 
@@ -215,17 +216,21 @@ def _idle_table(cases: Mapping[str, Idle], finer: Idle | None) -> Table:
 
 
 def _rated_table(cases: Mapping[str, Mapping[str, Levels]]) -> Table:
-    """Give rms at the rated load, and pin over nonpin, in each case."""
-    head = ("rated load: rms, pin | nonpin | ratio", *cases)
-    rows = []
-    for each in QUANTITIES:
-        cells = []
-        for found in cases.values():
-            levels = found[each.key]
-            ratio = levels["pin"] / levels["nonpin"] if levels["nonpin"] else math.inf
-            cells.append(f"{levels['pin']:.3g} | {levels['nonpin']:.3g} | {ratio:.2f}")
-        rows.append((f"{each.name} [{each.unit}]", *cells))
-    return Table("fluctuations under the rated load: ours, beside what the paper tells of", head, tuple(rows))
+    """Give rms at the rated load, and pin over nonpin, in each case; as it is, the third design as well."""
+    third = equalised().name
+    head = (f"rated load: rms, pin | nonpin | ratio (| {third})", *cases)
+    rows = [
+        (f"{each.name} [{each.unit}]", *(_cell(found[each.key]) for found in cases.values())) for each in QUANTITIES
+    ]
+    title = "fluctuations under the rated load; the third design has the pin design's total play and series stiffness"
+    return Table(title, head, tuple(rows))
+
+
+def _cell(levels: Levels) -> str:
+    ratio = levels["pin"] / levels["nonpin"] if levels["nonpin"] else math.inf
+    third = levels.get(equalised().name)
+    words = f"{levels['pin']:.3g} | {levels['nonpin']:.3g} | {ratio:.2f}"
+    return words if third is None else f"{words} | {third:.3g}"
 
 
 def _notes(plan: Plan, chaos: Mapping[str, Divergence]) -> Iterator[str]:
@@ -244,6 +249,11 @@ def _notes(plan: Plan, chaos: Mapping[str, Divergence]) -> Iterator[str]:
                 f"{name}, no load: two runs whose gravity differs by a part in 10^9 part by a factor of e "
                 f"{found.foldings:.0f} times a crank turn, and differ by a tenth of the motion after {found.turns:.2f} "
                 "turns: the motion is chaotic, and only its spread over starts means something."
+            )
+        elif math.isfinite(found.foldings):
+            yield (
+                f"{name}, no load: two runs whose gravity differs by a part in 10^9 part by a factor of e "
+                f"{found.foldings:.1f} times a crank turn, not yet by a tenth of the motion in the turns that were run."
             )
         else:
             yield f"{name}, no load: runs whose gravity differs by a part in 10^9 stay together: no chaos was found."
