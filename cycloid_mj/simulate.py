@@ -282,7 +282,7 @@ class _Recorder:
         self.peaks = Peaks(data, self._index)
         self._dragged = dragged_joints(reducer.model, DRAGS)
         kinds = sorted(reducer.laws)
-        self._kinds = np.array([[pair.kind == kind for kind in kinds] for pair in reducer.pairs], dtype=np.float64)
+        self._kinds = [np.array([pair.kind == kind for pair in reducer.pairs]) for kind in kinds]
         self._deepest, self._lobes = design.contact.max_penetration, design.lobes
         self._most_iterations = reducer.model.opt.iterations
         self._data = data
@@ -304,8 +304,8 @@ class _Recorder:
         count = len(samples)
         seen = np.array([sample.sensors for sample in samples])
         summary = np.array([sample.summary for sample in samples])
-        friction = np.array([sample.forces.friction_power for sample in samples]) @ self._kinds
-        normal = np.array([sample.forces.normal_power for sample in samples]) @ self._kinds
+        friction = self._by_kind([sample.forces.friction_power for sample in samples])
+        normal = self._by_kind([sample.forces.normal_power for sample in samples])
         powers = np.stack([friction, normal], axis=2).reshape(count, -1)
         drags = np.array([sample.drag for sample in samples])
         wrench = np.array([sample.forces.wrench for sample in samples])
@@ -315,6 +315,11 @@ class _Recorder:
         if self._first_pin is None:
             return {_REDUCER: reducer, _FORCES: forces}
         return {_REDUCER: reducer, _PINS: seen[:, self._first_pin :], _FORCES: forces}
+
+    def _by_kind(self, powers: Sequence[Array]) -> Array:
+        """Add up powers of pairs, shape (pairs,) each, by kind; without BLAS, whose last bits depend on its threads."""
+        table = np.array(powers)
+        return np.stack([table[:, of_kind].sum(axis=1) for of_kind in self._kinds], axis=1)
 
     def _problem(self, sample: _Sample, iterations: int) -> str:
         if not (np.isfinite(sample.sensors).all() and np.isfinite(self._acceleration).all()):

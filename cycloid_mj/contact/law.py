@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from cycloid_mj import statics
 from cycloid_mj.contact.working import STRIBECK, working_force, working_load, working_source
 from cycloid_mj.design import Design
+from cycloid_mj.digits import significant
 from cycloid_mj.errors import ContactError
 
 IMPRATIO = 10.0
@@ -230,7 +231,7 @@ def solver_parameters(law: ContactLaw, inverse_weight: float) -> SolverParameter
     return SolverParameters(
         condim=3 if law.friction > 0.0 else 1,
         friction=slide,
-        solref=(-law.stiffness * scale, -law.damping * scale),
-        solreffriction=(-1.0, -law.creep * scale / IMPRATIO) if law.friction > 0.0 else (0.0, 0.0),
-        solimp=(impedance, impedance, 1.0, 0.5, 1.0),
+        solref=(significant(-law.stiffness * scale), significant(-law.damping * scale)),
+        solreffriction=(-1.0, significant(-law.creep * scale / IMPRATIO)) if law.friction > 0.0 else (0.0, 0.0),
+        solimp=(significant(impedance), significant(impedance), 1.0, 0.5, 1.0),
     )

@@ -21,6 +21,7 @@ from cycloid_mj.contact.working import at_rated_load, working_force
 from cycloid_mj.convex import ConvexSettings, Place, Rest, Surface, prism, surfaces
 from cycloid_mj.design import Design
 from cycloid_mj.deviations import deviations
+from cycloid_mj.digits import on_grid
 from cycloid_mj.errors import DesignError
 from cycloid_mj.export.stl import stl_bytes
 from cycloid_mj.mjcf import model as exact
@@ -282,7 +283,8 @@ def _add_round_parts(spec: Any, design: Design) -> None:
 
 def _turn(angle: float) -> list[float]:
     """Quaternion of a clockwise turn about z [rad]."""
-    return [float(np.cos(0.5 * angle)), 0.0, 0.0, float(-np.sin(0.5 * angle))]
+    turned: list[float] = on_grid([np.cos(0.5 * angle), 0.0, 0.0, -np.sin(0.5 * angle)]).tolist()
+    return turned
 
 
 def _pose(place: Place) -> list[float]:

@@ -27,6 +27,7 @@ from cycloid_mj.contact.teeth import USER_DATA, Teeth
 from cycloid_mj.contact.working import working_force
 from cycloid_mj.design import Design
 from cycloid_mj.deviations import deviations
+from cycloid_mj.digits import on_grid, significant
 from cycloid_mj.mjcf import names
 from cycloid_mj.mjcf.names import Pair
 from cycloid_mj.mjcf.solver import set_solver
@@ -173,7 +174,8 @@ def output_angles(design: Design) -> Any:
 
 def _at(radius: float, angle: float, deviation: Any = (0.0, 0.0)) -> list[float]:
     """Give the place at an angle clockwise from +y, and how far a part is beside it [m]."""
-    return [radius * np.sin(angle) + deviation[0], radius * np.cos(angle) + deviation[1], 0.0]
+    place = (radius * np.sin(angle) + deviation[0], radius * np.cos(angle) + deviation[1], 0.0)
+    return on_grid(place).tolist()
 
 
 def _empty(design: Design) -> Any:
@@ -296,9 +298,9 @@ def _add_ring(spec: Any, housing: Any, design: Design, masses: Mapping[str, Mass
     half, nominal, made = 0.5 * design.gear.face_width, design.ring.pin_radius, deviations(design)
     for number, angle in enumerate(ring_angles(design), start=1):
         place = _at(design.ring.pin_circle_radius, angle, made.pin_place[number - 1])
-        radius, home = nominal + made.pin_radius[number - 1], [np.sin(angle), np.cos(angle)]
+        radius, home = nominal + made.pin_radius[number - 1], on_grid([np.sin(angle), np.cos(angle)]).tolist()
         if design.ring.kind == "nonpin":
-            turned = [np.cos(0.5 * angle), 0.0, 0.0, -np.sin(0.5 * angle)]
+            turned = on_grid([np.cos(0.5 * angle), 0.0, 0.0, -np.sin(0.5 * angle)]).tolist()
             _contact_geom(housing, names.lobe(number), Role.LOBE, radius, half, pos=place, quat=turned)
             continue
         if not design.ring.has_moving_pins:
@@ -349,7 +351,7 @@ def _add_gear(spec: Any, design: Design, properties: MassProperties) -> None:
     made = deviations(design)
     # MuJoCo drops a pair whose bounding boxes are apart: this cylinder reaches every pin at every crank angle.
     reach = design.ring.pin_circle_radius + 2.0 * (eccentricity + made.largest)
-    _contact_geom(gear, names.TEETH, Role.TEETH, reach, half, userdata=list(_teeth(design)))
+    _contact_geom(gear, names.TEETH, Role.TEETH, reach, half, userdata=[significant(one) for one in _teeth(design)])
     _contact_geom(gear, names.BORE, Role.OUTER, design.gear.bore_radius + design.clearance.cam, half)
     hole = design.output.hole_radius + design.clearance.output
     for number, angle in enumerate(output_angles(design), start=1):
@@ -359,7 +361,7 @@ def _add_gear(spec: Any, design: Design, properties: MassProperties) -> None:
 
 def _add_actuators(spec: Any, inertia: float, held: Held = "crank") -> tuple[float, float]:
     """Add the actuators of crank and output, a servo on the held shaft of this inertia; give the servo's gains."""
-    kp, kv = inertia * SERVO_BANDWIDTH**2, 2.0 * inertia * SERVO_BANDWIDTH
+    kp, kv = significant(inertia * SERVO_BANDWIDTH**2), significant(2.0 * inertia * SERVO_BANDWIDTH)
     for shaft, name, joint in (("crank", names.DRIVE, names.CRANK_JOINT), ("output", names.LOAD, names.OUTPUT_JOINT)):
         actuator = spec.add_actuator(name=name, target=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT)
         if shaft == held:

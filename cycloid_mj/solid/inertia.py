@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj.digits import on_grid, significant, significant_tensor
 from cycloid_mj.solid.polygon import AreaMoments, area_moments
 from cycloid_mj.solid.prism import Prism, Solid
 
@@ -22,7 +23,7 @@ class MassProperties:
 
 
 def mass_properties(solid: Solid) -> MassProperties:
-    """Give the mass properties of a solid.
+    """Give the mass properties of a solid, rounded to the digits that they mean (``digits``).
 
     With V, s and S the integrals of 1, r and r r^T over the volume, the centroid is s/V, and the inertia about it is
     density (tr(C) 1 - C) with C = S - s s^T / V (the parallel-axis theorem).
@@ -33,10 +34,10 @@ def mass_properties(solid: Solid) -> MassProperties:
     second = np.sum([part[2] for part in moments], axis=0)
     central = second - np.outer(first, first) / volume
     return MassProperties(
-        mass=solid.density * volume,
-        volume=volume,
-        centroid=first / volume,
-        inertia=solid.density * (np.trace(central) * np.eye(3) - central),
+        mass=significant(solid.density * volume),
+        volume=significant(volume),
+        centroid=on_grid(first / volume),
+        inertia=significant_tensor(solid.density * (np.trace(central) * np.eye(3) - central)),
     )
 
 

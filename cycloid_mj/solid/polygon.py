@@ -24,19 +24,19 @@ class AreaMoments(NamedTuple):
 def area_moments(polygon: Array) -> AreaMoments:
     """Give the area moments about the origin of a polygon (n, 2) [m], exactly.
 
-    Green's theorem turns each integral over the region into a sum over the edges. A clockwise polygon has
-    negative moments.
+    Green's theorem turns each integral over the region into a sum over the edges, which is exact in any order. A
+    clockwise polygon has negative moments.
     """
     x, y = polygon.T
     u, v = np.roll(polygon, -1, axis=0).T
     cross = x * v - u * y
     return AreaMoments(
-        area=float(cross.sum()) / 2,
-        x=float(cross @ (x + u)) / 6,
-        y=float(cross @ (y + v)) / 6,
-        xx=float(cross @ (x * x + x * u + u * u)) / 12,
-        yy=float(cross @ (y * y + y * v + v * v)) / 12,
-        xy=float(cross @ (2 * x * y + x * v + u * y + 2 * u * v)) / 24,
+        area=math.fsum(cross) / 2,
+        x=math.fsum(cross * (x + u)) / 6,
+        y=math.fsum(cross * (y + v)) / 6,
+        xx=math.fsum(cross * (x * x + x * u + u * u)) / 12,
+        yy=math.fsum(cross * (y * y + y * v + v * v)) / 12,
+        xy=math.fsum(cross * (2 * x * y + x * v + u * y + 2 * u * v)) / 24,
     )
 
 
