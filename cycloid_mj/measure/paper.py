@@ -52,7 +52,7 @@ def figures(design: Design) -> list[PaperFigure]:
 
 def friction_quantities(found: Sequence[PaperFigure]) -> dict[str, Quantity]:
     """Give the frictions as quantities."""
-    note = "all pairs that slide alike; bearings without losses"
+    note = "all pairs that slide alike; rolling bearings and seals as designed"
     return {
         f"friction_for_paper_{one.way}": Quantity(
             f"friction that gives the paper's {one.torque:g} N m, {one.way}", one.friction, "1", one.error, note=note

@@ -17,8 +17,8 @@ Array = npt.NDArray[np.float64]
 
 SLIDING = (0.0, 0.1)
 """Coefficients of one sliding pair, tried one pair at a time."""
-ROLLING = (0.001, 0.002)
-"""Coefficients of a rolling bearing: cylindrical and needle rollers (Harris, Rolling Bearing Analysis)."""
+ROLLING = (0.0, 0.003)
+"""Coefficients of a rolling bearing beside the design's own: left out, and the most of needles with a cage (JTEKT)."""
 COMMON = (0.0, 0.02, 0.05, 0.1)
 """Coefficients of all sliding pairs together; from these the friction of a given rate is interpolated."""
 EVERY, OWN, NONE = "all sliding", "as designed", "none"

@@ -7,9 +7,11 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.analysis.spectrum import BAND, tapered_orders
+from cycloid_mj.contact.working import working_at, working_forces_told
 from cycloid_mj.design import Design
 from cycloid_mj.measure.conditions import DRAG, RPM, halved, rated_torque, require_motion, stepped
 from cycloid_mj.measure.measurement import Curve, Measurement, Quantity
+from cycloid_mj.measure.play import clearance_kinds
 from cycloid_mj.measure.pool import Done, each, nothing
 from cycloid_mj.measure.reaction import unbalance, weight
 from cycloid_mj.measure.sway import Sway, sway
@@ -66,6 +68,7 @@ def measure_vibration(
     design = stepped(design)
     rated, speed = rated_torque(design), design.drive.speed
     torques = {"unloaded": DRAG * rated, "loaded": rated if load is None else load}
+    design = working_at(design, torques["loaded"])
     swept = [] if quick else list(speeds) or [share * speed for share in SHARES]
     half = halved(design)
     points = [(design, build(design), one) for one in sorted({speed, *swept}, key=abs)]
@@ -88,6 +91,8 @@ def measure_vibration(
             _band_told(at_speed[0]),
             f"unloaded: a drag of {DRAG:.0%} of the rated torque, which presses the flanks together before the window; "
             "the spectra are at the design's speed",
+            "contacts have the secant stiffness of one working force in all runs, that of the loaded ones: "
+            f"{working_forces_told(design, clearance_kinds(design))}",
             "numerical error: what half the step changes at the design's speed (not known with --quick), of an rms "
             "also what half the window changes; unloaded pins rattle, and a run with other rounding may end some "
             "percent off",

@@ -48,7 +48,9 @@ def torque(
     output at its speed. Mean and ripple of the output torque, its rate
     against the torque without losses, how the rate answers to the friction
     of each pair with pins free, fixed and sleeved, and which friction would
-    give the paper's figures. --set changes every design.
+    give the paper's figures. Each input that is assumed (play, the cam,
+    friction, creep speed, damping) is varied alone: how far the rate moves
+    with them stands beside its numerical error. --set changes every design.
     """
     from cycloid_mj.measure.torque import measure_torque
 
