@@ -138,13 +138,13 @@ def test_the_measure_tells_both_ways_both_loads_and_its_error() -> None:
         for pace in ("slow", "speed"):
             ahead, back = (found[f"{shaft}_rms_loaded_{way}_{pace}"] for way in ("forward", "reverse"))
             # Both ways are mirror images, but for where the holes are in the turn.
-            assert back == pytest.approx(ahead, rel=0.05)
+            assert back == pytest.approx(ahead, rel=0.006)
     level = found.quantities["output_peak_to_peak_loaded_forward_slow"]
     assert level.error is not None
-    assert level.error < 0.02 * level.value
-    assert level.value == pytest.approx(level.reference, rel=0.15)
-    assert found["output_wind_up"] == pytest.approx(found.quantities["output_wind_up"].reference, rel=0.01)
-    assert found["gear_reversal"] == pytest.approx(found.quantities["gear_reversal"].reference, rel=0.02)
+    assert level.error < 0.015 * level.value
+    assert level.value == pytest.approx(level.reference, rel=0.11)
+    assert found["output_wind_up"] == pytest.approx(found.quantities["output_wind_up"].reference, rel=0.002)
+    assert found["gear_reversal"] == pytest.approx(found.quantities["gear_reversal"].reference, rel=0.0012)
     told = json.loads(json.dumps(found.as_json(), allow_nan=False))
     assert {one["key"] for one in told["orders"]["causes"]} == {"mesh", "ring", "holes", "eccentricity"}
     assert len(found.runs) == len(told["orders"]["cases"]) == 8
