@@ -109,3 +109,47 @@ def test_other_designs_have_every_check(name):
         f"{part}_{limit}" for part in ("tooth", "output", "cam") for limit in ("yield", "hardness")
     } <= set(names)
     assert ("ring_tool" in names) == (design.ring.kind == "nonpin")
+
+
+def test_a_housing_too_small_for_its_ring_names_both_remedies():
+    for kind in ("pin", "nonpin"):
+        design = override(PRESETS[kind], {"housing.outer_radius_mm": 40.0})
+        item = failed(design)["housing"]
+        assert re.search(r"raise housing\.outer_radius_mm to .*, or lower ring\.pin_circle_radius_mm to ", item.remedy)
+        for remedy in item.remedy.split(", or "):
+            assert "housing" not in failed(override(design, changes_of(remedy)))
+
+
+def test_numbers_are_told_without_the_noise_of_their_last_bit():
+    told = {item.name: item for item in check(PIN)}
+    assert told["neighbouring_holes"].limit == "less than 9.745 mm"
+    assert not [str(item) for item in told.values() if re.search(r"\d\.\d{8,}", str(item))]
+
+
+def test_each_check_has_its_numbers():
+    for item in check(PIN):
+        if item.name not in ("hole_size", "play"):
+            assert item.value is not None
+            assert item.bound is not None
+    item = {item.name: item for item in check(PIN)}["tooth_yield"]
+    assert (item.unit, f"{item.bound:.4g}") == ("mpa", "1111")
+    assert f"{item.value:.4g} MPa" == item.got
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"drive.torque_nm": 1e-5},
+        {"drive.torque_nm": 1e4},
+        {"drive.speed_rpm": 0.0},
+        {"drive.speed_rpm": -99999.0, "drive.torque_nm": 1e-3},
+        {"friction.pin_gear": 2.0, "friction.pin_socket": 2.0},
+        {"material.youngs_modulus_mpa": 600.0, "contact.working_force_n": 1e6},
+        {"environment.gravity_y_m_s2": -1000.0, "drive.torque_nm": 1e-4},
+    ],
+)
+def test_extreme_loads_are_judged_or_the_reason_is_told(changes):
+    found = check(override(PIN, changes))
+    names = {item.name: item for item in found}
+    assert "tooth_yield" in names or names["rated_load"].why
+    assert all(item.passed or item.why for item in found)

@@ -8,7 +8,8 @@ import numpy as np
 
 from cycloid_mj import envelope, profile, statics
 from cycloid_mj.design import Design
-from cycloid_mj.loaded import Loads, Springs, loads, peak_force, peak_pressure, springs_of
+from cycloid_mj.errors import RunError
+from cycloid_mj.loaded import Loads, Springs, loads, peak_force, peak_pressure, springs_of, torque_at_pressure
 from cycloid_mj.modification import tooth_profile
 
 CARRIES = 0.01
@@ -41,6 +42,13 @@ class Rated:
     def peak_pressure(self, kind: str) -> float:
         """Give the largest Hertz pressure on a kind of contact [Pa]."""
         return peak_pressure(self.design, self.springs, self.found, kind)
+
+    def torque_at(self, kind: str, pressure: float) -> float:
+        """Give the torque on the output at which a kind of contact has a peak pressure [Pa]; NaN if none is found."""
+        try:
+            return abs(torque_at_pressure(self.design, self.springs, kind, pressure, self.torque))
+        except RunError:
+            return math.nan
 
     @property
     def concentration(self) -> float:

@@ -14,7 +14,6 @@ from cycloid_mj.contact.pressure import HARDNESS_PRESSURE, SHAKEDOWN_PRESSURE, Y
 from cycloid_mj.design import Design
 from cycloid_mj.design.units import DEGREE, MEGAPASCAL, NEWTON_METRE, NONE, Unit
 from cycloid_mj.errors import CycloidError
-from cycloid_mj.loaded import torque_at_pressure
 from cycloid_mj.modification import profile_offset
 
 CONCENTRATION = 3.0
@@ -28,6 +27,9 @@ SAFETY = 2.0
 
 MARGIN = 1e-3
 """Relative; how far a remedy that rests on the statics stays inside its limit: they are as exact as that."""
+
+NEAR = 0.01
+"""Relative; how near to its limit a remedy comes that is found by halving."""
 
 GUESSES = 6
 
@@ -94,8 +96,8 @@ def _pressures(state: Rated, part: str) -> Iterator[Check]:
         remedies: list[Limit] = []
         beyond = f"beyond, {what}"
         if not passed:
-            torque = abs(torque_at_pressure(design, state.springs, kind, allowed, state.torque))
-            beyond = f"{what} from {_newton_metres(torque)} on"
+            torque = state.torque_at(kind, allowed)
+            beyond = f"{what} from {_newton_metres(torque)} on" if math.isfinite(torque) else what
             remedies = [
                 _face_width(design, lambda other: other.peak_pressure(kind), allowed, 2.0),
                 Limit(key, "at least", pressure / factor),
@@ -202,7 +204,7 @@ def _pressure_angle(state: Rated) -> Check:
 
 
 def _threshold(holds: Callable[[float], bool]) -> float:
-    """Give the largest share from 0 to 1, to a thousandth, at which something holds that does not at 1; 0 for none."""
+    """Give the largest share from 0 to 1, to a hundredth of it, at which something holds that does not at 1; 0 for none."""
 
     def kept(share: float) -> bool:
         try:
@@ -211,7 +213,7 @@ def _threshold(holds: Callable[[float], bool]) -> float:
             return False
 
     low, high = 0.0, 1.0
-    while high - low > MARGIN * high and high > MARGIN:
+    while high - low > NEAR * high and high > NEAR:
         middle = 0.5 * (low + high)
         low, high = (middle, high) if kept(middle) else (low, middle)
     return low

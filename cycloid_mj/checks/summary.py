@@ -3,9 +3,15 @@
 from dataclasses import dataclass
 
 from cycloid_mj.checks.rated import rated
+from cycloid_mj.contact.pressure import YIELD_PRESSURE
 from cycloid_mj.design import Design
-from cycloid_mj.loaded import backlash, kinds, yield_torque
+from cycloid_mj.loaded import kinds
+from cycloid_mj.loaded.springs import turn_evenly
+from cycloid_mj.mechanism.limits import stops
 from cycloid_mj.solid import mass_properties, parts
+
+POSES = 13
+"""Crank angles over which the backlash is averaged."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +35,7 @@ class Summary:
     backlash
         Play of the output from stop to stop, mean over a turn of the crank [rad].
     capacity
-        Torque on the output at which the first contact yields [N m].
+        Torque on the output at which the first contact yields [N m]; NaN where the statics do not reach so far.
     weakest
         Kind of that contact.
     """
@@ -64,10 +70,16 @@ def summary(design: Design) -> Summary:
         rated_torque=design.rated_torque,
         loaded_teeth=state.loaded_teeth,
         pressure_angle=state.pressure_angle,
-        backlash=backlash(design),
-        capacity=abs(yield_torque(design, state.springs, weakest, state.torque)),
+        backlash=_backlash(design),
+        capacity=state.torque_at(weakest, YIELD_PRESSURE * design.material.yield_strength),
         weakest=weakest,
     )
+
+
+def _backlash(design: Design) -> float:
+    """Play of the output from stop to stop [rad], mean over a turn."""
+    ends = [stops(design, float(crank)) for crank in turn_evenly(POSES)]
+    return sum(high - low for low, high in ends) / len(ends)
 
 
 def _mass(design: Design) -> float:
