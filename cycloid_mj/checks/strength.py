@@ -204,7 +204,7 @@ def _pressure_angle(state: Rated) -> Check:
 
 
 def _threshold(holds: Callable[[float], bool]) -> float:
-    """Give the largest share from 0 to 1, to a hundredth of it, at which something holds that does not at 1; 0 for none."""
+    """Give the largest share from 0 to 1, to a hundredth of it, where something holds that fails at 1; 0 for none."""
 
     def kept(share: float) -> bool:
         try:
