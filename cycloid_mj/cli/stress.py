@@ -21,6 +21,7 @@ from cycloid_mj.errors import UsageError, warn
 
 if TYPE_CHECKING:
     from cycloid_mj.record import Run
+    from cycloid_mj.stress.grid import Grid
     from cycloid_mj.stress.study import StressStudy, StudySettings
 
 EXAMPLES = """Examples:
@@ -30,11 +31,9 @@ EXAMPLES = """Examples:
   cycloid-mj stress --design my.toml --load-nm 20 --json > stress.json"""
 
 RUNS = "runs/stress"
+GIGABYTE = 1e9
 SAMPLES = 720
 """Least samples of a run in a crank turn: two for each degree."""
-
-SHARES = {"shaft": 3.5, "gear": 5.0, "ring": 1.5, "output": 6.0, "pin_1": 0.5}
-"""Time that each part takes, relative to the others; for the estimate of the time left."""
 
 DesignsFlag = Annotated[
     tuple[str, ...],
@@ -154,9 +153,13 @@ def stress(
     settings = replace(QUICK if quick else StudySettings(), solid=solid)
     if log:
         into, runs = _read(log, design, out)
+        planned = _planned([ran for ran, _, _ in runs], part, settings, quiet)
     else:
-        into, runs = _run([_loaded(designed(name, set_, ()), load_nm) for name in design], out, force, quiet)
-    studies = _studied(runs, part, settings, quiet)
+        designs = [_loaded(designed(name, set_, ()), load_nm) for name in design]
+        _require_apart(designs)
+        planned = _planned(designs, part, settings, quiet)
+        into, runs = _run(designs, out, force, quiet)
+    studies = _studied(runs, planned, settings, quiet)
     report(studies, into, angle_deg, json)
     return 0
 
@@ -180,10 +183,6 @@ def _run(designs: Sequence[Design], out: str | None, force: bool, quiet: bool) -
     from cycloid_mj.log import read
 
     names = [design.name for design in designs]
-    if twice := next((name for name in names if names.count(name) > 1), None):
-        raise UsageError(f"two of the designs are called {twice!r}: give each a name of its own in its file")
-    for design in designs:
-        require_possible(design)
     into = logs_folder(RUNS, out, names, force)
     logs = {design: into / f"{design.name}.mcap" for design in designs}
     run_all(logs, min(os.cpu_count() or 1, len(logs)), force, quiet)
@@ -191,6 +190,33 @@ def _run(designs: Sequence[Design], out: str | None, force: bool, quiet: bool) -
 
 
 Logged = tuple[Design, "Run", Path]
+Grids = dict[str, "Grid"]
+
+
+def _require_apart(designs: Sequence[Design]) -> None:
+    """Raise UsageError for designs of one name, or one that cannot run."""
+    names = [design.name for design in designs]
+    if twice := next((name for name in names if names.count(name) > 1), None):
+        raise UsageError(f"two of the designs are called {twice!r}: give each a name of its own in its file")
+    for design in designs:
+        require_possible(design)
+
+
+def _planned(designs: Sequence[Design], parts: Sequence[str], settings: "StudySettings", quiet: bool) -> list[Grids]:
+    """Mesh the parts asked for of every design, and say what the study of them will need."""
+    from cycloid_mj.stress.cost import cost, total
+    from cycloid_mj.stress.study import study_grids
+
+    chosen = _parts_by_design(designs, parts)
+    grids = [study_grids(design, names, settings) for design, names in zip(designs, chosen, strict=True)]
+    needed = total(cost(grid, settings) for each in grids for grid in each.values())
+    unknowns = sum(grid.unknowns for each in grids for grid in each.values())
+    if not quiet:
+        tell(
+            f"grids of {unknowns} unknowns at {settings.angles} crank angles: about {needed.seconds:.0f} s of "
+            f"processor time and {needed.memory / GIGABYTE:.1f} GB"
+        )
+    return grids
 
 
 def _read(logs: Sequence[str], designs: Sequence[str], out: str | None) -> tuple[Path, list[Logged]]:
@@ -210,17 +236,17 @@ def _read(logs: Sequence[str], designs: Sequence[str], out: str | None) -> tuple
 
 
 def _studied(
-    runs: Sequence[Logged], parts: Sequence[str], settings: "StudySettings", quiet: bool
+    runs: Sequence[Logged], planned: Sequence[Grids], settings: "StudySettings", quiet: bool
 ) -> "list[StressStudy]":
     """Study every design that has a part of those asked for, and tell how far it is."""
+    from cycloid_mj.stress.cost import cost
     from cycloid_mj.stress.study import stress_study
 
-    chosen = _parts_by_design([design for design, _, _ in runs], parts)
-    watch = _Watch([part for names in chosen for part in names], quiet)
+    watch = _Watch([cost(grid, settings).seconds for grids in planned for grid in grids.values()], quiet)
     return [
-        stress_study(run, design, names, settings, str(path), partial(watch.begins, design.name))
-        for (design, run, path), names in zip(runs, chosen, strict=True)
-        if names
+        stress_study(run, design, tuple(grids), settings, str(path), partial(watch.begins, design.name), grids)
+        for (design, run, path), grids in zip(runs, planned, strict=True)
+        if grids
     ]
 
 
@@ -235,17 +261,18 @@ def _parts_by_design(designs: Sequence[Design], parts: Sequence[str]) -> list[li
 
 
 class _Watch:
-    """Tells each part as it begins, with an estimate of the time left for all `parts`."""
+    """Tells each part as it begins, with an estimate of the time left, from what each of them costs [s]."""
 
-    def __init__(self, parts: Sequence[str], quiet: bool) -> None:
-        self._whole = sum(SHARES[part] for part in parts)
+    def __init__(self, costs: Sequence[float], quiet: bool) -> None:
+        self._costs = costs
         self._quiet = quiet
-        self._done = 0.0
+        self._begun = 0
         self._start = monotonic()
 
     def begins(self, design: str, part: str, number: int, of: int) -> None:
-        left = (monotonic() - self._start) * (self._whole / self._done - 1.0) if self._done else None
-        self._done += SHARES[part]
+        done = sum(self._costs[: self._begun])
+        left = (monotonic() - self._start) * (sum(self._costs) / done - 1.0) if done else None
+        self._begun += 1
         if not self._quiet:
             estimate = "" if left is None else f", about {left:.0f} s left"
             tell(f"{design}: {part} ({number + 1} of {of} parts){estimate}")

@@ -104,7 +104,7 @@ def largest(found: Distances, distances: Array, block: Indices, stress: Array) -
 def plateau(sizes: Array, first: int) -> int:
     """Give the rung where the largest stresses (s,) of a turn stand on a plateau, from the first one on.
 
-    It is the first that the next one falls short of by less than `FLAT`; where there is none, the one after the
+    It is the first that the next one falls short of by less than `FLAT`; where there is none, the one before the
     smallest fall.
     """
     first = min(first, len(sizes) - 1)
@@ -112,7 +112,7 @@ def plateau(sizes: Array, first: int) -> int:
     flat = np.flatnonzero(falls < FLAT)
     if len(flat):
         return first + int(flat[0])
-    return first + int(falls.argmin()) + 1 if len(falls) else first
+    return first + int(falls.argmin()) if len(falls) else first
 
 
 def fall(sizes: Array, rung: int) -> float:

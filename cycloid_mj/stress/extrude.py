@@ -29,6 +29,9 @@ COARSER = {"contact_edge": 3.0, "wide_edge": 2.0, "free_edge": 2.5, "inner_edge"
 OUTPUT_SECTION = 0.8
 """Refinement of the output's section: its stress is largest at the roots of its pins, not near their contacts."""
 
+LEAST_LAYERS = {"output": 4}
+"""Layers over the gear's width at least; of other parts two, so that forces are handed on at five heights or more."""
+
 CORNER_DISTANCE = 0.5
 """Share of the radius of the output pins' roots by which the bulk keeps off them, and off the rims of the hub."""
 
@@ -59,7 +62,8 @@ def solid_grid(design: Design, part: str, settings: GridSettings) -> Grid:
         part_region(design, part), replace(settings, **coarse, refinement=share * settings.refinement), length
     )
     layer = settings.layer_edge * length / settings.refinement
-    loaded = _levels(-half, half, layer)
+    least = LEAST_LAYERS.get(part, 2)
+    loaded = _levels(-half, half, min(layer, 2.0 * half / least))
     if part != "output":
         return extruded(section, loaded, np.ones((len(loaded) - 1, len(section.cells)), bool), len(loaded) - 1)
     face = half + AXIAL_GAP

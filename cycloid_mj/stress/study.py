@@ -1,7 +1,7 @@
 """The study of one run: stress of each part along a crank turn, its maximum, and how far the grid decides it."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -125,6 +125,7 @@ def stress_study(
     settings: StudySettings | None = None,
     log: str | None = None,
     told: Told = lambda part, done, of: None,
+    grids: Mapping[str, Grid] | None = None,
 ) -> StressStudy:
     """Find the stress of parts along a crank turn of a run, under its logged forces.
 
@@ -140,6 +141,8 @@ def stress_study(
         Name of the run's file, for the findings.
     told
         Is told of each part before it begins: its name, how many are done, and of how many.
+    grids
+        Grids of parts that are there already, as of ``study_grids``.
 
     Raises
     ------
@@ -157,7 +160,7 @@ def stress_study(
     start, found = time.perf_counter(), []
     for number, part in enumerate(names):
         told(part, number, len(names))
-        found.append(part_study(run, design, part, settings))
+        found.append(part_study(run, design, part, settings, (grids or {}).get(part)))
     findings = StressFindings(
         design=design.name,
         ring=design.ring.kind,
@@ -171,12 +174,17 @@ def stress_study(
     return StressStudy(design, tuple(found), findings)
 
 
-def part_study(run: Run, design: Design, part: str, settings: StudySettings) -> PartStudy:
-    """Find the stress of one part; raises as `stress_study`."""
+def study_grids(design: Design, parts: Sequence[str], settings: StudySettings) -> dict[str, Grid]:
+    """Mesh the parts of a study."""
+    return {part: part_grid(design, part, settings.grid(part)) for part in parts}
+
+
+def part_study(run: Run, design: Design, part: str, settings: StudySettings, grid: Grid | None = None) -> PartStudy:
+    """Find the stress of one part, on a grid that may be there already; raises as `stress_study`."""
     start = time.perf_counter()
     turn = 2 * np.pi * np.arange(settings.angles) / settings.angles
     loads = part_loads(run, design, part, turn)
-    grid = part_grid(design, part, settings.grid(part))
+    grid = grid or part_grid(design, part, settings.grid(part))
     stress, lines = solve(design, grid, loads), line_stress(loads, design)
     pressure = float(_largest(lines.peak_pressure.reshape(1, -1))[0])
     findings = PartFindings(

@@ -1,0 +1,51 @@
+"""What a study costs before it begins: processor time and memory, from the sizes of its grids.
+
+The rates were measured on this project's own parts, one thread of a 2026 server (Linux x86-64) at a time; on another
+machine they are a guide.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from cycloid_mj.stress.grid import Grid
+from cycloid_mj.stress.study import SUPPORTS, StudySettings
+
+BASE = 150e6
+"""Memory of Python with its packages [B]."""
+
+PLANE, SPACE, SHAFT = (45e-6, 1.0), (3.5e-7, 1.6), (1.06e-6, 1.6)
+"""Time [s] of a grid of n unknowns, to mesh, factorise and recover, as a n^b: (a, b). The shaft has many unit loads."""
+
+PER_ANGLE = {2: 0.25e-6, 3: 0.6e-6}
+"""Time [s] of one unknown at one crank angle."""
+
+MEMORY = {2: 3.6e3, 3: 1.3e4}
+"""Memory [B] of one unknown of the largest grid."""
+
+GROWTH = {2: 1.16, 3: 1.9}
+"""Unknowns of a grid go with this power of its refinement."""
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Processor time `seconds` [s], and the most `memory` at a time [B]."""
+
+    seconds: float
+    memory: float
+
+
+def cost(grid: Grid, settings: StudySettings) -> Cost:
+    """Estimate the cost of a part's study: its own grid, two more of its refinement study, and its other supports."""
+    dimension, power = grid.dimension, GROWTH[grid.dimension]
+    coarser, finer = (grid.unknowns * step**power for step in settings.steps(grid))
+    rate, order = SHAFT if grid.part == "shaft" else PLANE if dimension == 2 else SPACE
+    grids = [grid.unknowns, coarser, finer, *([grid.unknowns] if grid.part in SUPPORTS else [])]
+    solved = grid.unknowns * settings.angles + (coarser + finer) * settings.checked
+    seconds = rate * sum(unknowns**order for unknowns in grids) + PER_ANGLE[dimension] * solved
+    return Cost(seconds, BASE + MEMORY[dimension] * finer)
+
+
+def total(costs: Iterable[Cost]) -> Cost:
+    """Add the costs of parts that are studied one after the other."""
+    several = list(costs)
+    return Cost(sum(one.seconds for one in several), max((one.memory for one in several), default=BASE))

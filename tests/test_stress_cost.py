@@ -1,0 +1,43 @@
+"""What a study is said to need: from the sizes of its grids, for any design, before it begins."""
+
+from dataclasses import dataclass
+
+import pytest
+
+from cycloid_mj.stress.cost import BASE, Cost, cost, total
+from cycloid_mj.stress.study import QUICK, StudySettings
+
+
+@dataclass(frozen=True)
+class Sized:
+    """As much of a grid as its cost takes."""
+
+    part: str
+    unknowns: int
+    dimension: int = 2
+    section: object = None
+
+
+def test_the_cost_is_near_what_was_measured() -> None:
+    """Quick studies of the paper's pin design in CPU seconds and peak memory, measured part by part: within 40 %."""
+    for part, unknowns, dimension, seconds, megabytes in (
+        ("pin_1", 5124, 2, 0.8, 153),
+        ("ring", 50686, 2, 8.8, 414),
+        ("gear", 87532, 2, 13.1, 615),
+        ("shaft", 10593, 3, 13.3, 426),
+    ):
+        found = cost(Sized(part, unknowns, dimension), QUICK)
+        assert found.seconds == pytest.approx(seconds, rel=0.4), part
+        assert found.memory == pytest.approx(1e6 * megabytes, rel=0.4), part
+
+
+def test_the_cost_grows_with_grid_angles_and_supports() -> None:
+    small, large = (cost(Sized("gear", unknowns), QUICK) for unknowns in (10_000, 40_000))
+    assert large.seconds == pytest.approx(4 * small.seconds)
+    assert large.memory - BASE == pytest.approx(4 * (small.memory - BASE))
+    assert cost(Sized("gear", 10_000), StudySettings(angles=360, checked=5)).seconds > small.seconds
+    assert cost(Sized("ring", 10_000), QUICK).seconds > small.seconds  # also under its other support
+
+
+def test_parts_are_studied_one_after_the_other() -> None:
+    assert total([Cost(1.0, 3e9), Cost(2.0, 1e9)]) == Cost(3.0, 3e9)
