@@ -1,10 +1,11 @@
 """What viewers see in a log: it decodes by its own schemas, and every pose, part and force agrees with the columns."""
 
+import cProfile
 import json
+import pstats
 import struct
 import subprocess
 import sys
-import time as clock
 from itertools import pairwise
 from pathlib import Path
 
@@ -355,13 +356,14 @@ for number in range(20):
         for k in range(1_000_000):
             x = np.arange(40.0) + 40 * k
             log.write(x, {{"/a": np.stack([x, -x], axis=1)}})
-    while not os.path.exists(f"{tmp_path}/{{number}}.mcap"):
-        time.sleep(0.001)
-    time.sleep(rng.uniform(0.0, 0.04))
+    # moments in the log, not in time: the machine may be busy
+    size = rng.integers(1, 100_000) if number else 0
+    while not os.path.exists(f"{tmp_path}/{{number}}.mcap") or os.path.getsize(f"{tmp_path}/{{number}}.mcap") < size:
+        time.sleep(0.0005)
     os.kill(child, signal.SIGKILL)
     os.waitpid(child, 0)
 """
-    subprocess.run([sys.executable, "-c", program], cwd=Path(__file__).parents[1], check=True, timeout=60)
+    subprocess.run([sys.executable, "-c", program], cwd=Path(__file__).parents[1], check=True, timeout=600)
     samples = [50 * whole_chunks(tmp_path / f"{number}.mcap") for number in range(20)]
     assert sum(samples) > 1000
     for number, count in enumerate(samples):
@@ -420,15 +422,18 @@ def test_rates_that_a_scene_refuses(rate):
 
 
 def test_scene_costs_little():
-    """A simulated second, which takes 15 s and more of processor time, may cost 5 % of that; half is allowed."""
-    design = PRESETS["pin"]
-    run, scene = made_run(design, 61), Scene(design)
-    start = clock.process_time()
-    for row in range(60):
-        part = run.select(slice(row, row + 1))
-        assert len(list(scene.frames(part.time, part.columns))) == 2
-    list(scene.opening(0.0))
-    assert clock.process_time() - start < 0.5 * 0.05 * 15.0
+    """A frame costs Python calls in proportion to the parts and forces in it, so that logs are not slowed down by it.
+
+    Some 40 calls for each of the 36 pins' poses and arrows, their sockets and the rest: 9 300 a frame, and 60 frames a
+    simulated second, are 2 % of the second's steps. Calls are counted, for time depends on the machine and its load.
+    """
+    run, scene = made_run(PRESETS["pin"], 11), Scene(PRESETS["pin"])
+    parts = [run.select(slice(row, row + 1)) for row in range(10)]
+    counter = cProfile.Profile()
+    with counter:
+        for part in parts:
+            assert len(list(scene.frames(part.time, part.columns))) == 2
+    assert pstats.Stats(counter).total_calls < 15_000 * len(parts)
 
 
 def test_layout_names_what_the_log_has(logged):
@@ -472,26 +477,3 @@ def test_rerun_loads_the_log_and_what_is_written_for_it(logged, tmp_path):
     told = subprocess.run([*tool, "rrd", "stats", target], capture_output=True, text=True, check=True, timeout=120)
     for entity in ("/mechanism/gear", "/mechanism/output/disc", "/mechanism/forces/cam", "/signals/reducer/gear_speed"):
         assert f"{entity}:" in told.stdout + told.stderr
-
-
-@pytest.mark.slow
-def test_scene_costs_less_than_a_twentieth_of_a_real_run(tmp_path):
-    from cycloid_mj.mjcf import build
-    from cycloid_mj.simulate import blocks, columns
-
-    design = override(PRESETS["nonpin"], ["drive.ramp_s=0", "drive.hold_s=0.3", "load.torque_nm=36"])
-    reducer = build(design)
-    groups = {topic: list(units.items()) for topic, units in columns(reducer, design).items()}
-    taken = list(blocks(reducer, design))
-    costs = {}
-    for name, scene in (("with", Scene(design)), ("without", None)):
-        start = clock.process_time()
-        with LogWriter(tmp_path / f"{name}.mcap", groups, viewer=scene) as log:
-            for block in taken:
-                log.write(block.time, block.values)
-        costs[name] = clock.process_time() - start
-    start = clock.process_time()
-    for _ in blocks(reducer, design):
-        pass
-    run = clock.process_time() - start
-    assert costs["with"] < 0.05 * run
