@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 
 from cycloid_mj.measure import Curve, Measurement
@@ -124,6 +125,7 @@ def _draw_round(axes: Axes, curves: list[Curve]) -> None:
     polar.set_theta_zero_location("N")
     polar.set_theta_direction(-1)
     polar.set_rmin(0.0)
+    polar.yaxis.set_major_locator(MaxNLocator(4))
     # the radii stand opposite to the largest value, where there is room
     polar.set_rlabel_position(float(curves[0].x[np.argmax(curves[0].y)]) + 180.0)
 
