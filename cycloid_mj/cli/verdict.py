@@ -40,7 +40,7 @@ def report(comparison: "Comparison", figures: Sequence[Path], json: bool) -> Non
 
 def _words(comparison: "Comparison") -> Iterator[str]:
     """Give what the tables do not say, in lines."""
-    differing = (f"{key} ({', '.join(map(str, each))})" for key, each in comparison.differences.items())
+    differing = (f"{key} ({', '.join(map(_value, each))})" for key, each in comparison.differences.items())
     yield from _wrapped(f"{', '.join(comparison.designs)} differ in: {'; '.join(differing) or 'nothing'}")
     if not comparison.rankings:
         yield "the paper's findings on vibration set a pin against a nonpin design: not judged here"
@@ -59,6 +59,11 @@ def _words(comparison: "Comparison") -> Iterator[str]:
         for sentence in comparison.decisions:
             yield from _wrapped(sentence, "- ")
     yield ""
+
+
+def _value(value: object) -> str:
+    """Give a value of a design in words: a number with six digits, which is more than a design is made to."""
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def _wrapped(text: str, mark: str = "") -> list[str]:
