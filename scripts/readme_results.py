@@ -15,7 +15,7 @@ ROOT = Path(__file__).parent.parent
 README, KEPT = ROOT / "README.md", ROOT / "tests" / "data" / "reproduce.json"
 MARK = "<!-- {word} of {name}: scripts/readme_results.py writes what stands here -->"
 STAGES = ("geometry", "equal", "input", "gear_speed", "q_path", "q_velocity", "pin_1", "vibration", "stress", "torque")
-VERDICTS = {"agree": "agrees", "disagree": "disagrees", "depends": "depends"}
+TALLY = {"agrees": "agree", "depends": "depend", "disagrees": "disagree", "not determined": "are not determined"}
 
 
 def sections(found: dict[str, Any]) -> dict[str, str]:
@@ -24,20 +24,39 @@ def sections(found: dict[str, Any]) -> dict[str, str]:
 
 
 def results(found: dict[str, Any]) -> str:
-    """Give the claims: a row for each, and what decides those that do not agree."""
+    """Give the claims: a row for each, with the load at which it is judged, and ours at the rated load beside it."""
     claims = found["claims"]
     counts = ", ".join(
-        f"{sum(claim['verdict'] == verdict for claim in claims)} {word}"
-        for verdict, word in (("agree", "agree"), ("depends", "depend"), ("disagree", "disagree"))
+        f"{sum(claim['verdict'] == verdict for claim in claims)} {words}" for verdict, words in TALLY.items()
     )
     command = "cycloid-mj reproduce --quick" if found["quick"] else "cycloid-mj reproduce"
-    told = f"`{command}` holds {len(claims)} claims of the paper against this model: {counts}."
-    head = ("figure", "the paper says", "its number", "ours", "numerical error", "verdict")
-    rows = [
-        (one["figure"], one["statement"], one["paper"], one["ours"], one["error"], VERDICTS[one["verdict"]])
-        for one in claims
-    ]
-    return f"{told}\n\n{_table(head, rows)}"
+    told = (
+        f"`{command}` holds {len(claims)} claims of the paper against this model, each at the paper's own condition: "
+        f"{counts}."
+    )
+    head = (
+        *("figure", "design", "load", "the paper says", "its number", "ours at that load", "numerical error"),
+        *("verdict", "beside it: ours at the rated load"),
+    )
+    return f"{told}\n\n{_table(head, [_row(claim) for claim in claims])}"
+
+
+def load(condition: dict[str, float]) -> str:
+    """Give the load of a claim's condition in words."""
+    if "input_torque_nm" in condition:
+        return f"{condition['input_torque_nm']:g} N m in"
+    return f"{condition['load_nm']:g} N m" if condition["load_nm"] else "none"
+
+
+def _row(one: dict[str, Any]) -> tuple[str, ...]:
+    error, rated = one["numerical_error"], one["at_rated_load"]
+    told = (
+        f"{error['value']:.2g} {error['unit']} ({error['source']})" if error["value"] is not None else error["source"]
+    )
+    return (
+        *(one["figure"], one["design"], load(one["condition"]), one["paper"]["claim"], one["paper"]["text"]),
+        *(one["ours"]["text"], told, one["verdict"], rated["text"] if rated else ""),
+    )
 
 
 def errata(found: Sequence[dict[str, Any]]) -> str:

@@ -269,8 +269,27 @@ def test_the_readme_says_what_the_json_says(script):
     found = json.loads(script.KEPT.read_text(encoding="utf-8"))
     readme = script.README.read_text(encoding="utf-8")
     assert script.written(readme, found) == readme
-    found["claims"][0]["verdict"] = "disagree" if found["claims"][0]["verdict"] == "agree" else "agree"
+    assert all(f"| {script.load(claim['condition'])} |" in readme for claim in found["claims"])
+    found["claims"][0]["verdict"] = "disagrees" if found["claims"][0]["verdict"] == "agrees" else "agrees"
     assert script.written(readme, found) != readme
+
+
+def test_a_row_of_the_readme_names_its_load(script):
+    claim = {
+        **{"figure": "Fig. 6", "design": "both", "condition": {"load_nm": 0.0, "speed_rpm": 1640.0}},
+        "paper": {"claim": "more with pins", "text": "pin > nonpin"},
+        **{"ours": {"text": "0.4 to 1"}, "verdict": "not determined"},
+        "numerical_error": {"value": 0.125, "unit": "pin / nonpin", "source": "spread of 8 starts"},
+        "at_rated_load": {"text": "2.3 to 1"},
+    }
+    loaded = claim | {"condition": {"load_nm": 36.68, "input_torque_nm": 1.048}, "at_rated_load": None}
+    told = script.results({"quick": True, "claims": [claim, loaded]})
+    assert "`cycloid-mj reproduce --quick` holds 2 claims" in told
+    assert "0 agree, 0 depend, 0 disagree, 2 are not determined" in told
+    rows = told.splitlines()[-2:]
+    assert rows[0].startswith("| Fig. 6 | both | none | more with pins | pin > nonpin | 0.4 to 1 | 0.12 pin / nonpin (")
+    assert rows[0].endswith("| not determined | 2.3 to 1 |")
+    assert "| 1.048 N m in |" in rows[1]
 
 
 def test_the_errata_of_the_json_are_those_of_the_code(script):
