@@ -40,4 +40,4 @@ def test_the_cost_grows_with_grid_angles_and_supports() -> None:
 
 
 def test_parts_are_studied_one_after_the_other() -> None:
-    assert total([Cost(1.0, 3e9), Cost(2.0, 1e9)]) == Cost(3.0, 3e9)
+    assert total([Cost(1.0, 3e9, 1e8), Cost(2.0, 1e9, 2e8)]) == Cost(3.0, 3.2e9, 3e8)

@@ -22,16 +22,20 @@ PER_ANGLE = {2: 0.25e-6, 3: 0.6e-6}
 MEMORY = {2: 3.6e3, 3: 1.3e4}
 """Memory [B] of one unknown of the largest grid."""
 
+KEPT = 800.0
+"""Memory [B] of one unknown of a part that is done and waits for its map."""
+
 GROWTH = {2: 1.16, 3: 1.9}
 """Unknowns of a grid go with this power of its refinement."""
 
 
 @dataclass(frozen=True)
 class Cost:
-    """Processor time `seconds` [s], and the most `memory` at a time [B]."""
+    """Processor time `seconds` [s], the most `memory` at a time [B], and how much of it is `kept` to the end [B]."""
 
     seconds: float
     memory: float
+    kept: float
 
 
 def cost(grid: Grid, settings: StudySettings) -> Cost:
@@ -42,10 +46,12 @@ def cost(grid: Grid, settings: StudySettings) -> Cost:
     grids = [grid.unknowns, coarser, finer, *([grid.unknowns] if grid.part in SUPPORTS else [])]
     solved = grid.unknowns * settings.angles + (coarser + finer) * settings.checked
     seconds = rate * sum(unknowns**order for unknowns in grids) + PER_ANGLE[dimension] * solved
-    return Cost(seconds, BASE + MEMORY[dimension] * finer)
+    return Cost(seconds, BASE + MEMORY[dimension] * finer, KEPT * grid.unknowns)
 
 
 def total(costs: Iterable[Cost]) -> Cost:
     """Add the costs of parts that are studied one after the other."""
     several = list(costs)
-    return Cost(sum(one.seconds for one in several), max((one.memory for one in several), default=BASE))
+    kept = sum(one.kept for one in several)
+    largest = max((one.memory - one.kept for one in several), default=BASE)
+    return Cost(sum(one.seconds for one in several), largest + kept, kept)

@@ -50,7 +50,7 @@ def _row(part: PartFindings) -> list[str]:
     bulk = part.bulk_peak
     place = ", ".join(f"{value / MILLIMETRE:.1f}" for value in bulk.place)
     return [
-        *(part.part, _stress(bulk), f"{part.bulk_distance / MILLIMETRE:.3g}", f"-{100 * part.choice:.0f} %"),
+        *(part.part, _stress(bulk), f"{part.bulk_distance / MILLIMETRE:.3g}", f"{0.0 - 100 * part.choice:.0f} %"),
         *(_angle(bulk), place, f"{bulk.safety:.3g}"),
         *_contact(part),
         f"{100 * part.refinement.change:.1f} %",
