@@ -1,0 +1,85 @@
+"""Powers of contacts against the motion of the parts, and the limit beyond which a gear has jumped a tooth."""
+
+import math
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pytest
+from designs import UNLIKE, unlike
+
+from cycloid_mj import simulate as run
+from cycloid_mj.contact.collider import installed
+from cycloid_mj.contact.forces import pair_forces, pair_index
+from cycloid_mj.course import initial_state
+from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.errors import RunError
+from cycloid_mj.mjcf import build
+
+FIXED = override(PRESETS["pin"], ["ring.pins=fixed"])
+
+
+@pytest.mark.parametrize("kind", ["fixed", "nonpin", "light", "printed"])
+@pytest.mark.parametrize("spin", [5.0, -5.0])
+def test_powers_are_what_the_forces_on_the_gear_take_from_its_motion(kind: str, spin: float) -> None:
+    """The ring stands still: what a tooth takes, by its normal and by friction, is -(F v + M omega) of the gear."""
+    designs = {"fixed": FIXED, "nonpin": PRESETS["nonpin"]} | {name: unlike(name) for name in UNLIKE}
+    design = override(designs[kind], ["clearance.cam_um=100", "clearance.output_um=300"])
+    reducer = build(design)
+    data = initial_state(reducer, design)
+    play, arm = getattr(design.clearance, design.tooth_pair), design.gear.eccentricity * design.lobes
+    data.joint("gear_angle").qpos[0] += (1.3 * play + 3e-6) / arm
+    data.joint("gear_angle").qvel[0] = spin
+    data.joint("gear_x").qvel[0], data.joint("gear_y").qvel[0] = 0.02, -0.01
+    with installed():
+        mujoco.mj_forward(reducer.model, data)
+    found = pair_forces(data, pair_index(reducer.model, reducer.pairs))
+    touched = 0
+    for number, pair in enumerate(reducer.pairs):
+        if pair.kind != design.tooth_pair or not found.wrench[number].any():
+            continue
+        touched += 1
+        taken = -float(found.wrench[number] @ [0.02, -0.01, spin])
+        assert found.normal_power[number] + found.friction_power[number] == pytest.approx(taken, rel=1e-9)
+    assert touched
+    # Deeper or out of the contact: a positive spin presses the flanks further in, a negative one lets them go.
+    assert (found.normal_power.sum() > 0.0) == (spin > 0.0)
+
+
+def without_contact(design: Design):
+    """A reducer whose parts meet nowhere: its gear is where it is put."""
+    reducer = build(design)
+    for pair in list(reducer.spec.pairs):
+        reducer.spec.delete(pair)
+    return replace(reducer, model=reducer.spec.compile())
+
+
+@pytest.mark.parametrize("design", [FIXED, *map(unlike, UNLIKE)], ids=lambda one: one.name)
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_gear_a_quarter_of_a_lobe_off_has_jumped(design: Design, way: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    design = override(design, ["drive.ramp_s=0", "drive.hold_s=0.0002"])
+    reducer = without_contact(design)
+
+    def off(share: float) -> None:
+        def state(*given):
+            data = initial_state(*given)
+            data.joint("gear_angle").qpos[0] += way * share * 2.0 * math.pi / design.lobes
+            return data
+
+        monkeypatch.setattr(run, "initial_state", state)
+        list(run.blocks(reducer, design))
+
+    off(0.24)
+    with pytest.raises(RunError, match="jumped a tooth"):
+        off(0.26)
+
+
+def test_powers_of_a_run_add_up_by_kind() -> None:
+    design = override(FIXED, ["drive.ramp_s=0", "drive.hold_s=0.002", "load.torque_nm=20", "load.rise_s=0.0005"])
+    found = run.simulate(design)
+    lost = found["pin_gear_friction_power"] + found["pin_gear_normal_power"]
+    taken = np.zeros(len(found))
+    for number in range(1, design.ring.teeth + 1):
+        force = found[f"pin_{number}_force_x"] * found["gear_vx"] + found[f"pin_{number}_force_y"] * found["gear_vy"]
+        taken -= force + found[f"pin_{number}_moment"] * found["gear_speed"]
+    np.testing.assert_allclose(lost, taken, rtol=1e-6, atol=1e-6)
