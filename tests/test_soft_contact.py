@@ -3,6 +3,7 @@
 import math
 from dataclasses import astuple, fields
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,12 +11,13 @@ import pytest
 from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.reproduce import hypothesis, said
-from cycloid_mj.reproduce.idle_stress import heaviest, joined
+from cycloid_mj.reproduce.idle_stress import heaviest, idle_stress, joined
 from cycloid_mj.reproduce.plan import FULL, QUICK, at_speed
 from cycloid_mj.reproduce.soft_contact import GENERIC, STEEL, Forces, SoftContact, _facets, in_millimetres, soft_idle
 from cycloid_mj.simulate import simulate
 from cycloid_mj.solid import mass_properties, parts
 from cycloid_mj.stress.loads import PartLoads
+from cycloid_mj.stress.study import StudySettings
 
 PIN, NONPIN = PRESETS["pin"], PRESETS["nonpin"]
 
@@ -123,3 +125,23 @@ def test_the_heaviest_angles_of_a_start_are_solved_for():
 def test_a_wider_play_needs_longer_facets_to_jam():
     loose = override(NONPIN, ["clearance.tooth_um=300.0"])
     assert soft_idle(loose, STEEL, 50e-6, 1, 0).tooth < 0.5 * turned(50e-6).tooth
+
+
+def test_bulk_begins_where_it_does_under_the_rated_load_in_every_start(monkeypatch):
+    run, rated = SimpleNamespace(rated=False), SimpleNamespace(rated=True)
+    asked = []
+
+    def solve(design, grid, loads, distance=None):
+        asked.append((len(loads.angle), distance))
+        return SimpleNamespace(bulk_stress=1e6 * loads.angle, bulk_distance=0.007)
+
+    many = loads([[0.0, 1.0], [9.0, 0.0], [6.0, 6.0], [0.0, 0.0], [5.0, 4.5], [8.0, 0.0]])
+    part = SimpleNamespace(findings=SimpleNamespace(part="gear"), grid=None)
+    monkeypatch.setattr("cycloid_mj.reproduce.idle_stress.at_peaks", lambda run, window: run)
+    monkeypatch.setattr("cycloid_mj.stress.field.solve", solve)
+    monkeypatch.setattr("cycloid_mj.stress.loads.part_loads", lambda run, design, part, angles: many)
+    monkeypatch.setattr("cycloid_mj.stress.study.stress_study", lambda *_, **__: SimpleNamespace(parts=(part,)))
+    found = idle_stress([run] * 3, rated, PIN, StudySettings(angles=36))
+    assert asked == [(6, None), (12, 0.007)]
+    assert found.starts["gear"].values == (5.0, 5.0, 5.0)
+    assert found.rated["gear"].high == 5.0

@@ -79,13 +79,12 @@ def idle_stress(
     largest, loaded = {}, {}
     for one in study.parts:
         part, grid = one.findings.part, one.grid
-        heavy = [heaviest(part_loads(run, design, part, turn), HEAVIEST) for run in peaks[1:]]
-        # beyond one distance from the patches in every start, so that they are held against each other alone
-        solved = solve(design, grid, joined(heavy), distance=one.stress.bulk_distance)
-        found = solved.bulk_stress.reshape(len(heavy), HEAVIEST).max(axis=1)
-        largest[part] = Spread.of([one.findings.bulk_peak.stress / MEGAPASCAL, *(found / MEGAPASCAL)])
-        loads = part_loads(rated, design, part, under_load)
-        loaded[part] = Spread.of(solve(design, grid, loads).bulk_stress / MEGAPASCAL)
+        under = solve(design, grid, part_loads(rated, design, part, under_load))
+        loaded[part] = Spread.of(under.bulk_stress / MEGAPASCAL)
+        heavy = [heaviest(part_loads(run, design, part, turn), HEAVIEST) for run in peaks]
+        # a single touch has no plateau of its own: bulk begins where it does under the rated load, in every start
+        solved = solve(design, grid, joined(heavy), distance=under.bulk_distance)
+        largest[part] = Spread.of(solved.bulk_stress.reshape(len(heavy), HEAVIEST).max(axis=1) / MEGAPASCAL)
     return IdleStress(study, largest, loaded)
 
 
