@@ -21,7 +21,7 @@ from cycloid_mj.contact.forces import PairForces, pair_forces, pair_index
 from cycloid_mj.contact.peaks import Peaks
 from cycloid_mj.contact.regime import pace
 from cycloid_mj.contact.shared import Shared
-from cycloid_mj.contact.working import at_rated_load, working_forces_told
+from cycloid_mj.contact.working import for_slices, working_forces_told
 from cycloid_mj.course import Course, initial_state, ramp_and_hold
 from cycloid_mj.design import Design, dump
 from cycloid_mj.errors import RunError, warn
@@ -172,7 +172,7 @@ def provenance(design: Design, contact: Contact = "profile") -> dict[str, str]:
     """Give what a run stands on: contact method, time step, the forces that stiffness is the secant of, versions."""
     from cycloid_mj import __version__
 
-    made_for = at_rated_load(design) if contact == "mesh" else design
+    made_for = for_slices(design) if contact == "mesh" else design
     return {
         "design": design.name,
         "contact": contact,

@@ -98,6 +98,14 @@ def at_rated_load(design: Design) -> Design:
     return working_at(design, design.load.torque or design.drive.torque * design.lobes)
 
 
+def for_slices(design: Design) -> Design:
+    """Give `working_at` the rated torque, or the design's own load where that is larger.
+
+    A bed of slices softens by itself where it is pressed less deep: the stiffness at a small load is not set again.
+    """
+    return working_at(design, max(abs(design.load.torque), design.drive.torque * design.lobes))
+
+
 def working_forces_told(design: Design, kinds: Iterable[str]) -> str:
     """Tell the working forces of kinds of pairs and where each comes from."""
     found = [f"{kind} {working_force(design, kind):.3g} N ({_source_told(design, kind)})" for kind in kinds]

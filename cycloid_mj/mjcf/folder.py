@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 from cycloid_mj import __version__
-from cycloid_mj.contact.working import at_rated_load
+from cycloid_mj.contact.working import for_slices
 from cycloid_mj.convex import (
     ConvexSettings,
     Quality,
@@ -58,7 +58,7 @@ def model_files(design: Design, settings: ConvexSettings | None = None) -> dict[
     ContactError
         MuJoCo cannot represent a contact's stiffness at this time step.
     """
-    settings, design = settings or ConvexSettings(), at_rated_load(design)
+    settings, design = settings or ConvexSettings(), for_slices(design)
     made = mesh_spec(design, settings)
     measured = {surface.name: _checked(surface, settings) for surface in made.surfaces}
     rests = [decompose(sector, settings) for sector in sectors(design, settings)]

@@ -17,7 +17,7 @@ import mujoco
 import numpy as np
 
 from cycloid_mj.contact.law import ContactLaw, SolverParameters, curvature_law, solver_parameters
-from cycloid_mj.contact.working import at_rated_load, working_force
+from cycloid_mj.contact.working import for_slices, working_force
 from cycloid_mj.convex import ConvexSettings, Place, Rest, Surface, prism, surfaces
 from cycloid_mj.design import Design
 from cycloid_mj.deviations import deviations
@@ -85,9 +85,9 @@ def build_mesh(design: Design, settings: ConvexSettings | None = None) -> Reduce
 def mesh_spec(design: Design, settings: ConvexSettings) -> MeshSpec:
     """Give the bodies of a design with their visual and their colliding geoms: no actuators, no sensors, no rest.
 
-    A bed of slices stiffens with its depth: without a load it is made for the rated one, `at_rated_load`.
+    The slices are as stiff as `for_slices` says.
     """
-    design = at_rated_load(design)
+    design = for_slices(design)
     if design.ring.has_sleeves:
         raise DesignError(
             'ring.pins = "sleeved" has no meshes for stock collision: a sleeve turns on its pin by exact contact only; '
