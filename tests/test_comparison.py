@@ -398,6 +398,11 @@ def test_a_figure_is_determined_within_a_factor_of_two_and_by_its_sign(figure, c
     assert Sensitivity("spin", "rad/s", "pin", 36.0, figure, responses).determined == determined
 
 
+def test_a_figure_that_the_repeated_runs_lack_has_no_changes():
+    alone = Sensitivity("efficiency", "%", "pin", 36.0, 90.0, ())
+    assert (alone.changes, alone.determined) == ((), True)
+
+
 def test_assumptions_change_what_they_name_only():
     for variation, key in zip(ASSUMPTIONS, ("contact.creep_speed_mm_s", "contact.damping_ratio"), strict=True):
         assert list(differences([PRESETS["pin"], variation.of(PRESETS["pin"])])) == [key]

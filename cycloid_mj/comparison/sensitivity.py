@@ -65,8 +65,8 @@ class Sensitivity:
     @property
     def determined(self) -> bool:
         """Whether the assumptions leave the figure its sign and its size within a factor `UNDETERMINED`."""
-        ratios = [1.0 + change for change in self.changes]
-        return min(ratios) > 0.0 and max(1.0, *ratios) / min(1.0, *ratios) < UNDETERMINED
+        ratios = [1.0, *(1.0 + change for change in self.changes)]
+        return min(ratios) > 0.0 and max(ratios) / min(ratios) < UNDETERMINED
 
 
 def sensitivities(base: Sequence[Trial], changed: Mapping[Variation, Sequence[Trial]]) -> list[Sensitivity]:
