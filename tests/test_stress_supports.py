@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 import pytest
+from designs import unlike
 
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.solid import shaft_solid
@@ -210,3 +211,13 @@ def test_a_ring_on_bolts_bears_more_than_one_in_a_seat() -> None:
             apart = np.abs(held - design.bolt_circle_radius).max()
             assert apart == pytest.approx(design.bolt_radius, rel=1e-3)
     assert found["bolts"].bulk_stress[0] > 1.5 * found["rim"].bulk_stress[0]
+
+
+@needs_fem
+@pytest.mark.parametrize("name", ["light", "printed", "few", "teeth21"])
+def test_rings_of_other_designs_mesh_with_their_bolts_however_coarse(name: str) -> None:
+    """A long edge of the rim would cut into the bolts' circles, which stand near it in a thin wall."""
+    design = unlike(name)
+    grid = part_grid(design, "ring", GridSettings(refinement=0.33))
+    apart = np.linalg.norm(grid.points[grid.held], axis=1) - design.bolt_circle_radius
+    assert np.abs(apart).max() == pytest.approx(design.bolt_radius, rel=1e-3)

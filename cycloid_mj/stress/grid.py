@@ -17,6 +17,9 @@ Indices = npt.NDArray[np.int64]
 BULK_DISTANCE = 0.5
 """Where bulk begins: so far from every loaded patch, as a share of the ring's pin radius. The one definition."""
 
+CLAMPED = 0.25
+"""Edges of outlines at a clamped circle over its radius, however coarse the grid: a longer arc would cut into it."""
+
 DEPTH_GROWTH = 0.6
 """How fast edges grow inwards on the whole, per length: slowly at first, within the bulk distance, then faster."""
 
@@ -151,6 +154,7 @@ def planar_grid(region: Region, settings: GridSettings, length: float, focus: np
     """
     unit = length / settings.refinement
     places = np.zeros((0, 3)) if focus is None else np.asarray(focus, float).reshape(-1, 3)
+    places = np.concatenate([places, _clamped(region)])
     loops = []
     for boundary in region.boundaries:
         edge = (
@@ -174,6 +178,13 @@ def planar_grid(region: Region, settings: GridSettings, length: float, focus: np
         bulk_distance=settings.bulk_distance * length,
         keep_off=np.zeros((0, 2)),
     )
+
+
+def _clamped(region: Region) -> Array:
+    """Give the middles of clamped circles within a region and the edge length there, rows (x, y, edge) [m]."""
+    circles = [each.polygon for each in region.boundaries if each.held and each.role == "inset"]
+    rows = [(*circle.mean(axis=0), CLAMPED * float(np.ptp(circle[:, 0])) / 2.0) for circle in circles]
+    return np.array(rows).reshape(-1, 3)
 
 
 def quadratic(points: Array, cells: Indices, ends: Indices, middles: Array, part: str) -> tuple[Any, Indices]:
