@@ -103,6 +103,7 @@ def test_page_is_whole_and_needs_nothing_from_elsewhere(text, both):
 def test_every_section_and_figure_has_its_place(text, both):
     titles = [words for tag, words in Page(both).texts if tag == "h2"]
     assert titles == [
+        "Warnings",  # the paper's design does not pass every check
         *("What was run", "The mechanism", "Simulated, closed form, error: 36 N m, 1640 rpm"),
         *("Over time: 36 N m, 1640 rpm", "Order spectrum of the speeds of output and gear"),
         *("Where the power goes", "Provenance"),
@@ -218,7 +219,8 @@ def test_no_spectrum_of_less_than_a_turn():
 def test_warnings_say_what_spoils_the_numbers(pin):
     def told(run) -> list[str]:
         motion = series(run)
-        return warnings(Reviewed("a.mcap", motion, judge(motion)))
+        found = warnings(Reviewed("a.mcap", motion, judge(motion)))
+        return [one for one in found if not one.startswith("design check: ")]
 
     assert told(pin) == []
     cut = replace(pin.select(slice(0, 250)), complete=False, note="killed <b>")
