@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -35,23 +36,24 @@ PATIENCE = 600
 
 @dataclass(frozen=True)
 class Moment:
-    """When a command is ended: at a share of the processor time that it takes when nothing disturbs it."""
+    """When a command is ended: at a `share` of the processor time that it takes undisturbed, or `late` after it.
+
+    `late` counts from its first change in the folder [s], for it is then that there is most to be spoilt.
+    """
 
     command: str
     signal: signal.Signals
     share: float
-
-    def __str__(self) -> str:
-        return f"{self.command} {self.signal.name} at {self.share:.2f}"
+    late: float | None
 
 
 def moments(count: int, seed: int, commands: tuple[str, ...]) -> Iterator[Moment]:
     """Draw moments at which commands are ended; each command and each signal occurs about as often as the others."""
     drawn = random.Random(seed)
+    # before a tenth, Python itself begins, and tells of Ctrl-C in its own way
     for number in range(count):
-        # where the files are written, near the end, there is most to be spoilt
-        share = drawn.uniform(0.0, 1.0) if drawn.random() < 0.5 else drawn.uniform(0.8, 1.05)
-        yield Moment(commands[number % len(commands)], SIGNALS[number // len(commands) % len(SIGNALS)], share)
+        share, late = drawn.uniform(0.1, 1.05), drawn.choice([None, drawn.uniform(0.0, 0.03)])
+        yield Moment(commands[number % len(commands)], SIGNALS[number // len(commands) % len(SIGNALS)], share, late)
 
 
 def started(command: str, folder: Path) -> subprocess.Popen[str]:
@@ -85,6 +87,17 @@ def processor_time(process: "subprocess.Popen[str]") -> float:
 
 def contents(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+
+
+def stamps(folder: Path) -> dict[str, tuple[int, int]]:
+    """Give name -> size and time of change [ns] of every file that is there at the moment."""
+    found = {}
+    for root, _, names in os.walk(folder):
+        for name in names:
+            with suppress(OSError):
+                of = os.stat(os.path.join(root, name))
+                found[os.path.join(root, name)] = (of.st_size, of.st_mtime_ns)
+    return found
 
 
 def whole_run(command: str, folder: Path) -> float:
@@ -129,9 +142,13 @@ def end_at(moment: Moment, taken: float, folder: Path) -> None:
     before = contents(folder)
     process = started(moment.command, folder)
     give_up = time.monotonic() + PATIENCE
-    while processor_time(process) < moment.share * taken and process.poll() is None:
+    seen, end = stamps(folder), moment.share * taken
+    while processor_time(process) < end and process.poll() is None:
         assert time.monotonic() < give_up, f"{moment}: hung before"
-        time.sleep(0.002)
+        time.sleep(0.0005)
+        if moment.late is not None:
+            end = float("inf") if stamps(folder) == seen else 0.0
+    time.sleep(moment.late or 0.0)
     process.send_signal(moment.signal)
     try:
         _, err = process.communicate(timeout=PATIENCE)
