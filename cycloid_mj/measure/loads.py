@@ -188,7 +188,7 @@ def _of_kind(
     name, note = f"{kind}: largest Hertz pressure", CONFORMAL if math.isnan(pressure) else ""
     yield f"{kind}_pressure", Quantity(name, 1e-6 * pressure, "MPa", 1e-6 * pressure_error, note=note)
     name, margin = f"{kind}: margin against first yield", allowed / pressure
-    yield f"{kind}_margin", Quantity(name, margin, "1", margin * pressure_error / pressure)
+    yield f"{kind}_margin", Quantity(name, margin, "1", margin * pressure_error / pressure, note=note)
 
 
 def _limits(found: Kinds, design: Design, allowed: float) -> dict[str, float]:
