@@ -41,7 +41,7 @@ def whole_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]]
         for at in map(Path, paths):
             target = Path(os.path.realpath(at))
             with unbroken():
-                beside.append((_claimed(target), target))
+                beside.append((_claimed(target, at), target))
         at = at if len(beside) == 1 else at.parent
         yield [hidden for hidden, _ in beside]
         with unbroken():
@@ -78,9 +78,10 @@ def hidden_beside(path: Path) -> Path:
     return path.with_name(f".{path.stem}.{secrets.token_hex(4)}.new{path.suffix}")
 
 
-def _claimed(path: Path) -> Path:
+def _claimed(path: Path, called: Path) -> Path:
+    """Make a hidden file beside `path`, which the user calls otherwise."""
     if path.exists() and not path.is_file():
-        raise CycloidError(f"cannot write {path}: it is no regular file; give the name of a file")
+        raise CycloidError(f"cannot write {called}: it is no regular file; give the name of a file")
     hidden = hidden_beside(path)
     with hidden.open("xb"):
         return hidden

@@ -40,14 +40,16 @@ def test_first_run_says_that_it_compiles_and_the_next_has_it(tmp_path):
     assert ran(tmp_path, *RUN, "--quiet", **cache).stderr == ""
 
 
-def test_installation_that_cannot_be_written_runs_and_says_so_once(tmp_path):
+@pytest.mark.parametrize("argv", [RUN, ("design", "check", "pin")])
+def test_installation_that_cannot_be_written_runs_and_says_so_once(argv, tmp_path):
     shutil.copytree(
         Path(cycloid_mj.__file__).parent, tmp_path / "code" / "cycloid_mj", ignore=shutil.ignore_patterns("__pycache__")
     )
     # no folder can be made where there is a file: not even by root, whom permissions do not stop
-    (tmp_path / "code" / "cycloid_mj" / "contact" / "__pycache__").write_text("")
+    for module in [*(tmp_path / "code").rglob("__init__.py")]:
+        (module.parent / "__pycache__").write_text("")
     nowhere = {"HOME": "/dev/null", "XDG_CACHE_HOME": "/dev/null"}
-    done = ran(tmp_path, *RUN, code=tmp_path / "code", **nowhere)
+    done = ran(tmp_path, *argv, code=tmp_path / "code", **nowhere)
     assert done.returncode == 0, done.stderr
     told = [line for line in done.stderr.splitlines() if "compiling" in line]
     assert len(told) == 1

@@ -297,5 +297,6 @@ def test_view_replays_a_log_until_its_window_is_closed(path, monkeypatch):
     for time, angle, distance in seen:
         assert angle == run["crank_angle"][np.searchsorted(run.time, time)]
         assert 0.1 < distance < 0.3
-    code, _, err = told("view", "nonpin")
+    code, _, err = told("view", "nonpin", "--set", "friction.cam=0.01")
     assert (code, "MuJoCo's viewer cannot open a window: division by zero" in err) == (1, True)
+    assert "warning: nonpin: friction.cam = 0.01 has no effect" in err

@@ -1,6 +1,8 @@
 """Loads of the parts: against ideal sharing and full statics, and the capacity against its definition."""
 
 import json
+import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,7 +11,7 @@ from designs import unlike
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.errors import UsageError
-from cycloid_mj.measure.loads import CONFORMAL, SHOWN, YIELD_PRESSURE, measure_loads
+from cycloid_mj.measure.loads import SHOWN, UNDECIDED, UNPRESSED, YIELD_PRESSURE, measure_loads
 from cycloid_mj.measure.pressed import CARRIES, ideal_peak, pressed, relative_curvature
 from cycloid_mj.measure.steady import steady
 
@@ -53,6 +55,29 @@ def test_at_capacity_the_weakest_contact_yields(found) -> None:
     allowed = 1e-6 * YIELD_PRESSURE * FIXED.material.yield_strength
     assert again[f"{kind}_pressure"] == pytest.approx(allowed, rel=0.01)
     assert again[f"{kind}_margin"] == pytest.approx(1.0, rel=0.01)
+
+
+def test_a_kind_that_nothing_presses_has_no_margin_and_decides_nothing(monkeypatch) -> None:
+    def idle(kinds: set[str]) -> None:
+        def lifted(*args) -> dict:
+            return {
+                kind: replace(one, vector=0.0 * one.vector, pressure=0.0 * one.pressure) if kind in kinds else one
+                for kind, one in pressed(*args).items()
+            }
+
+        monkeypatch.setattr("cycloid_mj.measure.loads.pressed", lifted)
+
+    idle({"output"})
+    measured = measure_loads(FIXED, quick=True)
+    assert measured["output_pressure"] == 0.0
+    assert math.isnan(measured["output_margin"])
+    assert [measured.quantities[f"output_{name}"].note for name in ("pressure", "margin")] == [UNPRESSED] * 2
+    assert measured.details["weakest"] in {"pin_gear", "cam"}
+    assert "output" not in measured.details["capacity_by_kind_nm"]
+    idle({"output", "pin_gear", "cam"})
+    measured = measure_loads(FIXED, quick=True)
+    assert math.isnan(measured["capacity"])
+    assert measured.details["weakest"] == ""
 
 
 def test_half_the_step_changes_little(found) -> None:
@@ -132,4 +157,4 @@ def test_a_capacity_is_found_for_a_soft_material_or_said_to_have_no_contact_that
         assert 0.0 < capacity.error < 0.3 * capacity.value
     else:
         assert np.isnan(capacity.value)
-        assert capacity.note == CONFORMAL
+        assert capacity.note == UNDECIDED

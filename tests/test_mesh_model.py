@@ -5,6 +5,7 @@ import importlib.util
 import itertools
 import json
 import time
+import warnings
 from collections import Counter
 from pathlib import Path
 from types import ModuleType
@@ -24,12 +25,12 @@ from cycloid_mj.contact.working import for_slices, working_force
 from cycloid_mj.convex import ConvexSettings, Surface, fill, polygon_body, surfaces
 from cycloid_mj.course import initial_state, load_torque, servo_target
 from cycloid_mj.design import PRESETS, Design, override
-from cycloid_mj.errors import DesignError, RunError
+from cycloid_mj.errors import CycloidWarning, DesignError, RunError
 from cycloid_mj.export import read_stl
 from cycloid_mj.kinematics import CrankLaw
 from cycloid_mj.log import read
 from cycloid_mj.mjcf import build, sensors
-from cycloid_mj.mjcf.folder import design_hash
+from cycloid_mj.mjcf.folder import design_hash, model_files
 from cycloid_mj.mjcf.foundation import flank_patch, hole_patch
 from cycloid_mj.mjcf.keyframe import joint_state
 from cycloid_mj.mjcf.mesh import build_mesh
@@ -584,6 +585,17 @@ def test_the_committed_models_come_out_again(kind: str, tmp_path: Path, capsys: 
         if "_rest_" not in name:
             assert without_rest(name, made[name]) == without_rest(name, committed[name]), name
     assert rest_volumes(made) == pytest.approx(rest_volumes(committed), rel=0.02)
+
+
+def test_a_model_is_made_with_a_warning_of_what_spoils_its_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The rest of the parts, which CoACD takes seconds to cut, is left out."""
+    coarse = ConvexSettings(chord_error=1e-6)
+    monkeypatch.setattr("cycloid_mj.mjcf.folder.sectors", lambda *_: [])
+    with pytest.warns(CycloidWarning, match="nonpin: friction.cam = 0.01 has no effect"):
+        model_files(override(PRESETS["nonpin"], ["friction.cam=0.01"]), coarse)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", CycloidWarning)
+        model_files(PRESETS["nonpin"], coarse)
 
 
 def test_the_overview_of_the_models_comes_out_again() -> None:

@@ -49,6 +49,14 @@ def test_files_that_belong_together_are_replaced_together(tmp_path):
     assert contents(tmp_path) == {"a": b"old", "b": b"old", "c": b"old"}
 
 
+def test_messages_name_files_as_they_were_given(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(CycloidError, match=r"^cannot write \.: it is no regular file"):
+        write_whole({Path("."): b"new"})
+    with pytest.raises(CycloidError, match=r"^cannot write none/a: No such file"):
+        write_whole({Path("none/a"): b"new"})
+
+
 @pytest.mark.parametrize("error", [KeyboardInterrupt(), RuntimeError("broken")])
 def test_what_breaks_off_leaves_no_trace(error, tmp_path):
     write_whole({tmp_path / "a": b"old"})

@@ -13,6 +13,12 @@ from cycloid_mj.solid import mass_properties, parts
 POSES = 13
 """Crank angles over which the backlash is averaged."""
 
+SIDES = 90
+"""Sides of the polygon around a cam's play: it makes the backlash larger by some 1e-4."""
+
+CHORD_ERROR = 1e-6
+"""Largest distance of a chord from its curve [m]: the mass is right within some 1e-4."""
+
 
 @dataclass(frozen=True)
 class Summary:
@@ -78,7 +84,7 @@ def summary(design: Design) -> Summary:
 
 def _backlash(design: Design) -> float:
     """Play of the output from stop to stop [rad], mean over a turn."""
-    ends = [stops(design, float(crank)) for crank in turn_evenly(POSES)]
+    ends = [stops(design, float(crank), SIDES) for crank in turn_evenly(POSES)]
     return sum(high - low for low, high in ends) / len(ends)
 
 
@@ -86,5 +92,5 @@ def _mass(design: Design) -> float:
     """Mass of all parts [kg], each ring pin or sleeve counted."""
     return sum(
         mass_properties(solid).mass * (design.ring.teeth if name == "pin" else 1)
-        for name, solid in parts(design).items()
+        for name, solid in parts(design, CHORD_ERROR).items()
     )

@@ -38,8 +38,11 @@ def view(what: WhatName, /, *, set_: SetFlag = (), slow: SlowFlag = SLOW) -> int
         show_run(read(what), slow)
         return 0
     design = designed(what, set_, ())
+    from cycloid_mj.errors import warn
     from cycloid_mj.mjcf import build
 
     tell("building the model")
-    show_model(build(design).model)
+    reducer = build(design)
+    warn(design.name, reducer.warnings)
+    show_model(reducer.model)
     return 0

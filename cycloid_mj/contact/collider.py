@@ -17,8 +17,8 @@ from typing import Any
 import llvmlite.binding
 from numba import cfunc, types
 
+from cycloid_mj.compiling import announced, cacheable
 from cycloid_mj.contact import gap, mating, memory, near, ring, teeth
-from cycloid_mj.contact.compiling import announced, cacheable
 from cycloid_mj.contact.layout import Layout, discover
 from cycloid_mj.contact.library import CYLINDER, TYPES, collision_table
 from cycloid_mj.contact.mating import PRIORITY, inner_in_outer, lobe_on_teeth, pin_on_teeth

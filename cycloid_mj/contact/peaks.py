@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from cycloid_mj.contact.compiling import cacheable
+from cycloid_mj.compiling import cacheable
 from cycloid_mj.contact.forces import PairIndex
 from cycloid_mj.contact.layout import ContactLayout, discover_contacts
 from cycloid_mj.contact.memory import read_address, read_float, read_int, write_float

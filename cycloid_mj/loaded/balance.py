@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj.compiling import announced
 from cycloid_mj.design import Design
 from cycloid_mj.errors import RunError
 from cycloid_mj.loaded.springs import Springs
@@ -54,7 +55,8 @@ def loads(design: Design, springs: Springs, torque: float) -> Loads:
     z[:, :2] = springs.contacts.cam_place[:, 0]
     force = np.zeros(springs.contacts.distance.shape)
     for _ in range(ROUNDS):
-        left = balance(springs.contacts, springs.cam_play, springs.cam_stiffness, load + friction, z, force, False)
+        with announced():
+            left = balance(springs.contacts, springs.cam_play, springs.cam_stiffness, load + friction, z, force, False)
         if not left <= BALANCED:
             raise RunError(f"no static balance under the load: {left:.3g} of it is left over")
         off = z[:, :2] - springs.contacts.cam_place[:, 0]

@@ -38,6 +38,8 @@ SHOWN = 4
 FIRST_YIELD = "capacity: torque at which a contact first yields, below its surface"
 SHAKEDOWN = "shakedown: torque up to which rolling turns elastic again after first yield"
 CONFORMAL = "none: the bodies fit so closely that the contact is no narrow strip"
+UNPRESSED = "none: nothing presses on these contacts"
+UNDECIDED = "none: no contact is both pressed and narrow enough for Hertz"
 
 IDEAL = {"cam": "full statics of ideal sharing", "tooth": "ideal sharing, arcs alone"}
 _CRANK, _FORCE = "crank angle [deg]", "force [N]"
@@ -82,7 +84,7 @@ def measure_loads(
     limits, lasting = (_limits(found, loaded, allowed) for allowed in (YIELD_PRESSURE, SHAKEDOWN_PRESSURE))
     missed = {kind: _missed(loaded, one) for kind, one in found.items()}
     weakest = min(limits, key=lambda kind: limits[kind], default="")
-    capacities = {"capacity": _conformal(FIRST_YIELD), "capacity_shakedown": _conformal(SHAKEDOWN)}
+    capacities = {"capacity": _undecided(FIRST_YIELD), "capacity_shakedown": _undecided(SHAKEDOWN)}
     if weakest:
         ratios = (one[weakest].peak_pressure / coarse[weakest].peak_pressure for one in (found, fine))
         # pressure goes with the root of the force
@@ -124,9 +126,9 @@ def _missed(design: Design, one: Pressed) -> float:
     return max(0.0, ideal_peak(design, one.kind, turn) / ideal_peak(design, one.kind, one.angle) - 1.0)
 
 
-def _conformal(name: str) -> Quantity:
+def _undecided(name: str) -> Quantity:
     """Give a capacity that no contact decides."""
-    return Quantity(name, math.nan, "N m", note=CONFORMAL)
+    return Quantity(name, math.nan, "N m", note=UNDECIDED)
 
 
 def _capacity(design: Design, weakest: str, torque: float, allowed: float, name: str, unsure: float) -> Quantity:
@@ -140,7 +142,10 @@ def _capacity(design: Design, weakest: str, torque: float, allowed: float, name:
         deeper = min(deepest * max(1.0, torque / design.load.torque), DEEPEST)
         guess = override(design, [f"load.torque_nm={torque!r}", f"contact.max_penetration_um={1e6 * deeper!r}"])
         run = steady(guess, SETTLED, CHECKED)
-        before, torque = torque, torque * _limits(pressed(run, design), design, allowed)[weakest]
+        factor = _limits(pressed(run, design), design, allowed).get(weakest)
+        if factor is None:
+            return _undecided(name)
+        before, torque = torque, torque * factor
         if abs(torque - before) < CAPACITY_TOLERANCE * torque:
             break
     rated = rated_torque(design)
@@ -185,20 +190,22 @@ def _of_kind(
     name = f"{kind}: contacts that carry, on average"
     error = abs(coarse.carrying - fine.carrying) + 0.5 * abs(one.carrying - other.carrying)
     yield f"{kind}_carrying", Quantity(name, found.carrying, "1", error)
-    name, note = f"{kind}: largest Hertz pressure", CONFORMAL if math.isnan(pressure) else ""
+    name = f"{kind}: largest Hertz pressure"
+    note = "" if pressure > 0.0 else UNPRESSED if pressure == 0.0 else CONFORMAL
     yield f"{kind}_pressure", Quantity(name, 1e-6 * pressure, "MPa", 1e-6 * pressure_error, note=note)
-    name, margin = f"{kind}: margin against first yield", allowed / pressure
-    yield f"{kind}_margin", Quantity(name, margin, "1", margin * pressure_error / pressure, note=note)
+    # a contact under no pressure has no margin that a number could tell
+    name, margin = f"{kind}: margin against first yield", allowed / (pressure or math.nan)
+    yield f"{kind}_margin", Quantity(name, margin, "1", margin * margin * pressure_error / allowed, note=note)
 
 
 def _limits(found: Kinds, design: Design, allowed: float) -> dict[str, float]:
-    """Give, for each kind that is not conformal, the factor on the torque at which its pressure reaches a limit.
+    """Give the factor on the torque at which the pressure of a kind reaches a limit; kinds without one are left out.
 
-    `allowed` is the limit over the yield strength.
+    A kind that is conformal or not pressed has no limit; `allowed` is the limit over the yield strength.
     """
     pressures = {kind: one.peak_pressure for kind, one in found.items()}
     limit = allowed * design.material.yield_strength
-    return {kind: (limit / pressure) ** 2 for kind, pressure in pressures.items() if not math.isnan(pressure)}
+    return {kind: (limit / pressure) ** 2 for kind, pressure in pressures.items() if pressure > 0.0}
 
 
 def _scaled(limits: Mapping[str, float], torque: float) -> dict[str, float]:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj.compiling import announced
 from cycloid_mj.design import Design
 from cycloid_mj.errors import RunError
 from cycloid_mj.mechanism.gaps import Gaps, arc_gaps, cam_places
@@ -98,7 +99,8 @@ def solve(design: Design, crank: npt.ArrayLike, stiffness: Stiffness, load: Arra
     departures, forces = np.zeros_like(load), np.zeros_like(springs.distance)
     for disc, place in enumerate(cams[0]):
         departures[0, 3 * disc : 3 * disc + 2] = place
-    left = balance(springs, design.clearance.cam, stiffness.cam, load, departures, forces, True)
+    with announced():
+        left = balance(springs, design.clearance.cam, stiffness.cam, load, departures, forces, True)
     if not left <= BALANCED:
         raise RunError(f"no static balance of the mesh: {left:.3g} of the load is left over")
     return Balance(departures, forces, contacts)

@@ -12,6 +12,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from cycloid_mj.compiling import cacheable
+
 Array = NDArray[np.float64]
 
 ROUNDS = 200
@@ -55,7 +57,7 @@ class System(NamedTuple):
     tangent: Array
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=cacheable(), nogil=True)
 def balance(
     springs: Springs, cam_clearance: float, cam_stiffness: float, load: Array, z: Array, force: Array, follow: bool
 ) -> float:
@@ -105,7 +107,7 @@ def balance(
     return worst
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=cacheable(), nogil=True, inline="always")
 def _gap(springs: Springs, k: int, i: int, z: Array) -> tuple[float, float, float, float]:
     """Give a gap [m], cosine and sine of the angle by which its normal has turned, and the rate of that [1/m]."""
     distance, shift = springs.distance[k, i], springs.shift[k, i]
@@ -121,7 +123,7 @@ def _gap(springs: Springs, k: int, i: int, z: Array) -> tuple[float, float, floa
     return room + distance + across * across / (bend * (reach + along)), along / reach, across / reach, bend / reach
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=cacheable(), nogil=True)
 def _assemble(
     springs: Springs, k: int, cam_clearance: float, cam_stiffness: float, load: Array, z: Array, system: System
 ) -> float:
@@ -167,7 +169,7 @@ def _assemble(
     return energy
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=cacheable(), nogil=True)
 def _solve(matrix: Array, right: Array, out: Array, floating: float) -> None:
     """Solve a symmetric positive system by Cholesky's method, from its lower half, in place."""
     number = right.size

@@ -25,7 +25,7 @@ from cycloid_mj.convex import (
     surface_quality,
 )
 from cycloid_mj.design import Design, dump
-from cycloid_mj.errors import CycloidError
+from cycloid_mj.errors import CycloidError, warn
 from cycloid_mj.mjcf import model as exact
 from cycloid_mj.mjcf import names
 from cycloid_mj.mjcf.keyframe import add_keyframes
@@ -57,6 +57,11 @@ def model_files(design: Design, settings: ConvexSettings | None = None) -> dict[
         A part cannot be made, or a decomposition is worse than its bound.
     ContactError
         MuJoCo cannot represent a contact's stiffness at this time step.
+
+    Warns
+    -----
+    CycloidWarning
+        Figures of runs of this model may not be those of the design.
     """
     settings, design = settings or ConvexSettings(), for_slices(design)
     made = mesh_spec(design, settings)
@@ -64,11 +69,13 @@ def model_files(design: Design, settings: ConvexSettings | None = None) -> dict[
     rests = [decompose(sector, settings) for sector in sectors(design, settings)]
     for number, rest in enumerate(rests, start=1):
         add_rest(made.spec, number, rest)
-    _add_drive(made, design)
+    gains = _add_drive(made, design)
     exact._add_sensors(made.spec, design)
     add_keyframes(made.spec, design)
     made.spec.meshdir = ASSETS
     model = made.spec.compile()
+    reducer = exact.ReducerModel(made.spec, model, names.pairs(design), made.laws, gains, made.crank_inertia)
+    warn(design.name, exact.judged(reducer, design).warnings)
     files = {f"{ASSETS}/{name}": content for name, content in sorted(made.spec.assets.items())}
     files[DESIGN] = dump(design).encode()
     files[REDUCER] = _reducer_xml(made.spec, design).encode()
@@ -102,15 +109,17 @@ def _checked(surface: Surface, settings: ConvexSettings) -> Quality:
     return surface_quality(surface)
 
 
-def _add_drive(made: MeshSpec, design: Design) -> None:
-    """Add the speed servo of the crank and the torque of the load."""
+def _add_drive(made: MeshSpec, design: Design) -> tuple[float, float]:
+    """Add the speed servo of the crank, and give its gains kp and kv; add the torque of the load."""
     joint = mujoco.mjtTrn.mjTRN_JOINT
     drive = made.spec.add_actuator(name=names.DRIVE, target=names.CRANK_JOINT, trntype=joint)
-    drive.set_to_velocity(kv=made.crank_inertia * DRIVE_BANDWIDTH)
+    gain = made.crank_inertia * DRIVE_BANDWIDTH
+    drive.set_to_velocity(kv=gain)
     drive.forcelimited = True
     drive.forcerange = np.array([-1.0, 1.0]) * DRIVE_MARGIN * design.drive.torque
     load = made.spec.add_actuator(name=names.LOAD, target=names.OUTPUT_JOINT, trntype=joint)
     load.set_to_motor()
+    return 0.0, gain
 
 
 def _reducer_xml(spec: Any, design: Design) -> str:

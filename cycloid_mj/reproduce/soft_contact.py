@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
+from cycloid_mj.compiling import cacheable
 from cycloid_mj.contact.gap import circle_in_circle, trochoid_curvature, trochoid_distance
 from cycloid_mj.design import Design
 from cycloid_mj.solid import mass_properties, parts
@@ -153,7 +154,7 @@ def _damper(depth: float, damping: float, whole: float) -> float:
     return damping * share * share * (3.0 - 2.0 * share)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=cacheable(), nogil=True)
 def _turned(
     values: Any, teeth: int, holes: int, free: bool, facets: Any, steps: int, timestep: float, per_turn: int
 ) -> Any:

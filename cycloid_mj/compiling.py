@@ -1,4 +1,4 @@
-"""How the contact code is compiled: kept in numba's cache where that has a place, and told when it takes time."""
+"""How number-crunching code is compiled: kept in numba's cache where that has a place, and told when it takes time."""
 
 import logging
 from collections.abc import Iterator
