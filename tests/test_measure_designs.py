@@ -41,9 +41,6 @@ CHEAP = {
 }
 """Loads of the printed reducer are in test_measure_loads."""
 
-JAMS = {("efficiency", "printed")}
-"""Half of its friction holds it: driven by its output it jams, and the measure ends in an error."""
-
 NEAR = {
     "te": {"output_wind_up": 0.05, "output_reversal": 0.1},
     "backlash": {"backlash_cam": 0.005, "backlash_output": 0.02},
@@ -65,8 +62,6 @@ SHARES = {"torque": ("output_rate",), "efficiency": ("efficiency",)}
 
 def _case(measure: str, name: str):
     marks = [] if (measure, name) in CHEAP else [pytest.mark.slow]
-    if (measure, name) in JAMS:
-        marks.append(pytest.mark.xfail(strict=True, reason="a self-locking reducer driven by its output jams"))
     return pytest.param(measure, name, marks=marks, id=f"{measure}-{name}")
 
 

@@ -7,6 +7,7 @@ import json
 import math
 
 import pytest
+from designs import unlike
 
 from cycloid_mj.cli.app import main
 from cycloid_mj.design import PRESETS, override
@@ -226,3 +227,14 @@ def test_mistakes_are_told_in_one_line(words, told, capsys):
     error = capsys.readouterr().err
     assert told in error
     assert error.count("\n") == 1
+
+
+def test_a_self_locking_reducer_gives_no_back_driving_but_all_the_rest() -> None:
+    """Friction takes more than half of the printed design's power: its output cannot turn its crank."""
+    found = measure_efficiency(unlike("printed"), quick=True).quantities
+    assert found["efficiency"].value < 50.0
+    assert found["back_driving_efficiency"].value == 0.0
+    assert found["back_driving_efficiency"].reference < 0.0
+    for key in ("back_driving_torque_static", "back_driving_torque_moving", "back_driving_torque_rated"):
+        assert math.isnan(found[key].value)
+        assert "self-locking" in found[key].note

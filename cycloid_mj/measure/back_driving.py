@@ -47,6 +47,11 @@ class BreakAway:
     largest: float
     run: Run
 
+    @property
+    def locked(self) -> bool:
+        """Whether the crank stays at rest: the reducer is self-locking."""
+        return math.isnan(self.torque)
+
 
 def break_away(design: Design) -> BreakAway:
     """Let the output torque grow from zero on a reducer at rest, its crank free.

@@ -24,6 +24,8 @@ TORQUES, SPEEDS = (0.25, 0.5, 1.0), (0.5, 1.0, 1.5)
 PERIODS, QUICK_PERIODS = 12, 4
 """Fewest mesh periods of an average: a third of a crank turn, or less."""
 
+SELF_LOCKING = "self-locking"
+
 LEFT_OUT = "left out: this pair's friction is 0"
 
 
@@ -79,7 +81,11 @@ def measure_efficiency(
             **build_up.as_json(found.rated.powers, figures),
             **spread.as_json(found.rated.powers.efficiency, found.by_input),
         },
-        runs={"rated": found.rated.run, "backward": found.backward.run, "from-rest": found.rest.run},
+        runs={
+            "rated": found.rated.run,
+            **({"backward": found.backward.run} if found.backward else {}),
+            "from-rest": found.rest.run,
+        },
     )
 
 
@@ -141,11 +147,11 @@ def _losses(rated: Point) -> dict[str, Quantity]:
 
 def _driven(design: Design, found: Found) -> dict[str, Quantity]:
     """Give what turns the reducer without a load, and from its output."""
-    lobes, backward, rest = design.lobes, found.backward, found.rest
-    still = math.isnan(rest.torque)
+    lobes, rest = design.lobes, found.rest
     forward = found.rated.powers.efficiency
-    locked = backward.powers.crank > 0.0
-    against = math.nan if locked else rated_torque(design) / backward.powers.efficiency
+    backward, shift = _back_driving(found)
+    locked = not backward > 0.0
+    against = math.nan if locked else rated_torque(design) / backward
     contacts = f"contacts, {drag_told(design)}; the shafts' own bearings are left out"
     return {
         "no_load_torque": Quantity(
@@ -153,36 +159,44 @@ def _driven(design: Design, found: Found) -> dict[str, Quantity]:
         ),
         "back_driving_torque_moving": Quantity(
             "back-driving torque at speed, crank free",
-            lobes * found.coasting.drag,
+            math.nan if found.coasting is None else lobes * found.coasting.drag,
             "N m",
-            lobes * found.coasting.drag_shift,
-            note=contacts,
+            None if found.coasting is None else lobes * found.coasting.drag_shift,
+            note=SELF_LOCKING if found.coasting is None else contacts,
         ),
         "back_driving_torque_static": Quantity(
             "back-driving torque from rest, crank free",
             rest.torque,
             "N m",
-            None if still else rest.error,
-            note=f"self-locking: the crank does not turn up to {rest.largest:g} N m"
-            if still
+            None if rest.locked else rest.error,
+            note=f"{SELF_LOCKING}: the crank does not turn up to {rest.largest:g} N m"
+            if rest.locked
             else "none to speak of: friction is in proportion to the load, and there is only the parts' weight",
         ),
         "back_driving_torque_rated": Quantity(
             f"output torque that drives against {design.drive.torque:g} N m on the crank",
             against,
             "N m",
-            None if locked else against * backward.shift / backward.powers.efficiency,
-            note="self-locking" if locked else "by the efficiency of back-driving",
+            None if locked else against * shift / backward,
+            note=SELF_LOCKING if locked else "by the efficiency of back-driving",
         ),
         "back_driving_efficiency": Quantity(
             "efficiency of back-driving, against the rated torque",
-            1e2 * backward.powers.efficiency,
+            1e2 * backward,
             "%",
-            1e2 * backward.shift,
+            1e2 * shift,
             1e2 * (2.0 - 1.0 / forward),
-            "2 - 1/eta: losses alike both ways",
+            "2 - 1/eta: losses alike both ways; below 0 it locks",
+            SELF_LOCKING if locked else "",
         ),
     }
+
+
+def _back_driving(found: Found) -> tuple[float, float]:
+    """Give the efficiency of back-driving and its error; 0 where the reducer is self-locking, and nothing comes out."""
+    if found.backward is None or found.backward.powers.crank > 0.0:
+        return 0.0, 0.0
+    return found.backward.powers.efficiency, found.backward.shift
 
 
 def _tables(found: Found) -> tuple[Table, ...]:

@@ -60,7 +60,7 @@ class Found:
     """Points of the map; the rated point, with half the step, and in the ideal limit; no load; the output as driver.
 
     `by_input` is the rated point's efficiency with each assumed input varied, `by_friction` that by the friction of the
-    teeth.
+    teeth. A self-locking reducer has no points with the output as driver: held at its speed it would jam.
     """
 
     grid: tuple[Point, ...]
@@ -68,8 +68,8 @@ class Found:
     halved: Point | None
     ideal: Point
     unloaded: Point
-    coasting: Point
-    backward: Point
+    coasting: Point | None
+    backward: Point | None
     rest: BreakAway
     by_input: tuple[Moved, ...]
     by_friction: Mapping[float, float]
@@ -96,12 +96,15 @@ def run_map(
     rated, speed = rated_torque(design), design.drive.speed
     # The longest runs come first, so that no processor is left alone with one.
     grid = [(torque, pace) for pace in sorted(speeds, key=abs) for torque in torques]
+    rest = break_away(design)
+    driven: list[Callable[[], Point]] = [
+        partial(backward, design, torque, periods) for torque in (() if rest.locked else (0.0, design.drive.torque))
+    ]
     singles: list[Callable[[], Point]] = [
         partial(forward, design, rated, speed, periods),
         partial(forward, ideal_limit(design), rated, speed, periods),
         partial(forward, design, 0.0, speed, periods),
-        partial(backward, design, 0.0, periods),
-        partial(backward, design, design.drive.torque, periods),
+        *driven,
         *([partial(forward, halved(design), rated, speed, periods)] if check else []),
     ]
     others: list[Callable[[], Point]] = [
@@ -111,13 +114,14 @@ def run_map(
     frictions = [sensitivity.with_common_friction(design, value) for value in sensitivity.COMMON]
     first = 1 + len(singles) + len(others)
     whole = first + 2 * len(assumed) + len(frictions)
-    rest = break_away(design)
     told(1, whole)
     points = each(_done, others + singles, lambda done, _: told(1 + done, whole))
     rate = partial(_rate, torque=rated, periods=SPREAD_PERIODS)
     by_input = moved(rate, assumed, lambda done, _: told(first + done, whole))
     rates = each(rate, frictions, lambda done, _: told(first + 2 * len(assumed) + done, whole))
-    main, ideal, unloaded, coasting, driven, *finer = points[len(others) :]
+    main, ideal, unloaded, *singly = points[len(others) :]
+    coasting, against = singly[: len(driven)] or (None, None)
+    finer = singly[len(driven) :]
     at = {(point.torque, point.speed): point for point in (*points[: len(others)], main)}
     return Found(
         grid=tuple(at[place] for place in grid),
@@ -126,7 +130,7 @@ def run_map(
         ideal=ideal,
         unloaded=unloaded,
         coasting=coasting,
-        backward=driven,
+        backward=against,
         rest=rest,
         by_input=tuple(by_input),
         by_friction=dict(zip(sensitivity.COMMON, rates, strict=True)),
