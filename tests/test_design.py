@@ -330,9 +330,7 @@ def test_a_file_that_is_no_toml_says_so(tmp_path, content: bytes) -> None:
 def test_an_empty_file_shows_where_to_start(tmp_path, content: str) -> None:
     path = tmp_path / "empty.toml"
     path.write_text(content)
-    with pytest.raises(
-        DesignError, match=r"empty\.toml is empty; start from the output of `cycloid-mj design show pin`"
-    ):
+    with pytest.raises(DesignError, match=r"empty\.toml is empty; `cycloid-mj design new my` makes a whole one"):
         load(path)
 
 

@@ -50,7 +50,7 @@ def efficiency():
 def test_braked_and_crank_held_runs_agree(torque):
     # two ways to hold the reducer, one figure: found within 0.10 points over these 4 mesh periods, 0.02 over 13
     assert torque["efficiency_crank_held"] == pytest.approx(torque["efficiency"], abs=0.15)
-    assert torque["output_rate"] == pytest.approx(torque["efficiency"], abs=0.1)
+    assert torque["output_rate"] == pytest.approx(torque["efficiency"], abs=0.15)
 
 
 def test_mean_input_torque_is_the_one_given(torque):

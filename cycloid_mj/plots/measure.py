@@ -140,7 +140,7 @@ def _limit(axes: Axes, curves: list[Curve]) -> None:
         axes.set_xlim(0.0, 1.02 * x.max())
     elif x.min() == x.max() > 0.0:
         axes.set_xlim(0.0, 1.1 * x.max())
-    elif all(curve.style in ("points", "rings") for curve in curves):
+    elif np.ptp(x) > 0.0 and all(curve.style in ("points", "rings") for curve in curves):
         axes.set_xlim(x.min() - MARGIN * np.ptp(x), x.max() + MARGIN * np.ptp(x))
     low, high = float(y.min()), float(y.max())
     if low >= 0.0 and low < FROM_ZERO * high:
