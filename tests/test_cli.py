@@ -405,7 +405,7 @@ def test_log_that_was_cut_is_judged_with_a_note(run, tmp_path):
 def test_plot_draws_the_figures_and_prints_their_paths(run, tmp_path):
     code, out, err = told("plot", str(run[1]), "--out", str(tmp_path), "--format", "svg", "--q", "3,4")
     assert code == 0
-    assert err.startswith("warning: only 0.13 crank turns")
+    assert err.startswith("warning: pin: only 0.13 crank turns")
     paths = [Path(line) for line in out.splitlines()]
     assert {path.suffix for path in paths} == {".svg"}
     assert sorted(path.name[:4] for path in paths if path.name.startswith("fig")) == [f"fig{n}" for n in range(5, 10)]
@@ -657,6 +657,7 @@ MOTION = ("kinematics", "--design", "pin", "--csv", "x.csv")
         (("design", "check"), ("DESIGN", "needs a value")),
         (("--frob",), ("--frob",)),
         (("simulate",), ("--design", "needs a value")),
+        (("simulate", "--desgin", "pin"), ("unknown option --desgin", "did you mean --design?")),
         ((*SIMULATE, "more"), ("'more'",)),
         (("simulate", "--design", "pon"), ("'pon'", "pin")),
         (("simulate", "--design", "my.toml"), ("my.toml", "neither")),
@@ -683,6 +684,7 @@ MOTION = ("kinematics", "--design", "pin", "--csv", "x.csv")
         (("analyze", "run.mcap", "--q"), ("--q", "needs a value")),
         (("plot", "run.mcap", "--format", "gif"), ("--format", "gif", "png")),
         (("profile", "--design", "pin"), ("--csv", "needs a value")),
+        (("profile", "--design", "pin", "--cvs=x.csv"), ("unknown option --cvs", "did you mean --csv?")),
         (("profile", "--design", "pin", "--csv", "--points"), ("--csv", "--points")),
         ((*PROFILE, "--points", "1.5"), ("--points", "1.5", "whole number")),
         ((*PROFILE, "--points", "2"), ("--points", "2", "from 3 to 1000000")),

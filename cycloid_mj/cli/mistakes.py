@@ -1,5 +1,6 @@
 """What cyclopts finds wrong with a command line, told in one line."""
 
+from collections.abc import Sequence
 from difflib import get_close_matches
 
 from cyclopts import App, CycloptsError
@@ -26,7 +27,7 @@ def _what(error: CycloptsError) -> str:
     if isinstance(error, UnknownCommandError) and error.app is not None:
         return _unknown_command((error.unused_tokens or [""])[0], error.app)
     if isinstance(error, MissingArgumentError) and argument is not None:
-        return f"{argument.name} needs a value"
+        return _missing(argument.name, error.unused_tokens or [])
     if isinstance(error, UnusedCliTokensError):
         return f"unexpected argument {(error.unused_tokens or [''])[0]!r}"
     if isinstance(error, ValidationError) and argument is not None:
@@ -35,6 +36,14 @@ def _what(error: CycloptsError) -> str:
         kind = "number" if error.target_type is float else "whole number"
         return f"{error.token.keyword} {error.token.value!r} is not a {kind}"
     return str(error)
+
+
+def _missing(flag: str, unused: Sequence[str]) -> str:
+    """Name the option that a missing one may have been meant by."""
+    misspelt = get_close_matches(flag, [word.split("=")[0] for word in unused if word.startswith("--")], n=1)
+    if misspelt and misspelt[0] != flag:
+        return f"unknown option {misspelt[0]}; did you mean {flag}?"
+    return f"{flag} needs a value"
 
 
 def _unknown_command(word: str, app: App) -> str:

@@ -8,7 +8,8 @@ from cyclopts import Parameter
 from cycloid_mj.cli.analyze import LogName
 from cycloid_mj.cli.flags import PointFlag, point
 from cycloid_mj.cli.outfile import folder
-from cycloid_mj.cli.terminal import say, tell
+from cycloid_mj.cli.terminal import say
+from cycloid_mj.errors import warn
 
 EXAMPLES = """Examples:
   cycloid-mj plot runs/pin.mcap
@@ -38,8 +39,7 @@ def plot(log: LogName, /, *, q: PointFlag = None, out: OutFlag = None, format_: 
     from cycloid_mj.plots import figures, save
 
     motion = series(read(log), place)
-    for warning in judge(motion).warnings:
-        tell(f"warning: {warning}")
+    warn(motion.design.name, judge(motion).warnings)
     drawn = figures(motion)
     into = folder(str(Path(log).with_suffix("")) if out is None else out, "the figures")
     for path in save(drawn, into, (format_,)):

@@ -6,7 +6,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from cycloid_mj.cli.flags import PointFlag, point
-from cycloid_mj.cli.terminal import say, tell
+from cycloid_mj.cli.terminal import say
 from cycloid_mj.errors import UsageError
 
 EXAMPLES = """Examples:
@@ -37,9 +37,6 @@ def report(*logs: LogNames, out: OutFlag = None, q: PointFlag = None) -> int:
     if len(set(logs)) < len(logs):
         raise UsageError("a log is given twice: give each once")
     runs = {log: read(log) for log in logs}
-    for log, run in runs.items():
-        if not run.complete:
-            tell(f"note: the run of {log} did not reach its end: {run.note}")
     page = reviewed(runs, place)
     path = Path(logs[0]).with_suffix(".html") if out is None else Path(out)
     write_whole({path: page.encode()})

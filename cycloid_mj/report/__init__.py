@@ -9,10 +9,10 @@ from collections.abc import Mapping
 import numpy.typing as npt
 
 from cycloid_mj.analysis import judge, series
-from cycloid_mj.errors import UsageError
+from cycloid_mj.errors import UsageError, warn
 from cycloid_mj.record import Run
 from cycloid_mj.report.page import page
-from cycloid_mj.report.reviewed import Reviewed
+from cycloid_mj.report.reviewed import Reviewed, labels
 
 __all__ = ["MOST_RUNS", "report"]
 
@@ -36,6 +36,11 @@ def report(runs: Mapping[str, Run], q: npt.ArrayLike | None = None) -> str:
         There is no run, or too many, or `q` is no point.
     LogError
         A run has no design, lacks a column, or has fewer than two samples.
+
+    Warns
+    -----
+    CycloidWarning
+        Why figures of a run are not those of its design; the page has it, too.
     """
     if not 1 <= len(runs) <= MOST_RUNS:
         raise UsageError(f"a report of {len(runs)} runs: give 1 to {MOST_RUNS} logs")
@@ -43,4 +48,6 @@ def report(runs: Mapping[str, Run], q: npt.ArrayLike | None = None) -> str:
     for log, run in runs.items():
         motion = series(run, q)
         reviewed.append(Reviewed(log, motion, judge(motion, log)))
+    for item, name in zip(reviewed, labels(reviewed), strict=True):
+        warn(name, item.findings.warnings)
     return page(reviewed)
