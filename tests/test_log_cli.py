@@ -291,7 +291,8 @@ def test_view_replays_a_log_until_its_window_is_closed(path, monkeypatch):
     module = type("Viewer", (), {"launch_passive": Window, "launch": lambda *_: 1 / 0})
     monkeypatch.setattr(viewer, "_viewer", lambda: module)
     # a clock that goes on by a frame a look: the run is over in five, and begins again
-    clock = SimpleNamespace(monotonic=lambda looks=count(): next(looks) * viewer.FRAME, sleep=lambda _: None)
+    looks = count()
+    clock = SimpleNamespace(monotonic=lambda: next(looks) * viewer.FRAME, sleep=lambda _: None)
     monkeypatch.setattr(viewer, "time", clock)
     monkeypatch.setenv("DISPLAY", ":0")
     assert told("view", path, "--slow", "1") == (0, "", "close the window to end\n")
