@@ -19,12 +19,13 @@ import pytest
 from ideal import ideal_run, ideal_runs
 
 from cycloid_mj import reproduce
+from cycloid_mj.comparison import STARTS, Spread, gravity_turn, order, started
 from cycloid_mj.design import PRESETS
 from cycloid_mj.measure import Measurement, Quantity
 from cycloid_mj.report.reproduction import claim_table
 from cycloid_mj.reproduce import chaos, claims, motion, peaks, phases, said, stress_claims, torque, vibration
-from cycloid_mj.reproduce.claims import Spread, order, order_verdict, range_verdict, share_verdict
-from cycloid_mj.reproduce.plan import QUICK, STARTS, at_speed, designs, idle_runs, started
+from cycloid_mj.reproduce.claims import order_verdict, range_verdict, share_verdict
+from cycloid_mj.reproduce.plan import QUICK, at_speed, designs, idle_runs
 from cycloid_mj.reproduce.stage import nobody
 
 KEYS = (
@@ -288,7 +289,7 @@ def test_heights_and_orders_of_stress(idle):
 
 def at_degrees(run, pair, degrees, force=3.0):
     """A run in which a pair presses within five degrees of crank angles counted from gravity."""
-    turned = np.degrees(run["crank_angle"] - phases.gravity_turn(motion.series(run).design))
+    turned = np.degrees(run["crank_angle"] - gravity_turn(motion.series(run).design))
     near = np.any([np.abs((turned - at + 180.0) % 360.0 - 180.0) < 5.0 for at in degrees], axis=0)
     values = np.where(near, force, 0.0)
     return with_force(run, pair, values, values)

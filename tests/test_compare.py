@@ -14,7 +14,7 @@ import pytest
 import cycloid_mj.simulate
 from cycloid_mj.cli import main
 from cycloid_mj.cli.compare import RUNS, TURNS
-from cycloid_mj.comparison import SWEEP, settled, settling
+from cycloid_mj.comparison import STARTS, SWEEP, settled, settling
 from cycloid_mj.comparison.conditions import conditions
 from cycloid_mj.contact_lines import contact_lines, mesh_period
 from cycloid_mj.design import PRESETS, dump, loads, override
@@ -129,7 +129,7 @@ def test_every_run_has_the_same_settings_and_nothing_else_differs(compared):
 def test_files_of_a_comparison(compared):
     found, folder = compared
     figures = [f"compare_{name}.png" for name in (*NAMES, "curvature")]
-    logs = [f"{name}-{load}.mcap" for name in DESIGNS for load in ("no-load", "36.68Nm")]
+    logs = [f"{name}-{run}.mcap" for name in DESIGNS for run in ("no-load", "no-load-start-2", "36.68Nm")]
     assert sorted(path.name for path in folder.iterdir()) == sorted(figures + logs)
     assert [Path(path).name for path in found["figures"]] == figures
     assert all((folder / name).read_bytes().startswith(b"\x89PNG") for name in figures)
@@ -144,8 +144,37 @@ def test_logs_give_the_comparison_again(compared, tmp_path, undrawn):
     again = json.loads(out)
     assert again["designs"] == list(reversed(DESIGNS))
     by_case = {(run["design"], run["load_nm"]): run for run in again["runs"]}
-    assert all(by_case[run["design"], run["load_nm"]] == run for run in found["runs"])
-    assert sorted(again["rankings"], key=str) == sorted(found["rankings"], key=str)
+    of_starts = {"starts", "start_logs", "spreads"}
+    for run in found["runs"]:
+        same = by_case[run["design"], run["load_nm"]]
+        left_out = set() if run["load_nm"] else of_starts
+        assert all(same[key] == value for key, value in run.items() if key not in left_out)
+    loaded = [[each for each in one["rankings"] if each["load_nm"]] for one in (again, found)]
+    assert sorted(loaded[0], key=str) == sorted(loaded[1], key=str)
+
+
+def test_one_log_is_one_start_which_determines_nothing(compared, tmp_path, undrawn):
+    found, _ = compared
+    logs = [run["findings"]["log"] for run in found["runs"] if not run["load_nm"]]
+    one = json.loads(told("compare", *logs, "--out", str(tmp_path), "--json")[1])
+    assert {run["starts"] for run in one["runs"]} == {1}
+    assert {(each["starts"], each["verdict"]) for each in one["rankings"]} == {(1, "not determined")}
+    assert all("1 start of the 8" in each["sentence"] for each in one["rankings"])
+
+
+def test_a_quick_comparison_has_two_starts_and_says_that_they_do_not_determine(compared):
+    found, _ = compared
+    for run in found["runs"]:
+        assert run["starts"] == len(run["start_logs"]) == len(set(run["start_logs"])) == (1 if run["load_nm"] else 2)
+        assert bool(run["spreads"]) == (run["load_nm"] == 0.0)
+        for each in run["spreads"]:
+            assert len(each["values"]) == 2
+            assert each["least"] <= each["mean"] <= each["largest"]
+    idle = [each for each in found["rankings"] if each["load_nm"] == 0.0]
+    assert {(each["starts"], each["verdict"]) for each in idle} == {(2, "not determined")}
+    speed = next(each for each in found["runs"][0]["spreads"] if each["quantity"] == "gear speed error, rms")
+    assert speed["values"] == idle[0]["pin_starts"]["values"]
+    assert speed["values"][0] == found["runs"][0]["fluctuation"]["gear_speed_rad_s"]["rms"] != speed["values"][1]
 
 
 def test_table_and_words_go_to_stdout(compared, tmp_path, undrawn):
@@ -168,13 +197,15 @@ def test_table_and_words_go_to_stdout(compared, tmp_path, undrawn):
 
 
 def test_default_hold_is_whole_turns_after_settling(here, instant, undrawn):
-    assert told("compare", "pin", "nonpin", "--quiet")[0] == 0
-    design = instant[0]
+    assert told("compare", "pin", "nonpin", "--quiet", "--quick")[0] == 0
+    idle, loaded = ([design for design in instant if bool(design.load.torque) == under] for under in (False, True))
+    assert len({design.drive for design in idle}) == len({design.drive for design in loaded}) == 1
+    assert f"{idle[0].drive.hold:.4f}" == "0.1198", "the help says how long"
+    design = loaded[0]
     assert design.drive.ramp == 0.0
     turn = 2 * math.pi / design.drive.speed
     assert design.drive.hold == pytest.approx(settling(design) + TURNS * turn, abs=1.5 / design.settings.log_rate)
     assert f"{design.drive.hold:.4f}" == "0.2661", "the help says how long"
-    assert all(ran.drive == design.drive for ran in instant)
 
 
 def test_loaded_runs_are_repeated_with_each_assumption_unless_quick(here, instant, undrawn):
@@ -183,7 +214,10 @@ def test_loaded_runs_are_repeated_with_each_assumption_unless_quick(here, instan
     cases = [(design.name, design.load.torque) for design in instant]
     creep = [design.contact.creep_speed for design in instant]
     damping = [design.contact.damping_ratio for design in instant]
-    assert len(cases) == 2 * len(DESIGNS) + 2 * len(DESIGNS)
+    assert len(cases) == (STARTS + 1) * len(DESIGNS) + 2 * len(DESIGNS)
+    # noise of one kind in all runs has no order
+    idle = [each for each in found["rankings"] if each["load_nm"] == 0.0]
+    assert {(each["starts"], each["verdict"]) for each in idle} == {(STARTS, "not determined")}
     assert creep.count(1e-3) == damping.count(0.1) == len(DESIGNS)
     assert all(load for (_, load), slow, soft in zip(cases, creep, damping, strict=True) if slow < 0.02 or soft < 0.5)
     assert {each["design"] for each in found["sensitivity"]} == set(DESIGNS)
@@ -192,19 +226,19 @@ def test_loaded_runs_are_repeated_with_each_assumption_unless_quick(here, instan
         assert [response["parameter"] for response in each["responses"]] == ["creep speed", "damping ratio"]
     quick = json.loads(told(*argv, "quick", "--quick")[1])
     assert quick["sensitivity"] == []
-    assert len(instant) == 6 * len(DESIGNS)
+    assert len(instant) == (STARTS + 3 + 2 + 1) * len(DESIGNS)
 
 
 def test_next_comparisons_take_free_folders(here, instant, undrawn):
     for folder in (RUNS, f"{RUNS}-2"):
-        argv = ("compare", "pin", "nonpin", "--load-nm", "0", "--hold-s", "0.02", "--json", "--quiet")
+        argv = ("compare", "pin", "nonpin", "--load-nm", "0", "--hold-s", "0.02", "--json", "--quiet", "--quick")
         found = json.loads(told(*argv)[1])
         assert {Path(run["findings"]["log"]).parent for run in found["runs"]} == {Path(folder)}
-    assert len(instant) == 2 * len(DESIGNS)
+    assert len(instant) == 2 * 2 * len(DESIGNS)
 
 
 def test_logs_in_a_named_folder_are_replaced_only_by_force(here, instant, undrawn):
-    argv = ("compare", "pin", "nonpin", "--load-nm", "0", "--hold-s", "0.02", "--out", "mine", "--quiet")
+    argv = ("compare", "pin", "nonpin", "--load-nm", "0", "--hold-s", "0.02", "--out", "mine", "--quiet", "--quick")
     assert told(*argv)[0] == 0
     before = Path("mine/pin-no-load.mcap").read_bytes()
     code, message = rejected(*argv)
@@ -218,7 +252,8 @@ def test_logs_in_a_named_folder_are_replaced_only_by_force(here, instant, undraw
 def test_the_first_design_rules_the_settings_and_set_changes_all(here, instant, undrawn):
     slow = override(PRESETS["pin"], ["name=slow", "drive.speed_rpm=820", "drive.torque_nm=0.5", "load.rise_s=0.002"])
     Path("slow.toml").write_text(dump(slow))
-    assert told("compare", "slow.toml", "nonpin", "--set", "friction.cam=0.01", "--quiet", "--jobs", "1")[0] == 0
+    argv = ("compare", "slow.toml", "nonpin", "--set", "friction.cam=0.01", "--quiet", "--quick", "--jobs", "1")
+    assert told(*argv)[0] == 0
     assert {design.drive.speed for design in instant} == {slow.drive.speed}
     assert {design.load.rise for design in instant} == {0.002}
     assert {design.friction.cam for design in instant} == {0.01}
@@ -228,18 +263,20 @@ def test_the_first_design_rules_the_settings_and_set_changes_all(here, instant, 
 def test_sweep_runs_each_different_design_once(here, instant, monkeypatch):
     monkeypatch.setattr("cycloid_mj.plots.comparison.comparison_figures", lambda motions: {})
     argv = ("compare", "pin", "nonpin", "--sweep", "--load-nm", "0", "--hold-s", "0.02", "--out", "all", "--json")
-    code, out, err = told(*argv)
+    code, out, err = told(*argv, "--quick")
     assert code == 0
     found = json.loads(out)
     assert [(point["parameter"], point["value"]) for point in found["sweep"]] == [
         (variation.parameter, variation.value) for variation in SWEEP
     ]
     # fixed pins concern the pin design only
-    assert len(instant) == len(set(instant)) == 3 + 3 * len(SWEEP) - 2
+    assert len(instant) == len(set(instant)) == 2 * (3 + 3 * len(SWEEP) - 2)
     assert len(found["decisions"]) == len(found["rankings"]) == 2 * 5
     assert Path("all/pin-no-load-pins-fixed.mcap").exists()
     assert Path("all/compare_sweep.png").exists()
-    assert err.startswith("16 runs, ")
+    assert Path("all/pin-no-load-start-2-pins-fixed.mcap").exists()
+    assert all("not determined" in decision for decision in found["decisions"])
+    assert err.startswith("32 runs, ")
 
 
 # --- what goes wrong
@@ -260,7 +297,7 @@ def test_a_run_that_fails_stops_the_others_and_is_told(here, monkeypatch):
             assert failed.wait(30)
 
     monkeypatch.setattr(cycloid_mj.simulate, "blocks", blocks)
-    code, message = rejected("compare", "pin", "nonpin", "--load-nm", "0", "--out", "mine", "--jobs", "2")
+    code, message = rejected("compare", "pin", "nonpin", "--load-nm", "0", "--out", "mine", "--jobs", "3", "--quick")
     assert code == 1
     assert "jumped a tooth" in message
     assert "mine/nonpin-no-load.mcap" in message

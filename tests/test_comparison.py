@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -10,7 +11,22 @@ import pytest
 
 from cycloid_mj import comparison
 from cycloid_mj.analysis import Series
-from cycloid_mj.comparison import SWEEP, Trial, Variation, compare, measure, rankings, settled, settling, under, varied
+from cycloid_mj.comparison import (
+    STARTS,
+    SWEEP,
+    Spread,
+    Trial,
+    Variation,
+    all_started,
+    compare,
+    gravity_turn,
+    measure,
+    rankings,
+    settled,
+    settling,
+    under,
+    varied,
+)
 from cycloid_mj.comparison.conditions import conditions, differences
 from cycloid_mj.comparison.fluctuation import Level, level, turns, unshifted
 from cycloid_mj.comparison.forces import cam_force, tooth_forces
@@ -227,8 +243,54 @@ def test_differences_are_told_in_the_words_of_the_file():
 
 
 def ranking(pin: tuple[float, ...], nonpin: tuple[float, ...], figure: str = "Fig. 6", load: float = 36.0) -> Ranking:
-    levels = (Level(float(np.sqrt(np.mean(np.square(values)))), values) for values in (pin, nonpin))
-    return Ranking("gear speed", figure, "rad/s", load, "pin", "nonpin", *levels)
+    levels = [Level(float(np.sqrt(np.mean(np.square(values)))), values) for values in (pin, nonpin)]
+    starts = (Spread.of([level.rms]) for level in levels)
+    return Ranking("gear speed", figure, "rad/s", load, "pin", "nonpin", *levels, *starts)
+
+
+def idle_ranking(pin: Sequence[float], nonpin: Sequence[float]) -> Ranking:
+    """Starts without load; their turns, of which none is like another's, must not matter."""
+    levels = Level(9.0, (9.0, 9.1, 9.2, 9.3)), Level(1.0, (1.0, 1.1, 1.2, 1.3))
+    return Ranking("gear speed", "Fig. 6", "rad/s", 0.0, "pin", "nonpin", *levels, Spread.of(pin), Spread.of(nonpin))
+
+
+def eight(low: float, high: float, count: int = STARTS) -> list[float]:
+    return list(np.linspace(low, high, count))
+
+
+@pytest.mark.parametrize(
+    ("pin", "nonpin", "verdict"),
+    [
+        (eight(2.0, 3.0), eight(1.0, 1.9), "confirmed"),
+        (eight(1.0, 1.9), eight(2.0, 3.0), "contradicted"),
+        # the spreads exceed the difference, by one start or by the 5 % that the time step may change
+        (eight(2.0, 3.0), eight(1.0, 2.1), "not determined"),
+        (eight(2.0, 3.0), eight(1.0, 1.95), "not determined"),
+        # too few starts, far apart though they are, and one that is copied
+        (eight(20.0, 30.0, STARTS - 1), eight(1.0, 1.9), "not determined"),
+        ([20.0], [1.0], "not determined"),
+        ([20.0] * STARTS, [1.0] * STARTS, "not determined"),
+        (eight(20.0, 30.0), [1.0] * STARTS, "not determined"),
+    ],
+)
+def test_an_idle_verdict_rests_on_independent_starts(pin, nonpin, verdict):
+    found = idle_ranking(pin, nonpin)
+    assert found.verdict == verdict
+    assert found.ratio == pytest.approx(np.mean(pin) / np.mean(nonpin))
+
+
+def test_idle_sentences_say_the_starts():
+    confirmed = idle_ranking(eight(2.0, 3.0), eight(1.0, 1.9)).sentence
+    assert confirmed == (
+        "no load, gear speed (Fig. 6): CONFIRMED, pin fluctuates more: rms pin 2 to 3 rad/s (mean 2.5), "
+        "nonpin 1 to 1.9 rad/s (mean 1.45), ratio of the means 1.72"
+    )
+    overlapping = idle_ranking(eight(2.0, 3.0), eight(1.0, 2.5)).sentence
+    assert "NOT DETERMINED, 8 starts spread by more than their difference" in overlapping
+    assert "NOT DETERMINED, 1 start of the 8" in idle_ranking([20.0] * STARTS, [1.0] * STARTS).sentence
+    assert "NOT DETERMINED, 2 starts of the 8" in idle_ranking([20.0, 21.0], [1.0, 2.0]).sentence
+    unnamed = replace(idle_ranking([2.0], [1.0]), figure="").sentence
+    assert "(not in the paper): 1 start of the 8" in unnamed
 
 
 @pytest.mark.parametrize(
@@ -259,8 +321,8 @@ def test_sentences_say_verdict_and_numbers():
     confirmed = ranking((2.0,) * 4, (1.0,) * 4)
     assert confirmed.sentence.startswith("36 N m, gear speed (Fig. 6): CONFIRMED, pin fluctuates more: rms pin 2 rad/s")
     assert confirmed.sentence.endswith("ratio 2.00")
-    contradicted = ranking((1.0,) * 4, (2.0,) * 4, load=0.0)
-    assert "no load, gear speed (Fig. 6): NOT CONFIRMED, nonpin fluctuates more" in contradicted.sentence
+    contradicted = ranking((1.0,) * 4, (2.0,) * 4)
+    assert "36 N m, gear speed (Fig. 6): NOT CONFIRMED, nonpin fluctuates more" in contradicted.sentence
     assert "(not in the paper): nonpin fluctuates more" in ranking((1.0,) * 4, (2.0,) * 4, figure="").sentence
     assert "NOT CONFIRMED, both are alike" in ranking((1.0,) * 4, (1.0,) * 4).sentence
     assert "UNDECIDED" in ranking((1.0,), (2.0,)).sentence
@@ -268,15 +330,18 @@ def test_sentences_say_verdict_and_numbers():
 
 def test_summary_says_for_each_load_what_is_confirmed():
     ranked = [
-        ranking((1.0,) * 4, (2.0,) * 4, "Fig. 6", 0.0),
-        ranking((2.0,) * 4, (1.0,) * 4, "Fig. 7", 0.0),
-        ranking((2.0,) * 4, (1.0,) * 4, "", 0.0),
-        ranking((2.0,), (1.0,), "Fig. 8", 36.0),
+        idle_ranking(eight(2.0, 3.0), eight(1.0, 1.9)),
+        replace(idle_ranking([2.0], [1.0]), figure="Fig. 7"),
+        ranking((1.0,) * 4, (2.0,) * 4, "Fig. 6"),
+        ranking((2.0,) * 4, (1.0,) * 4, "Fig. 7"),
+        ranking((2.0,) * 4, (1.0,) * 4, ""),
+        ranking((2.0,), (1.0,), "Fig. 8"),
     ]
     assert summary(ranked) == [
-        "no load, pin fluctuates more than nonpin: confirmed for gear speed (Fig. 7); "
-        "not confirmed for gear speed (Fig. 6)",
-        "36 N m, pin fluctuates more than nonpin: undecided for gear speed (Fig. 8)",
+        "no load, pin fluctuates more than nonpin: confirmed for gear speed (Fig. 6); "
+        "not determined for gear speed (Fig. 7)",
+        "36 N m, pin fluctuates more than nonpin: confirmed for gear speed (Fig. 7); "
+        "not confirmed for gear speed (Fig. 6); undecided for gear speed (Fig. 8)",
     ]
 
 
@@ -306,8 +371,80 @@ def test_comparison_orders_its_runs_and_judges_them():
     assert found.differences == {"ring.kind": ("pin", "nonpin")}
     verdicts = {(r.quantity, r.load_nm): r.verdict for r in found.rankings}
     assert verdicts["gear speed", 20.0] == "confirmed"
-    assert verdicts["gear speed", 0.0] == "contradicted"
+    assert verdicts["gear speed", 0.0] == "not determined"
     assert verdicts["acceleration of the output", 20.0] == "alike"
+
+
+def started_pair() -> list[Trial]:
+    """Idle designs with eight starts each, of which each fluctuates a little more than the one before it."""
+    starts = [pair(0.0, pin=0.004 + 1e-4 * number, nonpin=0.001 + 1e-4 * number) for number in range(STARTS)]
+    return [replace(starts[0][one], others=tuple(each[one].measures for each in starts[1:])) for one in (0, 1)]
+
+
+def test_idle_figures_are_stated_over_the_starts():
+    found = compare([*started_pair(), *pair(20.0)])
+    verdicts = {(r.quantity, r.load_nm): (r.verdict, r.starts) for r in found.rankings}
+    assert verdicts["gear speed", 0.0] == ("confirmed", STARTS)
+    assert verdicts["gear speed", 20.0] == ("confirmed", 1)
+    # the same motion of every start in both designs
+    assert verdicts["acceleration of the gear centre", 0.0] == ("not determined", 1)
+    _, rows = comparison.table(found, 0.0)
+    least, mean, most = (value / math.sqrt(2) for value in (0.004, 0.00435, 0.0047))
+    words = next(row[1] for row in rows if row[0] == "gear speed error, rms")
+    assert words == f"{least:.3g} to {most:.3g} ({mean:.3g})"
+    idle, loaded = (found.as_json()["runs"][place] for place in (0, 2))
+    (spread,) = (each for each in idle["spreads"] if each["quantity"] == "gear speed error, rms")
+    assert (spread["unit"], len(spread["values"])) == ("rad/s", STARTS)
+    assert [spread[key] for key in ("least", "mean", "largest")] == pytest.approx([least, mean, most])
+    assert (idle["starts"], loaded["starts"], loaded["spreads"]) == (STARTS, 1, [])
+    judged = found.as_json()["rankings"][0]
+    assert judged["starts"] == STARTS
+    assert judged["pin_starts"]["values"] == spread["values"]
+
+
+def test_what_decides_an_order_that_is_not_determined_is_not_either():
+    trials = pair(0.0)
+    found = compare(trials, [varied(SWEEP[0], trials)])
+    assert all(words.endswith("not determined, as the order of the designs is not") for words in found.decisions)
+
+
+def test_idle_runs_may_be_shorter_but_all_of_one_load_alike():
+    longer = designed("pin", turns=TURNS + 2).drive.hold
+    assert compare([*pair(0.0), *(with_hold(trial, longer) for trial in pair(20.0))]).loads == (0.0, 20.0)
+    first, second = pair(20.0)
+    with pytest.raises(UsageError, match=r"drive\.hold_s"):
+        compare([*pair(0.0), first, with_hold(second, longer)])
+
+
+def with_hold(trial: Trial, hold: float) -> Trial:
+    return replace(trial, design=override(trial.design, [f"drive.hold_s={hold!r}"]))
+
+
+# --- starts
+
+
+@pytest.mark.parametrize("teeth", [36, STARTS, 5])
+def test_starts_differ_by_gravity_turned_and_nothing_else(teeth):
+    design = override(PRESETS["pin"], [f"ring.teeth={teeth}"])
+    found = all_started(design)
+    assert len(found) == STARTS
+    assert found[0] == design
+    pull = design.environment
+    for one in found[1:]:
+        assert set(differences([design, one])) <= {"environment.gravity_x_m_s2", "environment.gravity_y_m_s2"}
+        turned = one.environment
+        assert math.hypot(turned.gravity_x, turned.gravity_y) == pytest.approx(
+            math.hypot(pull.gravity_x, pull.gravity_y)
+        )
+    angles = np.array([gravity_turn(one) for one in found])
+    # to the next whole pitch, where there are as many
+    within = math.pi / teeth + 1e-9 if teeth > STARTS else 1e-9
+    assert angles == pytest.approx(2 * math.pi * np.arange(STARTS) / STARTS, abs=within)
+
+
+def test_without_gravity_in_its_plane_a_design_has_one_start():
+    design = override(PRESETS["pin"], ["environment.gravity_x_m_s2=0.0", "environment.gravity_y_m_s2=0.0"])
+    assert all_started(design) == (design,)
 
 
 def test_json_of_a_comparison_is_plain_and_complete():

@@ -14,7 +14,7 @@ import pytest
 from ideal import ideal_run, ideal_runs
 
 from cycloid_mj.cli import reproduce as command
-from cycloid_mj.comparison import settled, settling
+from cycloid_mj.comparison import STARTS, gravity_turn, settled, settling, started
 from cycloid_mj.comparison.conditions import differences
 from cycloid_mj.design import PRESETS, dump, override
 from cycloid_mj.errors import RunError, UsageError
@@ -22,7 +22,7 @@ from cycloid_mj.reproduce import cycle, motion, plan
 from cycloid_mj.reproduce import run as stages
 from cycloid_mj.reproduce.errata import errata
 from cycloid_mj.reproduce.fit import digest, fits, log_name
-from cycloid_mj.reproduce.plan import FULL, QUICK, at_speed, idle_runs, main_runs, ramped, rated_runs, started
+from cycloid_mj.reproduce.plan import FULL, QUICK, at_speed, idle_runs, main_runs, ramped, rated_runs
 from cycloid_mj.reproduce.plan import varied_idle_runs as varied_idle
 from cycloid_mj.reproduce.plan import varied_rated_runs as varied_rated
 from cycloid_mj.reproduce.stage import Found, nobody
@@ -77,10 +77,10 @@ def test_the_third_rated_design_is_as_loose_and_as_soft_as_the_pin_design():
 
 def test_starts_turn_gravity_by_whole_tooth_pitches():
     design = at_speed(PRESETS["pin"], 0.0, 1)
-    found = [started(design, number) for number in range(plan.STARTS)]
+    found = [started(design, number) for number in range(STARTS)]
     assert found[0] == design
-    assert len(set(found)) == plan.STARTS >= 8
-    pitches = [plan.gravity_turn(each) / (2 * np.pi / 36) for each in found]
+    assert len(set(found)) == STARTS >= 8
+    pitches = [gravity_turn(each) / (2 * np.pi / 36) for each in found]
     assert pitches == pytest.approx(np.round(pitches), abs=1e-9)
     assert np.diff(pitches) == pytest.approx(4.5, abs=0.5 + 1e-9)
     for each in found:

@@ -43,6 +43,10 @@ EXAMPLES = """Examples:
 
 RUNS = "runs/compare"
 TURNS = 6
+IDLE_TURNS = 2
+"""Settled crank turns of a loaded run, and of each start at no load, unless the user says how long."""
+QUICK_STARTS = 2
+"""Starts of each design at no load with --quick: too few to rank designs by, and the verdicts say so."""
 DEFAULTS = ("drive.ramp_s=0.0", "settings.log_rate_hz=20000.0")
 
 DesignsOrLogs = Annotated[
@@ -75,7 +79,7 @@ HoldFlag = Annotated[
         metavar="X",
         validator=HOLD.require,
         help=f"Duration at constant speed [s], {HOLD.range}. Default: {TURNS} crank turns after the load has come on "
-        "and settled for a turn (0.2661 in the presets).",
+        f"and settled for a turn (0.2661 in the presets); {IDLE_TURNS} at no load (0.1198).",
     ),
 ]
 OutFlag = Annotated[
@@ -99,7 +103,8 @@ QuickFlag = Annotated[
     bool,
     Parameter(
         help="Leave out how far the dynamic figures move with creep speed and contact damping, for which the loaded "
-        "runs are repeated with each."
+        f"runs are repeated with each, and run {QUICK_STARTS} starts at no load: the order of the designs is then not "
+        "determined there."
     ),
 ]
 JobsFlag = Annotated[
@@ -136,13 +141,19 @@ def compare(
     transmission error, contacts and forces, and vibration, which is the
     acceleration of the gear's centre and of the output about their closed
     forms. Then, for a pin and a nonpin design, which of the paper's findings
-    on vibration (Hsieh 2014, Figs 6-8) the runs confirm, with the numbers: a
-    rank test (5 %) of the rms values of the crank turns decides. A last table
-    says how far each dynamic figure moves when creep speed and damping ratio
-    of the contacts, which are assumed, go to the other end of their range; it
-    holds for these designs, load and speed only. A figure for
+    on vibration (Hsieh 2014, Figs 6-8) the runs confirm, with the numbers. A
+    last table says how far each dynamic figure moves when creep speed and
+    damping ratio of the contacts, which are assumed, go to the other end of
+    their range; it holds for these designs, load and speed only. A figure for
     each measure, and one of the relative curvature of the contact lines, go
     to --out.
+
+    The motion at no load is chaotic. Each design has 8 independent starts
+    there (gravity turned by whole tooth pitches), and each figure is stated
+    as least to largest over them, and mean. Designs are ranked where all
+    starts of the one lie beyond all of the other by more than 5 %; else, and
+    with fewer starts, the order is not determined. A log is one start. Under
+    load a rank test (5 %) of the rms values of the crank turns decides.
 
     A pin and a nonpin design are joined by a third: the nonpin design with the
     pin design's total play and series stiffness. What is left between it and
@@ -164,8 +175,9 @@ def compare(
         report(*_from_logs(logs, any(flag not in ((), None, False) for flag in flags), place, out), json)
         return 0
     values = [(TIMESTEP, timestep_us), (SPEED, speed_rpm), (RAMP, ramp_s), (HOLD, hold_s)]
-    first = _held_for_turns(designed(designs[0], (*DEFAULTS, *set_), values), set_, hold_s)
-    cases = _cases([designed(name, set_, ()) for name in designs], first, load_nm)
+    first = designed(designs[0], (*DEFAULTS, *set_), values)
+    held = hold_s is not None or any(change.strip().startswith("drive.hold_s") for change in set_)
+    cases = _cases([designed(name, set_, ()) for name in designs], first, load_nm, held)
     report(*_from_runs(cases, sweep, quick, place, out, jobs or os.cpu_count() or 1, force, quiet), json)
     return 0
 
@@ -174,20 +186,20 @@ def _first_design(names: Sequence[str]) -> str:
     return next(name for name in names if not name.endswith(".mcap"))
 
 
-def _held_for_turns(design: Design, changes: Sequence[str], hold_s: float | None) -> Design:
-    """Give a design with a hold of whole turns after the settling, unless the user has said how long."""
-    told = hold_s is not None or any(change.strip().startswith("drive.hold_s") for change in changes)
-    if told or design.drive.speed == 0.0:
-        return design
+def _held_for_turns(design: Design) -> Design:
+    """Give a design with a hold of whole turns after the settling, fewer at no load, where each has several starts."""
     from cycloid_mj.comparison import settling
 
+    if design.drive.speed == 0.0:
+        return design
+    turns = TURNS if design.load.torque else IDLE_TURNS
     # a sample more: the last turn shall be whole
-    hold = settling(design) + TURNS * 2 * math.pi / abs(design.drive.speed) + 1.0 / design.settings.log_rate
+    hold = settling(design) + turns * 2 * math.pi / abs(design.drive.speed) + 1.0 / design.settings.log_rate
     return override(design, [f"drive.hold_s={hold!r}"])
 
 
-def _cases(designs: Sequence[Design], first: Design, load_nm: float | None) -> list[Design]:
-    """Give every design under the settings of `first`, at no load and under load.
+def _cases(designs: Sequence[Design], first: Design, load_nm: float | None, held: bool) -> list[Design]:
+    """Give every design under the settings of `first`, at no load and under load, of its hold if that is `held` to.
 
     A pin and a nonpin design are joined by the nonpin design with the other's total play and series stiffness at that
     load: it tells the effect of the design from that of the clearance.
@@ -203,7 +215,8 @@ def _cases(designs: Sequence[Design], first: Design, load_nm: float | None) -> l
     if len(designs) == 2 and {design.ring.kind for design in designs} == {"pin", "nonpin"}:
         pin, nonpin = sorted(designs, key=lambda design: design.ring.kind, reverse=True)
         compared.append(with_play_of(nonpin, under(pin, shared, rated)))
-    return [under(design, shared, load) for load in dict.fromkeys((0.0, rated)) for design in compared]
+    cases = [under(design, shared, load) for load in dict.fromkeys((0.0, rated)) for design in compared]
+    return cases if held else [_held_for_turns(design) for design in cases]
 
 
 def _from_logs(
@@ -224,45 +237,54 @@ def _from_runs(
     cases: Sequence[Design],
     sweep: bool,
     quick: bool,
-    place: tuple[float, float] | None,
+    q: tuple[float, float] | None,
     out: str | None,
     workers: int,
     force: bool,
     quiet: bool,
 ) -> "tuple[Comparison, list[Path]]":
     from cycloid_mj.cli.batch import run_all
-    from cycloid_mj.comparison import ASSUMPTIONS, SWEEP, sensitivities, varied
+    from cycloid_mj.comparison import ASSUMPTIONS, STARTS, SWEEP, Trial, Variation, all_started, sensitivities, varied
     from cycloid_mj.comparison import compare as compared
 
+    count = QUICK_STARTS if quick else STARTS
+    starts = {design: (design,) if design.load.torque else all_started(design, count) for design in cases}
+    as_it_is = Variation("", "as it is", ())
     variations, assumptions = SWEEP if sweep else (), () if quick else ASSUMPTIONS
     loaded = [design for design in cases if design.load.torque]
-    names = {design: _log_name(design) for design in cases}
+    names = {start: _log_name(start, place) for each in starts.values() for place, start in enumerate(each)}
     for variation, changed in [*((each, cases) for each in variations), *((each, loaded) for each in assumptions)]:
         for design in changed:
             words = f"{variation.parameter}-{variation.value}".replace(" ", "-").replace("/", "-per-")
-            names.setdefault(variation.of(design), f"{_log_name(design)}-{words}")
+            for place, start in enumerate(starts[design]):
+                names.setdefault(variation.of(start), f"{_log_name(start, place)}-{words}")
     for design in names:
         require_possible(design)
     into = logs_folder(RUNS, out, list(names.values()), force)
     logs = {design: into / f"{name}.mcap" for design, name in names.items()}
     run_all(logs, min(workers, len(logs)), force, quiet)
-    motions, trials = {}, {}
+    motions, measured = {}, {}
     for design, log in logs.items():
-        motion, trials[design] = _measured(log, place)
+        motion, trial = _measured(log, q)
+        measured[design] = trial.measures
         if design in cases:
             motions[design] = motion
-    points: list[Varied] = [varied(each, [trials[each.of(design)] for design in cases]) for each in variations]
-    moved = sensitivities(
-        [trials[design] for design in loaded],
-        {each: [trials[each.of(design)] for design in loaded] for each in assumptions},
-    )
-    comparison = compared([trials[design] for design in cases], points, moved if assumptions else ())
+
+    def trials(designs: Sequence[Design], variation: Variation = as_it_is) -> list[Trial]:
+        """Give designs with one variation and the measures of all their starts."""
+        found = ([variation.of(start) for start in starts[design]] for design in designs)
+        return [Trial(first, measured[first], tuple(measured[other] for other in others)) for first, *others in found]
+
+    points: list[Varied] = [varied(each, trials(cases, each)) for each in variations]
+    moved = sensitivities(trials(loaded), {each: trials(loaded, each) for each in assumptions})
+    comparison = compared(trials(cases), points, moved if assumptions else ())
     return comparison, _drawn(comparison, [motions[design] for design in cases], into)
 
 
-def _log_name(design: Design) -> str:
+def _log_name(design: Design, start: int = 0) -> str:
     load = design.load.torque
-    return f"{design.name}-{f'{load:g}Nm' if load else 'no-load'}"
+    case = f"{design.name}-{f'{load:g}Nm' if load else 'no-load'}"
+    return f"{case}-start-{start + 1}" if start else case
 
 
 def _measured(log: Path, place: tuple[float, float] | None) -> "tuple[Series, Trial]":

@@ -17,7 +17,7 @@ LINE = 110
 def report(comparison: "Comparison", figures: Sequence[Path], json: bool) -> None:
     """Write the comparison: a table for each load and words, or one JSON object; warn of what is doubtful in it."""
     for trial in comparison.trials:
-        warn(trial.name, trial.measures.findings.warnings)
+        warn(trial.name, tuple(dict.fromkeys(each for start in trial.starts for each in start.findings.warnings)))
     if json:
         say_json(comparison.as_json() | {"figures": [str(path) for path in figures]})
         return
@@ -27,7 +27,9 @@ def report(comparison: "Comparison", figures: Sequence[Path], json: bool) -> Non
         findings = comparison.at(load)[0].measures.findings
         window = findings.window
         span = f"from {window.start_s:.6g} to {window.end_s:.6g} s ({window.crank_turns:.1f} turns)"
-        say_table(f"{findings.condition}: {span}", *table(comparison, load))
+        starts = min(len(trial.starts) for trial in comparison.at(load))
+        over = f", least to largest (mean) of {starts} starts" if starts > 1 else ""
+        say_table(f"{findings.condition}: {span}{over}", *table(comparison, load))
     if comparison.sensitivity:
         ends = " and ".join(f"{each.parameter} {each.value}" for each in ASSUMPTIONS)
         condition = comparison.trials[-1].measures.findings.condition
@@ -46,7 +48,12 @@ def _words(comparison: "Comparison") -> Iterator[str]:
         yield "the paper's findings on vibration set a pin against a nonpin design: not judged here"
         return
     yield ""
-    yield "The paper (Hsieh 2014, Figs 6-8) finds that the pin design fluctuates more. By the turns of these runs:"
+    bases = ["at no load by their independent starts"] if 0.0 in comparison.loads else []
+    bases += ["under load by their crank turns"] if any(comparison.loads) else []
+    yield from _wrapped(
+        "The paper (Hsieh 2014, Figs 6-8) finds that the pin design fluctuates more. Of these runs, judged "
+        f"{' and '.join(bases)}:"
+    )
     for sentence in comparison.summary:
         yield from _wrapped(sentence, "- ")
     yield ""

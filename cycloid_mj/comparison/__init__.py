@@ -1,6 +1,7 @@
 """Designs side by side by the same measures: runs -> `Measures` -> `Comparison`, its table and its words.
 
-A fluctuation is judged turn by turn, so that a verdict on the paper's findings rests on more than one number.
+A verdict on the paper's findings rests on more than one number: at no load on independent starts, whose motion is
+chaotic, and under load on the crank turns of a run.
 """
 
 from cycloid_mj.analysis import load_words
@@ -10,31 +11,38 @@ from cycloid_mj.comparison.equalised import series_stiffness, total_play, with_p
 from cycloid_mj.comparison.measures import Measures, measure, settled, settling
 from cycloid_mj.comparison.ranking import Ranking, rankings
 from cycloid_mj.comparison.sensitivity import ASSUMPTIONS, Sensitivity, sensitivities, sensitivity_table
+from cycloid_mj.comparison.starts import STARTS, Spread, all_started, gravity_turn, order, started
 from cycloid_mj.comparison.sweep import SWEEP, Variation, Varied, varied
 from cycloid_mj.comparison.table import table
 from cycloid_mj.comparison.trial import Trial
 
 __all__ = [
     "ASSUMPTIONS",
+    "STARTS",
     "SWEEP",
     "Comparison",
     "Measures",
     "Ranking",
     "Sensitivity",
+    "Spread",
     "Trial",
     "Variation",
     "Varied",
+    "all_started",
     "compare",
     "conditions",
     "differences",
+    "gravity_turn",
     "load_words",
     "measure",
+    "order",
     "rankings",
     "sensitivities",
     "sensitivity_table",
     "series_stiffness",
     "settled",
     "settling",
+    "started",
     "table",
     "total_play",
     "under",

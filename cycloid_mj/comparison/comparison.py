@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from cycloid_mj.analysis import load_words
-from cycloid_mj.comparison.conditions import conditions, differences
+from cycloid_mj.comparison.conditions import HOLD, conditions, differences
 from cycloid_mj.comparison.ranking import Ranking, rankings, summary
+from cycloid_mj.comparison.rows import ROWS
 from cycloid_mj.comparison.sensitivity import Sensitivity
 from cycloid_mj.comparison.sweep import Varied, decisions
 from cycloid_mj.comparison.trial import Trial
@@ -25,11 +26,11 @@ class Comparison:
     designs
         Names, in the order they were given.
     conditions
-        Settings that all runs share, in the words of design files.
+        Settings that all runs share, in the words of design files; the duration, `HOLD`, is that of the most loaded.
     differences
         What differs between the designs: key -> the value of each.
     trials
-        The runs, load by load, each in the order of the designs.
+        The runs, load by load, each in the order of the designs; at no load with their independent starts.
     rankings
         The paper's findings on vibration, judged; empty unless a pin and a nonpin design are compared.
     sweep
@@ -110,7 +111,7 @@ def compare(
     ordered = tuple(next(t for t in trials if (t.name, t.load) == (name, load)) for load in loads for name in designs)
     return Comparison(
         designs=tuple(designs),
-        conditions=conditions(ordered[0].design),
+        conditions=conditions(ordered[-1].design),
         differences=differences(list(designs.values())),
         trials=ordered,
         rankings=tuple(rankings(ordered)),
@@ -120,11 +121,11 @@ def compare(
 
 
 def _designs(trials: Sequence[Trial]) -> dict[str, Design]:
-    """Give the designs by name; a name stands for one design, whatever its load."""
+    """Give the designs by name; a name stands for one design, whatever its load and how long it runs under it."""
     found: dict[str, Design] = {}
     for trial in trials:
         first = found.setdefault(trial.name, trial.design)
-        if differing := list(differences([first, trial.design])):
+        if differing := [key for key in differences([first, trial.design]) if key != HOLD]:
             raise UsageError(
                 f"two designs are called {trial.name!r}, but differ in {', '.join(differing[:3])}: "
                 "give each a name of its own in its file"
@@ -147,23 +148,50 @@ def _require_every_case(trials: Sequence[Trial], names: Sequence[str], loads: Se
 
 
 def _require_same_conditions(trials: Sequence[Trial]) -> None:
-    wanted, first = conditions(trials[0].design), trials[0]
-    for trial in trials[1:]:
-        for key, value in conditions(trial.design).items():
-            if value != wanted[key]:
-                raise UsageError(
-                    f"the runs differ in their settings: {key} is {wanted[key]} for {first.name} at "
-                    f"{load_words(first.load)}, but {value} for {trial.name} at {load_words(trial.load)}; "
-                    "run them with the same"
-                )
+    """Refuse runs under different settings; idle runs may be of another duration than loaded ones."""
+    for trial in trials:
+        first = next(each for each in trials if each.load == trial.load)
+        _require_alike(first, trial, ())
+        _require_alike(trials[0], trial, (HOLD,))
+
+
+def _require_alike(first: Trial, trial: Trial, but: Sequence[str]) -> None:
+    wanted = conditions(first.design)
+    for key, value in conditions(trial.design).items():
+        if value != wanted[key] and key not in but:
+            raise UsageError(
+                f"the runs differ in their settings: {key} is {wanted[key]} for {first.name} at "
+                f"{load_words(first.load)}, but {value} for {trial.name} at {load_words(trial.load)}; "
+                "run them with the same"
+            )
 
 
 def _run(trial: Trial) -> dict[str, Any]:
-    return {"design": trial.name, "load_nm": trial.load, **dataclasses.asdict(trial.measures)}
+    """Give a run: the measures of its first start, and, at no load, how each figure spreads over all of them."""
+    spreads = [
+        {"quantity": words, "unit": unit, **spread.as_json()}
+        for words, unit, figure in ROWS
+        if trial.load == 0.0 and (spread := trial.over_starts(figure)) is not None
+    ]
+    return {
+        "design": trial.name,
+        "load_nm": trial.load,
+        **dataclasses.asdict(trial.measures),
+        "starts": len(trial.starts),
+        "start_logs": [each.findings.log for each in trial.starts],
+        "spreads": spreads,
+    }
 
 
 def _judged(ranking: Ranking) -> dict[str, Any]:
-    told = {"ratio": ranking.ratio, "verdict": ranking.verdict, "sentence": ranking.sentence}
+    told = {
+        "ratio": ranking.ratio,
+        "verdict": ranking.verdict,
+        "sentence": ranking.sentence,
+        "starts": ranking.starts,
+        "pin_starts": ranking.pin_starts.as_json(),
+        "nonpin_starts": ranking.nonpin_starts.as_json(),
+    }
     return dataclasses.asdict(ranking) | told
 
 

@@ -11,6 +11,7 @@ from typing import Any
 from cycloid_mj.design import Design, dump, override
 
 TABLES = ("drive", "load", "environment", "settings")
+HOLD = "drive.hold_s"
 NO_CONDITIONS = ("load.torque_nm", "drive.power_kw", "drive.torque_nm")
 
 

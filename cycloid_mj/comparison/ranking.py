@@ -1,4 +1,8 @@
-"""What the paper says of the vibration of both designs (Hsieh 2014, Figs 6-8), and what runs say of it."""
+"""What the paper says of the vibration of both designs (Hsieh 2014, Figs 6-8), and what runs say of it.
+
+At no load the motion is chaotic, and independent starts tell two designs apart or do not; under load it is regular, and
+the crank turns of one run do.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,14 +10,18 @@ from typing import Literal, NamedTuple
 
 from cycloid_mj.analysis import load_words
 from cycloid_mj.comparison.fluctuation import Level
+from cycloid_mj.comparison.measures import Measures
+from cycloid_mj.comparison.starts import ALIKE, STARTS, Spread, order
 from cycloid_mj.comparison.trial import Trial
 
-Verdict = Literal["confirmed", "contradicted", "alike", "undecided"]
+Verdict = Literal["confirmed", "contradicted", "alike", "undecided", "not determined"]
 
-OUTCOMES = {"confirmed": ("confirmed",), "not confirmed": ("contradicted", "alike"), "undecided": ("undecided",)}
-
-ALIKE = 1.05
-"""Ratio up to which two levels count as alike: what a halved time step changes."""
+OUTCOMES = {
+    "confirmed": ("confirmed",),
+    "not confirmed": ("contradicted", "alike"),
+    "undecided": ("undecided",),
+    "not determined": ("not determined",),
+}
 
 SIGNIFICANCE = 0.05
 """Chance of turns as different as those of two designs that do not differ."""
@@ -35,15 +43,31 @@ Q_PATH = Quantity("path of q", "Fig. 7", "um")
 Q_VELOCITY = Quantity("velocity of q", "Fig. 8", "mm/s")
 CENTRE = Quantity("acceleration of the gear centre", "", "m/s^2")
 OUTPUT = Quantity("acceleration of the output", "", "rad/s^2")
+QUANTITIES = (GEAR_SPEED, Q_PATH, Q_VELOCITY, CENTRE, OUTPUT)
 
 
 @dataclass(frozen=True)
 class Ranking:
     """One quantity of a pin and of a nonpin design under one load: levels, and what becomes of the paper's finding.
 
-    The paper finds that the pin design fluctuates more. That is `confirmed` or `contradicted` where a rank test (Mann
-    and Whitney, two-sided, 5 %) tells the crank turns of the two apart; the designs are `alike` where their rms values
-    are within 5 %; else, and with fewer than `FEWEST_TURNS`, it is `undecided`.
+    The paper finds that the pin design fluctuates more. Under load that is `confirmed` or `contradicted` where a rank
+    test (Mann and Whitney, two-sided, 5 %) tells the crank turns of the two apart; the designs are `alike` where their
+    rms values are within 5 %; else, and with fewer than `FEWEST_TURNS`, it is `undecided`. At no load it is `confirmed`
+    or `contradicted` where all starts of the one design lie beyond all of the other by more than 5 %; else, and with
+    fewer than `STARTS` independent ones, it is `not determined`.
+
+    Attributes
+    ----------
+    quantity, figure, unit
+        Name, the paper's figure ("" if it has none) and unit.
+    load_nm
+        Load torque [N m].
+    pin, nonpin
+        Names of the designs.
+    pin_level, nonpin_level
+        Levels of the first start, with those of its turns.
+    pin_starts, nonpin_starts
+        The rms value of every start.
     """
 
     quantity: str
@@ -54,15 +78,25 @@ class Ranking:
     nonpin: str
     pin_level: Level
     nonpin_level: Level
+    pin_starts: Spread
+    nonpin_starts: Spread
 
     @property
     def ratio(self) -> float:
-        """Level of the pin design as a multiple of the nonpin design's."""
-        return self.pin_level.rms / self.nonpin_level.rms if self.nonpin_level.rms else float("inf")
+        """Level of the pin design, in the mean of its starts, as a multiple of the nonpin design's."""
+        return self.pin_starts.mean / self.nonpin_starts.mean if self.nonpin_starts.mean else float("inf")
+
+    @property
+    def starts(self) -> int:
+        """Independent starts of each design: a start that repeats another to the last bit is a copy and none."""
+        return min(self.pin_starts.independent, self.nonpin_starts.independent)
 
     @property
     def verdict(self) -> Verdict:
         """What becomes of the paper's finding."""
+        if self.load_nm == 0.0:
+            found = order(self.pin_starts, self.nonpin_starts) if self.starts >= STARTS else 0
+            return ("not determined", "confirmed", "contradicted")[found]
         if min(len(self.pin_level.by_turn), len(self.nonpin_level.by_turn)) < FEWEST_TURNS:
             return "undecided"
         if 1 / ALIKE <= self.ratio <= ALIKE:
@@ -86,16 +120,27 @@ class Ranking:
             "contradicted": f"NOT CONFIRMED, {self.nonpin} fluctuates more",
             "alike": "NOT CONFIRMED, both are alike",
             "undecided": "UNDECIDED, their turns do not tell them apart",
+            "not determined": f"NOT DETERMINED, {self._open()}",
         }[self.verdict]
-        claim = f"{self.figure}): {found}" if self.figure else f"not in the paper): {found.split(', ')[1]}"
+        claim = f"{self.figure}): {found}" if self.figure else f"not in the paper): {found.split(', ', 1)[1]}"
         return f"{load_words(self.load_nm)}, {self.quantity} ({claim}: {self._numbers()}"
 
+    def _open(self) -> str:
+        """Say why the starts do not determine an order."""
+        if self.starts < STARTS:
+            return f"{self.starts} {'start' if self.starts == 1 else 'starts'} of the {STARTS} that it takes"
+        return f"{self.starts} starts spread by more than their difference"
+
     def _numbers(self) -> str:
+        if self.load_nm == 0.0:
+            spreads = ((self.pin, self.pin_starts), (self.nonpin, self.nonpin_starts))
+            told = [f"{name} {at.words} {self.unit} (mean {at.mean:.3g})" for name, at in spreads]
+            return f"rms {', '.join(told)}, ratio of the means {self.ratio:.2f}"
         levels = ((self.pin, self.pin_level), (self.nonpin, self.nonpin_level))
-        told = (
+        told = [
             f"{name} {at.rms:.3g} {self.unit} (turns {min(at.by_turn):.3g} to {max(at.by_turn):.3g})"
             for name, at in levels
-        )
+        ]
         return f"rms {', '.join(told)}, ratio {self.ratio:.2f}"
 
 
@@ -118,11 +163,11 @@ def rankings(trials: Sequence[Trial]) -> list[Ranking]:
     pins = [trial for trial in trials if trial.design.ring.kind == "pin"]
     others = [trial for trial in trials if trial.design.ring.kind == "nonpin"]
     pairs = [(pin, nonpin) for pin in pins for nonpin in others if pin.load == nonpin.load]
-    return [_ranking(quantity, pin, nonpin) for pin, nonpin in pairs for quantity in _levels(pin)]
+    return [_ranking(quantity, pin, nonpin) for pin, nonpin in pairs for quantity in QUANTITIES]
 
 
-def _levels(trial: Trial) -> dict[Quantity, Level]:
-    fluctuation, vibration = trial.measures.fluctuation, trial.measures.vibration
+def _levels(measures: Measures) -> dict[Quantity, Level]:
+    fluctuation, vibration = measures.fluctuation, measures.vibration
     return {
         GEAR_SPEED: fluctuation.gear_speed_rad_s,
         Q_PATH: fluctuation.q_path_um,
@@ -133,5 +178,6 @@ def _levels(trial: Trial) -> dict[Quantity, Level]:
 
 
 def _ranking(quantity: Quantity, pin: Trial, nonpin: Trial) -> Ranking:
-    levels = _levels(pin)[quantity], _levels(nonpin)[quantity]
-    return Ranking(*quantity, pin.load, pin.name, nonpin.name, *levels)
+    pins, others = ([_levels(start)[quantity] for start in trial.starts] for trial in (pin, nonpin))
+    spreads = (Spread.of(level.rms for level in levels) for levels in (pins, others))
+    return Ranking(*quantity, pin.load, pin.name, nonpin.name, pins[0], others[0], *spreads)

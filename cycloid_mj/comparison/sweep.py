@@ -82,7 +82,9 @@ def _decision(base: Ranking, answers: Mapping[str, list[tuple[str, Ranking]]]) -
         for parameter, points in answers.items()
         if min(_difference(ranking) for _, ranking in points) < DECISIVE * _difference(base)
     ]
-    if base.verdict == "alike":
+    if base.verdict == "not determined":
+        verdict = "not determined, as the order of the designs is not"
+    elif base.verdict == "alike":
         verdict = "the designs are alike"
     else:
         verdict = f"decided by {' and '.join(decisive)}" if decisive else "decided by none of them"

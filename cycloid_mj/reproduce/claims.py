@@ -8,13 +8,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from cycloid_mj.comparison import Spread
+
 Verdict = Literal["agrees", "disagrees", "depends", "not determined"]
 Kind = Literal["value", "height", "order", "pattern"]
 
 VERDICTS: tuple[Verdict, ...] = ("agrees", "disagrees", "depends", "not determined")
-
-ALIKE = 1.05
-"""Ratio within which two quantities have no order: what the time step alone may change."""
 
 RPM = 30.0 / math.pi
 """Revolutions per minute in one rad/s."""
@@ -153,66 +152,13 @@ class Claim:
         }
 
 
-@dataclass(frozen=True)
-class Spread:
-    """One quantity of several independent starts: its `values`."""
-
-    values: tuple[float, ...]
-
-    @classmethod
-    def of(cls, values: Iterable[float]) -> "Spread":
-        """Collect the values."""
-        return cls(tuple(float(value) for value in values))
-
-    @property
-    def mean(self) -> float:
-        """Mean over the starts."""
-        return sum(self.values) / len(self.values)
-
-    @property
-    def low(self) -> float:
-        """Lowest of the starts."""
-        return min(self.values)
-
-    @property
-    def high(self) -> float:
-        """Highest of the starts."""
-        return max(self.values)
-
-    @property
-    def words(self) -> str:
-        """The range as text."""
-        return f"{self.low:.3g} to {self.high:.3g}"
-
-    @property
-    def half(self) -> float:
-        """Half of the range."""
-        return (self.high - self.low) / 2.0
-
-    def over(self, other: "Spread") -> "Spread":
-        """Give the ratio to another quantity: of the means, and the least and most that starts of both make."""
-        pairs = ((self.mean, other.mean), (self.low, other.high), (self.high, other.low))
-        return Spread(tuple(one / below if below else math.inf for one, below in pairs))
-
-
-def order(one: Spread, other: Spread) -> int:
-    """Tell which of two quantities is larger: 1 the first, -1 the second, 0 where their starts overlap.
-
-    Where all starts of the one lie beyond all of the other, by more than `ALIKE`, the difference of the two exceeds
-    what the starts spread.
-    """
-    if one.low > ALIKE * other.high:
-        return 1
-    return -1 if other.low > ALIKE * one.high else 0
-
-
 def order_verdict(found: int, varied: Mapping[str, int]) -> tuple[Verdict, tuple[str, ...]]:
     """Judge a claim that the first of two quantities is the larger.
 
     Parameters
     ----------
     found
-        As `order` gives it.
+        As `comparison.order` gives it.
     varied
         The same with something changed that the paper leaves open, by its name.
 

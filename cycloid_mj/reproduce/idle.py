@@ -3,9 +3,8 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from cycloid_mj.comparison import Measures, Variation, measure, settled
+from cycloid_mj.comparison import Measures, Spread, Variation, measure, order, settled
 from cycloid_mj.record import Run
-from cycloid_mj.reproduce.claims import Spread, order
 from cycloid_mj.reproduce.plan import Plan, designs, idle_runs, variations, varied_idle_runs
 from cycloid_mj.reproduce.stage import Runs
 

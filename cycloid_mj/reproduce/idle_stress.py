@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj.comparison import Spread
 from cycloid_mj.design import Design
 from cycloid_mj.record import Run
-from cycloid_mj.reproduce.claims import Spread
 from cycloid_mj.reproduce.peaks import at_peaks
 from cycloid_mj.reproduce.plan import LOGGED, SAMPLING
 

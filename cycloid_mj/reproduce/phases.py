@@ -5,11 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.comparison import settled
+from cycloid_mj.comparison import gravity_turn, settled
 from cycloid_mj.design import Design
 from cycloid_mj.record import Run
 from cycloid_mj.reproduce.peaks import peak
-from cycloid_mj.reproduce.plan import gravity_turn
 
 Array = npt.NDArray[np.float64]
 

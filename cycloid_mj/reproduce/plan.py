@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from cycloid_mj.comparison import SWEEP, Variation, settling, with_play_of
+from cycloid_mj.comparison import SWEEP, Variation, all_started, settling, with_play_of
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.reproduce.claims import Condition
 
@@ -31,7 +31,7 @@ class Plan:
     turns, varied_turns, finer_turns
         Settled crank turns of the main runs, of each run of the sweep, and of the runs with half the step (0: none).
     varied_starts
-        Independent starts of each idle run of the sweep, and of those with half the step; the main runs have `STARTS`.
+        Independent starts of each idle run of the sweep, and of those with half the step; the main ones have `STARTS`.
     ramp
         Whether the real ramp of 1 s is run for Fig. 5.
     """
@@ -43,9 +43,6 @@ class Plan:
     varied_starts: int
     ramp: bool
 
-
-STARTS = 8
-"""Independent starts over which an idle quantity is given; turns of one run are not independent of each other."""
 
 PAIRS = ("pin_gear", "pin_socket", "tooth", "cam", "output")
 MORE = (
@@ -107,26 +104,6 @@ def ramped(design: Design) -> Design:
     return override(short, [f"drive.ramp_s={design.drive.ramp!r}", f"settings.log_rate_hz={rate!r}"])
 
 
-def started(design: Design, number: int, of: int = STARTS) -> Design:
-    """Give one of several independent starts of a design, the first as it is.
-
-    Gravity is turned by a whole number of tooth pitches: the same as to let the crank begin elsewhere in its turn, at
-    the same phase of the mesh.
-    """
-    teeth, pull = design.ring.teeth, design.environment
-    if (turn := 2 * math.pi * round(teeth * number / of) / teeth) == 0.0:
-        return design
-    cos, sin = math.cos(turn), math.sin(turn)
-    x, y = cos * pull.gravity_x - sin * pull.gravity_y, sin * pull.gravity_x + cos * pull.gravity_y
-    return override(design, [f"environment.gravity_x_m_s2={x!r}", f"environment.gravity_y_m_s2={y!r}"])
-
-
-def gravity_turn(design: Design) -> float:
-    """Give the angle [rad] by which the gravity of a start is turned, counter-clockwise from -y, in [0, 2 pi)."""
-    pull = design.environment
-    return math.atan2(pull.gravity_x, -pull.gravity_y) % (2 * math.pi)
-
-
 def main_runs(plan: Plan) -> list[Design]:
     """Give the designs of the main runs: load by load, pin and nonpin."""
     return [at_speed(design, load, plan.turns) for load in loads() for design in designs()]
@@ -134,7 +111,7 @@ def main_runs(plan: Plan) -> list[Design]:
 
 def idle_runs(plan: Plan, design: Design) -> list[Design]:
     """Give the independent starts of a design at no load; the first is its main run."""
-    return [started(at_speed(design, 0.0, plan.turns), number) for number in range(STARTS)]
+    return list(all_started(at_speed(design, 0.0, plan.turns)))
 
 
 def equalised() -> Design:
@@ -151,7 +128,7 @@ def rated_runs(plan: Plan) -> list[Design]:
 def finer_idle_runs(plan: Plan, design: Design) -> list[Design]:
     """Give some idle starts with half the step, or none."""
     turns, count = plan.finer_turns, plan.varied_starts
-    return [started(at_speed(design, 0.0, turns, 2), number, count) for number in range(count)] if turns else []
+    return list(all_started(at_speed(design, 0.0, turns, 2), count)) if turns else []
 
 
 def finer_rated_runs(plan: Plan) -> list[Design]:
@@ -169,7 +146,7 @@ def varied_idle_runs(plan: Plan, variation: Variation, design: Design) -> list[D
     changed, count = variation.of(design), plan.varied_starts
     if changed == design:
         return idle_runs(plan, design)
-    return [started(at_speed(changed, 0.0, plan.varied_turns), number, count) for number in range(count)]
+    return list(all_started(at_speed(changed, 0.0, plan.varied_turns), count))
 
 
 def varied_rated_runs(plan: Plan, variation: Variation) -> list[Design]:

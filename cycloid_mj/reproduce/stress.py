@@ -4,13 +4,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
-from cycloid_mj.comparison import settled
+from cycloid_mj.comparison import STARTS, settled
 from cycloid_mj.measure import Table
 from cycloid_mj.record import Run
 from cycloid_mj.reproduce import hypothesis, said
 from cycloid_mj.reproduce.idle_stress import MEGAPASCAL, IdleStress, idle_stress
 from cycloid_mj.reproduce.peaks import ENDING, pairs, peak
-from cycloid_mj.reproduce.plan import STARTS, Plan, designs, idle_runs, rated_runs
+from cycloid_mj.reproduce.plan import Plan, designs, idle_runs, rated_runs
 from cycloid_mj.reproduce.stage import Found, Plate, Runs, Told
 from cycloid_mj.reproduce.stress_claims import stress_claims
 

@@ -5,16 +5,15 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from cycloid_mj.analysis.series import design_of
+from cycloid_mj.comparison import Spread, order
 from cycloid_mj.record import Run
 from cycloid_mj.reproduce import said
 from cycloid_mj.reproduce.claims import (
     Claim,
     NumericalError,
     Result,
-    Spread,
     Stated,
     Verdict,
-    order,
     order_verdict,
     range_verdict,
     share_verdict,

@@ -9,16 +9,15 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from cycloid_mj.analysis import Series
-from cycloid_mj.comparison import Variation, measure, settled
+from cycloid_mj.comparison import STARTS, Spread, Variation, measure, settled
 from cycloid_mj.measure import Table
 from cycloid_mj.record import Run
 from cycloid_mj.reproduce.chaos import Divergence, divergence, nudged
-from cycloid_mj.reproduce.claims import Claim, NumericalError, Result, Spread, Stated, order_verdict
+from cycloid_mj.reproduce.claims import Claim, NumericalError, Result, Stated, order_verdict
 from cycloid_mj.reproduce.cycle import cycle_table
 from cycloid_mj.reproduce.idle import QUANTITIES, Idle, Quantity, idle, label, of_runs, swept
 from cycloid_mj.reproduce.plan import (
     LEFT_OPEN,
-    STARTS,
     Plan,
     at_speed,
     designs,

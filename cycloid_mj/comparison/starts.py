@@ -1,0 +1,106 @@
+"""Independent starts of an idle reducer, and what a quantity spreads over them.
+
+The idle motion is chaotic: turns of one run depend on each other, so that no turn more makes its rms values sure. What
+is said of no load is said of several starts.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from cycloid_mj.design import Design, override
+
+STARTS = 8
+"""Independent starts over which an idle quantity is given, and from which on two designs are ranked by it."""
+
+ALIKE = 1.05
+"""Ratio within which two quantities have no order: what the time step alone may change."""
+
+
+@dataclass(frozen=True)
+class Spread:
+    """One quantity of several independent starts: its `values`."""
+
+    values: tuple[float, ...]
+
+    @classmethod
+    def of(cls, values: Iterable[float]) -> "Spread":
+        """Collect the values."""
+        return cls(tuple(float(value) for value in values))
+
+    @property
+    def mean(self) -> float:
+        """Mean over the starts."""
+        return sum(self.values) / len(self.values)
+
+    @property
+    def low(self) -> float:
+        """Lowest of the starts."""
+        return min(self.values)
+
+    @property
+    def high(self) -> float:
+        """Highest of the starts."""
+        return max(self.values)
+
+    def as_json(self) -> dict[str, Any]:
+        """Give values, least, mean and largest for a program."""
+        return {"values": list(self.values), "least": self.low, "mean": self.mean, "largest": self.high}
+
+    @property
+    def words(self) -> str:
+        """The range as text."""
+        return f"{self.low:.3g} to {self.high:.3g}"
+
+    @property
+    def half(self) -> float:
+        """Half of the range."""
+        return (self.high - self.low) / 2.0
+
+    @property
+    def independent(self) -> int:
+        """Number of different values: starts that agree to the last bit are copies of one."""
+        return len(set(self.values))
+
+    def over(self, other: "Spread") -> "Spread":
+        """Give the ratio to another quantity: of the means, and the least and most that starts of both make."""
+        pairs = ((self.mean, other.mean), (self.low, other.high), (self.high, other.low))
+        return Spread(tuple(one / below if below else math.inf for one, below in pairs))
+
+
+def order(one: Spread, other: Spread) -> int:
+    """Tell which of two quantities is larger: 1 the first, -1 the second, 0 where their starts overlap.
+
+    Where all starts of the one lie beyond all of the other, by more than `ALIKE`, the difference of the two exceeds
+    what the starts spread.
+    """
+    if one.low > ALIKE * other.high:
+        return 1
+    return -1 if other.low > ALIKE * one.high else 0
+
+
+def started(design: Design, number: int, of: int = STARTS) -> Design:
+    """Give one of several independent starts of a design, the first as it is.
+
+    Gravity is turned by a whole number of tooth pitches: the same as to let the crank begin elsewhere in its turn, at
+    the same phase of the mesh. A ring of fewer teeth than there are starts has gravity turned by equal parts of a turn.
+    """
+    teeth, pull = design.ring.teeth, design.environment
+    turn = 2 * math.pi * round(teeth * number / of) / teeth if teeth >= of else 2 * math.pi * number / of
+    if turn == 0.0:
+        return design
+    cos, sin = math.cos(turn), math.sin(turn)
+    x, y = cos * pull.gravity_x - sin * pull.gravity_y, sin * pull.gravity_x + cos * pull.gravity_y
+    return override(design, [f"environment.gravity_x_m_s2={x!r}", f"environment.gravity_y_m_s2={y!r}"])
+
+
+def all_started(design: Design, count: int = STARTS) -> tuple[Design, ...]:
+    """Give so many independent starts of a design; a single one where no gravity acts in its plane."""
+    return tuple(dict.fromkeys(started(design, number, count) for number in range(count)))
+
+
+def gravity_turn(design: Design) -> float:
+    """Give the angle [rad] by which the gravity of a start is turned, counter-clockwise from -y, in [0, 2 pi)."""
+    pull = design.environment
+    return math.atan2(pull.gravity_x, -pull.gravity_y) % (2 * math.pi)
