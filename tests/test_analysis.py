@@ -324,6 +324,14 @@ def test_the_start_up_is_left_out_but_never_more_than_half_of_the_hold():
     assert settled_from(ramped) == near(0.05 + window.SETTLING)
 
 
+def test_a_slow_drive_settles_over_a_share_of_its_turn():
+    fast, slow = (override(PRESETS["pin"], [f"drive.speed_rpm={rpm}"]) for rpm in (-5000.0, 60.0))
+    assert window.settling(fast) == window.SETTLING
+    assert window.settling(slow) == near(1.0 / 8.0)
+    time, ramp = np.linspace(0.0, 2.0, 2001), slow.drive.ramp
+    assert time[window.in_hold(slow, time)][0] == near(ramp + 1.0 / 8.0)
+
+
 def test_what_happens_while_it_settles_is_not_judged():
     design = designed(turns=5)
     jolt = np.where(np.arange(1800) < 50, 1.0, 0.0)

@@ -12,7 +12,10 @@ Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
 SETTLING = 0.005
-"""Time that a start, the end of the ramp or the load's rise takes to ring out [s]; contacts need 1 to 3 ms."""
+"""Least time that a start, the end of the ramp or the load's rise takes to ring out [s]; contacts need 1 to 3 ms."""
+
+SETTLING_TURN = 1 / 8
+"""The same as a share of a crank turn: slow reducers are large, and ring at lower frequencies."""
 
 FEWEST_SAMPLES = 2
 ROUNDING = 1e-9
@@ -39,11 +42,17 @@ def require_hold(design: Design, time: Array) -> None:
         )
 
 
+def settling(design: Design) -> float:
+    """Give the time that a run of a design takes to ring out [s]."""
+    speed = abs(design.drive.speed)
+    return max(SETTLING, SETTLING_TURN * 2.0 * np.pi / speed) if speed else SETTLING
+
+
 def in_hold(design: Design, time: Array, settle: float | None = None) -> Mask:
     """Mark the settled samples at constant crank speed, shape (n,).
 
     They begin `settle` [s] after the ramp, but never after more than half of the hold that was run. By default
-    `settle` is `SETTLING`, counted from the end of the load's rise where that comes later than the ramp's.
+    `settle` is `settling`, counted from the end of the load's rise where that comes later than the ramp's.
 
     Raises
     ------
@@ -56,7 +65,7 @@ def in_hold(design: Design, time: Array, settle: float | None = None) -> Mask:
     require_hold(design, time)
     if settle is None:
         loaded = design.load.rise if design.load.torque else 0.0
-        settle = max(loaded - ramp, 0.0) + SETTLING
+        settle = max(loaded - ramp, 0.0) + settling(design)
     if not settle >= 0.0:
         raise UsageError(f"the settling time is {settle} s; give 0 s or more, or leave it out")
     start = ramp + min(settle, (time[-1] - ramp) / 2)
