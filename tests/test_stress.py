@@ -12,6 +12,7 @@ from made_run import TORQUE, made_run
 
 from cycloid_mj.cli import app
 from cycloid_mj.cli import stress as command
+from cycloid_mj.cli.terminal import say_table
 from cycloid_mj.design import PRESETS, dump, override
 from cycloid_mj.envelope import arc_contacts
 from cycloid_mj.errors import LogError, UsageError
@@ -28,7 +29,7 @@ from cycloid_mj.stress.findings import PartFindings, Peak, Refinement, StressFin
 from cycloid_mj.stress.loads import PARTS, part_loads, part_names
 from cycloid_mj.stress.motion import motion
 from cycloid_mj.stress.paper import claims
-from cycloid_mj.stress.table import table
+from cycloid_mj.stress.table import BULK_HEADER, CONTACT_HEADER, bulk_table, contact_table
 from cycloid_mj.stress.turn import is_of_the_paper, turn
 
 PIN, NONPIN = (override(PRESETS[name], ["drive.ramp_s=0.0"]) for name in ("pin", "nonpin"))
@@ -471,7 +472,7 @@ def test_a_part_tells_what_it_would_be_at_other_bulk_distances():
     assert written["bulk_distance_mm"] == pytest.approx(1.0)
     assert written["sensitivity"] == [{"distance_mm": 0.5, "bulk_mpa": 4.0}, {"distance_mm": 2.0, "bulk_mpa": None}]
     assert written["by_distance"] == {"distance_mm": [0.5, 1.0], "bulk_mpa": [4.0, 2.0]}
-    assert table(found)[0][1:4] == ["2", "1", "-25 %"]
+    assert bulk_table(found)[0][1:4] == ["2", "1", "-25 %"]
 
 
 def test_a_pin_without_load_is_told_to_be_idle():
@@ -656,8 +657,19 @@ def test_a_part_whose_contacts_are_all_conformal_has_no_contact_figure_but_valid
     written = part.as_json()
     assert json.dumps(written, allow_nan=False)
     assert (written["contact_peak"]["stress_mpa"], written["largest_pressure_mpa"]) == (None, None)
-    shown = table(StressFindings("pin", "pin", 36.68, None, 620.4e6, (part,), 1.0))[0]
-    assert shown[7:12] == ["-", "-", "conformal", "-", "-"]
+    shown = contact_table(StressFindings("pin", "pin", 36.68, None, 620.4e6, (part,), 1.0))[0]
+    assert shown[1:] == ["-", "-", "conformal", "-", "-"]
+
+
+def test_tables_keep_their_numbers_whole_in_80_columns(monkeypatch, capsys):
+    monkeypatch.setattr("cycloid_mj.cli.terminal.PIPE_WIDTH", 80)
+    part = made_part("output", [123.456, 200.0])
+    peak = Peak(123.4e6, 3.0, np.array([-0.0263, -0.0123, -0.0095]), "pin_socket", 12.34)
+    found = StressFindings("pin", "pin", 36.68, None, 620.4e6, (replace(part, bulk_peak=peak, contact_peak=peak),), 1.0)
+    for header, rows in ((BULK_HEADER, bulk_table(found)), (CONTACT_HEADER, contact_table(found))):
+        say_table("stress", header, rows)
+        words = capsys.readouterr().out.split()
+        assert set(" ".join((*header, *rows[0])).split()) <= set(words)
 
 
 def test_a_part_without_force_has_no_place_and_endless_safety_but_valid_json():

@@ -72,12 +72,21 @@ def _maps(study: "StressStudy", angle_deg: float | None) -> "dict[str, StressMap
 
 def _say(studies: "Sequence[StressStudy]", judged: "Sequence[Claim]", files: Sequence[Path]) -> None:
     from cycloid_mj.stress.findings import ASSUMPTIONS, BOUND
-    from cycloid_mj.stress.table import CLAIM_HEADER, HEADER, claim_table, table, told_beside
+    from cycloid_mj.stress.table import (
+        BULK_HEADER,
+        CLAIM_HEADER,
+        CONTACT_HEADER,
+        bulk_table,
+        claim_table,
+        contact_table,
+        told_beside,
+    )
 
     for study in studies:
         found = study.findings
         title = f"{found.design}, {found.load:g} N m: largest von Mises stress of a crank turn"
-        say_table(title, HEADER, table(found))
+        say_table(f"{title}, away from contacts", BULK_HEADER, bulk_table(found))
+        say_table(f"{title}, below contacts", CONTACT_HEADER, contact_table(found))
         say("bulk: where the largest stress is on its plateau, d from narrow contacts; to 2d: how far it falls")
         for part in found.parts:
             for line in told_beside(part):

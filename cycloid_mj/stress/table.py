@@ -7,21 +7,23 @@ import numpy as np
 from cycloid_mj.stress.findings import MEGAPASCAL, MILLIMETRE, PartFindings, Peak, StressFindings
 from cycloid_mj.stress.paper import Claim
 
-HEADER = (
-    *("part", "bulk [MPa]", "from [mm]", "to 2d", "at [deg]", "x, y, z [mm]", "safety"),
-    *("contact [MPa]", "at [deg]", "below", "safety", "shakedown", "refined"),
-)
+BULK_HEADER = ("part", "bulk [MPa]", "from [mm]", "to 2d", "at [deg]", "x, y, z [mm]", "safety", "refined")
+CONTACT_HEADER = ("part", "contact [MPa]", "at [deg]", "below", "safety", "shakedown")
 CLAIM_HEADER = ("figure", "the paper", "found here", "verdict")
 
 
-def table(findings: StressFindings) -> list[list[str]]:
-    """Give a row for each part; columns as in `HEADER`.
+def bulk_table(findings: StressFindings) -> list[list[str]]:
+    """Give a row for each part; columns as in `BULK_HEADER`.
 
     `from`: distance d from narrow contacts and sharp corners at which the largest stress stands on its plateau. `to
-    2d`: how far it falls to twice that distance. `shakedown`: safety of the contact pressure against it. `refined`:
-    change under one more refinement of the grid.
+    2d`: how far it falls to twice that distance. `refined`: change under one more refinement of the grid.
     """
-    return [_row(part) for part in findings.parts]
+    return [_bulk(part) for part in findings.parts]
+
+
+def contact_table(findings: StressFindings) -> list[list[str]]:
+    """Give a row for each part; columns as in `CONTACT_HEADER`; `shakedown`: safety of the pressure against it."""
+    return [[part.part, *_contact(part)] for part in findings.parts]
 
 
 def told_beside(part: PartFindings) -> list[str]:
@@ -46,14 +48,12 @@ def claim_table(claims: Sequence[Claim]) -> list[list[str]]:
     return [[claim.figure, claim.statement, claim.found, claim.verdict] for claim in claims]
 
 
-def _row(part: PartFindings) -> list[str]:
+def _bulk(part: PartFindings) -> list[str]:
     bulk = part.bulk_peak
     place = ", ".join(f"{value / MILLIMETRE:.1f}" for value in bulk.place)
     return [
         *(part.part, _stress(bulk), f"{part.bulk_distance / MILLIMETRE:.3g}", f"{0.0 - 100 * part.choice:.0f} %"),
-        *(_angle(bulk), place, f"{bulk.safety:.3g}"),
-        *_contact(part),
-        f"{100 * part.refinement.change:.1f} %",
+        *(_angle(bulk), place, f"{bulk.safety:.3g}", f"{100 * part.refinement.change:.1f} %"),
     ]
 
 
