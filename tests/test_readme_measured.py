@@ -13,7 +13,8 @@ ROOT = Path(__file__).parent.parent
 @pytest.fixture(scope="module")
 def script() -> ModuleType:
     spec = importlib.util.spec_from_file_location("readme_measured", ROOT / "scripts" / "readme_measured.py")
-    assert spec and spec.loader
+    assert spec
+    assert spec.loader
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module

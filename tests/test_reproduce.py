@@ -16,6 +16,7 @@ from ideal import ideal_run, ideal_runs
 from cycloid_mj.cli import reproduce as command
 from cycloid_mj.comparison import STARTS, gravity_turn, settled, settling, started
 from cycloid_mj.comparison.conditions import differences
+from cycloid_mj.comparison.equalised import series_stiffness
 from cycloid_mj.design import PRESETS, dump, override
 from cycloid_mj.errors import RunError, UsageError
 from cycloid_mj.reproduce import cycle, motion, plan
@@ -70,6 +71,8 @@ def test_the_third_rated_design_is_as_loose_and_as_soft_as_the_pin_design():
     assert third.ring.kind == "nonpin"
     assert set(differences([nonpin, third])) == {"clearance.tooth_um", "stiffness.tooth_n_m"}
     assert third.clearance.tooth == pytest.approx(pin.clearance.pin_gear + pin.clearance.pin_socket)
+    # At the load of these runs; at none the springs are 0.7 times as stiff.
+    assert third.stiffness.tooth == pytest.approx(series_stiffness(pin), rel=1e-9)
 
 
 # --- independent starts
