@@ -24,7 +24,7 @@ from cycloid_mj.contact.law import IMPRATIO, curvature_law
 from cycloid_mj.contact.working import for_slices, working_force
 from cycloid_mj.convex import ConvexSettings, Surface, fill, polygon_body, surfaces
 from cycloid_mj.course import initial_state, load_torque, servo_target
-from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.design import PRESETS, Design, load, override
 from cycloid_mj.errors import CycloidWarning, DesignError, RunError
 from cycloid_mj.export import read_stl
 from cycloid_mj.kinematics import CrankLaw
@@ -614,9 +614,9 @@ def test_the_overview_tells_that_mesh_and_profile_agree() -> None:
         (found,) = [row for row in rows if tuple(row[key] for key in told) == wanted]
         return found
 
-    for kind, load, key in itertools.product(KINDS, (1.0, 36.0), keys):
-        mesh, exact = run(kind, load, "mesh", STEP_US), run(kind, load, "profile", 1.0)
-        assert mesh[key] == pytest.approx(exact[key], rel=0.1), (kind, load, key)
+    for kind, torque, key in itertools.product(KINDS, (1.0, 36.0), keys):
+        mesh, exact = run(kind, torque, "mesh", STEP_US), run(kind, torque, "profile", 1.0)
+        assert mesh[key] == pytest.approx(exact[key], rel=0.1), (kind, torque, key)
     for found in scripted().measured("free_running.json").values():
         assert found["warnings"] == 0
         assert found["largest_mesh_period_error_percent"] < 1.0
@@ -663,7 +663,10 @@ def test_an_unsound_design_is_an_error_and_no_file(tmp_path: Path, capsys: pytes
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_manifest_tells_what_the_model_is_made_of(kind: str) -> None:
     manifest = json.loads((MODELS / kind / "manifest.json").read_text(encoding="utf-8"))
-    assert manifest["design"] == {"name": kind, "sha256": design_hash(changed(kind))}
+    # The model has the stiffness of the rated load, which its design file names.
+    made = load(MODELS / kind / "design.toml")
+    assert made == for_slices(changed(kind))
+    assert manifest["design"] == {"name": kind, "sha256": design_hash(made)}
     assert {"cycloid_mj", "mujoco", "coacd", "numpy"} == set(manifest["versions"])
     assert manifest["settings"]["coacd"]["seed"] == 0
     surface = manifest["surfaces"]["teeth"]
