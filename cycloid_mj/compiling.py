@@ -9,6 +9,8 @@ from typing import Any
 from numba import njit
 from numba.core import event
 
+from cycloid_mj.interrupt import unbroken
+
 _log = logging.getLogger(__name__)
 
 
@@ -27,8 +29,11 @@ def cacheable() -> bool:
 
 @contextmanager
 def announced() -> Iterator[None]:
-    """Log once (level info) that code is being compiled, if it is in this block, and not loaded from the cache."""
-    with event.install_listener("numba:compile", _Announcer()):
+    """Log once (level info) that code is being compiled, if it is in this block, and not loaded from the cache.
+
+    Signals that end the program wait until the block is done: raised within LLVM, they would be lost.
+    """
+    with unbroken(), event.install_listener("numba:compile", _Announcer()):
         yield
 
 

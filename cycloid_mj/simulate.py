@@ -15,6 +15,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj.compiling import announced
 from cycloid_mj.contact.collider import installed
 from cycloid_mj.contact.drag import drag_powers, dragged_joints
 from cycloid_mj.contact.forces import PairForces, pair_forces, pair_index
@@ -221,6 +222,9 @@ def blocks(reducer: ReducerModel, design: Design, course: Course | None = None) 
     recorder = _Recorder(reducer, design, data)
     collider = installed(design.ring.kind == "nonpin") if contact_of(reducer) == "profile" else nullcontext()
     with collider, _no_log_file.made():
+        with announced():
+            recorder.peaks.note()
+            recorder.sample()
         for first in range(0, plan.samples, _BLOCK):
             taken, problem = _advance(
                 reducer, data, plan, course, range(first, min(first + _BLOCK, plan.samples)), recorder

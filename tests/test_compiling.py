@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -10,6 +11,7 @@ import mujoco
 import pytest
 
 import cycloid_mj
+from cycloid_mj.compiling import announced
 from cycloid_mj.contact.collider import CYLINDER, TYPES, collision_table, installed
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.simulate import simulate
@@ -80,3 +82,17 @@ def test_pins_meet_alike_in_either_collider(ring):
     for name, values in alone.columns.items():
         assert values.tobytes() == beside[name].tobytes(), name
     assert alone["contacts"].max() > mujoco.mjMINVAL
+
+
+def test_a_signal_waits_until_the_code_is_compiled() -> None:
+    """Raised within LLVM's calls back to Python it would be printed and lost."""
+    reached: list[bool] = []
+
+    def compiling() -> None:
+        with announced():
+            signal.raise_signal(signal.SIGINT)
+            reached.append(True)
+
+    with pytest.raises(KeyboardInterrupt):
+        compiling()
+    assert reached
