@@ -223,8 +223,7 @@ def blocks(reducer: ReducerModel, design: Design, course: Course | None = None) 
     collider = installed(design.ring.kind == "nonpin") if contact_of(reducer) == "profile" else nullcontext()
     with collider, _no_log_file.made():
         with announced():
-            recorder.peaks.note()
-            recorder.sample()
+            recorder.warm()
         for first in range(0, plan.samples, _BLOCK):
             taken, problem = _advance(
                 reducer, data, plan, course, range(first, min(first + _BLOCK, plan.samples)), recorder
@@ -293,6 +292,11 @@ class _Recorder:
         self._sensors, self._acceleration, self._energy = data.sensordata, data.qacc, data.energy
         self._warnings, self._iterations = data.warning.number, data.solver_niter
         self._gear, self._crank = data.joint("gear_angle").qpos, data.joint("crank").qpos
+
+    def warm(self) -> None:
+        """Have what reads contacts compiled."""
+        pair_forces(self._data, self._index)
+        self.peaks.note()
 
     def sample(self) -> tuple[_Sample, str]:
         """Give one sample, and what is wrong with it."""
