@@ -9,7 +9,6 @@ from designs import UNLIKE, unlike
 from cycloid_mj import loaded
 from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.design import PRESETS, Design, override
-from cycloid_mj.loaded.pressure import kinds
 from cycloid_mj.loaded.springs import turn_evenly
 from cycloid_mj.measure import play
 from cycloid_mj.measure.conditions import rated_torque
@@ -58,7 +57,7 @@ def test_peak_forces_of_other_designs_are_those_of_the_simulation(name):
     measured = measure_loads(design, quick=True)
     springs = loaded.springs_of(design, measured.runs["loaded"]["crank_angle"][::20])
     found = loaded.loads(design, springs, rated_torque(design))
-    for kind in kinds(design):
+    for kind in design.pair_kinds:
         assert loaded.peak_force(found, kind) == pytest.approx(
             measured.quantities[f"{kind}_peak_force"].value, rel=bound
         ), kind
@@ -71,7 +70,7 @@ SLOW = [pytest.param(name, marks=pytest.mark.slow) for name in ("pin", "nonpin",
 def test_without_friction_it_is_the_independent_equilibrium(name):
     design = override(DESIGNS[name], [*STILL, *SMOOTH, f"load.torque_nm={rated_torque(DESIGNS[name])!r}"])
     springs, found = carried(design)
-    stiffness = {kind: pair_stiffness(design, kind) for kind in kinds(design)}
+    stiffness = {kind: pair_stiffness(design, kind) for kind in design.pair_kinds}
     for row in (3, 20):
         other = equilibrium.solve(design, stiffness, float(springs.crank[row]))
         largest = np.linalg.norm(other.ring_forces, axis=1).max()

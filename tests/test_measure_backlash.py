@@ -17,7 +17,7 @@ DESIGNS = {
     "sleeved": override(PRESETS["pin"], ['ring.pins="sleeved"']),
     "nonpin": PRESETS["nonpin"],
 }
-CASES = [(name, kind) for name, design in DESIGNS.items() for kind in play.clearance_kinds(design)]
+CASES = [(name, kind) for name, design in DESIGNS.items() for kind in design.pair_kinds]
 CRANK = 1.7
 
 
@@ -36,7 +36,7 @@ def test_linear_programme_gives_each_closed_form_alone(name: str, kind: str, cra
 
 
 def _others(design: Design, kind: str, value: float):
-    kinds = play.clearance_kinds(design)
+    kinds = design.pair_kinds
     return design.clearance.model_copy(update={other: value for other in kinds if other != kind})
 
 

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from cycloid_mj.checks.rated import rated
 from cycloid_mj.contact.pressure import YIELD_PRESSURE
 from cycloid_mj.design import Design
-from cycloid_mj.loaded import kinds
 from cycloid_mj.loaded.springs import turn_evenly
 from cycloid_mj.mechanism.limits import stops
 from cycloid_mj.solid import mass_properties, parts
@@ -68,7 +67,7 @@ def summary(design: Design) -> Summary:
         No static balance was found.
     """
     state = rated(design)
-    weakest = max(kinds(design), key=state.peak_pressure)
+    weakest = max(design.pair_kinds, key=state.peak_pressure)
     return Summary(
         ratio=design.lobes,
         outer_diameter=2.0 * design.housing.outer_radius,

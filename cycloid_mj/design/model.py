@@ -485,6 +485,16 @@ class Design(Section):
         return self.housing.bolt_radius or BOLT_SHARE * (self.housing.outer_radius - self.ring_root_radius)
 
     @property
+    def seat_pair(self) -> str:
+        """Kind of mating pair that carries a moving pin: pin_socket or pin_sleeve; empty where none moves."""
+        return "pin_socket" if self.ring.has_sockets else "pin_sleeve" if self.ring.has_sleeves else ""
+
+    @property
+    def pair_kinds(self) -> tuple[str, ...]:
+        """Kinds of mating pairs, from the ring to the output: the keys of their clearances."""
+        return tuple(kind for kind in (self.tooth_pair, self.seat_pair, "cam", "output") if kind)
+
+    @property
     def pin_play(self) -> float:
         """Clearance within which a pin, or its sleeve, moves about its place [m]; 0 where none moves."""
         if self.ring.has_sockets:

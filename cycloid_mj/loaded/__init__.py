@@ -7,13 +7,12 @@ body: its two contacts are one, in series, and the smaller of both frictions is 
 """
 
 from cycloid_mj.loaded.balance import Loads, loads
-from cycloid_mj.loaded.pressure import kinds, peak_force, peak_pressure, torque_at_pressure, yield_torque
+from cycloid_mj.loaded.pressure import peak_force, peak_pressure, torque_at_pressure, yield_torque
 from cycloid_mj.loaded.springs import Springs, springs_of
 
 __all__ = [
     "Loads",
     "Springs",
-    "kinds",
     "loads",
     "peak_force",
     "peak_pressure",

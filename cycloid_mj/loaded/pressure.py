@@ -13,12 +13,6 @@ Array = npt.NDArray[np.float64]
 GUESSES, TOLERANCE = 12, 1e-3
 
 
-def kinds(design: Design) -> tuple[str, ...]:
-    """Give the kinds of mating pairs of a design, from the ring to the output."""
-    moving = "pin_socket" if design.ring.has_sockets else "pin_sleeve" if design.ring.has_sleeves else ""
-    return tuple(kind for kind in (design.tooth_pair, moving, "cam", "output") if kind)
-
-
 def peak_force(found: Loads, kind: str) -> float:
     """Give the largest force on a contact of a kind [N]."""
     return float(_forces(found, kind).max())

@@ -131,7 +131,7 @@ def _tooth_stiffness(design: Design, curvature: Array) -> Array:
     """Stiffness of the contact lines with the ring [N/m], that of sockets or sleeves in series."""
     law = curvature_law(design)
     own = np.vectorize(lambda kappa: law.stiffness * law.factor(kappa))(curvature)
-    kind = "pin_socket" if design.ring.has_sockets else "pin_sleeve" if design.ring.has_sleeves else ""
+    kind = design.seat_pair
     return np.asarray(1.0 / (1.0 / own + 1.0 / pair_stiffness(design, kind)) if kind else own)
 
 

@@ -102,7 +102,7 @@ def measure_backlash(design: Design, angles: int = ANGLES, told: Done = nothing)
         raise UsageError(f"cannot measure at {angles} crank angles: give 1 or more")
     design = at_rated_load(design)
     cranks = [float(crank) for crank in bench.crank_angles(design, angles)]
-    cases = {_ALL: bench.ideal(design)} | {kind: alone(design, kind) for kind in play.clearance_kinds(design)}
+    cases = {_ALL: bench.ideal(design)} | {kind: alone(design, kind) for kind in design.pair_kinds}
     longer = {name: PATIENCE if name == _ALL else 1.0 for name in cases}
     jobs = [(case, cranks[0], LONGER * longer[name], FINER) for name, case in cases.items()]
     jobs += [(case, crank, longer[name], 1.0) for name, case in cases.items() for crank in cranks]
@@ -125,7 +125,7 @@ def measure_backlash(design: Design, angles: int = ANGLES, told: Done = nothing)
 
 def alone(design: Design, kind: str) -> Design:
     """Give the design with the clearance of one kind of pairs alone, without errors, friction and weight."""
-    others = {other: CLOSED_UP for other in play.clearance_kinds(design) if other != kind}
+    others = {other: CLOSED_UP for other in design.pair_kinds if other != kind}
     clearance = design.clearance.model_copy(update=others)
     output = design.output.model_copy(update={"hole_radius": design.output.pin_radius + design.gear.eccentricity})
     exact = {"clearance": clearance, "errors": Errors(), "modification": Modification(), "output": output}
@@ -163,7 +163,7 @@ def _closed_forms(design: Design, cranks: list[float]) -> dict[str, Known]:
     found = {}
     if play.has_linear_gaps(design):
         found[_ALL] = Known(play.total(design, np.array(cranks)), play.over_a_turn(design)[1])
-    for kind in play.clearance_kinds(design):
+    for kind in design.pair_kinds:
         single = alone(design, kind)
         sampled, whole = (np.array([play.parts_alone(single, float(at))[kind] for at in way]) for way in (cranks, turn))
         found[kind] = Known(sampled, whole)
@@ -232,7 +232,7 @@ def _assumptions(design: Design, runs: list[Run]) -> tuple[str, ...]:
         "line through both turns is drawn on to zero",
         "without friction and weight; see lost-motion for what they do",
         "contacts are as stiff as under the rated load, which the line drawn on to zero takes out: "
-        f"{working_forces_told(design, play.clearance_kinds(design))}",
+        f"{working_forces_told(design, design.pair_kinds)}",
         f"a clearance alone: the others {1e6 * CLOSED_UP:g} um, no manufacturing errors, no modification",
         f"time step {bench.steps_told(runs)}; the numerical error is what {LONGER:g} times the time at a step "
         f"{FINER:g} times shorter changes at the first crank angle, and "

@@ -14,7 +14,6 @@ from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.design import Design, Errors, Modification
 from cycloid_mj.errors import RunError
 from cycloid_mj.measure.hysteresis import LOST_MOTION_SHARE, STRAIGHT, Loop
-from cycloid_mj.measure.play import clearance_kinds
 from cycloid_mj.validation import equilibrium
 from cycloid_mj.validation.equilibrium import Equilibrium
 
@@ -85,7 +84,7 @@ def balance(design: Design, crank: float, rated: float) -> Balance:
     RunError
         No balance was found.
     """
-    stiffness = {kind: pair_stiffness(design, kind) for kind in clearance_kinds(design)}
+    stiffness = {kind: pair_stiffness(design, kind) for kind in design.pair_kinds}
     turn, gear_turn, centre_lead = {}, {}, {}
     for side in (-1, 1):
         near: Equilibrium | None = None

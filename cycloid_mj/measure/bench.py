@@ -22,7 +22,6 @@ from cycloid_mj.course import Signal, locked_crank
 from cycloid_mj.design import Design, Drive, Friction, Load, Settings
 from cycloid_mj.errors import ContactError, RunError
 from cycloid_mj.measure.conditions import has_default_step
-from cycloid_mj.measure.play import clearance_kinds
 from cycloid_mj.mjcf import ReducerModel, build
 from cycloid_mj.record import Run
 from cycloid_mj.simulate import simulate
@@ -187,7 +186,7 @@ def _reducer(design: Design, timestep: float) -> ReducerModel:
 
 def _rubbing(design: Design) -> float:
     """Largest friction of a contact at its working force [N]."""
-    return max(design.friction_of(kind) * working_force(design, kind) for kind in clearance_kinds(design))
+    return max(design.friction_of(kind) * working_force(design, kind) for kind in design.pair_kinds)
 
 
 def output_turn(run: Run, design: Design) -> Array:

@@ -17,7 +17,7 @@ import numpy.typing as npt
 from cycloid_mj import course, statics
 from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.design import Design
-from cycloid_mj.measure import bench, play
+from cycloid_mj.measure import bench
 from cycloid_mj.mechanism import limits
 from cycloid_mj.record import Run
 from cycloid_mj.solid.gear import tooth_profile
@@ -185,7 +185,7 @@ def closed_stiffness(design: Design) -> float:
     In series: k sum l^2 of the teeth (with the sockets or sleeves behind them), k (c (N-1))^2 of the cam, and
     k n R^2/4 of n output pins on the radius R.
     """
-    k = {kind: pair_stiffness(design, kind) for kind in play.clearance_kinds(design)}
+    k = {kind: pair_stiffness(design, kind) for kind in design.pair_kinds}
     gear, output = tooth_profile(design), design.output
     arms = statics.ideal_load_sharing(gear, 1.0, 0.0).arms
     per_arm = sum(1.0 / k[kind] for kind in k if kind not in ("cam", "output"))

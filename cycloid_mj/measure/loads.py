@@ -13,7 +13,6 @@ from cycloid_mj.design import Design, override
 from cycloid_mj.errors import UsageError
 from cycloid_mj.measure.conditions import RPM, halved, rated_torque
 from cycloid_mj.measure.measurement import Curve, Measurement, Quantity
-from cycloid_mj.measure.play import clearance_kinds
 from cycloid_mj.measure.pool import Done, each, nothing
 from cycloid_mj.measure.pressed import CARRIES, Pressed, ideal_peak, pressed
 from cycloid_mj.measure.steady import SETTLED, steady, steady_design
@@ -269,7 +268,7 @@ def _assumptions(design: Design) -> tuple[str, ...]:
     )
     return (
         "contacts have the secant stiffness of each run's own load, here "
-        f"{working_forces_told(design, clearance_kinds(design))}",
+        f"{working_forces_told(design, design.pair_kinds)}",
         "Hertz's line contact over the whole face width, with the local relative curvature of the ideal mesh; edge "
         "effects and misalignment are left out; the ring lobe's force is taken on its arc",
         "ideal sharing takes equally stiff contacts without play on a cam that holds: the cam's give and the "

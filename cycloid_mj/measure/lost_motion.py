@@ -8,7 +8,6 @@ from cycloid_mj.measure.balance import Balance
 from cycloid_mj.measure.conditions import rated_torque
 from cycloid_mj.measure.lost_motion_table import Found, by_angle, curves, quantities
 from cycloid_mj.measure.measurement import Measurement
-from cycloid_mj.measure.play import clearance_kinds
 from cycloid_mj.measure.pool import Done, each, nothing
 
 ANGLES = 6
@@ -88,6 +87,6 @@ def _assumptions(found: Found, period: float) -> tuple[str, ...]:
         "falls by some percent as the step does",
         "shafts, gear body, output disc and housing are rigid: only contacts give",
         f"contacts have the secant stiffness of one working force, that at the loop's end: "
-        f"{working_forces_told(found.design, clearance_kinds(found.design))}",
+        f"{working_forces_told(found.design, found.design.pair_kinds)}",
         *beyond,
     )

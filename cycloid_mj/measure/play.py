@@ -34,12 +34,6 @@ FEWEST_IN_A_TURN = 180
 """Crank angles over a whole turn of a reducer with few teeth."""
 
 
-def clearance_kinds(design: Design) -> tuple[str, ...]:
-    """Give the kinds of pairs that a design has, from the ring to the output: the keys of their clearances."""
-    moving = "pin_socket" if design.ring.has_sockets else "pin_sleeve" if design.ring.has_sleeves else ""
-    return tuple(kind for kind in (design.tooth_pair, moving, "cam", "output") if kind)
-
-
 def has_linear_gaps(design: Design) -> bool:
     """Tell whether `stops` knows every gap: it leaves the shape of a modified flank out."""
     return not (design.modification.pin_circle or design.modification.rotation)
@@ -51,7 +45,7 @@ def parts_alone(design: Design, crank: float) -> dict[str, float]:
     arms = design.output.pin_circle_radius * found.slope[:, 2]
     mesh, output = (_both_ways(arms[found.kind == kind]) for kind in (design.tooth_pair, "output"))
     per_clearance = {"cam": 2.0 / (design.gear.eccentricity * design.lobes), "output": output}
-    return {kind: per_clearance.get(kind, mesh) * clearance(design, kind) for kind in clearance_kinds(design)}
+    return {kind: per_clearance.get(kind, mesh) * clearance(design, kind) for kind in design.pair_kinds}
 
 
 def clearance(design: Design, kind: str) -> float:

@@ -10,7 +10,6 @@ from typing import Any
 from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.design import Design, override
 from cycloid_mj.measure.measurement import Table
-from cycloid_mj.measure.play import clearance_kinds
 from cycloid_mj.measure.pool import Done, each
 
 PLAY = (0.5, 2.0)
@@ -54,7 +53,7 @@ class Moved:
 
 def inputs(design: Design) -> list[Input]:
     """Give the assumed inputs that a design's rate rests on."""
-    seats = [kind for kind in clearance_kinds(design) if kind not in ("cam", "output")]
+    seats = [kind for kind in design.pair_kinds if kind not in ("cam", "output")]
     return [
         _input(design, "mesh play", "um", _scaled(design, seats, PLAY), [f"clearance.{kind}_um" for kind in seats]),
         _input(design, "cam play", "um", _scaled(design, ["cam"], CAM_PLAY), ["clearance.cam_um"]),

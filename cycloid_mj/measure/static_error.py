@@ -64,8 +64,8 @@ def static_error(design: Design, crank: npt.ArrayLike, torque: float, speed: flo
 
 def _stiffness(design: Design) -> balance.Stiffness:
     """Give the springs of the simulation; of a pin that moves, in series with what carries it."""
-    law, output, ring = curvature_law(design), pair_stiffness(design, "output"), design.ring
-    carrier = "pin_socket" if ring.has_sockets else "pin_sleeve" if ring.has_sleeves else ""
+    law, output = curvature_law(design), pair_stiffness(design, "output")
+    carrier = design.seat_pair
     give = 1.0 / pair_stiffness(design, carrier) if carrier else 0.0
 
     def contacts(found: Gaps) -> Array:

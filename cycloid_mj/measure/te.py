@@ -15,7 +15,6 @@ from cycloid_mj.measure import te_table
 from cycloid_mj.measure.conditions import DRAG, RPM, halved, rated_torque, require_motion, stepped
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.orders import causes
-from cycloid_mj.measure.play import clearance_kinds
 from cycloid_mj.measure.pool import Done, each, nothing
 from cycloid_mj.measure.static_error import static_error
 from cycloid_mj.measure.trace import ARCSEC, Case, Trace, own, trace
@@ -127,7 +126,7 @@ def _assumptions(design: Design, turns: int) -> tuple[str, ...]:
         "statics: the ideal mesh's contacts as springs at their gaps, without friction, and without inertia but the "
         "gear's centrifugal force; friction makes the teeth press harder, which winds a loaded gear up further",
         "contacts have the secant stiffness of one working force in all runs, that of the loaded ones: "
-        f"{working_forces_told(design, clearance_kinds(design))}",
+        f"{working_forces_told(design, design.pair_kinds)}",
         f"numerical error: what half the step changes over the first {CHECKED} mesh periods of the run forward, told "
         "of the run in reverse as well (not known with --quick), and half of what levels change from one half of the "
         "window to the other, as no turn of the crank is like the next; of orders: the rms of what half the step "

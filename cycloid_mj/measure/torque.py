@@ -15,7 +15,6 @@ from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency
 from cycloid_mj.measure.conditions import drag_told, halved, rated_torque
 from cycloid_mj.measure.measurement import Curve, Measurement, Quantity
 from cycloid_mj.measure.paper import PaperFigure
-from cycloid_mj.measure.play import clearance_kinds
 from cycloid_mj.measure.pool import Done, each, nothing
 from cycloid_mj.measure.sensitivity import Variation
 from cycloid_mj.measure.spread import Moved
@@ -200,7 +199,7 @@ def _assumptions(design: Design, periods: int) -> tuple[str, ...]:
         f"friction of the pairs that slide: {friction}; of rolling bearings: cam {design.friction_of('cam'):g}, "
         f"output {design.friction_of('output'):g}; {drag_told(design)}; the shafts' own bearings are left out",
         "contacts have the secant stiffness of one working force in all runs: "
-        f"{working_forces_told(design, clearance_kinds(design))}",
+        f"{working_forces_told(design, design.pair_kinds)}",
         f"mean over {periods} mesh periods, {pins:g} periods of the output pins: torque repeats with both, and hardly "
         "with the crank's turn",
         "the motor's torque falls with its speed, which damps the ringing of its inertia on the mesh in "

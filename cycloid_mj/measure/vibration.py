@@ -11,7 +11,6 @@ from cycloid_mj.contact.working import working_at, working_forces_told
 from cycloid_mj.design import Design
 from cycloid_mj.measure.conditions import DRAG, RPM, halved, rated_torque, require_motion, stepped
 from cycloid_mj.measure.measurement import Curve, Measurement, Quantity
-from cycloid_mj.measure.play import clearance_kinds
 from cycloid_mj.measure.pool import Done, each, nothing
 from cycloid_mj.measure.reaction import unbalance, weight
 from cycloid_mj.measure.sway import Sway, sway
@@ -92,7 +91,7 @@ def measure_vibration(
             f"unloaded: a drag of {DRAG:.0%} of the rated torque, which presses the flanks together before the window; "
             "the spectra are at the design's speed",
             "contacts have the secant stiffness of one working force in all runs, that of the loaded ones: "
-            f"{working_forces_told(design, clearance_kinds(design))}",
+            f"{working_forces_told(design, design.pair_kinds)}",
             "numerical error: what half the step changes at the design's speed (not known with --quick), of an rms "
             "also what half the window changes; unloaded pins rattle, and a run with other rounding may end some "
             "percent off",
