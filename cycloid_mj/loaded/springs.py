@@ -93,7 +93,7 @@ def springs_of(design: Design, crank: Array | None = None) -> Springs:
             shift=found.shift,
             shift_slope=found.shift_slope,
             bend=found.bend,
-            stiffness=np.concatenate([_tooth_stiffness(design, curvature), output], axis=1),
+            stiffness=np.concatenate([tooth_stiffness(design, curvature), output], axis=1),
             cam_place=cam_places(design, crank),
         ),
         curvature=curvature,
@@ -127,8 +127,8 @@ def _lines_and_pins(design: Design, crank: Array) -> Gaps:
     return Gaps(**parts)
 
 
-def _tooth_stiffness(design: Design, curvature: Array) -> Array:
-    """Stiffness of the contact lines with the ring [N/m], that of sockets or sleeves in series."""
+def tooth_stiffness(design: Design, curvature: Array) -> Array:
+    """Give the stiffness of contact lines with the ring by relative curvature [N/m], sockets or sleeves in series."""
     law = curvature_law(design)
     own = np.vectorize(lambda kappa: law.stiffness * law.factor(kappa))(curvature)
     kind = design.seat_pair

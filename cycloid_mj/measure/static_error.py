@@ -6,9 +6,10 @@ Nothing is from the collider, and friction and inertia but the gear's centrifuga
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.contact.law import curvature_law, pair_stiffness
+from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.design import Design
 from cycloid_mj.kinematics import gear_centre
+from cycloid_mj.loaded.springs import tooth_stiffness
 from cycloid_mj.mechanism import balance
 from cycloid_mj.mechanism.gaps import Gaps, arc_gaps, cam_places
 from cycloid_mj.solid import gear_solid, mass_properties
@@ -64,12 +65,9 @@ def static_error(design: Design, crank: npt.ArrayLike, torque: float, speed: flo
 
 def _stiffness(design: Design) -> balance.Stiffness:
     """Give the springs of the simulation; of a pin that moves, in series with what carries it."""
-    law, output = curvature_law(design), pair_stiffness(design, "output")
-    carrier = design.seat_pair
-    give = 1.0 / pair_stiffness(design, carrier) if carrier else 0.0
+    output = pair_stiffness(design, "output")
 
     def contacts(found: Gaps) -> Array:
-        of_teeth = law.stiffness * np.vectorize(law.factor)(found.relative_curvature)
-        return np.where(found.kind == "output", output, 1.0 / (1.0 / of_teeth + give))
+        return np.where(found.kind == "output", output, tooth_stiffness(design, found.relative_curvature))
 
     return balance.Stiffness(contacts, pair_stiffness(design, "cam"))
