@@ -15,8 +15,8 @@ from cycloid_mj import envelope, profile
 from cycloid_mj.envelope import RingContacts
 from cycloid_mj.profile import CycloidGear
 from cycloid_mj.statics import hertz_line_contact
+from cycloid_mj.types import Array, Integers
 
-Array = npt.NDArray[np.float64]
 RingKind = Literal["pin", "nonpin"]
 
 
@@ -31,7 +31,7 @@ class ContactLines:
     """
 
     crank_angle: Array
-    tooth: npt.NDArray[np.int64]
+    tooth: Integers
     part: npt.NDArray[np.str_]
     phase: Array
     points: Array
@@ -82,9 +82,7 @@ def _at(gear: CycloidGear, kind: RingKind, crank_angle: float) -> list[ContactLi
     ]
 
 
-def _lines(
-    crank_angle: float, contacts: RingContacts, tooth: npt.NDArray[np.int64], part: npt.NDArray[np.str_]
-) -> ContactLines:
+def _lines(crank_angle: float, contacts: RingContacts, tooth: Integers, part: npt.NDArray[np.str_]) -> ContactLines:
     return ContactLines(
         crank_angle=np.full(tooth.shape, crank_angle),
         tooth=tooth,

@@ -16,8 +16,8 @@ from cycloid_mj.design import Design
 from cycloid_mj.kinematics import CrankLaw
 from cycloid_mj.mjcf import ReducerModel
 from cycloid_mj.mjcf.keyframe import joint_state
+from cycloid_mj.types import Array
 
-Array = npt.NDArray[np.float64]
 Signal = Callable[[Array], Array]
 
 

@@ -7,11 +7,9 @@ on leaves the others as they were. Pins, lobes and holes are counted from 0 on +
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.design import Design
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 _STREAMS = {"pin_x": 0, "pin_y": 1, "pin_dr": 2, "hole_x": 3, "hole_y": 4}
 """Random stream of each list of errors; a number once given stays, or the same seed would give other parts."""

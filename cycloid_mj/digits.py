@@ -7,7 +7,7 @@ gear makes them visible. What enters a model is rounded, so that the same design
 import numpy as np
 import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 DIGITS = 12
 """Significant digits of derived numbers; what is known of materials and parts ends far before them."""

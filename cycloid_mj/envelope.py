@@ -20,8 +20,8 @@ from scipy.special import ellipeinc
 from cycloid_mj import profile
 from cycloid_mj.errors import DesignError
 from cycloid_mj.profile import CycloidGear, SmoothArc, unit
+from cycloid_mj.types import Array, Integers
 
-Array = npt.NDArray[np.float64]
 Labels = npt.NDArray[np.str_]
 
 
@@ -49,7 +49,7 @@ class RingContacts:
     plus ring's, of the line contact. The normal's `moment_arm` is that of B.
     """
 
-    lobe: npt.NDArray[np.int64]
+    lobe: Integers
     B: Array
     t: Array
     points: Array
@@ -287,7 +287,7 @@ def _turned(points: Array, angle: Array) -> Array:
     return np.stack([x * np.cos(angle) + y * np.sin(angle), y * np.cos(angle) - x * np.sin(angle)], axis=1)
 
 
-def _ring_at(gear: CycloidGear, lobe: npt.NDArray[np.int64], signed: Array) -> RingOutline:
+def _ring_at(gear: CycloidGear, lobe: Integers, signed: Array) -> RingOutline:
     """Ring points at arc lengths `signed` [m], positive clockwise, from the tips of the lobes `lobe` (0 on +y)."""
     rho, arc_half = gear.pin_radius, gear.pin_radius * largest_alpha(gear)
     distance, side = np.abs(signed), np.where(signed < 0, -1.0, 1.0)
@@ -317,7 +317,7 @@ def _ring_at(gear: CycloidGear, lobe: npt.NDArray[np.int64], signed: Array) -> R
 def _contacts(
     gear: CycloidGear,
     crank_angle: float | Array,
-    lobe: npt.NDArray[np.int64],
+    lobe: Integers,
     B: Array,
     angle: Array,
     points: Array,

@@ -12,8 +12,7 @@ import numpy.typing as npt
 
 from cycloid_mj.errors import DesignError
 from cycloid_mj.profile import CycloidGear
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 
 @dataclass(frozen=True)

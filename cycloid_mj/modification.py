@@ -9,14 +9,12 @@ offset and another pin-circle radius of the profile. Symbols as in ``profile``; 
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj import profile
 from cycloid_mj.design import Design
 from cycloid_mj.errors import DesignError
 from cycloid_mj.profile import CycloidGear, SmoothArc
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,7 @@ import numpy.typing as npt
 from scipy.special import ellipe, ellipeinc
 
 from cycloid_mj.errors import DesignError
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 SOLVER_ROUNDS = 200
 SAGITTA_GRID = 2049

@@ -15,8 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.errors import LogError
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array, Mask
 
 LARGEST = 1e30
 """No quantity of a reducer comes near, in SI units; double precision still holds its square, and single itself."""
@@ -120,7 +119,7 @@ class Run:
         columns = {name: usable(values) for name, values in self.columns.items()}
         return Run(self.time, columns, self.units, self.provenance, self.attachments, self.complete, self.note)
 
-    def select(self, rows: npt.NDArray[np.bool_] | slice) -> "Run":
+    def select(self, rows: Mask | slice) -> "Run":
         """Give the run with only the samples `rows`: a mask of shape (n,) or a forward slice."""
         if not isinstance(rows, slice) and (rows.dtype != np.bool_ or rows.shape != self.time.shape):
             raise LogError(

@@ -13,7 +13,6 @@ from typing import Any, Literal, NamedTuple
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.compiling import announced
 from cycloid_mj.contact.collider import installed
@@ -29,8 +28,8 @@ from cycloid_mj.errors import RunError, warn
 from cycloid_mj.mjcf import ReducerModel, build, sensors, xml
 from cycloid_mj.mjcf.names import DRAGS, pairs
 from cycloid_mj.record import Run
+from cycloid_mj.types import Array
 
-Array = npt.NDArray[np.float64]
 Groups = dict[str, dict[str, str]]
 
 Contact = Literal["profile", "mesh"]

@@ -16,8 +16,7 @@ from scipy.optimize import brentq
 from cycloid_mj import envelope, profile
 from cycloid_mj.errors import DesignError
 from cycloid_mj.profile import CycloidGear
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 SHEAR_DEPTH = math.sqrt((math.sqrt(5) - 1) / 2)
 """Depth of the largest shear stress below a line contact, over its half width: 0.786."""

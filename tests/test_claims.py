@@ -21,12 +21,13 @@ from ideal import ideal_run, ideal_runs
 from cycloid_mj import reproduce
 from cycloid_mj.comparison import STARTS, Spread, gravity_turn, order, started
 from cycloid_mj.design import PRESETS
-from cycloid_mj.measure import Measurement, Quantity
+from cycloid_mj.measure import Measurement
 from cycloid_mj.report.reproduction import claim_table
 from cycloid_mj.reproduce import chaos, claims, motion, peaks, phases, said, stress_claims, torque, vibration
 from cycloid_mj.reproduce.claims import order_verdict, range_verdict, share_verdict
 from cycloid_mj.reproduce.plan import QUICK, at_speed, designs, idle_runs
 from cycloid_mj.reproduce.stage import nobody
+from cycloid_mj.result import Quantity
 
 KEYS = (
     *("key", "figure", "part", "design", "condition", "paper", "ours", "numerical_error"),

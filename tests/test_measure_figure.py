@@ -8,8 +8,9 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from cycloid_mj.design import PRESETS
-from cycloid_mj.measure import Curve, Measurement
+from cycloid_mj.measure import Measurement
 from cycloid_mj.plots.measure import LEAST_HEIGHT, MOST_MARKED, measurement_figure
+from cycloid_mj.result import Curve
 
 X = np.linspace(0.0, 360.0, 37)
 

@@ -31,8 +31,7 @@ from cycloid_mj.analysis.trust import warnings
 from cycloid_mj.analysis.window import Mask, turn_by_turn
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.record import Run
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 ARCSEC = 3600 * 180 / np.pi
 COARSEST_SAMPLING = np.radians(5.0)

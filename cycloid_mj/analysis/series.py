@@ -17,8 +17,7 @@ from cycloid_mj.kinematics import CrankLaw
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.profile import CycloidGear
 from cycloid_mj.record import LARGEST, Run
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 DESIGN_FILE = "design.toml"
 MOTION = (

@@ -11,11 +11,9 @@ nearly half of it at 0.4.
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.errors import UsageError
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array, Mask
 
 BAND = 0.4
 """Highest frequency that is told, as a share of the sampling rate."""
@@ -70,7 +68,7 @@ class Orders:
     cycles: int
     spread: float = 1.0
 
-    def rms(self, kept: npt.NDArray[np.bool_]) -> float:
+    def rms(self, kept: Mask) -> float:
         """Give the rms value of some orders together."""
         return float(np.sqrt(0.5 * np.sum(self.amplitude[kept] ** 2) / self.spread))
 

@@ -3,13 +3,12 @@
 from itertools import pairwise
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.design import Design
 from cycloid_mj.errors import LogError, UsageError
+from cycloid_mj.types import Array, Mask
 
-Array = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
+Mask = Mask
 
 SETTLING = 0.005
 """Least time that a start, the end of the ramp or the load's rise takes to ring out [s]; contacts need 1 to 3 ms."""

@@ -5,11 +5,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.analysis import Series
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 ROUNDING = 1e-6
 

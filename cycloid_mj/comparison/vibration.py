@@ -3,15 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj import kinematics
 from cycloid_mj.analysis import Series
 from cycloid_mj.analysis.spectrum import density
 from cycloid_mj.comparison.fluctuation import Level, level, turns
 from cycloid_mj.modification import tooth_profile
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 OCTAVES = 1e3 * 2.0 ** np.arange(-5, 7)
 """Centres of the octave bands [Hz], those of IEC 61260."""

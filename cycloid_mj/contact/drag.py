@@ -5,9 +5,8 @@ from typing import Any
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 
 def dragged_joints(model: Any, drags: Mapping[str, str]) -> dict[str, int]:

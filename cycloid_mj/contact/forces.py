@@ -12,8 +12,7 @@ from cycloid_mj.compiling import cacheable
 from cycloid_mj.contact.collider import Role
 from cycloid_mj.contact.gap import Flank, flank_distance
 from cycloid_mj.contact.teeth import Teeth
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 
 @dataclass(frozen=True)

@@ -7,15 +7,13 @@ call of compiled code, which reads MuJoCo's contacts where they are.
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from numba import njit
 
 from cycloid_mj.compiling import cacheable
 from cycloid_mj.contact.forces import PairIndex
 from cycloid_mj.contact.layout import ContactLayout, discover_contacts
 from cycloid_mj.contact.memory import read_address, read_float, read_int, write_float
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array, Integers
 
 _CONTACTS, _FORCES, _STRIDE, _GEOM, _ROW, _SURFACE, _PAIR, _SURFACES, _SUM, _PEAK = range(10)
 
@@ -43,7 +41,7 @@ class Peaks:
         self._peak[:] = 0.0
         return peak
 
-    def _places(self, at: ContactLayout) -> npt.NDArray[np.int64]:
+    def _places(self, at: ContactLayout) -> Integers:
         table = np.zeros(10, dtype=np.int64)
         table[_CONTACTS], table[_FORCES] = self._data._address + at.contact, self._data._address + at.efc_force
         table[_STRIDE], table[_GEOM], table[_ROW] = at.stride, at.geom, at.efc_address

@@ -8,8 +8,7 @@ import numpy.typing as npt
 from cycloid_mj import statics
 from cycloid_mj.contact.working import STRIBECK
 from cycloid_mj.design import Design
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array, Mask
 
 YIELD_PRESSURE = 1.79
 """Peak pressure at which a line contact first yields, over the yield strength (von Mises; Johnson 1985, 4.4)."""
@@ -58,7 +57,7 @@ def hertz_pressure(design: Design, force: npt.ArrayLike, curvature: npt.ArrayLik
     return statics.hertz_line_contact(force, design.gear.face_width, curvature, modulus).peak_pressure
 
 
-def hertz_holds(design: Design, kind: str, force: npt.ArrayLike, curvature: npt.ArrayLike) -> npt.NDArray[np.bool_]:
+def hertz_holds(design: Design, kind: str, force: npt.ArrayLike, curvature: npt.ArrayLike) -> Mask:
     """Tell where a line contact of a kind is no conformal one: its strip is narrow against the thinner body.
 
     `force` [N] on the line and relative `curvature` [1/m] broadcast to the shape of the result.

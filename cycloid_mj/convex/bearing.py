@@ -9,7 +9,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.convex.settings import OVERLAP, TOLERANCE, ConvexSettings
 from cycloid_mj.convex.surface import Place, Surface, convex_slice
@@ -18,8 +17,7 @@ from cycloid_mj.convex.walls import gear_depth, housing_depth, wall_radius
 from cycloid_mj.design import Design
 from cycloid_mj.deviations import deviations
 from cycloid_mj.profile import unit
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 
 @dataclass(frozen=True)

@@ -1,14 +1,11 @@
 """CoACD: the convex pieces of a mesh, and its word on whether a slice is one convex body."""
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.convex.settings import CoacdSettings
 from cycloid_mj.convex.surface import Surface, prism
 from cycloid_mj.errors import DesignError
 from cycloid_mj.solid import Mesh, mesh
-
-Array = npt.NDArray[np.float64]
 
 
 def coacd_pieces(shape: Mesh, settings: CoacdSettings) -> tuple[Mesh, ...]:

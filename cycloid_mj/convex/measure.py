@@ -3,14 +3,12 @@
 import math
 
 import numpy as np
-import numpy.typing as npt
 from scipy.spatial import ConvexHull
 
 from cycloid_mj.convex.quality import Quality, fill, hull_body, quality
 from cycloid_mj.solid import Mesh, Prism
 from cycloid_mj.solid.inertia import region_moments
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 SPACING = 1e-4
 """Distance of the points on the walls of a prism along whose normals it is measured [m]."""

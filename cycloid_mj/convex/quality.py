@@ -10,8 +10,7 @@ import numpy.typing as npt
 from cycloid_mj.convex.surface import Surface, placed_outline
 from cycloid_mj.errors import DesignError
 from cycloid_mj.solid.polygon import area_moments
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 SEAM = 1e-11
 """Width of a gap that is rounding only [m]."""

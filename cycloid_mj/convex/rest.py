@@ -4,7 +4,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.convex.bearing import socket_opening
 from cycloid_mj.convex.decompose import coacd_pieces
@@ -18,8 +17,7 @@ from cycloid_mj.errors import DesignError
 from cycloid_mj.profile import unit
 from cycloid_mj.solid import Mesh, Prism, circle, mesh, output_solid, shaft_solid
 from cycloid_mj.solid.polygon import arc
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 
 @dataclass(frozen=True)

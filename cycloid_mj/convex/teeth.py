@@ -9,7 +9,6 @@ import itertools
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj import envelope, profile
 from cycloid_mj.convex.settings import OVERLAP, TOLERANCE, ConvexSettings
@@ -20,8 +19,7 @@ from cycloid_mj.errors import DesignError
 from cycloid_mj.modification import gear_profile, profile_offset, tooth_profile
 from cycloid_mj.profile import CycloidGear, SmoothArc
 from cycloid_mj.solid.polygon import area_moments
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 SAMPLES = 5000
 """Points of a surface, along whose normals its slices are measured."""

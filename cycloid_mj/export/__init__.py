@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.design import Design
 from cycloid_mj.errors import DesignError
@@ -41,7 +40,8 @@ __all__ = [
     "stl_bytes",
 ]
 
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
+
 Format = Literal["stl", "obj", "dxf", "step"]
 FORMATS: tuple[Format, ...] = ("stl", "obj", "dxf", "step")
 

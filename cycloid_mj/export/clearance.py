@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy.spatial import cKDTree
 
 from cycloid_mj import profile
@@ -12,8 +11,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.errors import DesignError
 from cycloid_mj.modification import gear_profile
 from cycloid_mj.solid import output_centres
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 TOLERANCE = 2e-8
 """A clearance that is off by more is an error [m]."""

@@ -5,12 +5,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from scipy.interpolate import BSpline, make_interp_spline
 
 from cycloid_mj.errors import DesignError
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 SPLINE_ERROR = 1e-8
 """How far a spline may leave its flank [m]: a hundredth of a clearance of 1 um."""

@@ -4,7 +4,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj import envelope, profile
 from cycloid_mj.design import Design
@@ -19,8 +18,7 @@ from cycloid_mj.solid import (
     shaft_solid,
     sleeve_core_radius,
 )
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,10 @@
 """Meshes as binary STL: the same mesh always gives the same bytes."""
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.errors import DesignError
 from cycloid_mj.solid import Mesh
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 HEADER = b"binary STL by cycloid_mj".ljust(80)
 _TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])

@@ -3,15 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.compiling import announced
 from cycloid_mj.design import Design
 from cycloid_mj.errors import RunError
 from cycloid_mj.loaded.springs import Springs
 from cycloid_mj.mechanism.kernel import BALANCED, balance
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 ROUNDS, SETTLED = 30, 1e-4
 """Most rounds of friction, and the change of friction that ends them, as a share of the load."""

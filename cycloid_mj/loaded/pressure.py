@@ -1,14 +1,12 @@
 """The largest force and pressure on each kind of contact, and the torque at which one first yields."""
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.contact.pressure import YIELD_PRESSURE, hertz_pressure, line_curvature, line_share
 from cycloid_mj.design import Design
 from cycloid_mj.loaded.balance import Loads, loads
 from cycloid_mj.loaded.springs import Springs
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 GUESSES, TOLERANCE = 12, 1e-3
 

@@ -1,12 +1,10 @@
 """Friction of a turning crank's contacts: it acts against the way in which the ideal parts slide."""
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.design import Design
 from cycloid_mj.mechanism.gaps import Gaps
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 
 def rubbing(design: Design, found: Gaps, motion: Array) -> Array:

@@ -4,7 +4,6 @@ import math
 from dataclasses import dataclass, fields
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj import kinematics, profile
 from cycloid_mj.contact.law import curvature_law, pair_stiffness
@@ -14,8 +13,7 @@ from cycloid_mj.loaded.rubbing import rubbing
 from cycloid_mj.mechanism import kernel
 from cycloid_mj.mechanism.gaps import Gaps, arc_gaps, cam_places, flank_gaps, ideal_motion
 from cycloid_mj.modification import gear_profile, profile_offset, tooth_profile
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 POSES = 61
 GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0

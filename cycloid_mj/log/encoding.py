@@ -12,8 +12,8 @@ import numpy.typing as npt
 from google.protobuf.descriptor_pb2 import FieldDescriptorProto, FileDescriptorSet
 
 from cycloid_mj.errors import LogError
+from cycloid_mj.types import Array
 
-Array = npt.NDArray[np.float64]
 Bytes = npt.NDArray[np.uint8]
 
 FORMAT = "1"

@@ -18,7 +18,6 @@ from cycloid_mj.log.encoding import FORMAT, PACKAGE, TIME, Group, group_of
 from cycloid_mj.log.viewer import RATE
 from cycloid_mj.record import Run
 
-Array = npt.NDArray[np.float64]
 Bytes = npt.NDArray[np.uint8]
 
 END = f"{PACKAGE}.end"

@@ -6,7 +6,8 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
+
 Message = tuple[str, int, bytes]
 """Topic, time [ns] and content of a message."""
 

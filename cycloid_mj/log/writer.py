@@ -18,8 +18,8 @@ from cycloid_mj.log.encoding import FORMAT, PACKAGE, Group
 from cycloid_mj.log.place import LogTakenError
 from cycloid_mj.log.start import attach, started, storable
 from cycloid_mj.log.viewer import RATE, Message, Viewer, due
+from cycloid_mj.types import Array
 
-Array = npt.NDArray[np.float64]
 Groups = Mapping[str, Sequence[tuple[str, str]]]
 
 

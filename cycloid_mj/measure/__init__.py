@@ -3,6 +3,6 @@
 Each module is one measure: a function from a design to a `Measurement`.
 """
 
-from cycloid_mj.measure.measurement import Curve, Measurement, Quantity, Table
+from cycloid_mj.measure.measurement import Measurement
 
-__all__ = ["Curve", "Measurement", "Quantity", "Table"]
+__all__ = ["Measurement"]

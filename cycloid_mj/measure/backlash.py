@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.contact.working import at_rated_load, working_forces_told
 from cycloid_mj.design import Design, Errors, Modification
@@ -17,13 +16,13 @@ from cycloid_mj.errors import UsageError
 from cycloid_mj.measure import bench, play
 from cycloid_mj.measure.bench import ARCMINUTE
 from cycloid_mj.measure.conditions import rated_torque
-from cycloid_mj.measure.measurement import Curve, Measurement, Quantity
+from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Done, each, nothing
 from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
 from cycloid_mj.mechanism import limits
 from cycloid_mj.record import Run
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.result import Curve, Quantity
+from cycloid_mj.types import Array
 
 ANGLES = 8
 PRESS = 0.0025

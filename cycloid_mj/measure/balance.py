@@ -8,16 +8,14 @@ centre's way s along the eccentric's circle, -s/(c (N-1)) (cam); and the rest of
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.design import Design, Errors, Modification
 from cycloid_mj.errors import RunError
 from cycloid_mj.measure.hysteresis import LOST_MOTION_SHARE, STRAIGHT, Loop
+from cycloid_mj.types import Array
 from cycloid_mj.validation import equilibrium
 from cycloid_mj.validation.equilibrium import Equilibrium
-
-Array = npt.NDArray[np.float64]
 
 SERIES = ("output", "cam", "mesh")
 SHARES = (*sorted(STRAIGHT, reverse=True), LOST_MOTION_SHARE)

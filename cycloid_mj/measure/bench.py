@@ -12,7 +12,6 @@ from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj import statics
 from cycloid_mj.contact.law import IMPRATIO, pair_stiffness
@@ -27,8 +26,7 @@ from cycloid_mj.record import Run
 from cycloid_mj.simulate import simulate
 from cycloid_mj.solid import mass_properties, parts
 from cycloid_mj.solid.gear import tooth_profile
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 ARCMINUTE = math.pi / 180.0 / 60.0
 """One minute of arc [rad]."""

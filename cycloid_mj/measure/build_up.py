@@ -3,10 +3,10 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from cycloid_mj.measure.measurement import Table
 from cycloid_mj.measure.paper import PaperFigure
 from cycloid_mj.measure.steady import Powers
 from cycloid_mj.mjcf.names import DRAGS
+from cycloid_mj.result import Table
 
 TEETH = ("pin_gear", "pin_socket", "pin_sleeve", "tooth")
 DAMPING = "damping of all contacts"

@@ -12,11 +12,12 @@ from cycloid_mj.measure import build_up, paper, spread
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency, wang_efficiency
 from cycloid_mj.measure.conditions import RPM, drag_told, rated_torque
 from cycloid_mj.measure.efficiency_map import Found, Point, run_map
-from cycloid_mj.measure.measurement import Curve, Measurement, Quantity, Table
+from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Done, nothing
 from cycloid_mj.measure.sensitivity import friction_for
 from cycloid_mj.measure.steady import steady_design, whole_periods
 from cycloid_mj.mjcf.names import pairs
+from cycloid_mj.result import Curve, Quantity, Table
 
 TORQUES, SPEEDS = (0.25, 0.5, 1.0), (0.5, 1.0, 1.5)
 """Points of the map: shares of the rated output torque, without losses, and of the design's speed."""

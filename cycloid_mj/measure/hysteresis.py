@@ -12,7 +12,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj import course, statics
 from cycloid_mj.contact.law import pair_stiffness
@@ -21,8 +20,7 @@ from cycloid_mj.measure import bench
 from cycloid_mj.mechanism import limits
 from cycloid_mj.record import Run
 from cycloid_mj.solid.gear import tooth_profile
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 POWER = 5
 LOST_MOTION_SHARE = 0.03

@@ -4,7 +4,6 @@ import math
 from collections.abc import Iterator, Mapping
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj import statics
 from cycloid_mj.contact.pressure import HERTZ_REACH, SHAKEDOWN_PRESSURE, YIELD_PRESSURE
@@ -12,13 +11,13 @@ from cycloid_mj.contact.working import STRIBECK, working_forces_told
 from cycloid_mj.design import Design, override
 from cycloid_mj.errors import UsageError
 from cycloid_mj.measure.conditions import RPM, halved, rated_torque
-from cycloid_mj.measure.measurement import Curve, Measurement, Quantity
+from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Done, each, nothing
 from cycloid_mj.measure.pressed import CARRIES, Pressed, ideal_peak, pressed
 from cycloid_mj.measure.steady import SETTLED, steady, steady_design
+from cycloid_mj.result import Curve, Quantity
 from cycloid_mj.solid.gear import tooth_profile
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 CHECKED = 2
 """Mesh periods of the runs with half the step, and of those that find the capacity."""

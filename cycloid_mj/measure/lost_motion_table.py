@@ -5,17 +5,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.design import Design
 from cycloid_mj.measure import balance, bench, hysteresis, play
 from cycloid_mj.measure.balance import SERIES, Balance
 from cycloid_mj.measure.bench import ARCMINUTE
 from cycloid_mj.measure.hysteresis import Loop
-from cycloid_mj.measure.measurement import Curve, Quantity
 from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.result import Curve, Quantity
+from cycloid_mj.types import Array, Mask
 
 STATICS, RIGID = "statics: springs in balance", "rigid contacts: linear programme"
 IDEAL = "without friction and weight"
@@ -222,7 +220,7 @@ def curves(found: Found) -> tuple[Curve, ...]:
     return tuple(drawn)
 
 
-def _cut(loop: Loop, rows: npt.NDArray[np.bool_]) -> tuple[Array, Array]:
+def _cut(loop: Loop, rows: Mask) -> tuple[Array, Array]:
     return loop.torque[rows], loop.turn[rows] / ARCMINUTE
 
 

@@ -10,12 +10,11 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.analysis.spectrum import Orders
 from cycloid_mj.design import Design
+from cycloid_mj.types import Array, Integers, Mask
 
-Array = npt.NDArray[np.float64]
 Place = Literal["gear", "stage"]
 """Where an error shows: in the gear's turn, or in the output's turn against the gear's, the stage of output pins."""
 
@@ -42,7 +41,7 @@ class Cause:
     name: str
     place: Place
     base: float
-    takes: Callable[[npt.NDArray[np.int64]], npt.NDArray[np.bool_]]
+    takes: Callable[[Integers], Mask]
     why: str
 
     def rms(self, found: Orders) -> float:
@@ -59,7 +58,7 @@ class Cause:
         """Tell whether an order is one of its own."""
         return bool(self._mask(np.array([order]))[0])
 
-    def _mask(self, order: Array) -> npt.NDArray[np.bool_]:
+    def _mask(self, order: Array) -> Mask:
         multiple = order / self.base
         whole = np.rint(multiple).astype(np.int64)
         return np.isclose(multiple, whole, atol=1e-6) & (whole > 0) & self.takes(whole)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.measure.conditions import rated_torque
-from cycloid_mj.measure.measurement import Quantity, Table
+from cycloid_mj.result import Quantity, Table
 
 TORQUES = {"pin": {"simulated": 34.7, "measured": 34.335}, "nonpin": {"simulated": 35.8, "measured": 35.08}}
 """Output torque [N m] at 1.048 N m in (Hsieh 2014, section 3.4 and Fig. 19)."""

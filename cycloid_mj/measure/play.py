@@ -16,13 +16,11 @@ clearance alone this has a closed form (`parts_alone`):
 from functools import lru_cache
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.design import Design
 from cycloid_mj.mechanism.gaps import gaps
 from cycloid_mj.mechanism.limits import CAM_SIDES, stops
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 COARSE_SIDES = 180
 """Sides of the polygon around the cam's play over a whole turn, where many angles are solved: larger by 1.6e-4."""

@@ -4,7 +4,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj import envelope, statics
 from cycloid_mj.contact.pressure import hertz_holds, hertz_pressure, line_curvature, line_share
@@ -13,8 +12,7 @@ from cycloid_mj.mjcf import names
 from cycloid_mj.record import Run
 from cycloid_mj.solid import gear_solid, mass_properties
 from cycloid_mj.solid.gear import tooth_profile
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array, Mask
 
 CARRIES = 0.01
 """A contact carries where its force is at least this share of the largest of its kind."""
@@ -42,7 +40,7 @@ class Pressed:
     angle: Array
     vector: Array
     pressure: Array
-    holds: npt.NDArray[np.bool_]
+    holds: Mask
 
     @property
     def force(self) -> Array:
@@ -61,7 +59,7 @@ class Pressed:
         return float(np.mod(self.angle[row], 2.0 * math.pi))
 
     @property
-    def carries(self) -> npt.NDArray[np.bool_]:
+    def carries(self) -> Mask:
         """Whether a contact carries, shape (n, contacts)."""
         return np.asarray(self.force > CARRIES * self.peak_force)
 

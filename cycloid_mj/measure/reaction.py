@@ -3,14 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.design import Design
 from cycloid_mj.mjcf.names import CAM, GEAR, OUTPUT, SHAFT, lobe, output_pin, pin, sleeve, socket
 from cycloid_mj.record import Run
 from cycloid_mj.solid import MassProperties, Solid, gear_solid, mass_properties, output_solid, pin_solid, shaft_solid
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 TWO_SIDED = 0.683
 """Confidence of an error: that of one standard deviation."""

@@ -4,16 +4,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy.interpolate import PchipInterpolator
 
 from cycloid_mj.design import Design, override
 from cycloid_mj.measure.conditions import rated_torque
-from cycloid_mj.measure.measurement import Curve, Table
 from cycloid_mj.measure.paper import PaperFigure
 from cycloid_mj.measure.steady import steady_design
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.result import Curve, Table
 
 SLIDING = (0.0, 0.1)
 """Coefficients of one sliding pair, tried one pair at a time."""

@@ -9,8 +9,8 @@ from typing import Any
 
 from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.design import Design, override
-from cycloid_mj.measure.measurement import Table
 from cycloid_mj.measure.pool import Done, each
+from cycloid_mj.result import Table
 
 PLAY = (0.5, 2.0)
 """Factors on a clearance: what a drawing says against what a gauge finds."""

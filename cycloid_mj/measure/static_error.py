@@ -14,8 +14,7 @@ from cycloid_mj.mechanism import balance
 from cycloid_mj.mechanism.gaps import Gaps, arc_gaps, cam_places
 from cycloid_mj.solid import gear_solid, mass_properties
 from cycloid_mj.solid.gear import tooth_profile
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 
 def kinematic_error(design: Design, crank: npt.ArrayLike, direction: float) -> Array:

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.analysis.doubts import unbalanced
 from cycloid_mj.course import Course
@@ -15,8 +14,6 @@ from cycloid_mj.measure.conditions import LOG_RATE, require_motion, stepped
 from cycloid_mj.mjcf import ReducerModel
 from cycloid_mj.record import Run
 from cycloid_mj.simulate import simulate
-
-Array = npt.NDArray[np.float64]
 
 SETTLED = 0.01
 """Time [s] after which a run under a held crank counts: the load's rise, and the time that it takes to ring out."""

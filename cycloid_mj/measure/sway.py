@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.analysis import series
 from cycloid_mj.analysis.spectrum import thinned
@@ -21,8 +20,7 @@ from cycloid_mj.mjcf import ReducerModel
 from cycloid_mj.mjcf.names import GEAR, SHAFT
 from cycloid_mj.record import Run
 from cycloid_mj.simulate import simulate
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 FASTER = 10
 """Samples taken for each one that is kept, or as many as there are steps."""

@@ -5,15 +5,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.analysis.spectrum import Orders, periodic_orders
 from cycloid_mj.design import Design
-from cycloid_mj.measure.measurement import Curve, Quantity
 from cycloid_mj.measure.orders import causes
 from cycloid_mj.measure.trace import Case, Trace
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.result import Curve, Quantity
+from cycloid_mj.types import Array
 
 HIGHEST = 3
 """Mesh orders up to which orders are told."""

@@ -13,13 +13,14 @@ from cycloid_mj.measure import build_up, paper, sensitivity, spread, steady
 from cycloid_mj.measure.braked import DECAY, braked_run
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency
 from cycloid_mj.measure.conditions import drag_told, halved, rated_torque
-from cycloid_mj.measure.measurement import Curve, Measurement, Quantity
+from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.paper import PaperFigure
 from cycloid_mj.measure.pool import Done, each, nothing
 from cycloid_mj.measure.sensitivity import Variation
 from cycloid_mj.measure.spread import Moved
 from cycloid_mj.measure.steady import Powers, first_half, powers, steady_design, whole_periods
 from cycloid_mj.record import Run
+from cycloid_mj.result import Curve, Quantity
 
 PERIODS, QUICK_PERIODS = 12, 4
 """Fewest mesh periods of the main run: a third of a crank turn, or less."""

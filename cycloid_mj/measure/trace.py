@@ -3,7 +3,6 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.course import Course, load_torque, servo_target
 from cycloid_mj.design import Design
@@ -12,8 +11,7 @@ from cycloid_mj.measure.conditions import at_speed, rated_torque, turn_period
 from cycloid_mj.mjcf import ReducerModel
 from cycloid_mj.record import Run
 from cycloid_mj.simulate import simulate
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 ARCSEC = np.degrees(1.0) * 3600.0
 """In a radian."""

@@ -10,12 +10,13 @@ from cycloid_mj.analysis.spectrum import BAND, tapered_orders
 from cycloid_mj.contact.working import working_at, working_forces_told
 from cycloid_mj.design import Design
 from cycloid_mj.measure.conditions import DRAG, RPM, halved, rated_torque, require_motion, stepped
-from cycloid_mj.measure.measurement import Curve, Measurement, Quantity
+from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Done, each, nothing
 from cycloid_mj.measure.reaction import unbalance, weight
 from cycloid_mj.measure.sway import Sway, sway
 from cycloid_mj.measure.trace import own
 from cycloid_mj.mjcf import build
+from cycloid_mj.result import Curve, Quantity
 
 SHARES = (0.5, 0.75, 1.0, 1.25, 1.5)
 """Crank speeds of the sweep as shares of the design's."""

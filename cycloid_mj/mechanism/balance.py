@@ -16,8 +16,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.errors import RunError
 from cycloid_mj.mechanism.gaps import Gaps, arc_gaps, cam_places
 from cycloid_mj.mechanism.kernel import BALANCED, Springs, balance
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 
 @dataclass(frozen=True)

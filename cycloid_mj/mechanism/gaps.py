@@ -23,8 +23,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.deviations import deviations
 from cycloid_mj.kinematics import gear_centre
 from cycloid_mj.modification import profile_offset, tooth_profile
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array, Integers, Mask
 
 
 @dataclass(frozen=True)
@@ -59,8 +58,8 @@ class Gaps:
     """
 
     kind: npt.NDArray[np.str_]
-    owner: npt.NDArray[np.int64]
-    disc: npt.NDArray[np.int64]
+    owner: Integers
+    disc: Integers
     room: Array
     distance: Array
     slope: Array
@@ -70,7 +69,7 @@ class Gaps:
     relative_curvature: Array
     slip_slope: Array
 
-    def select(self, rows: npt.NDArray[np.bool_]) -> "Gaps":
+    def select(self, rows: Mask) -> "Gaps":
         """Give some of the gaps at one crank angle, by a mask of shape (n,)."""
         return Gaps(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 

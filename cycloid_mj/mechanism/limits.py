@@ -7,14 +7,12 @@ around it stands for it, larger than the circle by 1 - cos(pi/sides).
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj import profile
 from cycloid_mj.design import Design
 from cycloid_mj.errors import RunError
 from cycloid_mj.mechanism.gaps import Gaps, cam_places, gaps, unknowns
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 _SCALE = 1e-6
 """Unit of length of the programmes [m]."""

@@ -17,8 +17,8 @@ from cycloid_mj.plots.style import styled
 from cycloid_mj.record import Run
 from cycloid_mj.scene import contact_forces, drawing, drawn_radii, gaps
 from cycloid_mj.statics import ideal_load_sharing
+from cycloid_mj.types import Array
 
-Array = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 
 FRAMES = 90

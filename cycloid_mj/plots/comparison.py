@@ -4,7 +4,6 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -28,8 +27,8 @@ from cycloid_mj.plots.style import (
     styled,
     typeset,
 )
+from cycloid_mj.types import Array
 
-Array = npt.NDArray[np.float64]
 Grid = Sequence[Sequence[Series]]
 Signal = Callable[[Series], Array]
 

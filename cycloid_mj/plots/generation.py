@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
@@ -12,8 +11,7 @@ from matplotlib.patches import Circle
 from cycloid_mj import envelope, kinematics, profile
 from cycloid_mj.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, VERMILION, keys, sheet, styled
 from cycloid_mj.profile import CycloidGear
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 CRANK = np.radians(25.0)
 """Crank angle of the drawings of contact [rad]."""

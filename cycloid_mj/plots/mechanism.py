@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyArrowPatch, Patch, PathPatch
@@ -19,8 +18,7 @@ from cycloid_mj.plots.style import BLACK, VERMILION, styled
 from cycloid_mj.profile import unit
 from cycloid_mj.record import Run
 from cycloid_mj.solid import VISUAL_CHORD_ERROR, Prism, output_centres, parts, sleeve_core_radius
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 CRANK_ANGLE = math.radians(35.0)
 """Where the crank is drawn by default [rad]."""

@@ -1,7 +1,6 @@
 """Crank, gear speed and transmission error (the paper's Figs 5 and 6)."""
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.figure import Figure
 
 from cycloid_mj.analysis import Series
@@ -20,8 +19,7 @@ from cycloid_mj.plots.style import (
     styled,
     typeset,
 )
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 ARCSEC = 3600 * 180 / np.pi
 SPEED_SPAN = 0.01

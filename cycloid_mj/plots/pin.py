@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
@@ -22,8 +21,7 @@ from cycloid_mj.plots.style import (
     square,
     styled,
 )
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 CLEARANCE: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "linestyle": "--"}
 OVER_ANGLE: dict[str, Any] = {"color": BLUE, "linewidth": 0.9}

@@ -1,7 +1,6 @@
 """Path and velocity of the point q of the gear (the paper's Figs 7 and 8)."""
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -27,8 +26,7 @@ from cycloid_mj.plots.style import (
     styled,
     typeset,
 )
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 _LIGHT = {BLUE: "#9CCBEA", ORANGE: "#F6D9A0", GREEN: "#A5D9CB"}
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, PathPatch
@@ -25,8 +24,7 @@ from cycloid_mj.scene.pose import GEAR, OUTPUT, SHAFT, ring_places
 from cycloid_mj.solid import circle, gear_solid, housing_solid
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.solid.polygon import arc
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 CHORD_ERROR = 1e-5
 """Largest distance of a drawn chord from its curve [m]: a tenth of a pixel."""

@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
@@ -15,9 +14,9 @@ from cycloid_mj.plots.style import BLACK, GREY, crank_axis, keys, sheet, styled
 from cycloid_mj.stress.field import StressMap
 from cycloid_mj.stress.findings import BOUND, MEGAPASCAL, MILLIMETRE, RANGES, StressFindings
 from cycloid_mj.stress.grid import Grid
+from cycloid_mj.types import Array, Integers
 
-Array = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.int64]
+Indices = Integers
 Entries = list[tuple[str, dict[str, Any]]]
 
 TITLES = {"shaft": "eccentric shaft", "gear": "cycloid gear", "ring": "ring", "output": "output", "pin_1": "pin 1"}

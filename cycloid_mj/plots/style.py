@@ -10,14 +10,14 @@ from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib import style
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
+
 P = ParamSpec("P")
 R = TypeVar("R")
 

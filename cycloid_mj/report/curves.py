@@ -4,11 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.analysis import Series
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 ARCSEC = 3600 * 180 / np.pi
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 
 def encoded(values: npt.ArrayLike) -> dict[str, Any]:

@@ -14,8 +14,7 @@ from cycloid_mj.scene import contact_forces, drawn_radii, gaps, largest_magnific
 from cycloid_mj.scene.drawing import tooth_clearance
 from cycloid_mj.solid import gear_solid, housing_solid
 from cycloid_mj.statics import ideal_load_sharing
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 FRAMES = 360
 CHORD_ERROR = 1e-5

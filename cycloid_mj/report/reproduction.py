@@ -5,10 +5,10 @@ from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from typing import Any
 
-from cycloid_mj.measure import Table
 from cycloid_mj.report import html
 from cycloid_mj.reproduce.claims import Claim, Verdict
 from cycloid_mj.reproduce.stage import Plate, Stage
+from cycloid_mj.result import Table
 
 PNG = b"\x89PNG"
 CLAIM_HEAD = (

@@ -3,15 +3,13 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.analysis import Series
 from cycloid_mj.comparison import settled
 from cycloid_mj.comparison.forces import tooth_forces
-from cycloid_mj.measure import Table
 from cycloid_mj.record import Run
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.result import Table
+from cycloid_mj.types import Array, Mask
 
 RELIEVED = 0.1
 """Pin 1 counts as relieved below this share of its largest force, as in the study of stress."""
@@ -37,7 +35,7 @@ def cycle(motion: Series) -> tuple[float, float, float, float]:
     return _change(degrees, loaded), _change(degrees, ~loaded), 100.0 * float(loaded.mean()), count
 
 
-def _change(degrees: Array, begins: npt.NDArray[np.bool_]) -> float:
+def _change(degrees: Array, begins: Mask) -> float:
     """Give where something begins, by the longest stretch of it; not a number where it always or never holds."""
     starts = np.flatnonzero(begins & ~np.roll(begins, 1))
     if starts.size == 0:

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 
 def first(function: Callable[[Array], Array], at: npt.ArrayLike, step: float) -> Array:

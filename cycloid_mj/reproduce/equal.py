@@ -1,9 +1,9 @@
 """What differs between the two designs: nothing but the ring."""
 
 from cycloid_mj.comparison import conditions, differences
-from cycloid_mj.measure import Table
 from cycloid_mj.reproduce.plan import Plan, designs
 from cycloid_mj.reproduce.stage import Found, Runs, Told
+from cycloid_mj.result import Table
 
 
 def equal(plan: Plan, runs: Runs, told: Told) -> Found:

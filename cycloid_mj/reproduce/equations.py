@@ -12,8 +12,7 @@ import numpy.typing as npt
 from cycloid_mj import kinematics
 from cycloid_mj.kinematics import CrankLaw
 from cycloid_mj.profile import CycloidGear, conjugate_alpha, unit
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 GEAR = CycloidGear(ring_teeth=36, eccentricity=1e-3, pin_circle_radius=40.75e-3, pin_radius=2.25e-3)
 Q = np.array([5e-3, 24e-3])

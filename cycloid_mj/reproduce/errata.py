@@ -41,8 +41,7 @@ from cycloid_mj.reproduce.equations import (
     place,
     zeta_at,
 )
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 TIMES = np.linspace(0.113, 0.149, 37)
 """Times of a crank turn at constant speed, and of part of one in the ramp [s]."""

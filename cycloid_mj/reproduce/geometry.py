@@ -1,10 +1,10 @@
 """Figs 1-4: how the profiles of gear and ring come about, with their closed-form figures."""
 
 from cycloid_mj import envelope, profile
-from cycloid_mj.measure import Table
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.reproduce.plan import Plan, designs
 from cycloid_mj.reproduce.stage import Found, Plate, Runs, Told
+from cycloid_mj.result import Table
 
 CAPTIONS = {
     "fig1_rolling": "Generation: the gear's pitch circle rolls within the ring's; a pin's centre, fixed to the ring, "

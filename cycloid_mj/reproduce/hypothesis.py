@@ -7,11 +7,11 @@ paper's kind of motion solver, on exact flanks and on flanks made of facets.
 from collections.abc import Mapping
 from typing import Any
 
-from cycloid_mj.measure import Table
 from cycloid_mj.measure.pool import each
 from cycloid_mj.reproduce import said
 from cycloid_mj.reproduce.plan import Plan, designs
 from cycloid_mj.reproduce.soft_contact import GENERIC, STEEL, Forces, SoftContact, soft_idle
+from cycloid_mj.result import Table
 
 SEED = 2014
 TURNS = 1

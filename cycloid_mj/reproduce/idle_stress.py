@@ -5,7 +5,6 @@ from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.comparison import Spread
 from cycloid_mj.design import Design
@@ -17,7 +16,6 @@ if TYPE_CHECKING:
     from cycloid_mj.stress.loads import PartLoads
     from cycloid_mj.stress.study import StressStudy, StudySettings
 
-Array = npt.NDArray[np.float64]
 
 MEGAPASCAL = 1e6
 

@@ -7,8 +7,7 @@ import numpy.typing as npt
 from scipy.ndimage import maximum_filter1d
 
 from cycloid_mj.record import Run
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 ENDING = "_peak_force"
 COMPONENTS = ("_force_x", "_force_y", "_moment")

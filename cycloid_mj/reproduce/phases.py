@@ -3,14 +3,12 @@
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.comparison import gravity_turn, settled
 from cycloid_mj.design import Design
 from cycloid_mj.record import Run
 from cycloid_mj.reproduce.peaks import peak
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 BINS = 36
 """Parts of a crank turn: ten degrees each, a mesh period of the paper's ring."""

@@ -11,15 +11,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from numba import njit
 
 from cycloid_mj.compiling import cacheable
 from cycloid_mj.contact.gap import circle_in_circle, trochoid_curvature, trochoid_distance
 from cycloid_mj.design import Design
 from cycloid_mj.solid import mass_properties, parts
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 TIMESTEP = 0.5e-6
 """[s]"""

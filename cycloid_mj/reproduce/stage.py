@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from cycloid_mj.design import Design
-from cycloid_mj.measure import Table
 from cycloid_mj.record import Run
 from cycloid_mj.reproduce.claims import Claim
 from cycloid_mj.reproduce.plan import Plan
+from cycloid_mj.result import Table
 
 Runs = Callable[[Sequence[Design]], list[Run]]
 """Gives the run of each design: from a log that fits, or by running it."""

@@ -10,7 +10,6 @@ import numpy as np
 
 from cycloid_mj.analysis import Series
 from cycloid_mj.comparison import STARTS, Spread, Variation, measure, settled
-from cycloid_mj.measure import Table
 from cycloid_mj.record import Run
 from cycloid_mj.reproduce.chaos import Divergence, divergence, nudged
 from cycloid_mj.reproduce.claims import Claim, NumericalError, Result, Stated, order_verdict
@@ -33,6 +32,7 @@ from cycloid_mj.reproduce.plan import (
     varied_rated_runs,
 )
 from cycloid_mj.reproduce.stage import Found, Plate, Runs, Told
+from cycloid_mj.result import Table
 
 Levels = dict[str, float]
 """Name of a design -> its rms of a quantity."""

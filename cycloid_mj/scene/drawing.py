@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj import profile
 from cycloid_mj.design import Design
@@ -20,8 +19,7 @@ from cycloid_mj.profile import CycloidGear
 from cycloid_mj.scene.pose import GEAR, OUTPUT, pin, poses, ring_places
 from cycloid_mj.solid import output_centres
 from cycloid_mj.solid.gear import tooth_profile
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 THINNEST = 0.4
 """Least radius that a part may be drawn with, as a share of its own."""

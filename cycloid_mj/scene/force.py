@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.design import Design
 from cycloid_mj.kinematics import gear_centre
@@ -14,8 +13,7 @@ from cycloid_mj.scene.drawing import Drawing, Radii, drawn_radii
 from cycloid_mj.scene.pose import GEAR, OUTPUT, SHAFT, pin, poses, ring_places
 from cycloid_mj.solid import output_centres
 from cycloid_mj.solid.gear import tooth_profile
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 _PAIR = re.compile(r"(?P<stem>[a-z_]*[a-z])(_(?P<number>\d+))?_force_x")
 KINDS = {

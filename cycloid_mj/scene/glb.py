@@ -10,8 +10,7 @@ import numpy.typing as npt
 
 from cycloid_mj.scene.shape import Piece
 from cycloid_mj.solid import Mesh
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 MEDIA_TYPE = "model/gltf-binary"
 CREASE = np.cos(np.radians(30.0))

@@ -16,7 +16,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
@@ -27,8 +26,8 @@ from cycloid_mj.scene.force import ContactForces, contact_forces, reference_forc
 from cycloid_mj.scene.glb import MEDIA_TYPE, glb
 from cycloid_mj.scene.pose import pin, poses, ring_places
 from cycloid_mj.scene.shape import Colour, shapes
+from cycloid_mj.types import Array
 
-Array = npt.NDArray[np.float64]
 Message = tuple[str, int, bytes]
 """Topic, time [ns] and serialized content."""
 

@@ -3,14 +3,12 @@
 from collections.abc import Mapping
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.design import Design
 from cycloid_mj.errors import LogError
 from cycloid_mj.profile import unit
 from cycloid_mj.record import usable
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 HOUSING, SHAFT, GEAR, OUTPUT = "housing", "shaft", "gear", "output"
 POSE_COLUMNS = ("crank_angle", "gear_x", "gear_y", "gear_angle", "output_angle")

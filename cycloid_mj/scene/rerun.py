@@ -7,7 +7,6 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.design import Design
 from cycloid_mj.errors import CycloidError
@@ -17,9 +16,8 @@ from cycloid_mj.scene.glb import smoothed
 from cycloid_mj.scene.messages import ARROW, FORCE_COLOURS, THICKNESS
 from cycloid_mj.scene.pose import poses
 from cycloid_mj.scene.shape import Colour, Piece, shapes
+from cycloid_mj.types import Array
 from cycloid_mj.whole import whole_file
-
-Array = npt.NDArray[np.float64]
 
 TIMELINE = "time"
 MECHANISM, SIGNALS = "mechanism", "signals"

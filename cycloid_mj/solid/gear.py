@@ -2,9 +2,6 @@
 
 import math
 
-import numpy as np
-import numpy.typing as npt
-
 from cycloid_mj import profile
 from cycloid_mj.design import Design
 from cycloid_mj.modification import gear_profile, profile_offset, sample_turned, tooth_profile
@@ -16,7 +13,7 @@ from cycloid_mj.solid.prism import Prism, Solid
 
 __all__ = ["gear_outline", "gear_profile", "gear_solid", "profile_offset", "tooth_profile"]
 
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 ROUNDING = 1e-9
 """Relative; a hole of exactly output pin + eccentricity passes."""

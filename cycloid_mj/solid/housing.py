@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj import envelope
 from cycloid_mj.design import Design
@@ -13,8 +12,7 @@ from cycloid_mj.solid.fit import require_above, require_below
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.solid.polygon import arc, circle
 from cycloid_mj.solid.prism import Prism, Solid
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 WALL_GAP = 0.1
 """Least gap between the gear's tips and the wall, as a share of rho - c."""

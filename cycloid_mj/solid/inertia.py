@@ -3,13 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.digits import on_grid, significant, significant_tensor
 from cycloid_mj.solid.polygon import AreaMoments, area_moments
 from cycloid_mj.solid.prism import Prism, Solid
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,8 @@ from cycloid_mj.errors import DesignError
 from cycloid_mj.solid.inertia import region_moments
 from cycloid_mj.solid.polygon import crossing
 from cycloid_mj.solid.prism import Prism, Solid
+from cycloid_mj.types import Array, Integers
 
-Array = npt.NDArray[np.float64]
 Faces = npt.NDArray[np.int32]
 
 VOLUME_TOLERANCE = 1e-9
@@ -65,7 +65,7 @@ def _prism_mesh(prism: Prism, name: str) -> Mesh:
     return Mesh(np.concatenate([bottom, top]), faces.astype(np.int32))
 
 
-def _triangulate(points: Array, rings: list[Array]) -> npt.NDArray[np.int64]:
+def _triangulate(points: Array, rings: list[Array]) -> Integers:
     """Give the cap's triangles (m, 3), counter-clockwise.
 
     The earcut drops a vertex that lies exactly between its neighbours, which leaves the mesh open: it gets the
@@ -76,7 +76,7 @@ def _triangulate(points: Array, rings: list[Array]) -> npt.NDArray[np.int64]:
     return mapbox_earcut.triangulate_float64(points + shake, ends).reshape(-1, 3).astype(np.int64)
 
 
-def _walls(rings: list[Array]) -> npt.NDArray[np.int64]:
+def _walls(rings: list[Array]) -> Integers:
     """Give two triangles for every edge i -> j of the rings, between the bottom vertices and the top ones."""
     total = sum(len(ring) for ring in rings)
     last = np.cumsum([len(ring) for ring in rings])
@@ -86,7 +86,7 @@ def _walls(rings: list[Array]) -> npt.NDArray[np.int64]:
     return np.concatenate([np.column_stack([i, j, j + total]), np.column_stack([i, j + total, i + total])])
 
 
-def _check_cap(cap: npt.NDArray[np.int64], points: Array, prism: Prism, name: str) -> None:
+def _check_cap(cap: Integers, points: Array, prism: Prism, name: str) -> None:
     """Refuse a cap whose triangles overlap or leave a gap: their areas, all positive, add up to the region's."""
     a, b, c = points[cap].transpose(1, 2, 0)
     covered = np.abs((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).sum() / 2
@@ -98,7 +98,7 @@ def _check_cap(cap: npt.NDArray[np.int64], points: Array, prism: Prism, name: st
         )
 
 
-def _check_watertight(faces: npt.NDArray[np.int64], name: str) -> None:
+def _check_watertight(faces: Integers, name: str) -> None:
     """Refuse a mesh in which some edge is not passed exactly once in each direction."""
     start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     size = int(faces.max()) + 1

@@ -1,15 +1,13 @@
 """The output disc with its pins, and where they stand."""
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.design import Design
 from cycloid_mj.profile import unit
 from cycloid_mj.solid.accuracy import drawing_error
 from cycloid_mj.solid.polygon import circle
 from cycloid_mj.solid.prism import Prism, Solid
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 AXIAL_GAP = 1e-3
 """Distance of the output disc and of the counterweight from the gear's faces [m]."""

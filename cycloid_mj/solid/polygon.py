@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array, Mask
 
 
 class AreaMoments(NamedTuple):
@@ -106,7 +106,7 @@ def _overlapping_pairs(low: Array, high: Array) -> tuple[npt.NDArray[np.intp], n
     return order[i[overlap]], order[j[overlap]]
 
 
-def _sides_differ(a: Array, b: Array, p: Array, q: Array) -> npt.NDArray[np.bool_]:
+def _sides_differ(a: Array, b: Array, p: Array, q: Array) -> Mask:
     """Tell for each row whether p and q do not lie strictly on one side of the line a b."""
     return _side(a, b, p) * _side(a, b, q) <= 0.0
 

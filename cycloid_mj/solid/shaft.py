@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.design import Design
 from cycloid_mj.solid.accuracy import drawing_error
@@ -13,8 +12,7 @@ from cycloid_mj.solid.inertia import mass_properties
 from cycloid_mj.solid.output import AXIAL_GAP
 from cycloid_mj.solid.polygon import arc, area_moments, circle
 from cycloid_mj.solid.prism import Prism, Solid
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 
 def shaft_solid(design: Design, chord_error: float | None = None) -> Solid:

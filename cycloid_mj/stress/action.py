@@ -3,10 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy.special import j1
 
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array, Mask
 
 NEGLIGIBLE = 1e-9
 """A force below this share of the turn's largest is rounding and is left out."""
@@ -49,7 +48,7 @@ class Action:
         """Give the action with negligible forces set to zero."""
         return self.where(self.size > NEGLIGIBLE * np.max(self.size, initial=0.0))
 
-    def where(self, chosen: npt.NDArray[np.bool_]) -> "Action":
+    def where(self, chosen: Mask) -> "Action":
         """Give the action at the chosen samples (k,), and no force at the others."""
         return Action(np.where(chosen[..., np.newaxis], self.force, 0.0), np.where(chosen, self.moment, 0.0))
 

@@ -4,16 +4,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from scipy import sparse
 
 from cycloid_mj.errors import CycloidError
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.shaftgrid import Shaft
 from cycloid_mj.stress.surface import surface, traction_loads
+from cycloid_mj.types import Array, Mask
 
-Array = npt.NDArray[np.float64]
-Flags = npt.NDArray[np.bool_]
+Flags = Mask
 
 SECTORS, STRIPS = 16, 4
 """Pads of a bearing round the journal and along it."""

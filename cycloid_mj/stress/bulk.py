@@ -9,14 +9,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy.spatial import cKDTree
 
 from cycloid_mj.stress.case import Case
 from cycloid_mj.stress.grid import Grid
+from cycloid_mj.types import Array, Integers, Mask
 
-Array = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.int64]
+Indices = Integers
 
 RUNG = np.sqrt(2.0)
 """Ratio of neighbouring distances of the ladder."""
@@ -50,7 +49,7 @@ class Distances:
     outside: Array
     patches: Array
     ends: Indices
-    at_corner: npt.NDArray[np.bool_]
+    at_corner: Mask
 
     def at(self, angle: int) -> Array:
         """Give the distance [m] (n,) of each node from narrow patches at an angle, inf without; 0 at corners."""

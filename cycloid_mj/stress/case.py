@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.design import Design
 from cycloid_mj.stress import elastic
@@ -12,10 +11,10 @@ from cycloid_mj.stress.elastic import Body
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.loads import PartLoads
 from cycloid_mj.stress.patch import patches
+from cycloid_mj.types import Array, Integers, Mask
 
-Array = npt.NDArray[np.float64]
-Flags = npt.NDArray[np.bool_]
-Indices = npt.NDArray[np.int64]
+Flags = Mask
+Indices = Integers
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,7 @@ from scipy.optimize import minimize_scalar
 from cycloid_mj.design import Design
 from cycloid_mj.statics import LARGEST_SHEAR, SHEAR_DEPTH
 from cycloid_mj.stress.loads import PartLoads
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 DEEPEST = 3.0
 """The largest von Mises stress of any material lies within this depth, in half widths."""

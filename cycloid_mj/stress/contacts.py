@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.contact.pressure import hertz_holds, hertz_pressure, line_curvature, line_share
 from cycloid_mj.design import Design
@@ -16,8 +15,7 @@ from cycloid_mj.statics import contact_modulus, hertz_line_contact
 from cycloid_mj.stress.action import Action, turned
 from cycloid_mj.stress.flank import lobe_lines, lobe_place, pin_curvature
 from cycloid_mj.stress.turn import Turn
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array, Mask
 
 WIDEST = np.pi / 3
 """Largest half width of a patch [rad of the thinner body]; assumed.
@@ -36,7 +34,7 @@ class Line:
 
     pressure: Array
     half_width: Array
-    holds: npt.NDArray[np.bool_]
+    holds: Mask
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from scipy import sparse
 from scipy.sparse import csgraph
 from scipy.sparse.linalg import splu
@@ -18,9 +17,9 @@ from cycloid_mj.design.model import Material
 from cycloid_mj.errors import CycloidError
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.packages import package
+from cycloid_mj.types import Array, Integers
 
-Array = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.int64]
+Indices = Integers
 
 INDEPENDENT = 1e-6
 """Supports hold a rigid motion whose share at them is larger than this, relatively."""

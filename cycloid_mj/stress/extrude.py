@@ -10,7 +10,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from scipy import sparse
 
 from cycloid_mj.design import Design
@@ -18,10 +17,10 @@ from cycloid_mj.solid import output_centres
 from cycloid_mj.solid.output import AXIAL_GAP
 from cycloid_mj.stress.grid import Grid, GridSettings, Section, planar_grid, quadratic
 from cycloid_mj.stress.region import part_region
+from cycloid_mj.types import Array, Integers, Mask
 
-Array = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.int64]
-Flags = npt.NDArray[np.bool_]
+Indices = Integers
+Flags = Mask
 
 COARSER = {"contact_edge": 3.0, "wide_edge": 2.0, "free_edge": 2.5, "inner_edge": 3.0, "turn": 2.0, "growth": 8.0}
 """Settings of a section over those of a planar grid: a solid has fifteen unknowns and more for two of the plane."""

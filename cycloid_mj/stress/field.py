@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
@@ -14,10 +13,10 @@ from cycloid_mj.stress.grid import Grid, GridSettings
 from cycloid_mj.stress.loads import PartLoads
 from cycloid_mj.stress.part import part_case, part_grid
 from cycloid_mj.stress.recover import principal, recovery, stresses, von_mises
+from cycloid_mj.types import Array, Integers, Mask
 
-Array = npt.NDArray[np.float64]
-Flags = npt.NDArray[np.bool_]
-Indices = npt.NDArray[np.int64]
+Flags = Mask
+Indices = Integers
 
 BLOCK = 24
 """Angles worked on together: enough for speed, few enough for memory."""

@@ -4,11 +4,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.stress.notch import Notch
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 MEGAPASCAL, MILLIMETRE = 1e6, 1e-3
 

@@ -3,13 +3,11 @@
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj import envelope, profile
 from cycloid_mj.profile import CycloidGear
 from cycloid_mj.stress.action import Action, cross
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 ROUNDS = 30
 FARTHEST = 0.5

@@ -10,9 +10,9 @@ from cycloid_mj.errors import CycloidError, UsageError
 from cycloid_mj.stress.outline import Loop, Sizing, divide
 from cycloid_mj.stress.packages import MILLIMETRES, mesher, package
 from cycloid_mj.stress.region import Region
+from cycloid_mj.types import Array, Integers
 
-Array = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.int64]
+Indices = Integers
 
 BULK_DISTANCE = 0.5
 """Where bulk begins: so far from every loaded patch, as a share of the ring's pin radius. The one definition."""

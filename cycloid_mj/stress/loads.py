@@ -13,8 +13,7 @@ from cycloid_mj.record import Run
 from cycloid_mj.stress.contacts import contacts
 from cycloid_mj.stress.motion import motion
 from cycloid_mj.stress.turn import DEGREES, turn
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array, Mask
 
 PARTS = ("shaft", "gear", "ring", "output", "pin_1")
 
@@ -40,7 +39,7 @@ class PartLoads:
     """Hertz's peak pressure of the line contact in each patch that bears most [Pa], shape (k, m)."""
     strip: Array
     """Half width of that line contact [m], shape (k, m)."""
-    hertz: npt.NDArray[np.bool_]
+    hertz: Mask
     """Whether Hertz holds for that line contact, shape (k, m): not where it is conformal."""
     labels: tuple[str, ...]
     """Name of each of the m contacts, e.g. "pin_3", "cam", "output_pin_2"."""
@@ -54,7 +53,7 @@ class PartLoads:
     """Moment about z that is carried elsewhere (crank torque, load) [N m], shape (k,)."""
 
     @property
-    def narrow(self) -> npt.NDArray[np.bool_]:
+    def narrow(self) -> Mask:
         """Whether each patch is Hertz's strip itself, shape (k, m): no conformal one, and no row of rollers."""
         return np.asarray(self.hertz & (self.half_width < 2.0 * self.strip))
 

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj import kinematics
 from cycloid_mj.design import Design
@@ -13,8 +12,7 @@ from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.stress.action import turned
 from cycloid_mj.stress.contacts import Contact, frame, total
 from cycloid_mj.stress.turn import Turn
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 
 @dataclass(frozen=True)

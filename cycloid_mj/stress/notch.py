@@ -11,14 +11,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.design import Design
 from cycloid_mj.solid.output import AXIAL_GAP
 from cycloid_mj.stress.loads import PartLoads
 from cycloid_mj.stress.shaftgrid import Shaft
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 BENDING = (0.62, 5.8, 0.2, 3.0)
 TORSION = (3.4, 19.0, 1.0, 2.0)

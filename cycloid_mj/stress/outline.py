@@ -8,9 +8,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array, Mask
 
 CORNER = 0.15
 """A polygon turns by more than this only at a corner of the part [rad]."""
@@ -75,7 +74,7 @@ def _wanted(points: Array, radius: Array, sizing: Sizing) -> Array:
     return size
 
 
-def _dense(polygon: Array, sizing: Sizing) -> tuple[Array, npt.NDArray[np.bool_], Array]:
+def _dense(polygon: Array, sizing: Sizing) -> tuple[Array, Mask, Array]:
     """Halve the polygon's edges until each is below half the wanted length; tell corners, and radii of curvature."""
     before, after = polygon - np.roll(polygon, 1, axis=0), np.roll(polygon, -1, axis=0) - polygon
     cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]

@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.stress.findings import FIGURES, MEGAPASCAL, RANGES, PartFindings, StressFindings
+from cycloid_mj.types import Array, Mask
 
-Array = npt.NDArray[np.float64]
 Verdict = Literal["agrees", "disagrees"]
 
 ORDER = ("shaft", "ring", "gear")
@@ -209,6 +209,6 @@ def _wrapped(degrees: npt.ArrayLike) -> Array:
     return np.mod(np.asarray(degrees, float) + 180.0, 360.0) - 180.0
 
 
-def _halves(degrees: Array) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
+def _halves(degrees: Array) -> tuple[Mask, Mask]:
     first = np.mod(degrees, 360.0) < 180.0
     return first, ~first

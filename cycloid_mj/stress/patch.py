@@ -16,9 +16,9 @@ from scipy.spatial import cKDTree
 from cycloid_mj.errors import CycloidError
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.loads import PartLoads
+from cycloid_mj.types import Array, Integers, Mask
 
-Array = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.int64]
+Indices = Integers
 
 LEAST_POINTS = 8
 """Points of the narrowest patch."""
@@ -54,7 +54,7 @@ class Patches:
     loads: Any
     angle: Indices
     points: Array
-    resolved: npt.NDArray[np.bool_]
+    resolved: Mask
 
 
 @dataclass(frozen=True)

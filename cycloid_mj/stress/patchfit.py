@@ -7,13 +7,12 @@ points than anywhere else, and a polynomial through those of the elements round 
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from scipy import sparse
 
 from cycloid_mj.stress.grid import Grid
+from cycloid_mj.types import Array, Integers, Mask
 
-Array = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.int64]
+Indices = Integers
 
 RIDGE = 0.03
 """Weight on the quadratic terms, of monomials of size 1: it decides where a patch has few points, as at a surface."""
@@ -47,7 +46,7 @@ def nodal_fit(grid: Grid, points: Array) -> Any:
     return sparse.coo_matrix(entries, shape=(len(grid.points), len(points))).tocsr()
 
 
-def _points_round(grid: Grid, count: int) -> tuple[Indices, npt.NDArray[np.bool_]]:
+def _points_round(grid: Grid, count: int) -> tuple[Indices, Mask]:
     """Give the quadrature points (v, w) of the elements round each vertex, padded, and which are no padding."""
     corners = grid.mesh.t.T
     each = count // len(corners)

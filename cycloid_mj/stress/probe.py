@@ -3,15 +3,14 @@
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from scipy import sparse
 from scipy.spatial import cKDTree
 
 from cycloid_mj.stress.grid import Grid
+from cycloid_mj.types import Array, Integers, Mask
 
-Array = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.int64]
-Flags = npt.NDArray[np.bool_]
+Indices = Integers
+Flags = Mask
 
 NEIGHBOURS = 10
 """Triangles with the nearest middles that are searched."""

@@ -4,15 +4,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from scipy import sparse
 
 from cycloid_mj.design.model import Material
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.packages import package
 from cycloid_mj.stress.patchfit import nodal_fit
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array, Integers
 
 PLANE = ((0, 0), (1, 1), (0, 1))
 SPACE = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
@@ -90,7 +88,7 @@ def principal(stress: Array) -> Array:
     return np.asarray(np.linalg.eigvalsh(tensor)[..., ::-1])
 
 
-def _matrix(slopes: Array, cells: npt.NDArray[np.int64], grid: Grid) -> Any:
+def _matrix(slopes: Array, cells: Integers, grid: Grid) -> Any:
     """Assemble the blocks (m, q, a) of the elements into a sparse matrix (m q, n)."""
     rows = np.arange(slopes.shape[0] * slopes.shape[1]).reshape(slopes.shape[:2])
     i = np.broadcast_to(rows[:, :, np.newaxis], slopes.shape).ravel()

@@ -4,13 +4,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
 from cycloid_mj.solid import circle, output_centres, parts
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 CHORD_ERROR = 1e-9
 """How far the polygons are from the exact outlines [m]: a millionth of a millimetre."""

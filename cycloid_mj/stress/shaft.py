@@ -12,7 +12,6 @@ compliance between them). They hold nothing else, assumed; the crank's torque en
 from collections.abc import Iterator
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.design import Design
 from cycloid_mj.errors import CycloidError
@@ -23,10 +22,10 @@ from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.loads import PartLoads
 from cycloid_mj.stress.shaftgrid import Shaft, shaft_measures
 from cycloid_mj.stress.surface import surface, traction_loads
+from cycloid_mj.types import Array, Integers, Mask
 
-Array = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.int64]
-Flags = npt.NDArray[np.bool_]
+Indices = Integers
+Flags = Mask
 
 HARMONICS = (0, 1, 2, 4, 6, 8)
 """Orders of the pressure around the cam that are kept; what is left out is 0.4 % of the peak."""

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.design import Design
 from cycloid_mj.errors import CycloidError
@@ -12,8 +11,7 @@ from cycloid_mj.solid import shaft_solid
 from cycloid_mj.solid.shaft import bearing_width
 from cycloid_mj.stress.grid import Grid, GridSettings, quadratic
 from cycloid_mj.stress.packages import MILLIMETRES, mesher
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 CORNER_DISTANCE = 0.15
 """Share of the shaft's radius by which the bulk keeps off sharp inner corners, which in truth have fillets."""

@@ -21,8 +21,8 @@ from cycloid_mj.stress.notch import Notch, output_roots, shaft_shoulders
 from cycloid_mj.stress.part import part_grid
 from cycloid_mj.stress.shaftgrid import shaft_measures
 from cycloid_mj.stress.turn import is_of_the_paper
+from cycloid_mj.types import Array
 
-Array = npt.NDArray[np.float64]
 Told = Callable[[str, int, int], None]
 
 FINER = {"pin_1": 3.0}

@@ -9,13 +9,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.packages import package
+from cycloid_mj.types import Array, Integers, Mask
 
-Array = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.int64]
+Indices = Integers
 
 ORDER = 6
 """Polynomials that the quadrature integrates exactly on a flat face."""
@@ -47,7 +46,7 @@ class Surface:
     unknowns: int
 
 
-def surface(grid: Grid, test: Callable[[Array], npt.NDArray[np.bool_]]) -> Surface:
+def surface(grid: Grid, test: Callable[[Array], Mask]) -> Surface:
     """Give the faces on the surface of a grid whose middles (3, f) [m] pass a test."""
     skfem, quadrature = package("skfem"), package("skfem.quadrature")
     mesh = grid.mesh

@@ -10,8 +10,7 @@ from cycloid_mj.analysis.window import in_hold
 from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.errors import LogError, UsageError
 from cycloid_mj.record import Run
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array, Mask
 
 DEGREES = np.radians(np.arange(360.0))
 """Every degree of a crank turn [rad]: the paper's sampling (Hsieh 2014, section 3.3)."""
@@ -109,7 +108,7 @@ def _differences(design: Design, ran: Design) -> list[str]:
     ]
 
 
-def _last_turn(run: Run, hold: npt.NDArray[np.bool_]) -> npt.NDArray[np.intp]:
+def _last_turn(run: Run, hold: Mask) -> npt.NDArray[np.intp]:
     """Give the settled samples of the last crank turn; one more than a turn, so that each angle has a near one."""
     rows = np.flatnonzero(hold & np.isfinite(run["cam_force_x"]))
     crank = run["crank_angle"][rows]

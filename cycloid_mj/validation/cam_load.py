@@ -16,11 +16,10 @@ from cycloid_mj.record import Run
 from cycloid_mj.simulate import simulate
 from cycloid_mj.solid import gear_solid, mass_properties
 from cycloid_mj.solid.gear import tooth_profile
+from cycloid_mj.types import Array
 from cycloid_mj.validation import rig
 from cycloid_mj.validation.rig import FIXED, FREE, reducer_of
 from cycloid_mj.validation.row import Row, deviation, relative
-
-Array = npt.NDArray[np.float64]
 
 IDEAL = [
     *rig.without_friction(),

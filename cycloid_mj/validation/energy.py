@@ -9,16 +9,14 @@ The last row has no friction and a load that comes on with a jolt: there damping
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.design import Design
 from cycloid_mj.record import Run
 from cycloid_mj.simulate import simulate
+from cycloid_mj.types import Array
 from cycloid_mj.validation import rig
 from cycloid_mj.validation.rig import FIXED, RATED_LOAD, reducer_of
 from cycloid_mj.validation.row import Row, relative
-
-Array = npt.NDArray[np.float64]
 
 EVERY_STEP = "settings.log_rate_hz=1e6"
 """The highest log rate: no step of the runs here is shorter than a microsecond."""

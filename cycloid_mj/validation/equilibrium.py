@@ -12,7 +12,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import minimize, root
 
 from cycloid_mj import envelope, kinematics, profile
@@ -21,10 +20,9 @@ from cycloid_mj.deviations import Deviations, deviations
 from cycloid_mj.errors import RunError
 from cycloid_mj.modification import gear_profile, profile_offset, tooth_profile
 from cycloid_mj.profile import CycloidGear, unit
+from cycloid_mj.types import Array, Integers
 from cycloid_mj.validation.gaps import Flanks, Gaps, Pose, pin_gaps, ring_gaps, rotate
 from cycloid_mj.validation.stiffness import tooth_stiffness
-
-Array = npt.NDArray[np.float64]
 
 _SCALE = 1e-6
 """Unit of length of the search [m]: poses depart from the ideal one by micrometres."""
@@ -84,7 +82,7 @@ class Locked:
     stiffness: Mapping[str, float]
     crank: float
     load: Array
-    roots: npt.NDArray[np.int64]
+    roots: Integers
     flanks: Flanks
     made: Deviations
 

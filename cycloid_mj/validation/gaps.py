@@ -9,15 +9,14 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-import numpy.typing as npt
 from scipy.spatial import cKDTree
 
 from cycloid_mj import envelope, profile
 from cycloid_mj.modification import FlankEnds, flank_ends
 from cycloid_mj.profile import CycloidGear, unit
+from cycloid_mj.types import Array, Integers, Mask
 
-Array = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.int64]
+Indices = Integers
 
 _SAMPLES_PER_LOBE = 200
 _SAMPLES_PER_ROOT = 400
@@ -208,7 +207,7 @@ def _samples(gear: CycloidGear) -> tuple[cKDTree, Array]:
     return cKDTree(profile.trochoid(gear, t)), t
 
 
-def _at(gaps: Gaps, rows: npt.NDArray[np.bool_]) -> Gaps:
+def _at(gaps: Gaps, rows: Mask) -> Gaps:
     return Gaps(**{name: values[rows] for name, values in vars(gaps).items()})
 
 

@@ -8,7 +8,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj import profile, statics
 from cycloid_mj.design import Design
@@ -17,11 +16,10 @@ from cycloid_mj.profile import CycloidGear
 from cycloid_mj.record import Run
 from cycloid_mj.simulate import simulate
 from cycloid_mj.solid.gear import tooth_profile
+from cycloid_mj.types import Array
 from cycloid_mj.validation import rig
 from cycloid_mj.validation.rig import FIXED, reducer_of
 from cycloid_mj.validation.row import Row, absolute, relative
-
-Array = npt.NDArray[np.float64]
 
 ROUNDED_MPA = 0.6
 """Printed stresses are whole MPa."""

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.contact.law import contact_law, solver_parameters
 from cycloid_mj.contact.teeth import Teeth
@@ -13,8 +12,7 @@ from cycloid_mj.mjcf import ReducerModel
 from cycloid_mj.mjcf.names import TEETH, output_pin
 from cycloid_mj.record import Run
 from cycloid_mj.simulate import simulate
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 FIXED, FREE, SLEEVED, NONPIN = "fixed pins", "free pins", "sleeved pins", "nonpin"
 KINDS = (FIXED, FREE, NONPIN)

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
+
 Verdict = Literal["pass", "fail", "told"]
 
 

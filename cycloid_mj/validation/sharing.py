@@ -8,7 +8,6 @@ its clearances, its cam and its stiffness by curvature; only friction and gravit
 from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj import envelope, profile, statics
 from cycloid_mj.design import Design
@@ -18,12 +17,11 @@ from cycloid_mj.profile import CycloidGear
 from cycloid_mj.record import Run
 from cycloid_mj.simulate import simulate
 from cycloid_mj.solid.gear import tooth_profile
+from cycloid_mj.types import Array, Integers
 from cycloid_mj.validation import equilibrium, rig
 from cycloid_mj.validation.gaps import Pose, offset_root, trochoid_distance
 from cycloid_mj.validation.rig import NONPIN, RATED_LOAD, reducer_of
 from cycloid_mj.validation.row import Row, deviation
-
-Array = npt.NDArray[np.float64]
 
 IDEAL = [
     *rig.without_friction(),
@@ -145,7 +143,7 @@ def _slow(design: Design, rpm: float) -> Design:
     return rig.changed(design, *changes)
 
 
-def _ideal_contacts(design: Design, crank: float) -> tuple[npt.NDArray[np.int64], Array, Array]:
+def _ideal_contacts(design: Design, crank: float) -> tuple[Integers, Array, Array]:
     """Give the ideal mesh's contacts: the lobe that each is logged with, the ring's normal and the phase B."""
     gear = tooth_profile(design)
     arcs = envelope.arc_contacts(gear, crank)
@@ -156,7 +154,7 @@ def _ideal_contacts(design: Design, crank: float) -> tuple[npt.NDArray[np.int64]
     return lobes, np.concatenate([arcs.normals, roots.normals]), np.concatenate([arcs.B, roots.B])
 
 
-def _owner(gear: CycloidGear, roots: envelope.RingContacts) -> npt.NDArray[np.int64]:
+def _owner(gear: CycloidGear, roots: envelope.RingContacts) -> Integers:
     """Give the lobe of each root contact: the half of a root beyond B = pi belongs to the next, counter-clockwise."""
     return (roots.lobe - np.greater(roots.B, np.pi)) % gear.ring_teeth
 
@@ -180,7 +178,7 @@ def _patch_weights(design: Design, crank: float) -> Array:
     return np.concatenate([arcs, own])
 
 
-def _by_lobe(gear: CycloidGear, lobes: npt.NDArray[np.int64], sizes: Array, normals: Array) -> Array:
+def _by_lobe(gear: CycloidGear, lobes: Integers, sizes: Array, normals: Array) -> Array:
     forces = np.zeros((gear.ring_teeth, 2))
     np.add.at(forces, lobes, sizes[:, np.newaxis] * normals)
     return forces

@@ -1,15 +1,13 @@
 """The stiffness of tooth contacts by their curvature, from `statics` and `profile` alone."""
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj import profile, statics
 from cycloid_mj.contact.working import working_force
 from cycloid_mj.design import Design
 from cycloid_mj.modification import tooth_profile
+from cycloid_mj.types import Array
 from cycloid_mj.validation.gaps import Flanks, Gaps, Pose, flank_distance, offset_root
-
-Array = npt.NDArray[np.float64]
 
 
 def tooth_stiffness(design: Design, flat: float, mesh: Gaps, pose: Pose, flanks: Flanks) -> Array:

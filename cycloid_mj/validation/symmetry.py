@@ -3,18 +3,16 @@
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.design import Design
 from cycloid_mj.mjcf.names import CAM
 from cycloid_mj.record import Run
 from cycloid_mj.solid import gear_solid, mass_properties
+from cycloid_mj.types import Array
 from cycloid_mj.validation import rig
 from cycloid_mj.validation.published import efficiency
 from cycloid_mj.validation.rig import FREE, PERIODS, rated_run
 from cycloid_mj.validation.row import Row, absolute, deviation, relative
-
-Array = npt.NDArray[np.float64]
 
 SPEED, GRAVITY = 1640.0, 9.8
 ARCSEC = 3600.0 * 180.0 / np.pi

@@ -10,7 +10,6 @@ from typing import Any
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj import statics
 from cycloid_mj.contact.collider import Role, installed
@@ -18,8 +17,6 @@ from cycloid_mj.contact.law import ContactLaw, contact_law, curvature_law, solve
 from cycloid_mj.contact.working import at_rated_load, working_force
 from cycloid_mj.design import PRESETS
 from cycloid_mj.validation.row import Row, relative
-
-Array = npt.NDArray[np.float64]
 
 RATED = at_rated_load(PRESETS["pin"])
 MASS = 0.05

@@ -13,9 +13,10 @@ from cycloid_mj.interrupt import unbroken
 from cycloid_mj.whole import write_whole
 
 if TYPE_CHECKING:
-    from cycloid_mj.measure import Measurement, Quantity
+    from cycloid_mj.measure import Measurement
     from cycloid_mj.measure.pool import Done
     from cycloid_mj.record import Run
+    from cycloid_mj.result import Quantity
 
 HEADER = ("quantity", "value", "unit", "num. error", "closed form", "source")
 SECONDS_BETWEEN_LINES = 5.0
