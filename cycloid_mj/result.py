@@ -1,6 +1,8 @@
-"""What every measure, check, comparison and claim is made of: quantities, curves, tables."""
+"""What every measure, check, comparison and claim is made of: quantities, curves, tables, verdicts."""
 
+import math
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import Any
 
 from cycloid_mj.types import Array
@@ -112,3 +114,131 @@ class Table:
     def as_json(self) -> dict[str, Any]:
         """Give the table for a program."""
         return {"title": self.title, "columns": list(self.header), "rows": [list(row) for row in self.rows]}
+
+
+class Verdict(StrEnum):
+    """What becomes of a published claim here; its value is the word for people and programs."""
+
+    AGREES = "agrees"
+    DISAGREES = "disagrees"
+    DEPENDS = "depends"
+    """Something decides it that the source leaves open at the claim's condition."""
+    NOT_DETERMINED = "not determined"
+    """The spread of independent starts exceeds the difference."""
+
+
+@dataclass(frozen=True)
+class Condition:
+    """Under what a figure holds.
+
+    Attributes
+    ----------
+    load
+        Torque against the output's rotation [N m]; 0 is no load.
+    speed
+        Of the crank [rad/s].
+    input_torque
+        On the crank, where the test gives that and the load follows from it [N m].
+    """
+
+    load: float
+    speed: float
+    input_torque: float | None = None
+
+    @property
+    def words(self) -> str:
+        """The load in words, for a row of a table."""
+        if self.input_torque is not None:
+            return f"{self.input_torque:g} N m in"
+        return f"{self.load:g} N m" if self.load else "no load"
+
+    def as_json(self) -> dict[str, float]:
+        """Give load [N m] and speed [rpm] for a program."""
+        torque = {} if self.input_torque is None else {"input_torque_nm": self.input_torque}
+        return {"load_nm": self.load, "speed_rpm": round(self.speed * 30.0 / math.pi, 9)} | torque
+
+
+@dataclass(frozen=True)
+class Value:
+    """A value as it is written, and as a number.
+
+    Attributes
+    ----------
+    text
+        As it is written for people.
+    value, unit
+        The number; None where there is none, as for a pattern.
+    spread
+        Lowest and highest of several starts, in the same unit.
+    """
+
+    text: str
+    value: float | None = None
+    unit: str = ""
+    spread: tuple[float, float] | None = None
+
+    def as_json(self) -> dict[str, Any]:
+        """Give the value for a program."""
+        spread = None if self.spread is None else list(self.spread)
+        return {"value": self.value, "unit": self.unit, "spread": spread, "text": self.text}
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One published claim, judged.
+
+    Attributes
+    ----------
+    key
+        Its name for programs.
+    figure, part, design
+        Figure or section of the source, the part and the design that it speaks of; "both" where it compares them.
+    condition
+        Under what the source states it, and it is judged.
+    claim, kind
+        What is claimed, in our words, and whether that is a ``value``, a ``height``, an ``order`` or a ``pattern``.
+    stated, found
+        The value that the source gives, and ours under the same condition.
+    error
+        Numerical error of ours; its text is where the error comes from, as in "half the step".
+    verdict, decided_by
+        Whether they agree, and what decides it.
+    rated
+        Ours at the rated load, beside it and never judged; None where the rated load is the condition.
+    """
+
+    key: str
+    figure: str
+    part: str
+    design: str
+    condition: Condition
+    claim: str
+    kind: str
+    stated: Value
+    found: Value
+    error: Value
+    verdict: Verdict
+    decided_by: str
+    rated: Value | None = None
+
+    def as_json(self) -> dict[str, Any]:
+        """Give the claim for a program."""
+        return {
+            "key": self.key,
+            "figure": self.figure,
+            "part": self.part,
+            "design": self.design,
+            "condition": self.condition.as_json(),
+            "paper": {
+                "claim": self.claim,
+                "kind": self.kind,
+                "value": self.stated.value,
+                "unit": self.stated.unit,
+                "text": self.stated.text,
+            },
+            "ours": self.found.as_json(),
+            "numerical_error": {"value": self.error.value, "unit": self.error.unit, "source": self.error.text},
+            "verdict": self.verdict,
+            "decided_by": self.decided_by,
+            "at_rated_load": None if self.rated is None else self.rated.as_json(),
+        }
