@@ -1,3 +1,83 @@
-"""Simulate cycloidal speed reducers in MuJoCo: geometry, contact dynamics, logs and comparison with closed forms."""
+"""Simulate cycloidal speed reducers in MuJoCo: geometry, contact dynamics, logs and comparison with closed forms.
+
+>>> import cycloid_mj as cm
+>>> design = cm.load("pin", ["drive.ramp_s=0", "drive.hold_s=0.05", "load.torque_nm=36"])
+>>> run = cm.simulate(design)
+>>> found = cm.analyze(run)
+
+A name is imported when it is first used: `import cycloid_mj` alone takes no time.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from cycloid_mj import measure, stress
+    from cycloid_mj.analysis import Findings, analyze
+    from cycloid_mj.checks import Check, check
+    from cycloid_mj.design import PRESETS, Design
+    from cycloid_mj.design import resolve as load
+    from cycloid_mj.log import read as read_log
+    from cycloid_mj.mjcf import build
+    from cycloid_mj.record import Run
+    from cycloid_mj.result import Curve, Quantity, Table
+    from cycloid_mj.run import simulate
+
+__all__ = [
+    "PRESETS",
+    "Check",
+    "Curve",
+    "Design",
+    "Findings",
+    "Quantity",
+    "Run",
+    "Table",
+    "analyze",
+    "build",
+    "check",
+    "load",
+    "measure",
+    "read_log",
+    "simulate",
+    "stress",
+]
 
 __version__ = "0.1.0"
+
+_ORIGINS = {
+    "PRESETS": "design",
+    "Check": "checks",
+    "Curve": "result",
+    "Design": "design",
+    "Findings": "analysis",
+    "Quantity": "result",
+    "Run": "record",
+    "Table": "result",
+    "analyze": "analysis",
+    "build": "mjcf",
+    "check": "checks",
+    "load": "design.resolve",
+    "measure": "",
+    "read_log": "log.read",
+    "simulate": "run",
+    "stress": "",
+}
+"""Where each public name lives: a room, and the name there if it is another; a room itself has no origin."""
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name when it is first used."""
+    if name not in _ORIGINS:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}; it has {', '.join(__all__)}")
+    origin = _ORIGINS[name]
+    if not origin:
+        return import_module(f"{__name__}.{name}")
+    room, _, there = origin.partition(".")
+    value = getattr(import_module(f"{__name__}.{room}"), there or name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    """List the public names, for completion."""
+    return sorted([*globals(), *__all__])

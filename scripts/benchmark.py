@@ -30,7 +30,7 @@ import numpy as np
 from against import TRIALS, compare, laid_out
 from passes import KINDS, Case, bare_cost, command_cost, example, logged_cost, loop_cost, own_cost
 
-from cycloid_mj.simulate import reducer_model
+from cycloid_mj.run import reducer_model
 
 Row = dict[str, list[float]]
 Table = dict[str, Row]

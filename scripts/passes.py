@@ -26,8 +26,8 @@ from cycloid_mj.course import initial_state, ramp_and_hold
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.log import LogWriter
 from cycloid_mj.mjcf import ReducerModel, build
+from cycloid_mj.run import attachments, blocks, columns, contact_of, provenance, schedule
 from cycloid_mj.scene import Scene
-from cycloid_mj.simulate import attachments, blocks, columns, contact_of, provenance, schedule
 
 Case = tuple[Design, ReducerModel]
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.plots import mechanism
-from cycloid_mj.simulate import simulate
+from cycloid_mj.run import simulate
 
 DESIGN = ["drive.ramp_s=0.0", "drive.hold_s=0.02", "load.torque_nm=36.0"]
 

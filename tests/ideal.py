@@ -4,7 +4,7 @@ import numpy as np
 
 from cycloid_mj.design import Design, dump
 from cycloid_mj.record import Run
-from cycloid_mj.simulate import schedule
+from cycloid_mj.run import schedule
 
 LOBES, ECCENTRICITY = 35, 1e-3
 SPIN = 7.0

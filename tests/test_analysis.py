@@ -13,7 +13,7 @@ from cycloid_mj.analysis import analyze, series, table, window
 from cycloid_mj.design import PRESETS, Design, dump, override
 from cycloid_mj.errors import DesignError, LogError, UsageError
 from cycloid_mj.record import Run
-from cycloid_mj.simulate import simulate
+from cycloid_mj.run import simulate
 
 ARCSEC = math.pi / 180 / 3600
 DT = 1e-4

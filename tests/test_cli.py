@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import cycloid_mj.simulate
+import cycloid_mj.run
 from cycloid_mj import __version__, envelope, profile
 from cycloid_mj.cli import flags, main, outfile, terminal
 from cycloid_mj.cli.progress import Progress
@@ -228,14 +228,14 @@ def two_samples(monkeypatch):
     ends = []
 
     def blocks(reducer, design):
-        groups = cycloid_mj.simulate.columns(reducer, design)
+        groups = cycloid_mj.run.columns(reducer, design)
         for first in (0, 2):
             time = 1e-4 * np.arange(first, first + 2)
-            yield cycloid_mj.simulate.Block(time, {topic: np.zeros((2, len(group))) for topic, group in groups.items()})
+            yield cycloid_mj.run.Block(time, {topic: np.zeros((2, len(group))) for topic, group in groups.items()})
             if first and ends:
                 raise ends[0]
 
-    monkeypatch.setattr(cycloid_mj.simulate, "blocks", blocks)
+    monkeypatch.setattr(cycloid_mj.run, "blocks", blocks)
     return ends
 
 
@@ -312,7 +312,7 @@ def test_ctrl_c_before_the_run_is_told(here, monkeypatch):
     def interrupted(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("cycloid_mj.simulate.build", interrupted)
+    monkeypatch.setattr("cycloid_mj.run.build", interrupted)
     assert rejected("simulate", "--design", "pin", *SHORT) == (1, "error: stopped by Ctrl-C")
 
 

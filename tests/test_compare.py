@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import cycloid_mj.simulate
+import cycloid_mj.run
 from cycloid_mj.cli import main
 from cycloid_mj.cli.compare import RUNS, TURNS
 from cycloid_mj.comparison import STARTS, SWEEP, settled, settling
@@ -84,14 +84,14 @@ def instant(monkeypatch):
     def blocks(reducer, design):
         ran.append(design)
         random = np.random.default_rng(len(ran))
-        groups = cycloid_mj.simulate.columns(reducer, design)
+        groups = cycloid_mj.run.columns(reducer, design)
         time = np.arange(round(design.drive.hold * design.settings.log_rate)) / design.settings.log_rate
         values = {topic: np.zeros((len(time), len(group))) for topic, group in groups.items()}
         values["/reducer"] = random.normal(size=values["/reducer"].shape)
         values["/reducer"][:, list(groups["/reducer"]).index("crank_angle")] = design.drive.speed * time
-        yield cycloid_mj.simulate.Block(time, values)
+        yield cycloid_mj.run.Block(time, values)
 
-    monkeypatch.setattr(cycloid_mj.simulate, "blocks", blocks)
+    monkeypatch.setattr(cycloid_mj.run, "blocks", blocks)
     return ran
 
 
@@ -287,16 +287,16 @@ def test_a_run_that_fails_stops_the_others_and_is_told(here, monkeypatch):
     failed = threading.Event()
 
     def blocks(reducer, design):
-        groups = cycloid_mj.simulate.columns(reducer, design)
+        groups = cycloid_mj.run.columns(reducer, design)
         for first in range(0, 2000, 2):
             time = 1e-4 * np.arange(first, first + 2)
-            yield cycloid_mj.simulate.Block(time, {topic: np.zeros((2, len(group))) for topic, group in groups.items()})
+            yield cycloid_mj.run.Block(time, {topic: np.zeros((2, len(group))) for topic, group in groups.items()})
             if design.name == "nonpin":
                 failed.set()
                 raise RunError("the gear jumped a tooth")
             assert failed.wait(30)
 
-    monkeypatch.setattr(cycloid_mj.simulate, "blocks", blocks)
+    monkeypatch.setattr(cycloid_mj.run, "blocks", blocks)
     code, message = rejected("compare", "pin", "nonpin", "--load-nm", "0", "--out", "mine", "--jobs", "3", "--quick")
     assert code == 1
     assert "jumped a tooth" in message

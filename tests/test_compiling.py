@@ -14,7 +14,7 @@ import cycloid_mj
 from cycloid_mj.compiling import announced
 from cycloid_mj.contact.collider import CYLINDER, TYPES, collision_table, installed
 from cycloid_mj.design import PRESETS, override
-from cycloid_mj.simulate import simulate
+from cycloid_mj.run import simulate
 
 RUN = ("simulate", "--design", "pin", "--ramp-s", "0", "--hold-s", "0.001", "--timestep-us", "5", "--json")
 

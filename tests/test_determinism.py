@@ -18,7 +18,7 @@ from cycloid_mj.solid.polygon import area_moments
 RUN = """
 import hashlib, sys
 from cycloid_mj.design import PRESETS, override
-from cycloid_mj.simulate import simulate
+from cycloid_mj.run import simulate
 found = hashlib.sha256()
 for preset in ("pin", "nonpin"):
     changes = ["drive.ramp_s=0", "drive.hold_s=0.002", "load.torque_nm=10", "load.rise_s=0.0005"]

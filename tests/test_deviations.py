@@ -16,7 +16,7 @@ from cycloid_mj.mechanism import limits
 from cycloid_mj.mjcf import build
 from cycloid_mj.modification import flank_ends, gear_profile, profile_offset, sample_turned
 from cycloid_mj.profile import CycloidGear, unit
-from cycloid_mj.simulate import simulate
+from cycloid_mj.run import simulate
 from cycloid_mj.solid.gear import gear_outline
 from cycloid_mj.validation import backlash, equilibrium, rig
 from cycloid_mj.validation.gaps import Flanks, Pose, pin_gaps, rotate

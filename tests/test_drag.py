@@ -73,7 +73,7 @@ def test_drag_holds_at_half_the_step(timestep_us, dragged):
 def test_seals_hold_a_shaft_at_rest():
     # less torque than the seals': the output stays, but for the creep of the constraint
     resting = override(LOADED, ["drive.speed_rpm=0.0", "load.torque_nm=0.5", "drag.output_nm=1.0", "drive.hold_s=0.02"])
-    from cycloid_mj.simulate import simulate
+    from cycloid_mj.run import simulate
 
     speeds = [
         np.max(np.abs(shorter(simulate(design))["output_speed"]))

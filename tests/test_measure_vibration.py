@@ -13,7 +13,7 @@ from cycloid_mj.measure import Measurement
 from cycloid_mj.measure.conditions import LOG_RATE
 from cycloid_mj.measure.reaction import masses, reaction, unbalance, weight, without_counterweight
 from cycloid_mj.measure.vibration import measure_vibration
-from cycloid_mj.simulate import simulate
+from cycloid_mj.run import simulate
 from cycloid_mj.solid import shaft_solid
 from cycloid_mj.solid.gear import profile_offset, tooth_profile
 

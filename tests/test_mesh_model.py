@@ -36,8 +36,8 @@ from cycloid_mj.mjcf.keyframe import joint_state
 from cycloid_mj.mjcf.mesh import build_mesh
 from cycloid_mj.modification import gear_profile, profile_offset
 from cycloid_mj.record import Run
+from cycloid_mj.run import Contact, reducer_model, simulate
 from cycloid_mj.scene.replay import replay_model
-from cycloid_mj.simulate import Contact, reducer_model, simulate
 from cycloid_mj.solid import mass_properties, parts
 
 ROOT = Path(__file__).parent.parent
@@ -464,7 +464,7 @@ def test_a_mesh_run_installs_no_collider(monkeypatch: pytest.MonkeyPatch) -> Non
     def refuse(*_: object) -> None:
         raise AssertionError("a collider was installed")
 
-    monkeypatch.setattr("cycloid_mj.simulate.installed", refuse)
+    monkeypatch.setattr("cycloid_mj.run.installed", refuse)
     run = mesh_run("nonpin")
     assert run["contacts"].max() > 0
     with pytest.raises(AssertionError, match="a collider was installed"):

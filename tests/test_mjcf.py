@@ -9,7 +9,7 @@ from cycloid_mj.contact.library import exact_xml
 from cycloid_mj.course import initial_state
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.mjcf import build, sensors, xml
-from cycloid_mj.simulate import columns
+from cycloid_mj.run import columns
 from cycloid_mj.solid import mass_properties, parts
 
 

@@ -12,7 +12,7 @@ from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.profile import CycloidGear
 from cycloid_mj.record import Run
-from cycloid_mj.simulate import simulate
+from cycloid_mj.run import simulate
 
 DATA = Path(__file__).parent / "data"
 PAPER = CycloidGear(36, 1e-3, 40.75e-3, 2.25e-3)

@@ -16,7 +16,7 @@ from cycloid_mj.course import initial_state, ramp_and_hold
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.log import LogWriter, read
 from cycloid_mj.mjcf import build
-from cycloid_mj.simulate import Contact, reducer_model, schedule, simulate, topics
+from cycloid_mj.run import Contact, reducer_model, schedule, simulate, topics
 
 STEPS, STRIDE = 300, 15
 

@@ -13,7 +13,7 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import RunError
 from cycloid_mj.mjcf import build
 from cycloid_mj.modification import tooth_profile
-from cycloid_mj.simulate import simulate
+from cycloid_mj.run import simulate
 from cycloid_mj.solid.gear import gear_outline
 from cycloid_mj.solid.polygon import area_moments
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from designs import UNLIKE, unlike
 
-from cycloid_mj import simulate as run
+from cycloid_mj import run
 from cycloid_mj.contact.collider import installed
 from cycloid_mj.contact.forces import pair_forces, pair_index
 from cycloid_mj.course import initial_state

@@ -26,7 +26,7 @@ from cycloid_mj.contact.regime import (
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.log import read
 from cycloid_mj.mjcf import ReducerModel, build
-from cycloid_mj.simulate import simulate
+from cycloid_mj.run import simulate
 
 FIXED, SLEEVED = "ring.pins=fixed", "ring.pins=sleeved"
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import cycloid_mj.simulate
+import cycloid_mj.run
 from cycloid_mj.cli import main
 from cycloid_mj.cli.compare import RUNS
 from cycloid_mj.cli.simulate import logs_folder
@@ -137,18 +137,18 @@ def at_the_end(monkeypatch):
     calls = []
 
     def blocks(reducer, design):
-        groups = cycloid_mj.simulate.columns(reducer, design)
+        groups = cycloid_mj.run.columns(reducer, design)
         for first in (0, 2):
             time = 1e-4 * np.arange(first, first + 2)
             speed = np.full(2, design.drive.speed)
             values = {topic: np.zeros((2, len(group))) for topic, group in groups.items()}
             values["/reducer"][:, list(groups["/reducer"]).index("crank_speed")] = speed
             values["/reducer"][:, list(groups["/reducer"]).index("crank_angle")] = time * speed
-            yield cycloid_mj.simulate.Block(time, values)
+            yield cycloid_mj.run.Block(time, values)
             if not first and calls:
                 calls.pop()()
 
-    monkeypatch.setattr(cycloid_mj.simulate, "blocks", blocks)
+    monkeypatch.setattr(cycloid_mj.run, "blocks", blocks)
     return calls
 
 
@@ -203,7 +203,7 @@ def test_second_forced_run_meanwhile_ends_with_one_error(here, at_the_end):
 
 def test_run_that_takes_the_usual_name_meanwhile_gets_the_next(here, at_the_end, monkeypatch):
     second = []
-    built = cycloid_mj.simulate.reducer_model
+    built = cycloid_mj.run.reducer_model
 
     def slowly(*args):
         # the name was free when this run began, and is taken by another one while the model is made
@@ -212,7 +212,7 @@ def test_run_that_takes_the_usual_name_meanwhile_gets_the_next(here, at_the_end,
             second.append(simulated("--speed-rpm", "200"))
         return built(*args)
 
-    monkeypatch.setattr(cycloid_mj.simulate, "reducer_model", slowly)
+    monkeypatch.setattr(cycloid_mj.run, "reducer_model", slowly)
     first = simulated("--speed-rpm", "100")
     assert (second[1]["log"], first["log"]) == ("runs/pin.mcap", "runs/pin-2.mcap")
     for found, rpm in ((second[1], 200), (first, 100)):

@@ -27,7 +27,7 @@ from cycloid_mj.reproduce.plan import FULL, QUICK, at_speed, idle_runs, main_run
 from cycloid_mj.reproduce.plan import varied_idle_runs as varied_idle
 from cycloid_mj.reproduce.plan import varied_rated_runs as varied_rated
 from cycloid_mj.reproduce.stage import Found, nobody
-from cycloid_mj.simulate import schedule
+from cycloid_mj.run import schedule
 
 ROOT = Path(__file__).parent.parent
 # --- the two designs under one rule

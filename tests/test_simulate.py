@@ -12,7 +12,7 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import RunError
 from cycloid_mj.kinematics import CrankLaw
 from cycloid_mj.mjcf import build
-from cycloid_mj.simulate import blocks, schedule, simulate
+from cycloid_mj.run import blocks, schedule, simulate
 from cycloid_mj.validation import rig
 
 QUICK = ["drive.ramp_s=0.0", "drive.hold_s=0.006"]

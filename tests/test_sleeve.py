@@ -22,8 +22,8 @@ from cycloid_mj.mjcf.names import pairs, sensors
 from cycloid_mj.plots.pin import pin_figure
 from cycloid_mj.record import Run
 from cycloid_mj.report.tables import _clearances
+from cycloid_mj.run import simulate
 from cycloid_mj.scene import contact_forces
-from cycloid_mj.simulate import simulate
 from cycloid_mj.solid import mass_properties, parts, sleeve_core_radius
 from cycloid_mj.validation import rig
 from cycloid_mj.validation.equilibrium import solve

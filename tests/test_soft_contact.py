@@ -14,7 +14,7 @@ from cycloid_mj.reproduce import hypothesis, said
 from cycloid_mj.reproduce.idle_stress import heaviest, idle_stress, joined
 from cycloid_mj.reproduce.plan import FULL, QUICK, at_speed
 from cycloid_mj.reproduce.soft_contact import GENERIC, STEEL, Forces, SoftContact, _facets, in_millimetres, soft_idle
-from cycloid_mj.simulate import simulate
+from cycloid_mj.run import simulate
 from cycloid_mj.solid import mass_properties, parts
 from cycloid_mj.stress.loads import PartLoads
 from cycloid_mj.stress.study import StudySettings

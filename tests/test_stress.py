@@ -18,7 +18,7 @@ from cycloid_mj.envelope import arc_contacts
 from cycloid_mj.errors import LogError, UsageError
 from cycloid_mj.log import LogWriter
 from cycloid_mj.profile import conjugate_point, curvature, pin_angles, unit
-from cycloid_mj.simulate import simulate, topics
+from cycloid_mj.run import simulate, topics
 from cycloid_mj.solid import mass_properties, output_centres, parts
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.statics import contact_modulus, hertz_line_contact, ideal_load_sharing

@@ -22,7 +22,7 @@ from cycloid_mj.log import read
 from cycloid_mj.mjcf import build
 from cycloid_mj.record import Run
 from cycloid_mj.report import report
-from cycloid_mj.simulate import simulate
+from cycloid_mj.run import simulate
 
 UNUSED = "friction.cam=0.01"
 NO_EFFECT = "friction.cam = 0.01 has no effect"

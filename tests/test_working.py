@@ -20,7 +20,7 @@ from cycloid_mj.design import PRESETS, override
 from cycloid_mj.errors import ContactError
 from cycloid_mj.mjcf import build
 from cycloid_mj.modification import tooth_profile
-from cycloid_mj.simulate import provenance
+from cycloid_mj.run import provenance
 from cycloid_mj.solid import gear_solid, mass_properties
 
 PIN, NONPIN = PRESETS["pin"], PRESETS["nonpin"]

@@ -121,7 +121,7 @@ class _Logs:
         from cycloid_mj.cli.batch import run_all
         from cycloid_mj.log import read
         from cycloid_mj.reproduce.fit import log_name
-        from cycloid_mj.simulate import provenance
+        from cycloid_mj.run import provenance
 
         paths = {
             design: self._into / log_name(design, provenance(design)) for design in designs if design not in self._known
@@ -143,7 +143,7 @@ class _Logs:
     def _fits(self, design: Design, path: Path) -> bool:
         from cycloid_mj.log import read
         from cycloid_mj.reproduce.fit import fits
-        from cycloid_mj.simulate import provenance
+        from cycloid_mj.run import provenance
 
         try:
             return path.exists() and fits(read(path), design, provenance(design))

@@ -21,7 +21,7 @@ from cycloid_mj.interrupt import cause, unbroken
 if TYPE_CHECKING:
     from cycloid_mj.analysis import Findings
     from cycloid_mj.log import LogWriter
-    from cycloid_mj.simulate import Block, Contact, Schedule
+    from cycloid_mj.run import Block, Contact, Schedule
 
 EXAMPLES = """Examples:
   cycloid-mj simulate --design pin
@@ -193,8 +193,7 @@ def run_into_log(
     """Run a design into the first log of `names` that no other run has taken meanwhile."""
     progress.tell("preparing the model")
     from cycloid_mj.log import LogWriter
-    from cycloid_mj.scene import Scene
-    from cycloid_mj.simulate import (
+    from cycloid_mj.run import (
         attachments,
         blocks,
         columns,
@@ -204,6 +203,7 @@ def run_into_log(
         warned,
         warnings,
     )
+    from cycloid_mj.scene import Scene
 
     plan = schedule(design)
     _require_held_samples(design, plan)

@@ -23,7 +23,7 @@ LONGEST_LIST = 10_000
 """More parts than any kind of part may have."""
 
 
-def resolve(name_or_file: str, changes: Sequence[str] = ()) -> Design:
+def resolve(name_or_file: str | Path, changes: Sequence[str] | Mapping[str, Any] = ()) -> Design:
     """Give the design of a preset's name or a TOML file, with ``table.key=value`` changes applied.
 
     Raises
@@ -33,10 +33,8 @@ def resolve(name_or_file: str, changes: Sequence[str] = ()) -> Design:
     DesignError
         The file cannot be read or is not a valid design.
     """
-    design = PRESETS.get(name_or_file)
-    if design is None:
-        design = load(Path(name_or_file))
-    return override(design, changes)
+    design = PRESETS.get(str(name_or_file))
+    return override(design or load(Path(name_or_file)), changes)
 
 
 def load(path: Path) -> Design:

@@ -11,7 +11,7 @@ from cycloid_mj.design import Design, override
 from cycloid_mj.measure.conditions import rated_torque
 from cycloid_mj.mjcf import build
 from cycloid_mj.record import Run
-from cycloid_mj.simulate import simulate
+from cycloid_mj.run import simulate
 
 GROWTH, GROWS_FOR = 0.025, 0.04
 """The torque from rest grows to this share of the rated output torque, over this time [s]."""

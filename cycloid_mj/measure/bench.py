@@ -23,7 +23,7 @@ from cycloid_mj.errors import ContactError, RunError
 from cycloid_mj.measure.conditions import has_default_step
 from cycloid_mj.mjcf import ReducerModel, build
 from cycloid_mj.record import Run
-from cycloid_mj.simulate import simulate
+from cycloid_mj.run import simulate
 from cycloid_mj.solid import mass_properties, parts
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.types import Array

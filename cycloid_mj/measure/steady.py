@@ -13,7 +13,7 @@ from cycloid_mj.errors import warn
 from cycloid_mj.measure.conditions import LOG_RATE, require_motion, stepped
 from cycloid_mj.mjcf import ReducerModel
 from cycloid_mj.record import Run
-from cycloid_mj.simulate import simulate
+from cycloid_mj.run import simulate
 
 SETTLED = 0.01
 """Time [s] after which a run under a held crank counts: the load's rise, and the time that it takes to ring out."""

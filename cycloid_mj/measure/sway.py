@@ -19,7 +19,7 @@ from cycloid_mj.measure.trace import RISE, SETTLING, pressed
 from cycloid_mj.mjcf import ReducerModel
 from cycloid_mj.mjcf.names import GEAR, SHAFT
 from cycloid_mj.record import Run
-from cycloid_mj.simulate import simulate
+from cycloid_mj.run import simulate
 from cycloid_mj.types import Array
 
 FASTER = 10

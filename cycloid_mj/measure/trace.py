@@ -10,7 +10,7 @@ from cycloid_mj.kinematics import CrankLaw
 from cycloid_mj.measure.conditions import at_speed, rated_torque, turn_period
 from cycloid_mj.mjcf import ReducerModel
 from cycloid_mj.record import Run
-from cycloid_mj.simulate import simulate
+from cycloid_mj.run import simulate
 from cycloid_mj.types import Array
 
 ARCSEC = np.degrees(1.0) * 3600.0

@@ -13,7 +13,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.mjcf import build
 from cycloid_mj.mjcf.names import CAM
 from cycloid_mj.record import Run
-from cycloid_mj.simulate import simulate
+from cycloid_mj.run import simulate
 from cycloid_mj.solid import gear_solid, mass_properties
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.types import Array

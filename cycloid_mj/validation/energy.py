@@ -12,7 +12,7 @@ import numpy as np
 
 from cycloid_mj.design import Design
 from cycloid_mj.record import Run
-from cycloid_mj.simulate import simulate
+from cycloid_mj.run import simulate
 from cycloid_mj.types import Array
 from cycloid_mj.validation import rig
 from cycloid_mj.validation.rig import FIXED, RATED_LOAD, reducer_of

@@ -14,7 +14,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.mjcf import build
 from cycloid_mj.profile import CycloidGear
 from cycloid_mj.record import Run
-from cycloid_mj.simulate import simulate
+from cycloid_mj.run import simulate
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.types import Array
 from cycloid_mj.validation import rig

@@ -11,7 +11,7 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.mjcf import ReducerModel
 from cycloid_mj.mjcf.names import TEETH, output_pin
 from cycloid_mj.record import Run
-from cycloid_mj.simulate import simulate
+from cycloid_mj.run import simulate
 from cycloid_mj.types import Array
 
 FIXED, FREE, SLEEVED, NONPIN = "fixed pins", "free pins", "sleeved pins", "nonpin"

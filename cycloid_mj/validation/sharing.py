@@ -15,7 +15,7 @@ from cycloid_mj.mjcf import build
 from cycloid_mj.mjcf.names import CAM
 from cycloid_mj.profile import CycloidGear
 from cycloid_mj.record import Run
-from cycloid_mj.simulate import simulate
+from cycloid_mj.run import simulate
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.types import Array, Integers
 from cycloid_mj.validation import equilibrium, rig

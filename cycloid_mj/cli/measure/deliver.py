@@ -67,7 +67,7 @@ def print_table(found: "Measurement") -> None:
 def write_log(run: "Run", path: Path) -> Path:
     """Write a run to a log of its own, replacing one of that name."""
     from cycloid_mj.log import LogWriter
-    from cycloid_mj.simulate import topics
+    from cycloid_mj.run import topics
 
     groups = topics(run)
     units = {topic: [(name, run.units[name]) for name in names] for topic, names in groups.items()}
