@@ -12,7 +12,7 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.loaded.springs import turn_evenly
 from cycloid_mj.measure import play
 from cycloid_mj.measure.conditions import rated_torque
-from cycloid_mj.measure.loads import measure_loads
+from cycloid_mj.measure.loads import loads
 from cycloid_mj.mechanism.gaps import gaps
 from cycloid_mj.validation import equilibrium, rig
 
@@ -54,7 +54,7 @@ def test_peak_forces_of_other_designs_are_those_of_the_simulation(name):
     design = unlike(name)
     # of the printed one, whose clearances are wide and whose gears swing in them, the cam is 7 % off
     bound = 0.1 if name == "printed" else 0.05
-    measured = measure_loads(design, quick=True)
+    measured = loads(design, quick=True)
     springs = loaded.springs_of(design, measured.runs["loaded"]["crank_angle"][::20])
     found = loaded.loads(design, springs, rated_torque(design))
     for kind in design.pair_kinds:

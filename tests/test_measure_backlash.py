@@ -9,6 +9,7 @@ from cycloid_mj.cli.app import main
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import RunError, UsageError
 from cycloid_mj.measure import backlash, bench, play
+from cycloid_mj.measure.backlash import PATIENCE, alone, press
 from cycloid_mj.mechanism import limits
 
 DESIGNS = {
@@ -29,7 +30,7 @@ def width(design: Design, crank: float = CRANK) -> float:
 @pytest.mark.parametrize(("name", "kind"), CASES)
 @pytest.mark.parametrize("crank", [0.0, 0.43, CRANK, 4.0])
 def test_linear_programme_gives_each_closed_form_alone(name: str, kind: str, crank: float):
-    design = backlash.alone(DESIGNS[name], kind)
+    design = alone(DESIGNS[name], kind)
     design = design.model_copy(update={"clearance": _others(design, kind, 1e-12)})
     # the others' 1e-6 um, and the cam's polygon
     assert width(design, crank) == pytest.approx(play.parts_alone(design, crank)[kind], rel=5e-5)
@@ -77,8 +78,8 @@ def test_holes_moved_all_alike_change_the_gaps_of_the_output_pins_along_the_ecce
 
 @pytest.mark.parametrize(("name", "kind"), [case for case in CASES if case[0] in ("free", "nonpin")])
 def test_simulated_backlash_of_one_clearance_is_its_closed_form(name: str, kind: str):
-    design = backlash.alone(DESIGNS[name], kind)
-    found, closed = backlash.press(design, CRANK).backlash, play.parts_alone(design, CRANK)[kind]
+    design = alone(DESIGNS[name], kind)
+    found, closed = press(design, CRANK).backlash, play.parts_alone(design, CRANK)[kind]
     # 0.4 % for pins, which the small torques press into their sockets; 0.06 % for cam and output pins
     within = 0.012 if kind.startswith(("pin", "tooth")) else 0.002
     assert found == pytest.approx(closed, rel=within)
@@ -91,7 +92,7 @@ def test_simulated_backlash_of_one_clearance_is_its_closed_form(name: str, kind:
 def test_simulated_backlash_of_all_clearances_is_the_linear_programme(name: str):
     design = bench.ideal(DESIGNS[name])
     # 0.1 to 0.3 % is the press of the small torques that the line to zero does not take off
-    found = backlash.press(design, CRANK, longer=backlash.PATIENCE)
+    found = press(design, CRANK, longer=PATIENCE)
     assert found.backlash == pytest.approx(width(design), rel=0.006)
 
 
@@ -100,7 +101,7 @@ def test_simulated_backlash_of_all_clearances_is_the_linear_programme(name: str)
 def test_a_cam_that_is_too_eccentric_takes_play_and_one_that_is_too_little_gives_it(eccentricity: float, crank: float):
     """The simulation moves the cam itself; the wrong sign would be 25 % off."""
     design = override(DESIGNS["fixed"], [f"errors.eccentricity_um={eccentricity}"])
-    found = backlash.press(bench.ideal(design), crank, longer=backlash.PATIENCE)
+    found = press(bench.ideal(design), crank, longer=PATIENCE)
     assert (found.low, found.high) == pytest.approx(play.stops(design, crank), rel=0.005)
     assert (width(design, crank) < width(DESIGNS["fixed"], crank)) == (eccentricity > 0.0)
 
@@ -139,4 +140,4 @@ def test_command_gives_table_figure_and_logs(tmp_path, capsys):
 
 def test_no_angle_is_a_usage_error():
     with pytest.raises(UsageError, match="0 crank angles"):
-        backlash.measure_backlash(PRESETS["pin"], 0)
+        backlash(PRESETS["pin"], 0)

@@ -13,24 +13,24 @@ from designs import UNLIKE, unlike
 from cycloid_mj.cli.terminal import finite
 from cycloid_mj.design import Design
 from cycloid_mj.measure import Measurement
-from cycloid_mj.measure.backlash import measure_backlash
-from cycloid_mj.measure.efficiency import measure_efficiency
-from cycloid_mj.measure.loads import measure_loads
-from cycloid_mj.measure.lost_motion import measure_lost_motion
-from cycloid_mj.measure.te import measure_te
-from cycloid_mj.measure.torque import measure_torque
-from cycloid_mj.measure.vibration import measure_vibration
+from cycloid_mj.measure.backlash import backlash
+from cycloid_mj.measure.efficiency import efficiency
+from cycloid_mj.measure.loads import loads
+from cycloid_mj.measure.lost_motion import lost_motion
+from cycloid_mj.measure.te import te
+from cycloid_mj.measure.torque import torque
+from cycloid_mj.measure.vibration import vibration
 from cycloid_mj.plots.measure import measurement_figure
 
 Measure = Callable[[Design], Measurement]
 MEASURES: dict[str, Measure] = {
-    "te": lambda design: measure_te(design, quick=True),
-    "backlash": lambda design: measure_backlash(design, angles=1),
-    "lost-motion": lambda design: measure_lost_motion(design, angles=1),
-    "torque": lambda design: measure_torque(design, quick=True),
-    "efficiency": lambda design: measure_efficiency(design, quick=True),
-    "loads": lambda design: measure_loads(design, quick=True),
-    "vibration": lambda design: measure_vibration(design, quick=True),
+    "te": lambda design: te(design, quick=True),
+    "backlash": lambda design: backlash(design, angles=1),
+    "lost-motion": lambda design: lost_motion(design, angles=1),
+    "torque": lambda design: torque(design, quick=True),
+    "efficiency": lambda design: efficiency(design, quick=True),
+    "loads": lambda design: loads(design, quick=True),
+    "vibration": lambda design: vibration(design, quick=True),
 }
 CHEAP = {
     ("te", "light"),

@@ -12,7 +12,7 @@ from cycloid_mj.errors import UsageError
 from cycloid_mj.measure import balance, bench, hysteresis
 from cycloid_mj.measure.conditions import rated_torque
 from cycloid_mj.measure.hysteresis import Loop
-from cycloid_mj.measure.lost_motion import measure_lost_motion
+from cycloid_mj.measure.lost_motion import lost_motion
 from cycloid_mj.mechanism import limits
 from cycloid_mj.record import Run
 
@@ -118,7 +118,7 @@ def test_errors_leave_the_statics_out():
 @pytest.mark.parametrize(("rated", "angles"), [(0.0, 8), (-1.0, 8), (30.0, 0)])
 def test_nothing_to_measure_is_a_usage_error(rated: float, angles: int):
     with pytest.raises(UsageError, match="more than 0"):
-        measure_lost_motion(FIXED, rated, angles)
+        lost_motion(FIXED, rated, angles)
 
 
 def test_command_refuses_a_torque_that_is_none(capsys):

@@ -9,7 +9,7 @@ from cycloid_mj.design import PRESETS, override
 from cycloid_mj.measure import build_up, paper, spread
 from cycloid_mj.measure.closed_form import ideal_efficiency
 from cycloid_mj.measure.conditions import halved, rated_torque
-from cycloid_mj.measure.efficiency import measure_efficiency
+from cycloid_mj.measure.efficiency import efficiency
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.steady import SETTLED, powers, steady, steady_design
 
@@ -22,7 +22,7 @@ NAMES = [
 
 @pytest.fixture(scope="module")
 def measured() -> Measurement:
-    return measure_efficiency(NONPIN, quick=True)
+    return efficiency(NONPIN, quick=True)
 
 
 @pytest.fixture(scope="module")

@@ -13,9 +13,9 @@ from cycloid_mj.errors import DesignError
 from cycloid_mj.measure.conditions import rated_torque, stepped
 from cycloid_mj.measure.orders import Cause, causes
 from cycloid_mj.measure.static_error import kinematic_error, static_error
-from cycloid_mj.measure.te import measure_te
+from cycloid_mj.measure.te import te
 from cycloid_mj.measure.trace import ARCSEC, Case, trace
-from cycloid_mj.measure.vibration import measure_vibration
+from cycloid_mj.measure.vibration import vibration
 from cycloid_mj.mjcf import build
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.statics import ideal_load_sharing
@@ -132,7 +132,7 @@ def test_no_error_no_load_and_no_clearance_leave_no_transmission_error(name: str
 def test_the_measure_tells_both_ways_both_loads_and_its_error() -> None:
     design = fixed("settings.timestep_us=10.0", *SMOOTH)
     done: list[int] = []
-    found = measure_te(design, slow=design.drive.speed / 2.0, told=lambda count, whole: done.append(whole - count))
+    found = te(design, slow=design.drive.speed / 2.0, progress=lambda count, whole: done.append(whole - count))
     assert done[-1] == 0
     for shaft in ("gear", "output"):
         for pace in ("slow", "speed"):
@@ -151,7 +151,7 @@ def test_the_measure_tells_both_ways_both_loads_and_its_error() -> None:
 
 
 def test_a_crank_that_stands_still_is_refused() -> None:
-    for measure in (measure_te, measure_vibration):
+    for measure in (te, vibration):
         with pytest.raises(DesignError, match=r"drive\.speed_rpm is 0"):
             measure(fixed("drive.speed_rpm=0.0"))
 

@@ -12,15 +12,14 @@ from designs import unlike
 from cycloid_mj.cli.app import main
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.errors import DesignError
-from cycloid_mj.measure import sensitivity, steady
+from cycloid_mj.measure import MEASURES, sensitivity, steady
 from cycloid_mj.measure.back_driving import break_away
 from cycloid_mj.measure.braked import braked_run
 from cycloid_mj.measure.closed_form import ideal_efficiency, mesh_friction, wang_efficiency
 from cycloid_mj.measure.conditions import LOG_RATE, LONGER_STEP, stepped
-from cycloid_mj.measure.efficiency import measure_efficiency
 from cycloid_mj.measure.efficiency_map import forward
 from cycloid_mj.measure.steady import powers, steady_design, whole_periods
-from cycloid_mj.measure.torque import held_efficiency, measure_torque, rated_test
+from cycloid_mj.measure.torque import held_efficiency, rated_test
 from cycloid_mj.validation import published, rig
 
 FIXED = override(PRESETS["pin"], ['ring.pins="fixed"'])
@@ -44,7 +43,7 @@ def torque(folder):
 
 @pytest.fixture(scope="module")
 def efficiency():
-    return measure_efficiency(FIXED, quick=True)
+    return MEASURES["efficiency"](FIXED, quick=True)
 
 
 def test_braked_and_crank_held_runs_agree(torque):
@@ -191,7 +190,7 @@ def test_reversed_drive_gives_the_same_torque():
 
 def test_crank_that_does_not_turn_is_refused():
     with pytest.raises(DesignError, match=r"drive\.speed_rpm is 0"):
-        measure_torque(override(FIXED, ["drive.speed_rpm=0.0"]))
+        MEASURES["torque"](override(FIXED, ["drive.speed_rpm=0.0"]))
 
 
 def test_command_writes_figure_json_and_log(torque, folder):
@@ -231,7 +230,7 @@ def test_mistakes_are_told_in_one_line(words, told, capsys):
 
 def test_a_self_locking_reducer_gives_no_back_driving_but_all_the_rest() -> None:
     """Friction takes more than half of the printed design's power: its output cannot turn its crank."""
-    found = measure_efficiency(unlike("printed"), quick=True).quantities
+    found = MEASURES["efficiency"](unlike("printed"), quick=True).quantities
     assert found["efficiency"].value < 50.0
     assert found["back_driving_efficiency"].value == 0.0
     assert found["back_driving_efficiency"].reference < 0.0

@@ -12,7 +12,7 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.measure import Measurement
 from cycloid_mj.measure.conditions import LOG_RATE
 from cycloid_mj.measure.reaction import masses, reaction, unbalance, weight, without_counterweight
-from cycloid_mj.measure.vibration import measure_vibration
+from cycloid_mj.measure.vibration import vibration
 from cycloid_mj.run import simulate
 from cycloid_mj.solid import shaft_solid
 from cycloid_mj.solid.gear import profile_offset, tooth_profile
@@ -76,7 +76,7 @@ def test_without_the_counterweight_the_unbalance_goes_round() -> None:
 @pytest.fixture(scope="module")
 def found() -> Measurement:
     design = fixed(LONG_STEP)
-    return measure_vibration(design, speeds=[1.5 * design.drive.speed])
+    return vibration(design, speeds=[1.5 * design.drive.speed])
 
 
 def test_the_measure_over_speed(found: Measurement) -> None:

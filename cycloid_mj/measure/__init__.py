@@ -1,8 +1,38 @@
 """What engineers measure of a reducer, by simulation, beside the closed form where there is one.
 
-Each module is one measure: a function from a design to a `Measurement`.
+Each measure is one function from a design to a `Measurement`, and one row of `MEASURES`.
 """
 
-from cycloid_mj.measure.measurement import Measurement
+from collections.abc import Callable, Mapping
 
-__all__ = ["Measurement"]
+from cycloid_mj.measure.backlash import backlash
+from cycloid_mj.measure.efficiency import efficiency
+from cycloid_mj.measure.loads import loads
+from cycloid_mj.measure.lost_motion import lost_motion
+from cycloid_mj.measure.measurement import Measurement
+from cycloid_mj.measure.te import te
+from cycloid_mj.measure.torque import torque
+from cycloid_mj.measure.vibration import vibration
+
+MEASURES: Mapping[str, Callable[..., Measurement]] = {
+    "te": te,
+    "backlash": backlash,
+    "lost-motion": lost_motion,
+    "loads": loads,
+    "torque": torque,
+    "efficiency": efficiency,
+    "vibration": vibration,
+}
+"""Name on the command line -> measure. Each takes a design, its own options, `quick`, and `progress`."""
+
+__all__ = [
+    "MEASURES",
+    "Measurement",
+    "backlash",
+    "efficiency",
+    "loads",
+    "lost_motion",
+    "te",
+    "torque",
+    "vibration",
+]

@@ -17,14 +17,14 @@ from cycloid_mj.measure import bench, play
 from cycloid_mj.measure.bench import ARCMINUTE
 from cycloid_mj.measure.conditions import rated_torque
 from cycloid_mj.measure.measurement import Measurement
-from cycloid_mj.measure.pool import Done, each, nothing
+from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
 from cycloid_mj.mechanism import limits
 from cycloid_mj.record import Run
 from cycloid_mj.result import Curve, Quantity
 from cycloid_mj.types import Array
 
-ANGLES = 8
+ANGLES, QUICK_ANGLES = 8, 2
 PRESS = 0.0025
 """The smaller torque as a share of the rated one; the other one is twice as large."""
 
@@ -78,7 +78,9 @@ class Press:
         return self.high - self.low
 
 
-def measure_backlash(design: Design, angles: int = ANGLES, told: Done = nothing) -> Measurement:
+def backlash(
+    design: Design, angles: int | None = None, quick: bool = False, progress: Progress = silent
+) -> Measurement:
     """Measure the backlash of a design at several locked crank angles, whole and by each clearance alone.
 
     Parameters
@@ -86,9 +88,11 @@ def measure_backlash(design: Design, angles: int = ANGLES, told: Done = nothing)
     design
         What to measure; its own load, speed, friction and weight do not matter.
     angles
-        How many crank angles, spread over the turn and over the mesh period.
-    told
-        Told after each run.
+        How many crank angles, spread over the turn and over the mesh period; by default `ANGLES`.
+    quick
+        By default `QUICK_ANGLES`.
+    progress
+        Called after each run with how many are done, and how many there are.
 
     Raises
     ------
@@ -97,6 +101,7 @@ def measure_backlash(design: Design, angles: int = ANGLES, told: Done = nothing)
     RunError
         A run went wrong, or the gear jams.
     """
+    angles = (QUICK_ANGLES if quick else ANGLES) if angles is None else angles
     if angles < 1:
         raise UsageError(f"cannot measure at {angles} crank angles: give 1 or more")
     design = at_rated_load(design)
@@ -105,7 +110,7 @@ def measure_backlash(design: Design, angles: int = ANGLES, told: Done = nothing)
     longer = {name: PATIENCE if name == _ALL else 1.0 for name in cases}
     jobs = [(case, cranks[0], LONGER * longer[name], FINER) for name, case in cases.items()]
     jobs += [(case, crank, longer[name], 1.0) for name, case in cases.items() for crank in cranks]
-    runs = each(lambda job: press(*job), jobs, told)
+    runs = each(lambda job: press(*job), jobs, progress)
     checked = dict(zip(cases, runs, strict=False))
     rest = runs[len(cases) :]
     found = {name: rest[place * angles : (place + 1) * angles] for place, name in enumerate(cases)}

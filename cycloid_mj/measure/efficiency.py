@@ -13,7 +13,7 @@ from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency, wang_effi
 from cycloid_mj.measure.conditions import RPM, drag_told, rated_torque
 from cycloid_mj.measure.efficiency_map import Found, Point, run_map
 from cycloid_mj.measure.measurement import Measurement
-from cycloid_mj.measure.pool import Done, nothing
+from cycloid_mj.measure.pool import Progress, silent
 from cycloid_mj.measure.sensitivity import friction_for
 from cycloid_mj.measure.steady import steady_design, whole_periods
 from cycloid_mj.mjcf.names import pairs
@@ -30,12 +30,12 @@ SELF_LOCKING = "self-locking"
 LEFT_OUT = "left out: this pair's friction is 0"
 
 
-def measure_efficiency(
+def efficiency(
     design: Design,
-    torques: Sequence[float] = (),
+    loads: Sequence[float] = (),
     speeds: Sequence[float] = (),
     quick: bool = False,
-    told: Done = nothing,
+    progress: Progress = silent,
 ) -> Measurement:
     """Measure the efficiency of a design and its losses by pair.
 
@@ -43,14 +43,14 @@ def measure_efficiency(
     ----------
     design
         What to measure.
-    torques
+    loads
         Output torques of the map [N m], above 0; by default `TORQUES` of the rated one.
     speeds
         Crank speeds of the map [rad/s], above 0; by default `SPEEDS` of the design's.
     quick
         Shorter averages, no halved step, and by default the rated point alone.
-    told
-        Told after each run.
+    progress
+        Called after each run with how many are done, and how many there are.
 
     Raises
     ------
@@ -61,10 +61,10 @@ def measure_efficiency(
     """
     own = steady_design(design)
     rated, speed = rated_torque(own), own.drive.speed
-    torques = torques or [share * rated for share in ((1.0,) if quick else TORQUES)]
+    torques = loads or [share * rated for share in ((1.0,) if quick else TORQUES)]
     speeds = speeds or [share * speed for share in ((1.0,) if quick else SPEEDS)]
     periods = QUICK_PERIODS if quick else PERIODS
-    found = run_map(own, torques, speeds, periods, not quick, told)
+    found = run_map(own, torques, speeds, periods, not quick, progress)
     figures = [replace(one, friction=friction_for(found.by_friction, one.rate)) for one in paper.figures(own)]
     return Measurement(
         measure="efficiency",

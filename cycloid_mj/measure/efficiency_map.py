@@ -10,7 +10,7 @@ from cycloid_mj.measure.back_driving import BreakAway, break_away
 from cycloid_mj.measure.braked import braked_run
 from cycloid_mj.measure.closed_form import ideal_limit
 from cycloid_mj.measure.conditions import RPM, halved, rated_torque
-from cycloid_mj.measure.pool import Done, each
+from cycloid_mj.measure.pool import Progress, each
 from cycloid_mj.measure.spread import PERIODS as SPREAD_PERIODS
 from cycloid_mj.measure.spread import Moved, inputs, moved
 from cycloid_mj.measure.steady import SETTLED, Powers, first_half, powers, steady, whole_periods
@@ -82,7 +82,7 @@ class Found:
 
 
 def run_map(
-    design: Design, torques: Sequence[float], speeds: Sequence[float], periods: int, check: bool, told: Done
+    design: Design, torques: Sequence[float], speeds: Sequence[float], periods: int, check: bool, progress: Progress
 ) -> Found:
     """Run every point over at least so many mesh periods, several at a time, and the rated one with half the step.
 
@@ -114,11 +114,11 @@ def run_map(
     frictions = [sensitivity.with_common_friction(design, value) for value in sensitivity.COMMON]
     first = 1 + len(singles) + len(others)
     whole = first + 2 * len(assumed) + len(frictions)
-    told(1, whole)
-    points = each(_done, others + singles, lambda done, _: told(1 + done, whole))
+    progress(1, whole)
+    points = each(_done, others + singles, lambda done, _: progress(1 + done, whole))
     rate = partial(_rate, torque=rated, periods=SPREAD_PERIODS)
-    by_input = moved(rate, assumed, lambda done, _: told(first + done, whole))
-    rates = each(rate, frictions, lambda done, _: told(first + 2 * len(assumed) + done, whole))
+    by_input = moved(rate, assumed, lambda done, _: progress(first + done, whole))
+    rates = each(rate, frictions, lambda done, _: progress(first + 2 * len(assumed) + done, whole))
     main, ideal, unloaded, *singly = points[len(others) :]
     coasting, against = singly[: len(driven)] or (None, None)
     finer = singly[len(driven) :]

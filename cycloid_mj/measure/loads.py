@@ -12,7 +12,7 @@ from cycloid_mj.design import Design, override
 from cycloid_mj.errors import UsageError
 from cycloid_mj.measure.conditions import RPM, halved, rated_torque
 from cycloid_mj.measure.measurement import Measurement
-from cycloid_mj.measure.pool import Done, each, nothing
+from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.pressed import CARRIES, Pressed, ideal_peak, pressed
 from cycloid_mj.measure.steady import SETTLED, steady, steady_design
 from cycloid_mj.result import Curve, Quantity
@@ -45,21 +45,19 @@ _CRANK, _FORCE = "crank angle [deg]", "force [N]"
 Kinds = Mapping[str, Pressed]
 
 
-def measure_loads(
-    design: Design, torque: float | None = None, quick: bool = False, told: Done = nothing
-) -> Measurement:
+def loads(design: Design, load: float | None = None, quick: bool = False, progress: Progress = silent) -> Measurement:
     """Measure the loads of a design at an output torque [N m], by default the rated one, over a turn of the crank.
 
     Parameters
     ----------
     design
         What to measure, at its own crank speed.
-    torque
-        On the output [N m], more than 0; by default the rated one.
+    load
+        Torque on the output [N m], more than 0; by default the rated one.
     quick
         Some mesh periods instead of a turn.
-    told
-        Told after each run.
+    progress
+        Called after each run with how many are done, and how many there are.
 
     Raises
     ------
@@ -70,13 +68,13 @@ def measure_loads(
     RunError
         A run went wrong.
     """
-    torque = rated_torque(design) if torque is None else torque
+    torque = rated_torque(design) if load is None else load
     if not torque > 0.0:
         raise UsageError(f"cannot measure loads under {torque:g} N m: the torque must be more than 0")
     loaded = override(steady_design(design), [f"load.torque_nm={torque!r}"])
     work = [(loaded, CHECKED if quick else design.ring.teeth), (halved(loaded), CHECKED)]
     whole = len(work) + 1
-    run, finer = each(lambda one: steady(one[0], SETTLED, one[1]), work, lambda done, _: told(done, whole))
+    run, finer = each(lambda one: steady(one[0], SETTLED, one[1]), work, lambda done, _: progress(done, whole))
     found, fine = pressed(run, loaded), pressed(finer, loaded)
     coarse = pressed(run.select(slice(0, len(finer))), loaded)
     limits, lasting = (_limits(found, loaded, allowed) for allowed in (YIELD_PRESSURE, SHAKEDOWN_PRESSURE))
@@ -93,7 +91,7 @@ def measure_loads(
                 loaded, weakest, torque * lasting[weakest], SHAKEDOWN_PRESSURE, SHAKEDOWN, unsure
             ),
         }
-    told(whole, whole)
+    progress(whole, whole)
     quantities = {
         key: one for kind in found for key, one in _of_kind(loaded, found[kind], coarse[kind], fine[kind], missed[kind])
     }

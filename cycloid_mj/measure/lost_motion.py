@@ -8,16 +8,20 @@ from cycloid_mj.measure.balance import Balance
 from cycloid_mj.measure.conditions import rated_torque
 from cycloid_mj.measure.lost_motion_table import Found, by_angle, curves, quantities
 from cycloid_mj.measure.measurement import Measurement
-from cycloid_mj.measure.pool import Done, each, nothing
+from cycloid_mj.measure.pool import Progress, each, silent
 
-ANGLES = 6
+ANGLES, QUICK_ANGLES = 6, 2
 SLOWER, FINER = 2.0, 4.0
 """The checks: a loop this many times as slow, and one at a step this many times shorter."""
 LEFT_OUT = "statics is left out: it does not know manufacturing errors and modified flanks, or found no balance"
 
 
-def measure_lost_motion(
-    design: Design, rated: float | None = None, angles: int = ANGLES, told: Done = nothing
+def lost_motion(
+    design: Design,
+    load: float | None = None,
+    angles: int | None = None,
+    quick: bool = False,
+    progress: Progress = silent,
 ) -> Measurement:
     """Measure lost motion, stiffness and hysteresis of a design at several locked crank angles.
 
@@ -25,12 +29,14 @@ def measure_lost_motion(
     ----------
     design
         What to measure; its own load and speed do not matter.
-    rated
-        Rated torque at the output [N m]; None: the rated input torque times the ratio.
+    load
+        Largest torque of the loop at the output [N m]; by default the rated input torque times the ratio.
     angles
-        How many crank angles, spread over the turn and over the mesh period.
-    told
-        Told after each run.
+        How many crank angles, spread over the turn and over the mesh period; by default `ANGLES`.
+    quick
+        By default `QUICK_ANGLES`.
+    progress
+        Called after each run with how many are done, and how many there are.
 
     Raises
     ------
@@ -39,7 +45,8 @@ def measure_lost_motion(
     RunError
         A run went wrong.
     """
-    rated = rated_torque(design) if rated is None else rated
+    rated = rated_torque(design) if load is None else load
+    angles = (QUICK_ANGLES if quick else ANGLES) if angles is None else angles
     if not rated > 0.0 or angles < 1:
         raise UsageError(f"cannot measure under {rated:g} N m at {angles} crank angles: both must be more than 0")
     design = working_at(design, rated)
@@ -48,7 +55,7 @@ def measure_lost_motion(
     # the longest first, so that no processor is left alone with one
     jobs = [(one, cranks[0], *check) for one in (design, level) for check in ((period, FINER), (SLOWER * period, 1.0))]
     jobs += [(one, crank, period, 1.0) for one in (design, level) for crank in cranks]
-    loops = each(lambda job: hysteresis.loop(job[0], job[1], rated, *job[2:]), jobs, told)
+    loops = each(lambda job: hysteresis.loop(job[0], job[1], rated, *job[2:]), jobs, progress)
     checks, loops = loops[:4], loops[4:]
     found = Found(design, loops[:angles], loops[angles:], checks[:2], checks[2:], _statics(design, cranks, rated))
     return Measurement(

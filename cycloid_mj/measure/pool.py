@@ -12,15 +12,17 @@ from typing import TypeVar
 
 T = TypeVar("T")
 R = TypeVar("R")
-Done = Callable[[int, int], None]
-"""Told after each piece of work: how many are done, and how many there are."""
+Progress = Callable[[int, int], None]
+"""Called after each piece of work: how many are done, and how many there are."""
 
 
-def nothing(done: int, whole: int) -> None:
-    """Tell nobody."""
+def silent(done: int, whole: int) -> None:
+    """Report no progress."""
 
 
-def each(work: Callable[[T], R], items: Iterable[T], told: Done = nothing, workers: int | None = None) -> list[R]:
+def each(
+    work: Callable[[T], R], items: Iterable[T], progress: Progress = silent, workers: int | None = None
+) -> list[R]:
     """Do a piece of work for each item, several at a time; give the results in order.
 
     The first error, or Ctrl-C, ends it: pieces not begun are left, those under way are stopped at their next step.
@@ -32,7 +34,7 @@ def each(work: Callable[[T], R], items: Iterable[T], told: Done = nothing, worke
         try:
             for done, task in enumerate(as_completed(tasks), start=1):
                 task.result()
-                told(done, len(items))
+                progress(done, len(items))
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             at_work.stop()

@@ -9,7 +9,7 @@ from typing import Any
 
 from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.design import Design, override
-from cycloid_mj.measure.pool import Done, each
+from cycloid_mj.measure.pool import Progress, each
 from cycloid_mj.result import Table
 
 PLAY = (0.5, 2.0)
@@ -68,9 +68,9 @@ def inputs(design: Design) -> list[Input]:
     ]
 
 
-def moved(rate: Callable[[Design], float], varied: Sequence[Input], told: Done) -> list[Moved]:
-    """Find a rate [1] at both ends of every input's range, several runs at a time; `told` after each."""
-    rates = each(rate, [end for one in varied for end in (one.low_design, one.high_design)], told)
+def moved(rate: Callable[[Design], float], varied: Sequence[Input], progress: Progress) -> list[Moved]:
+    """Find a rate [1] at both ends of every input's range, several runs at a time; `progress` after each."""
+    rates = each(rate, [end for one in varied for end in (one.low_design, one.high_design)], progress)
     return [Moved(one, *ends) for one, ends in zip(varied, zip(rates[::2], rates[1::2], strict=True), strict=True)]
 
 

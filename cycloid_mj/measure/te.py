@@ -15,7 +15,7 @@ from cycloid_mj.measure import te_table
 from cycloid_mj.measure.conditions import DRAG, RPM, halved, rated_torque, require_motion, stepped
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.orders import causes
-from cycloid_mj.measure.pool import Done, each, nothing
+from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.static_error import static_error
 from cycloid_mj.measure.trace import ARCSEC, Case, Trace, own, trace
 from cycloid_mj.mjcf import build
@@ -28,14 +28,14 @@ SLOW = 0.25
 """Slow crank speed as a share of the design's."""
 
 
-def measure_te(
+def te(
     design: Design,
     load: float | None = None,
     drag: float | None = None,
     slow: float | None = None,
     turns: int = 1,
     quick: bool = False,
-    told: Done = nothing,
+    progress: Progress = silent,
 ) -> Measurement:
     """Measure the transmission error of a design.
 
@@ -54,8 +54,8 @@ def measure_te(
         Crank turns; N - 1 of them, one of the output, part whole orders from multiples of N/(N-1).
     quick
         At speed only, and no runs with half the step.
-    told
-        Told of each run that is done.
+    progress
+        Called after each run with how many are done, and how many there are.
 
     Raises
     ------
@@ -74,7 +74,7 @@ def measure_te(
         Case(one, way, pace, torques[one], ways[way] * paces[pace]) for pace, one, way in product(paces, torques, ways)
     ]
     design = working_at(stepped(design), torques["loaded"])
-    runs = _traces(design, cases, float(turns), told, not quick)
+    runs = _traces(design, cases, float(turns), progress, not quick)
     found = {case: runs[case, 1.0] for case in cases}
     finer = {(case.load, case.pace): one for (case, share), one in runs.items() if share == 0.5}
     statics = {case: _statics(design, case, turns) for case in cases}
@@ -92,7 +92,7 @@ def measure_te(
 
 
 def _traces(
-    design: Design, cases: list[Case], turns: float, told: Done, check: bool
+    design: Design, cases: list[Case], turns: float, progress: Progress, check: bool
 ) -> Mapping[tuple[Case, float], Trace]:
     """Run the cases, and some mesh periods of the forward ones with half the step if they are to be checked."""
     half = halved(design)
@@ -101,7 +101,7 @@ def _traces(
         models[0.5] = (half, build(half), CHECKED / design.ring.teeth)
     work = [(case, share) for share in models for case in cases if share == 1.0 or case.way == "forward"]
     tasks = [(design, own(reducer), turns, case) for case, share in work for design, reducer, turns in [models[share]]]
-    traces = each(lambda task: trace(*task), tasks, told)
+    traces = each(lambda task: trace(*task), tasks, progress)
     return dict(zip(work, traces, strict=True))
 
 

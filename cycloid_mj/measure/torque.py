@@ -15,7 +15,7 @@ from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency
 from cycloid_mj.measure.conditions import drag_told, halved, rated_torque
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.paper import PaperFigure
-from cycloid_mj.measure.pool import Done, each, nothing
+from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.sensitivity import Variation
 from cycloid_mj.measure.spread import Moved
 from cycloid_mj.measure.steady import Powers, first_half, powers, steady_design, whole_periods
@@ -36,7 +36,7 @@ class Outcome:
     input: float
 
 
-def measure_torque(design: Design, quick: bool = False, told: Done = nothing) -> Measurement:
+def torque(design: Design, quick: bool = False, progress: Progress = silent) -> Measurement:
     """Measure the output torque of a design under its rated input torque.
 
     Parameters
@@ -45,8 +45,8 @@ def measure_torque(design: Design, quick: bool = False, told: Done = nothing) ->
         What to measure, at its own crank speed.
     quick
         A shorter average, no halved step, and friction varied for all sliding pairs of the design alone.
-    told
-        Told after each run.
+    progress
+        Called after each run with how many are done, and how many there are.
 
     Raises
     ------
@@ -63,19 +63,19 @@ def measure_torque(design: Design, quick: bool = False, told: Done = nothing) ->
     work += [(one, whole_periods(one, sensitivity.PERIODS)) for one in varied]
     assumed = spread.inputs(own)
     whole = len(work) + 1 + 2 * len(assumed) + len(paper.figures(own))
-    tests = each(lambda item: rated_test(*item), work, lambda done, _: told(done, whole))
+    tests = each(lambda item: rated_test(*item), work, lambda done, _: progress(done, whole))
     ours, finer = tests[0], None if quick else tests[1]
     rates = {one: tried.powers.efficiency for one, tried in zip(varied, tests[-len(varied) :], strict=True)}
     found = {row: rates[row.design] for row in rows}
     held = held_efficiency(own, ours.output, main)
     done = len(work) + 1
-    told(done, whole)
+    progress(done, whole)
     periods = whole_periods(own, spread.PERIODS)
     by_input = spread.moved(
-        lambda one: rated_test(one, periods).powers.efficiency, assumed, lambda runs, _: told(done + runs, whole)
+        lambda one: rated_test(one, periods).powers.efficiency, assumed, lambda runs, _: progress(done + runs, whole)
     )
     figures = paper_figures(own, found, None if quick else rate_error(ours, finer))
-    told(whole, whole)
+    progress(whole, whole)
     return Measurement(
         measure="torque",
         design=own,

@@ -11,7 +11,7 @@ from cycloid_mj.contact.working import working_at, working_forces_told
 from cycloid_mj.design import Design
 from cycloid_mj.measure.conditions import DRAG, RPM, halved, rated_torque, require_motion, stepped
 from cycloid_mj.measure.measurement import Measurement
-from cycloid_mj.measure.pool import Done, each, nothing
+from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.reaction import unbalance, weight
 from cycloid_mj.measure.sway import Sway, sway
 from cycloid_mj.measure.trace import own
@@ -32,13 +32,13 @@ _SIGNALS = {
 }
 
 
-def measure_vibration(
+def vibration(
     design: Design,
     load: float | None = None,
     speeds: Sequence[float] = (),
     turns: int = 1,
     quick: bool = False,
-    told: Done = nothing,
+    progress: Progress = silent,
 ) -> Measurement:
     """Measure the vibration of a design over crank speed, unloaded and loaded.
 
@@ -54,8 +54,8 @@ def measure_vibration(
         Crank turns of each run, after it has settled.
     quick
         At the design's speed only, and without half the step.
-    told
-        Told of each run that is done.
+    progress
+        Called after each run with how many are done, and how many there are.
 
     Raises
     ------
@@ -74,7 +74,7 @@ def measure_vibration(
     points = [(design, build(design), one) for one in sorted({speed, *swept}, key=abs)]
     points += [] if quick else [(half, build(half), speed)]
     tasks = [(one, own(model), *loaded, pace, turns) for one, model, pace in points for loaded in torques.items()]
-    found = each(lambda task: sway(*task), tasks, told)
+    found = each(lambda task: sway(*task), tasks, progress)
     checks = {} if quick else {one.load: one for one in found[-len(torques) :]}
     full = found[: len(found) - len(checks)]
     at_speed = [one for one in full if one.speed == speed]

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from cycloid_mj.measure import Measurement
 from cycloid_mj.measure.paper import IDEAL, TORQUES
-from cycloid_mj.measure.pool import Done
+from cycloid_mj.measure.pool import Progress
 from cycloid_mj.reproduce.claims import Claim, NumericalError, Result, Stated, Verdict
 from cycloid_mj.reproduce.plan import Plan, designs, equalised, torque_test
 from cycloid_mj.reproduce.stage import Found, Plate, Runs, Told
@@ -17,7 +17,7 @@ NEAR = 0.01
 
 def torque(plan: Plan, runs: Runs, told: Told) -> Found:
     """Measure the output torque of both designs, as `cycloid-mj measure torque` does."""
-    from cycloid_mj.measure.torque import measure_torque
+    from cycloid_mj.measure import torque as measure_torque
     from cycloid_mj.plots.measure import measurement_figure
 
     found = {design.name: measure_torque(design, plan.quick, _steps(told, design.name)) for design in designs()}
@@ -65,7 +65,7 @@ def _columns(found: Mapping[str, Measurement], alike: float) -> Table:
     )
 
 
-def _steps(told: Told, name: str) -> Done:
+def _steps(told: Told, name: str) -> Progress:
     """Give what tells how many runs of a design are done."""
     return lambda done, of: told(f"{name}, {done} of {of} runs")
 

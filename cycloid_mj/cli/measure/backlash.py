@@ -37,8 +37,8 @@ def backlash(
     all together a linear programme of rigid contacts, manufacturing errors
     included.
     """
-    from cycloid_mj.measure.backlash import measure_backlash
+    from cycloid_mj.measure import backlash as measure_backlash
 
     chosen, into = sound(design, set_), prepared(out)
-    found = measure_backlash(chosen, QUICK if quick else FEWEST, told("backlash", quiet))
+    found = measure_backlash(chosen, quick=quick, progress=told("backlash", quiet))
     return deliver([found], into, json, quiet, no_log)

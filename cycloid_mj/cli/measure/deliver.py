@@ -14,7 +14,7 @@ from cycloid_mj.whole import write_whole
 
 if TYPE_CHECKING:
     from cycloid_mj.measure import Measurement
-    from cycloid_mj.measure.pool import Done
+    from cycloid_mj.measure.pool import Progress
     from cycloid_mj.record import Run
     from cycloid_mj.result import Quantity
 
@@ -77,7 +77,7 @@ def write_log(run: "Run", path: Path) -> Path:
     return path
 
 
-def told(what: str, quiet: bool) -> "Done":
+def told(what: str, quiet: bool) -> "Progress":
     """Give what tells on stderr how many pieces of work are done, and about how many seconds are left."""
     start = monotonic()
     last = [start]

@@ -60,7 +60,7 @@ def efficiency(
     creep speed, damping) is varied alone: how far the efficiency moves with
     them stands beside its numerical error.
     """
-    from cycloid_mj.measure.efficiency import measure_efficiency
+    from cycloid_mj.measure import efficiency as measure_efficiency
 
     chosen, into = sound(design, set_), prepared(out)
     found = measure_efficiency(chosen, load_nm, rad_per_second(speed_rpm), quick, told("efficiency", quiet))

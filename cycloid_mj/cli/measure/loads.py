@@ -35,7 +35,7 @@ def loads(
     yield for each kind of contact; and the capacity: which part limits the
     torque, and at what torque.
     """
-    from cycloid_mj.measure.loads import measure_loads
+    from cycloid_mj.measure import loads as measure_loads
 
     chosen, into = sound(design, set_), prepared(out)
     return deliver([measure_loads(chosen, load_nm, quick, told("loads", quiet))], into, json, quiet, no_log)

@@ -39,8 +39,8 @@ def lost_motion(
     backlash at zero. Beside them stands an independent static balance of all
     contacts. The share of output pins, cam and teeth is told apart.
     """
-    from cycloid_mj.measure.lost_motion import measure_lost_motion
+    from cycloid_mj.measure import lost_motion as measure_lost_motion
 
     chosen, into = sound(design, set_), prepared(out)
-    found = measure_lost_motion(chosen, load_nm, QUICK if quick else FEWEST, told("lost motion", quiet))
+    found = measure_lost_motion(chosen, load_nm, quick=quick, progress=told("lost motion", quiet))
     return deliver([found], into, json, quiet, no_log)

@@ -58,7 +58,7 @@ def te(
     spectrum, with the orders that errors of pins, holes and eccentricity give.
     Beside it stand the same figures from statics.
     """
-    from cycloid_mj.measure.te import measure_te
+    from cycloid_mj.measure import te as measure_te
 
     chosen, into = sound(design, set_), prepared(out)
     slow = None if slow_rpm is None else SPEED.unit.to_si(abs(slow_rpm))

@@ -52,7 +52,7 @@ def torque(
     friction, creep speed, damping) is varied alone: how far the rate moves
     with them stands beside its numerical error. --set changes every design.
     """
-    from cycloid_mj.measure.torque import measure_torque
+    from cycloid_mj.measure import torque as measure_torque
 
     names = (*designs, *design) or BOTH
     values = [(TORQUE, torque_nm), (SPEED, speed_rpm)]

@@ -46,7 +46,7 @@ def vibration(
     loaded; the unbalance with and without the counterweight. The design's own
     speed is always run.
     """
-    from cycloid_mj.measure.vibration import measure_vibration
+    from cycloid_mj.measure import vibration as measure_vibration
 
     chosen, into = sound(design, set_), prepared(out)
     speeds = rad_per_second(speed_rpm)
