@@ -5,7 +5,7 @@ computed nor how it is stored.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from html import escape
 from types import MappingProxyType
@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.errors import LogError
+from cycloid_mj.names import FORCE_X, FORCE_Y, REDUCER, column, kind_of
 from cycloid_mj.types import Array, Mask
 
 LARGEST = 1e30
@@ -43,11 +44,14 @@ class Run:
         Whether the run reached its end.
     note
         Why it did not; "" if it did.
+    topics
+        Topic -> names of its columns, as a log has them in groups; every column is in one of them. Columns that are in
+        none, as of a run without topics, join the first, or ``/reducer``.
 
     Raises
     ------
     LogError
-        Lengths differ, time does not increase, or columns and units do not have the same names.
+        Lengths differ, time does not increase, or columns, units and topics do not have the same names.
     """
 
     time: Array
@@ -57,6 +61,7 @@ class Run:
     attachments: Mapping[str, bytes] = field(default_factory=dict)
     complete: bool = True
     note: str = ""
+    topics: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         columns = {name: _locked(values) for name, values in self.columns.items()}
@@ -66,6 +71,7 @@ class Run:
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
         _check_time(self.time)
         _check_columns(self.time.size, self.columns, self.units)
+        object.__setattr__(self, "topics", MappingProxyType(_topics(self.topics, self.columns)))
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -85,7 +91,7 @@ class Run:
     def __reduce__(self) -> tuple[Any, ...]:
         """Let a run travel to other processes: a mapping proxy cannot be pickled, a dict can."""
         mappings = (dict(m) for m in (self.columns, self.units, self.provenance, self.attachments))
-        return Run, (self.time, *mappings, self.complete, self.note)
+        return Run, (self.time, *mappings, self.complete, self.note, dict(self.topics))
 
     def __repr__(self) -> str:
         """Tell the run in one line; columns, units and attachments have their names in mappings."""
@@ -107,6 +113,11 @@ class Run:
             ("complete", end),
         )
 
+    @property
+    def groups(self) -> dict[str, dict[str, str]]:
+        """Topic -> its columns with their units, as a log is written."""
+        return {topic: {name: self.units[name] for name in names} for topic, names in self.topics.items()}
+
     def block(self, names: Sequence[str]) -> Array:
         """Give the k columns `names` side by side, shape (n, k); raise LogError if one is unknown."""
         block = np.empty((len(self), len(names)))
@@ -114,10 +125,35 @@ class Run:
             block[:, k] = self[name]
         return block
 
+    def by_stem(self, quantity: str) -> dict[str, Array]:
+        """Give a quantity, as of `names.column`, by what has it: `names.PEAK_FORCE` by pair, for one."""
+        end = column("", quantity)
+        return {name.removesuffix(end): values for name, values in self.columns.items() if name.endswith(end)}
+
+    def pairs(self, kind: str) -> tuple[str, ...]:
+        """Name the mating pairs of a kind that the run has forces of, in their order."""
+        return tuple(pair for pair in self.by_stem(FORCE_X) if kind_of(pair) == kind)
+
+    def forces(self, kind: str) -> Array:
+        """Give the forces in the k mating pairs of a kind, such as ``pin_gear``: x and y [N], shape (n, k, 2).
+
+        Raises
+        ------
+        LogError
+            The run has none.
+        """
+        pairs = self.pairs(kind)
+        if not pairs:
+            raise LogError(
+                f"the run has no forces of the kind {kind!r} among its {len(self.columns)} columns: simulate it again "
+                "with the forces in its log"
+            )
+        names = [column(pair, part) for pair in pairs for part in (FORCE_X, FORCE_Y)]
+        return self.block(names).reshape(len(self), len(pairs), 2)
+
     def usable(self) -> "Run":
         """Give the run with NaN for every value that no reducer can have; see `usable`."""
-        columns = {name: usable(values) for name, values in self.columns.items()}
-        return Run(self.time, columns, self.units, self.provenance, self.attachments, self.complete, self.note)
+        return replace(self, columns={name: usable(values) for name, values in self.columns.items()})
 
     def select(self, rows: Mask | slice) -> "Run":
         """Give the run with only the samples `rows`: a mask of shape (n,) or a forward slice."""
@@ -127,7 +163,7 @@ class Run:
                 f"give a slice or a mask of bool, shape {self.time.shape}"
             )
         columns = {name: values[rows] for name, values in self.columns.items()}
-        return Run(self.time[rows], columns, self.units, self.provenance, self.attachments, self.complete, self.note)
+        return replace(self, time=self.time[rows], columns=columns)
 
 
 def usable(values: Array) -> Array:
@@ -169,6 +205,21 @@ def _check_columns(samples: int, columns: Mapping[str, Array], units: Mapping[st
             raise LogError(f"column {name!r} has no unit: add it to units ('1' for a plain number)")
     if surplus := [name for name in units if name not in columns]:
         raise LogError(f"units has {surplus[0]!r}, which is no column: {_unknown(surplus[0], list(columns))}")
+
+
+def _topics(topics: Mapping[str, Sequence[str]], columns: Mapping[str, Array]) -> dict[str, tuple[str, ...]]:
+    """Give the topics of all columns; raise LogError if they have another name, or one of them twice."""
+    found = {topic: tuple(names) for topic, names in topics.items()}
+    listed = [name for names in found.values() for name in names]
+    if unknown := [name for name in listed if name not in columns]:
+        raise LogError(f"topics has {unknown[0]!r}, which is no column: {_unknown(unknown[0], list(columns))}")
+    if len(set(listed)) < len(listed):
+        twice = next(name for name in listed if listed.count(name) > 1)
+        raise LogError(f"topics has column {twice!r} twice: give it one topic")
+    if rest := tuple(name for name in columns if name not in set(listed)):
+        first = next(iter(found), REDUCER)
+        found[first] = (*found.get(first, ()), *rest)
+    return found
 
 
 def _unknown(name: str, names: list[str]) -> str:

@@ -5,7 +5,6 @@ wrong; the samples up to then have been given out already.
 """
 
 import math
-import re
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
@@ -26,7 +25,20 @@ from cycloid_mj.course import Course, initial_state, ramp_and_hold
 from cycloid_mj.design import Design, dump
 from cycloid_mj.errors import RunError, warn
 from cycloid_mj.mjcf import ReducerModel, build, sensors, xml
-from cycloid_mj.mjcf.names import DRAGS, pairs
+from cycloid_mj.names import (
+    DRAGS,
+    FORCE_X,
+    FORCE_Y,
+    FORCES,
+    FRICTION_POWER,
+    MOMENT,
+    NORMAL_POWER,
+    PEAK_FORCE,
+    PINS,
+    REDUCER,
+    column,
+    pairs,
+)
 from cycloid_mj.record import Run
 from cycloid_mj.types import Array
 
@@ -40,7 +52,6 @@ _BLOCK = 100
 _no_log_file = Shared(
     lambda: mujoco.set_mju_user_warning(lambda message: None), lambda: mujoco.set_mju_user_warning(None)
 )
-_REDUCER, _PINS, _FORCES = "/reducer", "/pins", "/forces"
 
 
 @dataclass(frozen=True)
@@ -87,7 +98,7 @@ def columns(reducer: ReducerModel, design: Design) -> Groups:
     """Give the log's columns with their units, by topic."""
     kinds = sorted(reducer.laws)
     groups = {topic: dict(names) for topic, names in sensors(design).items()}
-    groups[_REDUCER] |= {
+    groups[REDUCER] |= {
         "contacts": "1",
         "penetration": "m",
         "peak_force": "N",
@@ -95,14 +106,10 @@ def columns(reducer: ReducerModel, design: Design) -> Groups:
         "potential_energy": "J",
         "kinetic_energy": "J",
     }
-    for kind in kinds:
-        groups[_REDUCER] |= {f"{kind}_friction_power": "W", f"{kind}_normal_power": "W"}
-    groups[_REDUCER] |= {f"{name}_friction_power": "W" for name in dragged_joints(reducer.model, DRAGS)}
-    forces: dict[str, str] = {}
-    for pair in reducer.pairs:
-        forces |= {f"{pair.name}_force_x": "N", f"{pair.name}_force_y": "N", f"{pair.name}_moment": "N m"}
-        forces |= {f"{pair.name}_peak_force": "N"}
-    groups[_FORCES] = forces
+    groups[REDUCER] |= {column(kind, power): "W" for kind in kinds for power in (FRICTION_POWER, NORMAL_POWER)}
+    groups[REDUCER] |= {column(name, FRICTION_POWER): "W" for name in dragged_joints(reducer.model, DRAGS)}
+    acting = {FORCE_X: "N", FORCE_Y: "N", MOMENT: "N m", PEAK_FORCE: "N"}
+    groups[FORCES] = {column(pair.name, part): unit for pair in reducer.pairs for part, unit in acting.items()}
     return groups
 
 
@@ -126,15 +133,6 @@ def reducer_model(design: Design, contact: Contact = "profile") -> ReducerModel:
 def contact_of(reducer: ReducerModel) -> Contact:
     """Tell the kind of contact of a model: what the collider needs to know of the exact profiles is user data."""
     return "profile" if reducer.model.nuser_geom else "mesh"
-
-
-def topics(run: Run) -> dict[str, list[str]]:
-    """Give the names of a run's columns by the topic that a log has them in."""
-    groups: dict[str, list[str]] = {_REDUCER: [], _PINS: [], _FORCES: []}
-    for name in run.columns:
-        force = name.endswith(("_force_x", "_force_y", "_moment", "_peak_force"))
-        groups[_FORCES if force else _PINS if re.match(r"pin_\d+_", name) else _REDUCER].append(name)
-    return {topic: names for topic, names in groups.items() if names}
 
 
 def simulate(design: Design, reducer: ReducerModel | None = None, course: Course | None = None) -> Run:
@@ -165,6 +163,7 @@ def simulate(design: Design, reducer: ReducerModel | None = None, course: Course
         units=units,
         provenance=provenance(design, contact_of(reducer)) | warned(warnings(reducer, design, course)),
         attachments=attachments(reducer, design),
+        topics={topic: tuple(names) for topic, names in groups.items()},
     )
 
 
@@ -279,7 +278,7 @@ class _Recorder:
 
     def __init__(self, reducer: ReducerModel, design: Design, data: Any) -> None:
         groups = sensors(design)
-        self._first_pin = len(groups[_REDUCER]) if _PINS in groups else None
+        self._first_pin = len(groups[REDUCER]) if PINS in groups else None
         self._index = pair_index(reducer.model, reducer.pairs)
         self.peaks = Peaks(data, self._index)
         self._dragged = dragged_joints(reducer.model, DRAGS)
@@ -320,8 +319,8 @@ class _Recorder:
         forces = np.concatenate([wrench, peak], axis=2).reshape(count, -1)
         reducer = np.concatenate([seen[:, : self._first_pin], summary, powers, drags], axis=1)
         if self._first_pin is None:
-            return {_REDUCER: reducer, _FORCES: forces}
-        return {_REDUCER: reducer, _PINS: seen[:, self._first_pin :], _FORCES: forces}
+            return {REDUCER: reducer, FORCES: forces}
+        return {REDUCER: reducer, PINS: seen[:, self._first_pin :], FORCES: forces}
 
     def _by_kind(self, powers: Sequence[Array]) -> Array:
         """Add up powers of pairs, shape (pairs,) each, by kind; without BLAS, whose last bits depend on its threads."""

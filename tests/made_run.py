@@ -4,7 +4,7 @@ import numpy as np
 
 from cycloid_mj import kinematics, profile
 from cycloid_mj.design import Design, dump
-from cycloid_mj.mjcf.names import pairs, sensors
+from cycloid_mj.names import pairs, sensors
 from cycloid_mj.record import Run
 from cycloid_mj.scene.pose import ring_places
 from cycloid_mj.solid import output_centres

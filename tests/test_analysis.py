@@ -484,7 +484,7 @@ def test_a_run_without_a_needed_column_is_refused(missing):
     run = ideal(designed())
     columns = {name: values for name, values in run.columns.items() if name != missing}
     with pytest.raises(LogError, match=rf"lacks 1 of the 18 columns .*: {missing};"):
-        analyze(replace(run, columns=columns, units=dict.fromkeys(columns, "1")))
+        analyze(replace(run, columns=columns, units=dict.fromkeys(columns, "1"), topics={}))
 
 
 def test_a_run_that_ended_in_its_ramp_is_judged_over_the_ramp():

@@ -145,7 +145,7 @@ def test_repair_makes_a_cut_log_whole(cut, tmp_path):
     assert "samples, up to" in err
     old, new = load(cut), load(mended)
     assert (new.whole, new.run.complete, new.run.note) == (True, False, old.run.note)
-    assert new.topics == old.topics
+    assert new.run.topics == old.run.topics
     assert new.viewers == old.viewers
     for name in COLUMNS:
         assert new.run[name].tobytes() == old.run[name].tobytes()

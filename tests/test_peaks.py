@@ -14,9 +14,9 @@ from cycloid_mj.contact.layout import discover_contacts
 from cycloid_mj.contact.peaks import Peaks
 from cycloid_mj.course import initial_state, ramp_and_hold
 from cycloid_mj.design import PRESETS, Design, override
-from cycloid_mj.log import LogWriter, read
+from cycloid_mj.log import read, write
 from cycloid_mj.mjcf import build
-from cycloid_mj.run import Contact, reducer_model, schedule, simulate, topics
+from cycloid_mj.run import Contact, reducer_model, schedule, simulate
 
 STEPS, STRIDE = 300, 15
 
@@ -105,13 +105,9 @@ def test_the_places_in_mujocos_structures_are_found() -> None:
 def test_a_log_without_peaks_is_read_and_judged_as_before(tmp_path) -> None:
     run = simulate(sampled(short("nonpin"), STRIDE))
     older = {name: values for name, values in run.columns.items() if not name.endswith("_peak_force")}
-    run = replace(run, columns=older, units={name: run.units[name] for name in older})
-    groups = topics(run)
-    assert sorted(groups) == ["/forces", "/reducer"]
-    units = {topic: [(name, run.units[name]) for name in names] for topic, names in groups.items()}
-    with LogWriter(tmp_path / "old.mcap", units, run.provenance, run.attachments) as log:
-        log.write(run.time, {topic: run.block(names) for topic, names in groups.items()})
-        log.close()
+    topics = {topic: [name for name in names if name in older] for topic, names in run.topics.items()}
+    run = replace(run, columns=older, units={name: run.units[name] for name in older}, topics=topics)
+    write(run, tmp_path / "old.mcap")
     again = read(tmp_path / "old.mcap")
     assert set(again.columns) == set(older)
     assert analyze(again).contact_summary == analyze(run).contact_summary
@@ -119,5 +115,5 @@ def test_a_log_without_peaks_is_read_and_judged_as_before(tmp_path) -> None:
 
 def test_peaks_stand_with_the_forces() -> None:
     run = simulate(sampled(short("pin"), STRIDE))
-    assert {"cam_peak_force", "pin_1_peak_force", "socket_36_peak_force"} <= set(topics(run)["/forces"])
-    assert "peak_force" in topics(run)["/reducer"]
+    assert {"cam_peak_force", "pin_1_peak_force", "socket_36_peak_force"} <= set(run.topics["/forces"])
+    assert "peak_force" in run.topics["/reducer"]

@@ -146,3 +146,45 @@ def test_a_run_tells_itself_in_a_line_however_many_samples_it_has() -> None:
 
 def test_a_run_without_samples_tells_itself() -> None:
     assert repr(Run(np.zeros(0), {}, {})) == "Run(samples 0, columns 0, time none, attachments none, complete yes)"
+
+
+# --- topics and forces
+
+
+def forced_run(**changes) -> Run:
+    names = [f"{pair}_force_{axis}" for pair in ("pin_2", "pin_10", "cam", "output_pin_1", "socket_2") for axis in "xy"]
+    columns = {name: np.full(3, float(place)) for place, name in enumerate([*names, "cam_friction_power"])}
+    topics = {"/reducer": ["cam_friction_power"], "/forces": names}
+    return Run(
+        **(
+            {"time": np.arange(3.0), "columns": columns, "units": dict.fromkeys(columns, "N"), "topics": topics}
+            | changes
+        )
+    )
+
+
+def test_a_run_keeps_its_topics():
+    run = forced_run()
+    assert list(run.topics) == ["/reducer", "/forces"]
+    for other in (run.select(slice(1, None)), run.usable(), pickle.loads(pickle.dumps(run))):
+        assert other.topics == run.topics
+    assert run.groups["/reducer"] == {"cam_friction_power": "N"}
+    assert make_run().topics == {"/reducer": tuple(UNITS)}
+    assert forced_run(topics={"/forces": []}).topics == {"/forces": tuple(run.columns)}
+    with pytest.raises(
+        LogError, match=r"topics has 'cam_friction_powr', which is no column.*nearest: cam_friction_power"
+    ):
+        forced_run(topics={"/reducer": ["cam_friction_powr"]})
+    with pytest.raises(LogError, match="topics has column 'cam_force_x' twice"):
+        forced_run(topics={"/reducer": ["cam_force_x"], "/forces": ["cam_force_x"]})
+
+
+def test_forces_are_those_of_a_kind_of_pair_in_the_order_of_the_run():
+    run = forced_run()
+    assert run.pairs("pin_gear") == ("pin_2", "pin_10")
+    np.testing.assert_array_equal(run.forces("pin_gear")[1], [[0.0, 1.0], [2.0, 3.0]])
+    np.testing.assert_array_equal(run.forces("output")[:, 0, 1], run["output_pin_1_force_y"])
+    assert run.forces("pin_socket").shape == (3, 1, 2)
+    assert list(run.by_stem("friction_power")) == ["cam"]
+    with pytest.raises(LogError, match=r"no forces of the kind 'tooth'.*simulate it again"):
+        run.forces("tooth")

@@ -16,7 +16,8 @@ from cycloid_mj.cli.compare import RUNS
 from cycloid_mj.cli.simulate import logs_folder
 from cycloid_mj.errors import LogError, RunError
 from cycloid_mj.interrupt import STOPPING, Stopped, raise_on_signals
-from cycloid_mj.log import LogTakenError, LogWriter, read, rewrite
+from cycloid_mj.log import LogTakenError, LogWriter, read
+from cycloid_mj.log import write as write_run
 from cycloid_mj.log.reader import load
 
 GROUPS = {"/reducer": [("crank_angle", "rad")]}
@@ -117,7 +118,7 @@ def test_log_written_anew_appears_whole_or_not_at_all(old, tmp_path):
             log.close()
     assert names(tmp_path) == ["new.mcap", "run.mcap"]
     assert len(read(new)) == 2
-    rewrite(found, new, force=True)
+    write_run(found.run, new, force=True)
     assert len(read(new)) == 3
     assert names(tmp_path) == ["new.mcap", "run.mcap"]
 

@@ -18,7 +18,7 @@ from cycloid_mj.errors import DesignError
 from cycloid_mj.export import export
 from cycloid_mj.mjcf import build
 from cycloid_mj.mjcf.mesh import build_mesh
-from cycloid_mj.mjcf.names import pairs, sensors
+from cycloid_mj.names import pairs, sensors
 from cycloid_mj.plots.pin import pin_figure
 from cycloid_mj.record import Run
 from cycloid_mj.report.tables import _clearances

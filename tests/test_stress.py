@@ -16,9 +16,9 @@ from cycloid_mj.cli.terminal import say_table
 from cycloid_mj.design import PRESETS, dump, override
 from cycloid_mj.envelope import arc_contacts
 from cycloid_mj.errors import LogError, UsageError
-from cycloid_mj.log import LogWriter
+from cycloid_mj.log import write
 from cycloid_mj.profile import conjugate_point, curvature, pin_angles, unit
-from cycloid_mj.run import simulate, topics
+from cycloid_mj.run import simulate
 from cycloid_mj.solid import mass_properties, output_centres, parts
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.statics import contact_modulus, hertz_line_contact, ideal_load_sharing
@@ -268,7 +268,7 @@ def test_pins_in_open_sockets_press_on_the_wall_only(request):
 def test_a_log_without_forces_is_refused():
     run = made_run(PIN)
     kept = {name: values for name, values in run.columns.items() if not name.endswith(("_force_x", "_force_y"))}
-    bare = replace(run, columns=kept, units={name: run.units[name] for name in kept})
+    bare = replace(run, columns=kept, units={name: run.units[name] for name in kept}, topics={})
     with pytest.raises(LogError, match=r"no forces of the mating pairs.*simulate it again"):
         part_loads(bare, PIN, "gear")
 
@@ -532,11 +532,7 @@ def told(monkeypatch):
 def log(pin_run, tmp_path_factory):
     """The real run as a log."""
     path = tmp_path_factory.mktemp("stress") / "pin.mcap"
-    grouped = topics(pin_run)
-    groups = {topic: [(name, pin_run.units[name]) for name in names] for topic, names in grouped.items()}
-    with LogWriter(path, groups, dict(pin_run.provenance), dict(pin_run.attachments)) as writer:
-        writer.write(pin_run.time, {topic: pin_run.block(names) for topic, names in grouped.items()})
-        writer.close()
+    write(pin_run, path)
     return path
 
 

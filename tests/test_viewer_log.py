@@ -21,7 +21,8 @@ from mcap.reader import NonSeekingReader, SeekingReader
 from cycloid_mj import profile
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import CycloidError, LogError, UsageError
-from cycloid_mj.log import LogWriter, load, read, rewrite
+from cycloid_mj.log import LogWriter, load, read
+from cycloid_mj.log import write as write_run
 from cycloid_mj.log.viewer import due
 from cycloid_mj.record import Run
 from cycloid_mj.scene import RATE, Scene, contact_forces, poses, ring_places
@@ -307,13 +308,13 @@ def test_cut_log_keeps_scene_and_samples_of_its_whole_chunks(small, tmp_path):
         assert found.viewers[PARTS].messages == 1
         assert found.viewers[FRAMES].messages == -(-count // 10)
         target = tmp_path / "repaired.mcap"
-        rewrite(found, target, Scene(design, 1000.0), force=True)
+        write_run(found.run, target, Scene(design, 1000.0), force=True)
         mended = load(target)
         assert mended.whole
         assert not mended.run.complete
         assert mended.run.note == found.run.note
         assert mended.viewers == found.viewers
-        assert mended.topics == found.topics
+        assert mended.run.topics == found.run.topics
         assert {n: v.tobytes() for n, v in mended.run.columns.items()} == {
             n: v.tobytes() for n, v in found.run.columns.items()
         }
@@ -444,7 +445,7 @@ def test_layout_names_what_the_log_has(logged):
     assert view["transforms"].keys() == framed | {f"frame:{ROOT}"}
     assert view["topics"].keys() == {PARTS, FORCES}
     assert view["cameraState"]["near"] < 0.1 * design.housing.outer_radius
-    columns = {f"{topic}.{name}" for topic, names in load(path).topics.items() for name in names}
+    columns = {f"{topic}.{name}" for topic, names in read(path).topics.items() for name in names}
     plots = [panel for name, panel in found["configById"].items() if name.startswith("Plot!")]
     assert {line["value"] for plot in plots for line in plot["paths"]} <= columns
     arranged = json.dumps(found["layout"])
@@ -456,7 +457,7 @@ def test_rerun_is_asked_for_clearly_where_it_is_missing(small, tmp_path, monkeyp
 
     monkeypatch.setitem(sys.modules, "rerun", None)
     with pytest.raises(CycloidError, match=r"Rerun is not installed .*pip install 'cycloid-mj\[rerun\]'"):
-        write_rerun(small, DESIGNS["nonpin"], {}, tmp_path / "x.rrd")
+        write_rerun(small, DESIGNS["nonpin"], tmp_path / "x.rrd")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -470,8 +471,8 @@ def test_rerun_loads_the_log_and_what_is_written_for_it(logged, tmp_path):
     checked = subprocess.run([*tool, "mcap", "check", path], capture_output=True, text=True, check=True, timeout=120)
     for topic in (FRAMES, PARTS, FORCES, "/reducer", "/forces"):
         assert any(line.split()[:1] == ["ok"] and topic in line for line in checked.stdout.splitlines()), checked.stdout
-    found, target = load(path), tmp_path / "run.rrd"
-    write_rerun(found.run, design, found.topics, target)
+    target = tmp_path / "run.rrd"
+    write_rerun(read(path), design, target)
     done = subprocess.run([*tool, "rrd", "verify", target], capture_output=True, text=True, check=True, timeout=120)
     assert "verified without error" in done.stdout + done.stderr
     told = subprocess.run([*tool, "rrd", "stats", target], capture_output=True, text=True, check=True, timeout=120)

@@ -7,6 +7,7 @@ import numpy as np
 from cycloid_mj.analysis.series import Series
 from cycloid_mj.contact.regime import pace
 from cycloid_mj.design import Design
+from cycloid_mj.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.record import Run
 from cycloid_mj.solid import mass_properties, parts
 
@@ -56,7 +57,7 @@ def balance(run: Run) -> Balance:
     """Give the mean powers of all samples of a run."""
     still = np.zeros(len(run))
     energy = run.columns.get("kinetic_energy", still) + run.columns.get("potential_energy", still)
-    losses = [float(np.mean(run[name])) for name in run.columns if name.endswith(("_friction_power", "_normal_power"))]
+    losses = [float(np.mean(run[name])) for name in run.columns if name.endswith((FRICTION_POWER, NORMAL_POWER))]
     return Balance(
         crank=float(np.mean(run["crank_torque"] * run["crank_speed"])),
         output=float(np.mean(run["load_torque"] * run["output_speed"])),

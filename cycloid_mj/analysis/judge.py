@@ -30,6 +30,7 @@ from cycloid_mj.analysis.series import Compared, Series, series
 from cycloid_mj.analysis.trust import warnings
 from cycloid_mj.analysis.window import Mask, turn_by_turn
 from cycloid_mj.modification import tooth_profile
+from cycloid_mj.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.record import Run
 from cycloid_mj.types import Array
 
@@ -182,11 +183,10 @@ def _efficiency(power: Power, motion: Series) -> float | None:
 def _losses(motion: Series) -> tuple[Loss, ...]:
     """Give the losses of each kind of pair that was ever in touch."""
     run = motion.run
-    ends = ("_friction_power", "_normal_power")
-    kinds = sorted({name.removesuffix(ends[0]) for name in run.columns if name.endswith(ends[0])})
+    by_friction, by_damping = run.by_stem(FRICTION_POWER), run.by_stem(NORMAL_POWER)
     found = []
-    for kind in kinds:
-        friction, normal = (run.columns.get(kind + end, np.zeros(len(run))) for end in ends)
+    for kind, friction in sorted(by_friction.items()):
+        normal = by_damping.get(kind, np.zeros(len(run)))
         if friction.any() or normal.any():
             found.append(Loss(kind, _mean(friction, motion), _mean(normal, motion)))
     return tuple(found)

@@ -1,6 +1,5 @@
 """The motion of a run beside its closed form, sample by sample."""
 
-import re
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -15,6 +14,7 @@ from cycloid_mj.design import Design, loads
 from cycloid_mj.errors import LogError, UsageError
 from cycloid_mj.kinematics import CrankLaw
 from cycloid_mj.modification import tooth_profile
+from cycloid_mj.names import pairs
 from cycloid_mj.profile import CycloidGear
 from cycloid_mj.record import LARGEST, Run
 from cycloid_mj.types import Array
@@ -25,7 +25,6 @@ MOTION = (
     *("gear_x", "gear_y", "gear_angle", "gear_vx", "gear_vy", "gear_speed"),
     *("contacts", "penetration", "peak_force"),
 )
-_FORCE = re.compile(r"(pin|lobe|output_pin)_(\d{1,6})_force_x")
 PIN_1 = ("pin_1_x", "pin_1_y", "pin_1_speed")
 
 
@@ -230,18 +229,14 @@ def design_of(run: Run) -> Design:
 
 def _require_fit(run: Run, design: Design) -> None:
     """Raise LogError if the forces are of other pins, lobes or output pins than the design has."""
-    kinds = {"pin": "ring pins", "lobe": "lobes of the internal gear", "output_pin": "output pins"}
-    wanted = dict.fromkeys(kinds, 0) | {
-        "lobe" if design.ring.kind == "nonpin" else "pin": design.ring.teeth,
-        "output_pin": design.output.pins,
-    }
-    numbers: dict[str, set[int]] = {kind: set() for kind in kinds}
-    for found in filter(None, map(_FORCE.fullmatch, run.columns)):
-        numbers[found[1]].add(int(found[2]))
-    for kind, has in numbers.items():
-        if has and has != set(range(1, wanted[kind] + 1)):
+    kinds = {"pin_gear": "ring pins", "tooth": "lobes of the internal gear", "output": "output pins"}
+    expected = pairs(design)
+    for kind, what in kinds.items():
+        wanted = {pair.name for pair in expected if pair.kind == kind}
+        has = set(run.pairs(kind))
+        if has and has != wanted:
             raise LogError(
-                f"the run's {DESIGN_FILE} has {wanted[kind]} {kinds[kind]}, but its columns are of {len(has)}: "
+                f"the run's {DESIGN_FILE} has {len(wanted)} {what}, but its columns are of {len(has)}: "
                 "the file belongs to another run; take the log as it was written, or simulate it again"
             )
 

@@ -70,7 +70,7 @@ def info(log: LogName, /, *, json: JsonFlag = False) -> int:
     state = "complete" if run.complete else f"not complete: {run.note or 'no reason is known'}"
     say(f"{log}: {found.size:,} bytes, {state}")
     say(f"{len(run):,} samples from {run.time[0]:g} to {run.time[-1]:g} s, {_rate(run):.6g} a second")
-    topics = [(topic, f"{len(names)} columns", f"{len(run):,}") for topic, names in found.topics.items()]
+    topics = [(topic, f"{len(names)} columns", f"{len(run):,}") for topic, names in run.topics.items()]
     topics += [(topic, shown.schema, f"{shown.messages:,}") for topic, shown in found.viewers.items()]
     say_table("topics", ("topic", "holds", "messages"), topics)
     say_table("attachments", ("file", "bytes"), [(name, f"{len(data):,}") for name, data in run.attachments.items()])
@@ -82,8 +82,8 @@ def columns(log: LogName, /, *, json: JsonFlag = False) -> int:
     """List the columns of a log: topic, name and unit."""
     from cycloid_mj.log import load
 
-    found = load(log)
-    rows = [(topic, name, found.run.units[name]) for topic, names in found.topics.items() for name in names]
+    groups = load(log).run.groups
+    rows = [(topic, name, unit) for topic, units in groups.items() for name, unit in units.items()]
     if json:
         say_json([dict(zip(("topic", "column", "unit"), row, strict=True)) for row in rows])
     else:
@@ -144,7 +144,7 @@ def repair(
     With --scene-hz also a whole log is written anew, with more or fewer frames
     of the 3-D scene. The log itself is left as it is.
     """
-    from cycloid_mj.log import load, rewrite
+    from cycloid_mj.log import load, write
 
     found = load(log)
     if found.whole and scene_hz is None:
@@ -154,7 +154,7 @@ def repair(
     path = source.with_name(f"{source.stem}-repaired.mcap") if out is None else Path(out)
     if path.exists() and path.samefile(source):
         raise LogError(f"cannot write {path} over itself: give another file")
-    rewrite(found, path, _scene(found, scene_hz), force=force)
+    write(found.run, path, _scene(found, scene_hz), force=force)
     tell(found.run.note or f"wrote all {len(found.run)} samples")
     say(str(path))
     return 0
@@ -173,12 +173,12 @@ def rerun(
     Rerun SDK: pip install 'cycloid-mj[rerun]'.
     """
     from cycloid_mj.analysis.series import design_of
-    from cycloid_mj.log import load
+    from cycloid_mj.log import read
     from cycloid_mj.scene.rerun import write_rerun
 
-    found = load(log)
+    run = read(log)
     path = Path(log).with_suffix(".rrd") if out is None else Path(out)
-    write_rerun(found.run, design_of(found.run), found.topics, path)
+    write_rerun(run, design_of(run), path)
     say(str(path))
     return 0
 
@@ -235,7 +235,7 @@ def _described(found: "Log") -> dict[str, Any]:
         "start_s": float(run.time[0]),
         "end_s": float(run.time[-1]),
         "rate_hz": _rate(run),
-        "topics": {topic: list(names) for topic, names in found.topics.items()},
+        "topics": {topic: list(names) for topic, names in run.topics.items()},
         "viewers": {topic: vars(shown) for topic, shown in found.viewers.items()},
         "attachments": {name: len(data) for name, data in run.attachments.items()},
         "provenance": dict(run.provenance),

@@ -29,13 +29,12 @@ class Forces:
 
 def tooth_forces(motion: Series) -> Array:
     """Size of the force of each tooth of the ring on the gear [N], shape (n, N)."""
-    stem = "pin" if motion.design.ring.kind == "pin" else "lobe"
-    return _sizes(motion, [f"{stem}_{i}" for i in range(1, motion.design.ring.teeth + 1)])
+    return _sizes(motion, motion.design.tooth_pair)
 
 
 def cam_force(motion: Series) -> Array:
     """Size of the force of the cam on the gear [N], shape (n,)."""
-    return _sizes(motion, ["cam"])[:, 0]
+    return _sizes(motion, "cam")[:, 0]
 
 
 def forces(motion: Series) -> Forces:
@@ -49,7 +48,7 @@ def forces(motion: Series) -> Forces:
     parts = turns(motion)
     rows = slice(parts[0].start, parts[-1].stop)
     teeth, cam = tooth_forces(motion)[rows], cam_force(motion)[rows]
-    output = _sizes(motion, [f"output_pin_{i}" for i in range(1, motion.design.output.pins + 1)])[rows]
+    output = _sizes(motion, "output")[rows]
     loaded, largest = np.count_nonzero(teeth, axis=1), teeth.max(axis=1)
     return Forces(
         teeth_mean=float(loaded.mean()),
@@ -63,6 +62,6 @@ def forces(motion: Series) -> Forces:
     )
 
 
-def _sizes(motion: Series, pairs: list[str]) -> Array:
-    run = motion.run
-    return np.column_stack([np.hypot(run[f"{pair}_force_x"], run[f"{pair}_force_y"]) for pair in pairs])
+def _sizes(motion: Series, kind: str) -> Array:
+    force = motion.run.forces(kind)
+    return np.hypot(force[..., 0], force[..., 1])

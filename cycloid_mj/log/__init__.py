@@ -29,14 +29,13 @@ Channels without ``units`` in their metadata belong to viewers: the reader passe
 other kinds. A log from ``cycloid-mj simulate`` has ``/tf`` (``foxglove.FrameTransforms``), ``/scene/parts`` and
 ``/scene/forces`` (``foxglove.SceneUpdate``), described in ``cycloid_mj.scene.messages``. Their frames are those of the
 first sample at or after each multiple of 1/rate; the rate [Hz] is in the channel's metadata under ``rate_hz``. They
-follow from the columns, so that a log loses nothing without them: `rewrite` makes them anew.
+follow from the columns, so that a log loses nothing without them: `write` makes them anew.
 """
 
 from cycloid_mj.log.encoding import FORMAT, Group
 from cycloid_mj.log.place import LogTakenError
 from cycloid_mj.log.reader import Log, Shown, load, read
-from cycloid_mj.log.rewrite import rewrite
 from cycloid_mj.log.viewer import Viewer
-from cycloid_mj.log.writer import LogWriter
+from cycloid_mj.log.writer import LogWriter, write
 
-__all__ = ["FORMAT", "Group", "Log", "LogTakenError", "LogWriter", "Shown", "Viewer", "load", "read", "rewrite"]
+__all__ = ["FORMAT", "Group", "Log", "LogTakenError", "LogWriter", "Shown", "Viewer", "load", "read", "write"]

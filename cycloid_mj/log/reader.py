@@ -40,8 +40,6 @@ class Log:
     ----------
     run
         What it holds.
-    topics
-        Topic -> names of its columns.
     viewers
         Topic -> what it holds for viewers.
     whole
@@ -51,7 +49,6 @@ class Log:
     """
 
     run: Run
-    topics: Mapping[str, tuple[str, ...]]
     viewers: Mapping[str, Shown]
     whole: bool
     size: int
@@ -103,8 +100,7 @@ def load(path: str | os.PathLike[str]) -> Log:
             f"log {path} holds no samples: the run was stopped before the first chunk was written; run it again"
         )
     run = _joined(contents, {channel: table[:samples] for channel, table in tables.items()}, whole, path)
-    topics = {group.topic: tuple(group.units) for group in contents.groups.values()}
-    return Log(run, topics, _viewers(contents), whole, size)
+    return Log(run, _viewers(contents), whole, size)
 
 
 def _opened(path: Path) -> BinaryIO:
@@ -227,6 +223,7 @@ def _joined(contents: _Contents, tables: dict[int, Any], whole: bool, path: Path
         note, complete = "; ".join(filter(None, (note, cut))), False
     try:
         provenance = contents.metadata.get("provenance", {})
-        return Run(time, columns, units, provenance, contents.attachments, complete, note)
+        topics = {group.topic: tuple(group.units) for group in groups.values()}
+        return Run(time, columns, units, provenance, contents.attachments, complete, note, topics)
     except LogError as problem:
         raise container.corrupt(path, str(problem)) from problem

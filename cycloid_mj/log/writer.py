@@ -1,4 +1,4 @@
-"""The writer of logs: samples go to disk as the run goes, chunk by chunk."""
+"""The writer of logs: samples go to disk as the run goes, chunk by chunk; or a whole run at once."""
 
 import os
 from collections import Counter, defaultdict
@@ -18,9 +18,10 @@ from cycloid_mj.log.encoding import FORMAT, PACKAGE, Group
 from cycloid_mj.log.place import LogTakenError
 from cycloid_mj.log.start import attach, started, storable
 from cycloid_mj.log.viewer import RATE, Message, Viewer, due
+from cycloid_mj.record import Run
 from cycloid_mj.types import Array
 
-Groups = Mapping[str, Sequence[tuple[str, str]]]
+Groups = Mapping[str, Mapping[str, str] | Sequence[tuple[str, str]]]
 
 
 class LogWriter:
@@ -35,7 +36,7 @@ class LogWriter:
     path
         File to write. Refused if it exists, unless `force`.
     groups
-        Topic -> (column, unit) pairs; a column name occurs once in all groups.
+        Topic -> columns with their units; a column name occurs once in all groups.
     provenance
         Flat text about the run.
     attachments
@@ -263,6 +264,30 @@ class LogWriter:
         )
 
 
+def write(run: Run, path: str | os.PathLike[str], viewer: Viewer | None = None, *, force: bool = False) -> None:
+    """Write a run as a log, whole: every topic, the provenance and every attachment. The file appears once it is whole.
+
+    Parameters
+    ----------
+    run
+        From memory, or from a log, cut or not: one that is not complete stays so, and its note says how far it goes.
+    path
+        File to write. Refused if it exists, unless `force`.
+    viewer
+        What makes the viewers' messages from the columns; without it the log has none.
+    force
+        Whether to replace an existing log.
+
+    Raises
+    ------
+    LogError
+        The file exists or cannot be written.
+    """
+    with LogWriter(path, run.groups, run.provenance, run.attachments, force=force, viewer=viewer, hidden=True) as log:
+        log.write(run.time, {topic: run.block(names) for topic, names in run.topics.items()})
+        log.close(run.note, run.complete)
+
+
 def _viewer_channels(mcap: Writer, viewer: Viewer) -> dict[str, int]:
     """Register the viewer's topics; give the channel of each."""
     told = {RATE: repr(viewer.rate)}
@@ -279,7 +304,7 @@ def _checked(groups: Groups) -> list[Group]:
         raise LogError("a log needs at least one group of columns: give {'/topic': [(column, unit), ...]}")
     seen: dict[str, str] = {}
     for topic, columns in groups.items():
-        for name, _ in columns:
+        for name in columns if isinstance(columns, Mapping) else [name for name, _ in columns]:
             if name in seen:
                 raise LogError(f"column {name!r} of {topic} is in {seen[name]} too: give each column its own name")
             seen[name] = topic

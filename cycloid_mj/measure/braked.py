@@ -12,7 +12,7 @@ from cycloid_mj.course import braked_output, rising
 from cycloid_mj.design import Design
 from cycloid_mj.measure.steady import steady
 from cycloid_mj.mjcf import ReducerModel, build
-from cycloid_mj.mjcf.names import DRIVE
+from cycloid_mj.names import DRIVE
 from cycloid_mj.record import Run
 
 DECAY = 2e-3

@@ -5,7 +5,7 @@ from typing import Any
 
 from cycloid_mj.measure.paper import PaperFigure
 from cycloid_mj.measure.steady import Powers
-from cycloid_mj.mjcf.names import DRAGS
+from cycloid_mj.names import DRAGS
 from cycloid_mj.result import Table
 
 TEETH = ("pin_gear", "pin_socket", "pin_sleeve", "tooth")

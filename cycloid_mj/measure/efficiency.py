@@ -16,7 +16,7 @@ from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, silent
 from cycloid_mj.measure.sensitivity import friction_for
 from cycloid_mj.measure.steady import steady_design, whole_periods
-from cycloid_mj.mjcf.names import pairs
+from cycloid_mj.names import pairs
 from cycloid_mj.result import Curve, Quantity, Table
 
 TORQUES, SPEEDS = (0.25, 0.5, 1.0), (0.5, 1.0, 1.5)

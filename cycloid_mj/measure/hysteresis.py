@@ -18,6 +18,7 @@ from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.design import Design
 from cycloid_mj.measure import bench
 from cycloid_mj.mechanism import limits
+from cycloid_mj.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.record import Run
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.types import Array
@@ -113,7 +114,7 @@ class Loop:
     def dissipated(self) -> float:
         """Work that friction and contacts took over the period, as logged [J]; what they store is back at its end."""
         within = self.run.select(self.run.time >= LEAD / (1.0 + LEAD) * self.run.time[-1])
-        names = [name for name in within.columns if name.endswith(("_friction_power", "_normal_power"))]
+        names = [name for name in within.columns if name.endswith((FRICTION_POWER, NORMAL_POWER))]
         return float(np.trapezoid(within.block(names).sum(axis=1), within.time))
 
     @property

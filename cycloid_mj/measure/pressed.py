@@ -8,7 +8,7 @@ import numpy as np
 from cycloid_mj import envelope, statics
 from cycloid_mj.contact.pressure import hertz_holds, hertz_pressure, line_curvature, line_share
 from cycloid_mj.design import Design
-from cycloid_mj.mjcf import names
+from cycloid_mj.names import pairs
 from cycloid_mj.record import Run
 from cycloid_mj.solid import gear_solid, mass_properties
 from cycloid_mj.solid.gear import tooth_profile
@@ -94,12 +94,9 @@ def pressed(run: Run, design: Design) -> dict[str, Pressed]:
     """Give the contacts of a run's samples by kind of pair."""
     crank = run["crank_angle"]
     angle = crank - 2.0 * math.pi * np.floor(crank[0] / (2.0 * math.pi))
-    mating: dict[str, list[str]] = {}
-    for pair in names.pairs(design):
-        mating.setdefault(pair.kind, []).append(pair.name)
     found = {}
-    for kind, stems in mating.items():
-        vector = np.stack([run.block([f"{stem}_force_x", f"{stem}_force_y"]) for stem in stems], axis=1)
+    for kind in dict.fromkeys(pair.kind for pair in pairs(design)):
+        vector = run.forces(kind)
         curvature = relative_curvature(design, kind, crank)
         force = np.hypot(vector[..., 0], vector[..., 1]) * line_share(design, kind)
         pressure, holds = hertz_pressure(design, force, curvature), hertz_holds(design, kind, force, curvature)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.design import Design
-from cycloid_mj.mjcf.names import CAM, GEAR, OUTPUT, SHAFT, lobe, output_pin, pin, sleeve, socket
+from cycloid_mj.names import CAM, GEAR, OUTPUT, SHAFT, lobe, output_pin, pin, sleeve, socket
 from cycloid_mj.record import Run
 from cycloid_mj.solid import MassProperties, Solid, gear_solid, mass_properties, output_solid, pin_solid, shaft_solid
 from cycloid_mj.types import Array

@@ -12,6 +12,7 @@ from cycloid_mj.design import Design, override
 from cycloid_mj.errors import warn
 from cycloid_mj.measure.conditions import LOG_RATE, require_motion, stepped
 from cycloid_mj.mjcf import ReducerModel
+from cycloid_mj.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.record import Run
 from cycloid_mj.run import simulate
 
@@ -129,11 +130,7 @@ def powers(run: Run) -> Powers:
     return Powers(
         crank=float(np.mean(run["crank_torque"] * run["crank_speed"])),
         output=float(np.mean(run["load_torque"] * run["output_speed"])),
-        friction=_means(run, "_friction_power"),
-        normal=_means(run, "_normal_power"),
+        friction={kind: float(np.mean(power)) for kind, power in run.by_stem(FRICTION_POWER).items()},
+        normal={kind: float(np.mean(power)) for kind, power in run.by_stem(NORMAL_POWER).items()},
         stored=float((energy[-1] - energy[0]) / (run.time[-1] - run.time[0])),
     )
-
-
-def _means(run: Run, ending: str) -> dict[str, float]:
-    return {name.removesuffix(ending): float(np.mean(run[name])) for name in run.columns if name.endswith(ending)}

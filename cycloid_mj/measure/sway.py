@@ -17,7 +17,7 @@ from cycloid_mj.measure.conditions import LOG_RATE, RPM, at_speed, turn_period
 from cycloid_mj.measure.reaction import masses, reaction, shaft_acceleration, without_counterweight
 from cycloid_mj.measure.trace import RISE, SETTLING, pressed
 from cycloid_mj.mjcf import ReducerModel
-from cycloid_mj.mjcf.names import GEAR, SHAFT
+from cycloid_mj.names import GEAR, PEAK_FORCE, SHAFT, column
 from cycloid_mj.record import Run
 from cycloid_mj.run import simulate
 from cycloid_mj.types import Array
@@ -153,8 +153,7 @@ def _fewer(run: Run, every: int) -> Run:
     kept = run.select(slice(None, None, every))
     starts = np.maximum(np.arange(len(kept)) * every - every + 1, 0)
     peaks = {
-        name: np.maximum.reduceat(run[name][: starts[-1] + every], starts)
-        for name in run.columns
-        if name.endswith("_peak_force")
+        column(pair, PEAK_FORCE): np.maximum.reduceat(peak[: starts[-1] + every], starts)
+        for pair, peak in run.by_stem(PEAK_FORCE).items()
     }
     return replace(kept, columns={**kept.columns, **peaks})

@@ -12,7 +12,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from cycloid_mj import __version__
+from cycloid_mj import __version__, names
 from cycloid_mj.contact.working import for_slices
 from cycloid_mj.convex import (
     ConvexSettings,
@@ -27,7 +27,6 @@ from cycloid_mj.convex import (
 from cycloid_mj.design import Design, dump
 from cycloid_mj.errors import CycloidError, warn
 from cycloid_mj.mjcf import model as exact
-from cycloid_mj.mjcf import names
 from cycloid_mj.mjcf.keyframe import add_keyframes
 from cycloid_mj.mjcf.mesh import MeshSpec, add_rest, mesh_spec
 from cycloid_mj.mjcf.scene import scene_xml

@@ -3,11 +3,11 @@
 import math
 from typing import Any
 
+from cycloid_mj import names
 from cycloid_mj.design import Design
 from cycloid_mj.deviations import is_ideal
 from cycloid_mj.kinematics import gear_centre, gear_rotation, gear_speed
 from cycloid_mj.mechanism.limits import best_fit
-from cycloid_mj.mjcf import names
 from cycloid_mj.modification import tooth_profile
 
 QUARTERS = (0, 90, 180, 270)

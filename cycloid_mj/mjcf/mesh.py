@@ -16,6 +16,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from cycloid_mj import names
 from cycloid_mj.contact.law import ContactLaw, SolverParameters, curvature_law, solver_parameters
 from cycloid_mj.contact.working import for_slices, working_force
 from cycloid_mj.convex import ConvexSettings, Place, Rest, Surface, prism, surfaces
@@ -25,7 +26,6 @@ from cycloid_mj.digits import on_grid
 from cycloid_mj.errors import DesignError
 from cycloid_mj.export.stl import stl_bytes
 from cycloid_mj.mjcf import model as exact
-from cycloid_mj.mjcf import names
 from cycloid_mj.mjcf.foundation import slice_law
 from cycloid_mj.mjcf.model import ReducerModel
 from cycloid_mj.solid import VISUAL_CHORD_ERROR, MassProperties, mass_properties, mesh, parts

@@ -11,6 +11,7 @@ from typing import Any, Literal
 import mujoco
 import numpy as np
 
+from cycloid_mj import names
 from cycloid_mj.contact.collider import Role
 from cycloid_mj.contact.law import (
     IMPRATIO,
@@ -28,10 +29,9 @@ from cycloid_mj.contact.working import working_force
 from cycloid_mj.design import Design
 from cycloid_mj.deviations import deviations
 from cycloid_mj.digits import on_grid, significant
-from cycloid_mj.mjcf import names
-from cycloid_mj.mjcf.names import Pair
 from cycloid_mj.mjcf.solver import set_solver
 from cycloid_mj.modification import FlankEnds, flank_ends
+from cycloid_mj.names import Pair
 from cycloid_mj.solid import VISUAL_CHORD_ERROR, MassProperties, Mesh, mass_properties, mesh, parts, sleeve_core_radius
 from cycloid_mj.solid.gear import gear_profile, profile_offset
 

@@ -16,11 +16,12 @@ from matplotlib.transforms import Affine2D
 from cycloid_mj.analysis import condition
 from cycloid_mj.design import Design
 from cycloid_mj.envelope import sample_ring_by_sagitta
+from cycloid_mj.names import GEAR, OUTPUT, SHAFT
 from cycloid_mj.plots.mechanism import LOOKS
 from cycloid_mj.plots.style import BLACK, BLUE, VERMILION
 from cycloid_mj.scene import ContactForces, Drawing, ring_outline
 from cycloid_mj.scene.drawing import Radii
-from cycloid_mj.scene.pose import GEAR, OUTPUT, SHAFT, ring_places
+from cycloid_mj.scene.pose import ring_places
 from cycloid_mj.solid import circle, gear_solid, housing_solid
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.solid.polygon import arc

@@ -15,8 +15,9 @@ from cycloid_mj import profile
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
 from cycloid_mj.kinematics import gear_centre, gear_rotation
+from cycloid_mj.names import GEAR, OUTPUT, pin
 from cycloid_mj.profile import CycloidGear
-from cycloid_mj.scene.pose import GEAR, OUTPUT, pin, poses, ring_places
+from cycloid_mj.scene.pose import poses, ring_places
 from cycloid_mj.solid import output_centres
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.types import Array

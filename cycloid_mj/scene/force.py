@@ -1,6 +1,5 @@
 """What force acts where: from the columns of a run to arrows on the parts."""
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -8,24 +7,13 @@ import numpy as np
 
 from cycloid_mj.design import Design
 from cycloid_mj.kinematics import gear_centre
+from cycloid_mj.names import FORCE_X, FORCE_Y, GEAR, MOMENT, OUTPUT, SHAFT, column, kind_of, number_of, pin
 from cycloid_mj.record import usable
 from cycloid_mj.scene.drawing import Drawing, Radii, drawn_radii
-from cycloid_mj.scene.pose import GEAR, OUTPUT, SHAFT, pin, poses, ring_places
+from cycloid_mj.scene.pose import poses, ring_places
 from cycloid_mj.solid import output_centres
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.types import Array
-
-_PAIR = re.compile(r"(?P<stem>[a-z_]*[a-z])(_(?P<number>\d+))?_force_x")
-KINDS = {
-    "pin": "pin_gear",
-    "tooth": "tooth",
-    "lobe": "tooth",
-    "socket": "pin_socket",
-    "sleeve": "pin_sleeve",
-    "cam": "cam",
-    "output_pin": "output",
-}
-"""First word of a mating pair's columns -> its kind."""
 
 _ON_PINS = ("pin_socket", "pin_sleeve")
 
@@ -87,17 +75,18 @@ def contact_forces(design: Design, columns: Mapping[str, Array], drawn: Drawing 
     LogError
         A column of the parts' motion is missing.
     """
-    pairs = [match for name in columns if (match := _PAIR.fullmatch(name)) and match["stem"] in KINDS]
-    names = tuple(match.string.removesuffix("_force_x") for match in pairs)
-    kinds = tuple(KINDS[match["stem"]] for match in pairs)
+    end = column("", FORCE_X)
+    stems = (name.removesuffix(end) for name in columns if name.endswith(end))
+    acting = {pair: kind for pair in stems if (kind := kind_of(pair))}
+    names, kinds = tuple(acting), tuple(acting.values())
     count = columns["crank_angle"].size
-    point, force = np.empty((count, len(pairs), 2)), np.empty((count, len(pairs), 2))
+    point, force = np.empty((count, len(names), 2)), np.empty((count, len(names), 2))
     place = poses(design, columns)
     true = _measured(design, place)
     shown = true if drawn is None else _drawn(design, drawn)
-    for row, (name, kind, match) in enumerate(zip(names, kinds, pairs, strict=True)):
-        number = int(match["number"] or 1)
-        wrench = usable(np.stack([columns[f"{name}_{part}"] for part in ("force_x", "force_y", "moment")], axis=1))
+    for row, (name, kind) in enumerate(acting.items()):
+        number = number_of(name)
+        wrench = usable(np.stack([columns[column(name, part)] for part in (FORCE_X, FORCE_Y, MOMENT)], axis=1))
         origin = (place[pin(number)] if kind in _ON_PINS else place[GEAR])[:, :2]
         along = _direction(wrench[:, :2])
         aside = _aside(wrench, along, true.surface(kind, number, along) - origin)

@@ -4,8 +4,8 @@ from collections.abc import Iterable
 from typing import Any
 
 from cycloid_mj.design import Design
+from cycloid_mj.names import GEAR, HOUSING, OUTPUT, SHAFT, pin
 from cycloid_mj.scene.messages import FORCES, PARTS, ROOT
-from cycloid_mj.scene.pose import GEAR, HOUSING, OUTPUT, SHAFT, pin
 
 MECHANISM = "3D!mechanism"
 SLOW = 0.01

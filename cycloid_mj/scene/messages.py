@@ -22,9 +22,10 @@ from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
+from cycloid_mj.names import pin
 from cycloid_mj.scene.force import ContactForces, contact_forces, reference_force
 from cycloid_mj.scene.glb import MEDIA_TYPE, glb
-from cycloid_mj.scene.pose import pin, poses, ring_places
+from cycloid_mj.scene.pose import poses, ring_places
 from cycloid_mj.scene.shape import Colour, shapes
 from cycloid_mj.types import Array
 

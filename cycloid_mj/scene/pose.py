@@ -6,17 +6,12 @@ import numpy as np
 
 from cycloid_mj.design import Design
 from cycloid_mj.errors import LogError
+from cycloid_mj.names import GEAR, HOUSING, OUTPUT, SHAFT, column, pin
 from cycloid_mj.profile import unit
 from cycloid_mj.record import usable
 from cycloid_mj.types import Array
 
-HOUSING, SHAFT, GEAR, OUTPUT = "housing", "shaft", "gear", "output"
 POSE_COLUMNS = ("crank_angle", "gear_x", "gear_y", "gear_angle", "output_angle")
-
-
-def pin(number: int) -> str:
-    """Name ring pin 1, 2, ... (1 on +y, clockwise)."""
-    return f"pin_{number}"
 
 
 def ring_places(design: Design) -> Array:
@@ -57,7 +52,7 @@ def poses(design: Design, columns: Mapping[str, Array]) -> dict[str, Array]:
     }
     if design.ring.kind == "pin":
         for number, (x, y) in enumerate(ring_places(design), start=1):
-            away = [columns.get(f"{pin(number)}_{name}", still) for name in ("x", "y", "angle")]
+            away = [columns.get(column(pin(number), name), still) for name in ("x", "y", "angle")]
             found[pin(number)] = _pose(x + away[0], y + away[1], away[2])
     return found
 

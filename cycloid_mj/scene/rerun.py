@@ -25,7 +25,7 @@ PLOTTED = (("gear_speed",), ("output_speed",), ("crank_torque", "load_torque"), 
 """Columns in the plots that the viewer opens with; every other can be dragged there."""
 
 
-def write_rerun(run: Run, design: Design, topics: Mapping[str, tuple[str, ...]], path: str | os.PathLike[str]) -> None:
+def write_rerun(run: Run, design: Design, path: str | os.PathLike[str]) -> None:
     """Write a run as a Rerun recording (.rrd): moving parts, forces on the gear, every column, and a layout.
 
     Parameters
@@ -34,8 +34,6 @@ def write_rerun(run: Run, design: Design, topics: Mapping[str, tuple[str, ...]],
         The run.
     design
         Its design.
-    topics
-        Topic -> names of its columns, as they are grouped in the viewer.
     path
         File to write; replaced if it exists.
 
@@ -51,11 +49,11 @@ def write_rerun(run: Run, design: Design, topics: Mapping[str, tuple[str, ...]],
     name = "cycloid_mj_" + "_".join(design.name.split())
     with whole_file(path) as beside:
         recording = rr.RecordingStream(name)
-        recording.save(str(beside), default_blueprint=_layout(design, topics))
+        recording.save(str(beside), default_blueprint=_layout(design, run.topics))
         time = rr.TimeColumn(TIMELINE, duration=run.time)
         _log_parts(rr, recording, design, time, place)
         _log_forces(rr, recording, design, time, acting)
-        for topic, names in topics.items():
+        for topic, names in run.topics.items():
             for column in names:
                 values = rr.Scalars.columns(scalars=run[column])
                 recording.send_columns(f"{SIGNALS}{topic}/{column}", indexes=[time], columns=values)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from cycloid_mj.design import Design
-from cycloid_mj.scene.pose import OUTPUT
+from cycloid_mj.names import OUTPUT
 from cycloid_mj.solid import Mesh, Solid, mesh, parts
 
 Colour = tuple[float, float, float, float]

@@ -11,7 +11,6 @@ import numpy.typing as npt
 from cycloid_mj import kinematics, statics
 from cycloid_mj.design import Design
 from cycloid_mj.mjcf import build
-from cycloid_mj.mjcf.names import CAM
 from cycloid_mj.record import Run
 from cycloid_mj.run import simulate
 from cycloid_mj.solid import gear_solid, mass_properties
@@ -42,7 +41,7 @@ def _slow_row(quick: bool) -> Row:
     rpm = 100.0 if quick else 40.0
     design = reducer_of(FIXED, *IDEAL, *rig.without_gravity(), "contact.stiffness_n_m=1e7", "load.torque_nm=1.0")
     run = _ideal_run(design, rpm, 60.0 / (rpm * design.ring.teeth))
-    ours, ideal = rig.forces(run, [CAM])[:, 0], statics_load(design, run["crank_angle"])
+    ours, ideal = run.forces("cam")[:, 0], statics_load(design, run["crank_angle"])
     return deviation("load of the cam, slow and ideal", ours, ideal, "N", "ring + output pins, closed form", 0.5)
 
 
@@ -53,7 +52,7 @@ def _fast_rows(quick: bool) -> list[Row]:
     )
     run = _ideal_run(design, 1640.0, 60.0 / 1640.0)
     crank, speed = run["crank_angle"], run["crank_speed"]
-    ours = rig.forces(run, [CAM])[:, 0]
+    ours = run.forces("cam")[:, 0]
     inertia = body_force(design, crank, speed)
     ideal = statics_load(design, crank, inertia)
     outward = np.stack([-np.sin(crank), np.cos(crank)], axis=-1)
@@ -69,9 +68,9 @@ def _fast_rows(quick: bool) -> list[Row]:
 
 def _rated_rows(quick: bool) -> list[Row]:
     run, design = rig.rated_run(FREE, 1640.0, 12 if quick else 36)
-    crank, cam = run["crank_angle"], rig.forces(run, [CAM])[:, 0]
+    crank, cam = run["crank_angle"], run.forces("cam")[:, 0]
     body = body_force(design, crank, run["crank_speed"])
-    balance = -rig.ring_forces(run, design).sum(axis=1) - rig.output_forces(run, design).sum(axis=1) - body
+    balance = -run.forces(design.tooth_pair).sum(axis=1) - run.forces("output").sum(axis=1) - body
     # The gear's vibration has no mean in the turning frame.
     ours, held = (np.mean(_turning(force, crank), axis=0, keepdims=True) for force in (cam, balance))
     ideal = statics_load(design, crank, body)

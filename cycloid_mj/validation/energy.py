@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.design import Design
+from cycloid_mj.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.record import Run
 from cycloid_mj.run import simulate
 from cycloid_mj.types import Array
@@ -87,8 +88,8 @@ def balance(run: Run) -> Balance:
     return Balance(
         supplied=_work(run, run["crank_torque"] * run["crank_speed"]),
         delivered=-_work(run, run["load_torque"] * run["output_speed"]),
-        friction=sum(_work(run, run[name]) for name in run.columns if name.endswith("_friction_power")),
-        normal=sum(_work(run, run[name]) for name in run.columns if name.endswith("_normal_power")),
+        friction=sum(_work(run, power) for power in run.by_stem(FRICTION_POWER).values()),
+        normal=sum(_work(run, power) for power in run.by_stem(NORMAL_POWER).values()),
         stored=float(energy[-1] - energy[0]),
     )
 

@@ -266,7 +266,7 @@ def friction_by_force(run: Run, design: Design) -> float:
     gear = tooth_profile(design)
     B = profile.pin_angles(gear) + run["crank_angle"][:, np.newaxis]
     inward = -profile.unit(profile.pin_angles(gear) - profile.conjugate_alpha(gear, B))
-    normal = np.sum(rig.ring_forces(run, design) * inward, axis=-1)
+    normal = np.sum(run.forces(design.tooth_pair) * inward, axis=-1)
     reach = profile.pitch_distance(gear, B) - gear.pin_radius
     speed = design.drive.speed / gear.lobes
     return float(design.friction.pin_gear * speed * np.mean(np.sum(normal * reach, axis=1)))

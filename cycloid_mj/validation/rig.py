@@ -1,6 +1,5 @@
 """Designs and runs of the ladder: the three kinds of ring, idealised where a closed form asks for it."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -9,7 +8,7 @@ from cycloid_mj.contact.law import contact_law, solver_parameters
 from cycloid_mj.contact.teeth import Teeth
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.mjcf import ReducerModel
-from cycloid_mj.mjcf.names import TEETH, output_pin
+from cycloid_mj.names import TEETH
 from cycloid_mj.record import Run
 from cycloid_mj.run import simulate
 from cycloid_mj.types import Array
@@ -79,22 +78,6 @@ def part_patches(reducer: ReducerModel) -> None:
 def inverse_weight(model: Any, *geoms: str) -> float:
     """Give the sum of the ``body_invweight0`` of the bodies of two geoms [1/kg]."""
     return float(sum(model.body_invweight0[model.geom(name).bodyid[0], 0] for name in geoms))
-
-
-def forces(run: Run, stems: Sequence[str]) -> Array:
-    """Give the logged forces of some pairs [N], shape (samples, pairs, 2)."""
-    return np.stack([run.block([f"{stem}_force_x", f"{stem}_force_y"]) for stem in stems], axis=1)
-
-
-def ring_forces(run: Run, design: Design) -> Array:
-    """Give the forces of the ring's pins or lobes on the gear [N], shape (samples, N, 2)."""
-    stem = "lobe" if design.ring.kind == "nonpin" else "pin"
-    return forces(run, [f"{stem}_{number}" for number in range(1, design.ring.teeth + 1)])
-
-
-def output_forces(run: Run, design: Design) -> Array:
-    """Give the forces of the output pins on the gear [N], shape (samples, pins, 2)."""
-    return forces(run, [output_pin(number) for number in range(1, design.output.pins + 1)])
 
 
 def rated_run(kind: str, rpm: float, periods: int, *changes: str) -> tuple[Run, Design]:

@@ -12,7 +12,6 @@ import numpy as np
 from cycloid_mj import envelope, profile, statics
 from cycloid_mj.design import Design
 from cycloid_mj.mjcf import build
-from cycloid_mj.mjcf.names import CAM
 from cycloid_mj.profile import CycloidGear
 from cycloid_mj.record import Run
 from cycloid_mj.run import simulate
@@ -75,7 +74,7 @@ def _ideal_row(
     design = _slow(reducer_of(kind, *IDEAL), 100.0 if quick else 40.0)
     run = settled_run(design, STIFF_CAM, apart)
     ideal = np.stack([reference(design, crank) for crank in run["crank_angle"]])
-    return deviation(quantity, rig.ring_forces(run, design), ideal, "N", source, PACE_BOUND, note)
+    return deviation(quantity, run.forces(design.tooth_pair), ideal, "N", source, PACE_BOUND, note)
 
 
 def ideal_forces(design: Design, crank: float) -> Array:
@@ -113,8 +112,8 @@ def _solved_rows(design: Design, name: str, cam: float | None, quick: bool) -> l
     stiffness["cam"] = cam or stiffness["cam"]
     samples = np.linspace(0, len(run) - 1, 2 if quick else 5).astype(int)
     solved = [equilibrium.solve(slow, stiffness, float(run["crank_angle"][k])) for k in samples]
-    ring, ideal_ring = rig.ring_forces(run, slow)[samples], np.stack([one.ring_forces for one in solved])
-    cam_load, ideal_cam = rig.forces(run, [CAM])[samples, 0], np.stack([one.cam_force for one in solved])
+    ring, ideal_ring = run.forces(slow.tooth_pair)[samples], np.stack([one.ring_forces for one in solved])
+    cam_load, ideal_cam = run.forces("cam")[samples, 0], np.stack([one.cam_force for one in solved])
     turn = (run["gear_angle"] + run["crank_angle"] / slow.lobes)[samples]
     ideal_turn = np.array([one.gear_turn for one in solved])
     source = "static solution by scipy"

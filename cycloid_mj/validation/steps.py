@@ -13,8 +13,6 @@ from scipy.optimize import brentq
 from cycloid_mj.analysis import analyze
 from cycloid_mj.design import PRESETS
 from cycloid_mj.errors import RunError
-from cycloid_mj.mjcf.names import CAM
-from cycloid_mj.validation import rig
 from cycloid_mj.validation.rig import FREE, PERIODS, SLEEVED, rated_run
 from cycloid_mj.validation.row import Row, absolute, relative
 
@@ -106,7 +104,7 @@ def _figures(kind: str, step: float, quick: bool) -> Figures | RunError:
     except RunError as error:
         return error
     findings = analyze(run)
-    cam = rig.forces(run, [CAM])[:, 0]
+    cam = run.forces("cam")[:, 0]
     return Figures(
         gear_speed=1e3 * findings.gear_speed.rms_error_rad_s,
         mean_error=findings.gear_transmission_error.mean_arcsec,

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.design import Design
-from cycloid_mj.mjcf.names import CAM
 from cycloid_mj.record import Run
 from cycloid_mj.solid import gear_solid, mass_properties
 from cycloid_mj.types import Array
@@ -52,9 +51,9 @@ def mirror_rows(kind: str, quick: bool) -> list[Row]:
     bounds, source = _bounds(kind), "mirror image"
     curve, mirrored_curve = ripple(forward, design, 1.0), -ripple(backward, design, -1.0)
     middle = float(np.mean(curve))
-    ring = rig.ring_forces(forward, design)
+    ring = forward.forces(design.tooth_pair)
     opposite = -np.arange(design.ring.teeth) % design.ring.teeth
-    mirrored_ring = rig.ring_forces(backward, design)[:, opposite] * [-1.0, 1.0]
+    mirrored_ring = backward.forces(design.tooth_pair)[:, opposite] * [-1.0, 1.0]
     shares = 100.0 * efficiency(backward), 100.0 * efficiency(forward)
     return [
         deviation(
@@ -123,7 +122,7 @@ def ripple(run: Run, design: Design, way: float) -> Array:
 
 def mean_force(run: Run, design: Design) -> Array:
     """Give the mean force of all contacts on the gear [N], shape (2,)."""
-    parts = (rig.ring_forces(run, design), rig.output_forces(run, design), rig.forces(run, [CAM]))
+    parts = [run.forces(kind) for kind in (design.tooth_pair, "output", "cam")]
     return np.asarray(np.mean(sum(part.sum(axis=1) for part in parts), axis=0))
 
 

@@ -15,7 +15,6 @@ from cycloid_mj.whole import write_whole
 if TYPE_CHECKING:
     from cycloid_mj.measure import Measurement
     from cycloid_mj.measure.pool import Progress
-    from cycloid_mj.record import Run
     from cycloid_mj.result import Quantity
 
 HEADER = ("quantity", "value", "unit", "num. error", "closed form", "source")
@@ -38,6 +37,7 @@ def deliver(found: "Sequence[Measurement]", into: Path, json: bool, quiet: bool,
 
 def write(found: "Measurement", into: Path, no_log: bool) -> list[Path]:
     """Write figure, JSON and logs of a measurement; give their paths."""
+    from cycloid_mj.log import write as write_log
     from cycloid_mj.plots import save
     from cycloid_mj.plots.measure import measurement_figure
 
@@ -47,7 +47,9 @@ def write(found: "Measurement", into: Path, no_log: bool) -> list[Path]:
     write_whole({result: (text_of.dumps(finite(with_warnings(found.as_json())), indent=2) + "\n").encode()})
     written.append(result)
     if not no_log:
-        written += [write_log(run, into / f"{stem}-{name}.mcap") for name, run in found.runs.items()]
+        for name, run in found.runs.items():
+            written.append(into / f"{stem}-{name}.mcap")
+            write_log(run, written[-1], force=True)
     return written
 
 
@@ -62,19 +64,6 @@ def print_table(found: "Measurement") -> None:
         say_table(table.title, table.header, cells)
     for sentence in found.assumptions:
         say(f"assumed: {sentence}")
-
-
-def write_log(run: "Run", path: Path) -> Path:
-    """Write a run to a log of its own, replacing one of that name."""
-    from cycloid_mj.log import LogWriter
-    from cycloid_mj.run import topics
-
-    groups = topics(run)
-    units = {topic: [(name, run.units[name]) for name in names] for topic, names in groups.items()}
-    with LogWriter(path, units, run.provenance, run.attachments, force=True, hidden=True) as log:
-        log.write(run.time, {topic: run.block(names) for topic, names in groups.items()})
-        log.close(run.note, run.complete)
-    return path
 
 
 def told(what: str, quiet: bool) -> "Progress":

@@ -1,9 +1,29 @@
-"""Every name of the model: bodies, joints, geoms, pairs and sensors. Sensors are named as the log's columns."""
+"""Every name of the model and of the log: bodies, joints, geoms, mating pairs, sensors, topics and columns."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 from cycloid_mj.design import Design
+
+REDUCER, PINS, FORCES = "/reducer", "/pins", "/forces"
+"""Topics of a log."""
+
+FRICTION_POWER, NORMAL_POWER = "friction_power", "normal_power"
+"""What a kind of pair, or a drag, takes by sliding and by its normal forces (damping) [W]."""
+
+FORCE_X, FORCE_Y, MOMENT, PEAK_FORCE = "force_x", "force_y", "moment", "peak_force"
+"""What acts in a pair: the wrench about the origin of the body that feels it [N], [N m], and the largest force since
+the sample before [N]."""
+
+KINDS = {
+    "pin": "pin_gear",
+    "lobe": "tooth",
+    "socket": "pin_socket",
+    "sleeve": "pin_sleeve",
+    "cam": "cam",
+    "output_pin": "output",
+}
+"""What a mating pair is named by, before its number -> its kind."""
 
 SHAFT, GEAR, OUTPUT, HOUSING = "shaft", "gear", "output", "housing"
 CRANK_JOINT, OUTPUT_JOINT = "crank", "output"
@@ -11,6 +31,21 @@ DRIVE, LOAD = "drive", "load"
 TEETH, BORE, CAM = "teeth", "bore", "cam"
 DRAGS = {"crank_drag": CRANK_JOINT, "output_drag": OUTPUT_JOINT}
 """Loss of seals and lubricant -> the joint that it brakes; a design without has neither."""
+
+
+def column(stem: str, quantity: str) -> str:
+    """Name the column of a quantity of a pair, a kind of pair or a pin."""
+    return f"{stem}_{quantity}"
+
+
+def kind_of(pair: str) -> str | None:
+    """Give the kind of a mating pair by its name; None of any other name."""
+    return KINDS.get(pair.rstrip("0123456789").rstrip("_"))
+
+
+def number_of(pair: str) -> int:
+    """Give the number of a pin, lobe or mating pair by its name: 1, 2, ...; 1 of the cam, which has none."""
+    return int(pair.rpartition("_")[2]) if pair[-1].isdigit() else 1
 
 
 def pin(number: int) -> str:
@@ -108,7 +143,7 @@ def sensors(design: Design) -> dict[str, dict[str, str]]:
     }
     pins: dict[str, str] = {}
     if design.ring.has_moving_pins:
+        units = {"x": "m", "y": "m", "angle": "rad", "speed": "rad/s"}
         for i in range(1, design.ring.teeth + 1):
-            stem = pin(i)
-            pins |= {f"{stem}_x": "m", f"{stem}_y": "m", f"{stem}_angle": "rad", f"{stem}_speed": "rad/s"}
-    return {"/reducer": reducer, "/pins": pins} if pins else {"/reducer": reducer}
+            pins |= {column(pin(i), quantity): unit for quantity, unit in units.items()}
+    return {REDUCER: reducer, PINS: pins} if pins else {REDUCER: reducer}
