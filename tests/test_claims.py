@@ -14,19 +14,19 @@ from importlib.util import spec_from_file_location
 from pathlib import Path
 from types import SimpleNamespace
 
+import hsieh2014
 import numpy as np
 import pytest
+from hsieh2014 import chaos, claims, motion, peaks, phases, said, stress_claims, torque, vibration
+from hsieh2014.claims import order_verdict, range_verdict, share_verdict
+from hsieh2014.page import claim_table
+from hsieh2014.plan import QUICK, at_speed, designs, idle_runs
+from hsieh2014.stage import nobody
 from ideal import ideal_run, ideal_runs
 
-from cycloid_mj import reproduce
 from cycloid_mj.comparison import STARTS, Spread, gravity_turn, order, started
 from cycloid_mj.design import PRESETS
 from cycloid_mj.measure import Measurement
-from cycloid_mj.report.reproduction import claim_table
-from cycloid_mj.reproduce import chaos, claims, motion, peaks, phases, said, stress_claims, torque, vibration
-from cycloid_mj.reproduce.claims import order_verdict, range_verdict, share_verdict
-from cycloid_mj.reproduce.plan import QUICK, at_speed, designs, idle_runs
-from cycloid_mj.reproduce.stage import nobody
 from cycloid_mj.result import Quantity
 
 KEYS = (
@@ -405,15 +405,15 @@ class Scrambling(SourceFileLoader):
 
 
 class Finder:
-    """Finds the modules of `reproduce`, to be loaded scrambled."""
+    """Finds the modules of the paper, to be loaded scrambled."""
 
     @staticmethod
     def find_spec(fullname, path=None, target=None):
         package, _, name = fullname.rpartition(".")
-        folder = Path(reproduce.__file__).parent
-        if fullname == reproduce.__name__:
+        folder = Path(hsieh2014.__file__).parent
+        if fullname == hsieh2014.__name__:
             place, inside = folder / "__init__.py", [str(folder)]
-        elif package == reproduce.__name__:
+        elif package == hsieh2014.__name__ and not name.endswith(("figure", "figures")):
             place, inside = folder / f"{name}.py", None
         else:
             return None
@@ -423,14 +423,13 @@ class Finder:
 
 @pytest.fixture
 def scrambled(monkeypatch):
-    """Gives modules of `reproduce` with other sentences in them."""
-    for name in [name for name in sys.modules if name.startswith("cycloid_mj.reproduce")]:
+    """Gives modules of the paper with other sentences in them."""
+    for name in [name for name in sys.modules if name.startswith("hsieh2014")]:
         monkeypatch.delitem(sys.modules, name)
-    monkeypatch.setattr("cycloid_mj.reproduce", reproduce)
     monkeypatch.setattr(sys, "meta_path", [Finder(), *sys.meta_path])
     Scrambling.replaced = 0
-    yield lambda name: importlib.import_module(f"cycloid_mj.reproduce.{name}")
-    for name in [name for name in sys.modules if name.startswith("cycloid_mj.reproduce")]:
+    yield lambda name: importlib.import_module(f"hsieh2014.{name}")
+    for name in [name for name in sys.modules if name.startswith("hsieh2014")]:
         del sys.modules[name]
 
 

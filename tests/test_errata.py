@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
+from hsieh2014 import equations, errata
+from hsieh2014.differences import first, second
+from hsieh2014.equations import GEAR, HOLD, RAMP, SPEED, Q, zeta_at
+from hsieh2014.errata import ERRATA, RIGHT, TIMES
 from mpmath import mp, mpf
-
-from cycloid_mj.reproduce import equations, errata
-from cycloid_mj.reproduce.differences import first, second
-from cycloid_mj.reproduce.equations import GEAR, HOLD, RAMP, SPEED, Q, zeta_at
-from cycloid_mj.reproduce.errata import ERRATA, RIGHT, TIMES
 
 EQUATIONS = ["2", "6, 10", "12, 17", "13", "14", "17", "18", "19", "20", "21", "27"]
 WRONG = 0.03

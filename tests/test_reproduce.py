@@ -11,22 +11,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hsieh2014 import command, cycle, motion, plan
+from hsieh2014 import run as stages
+from hsieh2014.errata import errata
+from hsieh2014.fit import digest, fits, log_name
+from hsieh2014.plan import FULL, QUICK, at_speed, idle_runs, main_runs, ramped, rated_runs
+from hsieh2014.plan import varied_idle_runs as varied_idle
+from hsieh2014.plan import varied_rated_runs as varied_rated
+from hsieh2014.stage import Found, nobody
 from ideal import ideal_run, ideal_runs
 
-from cycloid_mj.cli import reproduce as command
 from cycloid_mj.comparison import STARTS, gravity_turn, settled, settling, started
 from cycloid_mj.comparison.conditions import differences
 from cycloid_mj.comparison.equalised import series_stiffness
 from cycloid_mj.design import PRESETS, dump, override
 from cycloid_mj.errors import RunError, UsageError
-from cycloid_mj.reproduce import cycle, motion, plan
-from cycloid_mj.reproduce import run as stages
-from cycloid_mj.reproduce.errata import errata
-from cycloid_mj.reproduce.fit import digest, fits, log_name
-from cycloid_mj.reproduce.plan import FULL, QUICK, at_speed, idle_runs, main_runs, ramped, rated_runs
-from cycloid_mj.reproduce.plan import varied_idle_runs as varied_idle
-from cycloid_mj.reproduce.plan import varied_rated_runs as varied_rated
-from cycloid_mj.reproduce.stage import Found, nobody
 from cycloid_mj.run import schedule
 
 ROOT = Path(__file__).parent.parent

@@ -7,13 +7,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from hsieh2014 import hypothesis, said
+from hsieh2014.idle_stress import heaviest, idle_stress, joined
+from hsieh2014.plan import FULL, QUICK, at_speed
+from hsieh2014.soft_contact import GENERIC, STEEL, Forces, SoftContact, _facets, in_millimetres, soft_idle
 
 from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.design import PRESETS, override
-from cycloid_mj.reproduce import hypothesis, said
-from cycloid_mj.reproduce.idle_stress import heaviest, idle_stress, joined
-from cycloid_mj.reproduce.plan import FULL, QUICK, at_speed
-from cycloid_mj.reproduce.soft_contact import GENERIC, STEEL, Forces, SoftContact, _facets, in_millimetres, soft_idle
 from cycloid_mj.run import simulate
 from cycloid_mj.solid import mass_properties, parts
 from cycloid_mj.stress.loads import PartLoads
@@ -137,7 +137,7 @@ def test_bulk_begins_where_it_does_under_the_rated_load_in_every_start(monkeypat
 
     many = loads([[0.0, 1.0], [9.0, 0.0], [6.0, 6.0], [0.0, 0.0], [5.0, 4.5], [8.0, 0.0]])
     part = SimpleNamespace(findings=SimpleNamespace(part="gear"), grid=None)
-    monkeypatch.setattr("cycloid_mj.reproduce.idle_stress.at_peaks", lambda run, window: run)
+    monkeypatch.setattr("hsieh2014.idle_stress.at_peaks", lambda run, window: run)
     monkeypatch.setattr("cycloid_mj.stress.field.solve", solve)
     monkeypatch.setattr("cycloid_mj.stress.loads.part_loads", lambda run, design, part, angles: many)
     monkeypatch.setattr("cycloid_mj.stress.study.stress_study", lambda *_, **__: SimpleNamespace(parts=(part,)))

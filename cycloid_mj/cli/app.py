@@ -63,7 +63,6 @@ COMMANDS: dict[Callable[..., int], str] = {
     compare.compare: compare.EXAMPLES,
     validate.validate: validate.EXAMPLES,
     stress.stress: stress.EXAMPLES,
-    reproduce.reproduce: reproduce.EXAMPLES,
     build.build: build.EXAMPLES,
     export.export: export.EXAMPLES,
     profile.profile: profile.EXAMPLES,
@@ -78,12 +77,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     words = sys.argv[1:] if argv is None else list(argv)
     try:
-        app = application()
-        if group := _group_alone(app, words):
-            app.help_print(words, console=page.console(stderr=True))
-            raise UsageError(f"{group} needs a command: {', '.join(page.commands(app[group]))}")
         quiet = "--quiet" in words
         with warnings_kept(None if quiet else tell), log_told(quiet):
+            app = application()
+            if group := _group_alone(app, words):
+                app.help_print(words, console=page.console(stderr=True))
+                raise UsageError(f"{group} needs a command: {', '.join(page.commands(app[group])) or 'none is there'}")
             code = app(words)
         sys.stdout.flush()
         return code or 0
@@ -120,6 +119,7 @@ def application() -> App:
     )
     for place, (command, examples) in enumerate(COMMANDS.items()):
         app.command(command, sort_key=place, help_epilogue=examples)
+    reproduce.add(app, place=list(COMMANDS).index(stress.stress) + 0.5)
     for place, group in enumerate((measure, design, log), start=len(COMMANDS)):
         app.command(group.commands(sort_key=place))
     return page.flowing(app)

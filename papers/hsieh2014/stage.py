@@ -6,9 +6,9 @@ from typing import Any
 
 from cycloid_mj.design import Design
 from cycloid_mj.record import Run
-from cycloid_mj.reproduce.claims import Claim
-from cycloid_mj.reproduce.plan import Plan
 from cycloid_mj.result import Table
+from hsieh2014.claims import Claim
+from hsieh2014.plan import Plan
 
 Runs = Callable[[Sequence[Design]], list[Run]]
 """Gives the run of each design: from a log that fits, or by running it."""

@@ -17,8 +17,9 @@ import numpy.typing as npt
 from cycloid_mj import kinematics
 from cycloid_mj.kinematics import CrankLaw
 from cycloid_mj.profile import unit
-from cycloid_mj.reproduce.differences import first, second
-from cycloid_mj.reproduce.equations import (
+from cycloid_mj.types import Array
+from hsieh2014.differences import first, second
+from hsieh2014.equations import (
     GEAR,
     HOLD,
     RAMP,
@@ -41,7 +42,6 @@ from cycloid_mj.reproduce.equations import (
     place,
     zeta_at,
 )
-from cycloid_mj.types import Array
 
 TIMES = np.linspace(0.113, 0.149, 37)
 """Times of a crank turn at constant speed, and of part of one in the ramp [s]."""

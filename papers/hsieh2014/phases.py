@@ -7,8 +7,8 @@ import numpy as np
 from cycloid_mj.comparison import gravity_turn, settled
 from cycloid_mj.design import Design
 from cycloid_mj.record import Run
-from cycloid_mj.reproduce.peaks import peak
 from cycloid_mj.types import Array
+from hsieh2014.peaks import peak
 
 BINS = 36
 """Parts of a crank turn: ten degrees each, a mesh period of the paper's ring."""

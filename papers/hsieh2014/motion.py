@@ -8,10 +8,10 @@ import numpy as np
 from cycloid_mj.analysis import Series, judge, series
 from cycloid_mj.comparison import Spread, load_words, settled, settling
 from cycloid_mj.design import Design
-from cycloid_mj.reproduce.claims import Claim, NumericalError, Result, Stated, range_verdict, share_verdict
-from cycloid_mj.reproduce.plan import LOGGED, Plan, designs, idle_runs, main_runs, no_load, ramped
-from cycloid_mj.reproduce.stage import Found, Plate, Runs, Told
 from cycloid_mj.result import Table
+from hsieh2014.claims import Claim, NumericalError, Result, Stated, range_verdict, share_verdict
+from hsieh2014.plan import LOGGED, Plan, designs, idle_runs, main_runs, no_load, ramped
+from hsieh2014.stage import Found, Plate, Runs, Told
 
 ARCSEC = np.degrees(1.0) * 3600.0
 SPEED = 4.907

@@ -2,9 +2,9 @@
 
 from cycloid_mj import envelope, profile
 from cycloid_mj.modification import tooth_profile
-from cycloid_mj.reproduce.plan import Plan, designs
-from cycloid_mj.reproduce.stage import Found, Plate, Runs, Told
 from cycloid_mj.result import Table
+from hsieh2014.plan import Plan, designs
+from hsieh2014.stage import Found, Plate, Runs, Told
 
 CAPTIONS = {
     "fig1_rolling": "Generation: the gear's pitch circle rolls within the ring's; a pin's centre, fixed to the ring, "
@@ -20,7 +20,7 @@ CAPTIONS = {
 
 def geometry(plan: Plan, runs: Runs, told: Told) -> Found:
     """Draw the generation of both profiles, and give their closed forms."""
-    from cycloid_mj.plots.generation import generation_figures
+    from hsieh2014.profile_figures import generation_figures
 
     gear = tooth_profile(designs()[0])
     drawn = generation_figures(gear)

@@ -6,9 +6,9 @@ from importlib.resources import files
 from typing import Any
 
 from cycloid_mj.report import html
-from cycloid_mj.reproduce.claims import Claim, Verdict
-from cycloid_mj.reproduce.stage import Plate, Stage
 from cycloid_mj.result import Table
+from hsieh2014.claims import Claim, Verdict
+from hsieh2014.stage import Plate, Stage
 
 PNG = b"\x89PNG"
 CLAIM_HEAD = (
@@ -54,7 +54,7 @@ def reproduction_page(
         '<meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
         html.tag("title", html.text(title)),
-        html.tag("style", _asset("page.css") + _asset("reproduction.css")),
+        html.tag("style", _asset("cycloid_mj.report", "page.css") + _asset("hsieh2014", "reproduction.css")),
     )
     body = html.tag("main", "".join(sections))
     return f'<!doctype html>\n<html lang="en"><head>{"".join(head)}</head>\n<body>{body}</body></html>\n'
@@ -175,5 +175,5 @@ def _line(words: str) -> str:
     return html.tag("p", html.text(words), class_="log")
 
 
-def _asset(name: str) -> str:
-    return files("cycloid_mj.report").joinpath("assets", name).read_text(encoding="utf-8")
+def _asset(package: str, name: str) -> str:
+    return files(package).joinpath("assets", name).read_text(encoding="utf-8")

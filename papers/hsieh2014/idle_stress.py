@@ -9,8 +9,8 @@ import numpy as np
 from cycloid_mj.comparison import Spread
 from cycloid_mj.design import Design
 from cycloid_mj.record import Run
-from cycloid_mj.reproduce.peaks import at_peaks
-from cycloid_mj.reproduce.plan import LOGGED, SAMPLING
+from hsieh2014.peaks import at_peaks
+from hsieh2014.plan import LOGGED, SAMPLING
 
 if TYPE_CHECKING:
     from cycloid_mj.stress.loads import PartLoads

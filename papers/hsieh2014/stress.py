@@ -6,13 +6,13 @@ from functools import partial
 
 from cycloid_mj.comparison import STARTS, settled
 from cycloid_mj.record import Run
-from cycloid_mj.reproduce import hypothesis, said
-from cycloid_mj.reproduce.idle_stress import MEGAPASCAL, IdleStress, idle_stress
-from cycloid_mj.reproduce.peaks import ENDING, pairs, peak
-from cycloid_mj.reproduce.plan import Plan, designs, idle_runs, rated_runs
-from cycloid_mj.reproduce.stage import Found, Plate, Runs, Told
-from cycloid_mj.reproduce.stress_claims import stress_claims
 from cycloid_mj.result import Table
+from hsieh2014 import hypothesis, said
+from hsieh2014.idle_stress import MEGAPASCAL, IdleStress, idle_stress
+from hsieh2014.peaks import ENDING, pairs, peak
+from hsieh2014.plan import Plan, designs, idle_runs, rated_runs
+from hsieh2014.stage import Found, Plate, Runs, Told
+from hsieh2014.stress_claims import stress_claims
 
 QUICK_ANGLES = 40
 """Crank angles of a quick study: 9 deg apart, no multiple of the mesh period, so that they fall on ten phases of it."""

@@ -7,8 +7,8 @@ import numpy as np
 from cycloid_mj.analysis.series import design_of
 from cycloid_mj.comparison import Spread, order
 from cycloid_mj.record import Run
-from cycloid_mj.reproduce import said
-from cycloid_mj.reproduce.claims import (
+from hsieh2014 import said
+from hsieh2014.claims import (
     Claim,
     NumericalError,
     Result,
@@ -18,10 +18,10 @@ from cycloid_mj.reproduce.claims import (
     range_verdict,
     share_verdict,
 )
-from cycloid_mj.reproduce.cycle import cycle
-from cycloid_mj.reproduce.idle_stress import IdleStress
-from cycloid_mj.reproduce.phases import by_angle, largest_of_halves, likeness, share_near, standing_for_pin_1
-from cycloid_mj.reproduce.plan import no_load
+from hsieh2014.cycle import cycle
+from hsieh2014.idle_stress import IdleStress
+from hsieh2014.phases import by_angle, largest_of_halves, likeness, share_near, standing_for_pin_1
+from hsieh2014.plan import no_load
 
 REGULAR = 0.5
 """A curve counts as regular if each start's correlates by this with the mean of the others."""

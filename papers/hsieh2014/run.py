@@ -5,14 +5,14 @@ from dataclasses import dataclass
 from functools import partial
 from time import monotonic
 
-from cycloid_mj.reproduce.equal import equal
-from cycloid_mj.reproduce.geometry import geometry
-from cycloid_mj.reproduce.motion import gear_speed, input_law, pin_1, q_path, q_velocity
-from cycloid_mj.reproduce.plan import Plan
-from cycloid_mj.reproduce.stage import Found, Runs, Stage, Work
-from cycloid_mj.reproduce.stress import stress
-from cycloid_mj.reproduce.torque import torque
-from cycloid_mj.reproduce.vibration import vibration
+from hsieh2014.equal import equal
+from hsieh2014.geometry import geometry
+from hsieh2014.motion import gear_speed, input_law, pin_1, q_path, q_velocity
+from hsieh2014.plan import Plan
+from hsieh2014.stage import Found, Runs, Stage, Work
+from hsieh2014.stress import stress
+from hsieh2014.torque import torque
+from hsieh2014.vibration import vibration
 
 
 @dataclass(frozen=True)

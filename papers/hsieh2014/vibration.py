@@ -11,11 +11,12 @@ import numpy as np
 from cycloid_mj.analysis import Series
 from cycloid_mj.comparison import STARTS, Spread, Variation, measure, settled
 from cycloid_mj.record import Run
-from cycloid_mj.reproduce.chaos import Divergence, divergence, nudged
-from cycloid_mj.reproduce.claims import Claim, NumericalError, Result, Stated, order_verdict
-from cycloid_mj.reproduce.cycle import cycle_table
-from cycloid_mj.reproduce.idle import QUANTITIES, Idle, Quantity, idle, label, of_runs, swept
-from cycloid_mj.reproduce.plan import (
+from cycloid_mj.result import Table
+from hsieh2014.chaos import Divergence, divergence, nudged
+from hsieh2014.claims import Claim, NumericalError, Result, Stated, order_verdict
+from hsieh2014.cycle import cycle_table
+from hsieh2014.idle import QUANTITIES, Idle, Quantity, idle, label, of_runs, swept
+from hsieh2014.plan import (
     LEFT_OPEN,
     Plan,
     at_speed,
@@ -31,8 +32,7 @@ from cycloid_mj.reproduce.plan import (
     varied_idle_runs,
     varied_rated_runs,
 )
-from cycloid_mj.reproduce.stage import Found, Plate, Runs, Told
-from cycloid_mj.result import Table
+from hsieh2014.stage import Found, Plate, Runs, Told
 
 Levels = dict[str, float]
 """Name of a design -> its rms of a quantity."""
@@ -82,7 +82,7 @@ def vibration(plan: Plan, runs: Runs, told: Told) -> Found:
 def _plates(plan: Plan, runs: Runs, cases: Mapping[str, Idle]) -> Iterator[Plate]:
     """Draw one turn of each main run, and every idle start of every case."""
     from cycloid_mj.plots.comparison import comparison_figures
-    from cycloid_mj.plots.starts import starts_figure
+    from hsieh2014.starts_figure import starts_figure
 
     drawn = comparison_figures([settled(run) for run in runs(main_runs(plan))])
     for name, (figure, words) in CAPTIONS.items():

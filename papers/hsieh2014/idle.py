@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 from cycloid_mj.comparison import Measures, Spread, Variation, measure, order, settled
 from cycloid_mj.record import Run
-from cycloid_mj.reproduce.plan import Plan, designs, idle_runs, variations, varied_idle_runs
-from cycloid_mj.reproduce.stage import Runs
+from hsieh2014.plan import Plan, designs, idle_runs, variations, varied_idle_runs
+from hsieh2014.stage import Runs
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,9 @@
 """What differs between the two designs: nothing but the ring."""
 
 from cycloid_mj.comparison import conditions, differences
-from cycloid_mj.reproduce.plan import Plan, designs
-from cycloid_mj.reproduce.stage import Found, Runs, Told
 from cycloid_mj.result import Table
+from hsieh2014.plan import Plan, designs
+from hsieh2014.stage import Found, Runs, Told
 
 
 def equal(plan: Plan, runs: Runs, told: Told) -> Found:

@@ -8,10 +8,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from cycloid_mj.measure.pool import each
-from cycloid_mj.reproduce import said
-from cycloid_mj.reproduce.plan import Plan, designs
-from cycloid_mj.reproduce.soft_contact import GENERIC, STEEL, Forces, SoftContact, soft_idle
 from cycloid_mj.result import Table
+from hsieh2014 import said
+from hsieh2014.plan import Plan, designs
+from hsieh2014.soft_contact import GENERIC, STEEL, Forces, SoftContact, soft_idle
 
 SEED = 2014
 TURNS = 1

@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from cycloid_mj.measure import Measurement
 from cycloid_mj.measure.paper import IDEAL, TORQUES
 from cycloid_mj.measure.pool import Progress
-from cycloid_mj.reproduce.claims import Claim, NumericalError, Result, Stated, Verdict
-from cycloid_mj.reproduce.plan import Plan, designs, equalised, torque_test
-from cycloid_mj.reproduce.stage import Found, Plate, Runs, Told
 from cycloid_mj.result import Quantity, Table
+from hsieh2014.claims import Claim, NumericalError, Result, Stated, Verdict
+from hsieh2014.plan import Plan, designs, equalised, torque_test
+from hsieh2014.stage import Found, Plate, Runs, Told
 
 NEAR = 0.01
 """Torques agree within this share of the torque without losses."""

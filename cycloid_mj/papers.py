@@ -1,0 +1,50 @@
+"""The papers that this project is held against: each a package of its own, found by the entry points of `GROUP`.
+
+Nothing in `cycloid_mj` imports a paper by its name: a second one is a second package, with a `Paper` of its own.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
+
+from cycloid_mj.errors import warn
+
+GROUP = "cycloid_mj.papers"
+"""Entry points of this group name the `Paper` of a package, as in ``hsieh2014 = "hsieh2014:PAPER"``."""
+
+
+@dataclass(frozen=True)
+class Paper:
+    """What a paper adds to the commands.
+
+    Attributes
+    ----------
+    key
+        Its name for programs, and of its command where there are several papers.
+    source
+        Author and year, as tables name it.
+    command, examples
+        Where the function behind ``cycloid-mj reproduce`` is, as ``module:function``; the examples of its help.
+    """
+
+    key: str
+    source: str
+    command: str
+    examples: str
+
+
+@cache
+def papers() -> tuple[Paper, ...]:
+    """Give the papers that are installed, by name; one that does not load is left out with a warning."""
+    points = {point.name: point for point in entry_points(group=GROUP)}
+    return tuple(paper for name in sorted(points) if (paper := _loaded(points[name])))
+
+
+def _loaded(point: EntryPoint) -> Paper | None:
+    try:
+        paper = point.load()
+    except Exception as problem:  # whatever is wrong with a paper, the other commands shall run
+        warn(f"paper {point.name}", [f"left out, since {point.value} does not load: {problem}"])
+        return None
+    assert isinstance(paper, Paper)
+    return paper
