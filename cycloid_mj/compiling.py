@@ -37,7 +37,7 @@ def announced() -> Iterator[None]:
         yield
 
 
-class _Announcer(event.Listener):
+class _Announcer(event.Listener):  # type: ignore[misc]  # numba has no types
     def on_start(self, event: Any) -> None:
         _announce()
 

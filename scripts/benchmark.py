@@ -28,7 +28,7 @@ import mujoco
 import numba
 import numpy as np
 from against import TRIALS, compare, laid_out
-from passes import KINDS, Case, bare_cost, command_cost, example, logged_cost, loop_cost, own_cost
+from passes import FREE, KINDS, NONPIN, Case, bare_cost, command_cost, example, logged_cost, loop_cost, own_cost
 
 from cycloid_mj.run import reducer_model
 
@@ -74,9 +74,9 @@ def loop_table(passes: int) -> Table:
 def log_table(passes: int) -> Table:
     """Log at 10 kHz: steps without Python, with samples, and with the log of them; us per step."""
     table: Table = {}
-    for kind in ("free pins", "nonpin"):
+    for kind in (FREE, NONPIN):
         for load in (0.0, 36.0):
-            case = example(kind, load, 30_000 if kind == "free pins" else 100_000)
+            case = example(kind, load, 30_000 if kind == FREE else 100_000)
             row = in_turn(
                 passes,
                 bare=lambda case=case: bare_cost(*case)[0],  # type: ignore[misc]
@@ -128,8 +128,8 @@ def threads_table(passes: int) -> Table:
 
     zeros = bytes(10**9)
     works: dict[str, Callable[[], object]] = {
-        "free pins": partial(loop_cost, *example("free pins", 36.0, 10_000)),
-        "nonpin": partial(loop_cost, *example("nonpin", 36.0, 60_000)),
+        FREE: partial(loop_cost, *example(FREE, 36.0, 10_000)),
+        NONPIN: partial(loop_cost, *example(NONPIN, 36.0, 60_000)),
         "hashing": lambda: sha256(zeros),
     }
     table: Table = {}
@@ -142,7 +142,7 @@ def threads_table(passes: int) -> Table:
 def command_table(passes: int) -> Table:
     """``cycloid-mj simulate`` as a process, compile caches warm: wall and CPU time [s], peak memory [MB]."""
     table: Table = {}
-    for kind in ("free pins", "nonpin"):
+    for kind in (FREE, NONPIN):
         for samples in (2, 500):
             rows = [command_cost(KINDS[kind][0], samples) for _ in range(passes + 1)][1:]
             table[f"{kind}, {samples} samples"] = {

@@ -34,7 +34,8 @@ Case = tuple[Design, ReducerModel]
 WARM = 10_000
 """Steps before the clock starts: the first block of samples, at 10 kHz and 1 us; the load is on by then."""
 
-KINDS = {"free pins": ("pin", "free"), "fixed pins": ("pin", "fixed"), "nonpin": ("nonpin", "free")}
+FREE, FIXED, NONPIN = "free pins", "fixed pins", "nonpin"
+KINDS = {FREE: ("pin", "free"), FIXED: ("pin", "fixed"), NONPIN: ("nonpin", "free")}
 
 _THREAD_TIME = 3
 _NARROW = int(mujoco.mjtTimer.mjTIMER_COL_NARROW)

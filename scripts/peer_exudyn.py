@@ -22,17 +22,16 @@ from typing import Any
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.contact.collider import installed
 from cycloid_mj.contact.working import working_force
 from cycloid_mj.course import initial_state, ramp_and_hold
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.mjcf import build
-from cycloid_mj.mjcf.model import gear_profile, profile_offset, ring_angles
+from cycloid_mj.mjcf.model import ring_angles
+from cycloid_mj.modification import gear_profile, profile_offset
 from cycloid_mj.profile import sample
-
-Array = npt.NDArray[np.float64]
+from cycloid_mj.types import Array
 
 SAMPLING = 1e-4
 LOAD = 36.0

@@ -28,11 +28,11 @@ from cycloid_mj.analysis.findings import (
 )
 from cycloid_mj.analysis.series import Compared, Series, series
 from cycloid_mj.analysis.trust import warnings
-from cycloid_mj.analysis.window import Mask, turn_by_turn
+from cycloid_mj.analysis.window import turn_by_turn
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.record import Run
-from cycloid_mj.types import Array
+from cycloid_mj.types import Array, Mask
 
 ARCSEC = 3600 * 180 / np.pi
 COARSEST_SAMPLING = np.radians(5.0)

@@ -9,7 +9,6 @@ import numpy.typing as npt
 from cycloid_mj import kinematics
 from cycloid_mj.analysis import window
 from cycloid_mj.analysis.findings import Phase
-from cycloid_mj.analysis.window import Mask
 from cycloid_mj.design import Design, loads
 from cycloid_mj.errors import LogError, UsageError
 from cycloid_mj.kinematics import CrankLaw
@@ -17,7 +16,7 @@ from cycloid_mj.modification import tooth_profile
 from cycloid_mj.names import pairs
 from cycloid_mj.profile import CycloidGear
 from cycloid_mj.record import LARGEST, Run
-from cycloid_mj.types import Array
+from cycloid_mj.types import Array, Mask
 
 DESIGN_FILE = "design.toml"
 MOTION = (

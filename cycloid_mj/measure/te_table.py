@@ -1,6 +1,6 @@
 """Numbers, curves and orders of a measured transmission error."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -196,5 +196,8 @@ def _rms(error: Array) -> float:
     return float(np.std(error))
 
 
-_LEVELS = {"peak_to_peak": ("peak to peak", lambda error: float(np.ptp(error))), "rms": ("rms about the mean", _rms)}
+_LEVELS: dict[str, tuple[str, Callable[[Array], float]]] = {
+    "peak_to_peak": ("peak to peak", lambda error: float(np.ptp(error))),
+    "rms": ("rms about the mean", _rms),
+}
 """Key -> name and measure of an error."""
