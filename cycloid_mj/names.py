@@ -117,9 +117,9 @@ def _pairs(design: Design) -> Iterator[Pair]:
         yield from (Pair(lobe(i), "tooth", TEETH, lobe(i)) for i in ring)
     else:
         yield from (Pair(pin(i), "pin_gear", TEETH, pin(i)) for i in ring)
-    if design.ring.has_sockets:
+    if design.ring.has_sockets and design.ring.has_pin_bodies:
         yield from (Pair(socket(i), "pin_socket", pin(i), socket(i)) for i in ring)
-    if design.ring.has_sleeves:
+    if design.ring.has_sleeves and design.ring.has_pin_bodies:
         yield from (Pair(sleeve(i), "pin_sleeve", sleeve(i), core(i)) for i in ring)
     yield Pair(CAM, "cam", BORE, CAM)
     yield from (Pair(output_pin(i), "output", hole(i), output_pin(i)) for i in range(1, design.output.pins + 1))
@@ -142,7 +142,7 @@ def sensors(design: Design) -> dict[str, dict[str, str]]:
         "load_torque": "N m",
     }
     pins: dict[str, str] = {}
-    if design.ring.has_moving_pins:
+    if design.ring.has_pin_bodies:
         units = {"x": "m", "y": "m", "angle": "rad", "speed": "rad/s"}
         for i in range(1, design.ring.teeth + 1):
             pins |= {column(pin(i), quantity): unit for quantity, unit in units.items()}

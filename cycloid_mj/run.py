@@ -17,6 +17,7 @@ from cycloid_mj.compiling import announced
 from cycloid_mj.contact.collider import installed
 from cycloid_mj.contact.drag import drag_powers, dragged_joints
 from cycloid_mj.contact.forces import PairForces, pair_forces, pair_index
+from cycloid_mj.contact.massless import idle
 from cycloid_mj.contact.peaks import Peaks
 from cycloid_mj.contact.regime import pace
 from cycloid_mj.contact.shared import Shared
@@ -186,7 +187,7 @@ def provenance(design: Design, contact: Contact = "profile") -> dict[str, str]:
 def warnings(reducer: ReducerModel, design: Design, course: Course | None = None) -> tuple[str, ...]:
     """Tell why the figures of a run may not be those of its design; a course that starts at rest does not hurry."""
     hurries = course is None or course.speed != 0.0
-    return (*reducer.warnings, *(pace(design) if hurries else ()))
+    return (*reducer.warnings, *(pace(design) if hurries else ()), *(idle(design) if course is None else ()))
 
 
 def warned(texts: Sequence[str]) -> dict[str, str]:

@@ -2,8 +2,8 @@
 
 import pytest
 
-from cycloid_mj.comparison import series_stiffness, total_play, with_play_of
-from cycloid_mj.contact.law import pair_stiffness
+from cycloid_mj.comparison import total_play, with_play_of
+from cycloid_mj.contact.law import pair_stiffness, series_stiffness
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.measure.steady import SETTLED, powers, steady, steady_design
 

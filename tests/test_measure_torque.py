@@ -15,7 +15,7 @@ from cycloid_mj.errors import DesignError
 from cycloid_mj.measure import MEASURES, sensitivity, steady
 from cycloid_mj.measure.back_driving import break_away
 from cycloid_mj.measure.braked import braked_run
-from cycloid_mj.measure.closed_form import ideal_efficiency, mesh_friction, wang_efficiency
+from cycloid_mj.measure.closed_form import ideal_efficiency, wang_efficiency
 from cycloid_mj.measure.conditions import LOG_RATE, LONGER_STEP, stepped
 from cycloid_mj.measure.efficiency_map import forward
 from cycloid_mj.measure.steady import powers, steady_design, whole_periods
@@ -135,9 +135,9 @@ def test_wang_formula_and_ideal_sharing_meet_at_small_friction():
 def test_pins_that_turn_take_the_easier_way():
     sleeved = override(PRESETS["pin"], ['ring.pins="sleeved"'])
     ring = sleeved.ring
-    assert mesh_friction(sleeved) == pytest.approx(0.05 * ring.sleeve_bore_radius / ring.pin_radius)
-    assert mesh_friction(override(PRESETS["pin"], ["friction.pin_socket=0.01"])) == 0.01
-    assert mesh_friction(override(FIXED, ["friction.pin_socket=0.01"])) == 0.05
+    assert sleeved.mesh_friction == pytest.approx(0.05 * ring.sleeve_bore_radius / ring.pin_radius)
+    assert override(PRESETS["pin"], ["friction.pin_socket=0.01"]).mesh_friction == 0.01
+    assert override(FIXED, ["friction.pin_socket=0.01"]).mesh_friction == 0.05
 
 
 def test_output_drives_against_the_crank():

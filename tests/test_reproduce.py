@@ -23,7 +23,7 @@ from ideal import ideal_run, ideal_runs
 
 from cycloid_mj.comparison import STARTS, gravity_turn, settled, settling, started
 from cycloid_mj.comparison.conditions import differences
-from cycloid_mj.comparison.equalised import series_stiffness
+from cycloid_mj.contact.law import series_stiffness
 from cycloid_mj.design import PRESETS, dump, override
 from cycloid_mj.errors import RunError, UsageError
 from cycloid_mj.run import schedule

@@ -174,7 +174,7 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
         `q` is no point, or `settle` is negative.
     """
     design = design_of(run)
-    moving = design.ring.has_moving_pins
+    moving = design.ring.has_pin_bodies
     run = _usable(run, (*MOTION, *PIN_1) if moving else MOTION)
     if len(run) < window.FEWEST_SAMPLES:
         raise LogError(f"the run has {len(run)} usable samples: there is nothing to judge; simulate it again")

@@ -205,7 +205,10 @@ def _cases(designs: Sequence[Design], first: Design, load_nm: float | None, held
     load: it tells the effect of the design from that of the clearance.
     """
     from cycloid_mj.comparison import conditions, under, with_play_of
+    from cycloid_mj.contact.massless import require_pin_bodies
 
+    for design in designs:
+        require_pin_bodies(design, "the idle and dynamic figures of a comparison")
     names = [design.name for design in designs]
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise UsageError(f"two of the designs are called {twice!r}: give each a name of its own in its file")

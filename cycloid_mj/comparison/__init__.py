@@ -7,7 +7,7 @@ chaotic, and under load on the crank turns of a run.
 from cycloid_mj.analysis import load_words
 from cycloid_mj.comparison.comparison import Comparison, compare
 from cycloid_mj.comparison.conditions import conditions, differences, under
-from cycloid_mj.comparison.equalised import series_stiffness, total_play, with_play_of
+from cycloid_mj.comparison.equalised import total_play, with_play_of
 from cycloid_mj.comparison.measures import Measures, measure, settled, settling
 from cycloid_mj.comparison.ranking import Ranking, rankings
 from cycloid_mj.comparison.sensitivity import ASSUMPTIONS, Sensitivity, sensitivities, sensitivity_table
@@ -39,7 +39,6 @@ __all__ = [
     "rankings",
     "sensitivities",
     "sensitivity_table",
-    "series_stiffness",
     "settled",
     "settling",
     "started",

@@ -13,6 +13,7 @@ from cycloid_mj.comparison.rows import ROWS
 from cycloid_mj.comparison.sensitivity import Sensitivity
 from cycloid_mj.comparison.sweep import Varied, decisions
 from cycloid_mj.comparison.trial import Trial
+from cycloid_mj.contact.massless import require_pin_bodies
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
 
@@ -103,6 +104,8 @@ def compare(
     ------
     UsageError
         Fewer than two designs; two of one name; a design that lacks a load; or runs under different conditions.
+    DesignError
+        A design has massless pins.
     """
     designs = _designs(trials)
     loads = sorted({trial.load for trial in trials})
@@ -124,6 +127,7 @@ def _designs(trials: Sequence[Trial]) -> dict[str, Design]:
     """Give the designs by name; a name stands for one design, whatever its load and how long it runs under it."""
     found: dict[str, Design] = {}
     for trial in trials:
+        require_pin_bodies(trial.design, "the idle and dynamic figures of a comparison")
         first = found.setdefault(trial.name, trial.design)
         if differing := [key for key in differences([first, trial.design]) if key != HOLD]:
             raise UsageError(

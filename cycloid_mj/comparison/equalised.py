@@ -4,7 +4,7 @@ A pin is a two-force body between gear and seat: play and compliance of its two 
 series stiffness, free pins, fixed pins and an internal gear lose the same at equal friction.
 """
 
-from cycloid_mj.contact.law import pair_stiffness
+from cycloid_mj.contact.law import series_stiffness
 from cycloid_mj.design import Design, override
 
 
@@ -12,13 +12,6 @@ def total_play(design: Design) -> float:
     """Give the clearance between the gear and the housing along a contact's normal [m]."""
     play = getattr(design.clearance, design.tooth_pair)
     return float(play + design.pin_play)
-
-
-def series_stiffness(design: Design) -> float:
-    """Give the stiffness between the gear and the housing [N/m]: that of a pin on a flat, and its seat's, in series."""
-    ring = design.ring
-    seats = ["pin_socket"] * ring.has_sockets + ["pin_sleeve"] * ring.has_sleeves
-    return 1.0 / sum(1.0 / pair_stiffness(design, kind) for kind in (design.tooth_pair, *seats))
 
 
 def with_play_of(nonpin: Design, pin: Design) -> Design:

@@ -116,6 +116,15 @@ def pair_stiffness(design: Design, kind: str) -> float:
     return law.stiffness * law.factor(1.0 / inner - 1.0 / outer)
 
 
+def series_stiffness(design: Design) -> float:
+    """Give the stiffness between gear and housing [N/m]: that of a pin on a flat, and that of its seat, in series.
+
+    A pin is a two-force body: play and compliance of its two contacts add up.
+    """
+    kinds = [kind for kind in (design.tooth_pair, design.seat_pair) if kind]
+    return 1.0 / sum(1.0 / pair_stiffness(design, kind) for kind in kinds)
+
+
 def curvature_law(design: Design, kind: str = "") -> CurvatureLaw:
     """Give the stiffness of a kind of line contacts from material, face width, pin radius and working force.
 

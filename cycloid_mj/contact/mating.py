@@ -68,27 +68,35 @@ def _pressed(gap: float, factor: float) -> float:
 
 @njit
 def pin_on_teeth(at: Places, model: int, data: int, out: int, teeth: int, pin: int, sign: float, margin: float) -> int:
-    """Bring a pin and the gear's teeth in contact."""
+    """Bring a pin and the gear's teeth in contact; a massless pin with its play and the compliance of its seat.
+
+    A massless pin is a two-force body: it gives way by its play, then both of its contacts carry the same force, and
+    their compliances add up. With the stiffness K f of a pin on the gear, f = 1 on a flat, and K/x of the seat, the
+    pair's stiffness K/(1 + x) acts f (1 + x)/(1 + x f) times as much.
+    """
     users = read_address(model + at[USER])
     profile = read_teeth(users + 8 * USER_DATA * teeth)
     offset = profile.offset
     pin_radius = read_float(read_address(model + at[SIZE]) + 24 * pin)
+    own = users + 8 * USER_DATA * pin
+    reach, yielding = pin_radius - read_float(own + 16), read_float(own + 24)
     xpos, xmat = read_address(data + at[XPOS]), read_address(data + at[XMAT]) + 72 * teeth
     px, py = read_float(xpos + 24 * pin), read_float(xpos + 24 * pin + 8)
     dx, dy = px - read_float(xpos + 24 * teeth), py - read_float(xpos + 24 * teeth + 8)
     cosine, sine = read_float(xmat), read_float(xmat + 24)
     x, y = cosine * dx + sine * dy, cosine * dy - sine * dx
-    hs, hc = read_float(users + 8 * USER_DATA * pin), read_float(users + 8 * USER_DATA * pin + 8)
+    hs, hc = read_float(own), read_float(own + 8)
     st, ct = hs * cosine + hc * sine, hc * cosine - hs * sine
     sn, cn = turned_times(sine, cosine, int(profile.teeth))
-    distance, nx, ny, bend = pin_distance(x, y, flank_of(profile), st, ct, sn, cn, margin + pin_radius - offset)
-    gap = distance + offset - pin_radius
+    distance, nx, ny, bend = pin_distance(x, y, flank_of(profile), st, ct, sn, cn, margin + reach - offset)
+    gap = distance + offset - reach
     if not gap < margin:
         return 0
     relative = bend / (1.0 - offset * bend) + 1.0 / pin_radius
     factor = _stiffness_factor(relative, profile.reference, profile.constant)
+    factor *= (1.0 + yielding) / (1.0 + yielding * factor)
     wx, wy = cosine * nx - sine * ny, sine * nx + cosine * ny
-    depth = pin_radius + 0.5 * gap
+    depth = reach + 0.5 * gap
     z = read_float(xpos + 24 * teeth + 16)
     write_contact(out, _pressed(gap, factor), px - depth * wx, py - depth * wy, z, sign * wx, sign * wy)
     return 1

@@ -118,7 +118,7 @@ def steps_ratio(law: ContactLaw, timestep: float) -> float:
 
 def _step(design: Design, laws: Mapping[str, ContactLaw]) -> Iterator[str]:
     """Tell of a step that the figures are known not to bear, unless the parts are heavier or softer."""
-    moving, step = design.ring.has_moving_pins, design.settings.timestep
+    moving, step = design.ring.has_pin_bodies, design.settings.timestep
     longest = LONGEST_STEP[moving]
     ring = [law for kind, law in laws.items() if kind not in ("cam", "output")]
     if step > longest * (1.0 + 1e-9) and max(steps_ratio(law, step) for law in ring) > RESOLVED:

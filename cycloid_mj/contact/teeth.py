@@ -41,7 +41,7 @@ class Teeth(NamedTuple):
 
 USER_DATA = len(Teeth._fields)
 """Numbers of ``geom user`` in a model of ours: of the teeth, ``Teeth``; of a pin, sine and cosine of its home angle,
-clockwise from +y."""
+clockwise from +y, and of a massless one its play [m] and the stiffness of a pin on a flat over that of its seat."""
 
 
 @njit(inline="always")

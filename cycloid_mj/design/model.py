@@ -40,9 +40,10 @@ class Ring(Section):
     teeth: int = quantity(36, "ring teeth N (the gear has N - 1 lobes, the ratio is N - 1)", source=PAPER, ge=4, le=400)
     pin_circle_radius: float = quantity(40.75, "pin-circle radius E", u.MILLIMETRE, PAPER, ge=0.001, le=5000.0)
     pin_radius: float = quantity(2.25, "pin radius rho", u.MILLIMETRE, PAPER, ge=0.001, le=1000.0)
-    pins: Literal["free", "fixed", "sleeved"] = choice(
+    pins: Literal["free", "fixed", "sleeved", "massless", "massless_sleeved"] = choice(
         "free",
-        "free: they float and turn in their sockets; fixed: pressed in; sleeved: pressed in, each in a turning sleeve",
+        "free: they float and turn in their sockets; fixed: pressed in; sleeved: pressed in, each in a turning sleeve; "
+        "massless, massless_sleeved: as free and sleeved, but without inertia, for loaded means alone",
         PAPER,
     )
     sleeve_thickness: float = quantity(
@@ -52,17 +53,27 @@ class Ring(Section):
     @property
     def has_sockets(self) -> bool:
         """Whether the pins float in sockets."""
-        return self.kind == "pin" and self.pins == "free"
+        return self.kind == "pin" and self.pins in ("free", "massless")
 
     @property
     def has_sleeves(self) -> bool:
         """Whether each pin is pressed in and carries a turning sleeve."""
-        return self.kind == "pin" and self.pins == "sleeved"
+        return self.kind == "pin" and self.pins in ("sleeved", "massless_sleeved")
 
     @property
     def has_moving_pins(self) -> bool:
-        """Whether what the gear rolls on are bodies of their own: free pins, or the sleeves of pressed-in ones."""
+        """Whether what the gear rolls on moves in its seat: free pins, or the sleeves of pressed-in ones."""
         return self.has_sockets or self.has_sleeves
+
+    @property
+    def has_massless_pins(self) -> bool:
+        """Whether what moves so is without inertia: it is part of the contact between gear and housing."""
+        return self.kind == "pin" and self.pins.startswith("massless")
+
+    @property
+    def has_pin_bodies(self) -> bool:
+        """Whether what moves so are bodies of their own in the simulation, with a place and a spin."""
+        return self.has_moving_pins and not self.has_massless_pins
 
     @property
     def sleeve_bore_radius(self) -> float:
@@ -420,7 +431,7 @@ class Design(Section):
 
     def _facts(self) -> tuple[tuple[str, str], ...]:
         ring = self.ring
-        kind = "internal gear" if ring.kind == "nonpin" else f"{ring.pins} pins"
+        kind = "internal gear" if ring.kind == "nonpin" else f"{ring.pins.replace('_', ' ')} pins"
         return (
             ("name", repr(self.name)),
             ("ratio", f"{self.lobes}:1"),
@@ -509,12 +520,27 @@ class Design(Section):
         """
         if self.ring.has_sleeves:
             return SLEEVE_ROOM * self.ring.pin_radius
-        return self.clearance.pin_socket if self.ring.pins == "free" else 0.0
+        return self.clearance.pin_socket if self.ring.has_sockets else 0.0
 
     def friction_of(self, pair: str) -> float:
         """Give the friction coefficient of a kind of mating pair [1]; rollers have one of their own."""
         rolling = {"cam": self.gear.bearing == "rolling", "output": self.output.rollers}
         return float(getattr(self.friction, f"{pair}_rolling" if rolling.get(pair) else pair))
+
+    @property
+    def mesh_friction(self) -> float:
+        """Friction per normal force where the gear slides past its ring [1].
+
+        A pin that can turn slips where it is the easier: on the gear, or in its seat, where a free pin's socket has the
+        pin's radius and the bore of a sleeve a smaller arm. It is a two-force body: where both are alike, the loss is
+        the same however the slip divides.
+        """
+        on_gear, ring = self.friction_of(self.tooth_pair), self.ring
+        if ring.has_sockets:
+            return min(on_gear, self.friction.pin_socket)
+        if ring.has_sleeves:
+            return min(on_gear, self.friction.pin_sleeve * ring.sleeve_bore_radius / ring.pin_radius)
+        return on_gear
 
     @model_validator(mode="after")
     def _errors_fit_the_parts(self) -> Self:

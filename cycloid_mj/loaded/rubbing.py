@@ -13,15 +13,5 @@ def rubbing(design: Design, found: Gaps, motion: Array) -> Array:
     `motion` is how the unknowns move with time, shape (..., u): `mechanism.gaps.ideal_motion` times the crank's speed.
     """
     sliding = np.einsum("...nu,...u->...n", found.slip_slope, motion)
-    coefficient = np.where(found.kind == "output", design.friction_of("output"), ring_friction(design))
+    coefficient = np.where(found.kind == "output", design.friction_of("output"), design.mesh_friction)
     return np.asarray(-(coefficient * np.sign(sliding))[..., np.newaxis] * found.slip_slope)
-
-
-def ring_friction(design: Design) -> float:
-    """Friction per normal force between gear and ring [1]: of pins that move, what both of their contacts can hold."""
-    friction, ring = design.friction, design.ring
-    if ring.has_sockets:
-        return min(friction.pin_gear, friction.pin_socket)
-    if ring.has_sleeves:
-        return min(friction.pin_gear, friction.pin_sleeve * ring.sleeve_bore_radius / ring.pin_radius)
-    return design.friction_of(design.tooth_pair)

@@ -69,7 +69,7 @@ def step(design: Design, torque: float) -> float:
     if not has_default_step(design):
         return design.settings.timestep
     ring, kind = design.ring, "pin_sleeve" if design.ring.has_sleeves else "pin_socket"
-    if not ring.has_moving_pins or torque == 0.0:
+    if not ring.has_pin_bodies or torque == 0.0:
         return LONGEST_STEP
     held = min(design.friction_of("pin_gear"), design.friction_of(kind)) > 0.0
     bore = ring.sleeve_bore_radius if ring.has_sleeves else 0.0

@@ -29,21 +29,6 @@ class Closed:
     source: str
 
 
-def mesh_friction(design: Design) -> float:
-    """Give the coefficient that acts where the gear slides past its ring [1].
-
-    A pin that can turn slips where it is the easier: on the gear, or in its seat, where a free pin's socket has the
-    pin's radius and the bore of a sleeve a smaller arm. It is a two-body force: where both are alike, the loss is the
-    same however the slip divides.
-    """
-    ring, on_gear = design.ring, design.friction_of(design.tooth_pair)
-    if ring.has_sockets:
-        return min(on_gear, design.friction_of("pin_socket"))
-    if ring.has_sleeves:
-        return min(on_gear, design.friction_of("pin_sleeve") * ring.sleeve_bore_radius / ring.pin_radius)
-    return on_gear
-
-
 def ideal_efficiency(design: Design, load: float) -> Closed:
     """Give the efficiency under a load torque [N m] of equally stiff contacts without clearance, on a cam that holds.
 
@@ -53,7 +38,7 @@ def ideal_efficiency(design: Design, load: float) -> Closed:
     loaded = override(design, [f"load.torque_nm={carried!r}"])
     crank = np.linspace(0.0, 2.0 * np.pi, CRANK_ANGLES, endpoint=False)
     supplied = (
-        carried * (1.0 + sum(loss_shares(loaded, crank, mesh_friction(design)))) + design.drag.crank * design.lobes
+        carried * (1.0 + sum(loss_shares(loaded, crank, design.mesh_friction))) + design.drag.crank * design.lobes
     )
     return Closed(load / supplied, "ideal sharing, Coulomb")
 
@@ -70,7 +55,7 @@ def ideal_limit(design: Design) -> Design:
         [
             *pins,
             *(f"clearance.{kind}_um={PLAY_UM}" for kind in (design.tooth_pair, "cam", "output")),
-            f"friction.{design.tooth_pair}={mesh_friction(design)!r}",
+            f"friction.{design.tooth_pair}={design.mesh_friction!r}",
             f"stiffness.cam_n_m={min(BEARABLE * gear / timestep**2, STIFFEST)!r}",
             'contact.stiffness_law="uniform"',
             f"settings.timestep_us={1e6 * timestep!r}",
@@ -87,7 +72,7 @@ def wang_efficiency(design: Design) -> Closed:
     ring, lobes = design.ring, design.lobes
     shortening = design.gear.eccentricity * ring.teeth / ring.pin_circle_radius
     reach = (ring.pin_circle_radius - ring.pin_radius) / ring.pin_circle_radius
-    meshing = 1.0 - 4.0 * mesh_friction(design) * reach / (shortening * lobes * math.pi)
+    meshing = 1.0 - 4.0 * design.mesh_friction * reach / (shortening * lobes * math.pi)
     pins = shortening * ring.pin_circle_radius / design.output.pin_circle_radius
     output = 1.0 - 4.0 * design.friction_of("output") * pins / math.pi
     return Closed(meshing / (1.0 + lobes * (1.0 - meshing)) * output, "Wang et al. 2016")

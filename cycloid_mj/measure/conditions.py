@@ -50,7 +50,7 @@ def has_default_step(design: Design) -> bool:
 
 def stepped(design: Design) -> Design:
     """Give the design with `LONGER_STEP` in place of the default step, where no pin moves."""
-    if design.ring.has_moving_pins or not has_default_step(design):
+    if design.ring.has_pin_bodies or not has_default_step(design):
         return design
     return with_step(design, LONGER_STEP)
 

@@ -53,7 +53,7 @@ def masses(design: Design) -> dict[str, MassProperties]:
 def weight(design: Design) -> Array:
     """Give the weight of all that moves [N], shape (2,): gear, shaft, output, and pins or sleeves that are bodies."""
     mass = sum(part.mass for part in masses(design).values())
-    if design.ring.has_moving_pins:
+    if design.ring.has_pin_bodies:
         mass += design.ring.teeth * mass_properties(pin_solid(design)).mass
     return mass * np.array([design.environment.gravity_x, design.environment.gravity_y])
 
@@ -80,7 +80,9 @@ def reaction(run: Run, design: Design) -> Reaction:
     of = masses(design)
     gravity = np.array([design.environment.gravity_x, design.environment.gravity_y])
     ring, teeth = design.ring, range(1, design.ring.teeth + 1)
-    stem = lobe if ring.kind == "nonpin" else socket if ring.has_sockets else sleeve if ring.has_sleeves else pin
+    stem = lobe if ring.kind == "nonpin" else pin
+    if ring.has_pin_bodies:
+        stem = socket if ring.has_sockets else sleeve
     on_output = -_sum(run, [output_pin(number) for number in range(1, design.output.pins + 1)])
     return Reaction(
         ring=-_sum(run, [stem(number) for number in teeth]),

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.analysis.spectrum import BAND, tapered_orders
+from cycloid_mj.contact.massless import require_pin_bodies
 from cycloid_mj.contact.working import working_at, working_forces_told
 from cycloid_mj.design import Design
 from cycloid_mj.measure.conditions import DRAG, RPM, halved, rated_torque, require_motion, stepped
@@ -65,6 +66,7 @@ def vibration(
         A run went wrong.
     """
     require_motion(design)
+    require_pin_bodies(design, "vibration")
     design = stepped(design)
     rated, speed = rated_torque(design), design.drive.speed
     torques = {"unloaded": DRAG * rated, "loaded": rated if load is None else load}

@@ -138,7 +138,7 @@ def _manifest(
     rests: list[Rest],
     files: Mapping[str, bytes],
 ) -> str:
-    moving = [names.SHAFT, names.GEAR, names.OUTPUT, *([names.pin(1)] if design.ring.has_moving_pins else [])]
+    moving = [names.SHAFT, names.GEAR, names.OUTPUT, *([names.pin(1)] if design.ring.has_pin_bodies else [])]
     content = {
         "design": {"name": design.name, "sha256": design_hash(design)},
         "versions": {

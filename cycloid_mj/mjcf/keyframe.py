@@ -66,7 +66,7 @@ def _room(design: Design, crank: float) -> dict[str, float]:
     fit = best_fit(design, crank)
     x, y = (float(value) for value in fit.shift)
     shift = {"gear_x": x, "gear_y": y, "gear_angle": fit.gear_turn, names.OUTPUT_JOINT: fit.output_turn}
-    if design.ring.has_moving_pins:
+    if design.ring.has_pin_bodies:
         for number, place in enumerate(fit.pin_shift, start=1):
             shift |= {f"{names.pin(number)}_{axis}": float(by) for axis, by in zip("xy", place, strict=True)}
     return shift

@@ -88,9 +88,10 @@ def mesh_spec(design: Design, settings: ConvexSettings) -> MeshSpec:
     The slices are as stiff as `for_slices` says.
     """
     design = for_slices(design)
-    if design.ring.has_sleeves:
+    if design.ring.has_sleeves or design.ring.has_massless_pins:
+        what = "a sleeve turns on its pin" if design.ring.has_sleeves else "a massless pin gives way"
         raise DesignError(
-            'ring.pins = "sleeved" has no meshes for stock collision: a sleeve turns on its pin by exact contact only; '
+            f'ring.pins = "{design.ring.pins}" has no meshes for stock collision: {what} by exact contact only; '
             'choose ring.pins = "free" or "fixed", or the contact profile'
         )
     masses = {name: mass_properties(solid) for name, solid in parts(design).items()}
@@ -166,14 +167,14 @@ def _add_visuals(spec: Any, design: Design) -> None:
 
 def _bearers(spec: Any, design: Design, part: str) -> list[Any]:
     """Give the bodies that a part is seen on."""
-    if part == "pin" and design.ring.has_moving_pins:
+    if part == "pin" and design.ring.has_pin_bodies:
         return [spec.body(names.pin(number)) for number in range(1, design.ring.teeth + 1)]
     return [spec.body(names.HOUSING if part == "pin" else part)]
 
 
 def _visual_places(design: Design, part: str) -> list[list[float]]:
     """Give where a part is seen on each of its bodies."""
-    if part == "pin" and not design.ring.has_moving_pins:
+    if part == "pin" and not design.ring.has_pin_bodies:
         return [exact._at(design.ring.pin_circle_radius, angle) for angle in exact.ring_angles(design)]
     return [[0.0, 0.0, 0.0]]
 
@@ -234,7 +235,7 @@ def _meet_by_pair(pair: Any, parameters: SolverParameters) -> None:
 
 def _mating_bodies(design: Design, surface: str) -> tuple[str, ...]:
     """Name the bodies whose contact a surface takes part in."""
-    pin = (names.pin(1),) if design.ring.has_moving_pins else ()
+    pin = (names.pin(1),) if design.ring.has_pin_bodies else ()
     return {
         "teeth": (names.GEAR, *pin),
         "lobe": (names.GEAR,),
@@ -271,8 +272,8 @@ def _add_round_parts(spec: Any, design: Design) -> None:
     departures = zip(exact.ring_angles(design), made.pin_place, made.pin_radius, strict=True)
     for number, (angle, deviation, larger) in enumerate(departures, start=1):
         name = names.pin(number) if ring.kind == "pin" else names.lobe(number)
-        body = name if ring.has_moving_pins else names.HOUSING
-        place = [0.0, 0.0, 0.0] if ring.has_moving_pins else exact._at(ring.pin_circle_radius, angle, deviation)
+        body = name if ring.has_pin_bodies else names.HOUSING
+        place = [0.0, 0.0, 0.0] if ring.has_pin_bodies else exact._at(ring.pin_circle_radius, angle, deviation)
         add(body, name, ring.pin_radius + larger, TEETH | SOCKETS, place)
     cam = [0.0, design.gear.eccentricity + made.eccentricity, 0.0]
     add(names.SHAFT, names.CAM, design.gear.bore_radius, BORE, cam)

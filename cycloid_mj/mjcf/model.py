@@ -20,6 +20,7 @@ from cycloid_mj.contact.law import (
     curvature_law,
     damping_ratio,
     pair_stiffness,
+    series_stiffness,
     solver_parameters,
 )
 from cycloid_mj.contact.library import exact_xml
@@ -114,7 +115,7 @@ def build(design: Design, held: Held = "crank") -> ReducerModel:
     _add_sensors(spec, design)
     mating = names.pairs(design)
     laws = contact_laws(design, masses)
-    set_solver(spec, laws, design.ring.has_moving_pins)
+    set_solver(spec, laws, design.ring.has_pin_bodies)
     model = _add_pairs(spec, mating, laws)
     return judged(ReducerModel(spec, model, mating, laws, gains, crank_inertia), design)
 
@@ -131,18 +132,24 @@ def xml(spec: Any) -> str:
 
 
 def contact_laws(design: Design, masses: Mapping[str, MassProperties]) -> dict[str, ContactLaw]:
-    """Give the contact law of each kind of pair: line-contact stiffness, damping by the pair's own effective mass."""
-    return {
-        kind: contact_law(
-            stiffness=pair_stiffness(design, kind),
+    """Give the contact law of each kind of pair: line-contact stiffness, damping by the pair's own effective mass.
+
+    With massless pins the pair of gear and pin is one of gear and housing: both contacts in series, rubbing as easily
+    as the easier of the two.
+    """
+    laws = {}
+    for kind, mass in effective_masses(design, masses).items():
+        through = kind == "pin_gear" and design.ring.has_massless_pins
+        friction = design.mesh_friction if through else design.friction_of(kind)
+        laws[kind] = contact_law(
+            stiffness=series_stiffness(design) if through else pair_stiffness(design, kind),
             damping_ratio=damping_ratio(design, kind),
             effective_mass=mass,
-            friction=design.friction_of(kind),
-            creep=design.friction_of(kind) * working_force(design, kind) / design.contact.creep_speed,
+            friction=friction,
+            creep=friction * working_force(design, kind) / design.contact.creep_speed,
             timestep=design.settings.timestep,
         )
-        for kind, mass in effective_masses(design, masses).items()
-    }
+    return laws
 
 
 def effective_masses(design: Design, masses: Mapping[str, MassProperties]) -> dict[str, float]:
@@ -153,7 +160,7 @@ def effective_masses(design: Design, masses: Mapping[str, MassProperties]) -> di
     gear = 1.0 / masses[names.GEAR].mass
     output = design.output.pin_circle_radius**2 / masses[names.OUTPUT].inertia[2, 2]
     mobility = {"cam": gear, "output": (gear + output) * design.output.pins / 2.0}
-    if design.ring.has_moving_pins:
+    if design.ring.has_pin_bodies:
         pin = 1.0 / masses["pin"].mass
         mobility |= {"pin_gear": 2.0 * (gear + pin)}
         mobility |= {"pin_socket" if design.ring.has_sockets else "pin_sleeve": 2.0 * pin}
@@ -303,7 +310,9 @@ def _add_ring(spec: Any, housing: Any, design: Design, masses: Mapping[str, Mass
             turned = on_grid([np.cos(0.5 * angle), 0.0, 0.0, -np.sin(0.5 * angle)]).tolist()
             _contact_geom(housing, names.lobe(number), Role.LOBE, radius, half, pos=place, quat=turned)
             continue
-        if not design.ring.has_moving_pins:
+        if not design.ring.has_pin_bodies:
+            if design.ring.has_massless_pins:
+                home += _give(design, float(made.pin_radius[number - 1]))
             _contact_geom(housing, names.pin(number), Role.PIN, radius, half, pos=place, userdata=home)
             continue
         if design.ring.has_sockets:
@@ -318,6 +327,13 @@ def _add_ring(spec: Any, housing: Any, design: Design, masses: Mapping[str, Mass
         _contact_geom(pin, names.pin(number), Role.PIN, radius, half, userdata=home)
         if design.ring.has_sleeves:
             _contact_geom(pin, names.sleeve(number), Role.OUTER, design.ring.sleeve_bore_radius, half)
+
+
+def _give(design: Design, larger: float) -> list[float]:
+    """Give a massless pin's play [m], less where its radius is larger, and how soft its seat is, see `pin_on_teeth`."""
+    play = design.pin_play - (larger if design.ring.has_sockets else 0.0)
+    softness = pair_stiffness(design, design.tooth_pair) / pair_stiffness(design, design.seat_pair)
+    return [significant(play), significant(softness)]
 
 
 def _teeth(design: Design) -> Teeth:

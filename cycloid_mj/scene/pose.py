@@ -31,7 +31,8 @@ def poses(design: Design, columns: Mapping[str, Array]) -> dict[str, Array]:
     design
         The design.
     columns
-        Name -> values, shape (n,), in SI units; fixed pins have no columns and stay in their places.
+        Name -> values, shape (n,), in SI units; fixed pins have no columns and stay in their places, massless ones
+        lie where the gear presses them.
 
     Raises
     ------
@@ -53,8 +54,16 @@ def poses(design: Design, columns: Mapping[str, Array]) -> dict[str, Array]:
     if design.ring.kind == "pin":
         for number, (x, y) in enumerate(ring_places(design), start=1):
             away = [columns.get(column(pin(number), name), still) for name in ("x", "y", "angle")]
+            if design.ring.has_massless_pins:
+                away[:2] = _pressed(design, [columns.get(column(pin(number), f"force_{axis}"), still) for axis in "xy"])
             found[pin(number)] = _pose(x + away[0], y + away[1], away[2])
     return found
+
+
+def _pressed(design: Design, force: list[Array]) -> list[Array]:
+    """Give how far a massless pin is from its place [m]: by its play away from the gear, which feels its force [N]."""
+    size = np.maximum(np.hypot(*force), np.finfo(float).tiny)
+    return [-design.pin_play * component / size for component in force]
 
 
 def _pose(x: Array, y: Array, angle: Array) -> Array:

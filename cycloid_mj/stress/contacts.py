@@ -85,7 +85,7 @@ def frame(turn: Turn, part: str) -> Frame:
     if part == "output":
         return Frame(fixed, turn["output_angle"])
     if part == "pin_1":
-        return Frame(pin_centre(turn, 0), turn["pin_1_angle"] if turn.design.ring.has_moving_pins else still)
+        return Frame(pin_centre(turn, 0), turn["pin_1_angle"] if turn.design.ring.has_pin_bodies else still)
     return Frame(fixed, still)
 
 
@@ -122,7 +122,7 @@ def pin_centre(turn: Turn, pin: int) -> Array:
     """Centre of a ring pin (0 on +y, clockwise) from the reducer's axis [m], shape (k, 2)."""
     ring = turn.design.ring
     nominal = ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth) + deviations(turn.design).pin_place[pin]
-    if not ring.has_moving_pins:
+    if not ring.has_pin_bodies:
         return np.broadcast_to(nominal, (turn.angle.size, 2))
     return nominal + turn.vectors(f"pin_{pin + 1}_x", f"pin_{pin + 1}_y")
 
@@ -259,7 +259,7 @@ def _socket(turn: Turn, pin: int) -> Contact:
 
 def _by_socket(turn: Turn, pin: int) -> Action:
     """Give the force of a socket on its pin, about the reducer's axis."""
-    if turn.design.ring.has_sockets:
+    if turn.design.ring.has_sockets and turn.design.ring.has_pin_bodies:
         return _logged(turn, f"socket_{pin + 1}", pin_centre(turn, pin))
     return _on_gear(turn, f"pin_{pin + 1}")
 

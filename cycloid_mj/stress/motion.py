@@ -36,7 +36,7 @@ def motion(turn: Turn, part: str, contacts: Sequence[Contact]) -> Motion:
     if part == "gear":
         return _free(turn, part, contacts, gravity, turn["gear_speed"])
     if part == "pin_1":
-        spin = turn["pin_1_speed"] if turn.design.ring.has_moving_pins else rest
+        spin = turn["pin_1_speed"] if turn.design.ring.has_pin_bodies else rest
         return _free(turn, part, contacts, gravity, spin)
     if part == "ring":
         return Motion(gravity, rest, rest, rest, rest)

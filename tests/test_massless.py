@@ -1,0 +1,141 @@
+"""Massless pins: the statics of real ones exactly, their loaded means nearly, and nothing else."""
+
+import mujoco
+import numpy as np
+import pytest
+from designs import unlike
+
+from cycloid_mj.cli import main
+from cycloid_mj.contact.collider import installed
+from cycloid_mj.contact.gap import flank_distance, trochoid_curvature
+from cycloid_mj.contact.law import curvature_law, pair_stiffness
+from cycloid_mj.contact.massless import massless, require_pin_bodies
+from cycloid_mj.contact.teeth import Teeth, flank_of
+from cycloid_mj.contact.working import at_rated_load
+from cycloid_mj.design import PRESETS, Design
+from cycloid_mj.errors import CycloidWarning, DesignError
+from cycloid_mj.measure import bench
+from cycloid_mj.measure.static_error import static_error
+from cycloid_mj.measure.steady import SETTLED, powers, steady, steady_design
+from cycloid_mj.mjcf import build
+from cycloid_mj.run import simulate
+from cycloid_mj.scene.pose import poses
+
+PIN = PRESETS["pin"]
+MOVING = {"pin": PIN, **{name: unlike(name) for name in ("few", "teeth21", "large")}}
+
+
+def loaded(design: Design, **settings: float) -> Design:
+    """Give a design at its rated torque, ready for a steady run."""
+    own = at_rated_load(design)
+    return steady_design(own.but(load={"torque": own.rated_torque}, settings=settings))
+
+
+@pytest.mark.parametrize("name", MOVING)
+def test_a_pin_of_any_kind_has_one_without_inertia(name):
+    design = MOVING[name]
+    light = massless(design)
+    assert light.ring.has_massless_pins
+    assert not light.ring.has_pin_bodies
+    assert (light.pin_play, light.socket_play) == (design.pin_play, design.socket_play)
+    assert light.pair_kinds == design.pair_kinds
+    assert massless(light) == light
+    model = build(light).model
+    assert (model.nbody, model.nv) == (5, 5)
+
+
+@pytest.mark.parametrize("name", ["light", "printed"])
+def test_what_has_no_moving_pins_stays_as_it_is(name):
+    assert massless(unlike(name)) is unlike(name)
+
+
+@pytest.mark.parametrize("name", MOVING)
+def test_at_rest_they_carry_as_pins_and_seats_in_series(name):
+    """Without friction a locked crank finds the balance of the linear mesh, which has plays and springs in series."""
+    design = massless(bench.ideal(at_rated_load(MOVING[name])))
+    torque = 0.5 * design.rated_torque
+    for crank in bench.crank_angles(design, 2):
+        run = bench.run_to_the_end(design, float(crank), lambda time: np.full_like(time, torque), torque, 0.04, 4)
+        turned = bench.output_turn(run, design)[-1]
+        assert turned == pytest.approx(static_error(design, crank, torque)[0, 1], rel=2e-3)
+
+
+def test_the_stiffness_follows_the_curvature_as_that_of_two_springs():
+    """Each contact of a turned gear: force over true overlap, beside both springs at the curvature there."""
+    design = massless(PIN.but(contact={"working_load": 36.68}))
+    reducer = build(design)
+    data = mujoco.MjData(reducer.model)
+    data.joint("gear_angle").qpos[0] = 2e-4
+    with installed():
+        mujoco.mj_forward(reducer.model, data)
+    law, seat, rho = curvature_law(design), pair_stiffness(design, "pin_socket"), design.ring.pin_radius
+    flank = flank_of(Teeth(*reducer.model.geom("teeth").user))
+    teeth, turned = reducer.model.geom("teeth").id, data.joint("gear_angle").qpos[0]
+    to_gear = np.array([[np.cos(turned), np.sin(turned)], [-np.sin(turned), np.cos(turned)]])
+    factors = []
+    for geoms, distance in zip(data.contact.geom, data.contact.dist, strict=True):
+        if teeth not in geoms:
+            continue
+        place = data.geom_xpos[next(geom for geom in geoms if geom != teeth)] - data.geom_xpos[teeth]
+        t, away, *_ = flank_distance(*(to_gear @ place[:2]), flank)
+        bend = trochoid_curvature(t, flank.radius, flank.eccentricity, flank.teeth)
+        own = law.stiffness * law.factor(bend / (1.0 - flank.offset * bend) + 1.0 / rho)
+        overlap = rho - design.pin_play - away - flank.offset
+        force = -distance * reducer.laws["pin_gear"].stiffness
+        assert force == pytest.approx(overlap / (1.0 / own + 1.0 / seat), rel=1e-6)
+        factors.append(own / law.stiffness)
+    assert len(factors) > 10
+    assert max(factors) > 1.5 * min(factors)
+
+
+@pytest.mark.parametrize("name", ["pin", "large"])
+def test_loaded_means_are_those_of_real_pins(name):
+    """At steps that no real pin bears the means are the same."""
+    real = loaded(MOVING[name])
+    light = massless(real).but(settings={"timestep": 1e-5})
+    found = []
+    for design in (real, light):
+        run = steady(design, SETTLED, 3)
+        error = run["output_angle"] + run["crank_angle"] / design.lobes
+        cam = np.hypot(run["cam_force_x"], run["cam_force_y"])
+        found.append((error.mean(), cam.mean(), powers(run).efficiency))
+    (error, cam, efficiency), (light_error, light_cam, light_efficiency) = found
+    assert light_error == pytest.approx(error, rel=3e-3)
+    assert light_cam == pytest.approx(cam, rel=2e-3)
+    assert light_efficiency == pytest.approx(efficiency, abs=5e-4)
+
+
+def test_the_easier_contact_slides():
+    rough = massless(unlike("large")).but(friction={"pin_gear": 0.2, "pin_sleeve": 0.04})
+    ring = rough.ring
+    law = build(rough).laws["pin_gear"]
+    assert law.friction == pytest.approx(0.04 * ring.sleeve_bore_radius / ring.pin_radius)
+
+
+def test_a_thicker_pin_has_less_play_in_its_socket():
+    thick = massless(PIN).but(errors={"pin_dr": (0.4e-6,) + (0.0,) * 35})
+    model = build(thick).model
+    plays = [model.geom(f"pin_{number}").user[2] for number in (1, 2)]
+    assert plays == pytest.approx([0.6e-6, 1e-6])
+
+
+def test_without_load_a_run_warns_and_dynamic_figures_are_refused(capsys):
+    light = massless(PIN)
+    with pytest.warns(CycloidWarning, match="massless pins hold under load alone"):
+        simulate(light.but(drive={"ramp": 0.0, "hold": 1e-4}, settings={"timestep": 1e-5}))
+    with pytest.raises(DesignError, match=r'vibration: set ring.pins = "free"'):
+        require_pin_bodies(light, "vibration")
+    require_pin_bodies(PIN, "vibration")
+    for command in (("measure", "vibration", "--design", "pin"), ("compare", "pin", "nonpin", "--jobs", "1")):
+        assert main([*command, "--set", 'ring.pins="massless"']) == 1
+        assert "loaded means alone" in capsys.readouterr().err
+
+
+def test_pins_are_drawn_where_the_gear_presses_them():
+    light = massless(PIN)
+    columns = {name: np.zeros(1) for name in ("crank_angle", "gear_x", "gear_y", "gear_angle", "output_angle")}
+    columns |= {"pin_1_force_x": np.array([3.0]), "pin_1_force_y": np.array([-4.0])}
+    place = poses(light, columns)
+    home = poses(PIN, columns)
+    assert (place["pin_1"] - home["pin_1"])[0] == pytest.approx([-0.6e-6, 0.8e-6, 0.0])
+    assert np.array_equal(place["pin_2"], home["pin_2"])
