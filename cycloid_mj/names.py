@@ -1,9 +1,10 @@
-"""Every name of the model and of the log: bodies, joints, geoms, mating pairs, sensors, topics and columns."""
+"""Every name of the model and of the log: bodies, joints, surfaces, mating pairs, topics and columns.
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+Like things are numbered from 1 on +y, clockwise. What a drive has of each disc is named after the disc where it has
+several: ``gear_2_cam``; a drive of one disc has a ``gear`` and a ``cam``.
+"""
 
-from cycloid_mj.design import Design
+import re
 
 REDUCER, PINS, FORCES = "/reducer", "/pins", "/forces"
 """Topics of a log."""
@@ -25,12 +26,21 @@ KINDS = {
 }
 """What a mating pair is named by, before its number -> its kind."""
 
-SHAFT, GEAR, OUTPUT, HOUSING = "shaft", "gear", "output", "housing"
+SHAFT, GEAR, OUTPUT, HOUSING, PIN = "shaft", "gear", "output", "housing", "pin"
+"""Bodies, and the parts that they are."""
+
 CRANK_JOINT, OUTPUT_JOINT = "crank", "output"
 DRIVE, LOAD = "drive", "load"
-TEETH, BORE, CAM = "teeth", "bore", "cam"
+
+TEETH, BORE, CAM, HOLE, OUTPUT_PIN = "teeth", "bore", "cam", "hole", "output_pin"
+LOBE, SOCKET, SLEEVE, CORE = "lobe", "socket", "sleeve", "core"
+"""Surfaces, with those of ``PIN``; a mating pair is named after one of its two."""
+
 DRAGS = {"crank_drag": CRANK_JOINT, "output_drag": OUTPUT_JOINT}
 """Loss of seals and lubricant -> the joint that it brakes; a design without has neither."""
+
+
+_OF_DISC = re.compile(r"^gear_\d+_")
 
 
 def column(stem: str, quantity: str) -> str:
@@ -40,7 +50,7 @@ def column(stem: str, quantity: str) -> str:
 
 def kind_of(pair: str) -> str | None:
     """Give the kind of a mating pair by its name; None of any other name."""
-    return KINDS.get(pair.rstrip("0123456789").rstrip("_"))
+    return KINDS.get(_OF_DISC.sub("", pair).rstrip("0123456789").rstrip("_"))
 
 
 def number_of(pair: str) -> int:
@@ -50,100 +60,32 @@ def number_of(pair: str) -> int:
 
 def pin(number: int) -> str:
     """Name ring pin 1, 2, ... (1 at +y, clockwise)."""
-    return f"pin_{number}"
+    return numbered(PIN, number)
 
 
-def lobe(number: int) -> str:
-    """Name lobe 1, 2, ... of the internal gear (1 at +y, clockwise)."""
-    return f"lobe_{number}"
+def numbered(stem: str, number: int) -> str:
+    """Name one of several like things: ``pin_1``."""
+    return f"{stem}_{number}"
 
 
-def socket(number: int) -> str:
-    """Name the socket of a ring pin."""
-    return f"socket_{number}"
+def all_numbered(stem: str, count: int) -> tuple[str, ...]:
+    """Name all of them."""
+    return tuple(numbered(stem, number) for number in range(1, count + 1))
 
 
-def sleeve(number: int) -> str:
-    """Name the bore of the sleeve on a pressed-in ring pin."""
-    return f"sleeve_{number}"
+def of_disc(name: str, disc: int, discs: int) -> str:
+    """Name what belongs to one of several discs (from 0): ``gear_2``, ``gear_2_cam``; of a single disc, `name`."""
+    if discs == 1:
+        return name
+    gear = numbered(GEAR, disc + 1)
+    return gear if name == GEAR else column(gear, name)
 
 
-def core(number: int) -> str:
-    """Name the pressed-in pin inside a sleeve."""
-    return f"core_{number}"
+def planar_joints(body: str) -> tuple[str, str, str]:
+    """Name the joints of a body that moves in the plane: x, y and its turn. They are columns of the log, too."""
+    return column(body, "x"), column(body, "y"), column(body, "angle")
 
 
-def hole(number: int) -> str:
-    """Name the gear's hole of an output pin."""
-    return f"hole_{number}"
-
-
-def output_pin(number: int) -> str:
-    """Name output pin 1, 2, ... (1 at +y, clockwise)."""
-    return f"output_pin_{number}"
-
-
-@dataclass(frozen=True)
-class Pair:
-    """One mating pair.
-
-    Attributes
-    ----------
-    name
-        Name of the ``<pair>`` and stem of its columns in the log.
-    kind
-        ``pin_gear``, ``pin_socket``, ``pin_sleeve``, ``tooth``, ``cam`` or ``output``: the key of its clearance,
-        friction, stiffness, damping and working force.
-    on
-        Geom whose body feels the logged force: the gear, the pin in its socket, or the sleeve on its pin.
-    by
-        Geom that exerts it.
-    """
-
-    name: str
-    kind: str
-    on: str
-    by: str
-
-
-def pairs(design: Design) -> tuple[Pair, ...]:
-    """Give every mating pair of a design."""
-    return tuple(_pairs(design))
-
-
-def _pairs(design: Design) -> Iterator[Pair]:
-    ring = range(1, design.ring.teeth + 1)
-    if design.ring.kind == "nonpin":
-        yield from (Pair(lobe(i), "tooth", TEETH, lobe(i)) for i in ring)
-    else:
-        yield from (Pair(pin(i), "pin_gear", TEETH, pin(i)) for i in ring)
-    if design.ring.has_sockets and design.ring.has_pin_bodies:
-        yield from (Pair(socket(i), "pin_socket", pin(i), socket(i)) for i in ring)
-    if design.ring.has_sleeves and design.ring.has_pin_bodies:
-        yield from (Pair(sleeve(i), "pin_sleeve", sleeve(i), core(i)) for i in ring)
-    yield Pair(CAM, "cam", BORE, CAM)
-    yield from (Pair(output_pin(i), "output", hole(i), output_pin(i)) for i in range(1, design.output.pins + 1))
-
-
-def sensors(design: Design) -> dict[str, dict[str, str]]:
-    """Give the sensors as groups of column name and unit, in the order of the model."""
-    reducer = {
-        "crank_angle": "rad",
-        "crank_speed": "rad/s",
-        "crank_torque": "N m",
-        "gear_x": "m",
-        "gear_y": "m",
-        "gear_angle": "rad",
-        "gear_vx": "m/s",
-        "gear_vy": "m/s",
-        "gear_speed": "rad/s",
-        "output_angle": "rad",
-        "output_speed": "rad/s",
-        "load_torque": "N m",
-    }
-    pins: dict[str, str] = {}
-    if design.ring.has_pin_bodies:
-        units = {"x": "m", "y": "m", "angle": "rad", "speed": "rad/s"}
-        for i in range(1, design.ring.teeth + 1):
-            pins |= {column(pin(i), quantity): unit for quantity, unit in units.items()}
-    return {REDUCER: reducer, PINS: pins} if pins else {REDUCER: reducer}
+def planar_speeds(body: str) -> tuple[str, str, str]:
+    """Name the columns of their speeds."""
+    return column(body, "vx"), column(body, "vy"), column(body, "speed")

@@ -25,6 +25,7 @@ from cycloid_mj.contact.working import for_slices, working_forces_told
 from cycloid_mj.course import Course, initial_state, ramp_and_hold
 from cycloid_mj.design import Design, dump
 from cycloid_mj.errors import RunError, warn
+from cycloid_mj.mechanism.reducer import mechanism
 from cycloid_mj.mjcf import ReducerModel, build, sensors, xml
 from cycloid_mj.names import (
     DRAGS,
@@ -38,7 +39,6 @@ from cycloid_mj.names import (
     PINS,
     REDUCER,
     column,
-    pairs,
 )
 from cycloid_mj.record import Run
 from cycloid_mj.types import Array
@@ -177,7 +177,7 @@ def provenance(design: Design, contact: Contact = "profile") -> dict[str, str]:
         "design": design.name,
         "contact": contact,
         "timestep_s": repr(design.settings.timestep),
-        "working_forces": working_forces_told(made_for, dict.fromkeys(pair.kind for pair in pairs(design))),
+        "working_forces": working_forces_told(made_for, mechanism(design).kinds),
         "cycloid_mj": __version__,
         "mujoco": mujoco.__version__,
         "numpy": np.__version__,

@@ -28,9 +28,8 @@ from cycloid_mj.contact.working import working_force
 from cycloid_mj.course import initial_state, ramp_and_hold
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.mjcf import build
-from cycloid_mj.mjcf.model import ring_angles
-from cycloid_mj.modification import gear_profile, profile_offset
-from cycloid_mj.profile import sample
+from cycloid_mj.modification import gear_profile, profile_offset, tooth_profile
+from cycloid_mj.profile import pin_angles, sample
 from cycloid_mj.types import Array
 
 SAMPLING = 1e-4
@@ -132,7 +131,9 @@ def run_exudyn(step: float, friction: float, end: float, segments: int) -> Motio
         )
     )
     radius, count = design.ring.pin_circle_radius, design.ring.teeth
-    pins = [marker(ring, radius * math.sin(angle), radius * math.cos(angle)) for angle in ring_angles(design)]
+    pins = [
+        marker(ring, radius * math.sin(angle), radius * math.cos(angle)) for angle in pin_angles(tooth_profile(design))
+    ]
     active = mbs.AddNode(
         item.NodeGenericData(initialCoordinates=[-1, 0, 0] * segments, numberOfDataCoordinates=3 * segments)
     )

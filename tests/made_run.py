@@ -4,7 +4,8 @@ import numpy as np
 
 from cycloid_mj import kinematics, profile
 from cycloid_mj.design import Design, dump
-from cycloid_mj.names import pairs, sensors
+from cycloid_mj.mechanism.reducer import mechanism
+from cycloid_mj.mjcf import sensors
 from cycloid_mj.record import Run
 from cycloid_mj.scene.pose import ring_places
 from cycloid_mj.solid import output_centres
@@ -22,7 +23,7 @@ def made_groups(design: Design) -> dict[str, dict[str, str]]:
     groups["/reducer"] |= {"cam_friction_power": "W", "cam_normal_power": "W"}
     groups["/forces"] = {
         f"{pair.name}_{part}": unit
-        for pair in pairs(design)
+        for pair in mechanism(design).pairs
         for part, unit in (("force_x", "N"), ("force_y", "N"), ("moment", "N m"))
     }
     return groups

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cycloid_mj import statics
-from cycloid_mj.contact.collider import Role, installed
+from cycloid_mj.contact.collider import installed
 from cycloid_mj.contact.law import (
     ContactLaw,
     contact_law,
@@ -20,7 +20,8 @@ from cycloid_mj.contact.law import (
 from cycloid_mj.contact.working import STRIBECK, working_force
 from cycloid_mj.design import PRESETS, Design, Ring, override
 from cycloid_mj.errors import ContactError
-from cycloid_mj.mjcf.model import contact_laws
+from cycloid_mj.mechanism.reducer import Role
+from cycloid_mj.mjcf.laws import contact_laws
 from cycloid_mj.solid import MassProperties, mass_properties, parts
 
 STIFFNESS, MASS = 2.6e8, 0.05

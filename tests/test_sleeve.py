@@ -10,15 +10,15 @@ from made_run import made_run
 
 from cycloid_mj.analysis import analyze, series
 from cycloid_mj.checks import check, require_sound
-from cycloid_mj.contact.collider import Role, installed
+from cycloid_mj.contact.collider import installed
 from cycloid_mj.contact.forces import pair_forces, pair_index
 from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.design import PRESETS, Design, dump, loads, override
 from cycloid_mj.errors import DesignError
 from cycloid_mj.export import export
-from cycloid_mj.mjcf import build
+from cycloid_mj.mechanism.reducer import Role, mechanism
+from cycloid_mj.mjcf import build, sensors
 from cycloid_mj.mjcf.mesh import build_mesh
-from cycloid_mj.names import pairs, sensors
 from cycloid_mj.plots.pin import pin_figure
 from cycloid_mj.record import Run
 from cycloid_mj.report.tables import _clearances
@@ -171,7 +171,7 @@ def test_every_room_takes_sleeves_for_bodies_without_sockets() -> None:
     assert list(dict.fromkeys(acting.kinds)) == ["pin_gear", "pin_sleeve", "cam", "output"]
     assert "pin-sleeve 1" in _clearances(SLEEVED)
     assert "socket" not in _clearances(SLEEVED)
-    assert len({pair.name for pair in pairs(SLEEVED)}) == len(pairs(SLEEVED))
+    assert len({pair.name for pair in mechanism(SLEEVED).pairs}) == len(mechanism(SLEEVED).pairs)
     assert loads(dump(SLEEVED)) == SLEEVED
 
 

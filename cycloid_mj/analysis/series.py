@@ -12,8 +12,8 @@ from cycloid_mj.analysis.findings import Phase
 from cycloid_mj.design import Design, loads
 from cycloid_mj.errors import LogError, UsageError
 from cycloid_mj.kinematics import CrankLaw
+from cycloid_mj.mechanism.reducer import mechanism
 from cycloid_mj.modification import tooth_profile
-from cycloid_mj.names import pairs
 from cycloid_mj.profile import CycloidGear
 from cycloid_mj.record import LARGEST, Run
 from cycloid_mj.types import Array, Mask
@@ -229,7 +229,7 @@ def design_of(run: Run) -> Design:
 def _require_fit(run: Run, design: Design) -> None:
     """Raise LogError if the forces are of other pins, lobes or output pins than the design has."""
     kinds = {"pin_gear": "ring pins", "tooth": "lobes of the internal gear", "output": "output pins"}
-    expected = pairs(design)
+    expected = mechanism(design).pairs
     for kind, what in kinds.items():
         wanted = {pair.name for pair in expected if pair.kind == kind}
         has = set(run.pairs(kind))

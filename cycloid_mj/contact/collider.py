@@ -9,7 +9,6 @@ state: all it needs stands in the ``mjModel`` and ``mjData`` that it is called w
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
-from enum import IntEnum
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -25,6 +24,7 @@ from cycloid_mj.contact.mating import PRIORITY, inner_in_outer, lobe_on_teeth, p
 from cycloid_mj.contact.memory import read_address, read_int
 from cycloid_mj.contact.shared import Shared
 from cycloid_mj.errors import ContactError
+from cycloid_mj.mechanism.reducer import Role
 
 _SIGNATURE = types.int32(types.intp, types.intp, types.intp, types.int32, types.int32, types.float64)
 _ENTRY = CYLINDER * TYPES + CYLINDER
@@ -32,16 +32,6 @@ _ORIGINAL = "cycloid_mj_original_cylinder_collider"
 _PINS = "cycloid_mj_pin_collider"
 _original = types.ExternalFunction(_ORIGINAL, _SIGNATURE)
 _pins = types.ExternalFunction(_PINS, _SIGNATURE)
-
-
-class Role(IntEnum):
-    """What a geom is to the collider; the numbers are unlikely as a priority in anybody else's model."""
-
-    PIN = 0x63796D01
-    TEETH = 0x63796D02
-    INNER = 0x63796D03
-    OUTER = 0x63796D04
-    LOBE = 0x63796D05
 
 
 _PIN, _TEETH, _INNER, _OUTER, _LOBE = (int(role) for role in Role)

@@ -9,9 +9,9 @@ import numpy.typing as npt
 from numba import njit
 
 from cycloid_mj.compiling import cacheable
-from cycloid_mj.contact.collider import Role
 from cycloid_mj.contact.gap import Flank, flank_distance
 from cycloid_mj.contact.teeth import Teeth
+from cycloid_mj.mechanism.reducer import Role
 from cycloid_mj.types import Array
 
 

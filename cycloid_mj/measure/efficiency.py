@@ -16,7 +16,7 @@ from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, silent
 from cycloid_mj.measure.sensitivity import friction_for
 from cycloid_mj.measure.steady import steady_design, whole_periods
-from cycloid_mj.names import pairs
+from cycloid_mj.mechanism.reducer import mechanism
 from cycloid_mj.result import Curve, Quantity, Table
 
 TORQUES, SPEEDS = (0.25, 0.5, 1.0), (0.5, 1.0, 1.5)
@@ -258,7 +258,7 @@ def _line(panel: str, name: str, points: Sequence[Point], y: Sequence[float], la
 
 def _assumptions(design: Design, periods: int) -> tuple[str, ...]:
     pins = round(periods * design.output.pins / design.lobes, 2)
-    kinds = dict.fromkeys(pair.kind for pair in pairs(design))
+    kinds = mechanism(design).kinds
     creep = 1e3 * design.contact.creep_speed
     return (
         f"friction: {', '.join(f'{pair} {design.friction_of(pair):g}' for pair in kinds)}; "

@@ -8,7 +8,7 @@ import numpy as np
 from cycloid_mj import envelope, statics
 from cycloid_mj.contact.pressure import hertz_holds, hertz_pressure, line_curvature, line_share
 from cycloid_mj.design import Design
-from cycloid_mj.names import pairs
+from cycloid_mj.mechanism.reducer import mechanism
 from cycloid_mj.record import Run
 from cycloid_mj.solid import gear_solid, mass_properties
 from cycloid_mj.solid.gear import tooth_profile
@@ -95,7 +95,7 @@ def pressed(run: Run, design: Design) -> dict[str, Pressed]:
     crank = run["crank_angle"]
     angle = crank - 2.0 * math.pi * np.floor(crank[0] / (2.0 * math.pi))
     found = {}
-    for kind in dict.fromkeys(pair.kind for pair in pairs(design)):
+    for kind in mechanism(design).kinds:
         vector = run.forces(kind)
         curvature = relative_curvature(design, kind, crank)
         force = np.hypot(vector[..., 0], vector[..., 1]) * line_share(design, kind)

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.design import Design
-from cycloid_mj.names import CAM, GEAR, OUTPUT, SHAFT, lobe, output_pin, pin, sleeve, socket
+from cycloid_mj.mechanism.reducer import mechanism
+from cycloid_mj.names import FORCE_X, FORCE_Y, GEAR, HOUSING, OUTPUT, SHAFT, column
 from cycloid_mj.record import Run
 from cycloid_mj.solid import MassProperties, Solid, gear_solid, mass_properties, output_solid, pin_solid, shaft_solid
 from cycloid_mj.types import Array
@@ -79,15 +80,11 @@ def reaction(run: Run, design: Design) -> Reaction:
     """
     of = masses(design)
     gravity = np.array([design.environment.gravity_x, design.environment.gravity_y])
-    ring, teeth = design.ring, range(1, design.ring.teeth + 1)
-    stem = lobe if ring.kind == "nonpin" else pin
-    if ring.has_pin_bodies:
-        stem = socket if ring.has_sockets else sleeve
-    on_output = -_sum(run, [output_pin(number) for number in range(1, design.output.pins + 1)])
+    reducer = mechanism(design)
     return Reaction(
-        ring=-_sum(run, [stem(number) for number in teeth]),
-        crank=-_sum(run, [CAM]) + of[SHAFT].mass * (gravity - shaft_acceleration(run, of[SHAFT])),
-        output=on_output + of[OUTPUT].mass * gravity,
+        ring=-_sum(run, reducer.against(HOUSING)),
+        crank=-_sum(run, reducer.against(SHAFT)) + of[SHAFT].mass * (gravity - shaft_acceleration(run, of[SHAFT])),
+        output=-_sum(run, reducer.against(OUTPUT)) + of[OUTPUT].mass * gravity,
     )
 
 
@@ -113,5 +110,5 @@ def _outward(run: Run) -> Array:
 
 def _sum(run: Run, stems: list[str]) -> Array:
     """Sum of some pairs' logged forces [N], shape (n, 2)."""
-    axes = [run.block([f"{stem}_force_{axis}" for stem in stems]).sum(axis=1) for axis in "xy"]
+    axes = [run.block([column(stem, along) for stem in stems]).sum(axis=1) for along in (FORCE_X, FORCE_Y)]
     return np.stack(axes, axis=1)

@@ -22,6 +22,7 @@ from cycloid_mj import envelope, profile
 from cycloid_mj.design import Design
 from cycloid_mj.deviations import deviations
 from cycloid_mj.kinematics import gear_centre
+from cycloid_mj.mechanism.reducer import phases
 from cycloid_mj.modification import profile_offset, tooth_profile
 from cycloid_mj.types import Array, Integers, Mask
 
@@ -87,11 +88,6 @@ class Gaps:
         cosine, sine = np.where(near, along / reach, 1.0), np.where(near, across / reach, 0.0)
         width = self.room + np.where(near, (reach - 1.0) / self.bend, distance)
         return width, cosine[:, np.newaxis] * self.slope + sine[:, np.newaxis] * self.shift_slope
-
-
-def phases(design: Design) -> tuple[float, ...]:
-    """Give the phase of each disc on the crank [rad], counter-clockwise: one disc, in phase with the crank."""
-    return (0.0,)
 
 
 def unknowns(design: Design) -> int:

@@ -1,6 +1,6 @@
-"""The MuJoCo model of a design: its parts and its contact physics."""
+"""The MuJoCo model of a design: its parts, its sensors and its contact physics."""
 
 from cycloid_mj.mjcf.model import ReducerModel, build, xml
-from cycloid_mj.names import Pair, pairs, sensors
+from cycloid_mj.mjcf.sensors import sensors
 
-__all__ = ["Pair", "ReducerModel", "build", "pairs", "sensors", "xml"]
+__all__ = ["ReducerModel", "build", "sensors", "xml"]

@@ -26,10 +26,11 @@ from cycloid_mj.convex import (
 )
 from cycloid_mj.design import Design, dump
 from cycloid_mj.errors import CycloidError, warn
-from cycloid_mj.mjcf import model as exact
 from cycloid_mj.mjcf.keyframe import add_keyframes
-from cycloid_mj.mjcf.mesh import MeshSpec, add_rest, mesh_spec
+from cycloid_mj.mjcf.mesh import MeshSpec, add_rest, mesh_spec, reducer_model
+from cycloid_mj.mjcf.model import xml
 from cycloid_mj.mjcf.scene import scene_xml
+from cycloid_mj.mjcf.sensors import add_sensors
 from cycloid_mj.whole import write_whole
 
 REDUCER, SCENE, MANIFEST, DESIGN = "reducer.xml", "scene.xml", "manifest.json", "design.toml"
@@ -69,17 +70,16 @@ def model_files(design: Design, settings: ConvexSettings | None = None) -> dict[
     for number, rest in enumerate(rests, start=1):
         add_rest(made.spec, number, rest)
     gains = _add_drive(made, design)
-    exact._add_sensors(made.spec, design)
+    add_sensors(made.spec, design)
     add_keyframes(made.spec, design)
     made.spec.meshdir = ASSETS
-    model = made.spec.compile()
-    reducer = exact.ReducerModel(made.spec, model, names.pairs(design), made.laws, gains, made.crank_inertia)
-    warn(design.name, exact.judged(reducer, design).warnings)
+    reducer = reducer_model(made, design, gains)
+    warn(design.name, reducer.warnings)
     files = {f"{ASSETS}/{name}": content for name, content in sorted(made.spec.assets.items())}
     files[DESIGN] = dump(design).encode()
     files[REDUCER] = _reducer_xml(made.spec, design).encode()
     files[SCENE] = scene_xml(design, REDUCER).encode()
-    files[MANIFEST] = _manifest(design, settings, model, measured, rests, files).encode()
+    files[MANIFEST] = _manifest(design, settings, reducer.model, measured, rests, files).encode()
     return files
 
 
@@ -123,7 +123,7 @@ def _add_drive(made: MeshSpec, design: Design) -> tuple[float, float]:
 
 def _reducer_xml(spec: Any, design: Design) -> str:
     """Give the MJCF, each number as the shortest that reads back the same."""
-    text = _NUMBER.sub(lambda found: repr(float(found.group())), exact.xml(spec))
+    text = _NUMBER.sub(lambda found: repr(float(found.group())), xml(spec))
     note = (
         f"<!-- {design.name}: made by `cycloid-mj build` (cycloid_mj {__version__}); change the design, not this. -->\n"
     )
@@ -138,7 +138,12 @@ def _manifest(
     rests: list[Rest],
     files: Mapping[str, bytes],
 ) -> str:
-    moving = [names.SHAFT, names.GEAR, names.OUTPUT, *([names.pin(1)] if design.ring.has_pin_bodies else [])]
+    moving = [
+        names.SHAFT,
+        names.GEAR,
+        names.OUTPUT,
+        *([names.numbered(names.PIN, 1)] if design.ring.has_pin_bodies else []),
+    ]
     content = {
         "design": {"name": design.name, "sha256": design_hash(design)},
         "versions": {

@@ -8,6 +8,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.deviations import is_ideal
 from cycloid_mj.kinematics import gear_centre, gear_rotation, gear_speed
 from cycloid_mj.mechanism.limits import best_fit
+from cycloid_mj.mechanism.reducer import Mechanism, mechanism
 from cycloid_mj.modification import tooth_profile
 
 QUARTERS = (0, 90, 180, 270)
@@ -45,28 +46,24 @@ def joint_state(design: Design, crank: float, speed: float) -> tuple[dict[str, f
     Parts with errors or modified flanks, and the pins among them that move, are where they fit best.
     """
     gear = tooth_profile(design)
-    x, y = (float(value) for value in gear_centre(gear, crank))
     turned, slow = float(gear_rotation(gear, crank)), float(gear_speed(speed, gear.lobes))
-    position = {names.CRANK_JOINT: crank, "gear_x": x, "gear_y": y, "gear_angle": turned, names.OUTPUT_JOINT: turned}
-    velocity = {
-        names.CRANK_JOINT: speed,
-        "gear_x": -speed * y,
-        "gear_y": speed * x,
-        "gear_angle": slow,
-        names.OUTPUT_JOINT: slow,
-    }
+    position = {names.CRANK_JOINT: crank, names.OUTPUT_JOINT: turned}
+    velocity = {names.CRANK_JOINT: speed, names.OUTPUT_JOINT: slow}
+    reducer = mechanism(design)
+    for disc, phase in zip(reducer.discs, reducer.phases, strict=True):
+        x, y = (float(value) for value in gear_centre(gear, crank + phase))
+        position |= dict(zip(disc.joints, (x, y, turned), strict=True))
+        velocity |= dict(zip(disc.joints, (-speed * y, speed * x, slow), strict=True))
     if not is_ideal(design):
-        for joint, shift in _room(design, crank).items():
+        for joint, shift in _room(reducer, crank).items():
             position[joint] = position.get(joint, 0.0) + shift
     return position, velocity
 
 
-def _room(design: Design, crank: float) -> dict[str, float]:
+def _room(reducer: Mechanism, crank: float) -> dict[str, float]:
     """Give how far joints are from the ideal mesh in the pose that leaves the most room."""
-    fit = best_fit(design, crank)
-    x, y = (float(value) for value in fit.shift)
-    shift = {"gear_x": x, "gear_y": y, "gear_angle": fit.gear_turn, names.OUTPUT_JOINT: fit.output_turn}
-    if design.ring.has_pin_bodies:
-        for number, place in enumerate(fit.pin_shift, start=1):
-            shift |= {f"{names.pin(number)}_{axis}": float(by) for axis, by in zip("xy", place, strict=True)}
-    return shift
+    fit = best_fit(reducer.design, crank)
+    joints = dict(zip(reducer.discs[0].joints, (*fit.shift.tolist(), fit.gear_turn), strict=True))
+    for pin, place in zip(reducer.pins, fit.pin_shift, strict=False):
+        joints |= dict(zip(pin.joints[:2], place.tolist(), strict=True))
+    return joints | {names.OUTPUT_JOINT: fit.output_turn}

@@ -12,10 +12,11 @@ import mujoco
 import numpy as np
 
 from cycloid_mj import statics
-from cycloid_mj.contact.collider import Role, installed
+from cycloid_mj.contact.collider import installed
 from cycloid_mj.contact.law import ContactLaw, contact_law, curvature_law, solver_parameters
 from cycloid_mj.contact.working import at_rated_load, working_force
 from cycloid_mj.design import PRESETS
+from cycloid_mj.mechanism.reducer import Role
 from cycloid_mj.validation.row import Row, relative
 
 RATED = at_rated_load(PRESETS["pin"])

@@ -1,0 +1,152 @@
+"""The bodies of a mechanism in MuJoCo, with their joints, masses, meshes to be seen and cylinders to meet others."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from cycloid_mj import names
+from cycloid_mj.contact.law import curvature_law, pair_stiffness
+from cycloid_mj.contact.teeth import Teeth
+from cycloid_mj.design import Design
+from cycloid_mj.digits import on_grid, significant
+from cycloid_mj.mechanism.reducer import Body, Mechanism, Role, Surfaces
+from cycloid_mj.modification import FlankEnds, flank_ends, gear_profile, profile_offset
+from cycloid_mj.solid import MassProperties
+from cycloid_mj.types import Array
+
+VISUAL_GROUP, CONTACT_GROUP = 2, 3
+COLOURS = {
+    names.HOUSING: (0.55, 0.58, 0.62, 1.0),
+    names.SHAFT: (0.80, 0.62, 0.25, 1.0),
+    names.GEAR: (0.25, 0.47, 0.70, 1.0),
+    names.PIN: (0.83, 0.84, 0.86, 1.0),
+    names.OUTPUT: (0.36, 0.62, 0.42, 1.0),
+}
+
+SEAL_TIME, SEAL_IMPEDANCE = 1e-4, [0.99, 0.99, 1.0, 0.5, 1.0]
+"""Time [s] in which the drag of seals stops a shaft that it can hold, and how firmly: a shaft that turns feels all of
+it above a creep of some mrad/s."""
+
+_X, _Y, _Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+
+
+def add_bodies(spec: Any, reducer: Mechanism, masses: Mapping[str, MassProperties]) -> None:
+    """Add every body with its joints and its mass; the housing does not move and needs none."""
+    # MuJoCo factorises from the last degree of freedom backwards: each pin meets the gear alone, so with the pins
+    # last an elimination fills in nothing between pins; before the gear each would couple all of them.
+    for body in reducer.bodies:
+        made = spec.worldbody.add_body(name=body.name, pos=point(body.place))
+        _add_joints(made, body, reducer.design)
+        if body.joints:
+            set_inertia(made, masses[body.part])
+
+
+def add_shapes(spec: Any, reducer: Mechanism) -> None:
+    """Add to the bodies what is seen, by meshes named as the parts, and the cylinders for the exact collider."""
+    half_width = 0.5 * reducer.design.gear.face_width
+    for body in reducer.bodies:
+        spec.body(body.name).add_geom(
+            type=mujoco.mjtGeom.mjGEOM_MESH,
+            meshname=body.part,
+            group=VISUAL_GROUP,
+            contype=0,
+            conaffinity=0,
+            mass=0.0,
+            rgba=list(COLOURS[body.part]),
+        )
+    for surfaces in reducer.surfaces:
+        for i, name in enumerate(surfaces.names):
+            spec.body(surfaces.bodies[i]).add_geom(
+                name=name,
+                type=mujoco.mjtGeom.mjGEOM_CYLINDER,
+                size=[surfaces.radius[i], half_width, 0.0],
+                pos=point(surfaces.place[i]),
+                priority=int(surfaces.role),
+                group=CONTACT_GROUP,
+                contype=0,
+                conaffinity=0,
+                mass=0.0,
+                rgba=[0.9, 0.4, 0.2, 0.3],
+                **_attributes(reducer.design, surfaces, i),
+            )
+
+
+def crank_inertia(design: Design, shaft: MassProperties) -> float:
+    """Give the inertia of shaft and rotor about the crank axis [kg m2]."""
+    return float(shaft.inertia[2, 2] + shaft.mass * np.sum(shaft.centroid[:2] ** 2) + design.drive.rotor_inertia)
+
+
+def point(place: Array) -> list[float]:
+    """Give a place in the plane [m], shape (2,), as MuJoCo takes it."""
+    return [*on_grid(place).tolist(), 0.0]
+
+
+def turn(angle: float) -> list[float]:
+    """Give the quaternion of a clockwise turn about z [rad]."""
+    turned: list[float] = on_grid([np.cos(0.5 * angle), 0.0, 0.0, -np.sin(0.5 * angle)]).tolist()
+    return turned
+
+
+def set_inertia(body: Any, properties: MassProperties) -> None:
+    """Give a body its mass, its centroid and its moments of inertia."""
+    inertia = properties.inertia
+    body.explicitinertial = True
+    body.mass = properties.mass
+    body.ipos = properties.centroid.tolist()
+    body.fullinertia = [inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+
+
+def _add_joints(made: Any, body: Body, design: Design) -> None:
+    hinge, slide = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
+    *slides, last = body.joints or [""]
+    for name, axis, origin in zip(slides, (_X, _Y), body.origin, strict=False):
+        made.add_joint(name=name, type=slide, axis=axis, ref=origin)
+    if last:
+        made.add_joint(name=last, type=hinge, axis=_Z, **_drag(design, last))
+
+
+def _drag(design: Design, joint: str) -> dict[str, Any]:
+    """Give what seals and rotor add to the turn of a shaft."""
+    drag = {names.CRANK_JOINT: design.drag.crank, names.OUTPUT_JOINT: design.drag.output}.get(joint, 0.0)
+    sealed = {"frictionloss": drag, "solref_friction": [SEAL_TIME, 1.0], "solimp_friction": SEAL_IMPEDANCE}
+    rotor = {"armature": design.drive.rotor_inertia} if joint == names.CRANK_JOINT else {}
+    return rotor | (sealed if drag > 0.0 else {})
+
+
+def _attributes(design: Design, surfaces: Surfaces, i: int) -> dict[str, Any]:
+    """Give what the collider must know of a surface besides its place and its radius."""
+    angle = float(surfaces.angle[i])
+    if surfaces.role == Role.TEETH:
+        return {"quat": turn(angle), "userdata": [significant(one) for one in _teeth(design)]}
+    if surfaces.role == Role.LOBE:
+        return {"quat": turn(angle)}
+    if surfaces.role != Role.PIN:
+        return {}
+    home = on_grid([np.sin(angle), np.cos(angle)]).tolist()
+    if not design.ring.has_massless_pins:
+        return {"userdata": home}
+    softness = pair_stiffness(design, design.tooth_pair) / pair_stiffness(design, design.seat_pair)
+    return {"userdata": [*home, significant(float(surfaces.play[i])), significant(softness)]}
+
+
+def _teeth(design: Design) -> Teeth:
+    law, gear, offset = curvature_law(design), gear_profile(design), profile_offset(design)
+    rotation = design.modification.rotation
+    ends = flank_ends(gear, offset, rotation) if rotation else FlankEnds(0.0, 0.0, 0.0, 0.0)
+    return Teeth(
+        radius=gear.pin_circle_radius,
+        eccentricity=gear.eccentricity,
+        teeth=float(gear.ring_teeth),
+        offset=offset,
+        reference=law.reference,
+        constant=law.constant,
+        deflection=law.deflection,
+        ring_radius=design.ring.pin_circle_radius,
+        rotation=rotation,
+        tip=ends.tip,
+        tip_radius=ends.tip_radius,
+        valley=ends.valley,
+        valley_radius=ends.valley_radius,
+    )

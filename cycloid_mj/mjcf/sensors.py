@@ -1,0 +1,68 @@
+"""What is read of a model at every sample: its sensors, named as the log's columns."""
+
+from collections.abc import Iterator
+from typing import Any, Literal, NamedTuple
+
+import mujoco
+
+from cycloid_mj import names
+from cycloid_mj.design import Design
+from cycloid_mj.mechanism.reducer import Body, mechanism
+from cycloid_mj.names import PINS, REDUCER
+
+_KINDS = {
+    "position": (mujoco.mjtSensor.mjSENS_JOINTPOS, mujoco.mjtObj.mjOBJ_JOINT),
+    "speed": (mujoco.mjtSensor.mjSENS_JOINTVEL, mujoco.mjtObj.mjOBJ_JOINT),
+    "torque": (mujoco.mjtSensor.mjSENS_ACTUATORFRC, mujoco.mjtObj.mjOBJ_ACTUATOR),
+}
+
+
+class _Sensor(NamedTuple):
+    """One sensor: its topic, column and unit, and what it reads of a joint or an actuator."""
+
+    topic: str
+    column: str
+    unit: str
+    reads: Literal["position", "speed", "torque"]
+    of: str
+
+
+def sensors(design: Design) -> dict[str, dict[str, str]]:
+    """Give the sensors as groups of column name and unit, in the order of the model."""
+    groups: dict[str, dict[str, str]] = {}
+    for sensor in _sensors(design):
+        groups.setdefault(sensor.topic, {})[sensor.column] = sensor.unit
+    return groups
+
+
+def add_sensors(spec: Any, design: Design) -> None:
+    """Add them to an editable model."""
+    for sensor in _sensors(design):
+        kind, what = _KINDS[sensor.reads]
+        spec.add_sensor(name=sensor.column, type=kind, objtype=what, objname=sensor.of)
+
+
+def _sensors(design: Design) -> Iterator[_Sensor]:
+    for body in mechanism(design).bodies:
+        if body.part == names.SHAFT:
+            yield from _of_shaft("crank", names.CRANK_JOINT, "crank_torque", names.DRIVE)
+        elif body.part == names.OUTPUT:
+            yield from _of_shaft("output", names.OUTPUT_JOINT, "load_torque", names.LOAD)
+        elif body.joints:
+            yield from _of_planar(body)
+
+
+def _of_shaft(stem: str, joint: str, torque: str, actuator: str) -> Iterator[_Sensor]:
+    yield _Sensor(REDUCER, f"{stem}_angle", "rad", "position", joint)
+    yield _Sensor(REDUCER, f"{stem}_speed", "rad/s", "speed", joint)
+    yield _Sensor(REDUCER, torque, "N m", "torque", actuator)
+
+
+def _of_planar(body: Body) -> Iterator[_Sensor]:
+    """Of a disc all; of a pin, of which there are many, only the speed of its turn."""
+    topic, first = (PINS, 2) if body.part == names.PIN else (REDUCER, 0)
+    for joint, unit in zip(body.joints, ("m", "m", "rad"), strict=True):
+        yield _Sensor(topic, joint, unit, "position", joint)
+    speeds = zip(body.joints, names.planar_speeds(body.name), ("m/s", "m/s", "rad/s"), strict=True)
+    for joint, column, unit in list(speeds)[first:]:
+        yield _Sensor(topic, column, unit, "speed", joint)

@@ -1,0 +1,107 @@
+"""The mechanism as a value: its bodies, its surfaces and its pairs; and the model and the gaps that follow from it."""
+
+import math
+
+import mujoco
+import numpy as np
+import pytest
+from designs import UNLIKE, unlike
+
+from cycloid_mj.contact.collider import installed
+from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.mechanism import gaps, reducer
+from cycloid_mj.mechanism.reducer import mechanism
+from cycloid_mj.mjcf import build
+from cycloid_mj.mjcf.keyframe import joint_state
+
+VARIANTS = {
+    "pin": PRESETS["pin"],
+    "nonpin": PRESETS["nonpin"],
+    "fixed": override(PRESETS["pin"], ['ring.pins="fixed"']),
+    "sleeved": override(PRESETS["pin"], ['ring.pins="sleeved"']),
+    **{name: unlike(name) for name in UNLIKE},
+}
+
+
+def two_discs(monkeypatch: pytest.MonkeyPatch, apart: float = 2.0) -> None:
+    """Put two discs on the crank; no multiple of a pitch apart, so that no sign can hide."""
+    for module in (reducer, gaps):
+        monkeypatch.setattr(module, "phases", lambda design: (0.0, apart))
+
+
+def contacts(design: Design, crank: float) -> tuple[mujoco.MjModel, int]:
+    """Model of a design and the number of contacts with every part where the ideal mesh has it."""
+    model = build(design).model
+    data = mujoco.MjData(model)
+    for joint, value in joint_state(design, crank, 0.0)[0].items():
+        data.joint(joint).qpos[0] = value
+    with installed(design.ring.kind == "nonpin"):
+        mujoco.mj_forward(model, data)
+    return model, data.ncon
+
+
+@pytest.mark.parametrize("name", sorted(VARIANTS))
+def test_every_gap_belongs_to_a_pair(name: str) -> None:
+    design = VARIANTS[name]
+    found = gaps.arc_gaps(design, 0.3)
+    rows = list(zip(found.kind.tolist(), found.owner.tolist(), found.disc.tolist(), strict=True))
+    pairs = [(one.kind, one.owner, one.disc) for one in mechanism(design).pairs if one.kind in set(found.kind)]
+    assert rows == pairs
+
+
+@pytest.mark.parametrize("name", sorted(VARIANTS))
+def test_names_are_unique_and_mates_are_surfaces(name: str) -> None:
+    made = mechanism(VARIANTS[name])
+    names = [pair.name for pair in made.pairs]
+    assert len(set(names)) == len(names)
+    assert {side for pair in made.pairs for side in (pair.on, pair.by)} == set(made.carriers)
+    assert set(made.carriers.values()) <= {body.name for body in made.bodies}
+
+
+@pytest.mark.parametrize("kind", ["pin", "nonpin"])
+def test_a_second_disc_is_more_bodies_and_more_pairs(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its teeth, its holes and its cam are where the ring, the output and the crank have room for them."""
+    single, _ = contacts(PRESETS[kind], 0.7)
+    two_discs(monkeypatch)
+    model, touching = contacts(PRESETS[kind], 0.7)
+    assert touching == 0
+    teeth, pins = PRESETS[kind].ring.teeth, PRESETS[kind].output.pins
+    assert model.nbody == single.nbody + 1
+    assert model.npair == single.npair + teeth + 1 + pins
+    assert {"gear_1", "gear_2"} <= {model.body(i).name for i in range(model.nbody)}
+    assert model.pair("gear_2_cam") is not None
+
+
+def test_a_disc_on_the_wrong_phase_is_in_the_ring(monkeypatch: pytest.MonkeyPatch) -> None:
+    two_discs(monkeypatch)
+    made = mechanism(PRESETS["pin"])
+    turned = made.mating("pin_gear", 1).on.angle[0]
+    assert turned == pytest.approx(2.0 / PRESETS["pin"].lobes)
+    original = reducer._mesh
+
+    def spoiled(*args: object) -> reducer.Mating:
+        mating = original(*args)  # type: ignore[arg-type]
+        teeth = reducer.Surfaces(**(vars(mating.on) | {"angle": -mating.on.angle}))
+        return reducer.Mating(mating.kind, mating.names, teeth, mating.by, mating.disc)
+
+    monkeypatch.setattr(reducer, "_mesh", spoiled)
+    _, touching = contacts(PRESETS["pin"], 0.7)
+    assert touching > 0
+
+
+def test_the_gaps_of_two_discs_are_those_of_each(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A disc ahead on the crank has the teeth's gaps of a single one at a crank that is as far ahead."""
+    design = override(PRESETS["pin"], ["errors.pin_position_um=1.0", "errors.seed=4"])
+    alone = [gaps.gaps(design, angle) for angle in (0.7, 2.7)]
+    two_discs(monkeypatch)
+    both = gaps.gaps(design, 0.7)
+    for disc in (0, 1):
+        teeth = both.select((both.kind == "pin_gear") & (both.disc == disc))
+        single = alone[disc].select(alone[disc].kind == "pin_gear")
+        np.testing.assert_allclose(teeth.distance, single.distance, rtol=0.0, atol=1e-18)
+        np.testing.assert_allclose(teeth.slope[:, 3 * disc : 3 * disc + 3], single.slope[:, :3], rtol=0.0, atol=1e-15)
+        assert not teeth.slope[:, 3 * (1 - disc) : 3 * (1 - disc) + 3].any()
+    assert both.slope.shape[1] == 7
+    motion = gaps.ideal_motion(design, 0.7)
+    np.testing.assert_allclose(both.slope @ motion, 0.0, rtol=0.0, atol=1e-17)
+    assert math.isclose(np.hypot(*motion[3:5]), design.gear.eccentricity, rel_tol=1e-12)
