@@ -3,11 +3,17 @@
 Nothing in `cycloid_mj` imports a paper by its name: a second one is a second package, with a `Paper` of its own.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
+from typing import TYPE_CHECKING
 
 from cycloid_mj.errors import warn
+
+if TYPE_CHECKING:
+    from cycloid_mj.design import Design
+    from cycloid_mj.measure.published import Published
 
 GROUP = "cycloid_mj.papers"
 """Entry points of this group name the `Paper` of a package, as in ``hsieh2014 = "hsieh2014:PAPER"``."""
@@ -25,12 +31,15 @@ class Paper:
         Author and year, as tables name it.
     command, examples
         Where the function behind ``cycloid-mj reproduce`` is, as ``module:function``; the examples of its help.
+    torques
+        Gives the output torques that the paper has for a design, if it is one of the paper's.
     """
 
     key: str
     source: str
     command: str
     examples: str
+    torques: Callable[["Design"], "Sequence[Published]"] = lambda design: ()
 
 
 @cache
@@ -38,6 +47,11 @@ def papers() -> tuple[Paper, ...]:
     """Give the papers that are installed, by name; one that does not load is left out with a warning."""
     points = {point.name: point for point in entry_points(group=GROUP)}
     return tuple(paper for name in sorted(points) if (paper := _loaded(points[name])))
+
+
+def published_torques(design: "Design") -> "list[Published]":
+    """Give the output torques that the papers have for a design."""
+    return [one for paper in papers() for one in paper.torques(design)]
 
 
 def _loaded(point: EntryPoint) -> Paper | None:

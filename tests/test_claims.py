@@ -17,7 +17,7 @@ from types import SimpleNamespace
 import hsieh2014
 import numpy as np
 import pytest
-from hsieh2014 import chaos, claims, motion, peaks, phases, said, stress_claims, torque, vibration
+from hsieh2014 import chaos, claims, motion, peaks, phases, stated, stress_claims, torque, vibration
 from hsieh2014.claims import order_verdict, range_verdict, share_verdict
 from hsieh2014.page import claim_table
 from hsieh2014.plan import QUICK, at_speed, designs, idle_runs
@@ -247,7 +247,7 @@ def test_shares_and_likeness_of_curves():
 
 def stressed(**sizes):
     """Stress of a design: part -> its starts [MPa], and ten times as much at the rated load."""
-    parts = (*said.ORDER, "output", "pin_1")
+    parts = (*stated.ORDER, "output", "pin_1")
     full = {part: Spread(sizes.get(part, (0.1, 0.2))) for part in parts}
     rated = {part: Spread.of(10.0 * value for value in one.values) for part, one in full.items()}
     return SimpleNamespace(starts=full, rated=rated, error=lambda part: 0.01)

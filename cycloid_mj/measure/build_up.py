@@ -1,9 +1,9 @@
 """An efficiency as it builds up: what teeth, cam, output, seals and damping take of the input power."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
-from cycloid_mj.measure.paper import PaperFigure
+from cycloid_mj.measure.published import Published
 from cycloid_mj.measure.steady import Powers
 from cycloid_mj.names import DRAGS
 from cycloid_mj.result import Table
@@ -21,8 +21,8 @@ def build_up(found: Powers) -> dict[str, float]:
     return {part: power / found.supplied for part, power in losses.items()}
 
 
-def table(found: Powers, paper: Sequence[PaperFigure], error: float) -> Table:
-    """Give the build-up as a table in percent of the input, with the paper's rates beside it where it has any.
+def table(found: Powers, published: Sequence[Published], error: float) -> Table:
+    """Give the build-up as a table in percent of the input, with the published rates below it.
 
     `error` is the numerical error of the efficiency [1].
     """
@@ -33,7 +33,7 @@ def table(found: Powers, paper: Sequence[PaperFigure], error: float) -> Table:
     rows.append(
         ("efficiency", 1e2 * (1.0 - found.efficiency), 1e2 * found.efficiency, f"numerical error {1e2 * error:.2g}")
     )
-    for one in paper:
+    for one in published:
         needed = f"{one.friction:.3f}" if one.friction == one.friction else "none that was tried"
         rows.append(
             (f"the paper, {one.way}", 1e2 * (1.0 - one.rate), 1e2 * one.rate, f"friction of the teeth: {needed}")
@@ -43,10 +43,10 @@ def table(found: Powers, paper: Sequence[PaperFigure], error: float) -> Table:
     )
 
 
-def as_json(found: Powers, paper: Sequence[PaperFigure]) -> dict[str, Any]:
+def as_json(found: Powers, published: Sequence[Published]) -> dict[str, Any]:
     """Give the build-up for a program: shares of the input power."""
-    published: Mapping[str, Any] = {
+    frictions = {
         one.way: {"rate": one.rate, "friction_of_teeth": one.friction if one.friction == one.friction else None}
-        for one in paper
+        for one in published
     }
-    return {"build_up": {"losses": build_up(found), "efficiency": found.efficiency, "paper": published}}
+    return {"build_up": {"losses": build_up(found), "efficiency": found.efficiency, "paper": frictions}}

@@ -8,12 +8,13 @@ import numpy as np
 
 from cycloid_mj.contact.working import at_rated_load, working_forces_told
 from cycloid_mj.design import Design
-from cycloid_mj.measure import build_up, paper, spread
+from cycloid_mj.measure import build_up, spread
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency, wang_efficiency
 from cycloid_mj.measure.conditions import RPM, drag_told, rated_torque
 from cycloid_mj.measure.efficiency_map import Found, Point, run_map
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, silent
+from cycloid_mj.measure.published import Published
 from cycloid_mj.measure.sensitivity import friction_for
 from cycloid_mj.measure.steady import steady_design, whole_periods
 from cycloid_mj.mechanism.reducer import mechanism
@@ -36,6 +37,7 @@ def efficiency(
     speeds: Sequence[float] = (),
     quick: bool = False,
     progress: Progress = silent,
+    published: Sequence[Published] = (),
 ) -> Measurement:
     """Measure the efficiency of a design and its losses by pair.
 
@@ -51,6 +53,8 @@ def efficiency(
         Shorter averages, no halved step, and by default the rated point alone.
     progress
         Called after each run with how many are done, and how many there are.
+    published
+        Torques that a paper gives for this design, to stand beside ours.
 
     Raises
     ------
@@ -65,21 +69,21 @@ def efficiency(
     speeds = speeds or [share * speed for share in ((1.0,) if quick else SPEEDS)]
     periods = QUICK_PERIODS if quick else PERIODS
     found = run_map(own, torques, speeds, periods, not quick, progress)
-    figures = [replace(one, friction=friction_for(found.by_friction, one.rate)) for one in paper.figures(own)]
+    beside = [replace(one, friction=friction_for(found.by_friction, one.rate)) for one in published]
     return Measurement(
         measure="efficiency",
         design=own,
         quantities=_rated(own, found) | _losses(found.rated) | _driven(own, found),
         curves=_curves(found),
         tables=(
-            build_up.table(found.rated.powers, figures, found.error),
+            build_up.table(found.rated.powers, beside, found.error),
             spread.table(f"efficiency at {rated:g} N m", found.rated.powers.efficiency, found.by_input),
             *_tables(found),
         ),
         assumptions=_assumptions(own, whole_periods(own, periods)),
         details={
             "losses_by_pair": [_details(point) for point in found.grid],
-            **build_up.as_json(found.rated.powers, figures),
+            **build_up.as_json(found.rated.powers, beside),
             **spread.as_json(found.rated.powers.efficiency, found.by_input),
         },
         runs={

@@ -8,7 +8,7 @@ from scipy.interpolate import PchipInterpolator
 
 from cycloid_mj.design import Design, override
 from cycloid_mj.measure.conditions import rated_torque
-from cycloid_mj.measure.paper import PaperFigure
+from cycloid_mj.measure.published import Published
 from cycloid_mj.measure.steady import steady_design
 from cycloid_mj.result import Curve, Table
 
@@ -107,8 +107,8 @@ def table(design: Design, found: Mapping[Variation, float]) -> Table:
     )
 
 
-def curves(found: Mapping[Variation, float], figures: Sequence[PaperFigure]) -> list[Curve]:
-    """Give the rate over the common friction, and where the paper's rates lie on it."""
+def curves(found: Mapping[Variation, float], published: Sequence[Published]) -> list[Curve]:
+    """Give the rate over the common friction, and where the published rates lie on it."""
     panel, x, y = "output rate by the friction of all sliding pairs", "friction coefficient", "rate [%]"
     drawn = []
     for pins in dict.fromkeys(row.pins for row in found):
@@ -116,7 +116,7 @@ def curves(found: Mapping[Variation, float], figures: Sequence[PaperFigure]) -> 
         friction = np.array(sorted(rates))
         name = "internal gear" if pins == NONE else f"{pins} pins"
         drawn.append(Curve(panel, name, friction, 1e2 * np.array([rates[key] for key in friction]), x, y))
-    for one in figures:
+    for one in published:
         place = (np.array([one.friction]), np.array([1e2 * one.rate]))
         drawn.append(Curve(panel, f"the paper, {one.way}", *place, x, y, "points"))
     return drawn

@@ -9,13 +9,13 @@ import numpy as np
 from cycloid_mj.analysis.spectrum import tapered_orders
 from cycloid_mj.contact.working import working_at, working_forces_told
 from cycloid_mj.design import Design, override
-from cycloid_mj.measure import build_up, paper, sensitivity, spread, steady
+from cycloid_mj.measure import build_up, sensitivity, spread, steady
 from cycloid_mj.measure.braked import DECAY, braked_run
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency
 from cycloid_mj.measure.conditions import drag_told, halved, rated_torque
 from cycloid_mj.measure.measurement import Measurement
-from cycloid_mj.measure.paper import PaperFigure
 from cycloid_mj.measure.pool import Progress, each, silent
+from cycloid_mj.measure.published import Published, friction_quantities, tables
 from cycloid_mj.measure.sensitivity import Variation
 from cycloid_mj.measure.spread import Moved
 from cycloid_mj.measure.steady import Powers, first_half, powers, steady_design, whole_periods
@@ -36,7 +36,9 @@ class Outcome:
     input: float
 
 
-def torque(design: Design, quick: bool = False, progress: Progress = silent) -> Measurement:
+def torque(
+    design: Design, quick: bool = False, progress: Progress = silent, published: Sequence[Published] = ()
+) -> Measurement:
     """Measure the output torque of a design under its rated input torque.
 
     Parameters
@@ -47,6 +49,8 @@ def torque(design: Design, quick: bool = False, progress: Progress = silent) -> 
         A shorter average, no halved step, and friction varied for all sliding pairs of the design alone.
     progress
         Called after each run with how many are done, and how many there are.
+    published
+        Torques that a paper gives for this design, to stand beside ours.
 
     Raises
     ------
@@ -62,7 +66,7 @@ def torque(design: Design, quick: bool = False, progress: Progress = silent) -> 
     work = [(own, main)] if quick else [(own, main), (halved(own), main)]
     work += [(one, whole_periods(one, sensitivity.PERIODS)) for one in varied]
     assumed = spread.inputs(own)
-    whole = len(work) + 1 + 2 * len(assumed) + len(paper.figures(own))
+    whole = len(work) + 1 + 2 * len(assumed) + len(published)
     tests = each(lambda item: rated_test(*item), work, lambda done, _: progress(done, whole))
     ours, finer = tests[0], None if quick else tests[1]
     rates = {one: tried.powers.efficiency for one, tried in zip(varied, tests[-len(varied) :], strict=True)}
@@ -74,21 +78,21 @@ def torque(design: Design, quick: bool = False, progress: Progress = silent) -> 
     by_input = spread.moved(
         lambda one: rated_test(one, periods).powers.efficiency, assumed, lambda runs, _: progress(done + runs, whole)
     )
-    figures = paper_figures(own, found, None if quick else rate_error(ours, finer))
+    beside = with_friction(published, own, found, None if quick else rate_error(ours, finer))
     progress(whole, whole)
     return Measurement(
         measure="torque",
         design=own,
-        quantities=_quantities(own, ours, finer, held, by_input) | paper.friction_quantities(figures),
-        curves=(*_curves(own, ours), *sensitivity.curves(found, figures)),
+        quantities=_quantities(own, ours, finer, held, by_input) | friction_quantities(beside),
+        curves=(*_curves(own, ours), *sensitivity.curves(found, beside)),
         tables=(
-            build_up.table(ours.powers, figures, rate_error(ours, finer)),
-            *paper.tables(ours.output, figures),
+            build_up.table(ours.powers, beside, rate_error(ours, finer)),
+            *tables(ours.output, beside),
             spread.table("output rate", ours.powers.efficiency, by_input),
             sensitivity.table(own, found),
         ),
         assumptions=_assumptions(own, main),
-        details=build_up.as_json(ours.powers, figures) | spread.as_json(ours.powers.efficiency, by_input),
+        details=build_up.as_json(ours.powers, beside) | spread.as_json(ours.powers.efficiency, by_input),
         runs={"braked": ours.run},
     )
 
@@ -111,13 +115,15 @@ def rate_error(ours: Outcome, finer: Outcome | None) -> float:
     return max(abs(other.efficiency - ours.powers.efficiency) for other in others)
 
 
-def paper_figures(design: Design, found: Mapping[Variation, float], error: float | None) -> list[PaperFigure]:
-    """Give the friction that gives each of the paper's torques.
+def with_friction(
+    published: Sequence[Published], design: Design, found: Mapping[Variation, float], error: float | None
+) -> list[Published]:
+    """Give published torques with the friction that gives each of them.
 
     With the numerical `error` of a rate, each is run: what it misses and that error make the friction's, by the slope.
     """
     rates = sensitivity.common_rates(found, sensitivity.pins_of(design))
-    figures = [replace(one, friction=sensitivity.friction_for(rates, one.rate)) for one in paper.figures(design)]
+    figures = [replace(one, friction=sensitivity.friction_for(rates, one.rate)) for one in published]
     inside = [one for one in figures if math.isfinite(one.friction)]
     if error is None or not inside:
         return figures

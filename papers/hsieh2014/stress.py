@@ -7,7 +7,7 @@ from functools import partial
 from cycloid_mj.comparison import STARTS, settled
 from cycloid_mj.record import Run
 from cycloid_mj.result import Table
-from hsieh2014 import hypothesis, said
+from hsieh2014 import hypothesis, stated
 from hsieh2014.idle_stress import MEGAPASCAL, IdleStress, idle_stress
 from hsieh2014.peaks import ENDING, pairs, peak
 from hsieh2014.plan import Plan, designs, idle_runs, rated_runs
@@ -97,7 +97,7 @@ def _stress_table(found: Mapping[str, IdleStress]) -> Table:
         (
             f"{name}, {part}",
             one.starts[part].words,
-            said.HEIGHTS.get((part, name), ""),
+            stated.HEIGHTS.get((part, name), ""),
             f"{one.rated[part].high:.3g}",
         )
         for name, one in found.items()

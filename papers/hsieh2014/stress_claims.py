@@ -7,7 +7,7 @@ import numpy as np
 from cycloid_mj.analysis.series import design_of
 from cycloid_mj.comparison import Spread, order
 from cycloid_mj.record import Run
-from hsieh2014 import said
+from hsieh2014 import stated
 from hsieh2014.claims import (
     Claim,
     NumericalError,
@@ -48,7 +48,7 @@ def stress_claims(
         Design name -> its runs at no load, and its run under the rated load.
     """
     for name, one in found.items():
-        for part in said.ORDER:
+        for part in stated.ORDER:
             yield height(name, part, one)
         yield parts_in_order(name, one)
         if name == "pin":
@@ -56,30 +56,30 @@ def stress_claims(
         yield output(name, one, starts[name])
         if name == "pin":
             yield pin_1_cycle(starts[name], starts["nonpin"], rated[name])
-    for part in said.ORDER:
+    for part in stated.ORDER:
         yield designs_in_order(part, found["pin"], found["nonpin"])
 
 
 def height(design: str, part: str, one: IdleStress) -> Claim:
     """Judge how high the curve of a part reaches."""
-    stated, ours = said.HEIGHTS[part, design], one.starts[part]
+    theirs, ours = stated.HEIGHTS[part, design], one.starts[part]
     return Claim(
         key=f"stress_height_{part}_{design}",
-        figure=said.FIGURES[part],
+        figure=stated.FIGURES[part],
         part=part,
         design=design,
         condition=no_load(),
         paper=Stated(
-            f"the {part}'s stress reaches up to about {stated:g} MPa", "height", f"{stated:g} MPa", stated, "MPa"
+            f"the {part}'s stress reaches up to about {theirs:g} MPa", "height", f"{theirs:g} MPa", theirs, "MPa"
         ),
         ours=Result(
-            f"{ours.words} MPa at impact peaks, 1/{stated / ours.mean:.0f} of that",
+            f"{ours.words} MPa at impact peaks, 1/{theirs / ours.mean:.0f} of that",
             ours.mean,
             "MPa",
             (ours.low, ours.high),
         ),
         error=_error(one, [part]),
-        verdict=range_verdict(ours, said.LEAST * stated, said.MOST * stated),
+        verdict=range_verdict(ours, stated.LEAST * theirs, stated.MOST * theirs),
         decided_by=TREATMENT,
         rated=_rated(one, part),
     )
@@ -87,23 +87,23 @@ def height(design: str, part: str, one: IdleStress) -> Claim:
 
 def parts_in_order(design: str, one: IdleStress) -> Claim:
     """Judge which part is stressed most, and which least."""
-    spreads = [one.starts[part] for part in said.ORDER]
+    spreads = [one.starts[part] for part in stated.ORDER]
     orders = [order(spreads[0], spreads[1]), order(spreads[1], spreads[2])]
-    stated = [said.HEIGHTS[part, design] for part in said.ORDER]
+    theirs = [stated.HEIGHTS[part, design] for part in stated.ORDER]
     return Claim(
         key=f"stress_order_of_parts_{design}",
         figure="Figs 12-14",
         part="all",
         design=design,
         condition=no_load(),
-        paper=Stated(" > ".join(said.ORDER), "order", " > ".join(f"{size:g}" for size in stated) + " MPa"),
+        paper=Stated(" > ".join(stated.ORDER), "order", " > ".join(f"{size:g}" for size in theirs) + " MPa"),
         ours=Result(
-            ", ".join(f"{part} {size.words}" for part, size in zip(said.ORDER, spreads, strict=True)) + " MPa",
+            ", ".join(f"{part} {size.words}" for part, size in zip(stated.ORDER, spreads, strict=True)) + " MPa",
         ),
-        error=_error(one, said.ORDER),
+        error=_error(one, stated.ORDER),
         verdict=chain_verdict(orders),
         decided_by="the parts' assumed dimensions, and where bulk stress begins",
-        rated=Result(", ".join(f"{part} {one.rated[part].high:.3g}" for part in said.ORDER) + " MPa"),
+        rated=Result(", ".join(f"{part} {one.rated[part].high:.3g}" for part in stated.ORDER) + " MPa"),
     )
 
 
@@ -116,19 +116,19 @@ def chain_verdict(orders: Sequence[int]) -> Verdict:
 
 def designs_in_order(part: str, pin: IdleStress, nonpin: IdleStress) -> Claim:
     """Judge whether a part is stressed less without pins."""
-    stated = said.HEIGHTS[part, "nonpin"] / said.HEIGHTS[part, "pin"]
+    theirs = stated.HEIGHTS[part, "nonpin"] / stated.HEIGHTS[part, "pin"]
     ours = (pin.starts[part], nonpin.starts[part])
     verdict, _ = order_verdict(order(*ours), {})
     ratio = ours[1].over(ours[0])
     rated = nonpin.rated[part].high / pin.rated[part].high
     return Claim(
         key=f"stress_order_of_designs_{part}",
-        figure=said.FIGURES[part],
+        figure=stated.FIGURES[part],
         part=part,
         design="both",
         condition=no_load(),
         paper=Stated(
-            f"{part}: less stress without pins than with them", "order", f"{stated:.2g} to 1", stated, "nonpin / pin"
+            f"{part}: less stress without pins than with them", "order", f"{theirs:.2g} to 1", theirs, "nonpin / pin"
         ),
         ours=Result(
             f"{ours[1].words} against {ours[0].words} MPa, {ratio.values[0]:.2g} to 1",
@@ -154,12 +154,12 @@ def shaft_peaks(one: IdleStress, starts: Sequence[Run]) -> Claim:
     mean = largest_of_halves(np.mean(curves, axis=0))
     at = [Spread.of(angles) for angles in zip(*each, strict=True)]
     holds = [
-        all(abs(angle - wanted) <= said.NEAR for angle, wanted in zip(pair, said.SHAFT_PEAKS, strict=True))
+        all(abs(angle - wanted) <= stated.NEAR for angle, wanted in zip(pair, stated.SHAFT_PEAKS, strict=True))
         for pair in each
     ]
     return Claim(
         key="stress_peaks_shaft_pin",
-        figure=said.FIGURES["shaft"],
+        figure=stated.FIGURES["shaft"],
         part="shaft",
         design="pin",
         condition=no_load(),
@@ -184,12 +184,12 @@ def output(design: str, one: IdleStress, starts: Sequence[Run]) -> Claim:
     """Judge whether the output is stressed less than the most stressed other part, and alike in every start."""
     count = _output_pins(starts[0])
     alike = likeness([by_angle(run, [f"output_pin_{number}" for number in range(1, count + 1)]) for run in starts])
-    others = [max(sizes) for sizes in zip(*(one.starts[part].values for part in said.ORDER), strict=True)]
+    others = [max(sizes) for sizes in zip(*(one.starts[part].values for part in stated.ORDER), strict=True)]
     low = order(Spread.of(others), one.starts["output"])
     regular = share_verdict([each >= REGULAR for each in alike])
     return Claim(
         key=f"stress_output_{design}",
-        figure=said.FIGURES["output"],
+        figure=stated.FIGURES["output"],
         part="output",
         design=design,
         condition=no_load(),
@@ -219,7 +219,7 @@ def pin_1_cycle(starts: Sequence[Run], nonpin: Sequence[Run], rated: Run) -> Cla
     """Judge whether pin 1 is loaded from 350 to 10 deg alone; lobe 1 of the nonpin design stands beside."""
     from cycloid_mj.comparison import settled
 
-    reach = said.PIN_1_LOADED[1] + said.NEAR
+    reach = stated.PIN_1_LOADED[1] + stated.NEAR
     shares, of_lobe = (
         Spread.of(share_near(by_angle(run, [f"{stem}_{standing_for_pin_1(design_of(run))}"]), reach) for run in each)
         for stem, each in (("pin", starts), ("lobe", nonpin))
@@ -227,7 +227,7 @@ def pin_1_cycle(starts: Sequence[Run], nonpin: Sequence[Run], rated: Run) -> Cla
     begins, ends, turn, _ = cycle(settled(rated))
     return Claim(
         key="stress_cycle_pin_1",
-        figure=said.FIGURES["pin_1"],
+        figure=stated.FIGURES["pin_1"],
         part="pin_1",
         design="pin",
         condition=no_load(),

@@ -4,12 +4,12 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 
 from cycloid_mj.measure import Measurement
-from cycloid_mj.measure.paper import IDEAL, TORQUES
 from cycloid_mj.measure.pool import Progress
 from cycloid_mj.result import Quantity, Table
 from hsieh2014.claims import Claim, NumericalError, Result, Stated, Verdict
 from hsieh2014.plan import Plan, designs, equalised, torque_test
 from hsieh2014.stage import Found, Plate, Runs, Told
+from hsieh2014.stated import IDEAL, TORQUES, torques
 
 NEAR = 0.01
 """Torques agree within this share of the torque without losses."""
@@ -20,7 +20,10 @@ def torque(plan: Plan, runs: Runs, told: Told) -> Found:
     from cycloid_mj.measure import torque as measure_torque
     from cycloid_mj.plots.measure import measurement_figure
 
-    found = {design.name: measure_torque(design, plan.quick, _steps(told, design.name)) for design in designs()}
+    found = {
+        design.name: measure_torque(design, plan.quick, _steps(told, design.name), torques(design))
+        for design in designs()
+    }
     told(f"{equalised().name}")
     alike = _at_equal_play(plan)
     plates = tuple(

@@ -17,6 +17,7 @@ from cycloid_mj.cli.measure.flags import (
     several,
     sound,
 )
+from cycloid_mj.papers import published_torques
 
 EXAMPLES = """Examples:
   cycloid-mj measure efficiency --design pin
@@ -63,5 +64,6 @@ def efficiency(
     from cycloid_mj.measure import efficiency as measure_efficiency
 
     chosen, into = sound(design, set_), prepared(out)
-    found = measure_efficiency(chosen, load_nm, rad_per_second(speed_rpm), quick, told("efficiency", quiet))
+    speeds, progress = rad_per_second(speed_rpm), told("efficiency", quiet)
+    found = measure_efficiency(chosen, load_nm, speeds, quick, progress, published_torques(chosen))
     return deliver([found], into, json, quiet, no_log)

@@ -8,6 +8,7 @@ from cycloid_mj.cli.flags import SPEED, JsonFlag, Quantity, SetFlag
 from cycloid_mj.cli.measure.deliver import deliver, told
 from cycloid_mj.cli.measure.flags import OUT, NoLogFlag, OutFlag, QuietFlag, prepared, sound
 from cycloid_mj.errors import UsageError
+from cycloid_mj.papers import published_torques
 
 EXAMPLES = """Examples:
   cycloid-mj measure torque pin nonpin
@@ -61,5 +62,5 @@ def torque(
     if twice := next((name for name in called if called.count(name) > 1), None):
         raise UsageError(f"two of the designs are called {twice!r}: give each a name of its own in its file")
     into = prepared(out)
-    found = [measure_torque(one, quick, told(f"torque of {one.name}", quiet)) for one in chosen]
+    found = [measure_torque(one, quick, told(f"torque of {one.name}", quiet), published_torques(one)) for one in chosen]
     return deliver(found, into, json, quiet, no_log)

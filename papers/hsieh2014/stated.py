@@ -1,0 +1,54 @@
+"""What the paper states, as numbers (Hsieh 2014, Figs 12-19), and which designs are its own."""
+
+import math
+from typing import TYPE_CHECKING
+
+from cycloid_mj.design import PRESETS, Design
+
+if TYPE_CHECKING:
+    from cycloid_mj.measure.published import Published
+
+IDEAL = 36.68
+"""Output torque without losses [N m]: 1.048 x 35."""
+
+TORQUES = {"pin": {"simulated": 34.7, "measured": 34.335}, "nonpin": {"simulated": 35.8, "measured": 35.08}}
+"""Output torque of each kind of ring [N m] at 1.048 N m in (section 3.4 and Fig. 19)."""
+
+FIGURES = {"shaft": "Fig. 12", "gear": "Fig. 13", "ring": "Fig. 14", "output": "Fig. 15", "pin_1": "Fig. 16"}
+
+HEIGHTS = {
+    ("shaft", "pin"): 160.0,
+    ("shaft", "nonpin"): 60.0,
+    ("ring", "pin"): 65.0,
+    ("ring", "nonpin"): 50.0,
+    ("gear", "pin"): 20.0,
+    ("gear", "nonpin"): 10.0,
+}
+"""Up to about where the curve of a part reaches in a design [MPa]."""
+
+ORDER = ("shaft", "ring", "gear")
+"""Parts from the most to the least stressed, in both designs."""
+
+SHAFT_PEAKS = (75.0, 255.0)
+"""Crank angles of the shaft's two peaks in the pin design [deg]; the maximum is at 74."""
+
+PIN_1_LOADED = (350.0, 10.0)
+"""Crank angles between which pin 1 is loaded, over 0 [deg]."""
+
+LEAST, MOST = 0.5, 1.1
+"""A height agrees from half of the paper's to a tenth above it."""
+
+NEAR = 10.0
+"""Crank angles this near each other agree [deg]: a mesh period."""
+
+
+def torques(design: Design) -> "list[Published]":
+    """Give the paper's torques for this kind of ring; none for a reducer of other teeth or another input torque."""
+    from cycloid_mj.measure.published import Published
+
+    own = PRESETS[design.ring.kind]
+    cut = [(one.ring.teeth, one.gear.eccentricity, one.ring.pin_circle_radius) for one in (design, own)]
+    if cut[0] != cut[1] or not math.isclose(design.rated_torque, IDEAL, rel_tol=1e-3):
+        return []
+    ways = TORQUES[design.ring.kind]
+    return [Published(way, "Hsieh 2014, Fig. 19", torque, IDEAL) for way, torque in ways.items()]
