@@ -12,15 +12,13 @@ import numpy as np
 import pytest
 from made_run import STEP, made_run
 
-from cycloid_mj.analysis import series, table
-from cycloid_mj.analysis.judge import judge
+from cycloid_mj.analysis import FIGURES, SIGNALS, judge, series, table
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.errors import LogError, UsageError
 from cycloid_mj.report import MOST_RUNS, report
-from cycloid_mj.report.curves import FIGURES, curves
-from cycloid_mj.report.data import MOST_VALUES
+from cycloid_mj.report.data import MOST_VALUES, curves
 from cycloid_mj.report.encode import decimated
-from cycloid_mj.report.reviewed import Reviewed
+from cycloid_mj.report.reviewed import review
 from cycloid_mj.report.tables import warnings
 from cycloid_mj.scene import contact_forces, drawing, drawn_radii, gaps
 
@@ -97,6 +95,7 @@ def test_page_is_whole_and_needs_nothing_from_elsewhere(text, both):
         assert not re.search(r"https?://(?!www\.w3\.org/)|@import|url\(\s*['\"]?(?!#)", page)
         assert "viewport" in [attributes.get("name") for _, attributes in found.elements]
         assert "@media print" in page
+        assert "prefers-color-scheme: dark" in page
         assert len(page) < 2e6
 
 
@@ -139,11 +138,14 @@ def test_curves_are_those_of_the_series(pin, text):
         panel[key] for figure in Page(text).data["figures"] for panel in figure["panels"] for key in ("curve", "theory")
     }
     assert shown - {None} == truth.keys()
+    # every signal is drawn somewhere
+    drawn = {key for figure in FIGURES for key in (*figure.panels, figure.path)}
+    assert drawn - {None} == SIGNALS.keys()
     turn = motion.one_turn
     np.testing.assert_allclose(
-        array(run["paths"]["q"]["simulated"]), 1e3 * motion.q_position.simulated[turn], rtol=1e-6
+        array(run["paths"]["q_path"]["simulated"]), 1e3 * motion.q_position.simulated[turn], rtol=1e-6
     )
-    assert run["paths"]["pin_1"]["circle"] == pytest.approx(1.0)
+    assert run["paths"]["pin_path"]["circle"] == pytest.approx(1.0)
     assert run["spans"]["turn"] == [pin.time[turn][0], pin.time[turn][-1]]
 
 
@@ -218,9 +220,8 @@ def test_no_spectrum_of_less_than_a_turn():
 
 def test_warnings_say_what_spoils_the_numbers(pin):
     def told(run) -> list[str]:
-        motion = series(run)
-        found = warnings(Reviewed("a.mcap", motion, judge(motion)))
-        return [one for one in found if not one.startswith("design check: ")]
+        (reviewed,) = review({"a.mcap": run})
+        return [one for one in warnings(reviewed) if not one.startswith("design check: ")]
 
     assert told(pin) == []
     cut = replace(pin.select(slice(0, 250)), complete=False, note="killed <b>")

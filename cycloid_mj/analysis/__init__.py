@@ -6,20 +6,26 @@ is judged once, in the crank's own line.
 """
 
 from cycloid_mj.analysis.condition import Condition, condition, load_words
+from cycloid_mj.analysis.curves import ARCSEC, FIGURES, SIGNALS, Figure, Signal
 from cycloid_mj.analysis.findings import Findings
 from cycloid_mj.analysis.judge import analyze, judge
 from cycloid_mj.analysis.series import Compared, PinPath, Series, series
 from cycloid_mj.analysis.table import GROUPS, Group, Row, groups, table
 
 __all__ = [
+    "ARCSEC",
+    "FIGURES",
     "GROUPS",
+    "SIGNALS",
     "Compared",
     "Condition",
+    "Figure",
     "Findings",
     "Group",
     "PinPath",
     "Row",
     "Series",
+    "Signal",
     "analyze",
     "condition",
     "groups",

@@ -8,15 +8,14 @@ from collections.abc import Mapping
 
 import numpy.typing as npt
 
-from cycloid_mj.analysis import judge, series
 from cycloid_mj.errors import UsageError, warn
 from cycloid_mj.record import Run
 from cycloid_mj.report.page import page
-from cycloid_mj.report.reviewed import Reviewed, labels
+from cycloid_mj.report.reviewed import PALETTE, review
 
 __all__ = ["MOST_RUNS", "report"]
 
-MOST_RUNS = 6
+MOST_RUNS = len(PALETTE)
 """Runs that can be told apart in one figure."""
 
 
@@ -44,10 +43,7 @@ def report(runs: Mapping[str, Run], q: npt.ArrayLike | None = None) -> str:
     """
     if not 1 <= len(runs) <= MOST_RUNS:
         raise UsageError(f"a report of {len(runs)} runs: give 1 to {MOST_RUNS} logs")
-    reviewed = []
-    for log, run in runs.items():
-        motion = series(run, q)
-        reviewed.append(Reviewed(log, motion, judge(motion, log)))
-    for item, name in zip(reviewed, labels(reviewed), strict=True):
-        warn(name, item.findings.warnings)
+    reviewed = review(runs, q)
+    for item in reviewed:
+        warn(item.name, item.findings.warnings)
     return page(reviewed)

@@ -5,11 +5,12 @@ from typing import Any
 
 import numpy as np
 
+from cycloid_mj.analysis import FIGURES, SIGNALS, Figure, Series
 from cycloid_mj.analysis.spectrum import tapered_orders
-from cycloid_mj.report.curves import FIGURES, Figure, curves, paths
 from cycloid_mj.report.encode import decimated, encoded
 from cycloid_mj.report.mechanism import mechanism
-from cycloid_mj.report.reviewed import PALETTE, Reviewed, labels
+from cycloid_mj.report.reviewed import Reviewed
+from cycloid_mj.types import Array
 
 MOST_VALUES = 1_000_000
 """Values of curves that a page carries, over all runs: 5 MB."""
@@ -27,50 +28,76 @@ HEIGHTS = {1: 2.2, 2: 1.1, 3: 0.8}
 
 def figures(reviewed: Sequence[Reviewed]) -> list[Figure]:
     """Give the figures over time that the runs have something to show in."""
-    pinned = any(item.motion.pin_1 for item in reviewed)
-    return [figure for figure in FIGURES if pinned or figure.name != "pin_1"]
+    return [figure for figure in FIGURES if any(figure.shows(item.motion) for item in reviewed)]
 
 
 def page_data(reviewed: Sequence[Reviewed]) -> dict[str, Any]:
     """Give all that the page draws from."""
     return {
         "figures": [
-            {
-                "name": figure.name,
-                "panels": [{**vars(panel), "height": HEIGHTS[len(figure.panels)]} for panel in figure.panels],
-            }
+            {"name": figure.name, "panels": [_panel(key, HEIGHTS[len(figure.panels)]) for key in figure.panels]}
             for figure in figures(reviewed)
         ],
-        "runs": [
-            _run_data(item, name, colour, len(reviewed))
-            for item, name, colour in zip(reviewed, labels(reviewed), PALETTE, strict=False)
-        ],
+        "runs": [_run_data(item, len(reviewed)) for item in reviewed],
     }
 
 
-def _run_data(item: Reviewed, name: str, colour: str, runs: int) -> dict[str, Any]:
+def curves(motion: Series) -> dict[str, Array]:
+    """Give name -> values over the whole run, shape (n,), in the units of the panels; a theory's name ends so."""
+    found = {}
+    for key in dict.fromkeys(key for figure in FIGURES if figure.shows(motion) for key in figure.panels):
+        signal = SIGNALS[key]
+        found[key] = signal.simulated(motion)
+        if signal.theory:
+            found[_theory(key)] = signal.theory(motion)
+    return found
+
+
+def _panel(key: str, height: float) -> dict[str, Any]:
+    signal = SIGNALS[key]
+    return {
+        "label": signal.label,
+        "curve": key,
+        "theory": _theory(key) if signal.theory else None,
+        "is_error": signal.is_error,
+        "theory_name": signal.theory_name,
+        "height": height,
+    }
+
+
+def _theory(key: str) -> str:
+    return f"{key}_theory"
+
+
+def _run_data(item: Reviewed, runs: int) -> dict[str, Any]:
     motion, found = item.motion, curves(item.motion)
     most = min(MOST_SAMPLES, MOST_VALUES // (runs * len(found)))
     time, values = decimated(motion.time, np.stack(list(found.values()), axis=1), most)
     judged, turn = motion.time[motion.judged], motion.time[motion.one_turn]
+    paths = [figure.path for figure in FIGURES if figure.path and figure.shows(motion)]
     return {
-        "name": name,
-        "colour": colour,
+        "name": item.name,
+        "colour": item.colour,
         "start": float(time[0]),
         "time": encoded(time - time[0]),
         "curves": {key: encoded(values[:, column]) for column, key in enumerate(found)},
-        "paths": {key: {part: _part(value) for part, value in path.items()} for key, path in paths(motion).items()},
+        "paths": {path: _path(path, motion) for path in paths},
         "spans": {"hold": _span(judged), "turn": _span(turn), "all": _span(motion.time)},
         "mechanism": mechanism(motion),
         "spectrum": spectrum_data(item),
     }
 
 
-def _part(value: object) -> object:
-    return encoded(value) if isinstance(value, np.ndarray) else value
+def _path(key: str, motion: Series) -> dict[str, Any]:
+    """Give a path over one crank turn, shape (m, 2) each, and the unit of both axes; of pin 1 its clearance, too."""
+    signal, turn = SIGNALS[key], motion.one_turn
+    path = {"unit": signal.unit, "simulated": encoded(signal.simulated(motion)[turn])}
+    if signal.theory:
+        path["theory"] = encoded(signal.theory(motion)[turn])
+    return path | ({"circle": 1e6 * motion.pin_1.clearance} if key == "pin_path" and motion.pin_1 else {})
 
 
-def _span(time: Any) -> list[float]:
+def _span(time: Array) -> list[float]:
     return [float(time[0]), float(time[-1])]
 
 

@@ -1,10 +1,13 @@
-"""One run of a report: its series and findings, with the log they came from."""
+"""One run of a report: its series and findings, the log they came from, and what tells it from the others."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import PurePath
 
-from cycloid_mj.analysis import Findings, Series
+import numpy.typing as npt
+
+from cycloid_mj.analysis import Findings, Series, judge, series
+from cycloid_mj.record import Run
 
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """Okabe and Ito's colours, one for each run."""
@@ -12,17 +15,23 @@ PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 
 @dataclass(frozen=True, eq=False)
 class Reviewed:
-    """A run of a report."""
+    """A run of a report, with its short name and its colour there."""
 
     log: str
     motion: Series
     findings: Findings
+    name: str
+    colour: str
 
 
-def labels(reviewed: Sequence[Reviewed]) -> list[str]:
+def review(runs: Mapping[str, Run], q: npt.ArrayLike | None = None) -> list[Reviewed]:
+    """Judge runs, by the names of their logs; `q` and errors as of `analysis.series`."""
+    motions = [series(run, q) for run in runs.values()]
+    names = _names(list(runs), [motion.design.name for motion in motions])
+    return [Reviewed(*each) for each in zip(runs, motions, map(judge, motions, runs), names, PALETTE, strict=False)]
+
+
+def _names(logs: Sequence[str], designs: Sequence[str]) -> Sequence[str]:
     """Give a short name for each run: its design's, or its log's where designs share a name."""
-    designs = [item.motion.design.name for item in reviewed]
-    if len(set(designs)) == len(designs):
-        return designs
-    logs = [PurePath(item.log).stem for item in reviewed]
-    return logs if len(set(logs)) == len(logs) else [item.log for item in reviewed]
+    stems = [PurePath(log).stem for log in logs]
+    return next(names for names in (designs, stems, logs) if len(set(names)) == len(names))

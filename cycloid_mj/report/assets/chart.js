@@ -109,7 +109,7 @@ class Chart {
     const lines = element(group, "g", { "clip-path": `url(#${clip})` });
     panel.curves.forEach((curve, index) => {
       const d = this.path(curve, visible[index], y, inner);
-      element(lines, "path", { class: "curve", d, stroke: curve.colour, "stroke-width": curve.width });
+      element(lines, "path", { class: "curve", d, style: `stroke:${curve.colour}`, "stroke-width": curve.width });
     });
     element(group, "line", { class: "axis", x1: left, x2: left + inner, y1: top + height, y2: top + height });
     element(group, "text", { x: 2, y: top - 9, "font-weight": 600 }, panel.label);
@@ -190,7 +190,7 @@ class Chart {
         const value = seen ? numberText(curve.y[nearest(curve.x, at - curve.offset)]) : curve.name;
         if (!value) return;
         if (index && readout.childNodes.length) element(readout, "tspan", {}, "\u2002");
-        element(readout, "tspan", { fill: curve.colour, "font-weight": 600 }, "\u25CF ");
+        element(readout, "tspan", { style: `fill:${curve.colour}`, "font-weight": 600 }, "\u25CF ");
         element(readout, "tspan", {}, value);
       });
     }

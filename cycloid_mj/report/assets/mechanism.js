@@ -1,16 +1,8 @@
 "use strict";
 // The moving mechanism and the load around its ring. Lengths in mm, x right and y up; gaps as cycloid_mj.scene.drawing has them.
 
-const LOOKS = {
-  housing: { fill: "#d9dfe4", stroke: "#54606b" },
-  pin: { fill: "#f3c969", stroke: "#7a5a00" },
-  gear: { fill: "#8dbfe3", stroke: "#134a73", "fill-rule": "evenodd" },
-  output: { fill: "#3faf8b", stroke: "#00543c" },
-  cam: { fill: "#eda77c", stroke: "#8a3b00" },
-  shaft: { fill: "#8b9199", stroke: "#3b4046" },
-  socket: { fill: "#fff", stroke: "#54606b" },
-};
-const FORCES = { ring: "#d55e00", cam: "#000000", output: "#0072b2" };
+// Colours are those of the classes in page.css.
+const FORCES = ["ring", "cam", "output"];
 /** Length of the largest force of a kind, as a share of the housing's radius. */
 const LONGEST = 0.25;
 const DEGREES = 180 / Math.PI;
@@ -24,7 +16,7 @@ class Mechanism {
     this.count = this.frames.time.length;
     this.magnification = shape.magnifications[0];
     this.showForces = true;
-    this.largest = Object.fromEntries(Object.keys(FORCES).map((kind) => [kind, largestForce(this.frames.force[kind])]));
+    this.largest = Object.fromEntries(FORCES.map((kind) => [kind, largestForce(this.frames.force[kind])]));
     this.build(figure.querySelector(".mechanism"));
     this.clock = figure.querySelector(".clock");
     this.legend(figure.querySelector(".legend"));
@@ -40,25 +32,25 @@ class Mechanism {
     place.replaceChildren(svg);
     const up = element(svg, "g", { transform: "scale(1,-1)", "stroke-width": 0.8 });
     const { teeth, free, kind, outputPins, shaft, eccentricity } = this.shape;
-    this.housing = element(up, "path", { ...LOOKS.housing, "fill-rule": "evenodd" });
-    this.sockets = free ? this.many(up, "path", teeth, LOOKS.socket) : [];
+    this.housing = element(up, "path", { class: "housing" });
+    this.sockets = free ? this.many(up, "path", teeth, { class: "socket" }) : [];
     this.gear = element(up, "g");
-    element(this.gear, "path", { ...LOOKS.gear, d: this.gearPath() });
+    element(this.gear, "path", { class: "gear", d: this.gearPath() });
     const between = (this.shape.wall - 2 * eccentricity + this.shape.outputCircle + this.shape.hole) / 2;
-    element(this.gear, "circle", { cx: 0, cy: between, r: 0.8, fill: "#3b4046" });
+    element(this.gear, "circle", { cx: 0, cy: between, r: 0.8, class: "dot" });
     this.pins = kind === "pin" ? this.many(up, "g", teeth, {}) : [];
     for (const pin of this.pins) {
-      element(pin, "circle", LOOKS.pin);
-      element(pin, "line", { x1: 0, y1: 0, y2: 0, stroke: LOOKS.pin.stroke });
+      element(pin, "circle", { class: "pin" });
+      element(pin, "line", { x1: 0, y1: 0, y2: 0, class: "pin" });
     }
-    this.outputs = this.many(up, "circle", outputPins, LOOKS.output);
+    this.outputs = this.many(up, "circle", outputPins, { class: "output" });
     this.shaft = element(up, "g");
-    this.cam = element(this.shaft, "circle", { ...LOOKS.cam, cy: eccentricity });
-    element(this.shaft, "circle", { ...LOOKS.shaft, r: shaft });
-    element(this.shaft, "circle", { cx: 0, cy: 0.8 * this.shape.bore, r: 0.8, fill: "#8a3b00" });
+    this.cam = element(this.shaft, "circle", { class: "cam", cy: eccentricity });
+    element(this.shaft, "circle", { class: "shaft", r: shaft });
+    element(this.shaft, "circle", { cx: 0, cy: 0.8 * this.shape.bore, r: 0.8, style: "fill:var(--cam-edge)" });
     this.arrows = {};
-    for (const [group, colour] of Object.entries(FORCES)) {
-      const look = { stroke: colour, fill: colour, "stroke-width": 1.8, "stroke-linejoin": "round" };
+    for (const group of FORCES) {
+      const look = { class: `force-${group}`, "stroke-width": 1.8, "stroke-linejoin": "round" };
       this.arrows[group] = this.many(element(up, "g", look), "path", this.frames.force[group].shape[1], {});
     }
     this.resize();
@@ -69,7 +61,7 @@ class Mechanism {
     const names = { ring: this.shape.kind === "pin" ? "ring pins" : "internal gear", cam: "cam", output: "output pins" };
     const entries = Object.entries(names).map(([group, name]) => {
       const key = document.createElement("span");
-      key.style.setProperty("--key", FORCES[group]);
+      key.style.setProperty("--key", `var(--force-${group})`);
       key.textContent = `${name} up to ${numberText(Number(this.largest[group].toPrecision(3)))} N`;
       return key;
     });
@@ -220,11 +212,11 @@ class RingLoad {
     svg.setAttribute("aria-label", "force at each place of the ring");
     place.replaceChildren(svg);
     const marks = ticks(0, this.top, 3);
-    for (const value of marks) element(svg, "circle", { r: this.radius(value), fill: "none", stroke: "#e1e5e9", "stroke-width": 0.3 });
-    element(svg, "path", { d: this.steps(this.peak), fill: "none", stroke: "#e8a777", "stroke-width": 1 });
-    this.bars = element(svg, "path", { fill: "#d55e00" });
-    this.line = element(svg, "path", { fill: "none", stroke: "#000", "stroke-width": 1.2 });
-    this.hand = element(svg, "path", { fill: "none", stroke: "#3b4046", "stroke-width": 1.4, "stroke-linecap": "round" });
+    for (const value of marks) element(svg, "circle", { r: this.radius(value), class: "scale", "stroke-width": 0.3 });
+    element(svg, "path", { d: this.steps(this.peak), class: "largest", "stroke-width": 1 });
+    this.bars = element(svg, "path", { class: "bar" });
+    this.line = element(svg, "path", { class: "ideal", "stroke-width": 1.2 });
+    this.hand = element(svg, "path", { class: "hand", "stroke-width": 1.4, "stroke-linecap": "round" });
     element(svg, "text", { x: 0, y: 6, "text-anchor": "middle", class: "soft" }, "eccentricity");
     const every = Math.max(1, Math.round(this.shape.teeth / 12));
     for (let i = 0; i < this.shape.teeth; i += every) {

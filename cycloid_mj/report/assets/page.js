@@ -1,9 +1,10 @@
 "use strict";
 // Puts the figures in their places and lets them share time.
 
-const THEORY = "#9ccbea";
-const SIMULATED = "#0b2e4f";
-const ERROR = "#d55e00";
+const THEORY = "var(--theory)";
+const SIMULATED = "var(--simulated)";
+const ERROR = "var(--error)";
+const tint = (colour) => `color-mix(in srgb, ${colour} 40%, var(--paper))`;
 /** Width [px] of half a page, for which a printed chart is drawn. */
 const PRINTED = 340;
 
@@ -23,7 +24,7 @@ function curvesOf(panel) {
   for (const run of data.runs) {
     const base = { x: run.time, offset: run.start };
     if (panel.theory && run.curves[panel.theory]) {
-      const colour = several ? tint(run.colour, 0.4) : THEORY;
+      const colour = several ? tint(run.colour) : THEORY;
       const name = several ? "" : panel.theory_name;
       theories.push({ ...base, y: run.curves[panel.theory], colour, width: 4, name });
     }
@@ -53,7 +54,7 @@ function drawPaths() {
     const first = runs[0].paths[place.dataset.path];
     const lines = runs.flatMap((run) => {
       const { simulated, theory } = run.paths[place.dataset.path];
-      const light = { points: theory, colour: several ? tint(run.colour, 0.4) : THEORY, width: 4 };
+      const light = { points: theory, colour: several ? tint(run.colour) : THEORY, width: 4 };
       const dark = { points: simulated, colour: several ? run.colour : SIMULATED, width: 1.1 };
       return theory ? [light, dark] : [dark];
     });

@@ -33,7 +33,7 @@ class Plane {
       for (let i = 0; i < path.points.length; i += 2) {
         parts.push(`${x(path.points[i]).toFixed(2)},${y(path.points[i + 1]).toFixed(2)}`);
       }
-      const look = { class: "curve", stroke: path.colour, "stroke-width": path.width };
+      const look = { class: "curve", style: `stroke:${path.colour}`, "stroke-width": path.width };
       element(svg, "path", { d: `M${parts.join("L")}`, ...look });
     }
     const label = { "text-anchor": "middle", class: "soft" };

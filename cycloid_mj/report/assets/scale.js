@@ -76,9 +76,3 @@ function nearest(values, value) {
   const after = Math.min(search(values, value), values.length - 1);
   return after > 0 && value - values[after - 1] < values[after] - value ? after - 1 : after;
 }
-
-/** Mix a colour #rrggbb with white; `share` is what is left of it. */
-function tint(colour, share) {
-  const part = (i) => Math.round(255 - (255 - parseInt(colour.slice(i, i + 2), 16)) * share);
-  return `rgb(${part(1)},${part(3)},${part(5)})`;
-}
