@@ -389,6 +389,11 @@ def loaded(design: Design) -> Run:
     force = {"pin_4_force_x": -80.0, "pin_4_force_y": 60.0, "output_pin_3_force_x": 0.0, "output_pin_3_force_y": -400.0}
     columns = dict(run.columns) | {name: np.full(len(run), value) for name, value in force.items()}
     columns["pin_4_force_x"] = np.where(np.degrees(columns["crank_angle"]) > 1000, -80.0, 0.0)
+    pin = 40.75e-3 * profile.unit(math.radians(30)) + 2.25e-3 * np.array([-0.8, 0.6])
+    x, y = pin[0] - columns["gear_x"], pin[1] - columns["gear_y"]
+    columns["pin_4_moment"] = x * 60.0 + y * 80.0
+    hole = 26e-3 * np.sin(math.pi / 2 - columns["output_angle"])
+    columns["output_pin_3_moment"] = (hole - columns["gear_x"]) * -400.0
     return Run(run.time, columns, dict.fromkeys(columns, "1"), {}, run.attachments)
 
 

@@ -6,7 +6,7 @@ is judged once, in the crank's own line.
 """
 
 from cycloid_mj.analysis.condition import Condition, condition, load_words
-from cycloid_mj.analysis.curves import ARCSEC, FIGURES, SIGNALS, Figure, Signal
+from cycloid_mj.analysis.curves import ARCSEC, FIGURES, MICROMETRE, SIGNALS, Figure, Signal
 from cycloid_mj.analysis.findings import Findings
 from cycloid_mj.analysis.judge import analyze, judge
 from cycloid_mj.analysis.series import Compared, PinPath, Series, series
@@ -16,6 +16,7 @@ __all__ = [
     "ARCSEC",
     "FIGURES",
     "GROUPS",
+    "MICROMETRE",
     "SIGNALS",
     "Compared",
     "Condition",

@@ -37,8 +37,8 @@ class Signal:
 
     @property
     def unit(self) -> str:
-        """What stands in the label's brackets."""
-        return self.label.rpartition("[")[2].removesuffix("]")
+        """What stands in the label's brackets; "" of a plain number."""
+        return self.label.partition("[")[2].removesuffix("]")
 
 
 def _beside_theory(label: str, part: Callable[[Series], Compared], factor: float = 1.0) -> Signal:

@@ -1,23 +1,21 @@
 """Designs side by side: one figure for each measure, a column for each load, a row for each design."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cycloid_mj.analysis import Series, condition, load_words
+from cycloid_mj.analysis import SIGNALS, Series, Signal, condition, load_words
 from cycloid_mj.analysis.spectrum import BAND
 from cycloid_mj.comparison.forces import cam_force, tooth_forces
 from cycloid_mj.comparison.vibration import spectrum
-from cycloid_mj.plots.motion import ARCSEC, turn_degrees
 from cycloid_mj.plots.style import (
     BLACK,
     BLUE,
     GREEN,
     GREY,
-    MICROMETRE,
     ORANGE,
     PURPLE,
     VERMILION,
@@ -25,14 +23,28 @@ from cycloid_mj.plots.style import (
     crank_axis,
     keys,
     styled,
+    turn_degrees,
     typeset,
 )
 from cycloid_mj.types import Array
 
 Grid = Sequence[Sequence[Series]]
-Signal = Callable[[Series], Array]
 
 COLORS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE)
+ABOUT_MEAN = (SIGNALS["output_te"], SIGNALS["gear_te"])
+OVER_A_TURN = {
+    "transmission_error": ("Transmission error of the output", SIGNALS["output_te"]),
+    "gear_transmission_error": ("Transmission error of the gear", SIGNALS["gear_te"]),
+    "output_speed": ("Error of the output's speed", SIGNALS["output_speed_error"]),
+    "gear_speed": ("Error of the gear's speed", SIGNALS["gear_speed_error"]),
+    "q_path": ("Distance of q from its path", SIGNALS["q_error"]),
+    "q_speed": ("Error of the speed of q", SIGNALS["q_speed_error"]),
+    "teeth": ("Teeth that carry force", Signal("teeth", lambda m: np.count_nonzero(tooth_forces(m), axis=1) + 0.0)),
+    "tooth_force": ("Force on the most loaded tooth", Signal("force [N]", lambda m: tooth_forces(m).max(axis=1))),
+    "cam_force": ("Force of the cam on the gear", Signal("force [N]", cam_force)),
+}
+"""Name of the figure -> its title, and what it shows."""
+
 ROW, HEAD = 1.25, 0.75
 """Height of a row of axes, and of what stands above and below them [in]."""
 
@@ -52,48 +64,23 @@ def comparison_figures(motions: Sequence[Series]) -> dict[str, Figure]:
     """
     names = list(dict.fromkeys(motion.design.name for motion in motions))
     grid = [[motion for motion in motions if motion.design.name == name] for name in names]
-    return {
-        "compare_transmission_error": _over_a_turn(
-            grid, "Transmission error of the output", "arcsec", lambda m: ARCSEC * m.output_angle.error, about_mean=True
-        ),
-        "compare_gear_transmission_error": _over_a_turn(
-            grid, "Transmission error of the gear", "arcsec", lambda m: ARCSEC * m.gear_angle.error, about_mean=True
-        ),
-        "compare_output_speed": _over_a_turn(
-            grid, "Error of the output's speed", "mrad/s", lambda m: 1e3 * m.output_speed.error
-        ),
-        "compare_gear_speed": _over_a_turn(
-            grid, "Error of the gear's speed", "mrad/s", lambda m: 1e3 * m.gear_speed.error
-        ),
-        "compare_q_path": _over_a_turn(
-            grid, "Distance of q from its path", MICROMETRE, lambda m: 1e6 * m.q_position.error_size
-        ),
-        "compare_q_speed": _over_a_turn(
-            grid, "Error of the speed of q", "mm/s", lambda m: 1e3 * m.q_velocity.size.error
-        ),
-        "compare_teeth": _over_a_turn(
-            grid, "Teeth that carry force", "1", lambda m: np.count_nonzero(tooth_forces(m), axis=1).astype(float)
-        ),
-        "compare_tooth_force": _over_a_turn(
-            grid, "Force on the most loaded tooth", "N", lambda m: tooth_forces(m).max(axis=1)
-        ),
-        "compare_cam_force": _over_a_turn(grid, "Force of the cam on the gear", "N", cam_force),
-        "compare_vibration": _spectra(grid),
-    }
+    drawn = {f"compare_{name}": _over_a_turn(grid, title, signal) for name, (title, signal) in OVER_A_TURN.items()}
+    return drawn | {"compare_vibration": _spectra(grid)}
 
 
 @styled
-def _over_a_turn(grid: Grid, title: str, unit: str, signal: Signal, about_mean: bool = False) -> Figure:
+def _over_a_turn(grid: Grid, title: str, signal: Signal) -> Figure:
     """Draw a signal of every run over one crank turn; axes of one load share their scale.
 
-    `about_mean` draws it about its mean, which is told: play and wind-up would hide what swings.
+    A transmission error is drawn about its mean, which is stated: play and wind-up would hide what swings.
     """
+    unit = signal.unit
     figure, axes = _sheet(len(grid), len(grid[0]), f"{title}, {_speed(grid)}", sharey="col")
     for row, runs in enumerate(grid):
         for column, motion in enumerate(runs):
-            panel, values = axes[row][column], signal(motion)[motion.one_turn]
+            panel, values = axes[row][column], signal.simulated(motion)[motion.one_turn]
             degrees, named = turn_degrees(motion), f"{motion.design.name}, {load_words(motion.design.load.torque)}"
-            if about_mean:
+            if signal in ABOUT_MEAN:
                 mean = float(values.mean())
                 values, named = values - mean, typeset(f"{named}: about {mean:.4g} {unit}")
             panel.plot(degrees, values, color=_color(row), linewidth=0.8)
@@ -104,7 +91,7 @@ def _over_a_turn(grid: Grid, title: str, unit: str, signal: Signal, about_mean: 
             crank_axis(panel, degrees)
             if row + 1 < len(grid):
                 panel.set_xlabel("")
-    figure.supylabel(f"[{unit}]" if unit != "1" else "number", fontsize=8.0)
+    figure.supylabel(f"[{unit}]" if unit else "number", fontsize=8.0)
     return figure
 
 

@@ -1,8 +1,7 @@
 """A drawing of the reducer in its plane, true to scale, with the forces on the gear where a run tells them."""
 
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -14,9 +13,10 @@ from matplotlib.path import Path
 from cycloid_mj import kinematics
 from cycloid_mj.design import Design
 from cycloid_mj.modification import tooth_profile
+from cycloid_mj.names import GEAR, HOUSING, OUTPUT, SHAFT
 from cycloid_mj.plots.style import BLACK, VERMILION, styled
-from cycloid_mj.profile import unit
 from cycloid_mj.record import Run
+from cycloid_mj.scene import ContactForces, contact_forces, moved, poses, ring_places
 from cycloid_mj.solid import VISUAL_CHORD_ERROR, Prism, output_centres, parts, sleeve_core_radius
 from cycloid_mj.types import Array
 
@@ -35,16 +35,6 @@ LOOKS: dict[str, dict[str, Any]] = {
 FORCE: dict[str, Any] = {"color": VERMILION, "width": 0.0032, "angles": "xy", "scale_units": "xy", "zorder": 5}
 LONGEST = 0.3
 """Length of the largest force on a pin, as a share of the housing's radius."""
-
-
-@dataclass(frozen=True)
-class Pose:
-    """Where the parts are: crank, gear and output angle [rad], gear centre from the reducer's axis (2,) [m]."""
-
-    crank_angle: float
-    gear_centre: Array
-    gear_angle: float
-    output_angle: float
 
 
 @styled
@@ -69,18 +59,17 @@ def mechanism(design: Design, run: Run | None = None, crank_angle: float | None 
     """
     figure = Figure(figsize=(6.5, 6.9), layout="constrained")
     axes = figure.subplots()
-    sample = None if run is None else _sample(run, crank_angle)
-    if run is None or sample is None:
-        pose = _ideal_pose(design, CRANK_ANGLE if crank_angle is None else crank_angle)
+    if run is None:
+        columns = _ideal(design, CRANK_ANGLE if crank_angle is None else crank_angle)
     else:
-        pose = _measured_pose(run, sample)
-    _draw_parts(axes, design, pose)
-    _draw_motion(axes, design, pose)
-    if run is not None and sample is not None:
-        _draw_forces(axes, design, pose, {name: float(values[sample]) for name, values in run.columns.items()})
-        axes.set_title(
-            f"crank at {math.degrees(pose.crank_angle) % 360:.1f} deg, {run.time[sample]:.4f} s", loc="center"
-        )
+        sample = _sample(run, crank_angle)
+        columns = {name: values[sample : sample + 1] for name, values in run.columns.items()}
+        degrees = math.degrees(float(columns["crank_angle"][0])) % 360
+        axes.set_title(f"crank at {degrees:.1f} deg, {run.time[sample]:.4f} s", loc="center")
+    place = {part: pose[0] for part, pose in poses(design, columns).items()}
+    _draw_parts(axes, design, place)
+    _draw_motion(axes, design, place)
+    _draw_forces(axes, design, contact_forces(design, columns).of("pin_gear", "tooth", "output"))
     reach = 1.02e3 * design.housing.outer_radius
     axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
     axes.axis("off")
@@ -88,10 +77,12 @@ def mechanism(design: Design, run: Run | None = None, crank_angle: float | None 
     return figure
 
 
-def _ideal_pose(design: Design, crank_angle: float) -> Pose:
-    gear = tooth_profile(design)
-    turn = float(kinematics.gear_rotation(gear, crank_angle))
-    return Pose(crank_angle, kinematics.gear_centre(gear, crank_angle), turn, turn)
+def _ideal(design: Design, crank_angle: float) -> dict[str, Array]:
+    """Give the columns of the ideal mechanism's motion at one crank angle."""
+    gear, crank = tooth_profile(design), np.array([crank_angle])
+    (x,), (y,) = kinematics.gear_centre(gear, crank).T[:, np.newaxis]
+    turn = kinematics.gear_rotation(gear, crank)
+    return {"crank_angle": crank, "gear_x": x, "gear_y": y, "gear_angle": turn, "output_angle": turn}
 
 
 def _sample(run: Run, crank_angle: float | None) -> int:
@@ -104,80 +95,54 @@ def _sample(run: Run, crank_angle: float | None) -> int:
     return int(np.argmin(np.where(last_turn, away, np.inf)))
 
 
-def _measured_pose(run: Run, sample: int) -> Pose:
-    crank, x, y, gear, output = (
-        float(run[name][sample]) for name in ("crank_angle", "gear_x", "gear_y", "gear_angle", "output_angle")
-    )
-    return Pose(crank, np.array([x, y]), gear, output)
-
-
-def _draw_parts(axes: Axes, design: Design, pose: Pose) -> None:
+def _draw_parts(axes: Axes, design: Design, place: Mapping[str, Array]) -> None:
     """Draw from the back to the front; the output disc shows through the holes of the gear."""
     solids = parts(design, VISUAL_CHORD_ERROR)
-    axis = np.zeros(2)
-    disc = float(np.linalg.norm(solids["output"].prisms[0].outline, axis=1).max())
-    _region(axes, solids["housing"].prisms[0], "ring", axis, 0.0)
-    for centre in _ring_centres(design):
+    axis, pins = np.zeros(3), ring_places(design) if design.ring.kind == "pin" else np.empty((0, 2))
+    disc = float(np.linalg.norm(solids[OUTPUT].prisms[0].outline, axis=1).max())
+    _region(axes, solids[HOUSING].prisms[0], "ring", axis)
+    for centre in pins:
         _disc(axes, centre, design.ring.pin_radius, "pins")
         if design.ring.has_sleeves:
             _disc(axes, centre, sleeve_core_radius(design), "ring")
     _disc(axes, axis, disc, "disc")
-    _region(axes, solids["gear"].prisms[0], "gear", pose.gear_centre, pose.gear_angle)
-    for centre in _turned(output_centres(design), pose.output_angle):
+    _region(axes, solids[GEAR].prisms[0], "gear", place[GEAR])
+    for centre in moved(place[OUTPUT], output_centres(design)):
         _disc(axes, centre, design.output.pin_radius, "output")
-    _disc(axes, kinematics.gear_centre(tooth_profile(design), pose.crank_angle), design.gear.bore_radius, "cam")
+    cam = moved(place[SHAFT], np.array([[0.0, design.gear.eccentricity]]))[0]
+    _disc(axes, cam, design.gear.bore_radius, "cam")
     _disc(axes, axis, design.shaft.radius, "shaft")
 
 
-def _draw_motion(axes: Axes, design: Design, pose: Pose) -> None:
-    """Mark the axis, the gear's centre and hole 1, and show which way crank and gear turn."""
+def _draw_motion(axes: Axes, design: Design, place: Mapping[str, Array]) -> None:
+    """Mark the axis and the gear's centre, and show which way crank and gear turn."""
     direction = math.copysign(1.0, design.drive.speed)
-    centre = 1e3 * pose.gear_centre
+    centre = 1e3 * place[GEAR][:2]
     axes.plot(0.0, 0.0, marker="+", markersize=9, color="white", markeredgewidth=1.0)
     axes.plot(*centre, marker="o", markersize=2.5, color="white")
     ring, output = design.ring, design.output
     between = (ring.pin_circle_radius - ring.pin_radius + output.pin_circle_radius + output.hole_radius) / 2
-    start = math.pi / 2 + pose.crank_angle
+    start = math.pi / 2 + place[SHAFT][2]
     _turning(axes, np.zeros(2), (design.shaft.radius + design.gear.bore_radius) / 2, start, 1.9 * direction)
     _turning(axes, centre, between - design.gear.eccentricity / 2, math.pi / 2 + 0.25 * direction, -0.5 * direction)
 
 
-def _draw_forces(axes: Axes, design: Design, pose: Pose, values: Mapping[str, float]) -> None:
+def _draw_forces(axes: Axes, design: Design, acting: ContactForces) -> None:
     """Draw the forces of ring and output pins on the gear to one scale; the cam's balances them."""
-    pins = list(_pin_forces(design, pose, values))
-    if not pins:
+    loaded = acting.size[0] > 0.0
+    if not loaded.any():
         return
-    contact, force = (np.array(column) for column in zip(*pins, strict=True))
-    largest = float(np.linalg.norm(force, axis=1).max())
+    largest = float(acting.size.max())
     scale = largest / (LONGEST * 1e3 * design.housing.outer_radius)
-    arrows = axes.quiver(*(1e3 * contact.T), *force.T, scale=scale, **FORCE)
+    arrows = axes.quiver(*(1e3 * acting.point[0, loaded].T), *acting.force[0, loaded].T, scale=scale, **FORCE)
     power = 10.0 ** math.floor(math.log10(largest))
     reference = power * max(step for step in (1.0, 2.0, 5.0) if step * power <= largest)
     axes.quiverkey(arrows, 0.1, 0.05, reference, f"{reference:g} N", labelpos="N", labelcolor=VERMILION)
 
 
-def _pin_forces(design: Design, pose: Pose, values: Mapping[str, float]) -> Iterator[tuple[Array, Array]]:
-    """Give contact (2,) [m] and force on the gear (2,) [N] of each loaded ring pin and output pin in the run."""
-    ring = ((f"pin_{i}", centre, design.ring.pin_radius) for i, centre in enumerate(_ring_centres(design), start=1))
-    turned = _turned(output_centres(design), pose.output_angle)
-    output = ((f"output_pin_{i}", centre, design.output.pin_radius) for i, centre in enumerate(turned, start=1))
-    for name, centre, radius in (*ring, *output):
-        force = np.array([values.get(f"{name}_force_x", 0.0), values.get(f"{name}_force_y", 0.0)])
-        size = math.hypot(*force)
-        if size > 0:
-            yield centre + radius * force / size, force
-
-
-def _ring_centres(design: Design) -> Array:
-    """Centres of the ring's pins (N, 2) [m]; none for an internal gear."""
-    if design.ring.kind != "pin":
-        return np.empty((0, 2))
-    return design.ring.pin_circle_radius * unit(2 * np.pi * np.arange(design.ring.teeth) / design.ring.teeth)
-
-
-def _region(axes: Axes, prism: Prism, part: str, centre: Array, angle: float) -> None:
+def _region(axes: Axes, prism: Prism, part: str, pose: Array) -> None:
     """Draw a region with its holes, turned and moved."""
-    rings = [1e3 * (centre + _turned(ring, angle)) for ring in (prism.outline, *(hole[::-1] for hole in prism.holes))]
+    rings = [1e3 * moved(pose, ring) for ring in (prism.outline, *(hole[::-1] for hole in prism.holes))]
     path = Path.make_compound_path(*(Path(np.vstack([ring, ring[:1]]), closed=True) for ring in rings))
     axes.add_patch(PathPatch(path, linewidth=0.7, joinstyle="round", **LOOKS[part]))
 
@@ -192,12 +157,6 @@ def _turning(axes: Axes, centre: Array, radius: float, start: float, sweep: floa
     arc = centre + 1e3 * radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     look: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 10.0, "color": BLACK, "linewidth": 1.2}
     axes.add_patch(FancyArrowPatch(path=Path(arc), **look))
-
-
-def _turned(points: Array, angle: float) -> Array:
-    """Turn points (n, 2) counter-clockwise about the origin."""
-    cos, sin = math.cos(angle), math.sin(angle)
-    return points @ np.array([[cos, sin], [-sin, cos]])
 
 
 def _legend(design: Design) -> list[Patch]:

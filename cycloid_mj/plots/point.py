@@ -4,15 +4,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cycloid_mj.analysis import Compared, Series
-from cycloid_mj.plots.motion import turn_degrees
+from cycloid_mj.analysis import MICROMETRE, Compared, Series
 from cycloid_mj.plots.style import (
     BLACK,
     BLUE,
     BOTH,
     ERROR,
     GREEN,
-    MICROMETRE,
     ORANGE,
     SIMULATED,
     THEORY,
@@ -24,6 +22,7 @@ from cycloid_mj.plots.style import (
     sheet,
     square,
     styled,
+    turn_degrees,
     typeset,
 )
 from cycloid_mj.types import Array

@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
+from cycloid_mj.analysis import MICROMETRE, Series
 from cycloid_mj.types import Array
 
 P = ParamSpec("P")
@@ -28,8 +29,6 @@ THEORY: dict[str, Any] = {"color": "#9CCBEA", "linewidth": 3.2, "solid_capstyle"
 SIMULATED: dict[str, Any] = {"color": "#0B2E4F", "linewidth": 0.9}
 ERROR: dict[str, Any] = {"color": VERMILION, "linewidth": 0.8}
 BOTH = (("closed form", THEORY), ("simulation", SIMULATED))
-
-MICROMETRE = "\N{MICRO SIGN}m"
 
 WIDTH = 6.5
 """Width of a figure [in]: a page's text."""
@@ -81,6 +80,12 @@ def sheet(height: float) -> Figure:
 def state(figure: Figure, condition: str) -> None:
     """Name above a figure, in small, what was run and under what condition."""
     figure.suptitle(condition, x=0.008, ha="left", fontsize=7.5, color=GREY)
+
+
+def turn_degrees(motion: Series) -> Array:
+    """Crank angle [deg] of one turn's samples, from the start of that turn, shape (n,)."""
+    angle = np.degrees(motion.crank_angle[motion.one_turn])
+    return angle - 360.0 * np.trunc(angle[0] / 360.0 + np.copysign(1e-6, angle[0]))
 
 
 def crank_axis(axes: Axes, degrees: Array) -> None:

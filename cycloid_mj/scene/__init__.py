@@ -7,7 +7,7 @@ MuJoCo nor a log: what writes logs takes a `Scene`, what draws takes `poses` and
 from cycloid_mj.scene.drawing import Drawing, Gaps, drawing, drawn_radii, gaps, largest_magnification, ring_outline
 from cycloid_mj.scene.force import ContactForces, contact_forces, reference_force
 from cycloid_mj.scene.messages import RATE, Scene
-from cycloid_mj.scene.pose import POSE_COLUMNS, poses, ring_places
+from cycloid_mj.scene.pose import POSE_COLUMNS, moved, poses, ring_places
 
 __all__ = [
     "POSE_COLUMNS",
@@ -21,6 +21,7 @@ __all__ = [
     "drawn_radii",
     "gaps",
     "largest_magnification",
+    "moved",
     "poses",
     "reference_force",
     "ring_outline",

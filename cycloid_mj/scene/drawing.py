@@ -17,7 +17,7 @@ from cycloid_mj.errors import UsageError
 from cycloid_mj.kinematics import gear_centre, gear_rotation
 from cycloid_mj.names import GEAR, OUTPUT, pin
 from cycloid_mj.profile import CycloidGear
-from cycloid_mj.scene.pose import poses, ring_places
+from cycloid_mj.scene.pose import moved, poses, ring_places, turned
 from cycloid_mj.solid import output_centres
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.types import Array
@@ -189,10 +189,9 @@ def drawing(design: Design, measured: Gaps, magnification: float = 1.0) -> Drawi
         The magnification is not possible; see `drawn_radii`.
     """
     gear = measured.gear
-    turned = np.column_stack([-magnification * measured.deviation[:, :2], measured.crank_angle])
     opening = magnification * measured.opening[..., np.newaxis] * ring_normals(design, gear)
     ring = ring_places(design) + opening
-    holes = gear[:, np.newaxis, :2] + _turned(output_centres(design), gear[:, 2])
+    holes = moved(gear[:, np.newaxis], output_centres(design))
     outwards = gear[:, np.newaxis, :2] / design.gear.eccentricity
     in_hole = design.gear.eccentricity + magnification * measured.output_away[..., np.newaxis]
     return Drawing(
@@ -200,7 +199,7 @@ def drawing(design: Design, measured: Gaps, magnification: float = 1.0) -> Drawi
         radii=drawn_radii(design, magnification),
         gaps=measured,
         gear=gear,
-        shaft=turned,
+        shaft=np.column_stack([-magnification * measured.deviation[:, :2], measured.crank_angle]),
         ring=ring,
         sockets=ring - magnification * measured.away,
         output_pins=holes - in_hole * outwards,
@@ -232,7 +231,7 @@ def _opening(mesh: CycloidGear, gear: Array, centres: Array) -> Array:
 
     Newton's method for the foot point, from where the ideal mesh has it.
     """
-    point = _turned_back(centres - gear[:, np.newaxis, :2], gear[:, 2])
+    point = turned(centres - gear[:, np.newaxis, :2], -gear[:, 2:])
     t = profile.pin_angles(mesh) + gear[:, 2:]
     for _ in range(ROUNDS):
         (tangent, bend), away = profile.trochoid_derivatives(mesh, t), profile.trochoid(mesh, t) - point
@@ -244,26 +243,11 @@ def _opening(mesh: CycloidGear, gear: Array, centres: Array) -> Array:
 
 
 def _output_away(design: Design, place: Mapping[str, Array]) -> Array:
-    centres = output_centres(design)
-    holes = place[GEAR][:, np.newaxis, :2] + _turned(centres, place[GEAR][:, 2])
-    return np.linalg.norm(_turned(centres, place[OUTPUT][:, 2]) - holes, axis=2) - design.gear.eccentricity
+    pins, holes = (moved(place[part][:, np.newaxis], output_centres(design)) for part in (OUTPUT, GEAR))
+    return np.linalg.norm(pins - holes, axis=2) - design.gear.eccentricity
 
 
 def _displacement(arm: Array, deviation: Array) -> Array:
     """Give how far a point of the gear at `arm` [m] from its centre is from its ideal place, to first order."""
     turn = deviation[..., 2]
     return deviation[..., :2] + np.stack([-turn * arm[..., 1], turn * arm[..., 0]], axis=-1)
-
-
-def _turned_back(points: Array, angle: Array) -> Array:
-    """Turn points (n, k, 2) clockwise by n angles [rad]."""
-    cos, sin = np.cos(angle)[:, np.newaxis], np.sin(angle)[:, np.newaxis]
-    x, y = points[..., 0], points[..., 1]
-    return np.stack([cos * x + sin * y, cos * y - sin * x], axis=-1)
-
-
-def _turned(points: Array, angle: Array) -> Array:
-    """Turn points (k, 2) counter-clockwise by n angles [rad], shape (n, k, 2)."""
-    cos, sin = np.cos(angle)[:, np.newaxis], np.sin(angle)[:, np.newaxis]
-    x, y = points.T
-    return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)

@@ -10,11 +10,12 @@ from cycloid_mj.kinematics import gear_centre
 from cycloid_mj.names import FORCE_X, FORCE_Y, GEAR, MOMENT, OUTPUT, SHAFT, column, kind_of, number_of, pin
 from cycloid_mj.record import usable
 from cycloid_mj.scene.drawing import Drawing, Radii, drawn_radii
-from cycloid_mj.scene.pose import poses, ring_places
+from cycloid_mj.scene.pose import moved, poses, ring_places
 from cycloid_mj.solid import output_centres
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.types import Array
 
+WRENCH = (FORCE_X, FORCE_Y, MOMENT)
 _ON_PINS = ("pin_socket", "pin_sleeve")
 
 LONGEST_SHIFT = 1e-3
@@ -75,9 +76,7 @@ def contact_forces(design: Design, columns: Mapping[str, Array], drawn: Drawing 
     LogError
         A column of the parts' motion is missing.
     """
-    end = column("", FORCE_X)
-    stems = (name.removesuffix(end) for name in columns if name.endswith(end))
-    acting = {pair: kind for pair in stems if (kind := kind_of(pair))}
+    acting = _pairs(columns)
     names, kinds = tuple(acting), tuple(acting.values())
     count = columns["crank_angle"].size
     point, force = np.empty((count, len(names), 2)), np.empty((count, len(names), 2))
@@ -86,7 +85,7 @@ def contact_forces(design: Design, columns: Mapping[str, Array], drawn: Drawing 
     shown = true if drawn is None else _drawn(design, drawn)
     for row, (name, kind) in enumerate(acting.items()):
         number = number_of(name)
-        wrench = usable(np.stack([columns[column(name, part)] for part in (FORCE_X, FORCE_Y, MOMENT)], axis=1))
+        wrench = usable(np.stack([columns[column(name, part)] for part in WRENCH], axis=1))
         origin = (place[pin(number)] if kind in _ON_PINS else place[GEAR])[:, :2]
         along = _direction(wrench[:, :2])
         aside = _aside(wrench, along, true.surface(kind, number, along) - origin)
@@ -109,6 +108,14 @@ def reference_force(design: Design) -> dict[str, float]:
     cam = torque / (gear.eccentricity * design.lobes)
     ring, pins = 4 * cam / teeth, 4 * torque / (output.pins * output.pin_circle_radius)
     return {"pin_gear": ring, "tooth": ring, "pin_socket": ring, "pin_sleeve": ring, "cam": cam, "output": pins}
+
+
+def _pairs(columns: Mapping[str, Array]) -> dict[str, str]:
+    """Give pair -> kind of those whose whole wrench the columns tell."""
+    end = column("", FORCE_X)
+    stems = (name.removesuffix(end) for name in columns if name.endswith(end))
+    whole = (pair for pair in stems if all(column(pair, part) in columns for part in WRENCH))
+    return {pair: kind for pair in whole if (kind := kind_of(pair))}
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,7 +146,7 @@ def _measured(design: Design, place: Mapping[str, Array]) -> _Inner:
     ring = np.broadcast_to(nominal, (len(place[GEAR]), *nominal.shape))
     if pin(1) in place:
         ring = np.stack([place[pin(number)][:, :2] for number in range(1, len(nominal) + 1)], axis=1)
-    pins = np.stack([_moved(place[OUTPUT], centre) for centre in output_centres(design)], axis=1)
+    pins = moved(place[OUTPUT][:, np.newaxis], output_centres(design))
     return _Inner(ring, _cam(design, place[SHAFT]), pins, drawn_radii(design))
 
 
@@ -148,13 +155,7 @@ def _drawn(design: Design, drawn: Drawing) -> _Inner:
 
 
 def _cam(design: Design, shaft: Array) -> Array:
-    return _moved(shaft, gear_centre(tooth_profile(design), 0.0))
-
-
-def _moved(pose: Array, point: Array) -> Array:
-    """Give a body's point (2,) [m] in the frame of the reducer axis, shape (n, 2)."""
-    cos, sin = np.cos(pose[:, 2]), np.sin(pose[:, 2])
-    return pose[:, :2] + np.stack([cos * point[0] - sin * point[1], sin * point[0] + cos * point[1]], axis=1)
+    return moved(shaft, gear_centre(tooth_profile(design), 0.0))
 
 
 def _direction(force: Array) -> Array:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 import numpy as np
+import numpy.typing as npt
 
 from cycloid_mj.design import Design
 from cycloid_mj.errors import LogError
@@ -64,6 +65,18 @@ def _pressed(design: Design, force: list[Array]) -> list[Array]:
     """Give how far a massless pin is from its place [m]: by its play away from the gear, which feels its force [N]."""
     size = np.maximum(np.hypot(*force), np.finfo(float).tiny)
     return [-design.pin_play * component / size for component in force]
+
+
+def turned(points: Array, angle: npt.ArrayLike) -> Array:
+    """Turn points (..., 2) counter-clockwise about the origin by angles [rad] of the shape before their last."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    x, y = points[..., 0], points[..., 1]
+    return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
+
+
+def moved(pose: Array, points: Array) -> Array:
+    """Give points (..., 2) [m] of a body in the poses (..., 3) in the frame of the reducer axis."""
+    return pose[..., :2] + turned(points, pose[..., 2])
 
 
 def _pose(x: Array, y: Array, angle: Array) -> Array:
