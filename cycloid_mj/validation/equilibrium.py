@@ -140,7 +140,7 @@ def solve(
     crank
         Crank angle [rad], counter-clockwise.
     start
-        Solution under a similar load at this crank angle, to begin from.
+        Solution under a similar load at a near crank angle, to begin from; where that leads nowhere, it is not used.
 
     Raises
     ------
@@ -148,20 +148,29 @@ def solve(
         No balance was found.
     """
     locked = _locked(design, stiffness, crank)
-    first = _least_energy(locked) if start is None else start.departures / _SCALE
+    allowed = _IMBALANCE * np.abs(locked.load).max()
+    if start is not None:
+        z, residual = _balanced(locked, start.departures)
+        if residual < allowed:
+            return _solution(locked, z)
+    z, residual = _balanced(locked, _least_energy(locked))
+    if not residual < allowed:
+        raise RunError(f"no static balance at crank angle {crank:.4f} rad: {residual:.3g} N are left over")
+    return _solution(locked, z)
+
+
+def _balanced(locked: Locked, start: Array) -> tuple[Array, float]:
+    """Give the pose [m] at which forces balance, sought from another, and the largest force left over [N]."""
 
     def imbalance(x: Array) -> Array:
         return _imbalance(locked, _SCALE * x)
 
-    balanced = root(imbalance, first, method="hybr", tol=1e-10)
-    residual = np.abs(balanced.fun).max()
-    if not residual < _IMBALANCE * np.abs(locked.load).max():
-        raise RunError(f"no static balance at crank angle {crank:.4f} rad: {residual:.3g} N are left over")
-    return _solution(locked, _SCALE * balanced.x)
+    found = root(imbalance, start / _SCALE, method="hybr", tol=1e-10)
+    return _SCALE * np.asarray(found.x), float(np.abs(found.fun).max())
 
 
 def _least_energy(locked: Locked) -> Array:
-    """Give the pose [_SCALE] of least energy at uniform stiffness."""
+    """Give the pose [m] of least energy at uniform stiffness."""
 
     def slope(x: Array) -> Array:
         return -_imbalance(locked, _SCALE * x, uniform=True)
@@ -176,7 +185,7 @@ def _least_energy(locked: Locked) -> Array:
     found = minimize(
         energy, start, jac=slope, hess=hessian, method="trust-exact", options={"gtol": 1e-2, "maxiter": _DESCENTS}
     )
-    return np.asarray(found.x)
+    return _SCALE * np.asarray(found.x)
 
 
 def _locked(design: Design, stiffness: Mapping[str, float], crank: float) -> Locked:

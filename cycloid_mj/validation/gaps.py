@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+import numpy.typing as npt
 from scipy.spatial import cKDTree
 
 from cycloid_mj import envelope, profile
@@ -20,7 +21,8 @@ Indices = Integers
 
 _SAMPLES_PER_LOBE = 200
 _SAMPLES_PER_ROOT = 400
-_NEWTON_ROUNDS = 8
+_NEWTON_ROUNDS, _NEWTON_STEP = 8, 1e-10
+"""Most rounds, and the step [rad] after which the next would be lost in rounding: convergence is quadratic."""
 
 
 @dataclass(frozen=True)
@@ -78,10 +80,10 @@ class Gaps:
     ring_curvature: Array
 
 
-def rotate(points: Array, angle: float) -> Array:
-    """Turn points (..., 2) counter-clockwise about the origin by `angle` [rad]."""
-    cos, sin = np.cos(angle), np.sin(angle)
-    return points @ np.array([[cos, sin], [-sin, cos]])
+def rotate(points: Array, angle: npt.ArrayLike) -> Array:
+    """Turn points (..., 2) counter-clockwise about the origin by `angle` [rad], shape (...)."""
+    cos, sin, x, y = np.cos(angle), np.sin(angle), points[..., 0], points[..., 1]
+    return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
 
 
 def trochoid_distance(gear: CycloidGear, points: Array) -> tuple[Array, Array, Array]:
@@ -94,7 +96,10 @@ def trochoid_distance(gear: CycloidGear, points: Array) -> tuple[Array, Array, A
     for _ in range(_NEWTON_ROUNDS):
         first, second = profile.trochoid_derivatives(gear, t)
         lead = profile.trochoid(gear, t) - points
-        t = t - _dot(lead, first) / (_dot(first, first) + _dot(lead, second))
+        step = _dot(lead, first) / (_dot(first, first) + _dot(lead, second))
+        t = t - step
+        if np.abs(step).max(initial=0.0) < _NEWTON_STEP:
+            break
     normals = profile.normals(gear, t)
     return _dot(points - profile.trochoid(gear, t), normals), normals, t
 
@@ -156,31 +161,32 @@ def ring_gaps(gear: CycloidGear, pose: Pose, roots: Indices, flanks: Flanks | No
     radial = unit(profile.pin_angles(gear))
     across = arcs.normals[:, 0] * radial[:, 1] - arcs.normals[:, 1] * radial[:, 0]
     fan = np.abs(across) <= np.sin(envelope.largest_alpha(gear))
-    return _join(_at(arcs, fan), *(_root_gaps(gear, pose, int(root), flanks) for root in roots))
+    return _join(_at(arcs, fan), _root_gaps(gear, pose, roots, flanks))
 
 
-def offset_root(gear: CycloidGear, root: int, B: Array) -> Array:
-    """Points (n, 2) [m] of Sigma in root `root` at the phases B, offset outwards by the pin radius, ring frame."""
+def offset_root(gear: CycloidGear, root: int | Indices, B: Array) -> Array:
+    """Points [m] of Sigma in roots `root` at phases B, offset outwards by the pin radius, ring frame: (..., 2)."""
     surface = envelope.sigma_points(gear, B) + gear.pin_radius * unit(envelope.sigma_normal_angle(gear, B))
     return rotate(surface, -profile.pin_angles(gear)[root])
 
 
-def _root_gaps(gear: CycloidGear, pose: Pose, root: int, flanks: Flanks) -> Gaps:
-    """Find the inner minima of the distance along a root: the lowest of three samples, refined by their parabola."""
+def _root_gaps(gear: CycloidGear, pose: Pose, roots: Indices, flanks: Flanks) -> Gaps:
+    """Find the inner minima of the distance along roots: the lowest of three samples, refined by their parabola."""
     low = profile.best_phase(gear)
     B = np.pi - (np.pi - low) * np.cos(np.linspace(0, np.pi, _SAMPLES_PER_ROOT))
-    sampled = flank_distance(flanks, pose.to_gear(offset_root(gear, root, B)))[0]
-    inner = 1 + np.flatnonzero((sampled[1:-1] < sampled[:-2]) & (sampled[1:-1] <= sampled[2:]))
-    before, here, after = sampled[inner - 1], sampled[inner], sampled[inner + 1]
-    found = _parabola(B[inner - 1], B[inner], B[inner + 1], before, here, after)
-    places = offset_root(gear, root, found)
+    sampled_places = pose.to_gear(offset_root(gear, roots[:, np.newaxis], B))
+    sampled = flank_distance(flanks, sampled_places.reshape(-1, 2))[0].reshape(roots.size, B.size)
+    row, inner = np.nonzero((sampled[:, 1:-1] < sampled[:, :-2]) & (sampled[:, 1:-1] <= sampled[:, 2:]))
+    columns = [inner, inner + 1, inner + 2]
+    found = _parabola(*(B[column] for column in columns), *(sampled[row, column] for column in columns))
+    places = offset_root(gear, roots[row], found)
     distance, normals, t = flank_distance(flanks, pose.to_gear(places))
     return Gaps(
         distance=distance,
         normals=rotate(normals, pose.angle),
         places=places,
         t=t,
-        owner=np.where(found <= np.pi, root, (root - 1) % gear.ring_teeth),
+        owner=(roots[row] - (found > np.pi)) % gear.ring_teeth,
         B=found,
         ring_curvature=-1 / envelope.sigma_radius(gear, found),
     )

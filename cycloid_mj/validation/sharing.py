@@ -111,7 +111,9 @@ def _solved_rows(design: Design, name: str, cam: float | None, quick: bool) -> l
     stiffness = {kind: law.stiffness for kind, law in build(slow).laws.items()}
     stiffness["cam"] = cam or stiffness["cam"]
     samples = np.linspace(0, len(run) - 1, 2 if quick else 5).astype(int)
-    solved = [equilibrium.solve(slow, stiffness, float(run["crank_angle"][k])) for k in samples]
+    solved: list[equilibrium.Equilibrium] = []
+    for crank in run["crank_angle"][samples]:
+        solved.append(equilibrium.solve(slow, stiffness, float(crank), solved[-1] if solved else None))
     ring, ideal_ring = run.forces(slow.tooth_pair)[samples], np.stack([one.ring_forces for one in solved])
     cam_load, ideal_cam = run.forces("cam")[samples, 0], np.stack([one.cam_force for one in solved])
     turn = (run["gear_angle"] + run["crank_angle"] / slow.lobes)[samples]
