@@ -61,6 +61,20 @@ def test_derived_numbers_have_as_many_digits_as_they_mean(design: Design) -> Non
         assert [one for one in numbers if one != float(f"{one:.12g}")] == [], pair.name
 
 
+def test_parts_are_drawn_once_for_all_loads_but_not_for_another_shape() -> None:
+    drawn = parts(PRESETS["pin"])
+    assert parts(PRESETS["pin"].but(load={"torque": 36.0}, name="loaded"))["gear"] is drawn["gear"]
+    for change in (
+        {"material": {"density": 7800.0}},
+        {"clearance": {"pin_gear": 2e-6}},
+        {"gear": {"bore_radius": 0.014}},
+    ):
+        other = parts(PRESETS["pin"].but(**change))["gear"]
+        assert mass_properties(other).mass != mass_properties(drawn["gear"]).mass
+    drawn.clear()
+    assert parts(PRESETS["pin"])
+
+
 def test_a_last_bit_of_a_mass_does_not_reach_the_model(monkeypatch: pytest.MonkeyPatch) -> None:
     """What another machine or another number of threads would give: sums that differ by some last bits."""
     expected = xml(build(PRESETS["nonpin"]).spec)
@@ -70,7 +84,9 @@ def test_a_last_bit_of_a_mass_does_not_reach_the_model(monkeypatch: pytest.Monke
     monkeypatch.setattr(
         inertia, "area_moments", lambda polygon: type(moments(polygon))(*(2e-16 * m + m for m in moments(polygon)))
     )
+    inertia.mass_properties.cache_clear()
     assert xml(build(PRESETS["nonpin"]).spec) == expected
+    assert inertia.mass_properties.cache_info().misses
 
 
 def test_rounding() -> None:

@@ -1,6 +1,7 @@
 """Mass, centroid and inertia of a solid, exact for its polygons."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -20,6 +21,7 @@ class MassProperties:
     inertia: Array
 
 
+@lru_cache(maxsize=32)
 def mass_properties(solid: Solid) -> MassProperties:
     """Give the mass properties of a solid, rounded to the digits that they mean (``digits``).
 

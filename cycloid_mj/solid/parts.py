@@ -1,11 +1,19 @@
 """All parts of a reducer by name."""
 
+from functools import lru_cache
+
 from cycloid_mj.design import Design
 from cycloid_mj.solid.gear import gear_solid
 from cycloid_mj.solid.housing import housing_solid, pin_solid
 from cycloid_mj.solid.output import output_solid
 from cycloid_mj.solid.prism import Solid
 from cycloid_mj.solid.shaft import balanced_shaft
+
+SHAPING_NOTHING = (
+    *("name", "friction", "drag", "contact", "stiffness", "damping", "working_force"),
+    *("drive", "load", "environment", "settings"),
+)
+"""What of a design no part depends on: runs at other loads and speeds have the same parts, which are drawn once."""
 
 
 def parts(design: Design, chord_error: float | None = None) -> dict[str, Solid]:
@@ -25,6 +33,12 @@ def parts(design: Design, chord_error: float | None = None) -> dict[str, Solid]:
     DesignError
         A part cannot be made, or the parts do not fit into each other.
     """
+    unshaped = {name: Design.model_fields[name].default for name in SHAPING_NOTHING}
+    return dict(_parts(design.model_copy(update=unshaped), chord_error))
+
+
+@lru_cache(maxsize=8)
+def _parts(design: Design, chord_error: float | None) -> dict[str, Solid]:
     gear = gear_solid(design, chord_error)
     solids = [housing_solid(design, chord_error), balanced_shaft(design, gear, chord_error), gear]
     if design.ring.kind == "pin":

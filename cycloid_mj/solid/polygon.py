@@ -31,13 +31,19 @@ def area_moments(polygon: Array) -> AreaMoments:
     u, v = np.roll(polygon, -1, axis=0).T
     cross = x * v - u * y
     return AreaMoments(
-        area=math.fsum(cross) / 2,
-        x=math.fsum(cross * (x + u)) / 6,
-        y=math.fsum(cross * (y + v)) / 6,
-        xx=math.fsum(cross * (x * x + x * u + u * u)) / 12,
-        yy=math.fsum(cross * (y * y + y * v + v * v)) / 12,
-        xy=math.fsum(cross * (2 * x * y + x * v + u * y + 2 * u * v)) / 24,
+        area=_exact_sum(cross) / 2,
+        x=_exact_sum(cross * (x + u)) / 6,
+        y=_exact_sum(cross * (y + v)) / 6,
+        xx=_exact_sum(cross * (x * x + x * u + u * u)) / 12,
+        yy=_exact_sum(cross * (y * y + y * v + v * v)) / 12,
+        xy=_exact_sum(cross * (2 * x * y + x * v + u * y + 2 * u * v)) / 24,
     )
+
+
+def signed_area(polygon: Array) -> float:
+    """Give the area [m2] of a polygon (n, 2) [m], exactly; it is negative where the polygon runs clockwise."""
+    (x, y), (u, v) = polygon.T, np.roll(polygon, -1, axis=0).T
+    return _exact_sum(x * v - u * y) / 2
 
 
 def arc(radius: float, start: float, end: float, chord_error: float) -> Array:
@@ -78,6 +84,11 @@ def crossing(rings: Sequence[Array]) -> Array | None:
     i, j = i[apart], j[apart]
     meets = _sides_differ(start[i], end[i], start[j], end[j]) & _sides_differ(start[j], end[j], start[i], end[i])
     return (start[i[meets][0]] + end[i[meets][0]]) / 2 if meets.any() else None
+
+
+def _exact_sum(values: Array) -> float:
+    # of a list, since fsum would make a numpy number of each element
+    return math.fsum(values.tolist())
 
 
 def _segments(radius: float, span: float, chord_error: float) -> int:

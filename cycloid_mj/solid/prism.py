@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.errors import DesignError
-from cycloid_mj.solid.polygon import area_moments
+from cycloid_mj.solid.polygon import signed_area
 from cycloid_mj.types import Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Prism:
     """A plane region extruded along z.
 
@@ -45,7 +45,7 @@ class Prism:
         return self.z1 - self.z0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Solid:
     """One part of the reducer: prisms that share no volume, of one density [kg/m3]."""
 
@@ -59,7 +59,8 @@ def _locked(polygon: Array) -> Array:
     copy = np.array(polygon, dtype=np.float64)
     if copy.ndim != 2 or copy.shape[1] != 2 or len(copy) < 3:
         raise DesignError(f"a polygon has shape (n, 2) with n of at least 3, got {copy.shape}")
-    if not area_moments(copy).area > 0.0:
-        raise DesignError(f"a polygon of area {area_moments(copy).area:.6g} m2 does not run counter-clockwise")
+    area = signed_area(copy)
+    if not area > 0.0:
+        raise DesignError(f"a polygon of area {area:.6g} m2 does not run counter-clockwise")
     copy.setflags(write=False)
     return copy
