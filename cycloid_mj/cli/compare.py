@@ -16,6 +16,7 @@ from cycloid_mj.cli.flags import (
     TIMESTEP,
     JsonFlag,
     PointFlag,
+    QuietFlag,
     SetFlag,
     designed,
     point,
@@ -23,7 +24,7 @@ from cycloid_mj.cli.flags import (
     within,
 )
 from cycloid_mj.cli.outfile import folder
-from cycloid_mj.cli.simulate import QuietFlag, logs_folder, require_possible
+from cycloid_mj.cli.simulate import logs_folder, require_possible
 from cycloid_mj.cli.verdict import report
 from cycloid_mj.design import Design, override
 from cycloid_mj.errors import LogError, UsageError

@@ -46,6 +46,10 @@ PointFlag = Annotated[
     ),
 ]
 JsonFlag = Annotated[bool, Parameter(name="--json", help="Print one JSON object and nothing else on stdout.")]
+QuietFlag = Annotated[bool, Parameter(help="No progress and no messages but errors on stderr.")]
+
+FLAT = Parameter(name="*")
+"""Of a dataclass: its fields are flags of the command."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +114,11 @@ HOLD = Quantity("drive", "hold")
 LOAD = Quantity("load", "torque")
 
 
-def designed(name_or_file: str, changes: Sequence[str], values: Sequence[tuple[Quantity, float | None]]) -> Design:
+Values = Sequence[tuple[Quantity, float | None]]
+"""Values of the design that flags set; None where the flag is not given."""
+
+
+def designed(name_or_file: str, changes: Sequence[str], values: Values) -> Design:
     """Give the design of a command line: file or preset, then ``--set``, then the flags.
 
     Raises

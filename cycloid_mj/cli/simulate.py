@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, NoReturn
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import HOLD, LOAD, RAMP, SPEED, TIMESTEP, DesignFlag, JsonFlag, SetFlag, designed
+from cycloid_mj.cli.flags import HOLD, LOAD, RAMP, SPEED, TIMESTEP, DesignFlag, JsonFlag, QuietFlag, SetFlag, designed
 from cycloid_mj.cli.outfile import folder, new_folder
 from cycloid_mj.cli.progress import Progress
 from cycloid_mj.cli.report import report
@@ -60,7 +60,6 @@ ForceFlag = Annotated[
         "DIR/<design>.partial.mcap; those of a run that does not reach its end stay there, and the old log as it was."
     ),
 ]
-QuietFlag = Annotated[bool, Parameter(help="No progress and no messages but errors on stderr.")]
 
 
 def simulate(

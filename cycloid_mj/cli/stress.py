@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import LOAD, JsonFlag, SetFlag, designed, within
+from cycloid_mj.cli.flags import LOAD, JsonFlag, QuietFlag, SetFlag, designed, within
 from cycloid_mj.cli.outfile import folder
-from cycloid_mj.cli.simulate import QuietFlag, logs_folder, require_possible
+from cycloid_mj.cli.simulate import logs_folder, require_possible
 from cycloid_mj.cli.stressfiles import report
 from cycloid_mj.cli.terminal import tell
 from cycloid_mj.design import Design, override

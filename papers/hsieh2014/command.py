@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import JsonFlag
+from cycloid_mj.cli.flags import JsonFlag, QuietFlag
 from cycloid_mj.cli.outfile import folder
-from cycloid_mj.cli.simulate import QuietFlag
 from cycloid_mj.cli.terminal import finite, say, say_json, say_table, tell
 from cycloid_mj.cli.warned import with_warnings
 from cycloid_mj.design import Design
