@@ -11,7 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
 from cycloid_mj import profile
-from cycloid_mj.contact.gap import trochoid_distance
+from cycloid_mj.contact.gap import Trochoid, trochoid_distance
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.envelope import sample_ring_by_sagitta
 from cycloid_mj.errors import CycloidError, LogError, UsageError
@@ -41,7 +41,7 @@ def turned(points, angle):
 def tooth_gap(gear_pose, centre, radius) -> float:
     """Gap of a circle to the flank of a gear in a pose; the flank is rho + clearance inside the path of the pins."""
     x, y = turned(np.asarray(centre) - gear_pose[:2], -gear_pose[2])
-    _, distance, _, _ = trochoid_distance(x, y, 40.75e-3, 1e-3, 36.0)
+    _, distance, _, _ = trochoid_distance(x, y, Trochoid(40.75e-3, 1e-3, 36.0))
     return distance + 2.25e-3 + CLEARANCE - radius
 
 

@@ -36,33 +36,33 @@ def brute_force(gear: CycloidGear, point: np.ndarray) -> float:
 @pytest.mark.parametrize("gear", [PAPER, *OTHERS])
 def test_distance_equals_brute_force(gear: CycloidGear) -> None:
     rng = np.random.default_rng(1)
-    arguments = (gear.pin_circle_radius, gear.eccentricity, float(gear.ring_teeth))
+    curve = gap.Trochoid(gear.pin_circle_radius, gear.eccentricity, float(gear.ring_teeth))
     for t in rng.uniform(0.0, 2.0 * np.pi, 40):
         point = trochoid(gear, t) + rng.uniform(-5e-6, 5e-6, 2)
-        _, distance, nx, ny = gap.trochoid_distance(point[0], point[1], *arguments)
+        _, distance, nx, ny = gap.trochoid_distance(point[0], point[1], curve)
         assert abs(distance) == pytest.approx(brute_force(gear, point), abs=2e-11)
         foot = point - distance * np.array([nx, ny])
         assert np.hypot(nx, ny) == pytest.approx(1.0, abs=1e-14)
-        _, again, _, _ = gap.trochoid_distance(foot[0], foot[1], *arguments)
+        _, again, _, _ = gap.trochoid_distance(foot[0], foot[1], curve)
         assert abs(again) < 1e-15
 
 
 @pytest.mark.parametrize("gear", [PAPER, *OTHERS])
 def test_distance_has_the_sign_of_outside(gear: CycloidGear) -> None:
     t = np.linspace(0.0, 2.0 * np.pi, 97)
-    arguments = (gear.pin_circle_radius, gear.eccentricity, float(gear.ring_teeth))
+    curve = gap.Trochoid(gear.pin_circle_radius, gear.eccentricity, float(gear.ring_teeth))
     for x, y in trochoid(gear, t) * 1.0002:
-        assert gap.trochoid_distance(x, y, *arguments)[1] > 0.0
+        assert gap.trochoid_distance(x, y, curve)[1] > 0.0
     for x, y in trochoid(gear, t) * 0.9998:
-        assert gap.trochoid_distance(x, y, *arguments)[1] < 0.0
+        assert gap.trochoid_distance(x, y, curve)[1] < 0.0
 
 
 def test_far_points_find_the_nearest_foot() -> None:
     rng = np.random.default_rng(2)
-    arguments = (PAPER.pin_circle_radius, PAPER.eccentricity, float(PAPER.ring_teeth))
+    curve = gap.Trochoid(PAPER.pin_circle_radius, PAPER.eccentricity, float(PAPER.ring_teeth))
     for t in rng.uniform(0.0, 2.0 * np.pi, 30):
         point = trochoid(PAPER, t) + rng.uniform(-5e-4, 5e-4, 2)
-        distance = gap.trochoid_distance(point[0], point[1], *arguments)[1]
+        distance = gap.trochoid_distance(point[0], point[1], curve)[1]
         assert abs(distance) == pytest.approx(brute_force(PAPER, point), abs=1e-9)
 
 
@@ -158,7 +158,7 @@ def inject(model, data, reducer, design) -> None:
             x, y, _ = frame.T @ delta
             gear, clearance = tooth_profile(design), design.clearance.pin_gear
             t, distance, nx, ny = gap.trochoid_distance(
-                x, y, gear.pin_circle_radius, gear.eccentricity, float(gear.ring_teeth)
+                x, y, gap.Trochoid(gear.pin_circle_radius, gear.eccentricity, float(gear.ring_teeth))
             )
             dist = distance + clearance
             relative = curvature(gear, t, gear.pin_radius + clearance) + 1.0 / gear.pin_radius

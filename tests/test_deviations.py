@@ -433,7 +433,7 @@ def test_load_sharing_is_the_independent_solution(name: str) -> None:
     run = simulate(design)
     stiffness = {kind: law.stiffness for kind, law in reducer.laws.items()}
     crank = float(run["crank_angle"][-1])
-    ours = rig.ring_forces(run, design)[-1]
+    ours = run.forces(design.tooth_pair)[-1]
     solved = equilibrium.solve(design, stiffness, crank).ring_forces
     largest = rig.sizes(solved).max()
     assert rig.sizes(ours - solved).max() < 0.02 * largest

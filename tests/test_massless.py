@@ -10,7 +10,7 @@ from cycloid_mj.contact.collider import installed
 from cycloid_mj.contact.gap import flank_distance, trochoid_curvature
 from cycloid_mj.contact.law import curvature_law, pair_stiffness
 from cycloid_mj.contact.massless import massless, require_pin_bodies
-from cycloid_mj.contact.teeth import Teeth, flank_of
+from cycloid_mj.contact.teeth import teeth_of
 from cycloid_mj.contact.working import at_rated_load
 from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.errors import CycloidWarning, DesignError
@@ -69,7 +69,7 @@ def test_the_stiffness_follows_the_curvature_as_that_of_two_springs():
     with installed():
         mujoco.mj_forward(reducer.model, data)
     law, seat, rho = curvature_law(design), pair_stiffness(design, "pin_socket"), design.ring.pin_radius
-    flank = flank_of(Teeth(*reducer.model.geom("teeth").user))
+    flank = teeth_of(reducer.model.geom("teeth").user.tolist()).flank
     teeth, turned = reducer.model.geom("teeth").id, data.joint("gear_angle").qpos[0]
     to_gear = np.array([[np.cos(turned), np.sin(turned)], [-np.sin(turned), np.cos(turned)]])
     factors = []
@@ -78,7 +78,7 @@ def test_the_stiffness_follows_the_curvature_as_that_of_two_springs():
             continue
         place = data.geom_xpos[next(geom for geom in geoms if geom != teeth)] - data.geom_xpos[teeth]
         t, away, *_ = flank_distance(*(to_gear @ place[:2]), flank)
-        bend = trochoid_curvature(t, flank.radius, flank.eccentricity, flank.teeth)
+        bend = trochoid_curvature(t, flank.curve)
         own = law.stiffness * law.factor(bend / (1.0 - flank.offset * bend) + 1.0 / rho)
         overlap = rho - design.pin_play - away - flank.offset
         force = -distance * reducer.laws["pin_gear"].stiffness

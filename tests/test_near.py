@@ -5,23 +5,28 @@ import math
 import numpy as np
 import pytest
 
-from cycloid_mj.contact.gap import Flank, trochoid_curvature, trochoid_distance
-from cycloid_mj.contact.near import distance_near, pin_distance, turned_times
+from cycloid_mj.contact.gap import Flank, Trochoid, trochoid_curvature, trochoid_distance
+from cycloid_mj.contact.near import Start, distance_near, pin_distance, turned_times
 
-GEARS = {"paper": (0.04075, 0.001, 36.0), "few lobes": (0.03, 0.002, 10.0), "many lobes": (0.06, 0.0004, 120.0)}
+GEARS = {
+    "paper": Trochoid(0.04075, 0.001, 36.0),
+    "few lobes": Trochoid(0.03, 0.002, 10.0),
+    "many lobes": Trochoid(0.06, 0.0004, 120.0),
+}
 FAR_OUT = 1.0
 
 
-def place(gear: tuple[float, float, float], t: float) -> np.ndarray:
+def place(gear: Trochoid, t: float) -> np.ndarray:
     radius, eccentricity, teeth = gear
     return radius * np.array([math.sin(t), math.cos(t)]) - eccentricity * np.array(
         [math.sin(teeth * t), math.cos(teeth * t)]
     )
 
 
-def near(gear: tuple[float, float, float], point: np.ndarray, t: float, most: float = FAR_OUT):
-    turned = gear[2] * t
-    return distance_near(*point, *gear, math.sin(t), math.cos(t), math.sin(turned), math.cos(turned), most)
+def near(gear: Trochoid, point: np.ndarray, t: float, most: float = FAR_OUT):
+    turned = gear.teeth * t
+    start = Start(math.sin(t), math.cos(t), math.sin(turned), math.cos(turned))
+    return distance_near(*point, gear, start, most)
 
 
 @pytest.mark.parametrize("times", [0, 1, 2, 7, 36, 119])
@@ -38,17 +43,17 @@ def test_it_gives_what_the_search_gives(name: str, size: float) -> None:
     for t in rng.uniform(-3.0, 3.0, 300):
         point = place(gear, t) + size * rng.uniform(-1.0, 1.0, 2)
         distance, nx, ny, bend = near(gear, point, t)
-        foot, expected, ex, ey = trochoid_distance(*point, *gear)
+        foot, expected, ex, ey = trochoid_distance(*point, gear)
         assert distance == pytest.approx(expected, abs=1e-13)
         assert (nx, ny) == pytest.approx((ex, ey), abs=1e-6)
-        assert bend == pytest.approx(trochoid_curvature(foot, *gear), rel=1e-2, abs=1.0)
+        assert bend == pytest.approx(trochoid_curvature(foot, gear), rel=1e-2, abs=1.0)
 
 
 def test_it_falls_back_to_the_search_far_away() -> None:
     gear = GEARS["paper"]
     for t in np.linspace(0.0, 0.17, 20):
         point = place(gear, t) * 1.01
-        assert near(gear, point, t + 0.02)[0] == pytest.approx(trochoid_distance(*point, *gear)[1], abs=1e-12)
+        assert near(gear, point, t + 0.02)[0] == pytest.approx(trochoid_distance(*point, gear)[1], abs=1e-12)
 
 
 def test_only_gaps_that_are_open_are_left_out() -> None:
@@ -57,7 +62,7 @@ def test_only_gaps_that_are_open_are_left_out() -> None:
     for t in rng.uniform(-3.0, 3.0, 2000):
         point = place(gear, t) + 5e-6 * rng.uniform(-1.0, 1.0, 2)
         distance, nx, ny, _ = near(gear, point, t, most)
-        true = trochoid_distance(*point, *gear)[1]
+        true = trochoid_distance(*point, gear)[1]
         if nx == ny == 0.0:
             left_out += 1
             assert distance > most
@@ -69,6 +74,6 @@ def test_only_gaps_that_are_open_are_left_out() -> None:
 
 def test_a_pin_without_a_home_is_searched() -> None:
     gear = GEARS["paper"]
-    flank = Flank(*gear, 0.00225, 0.0, 0.0, 0.0, 0.0, 0.0)
+    flank = Flank(gear, 0.00225, 0.0, 0.0, 0.0, 0.0, 0.0)
     point = place(gear, 0.3) + 1e-6
-    assert pin_distance(*point, flank, 0.0, 0.0, 0.0, 1.0, FAR_OUT)[0] == trochoid_distance(*point, *gear)[1]
+    assert pin_distance(*point, flank, Start(0.0, 0.0, 0.0, 1.0), FAR_OUT)[0] == trochoid_distance(*point, gear)[1]

@@ -9,8 +9,9 @@ from scipy.spatial import cKDTree
 
 from cycloid_mj import envelope, profile
 from cycloid_mj.contact.collider import installed
+from cycloid_mj.contact.gap import Trochoid
 from cycloid_mj.contact.ring import ideal_root_phase, is_monotone, offset_root
-from cycloid_mj.contact.teeth import Teeth
+from cycloid_mj.contact.teeth import DEFLECTION
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.mjcf import build
 from cycloid_mj.profile import CycloidGear, unit
@@ -112,11 +113,11 @@ def test_ideal_contacts_are_where_the_envelope_has_them(crank: float) -> None:
 @pytest.mark.parametrize("name", ["paper", "small"])
 def test_ideal_phase_inverts_the_envelope(name: str) -> None:
     gear = tooth_profile(nonpin(*DESIGNS[name]))
-    arguments = (gear.pin_circle_radius, gear.eccentricity, float(gear.ring_teeth))
-    assert is_monotone(*arguments)
+    ring = Trochoid(gear.pin_circle_radius, gear.eccentricity, float(gear.ring_teeth))
+    assert is_monotone(ring)
     low = profile.best_phase(gear)
     for crank in np.linspace(-low + 1e-6, low - 2 * np.pi / gear.ring_teeth - 1e-6, 101):
-        phase = ideal_root_phase(crank, *arguments)
+        phase = ideal_root_phase(crank, ring)
         assert envelope.sigma_crank_angle_cw(gear, phase) == pytest.approx(crank, abs=1e-5)
 
 
@@ -124,10 +125,10 @@ def test_ideal_phase_inverts_the_envelope(name: str) -> None:
 def test_offset_root_is_the_envelope_without_pin_radius(name: str) -> None:
     gear = tooth_profile(nonpin(*DESIGNS[name]))
     bare = replace(gear, pin_radius=1e-15)
-    arguments = (gear.pin_circle_radius, gear.eccentricity, float(gear.ring_teeth))
+    ring = Trochoid(gear.pin_circle_radius, gear.eccentricity, float(gear.ring_teeth))
     low = profile.best_phase(gear)
     for phase in np.linspace(low, 2 * np.pi - low, 50):
-        x, y, psi, rate, curvature = offset_root(phase, *arguments)
+        x, y, psi, rate, curvature = offset_root(phase, ring)
         assert [x, y] == pytest.approx(envelope.sigma_points(bare, phase), abs=1e-14)
         assert psi == pytest.approx(envelope.sigma_normal_angle(gear, phase), abs=1e-14)
         assert rate == pytest.approx(envelope.sigma_arc_rate(bare, phase), rel=1e-11)
@@ -239,7 +240,7 @@ def test_no_step_in_the_force_when_lines_merge_or_part() -> None:
     """An arc and a flank line that merge share one stiffness; without the sharing the force jumps."""
     shared = Rig(nonpin(), margin=0.0)
     apart = Rig(nonpin(), margin=0.0)
-    apart.model.geom_user[apart.model.geom("teeth").id, Teeth._fields.index("deflection")] = 0.0
+    apart.model.geom_user[apart.model.geom("teeth").id, DEFLECTION] = 0.0
     assert largest_step(shared) < 0.01
     assert largest_step(apart) > 0.1
 
@@ -269,7 +270,7 @@ def test_roots_passed_over_have_no_contact() -> None:
     design = nonpin()
     narrow, wide = Rig(design, margin=0.0), Rig(design, margin=5e-6)
     for one in (narrow, wide):  # an open arc within the margin would share its patch with the root
-        one.model.geom_user[one.model.geom("teeth").id, Teeth._fields.index("deflection")] = 0.0
+        one.model.geom_user[one.model.geom("teeth").id, DEFLECTION] = 0.0
     rng = np.random.default_rng(11)
     touching = 0
     for _ in range(400):

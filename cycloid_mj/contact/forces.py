@@ -10,7 +10,7 @@ from numba import njit
 
 from cycloid_mj.compiling import cacheable
 from cycloid_mj.contact.gap import Flank, flank_distance
-from cycloid_mj.contact.teeth import Teeth
+from cycloid_mj.contact.teeth import USER_DATA, teeth_of
 from cycloid_mj.mechanism.reducer import Role
 from cycloid_mj.types import Array
 
@@ -87,9 +87,8 @@ def _exact_teeth(model: Any) -> tuple[int, Flank]:
     """Give the geom that the collider takes for the gear's teeth, and its flanks; -1 and none where there is none."""
     found = np.flatnonzero(model.geom_priority == int(Role.TEETH))
     if not found.size:
-        return -1, Flank(*[0.0] * len(Flank._fields))
-    teeth = Teeth(*model.geom_user[found[0]].tolist())
-    return int(found[0]), Flank(**{name: getattr(teeth, name) for name in Flank._fields})
+        return -1, teeth_of([0.0] * USER_DATA).flank
+    return int(found[0]), teeth_of(model.geom_user[found[0]].tolist()).flank
 
 
 def surface_name(model: Any, geom: int) -> str:

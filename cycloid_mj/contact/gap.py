@@ -16,6 +16,41 @@ NEAR = 3e-7
 _SCAN = 64
 
 
+class Trochoid(NamedTuple):
+    """The curve T(t) = E u(t) - c u(N t): pin-circle radius E and eccentricity c [m], and N teeth of the ring."""
+
+    radius: float
+    eccentricity: float
+    teeth: float
+
+
+class Pose(NamedTuple):
+    """Place [m] and turn of a part in a frame: a point p of the part is at (x, y) + turned(p)."""
+
+    x: float
+    y: float
+    cosine: float
+    sine: float
+
+
+@njit(inline="always")
+def inwards(pose: Pose, x: float, y: float) -> tuple[float, float]:
+    """Give the components in the part of a vector of the frame that the pose is in."""
+    return pose.cosine * x + pose.sine * y, pose.cosine * y - pose.sine * x
+
+
+@njit(inline="always")
+def outwards(pose: Pose, x: float, y: float) -> tuple[float, float]:
+    """Give the components in that frame of a vector of the part."""
+    return pose.cosine * x - pose.sine * y, pose.cosine * y + pose.sine * x
+
+
+@njit(inline="always")
+def placed(pose: Pose, x: float, y: float) -> tuple[float, float]:
+    """Give a point of the part in that frame [m]."""
+    return pose.x + pose.cosine * x - pose.sine * y, pose.y + pose.cosine * y + pose.sine * x
+
+
 @njit(inline="always")
 def _turned(sine: float, cosine: float, angle: float) -> tuple[float, float]:
     """Give sine and cosine of an angle increased by a small one: by series where that is exact to rounding."""
@@ -29,12 +64,13 @@ def _turned(sine: float, cosine: float, angle: float) -> tuple[float, float]:
 
 
 @njit(inline="always")
-def trochoid_start(x: float, y: float, radius: float, eccentricity: float, teeth: float) -> tuple[float, float, float]:
+def trochoid_start(x: float, y: float, curve: Trochoid) -> tuple[float, float, float]:
     """Give the parameter of the trochoid point at the distance of (x, y) from the gear centre, its sine and cosine.
 
     On T(t), r^2 = E^2 + c^2 - 2 E c cos((N-1) t), and the polar angle is t - atan2(c sin, E - c cos) of that phase.
     Both invert in closed form; the sign of the phase is that of (N-1) times the polar angle.
     """
+    radius, eccentricity, teeth = curve
     squared = x * x + y * y
     polar = math.atan2(x, y)
     cosine = (radius * radius + eccentricity * eccentricity - squared) / (2.0 * radius * eccentricity)
@@ -50,11 +86,9 @@ def trochoid_start(x: float, y: float, radius: float, eccentricity: float, teeth
 
 @njit
 def trochoid_foot(
-    x: float, y: float, radius: float, eccentricity: float, teeth: float, start: float, st: float, ct: float
+    x: float, y: float, curve: Trochoid, start: float, st: float, ct: float
 ) -> tuple[float, float, float, float, bool]:
-    """Solve for the foot point of (x, y) on T(t) = E u(t) - c u(N t) by Newton's method.
-
-    ``st`` and ``ct`` are sine and cosine of the start.
+    """Solve for the foot point of (x, y) by Newton's method; ``st`` and ``ct`` are sine and cosine of the start.
 
     Returns
     -------
@@ -67,6 +101,7 @@ def trochoid_foot(
     converged
         Whether the last step was below ``NEAR``.
     """
+    radius, eccentricity, teeth = curve
     t = start
     sn, cn = math.sin(teeth * t), math.cos(teeth * t)
     base = eccentricity * teeth
@@ -97,15 +132,14 @@ def trochoid_foot(
 
 
 @njit
-def trochoid_distance(
-    x: float, y: float, radius: float, eccentricity: float, teeth: float
-) -> tuple[float, float, float, float]:
+def trochoid_distance(x: float, y: float, curve: Trochoid) -> tuple[float, float, float, float]:
     """Give the foot parameter, the signed distance and the outward normal of any point near the trochoid.
 
     Starts in closed form; a point far from the curve, where that may lead to another foot, is searched.
     """
-    start, st, ct = trochoid_start(x, y, radius, eccentricity, teeth)
-    t, distance, nx, ny, converged = trochoid_foot(x, y, radius, eccentricity, teeth, start, st, ct)
+    radius, eccentricity, teeth = curve
+    start, st, ct = trochoid_start(x, y, curve)
+    t, distance, nx, ny, converged = trochoid_foot(x, y, curve, start, st, ct)
     if converged and abs(distance) < 0.1 * eccentricity:
         return t, distance, nx, ny
     pitch = 2.0 * math.pi / (teeth - 1.0)
@@ -116,18 +150,17 @@ def trochoid_distance(
         ey = radius * math.cos(candidate) - eccentricity * math.cos(teeth * candidate) - y
         if ex * ex + ey * ey < nearest:
             best, nearest = candidate, ex * ex + ey * ey
-    t, distance, nx, ny, converged = trochoid_foot(
-        x, y, radius, eccentricity, teeth, best, math.sin(best), math.cos(best)
-    )
+    t, distance, nx, ny, converged = trochoid_foot(x, y, curve, best, math.sin(best), math.cos(best))
     return t, distance, nx, ny
 
 
 @njit(inline="always")
-def trochoid_curvature(t: float, radius: float, eccentricity: float, teeth: float) -> float:
+def trochoid_curvature(t: float, curve: Trochoid) -> float:
     """Give the signed curvature of the trochoid [1/m], positive where it is convex.
 
     From l^2 = E^2 + c^2 N^2 - 2 E c N cos B: kappa = (E^2 + c^2 N^3 - E c N (N+1) cos B) / l^3 with B = (N-1) t.
     """
+    radius, eccentricity, teeth = curve
     base = eccentricity * teeth
     product = radius * base * math.cos((teeth - 1.0) * t)
     l2 = radius * radius + base * base - 2.0 * product
@@ -139,10 +172,8 @@ class Flank(NamedTuple):
 
     Attributes
     ----------
-    radius
-        Pin-circle radius that the gear is generated with [m].
-    eccentricity, teeth
-        c [m] and N of the trochoid.
+    curve
+        The trochoid that the gear is generated with.
     offset
         Distance of the flank from the trochoid, inwards [m].
     rotation
@@ -151,9 +182,7 @@ class Flank(NamedTuple):
         Where a turned flank ends, see ``modification.FlankEnds``; 0 where the rotation is.
     """
 
-    radius: float
-    eccentricity: float
-    teeth: float
+    curve: Trochoid
     offset: float
     rotation: float
     tip: float
@@ -167,12 +196,12 @@ def _turned_flank_distance(x: float, y: float, flank: Flank) -> tuple[float, flo
     s, c = math.sin(flank.rotation), math.cos(flank.rotation)
     # The flank before a tip, clockwise, is turned clockwise, that after it counter-clockwise.
     side = 1.0
-    t, distance, nx, ny = trochoid_distance(c * x - s * y, c * y + s * x, flank.radius, flank.eccentricity, flank.teeth)
-    other = trochoid_distance(c * x + s * y, c * y - s * x, flank.radius, flank.eccentricity, flank.teeth)
+    t, distance, nx, ny = trochoid_distance(c * x - s * y, c * y + s * x, flank.curve)
+    other = trochoid_distance(c * x + s * y, c * y - s * x, flank.curve)
     if other[1] > distance:
         side, s = -1.0, -s
         t, distance, nx, ny = other
-    pitch = 2.0 * math.pi / (flank.teeth - 1.0)
+    pitch = 2.0 * math.pi / (flank.curve.teeth - 1.0)
     turns = side * t / pitch
     beyond_valley = pitch * (turns - math.floor(turns))
     if beyond_valley <= 0.5 * pitch - flank.tip or beyond_valley >= pitch - flank.valley:
@@ -205,7 +234,7 @@ def flank_distance(x: float, y: float, flank: Flank) -> tuple[float, float, floa
         Whether the nearest point is a corner.
     """
     if flank.rotation == 0.0:
-        t, distance, nx, ny = trochoid_distance(x, y, flank.radius, flank.eccentricity, flank.teeth)
+        t, distance, nx, ny = trochoid_distance(x, y, flank.curve)
         return t, distance, nx, ny, False
     return _turned_flank_distance(x, y, flank)
 

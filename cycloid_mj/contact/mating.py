@@ -6,14 +6,15 @@ the margin [m]; it gives the number of contacts.
 """
 
 import math
+from typing import NamedTuple
 
 from numba import njit
 
-from cycloid_mj.contact.gap import circle_in_circle, flank_distance, trochoid_curvature
+from cycloid_mj.contact.gap import Pose, circle_in_circle, flank_distance, inwards, outwards, placed, trochoid_curvature
 from cycloid_mj.contact.memory import read_address, read_float, write_float
-from cycloid_mj.contact.near import pin_distance, turned_times
+from cycloid_mj.contact.near import Start, pin_distance, turned_times
 from cycloid_mj.contact.ring import is_monotone, offset_root, root_minimum, root_slope, root_start
-from cycloid_mj.contact.teeth import USER_DATA, flank_of, read_teeth
+from cycloid_mj.contact.teeth import USER_DATA, Teeth, read_teeth
 
 CONTACT = 80
 """Bytes of an ``mjPreContact``."""
@@ -36,6 +37,15 @@ _SECOND_ORDER = 0.02
 """Bound on what a displacement adds to a gap beyond its normal part, as a share of it."""
 
 
+class Line(NamedTuple):
+    """A line of contact: its gap [m], the factor on its stiffness, and the outward normal of the gear."""
+
+    gap: float
+    factor: float
+    nx: float
+    ny: float
+
+
 @njit(inline="always")
 def write_contact(out: int, gap: float, x: float, y: float, z: float, nx: float, ny: float) -> None:
     """Fill one ``mjPreContact``: dist, pos[3], normal[3], tangent[3]."""
@@ -52,12 +62,32 @@ def write_contact(out: int, gap: float, x: float, y: float, z: float, nx: float,
 
 
 @njit(inline="always")
-def _stiffness_factor(curvature: float, reference: float, constant: float) -> float:
+def _place(data: int, at: Places, geom: int) -> tuple[float, float, float]:
+    """Give the place of a geom in the world [m]."""
+    xpos = read_address(data + at[XPOS]) + 24 * geom
+    return read_float(xpos), read_float(xpos + 8), read_float(xpos + 16)
+
+
+@njit(inline="always")
+def _pose(data: int, at: Places, geom: int) -> Pose:
+    """Give the pose of a geom in the plane of the world."""
+    x, y, _ = _place(data, at, geom)
+    xmat = read_address(data + at[XMAT]) + 72 * geom
+    return Pose(x, y, read_float(xmat), read_float(xmat + 24))
+
+
+@njit(inline="always")
+def _radius(model: int, at: Places, geom: int) -> float:
+    return read_float(read_address(model + at[SIZE]) + 24 * geom)
+
+
+@njit(inline="always")
+def _stiffness_factor(teeth: Teeth, curvature: float) -> float:
     """Give the factor on the stiffness at a relative curvature [1/m]; 1 where the law is switched off."""
-    if reference == 0.0:
+    if teeth.reference == 0.0:
         return 1.0
-    least = math.exp(0.5 * reference - constant)
-    return reference / (constant + math.log(max(curvature, least)))
+    least = math.exp(0.5 * teeth.reference - teeth.constant)
+    return teeth.reference / (teeth.constant + math.log(max(curvature, least)))
 
 
 @njit(inline="always")
@@ -76,28 +106,24 @@ def pin_on_teeth(at: Places, model: int, data: int, out: int, teeth: int, pin: i
     """
     users = read_address(model + at[USER])
     profile = read_teeth(users + 8 * USER_DATA * teeth)
-    offset = profile.offset
-    pin_radius = read_float(read_address(model + at[SIZE]) + 24 * pin)
+    offset = profile.flank.offset
+    pin_radius = _radius(model, at, pin)
     own = users + 8 * USER_DATA * pin
     reach, yielding = pin_radius - read_float(own + 16), read_float(own + 24)
-    xpos, xmat = read_address(data + at[XPOS]), read_address(data + at[XMAT]) + 72 * teeth
-    px, py = read_float(xpos + 24 * pin), read_float(xpos + 24 * pin + 8)
-    dx, dy = px - read_float(xpos + 24 * teeth), py - read_float(xpos + 24 * teeth + 8)
-    cosine, sine = read_float(xmat), read_float(xmat + 24)
-    x, y = cosine * dx + sine * dy, cosine * dy - sine * dx
+    gear, (px, py, _) = _pose(data, at, teeth), _place(data, at, pin)
+    x, y = inwards(gear, px - gear.x, py - gear.y)
     hs, hc = read_float(own), read_float(own + 8)
-    st, ct = hs * cosine + hc * sine, hc * cosine - hs * sine
-    sn, cn = turned_times(sine, cosine, int(profile.teeth))
-    distance, nx, ny, bend = pin_distance(x, y, flank_of(profile), st, ct, sn, cn, margin + reach - offset)
+    sn, cn = turned_times(gear.sine, gear.cosine, int(profile.ring.teeth))
+    start = Start(hs * gear.cosine + hc * gear.sine, hc * gear.cosine - hs * gear.sine, sn, cn)
+    distance, nx, ny, bend = pin_distance(x, y, profile.flank, start, margin + reach - offset)
     gap = distance + offset - reach
     if not gap < margin:
         return 0
-    relative = bend / (1.0 - offset * bend) + 1.0 / pin_radius
-    factor = _stiffness_factor(relative, profile.reference, profile.constant)
+    factor = _stiffness_factor(profile, bend / (1.0 - offset * bend) + 1.0 / pin_radius)
     factor *= (1.0 + yielding) / (1.0 + yielding * factor)
-    wx, wy = cosine * nx - sine * ny, sine * nx + cosine * ny
+    wx, wy = outwards(gear, nx, ny)
     depth = reach + 0.5 * gap
-    z = read_float(xpos + 24 * teeth + 16)
+    z = _place(data, at, teeth)[2]
     write_contact(out, _pressed(gap, factor), px - depth * wx, py - depth * wy, z, sign * wx, sign * wy)
     return 1
 
@@ -131,79 +157,56 @@ def _opens(dx: float, dy: float, first: float, last: float, clear: float) -> boo
 
 
 @njit(inline="always")
-def write_arc(
-    out: int,
-    has_arc: bool,
-    gap: float,
-    factor: float,
-    nx: float,
-    ny: float,
-    ring_radius: float,
-    px: float,
-    py: float,
-    z: float,
-    lc: float,
-    ls: float,
-    sign: float,
-) -> int:
-    """Write the contact on the arc of a lobe, if there is one; the normal is given in the lobe's frame."""
+def _write_arc(out: int, has_arc: bool, arc: Line, lobe: Pose, z: float, reach: float, sign: float) -> int:
+    """Write the contact on the arc of a lobe, if there is one: round the lobe's own place."""
     if not has_arc:
         return 0
-    depth = ring_radius + 0.5 * gap
-    vx, vy = lc * nx - ls * ny, lc * ny + ls * nx
-    write_contact(out, _pressed(gap, factor), px - depth * vx, py - depth * vy, z, sign * vx, sign * vy)
+    depth = reach + 0.5 * arc.gap
+    nx, ny = outwards(lobe, arc.nx, arc.ny)
+    write_contact(out, _pressed(arc.gap, arc.factor), lobe.x - depth * nx, lobe.y - depth * ny, z, sign * nx, sign * ny)
     return 1
 
 
 @njit
 def lobe_on_teeth(
-    at: Places, model: int, data: int, out: int, teeth: int, lobe: int, sign: float, margin: float
+    at: Places, model: int, data: int, out: int, teeth: int, geom: int, sign: float, margin: float
 ) -> int:
     """Bring a lobe of the internal gear, with half a root on either side, and the gear's teeth in contact."""
     profile = read_teeth(read_address(model + at[USER]) + 8 * USER_DATA * teeth)
-    flank = flank_of(profile)
-    radius, eccentricity, number = profile.ring_radius, profile.eccentricity, profile.teeth
-    offset, reference, constant = profile.offset, profile.reference, profile.constant
-    ring_radius = read_float(read_address(model + at[SIZE]) + 24 * lobe)
-    xpos, xmat = read_address(data + at[XPOS]), read_address(data + at[XMAT])
-    px, py = read_float(xpos + 24 * lobe), read_float(xpos + 24 * lobe + 8)
-    z = read_float(xpos + 24 * teeth + 16)
+    flank, ring, offset = profile.flank, profile.ring, profile.flank.offset
+    arc_radius = _radius(model, at, geom)
+    lobe, gear, z = _pose(data, at, geom), _pose(data, at, teeth), _place(data, at, teeth)[2]
     # The gear in the lobe's frame: axis of the ring at the origin, lobe on +y.
-    lc, ls = read_float(xmat + 72 * lobe), read_float(xmat + 72 * lobe + 24)
-    gc, gs = read_float(xmat + 72 * teeth), read_float(xmat + 72 * teeth + 24)
-    dx, dy = read_float(xpos + 24 * teeth) - px, read_float(xpos + 24 * teeth + 8) - py
-    gx, gy = lc * dx + ls * dy, lc * dy - ls * dx + radius
-    cosine, sine = lc * gc + ls * gs, lc * gs - ls * gc
+    gx, gy = inwards(lobe, gear.x - lobe.x, gear.y - lobe.y)
+    cosine, sine = inwards(lobe, gear.cosine, gear.sine)
+    gear = Pose(gx, gy + ring.radius, cosine, sine)
 
-    ax, ay = -gx, radius - gy
-    sn, cn = turned_times(sine, cosine, int(number))
-    most = margin + ring_radius - offset
-    distance, nx, ny, bend = pin_distance(
-        cosine * ax + sine * ay, cosine * ay - sine * ax, flank, sine, cosine, sn, cn, most
-    )
-    arc_gap = distance + offset - ring_radius
-    arc_x, arc_y = cosine * nx - sine * ny, sine * nx + cosine * ny
-    share = eccentricity * number / radius
+    x, y = inwards(gear, -gear.x, ring.radius - gear.y)
+    sn, cn = turned_times(sine, cosine, int(ring.teeth))
+    distance, nx, ny, bend = pin_distance(x, y, flank, Start(sine, cosine, sn, cn), margin + arc_radius - offset)
+    arc_x, arc_y = outwards(gear, nx, ny)
+    arc = Line(distance + offset - arc_radius, 1.0, arc_x, arc_y)
+    share = ring.eccentricity * ring.teeth / ring.radius
     # Beyond the fan of its normals the arc ends: the gap goes on falling along the flank of the root.
-    has_arc = arc_gap < margin and abs(arc_x) <= share
+    has_arc = arc.gap < margin and abs(arc.nx) <= share
     arc_factor = 1.0
     if has_arc:
-        arc_factor = _stiffness_factor(bend / (1.0 - offset * bend) + 1.0 / ring_radius, reference, constant)
+        arc_factor = _stiffness_factor(profile, bend / (1.0 - offset * bend) + 1.0 / arc_radius)
 
     count = 0
-    modified = profile.radius != radius or profile.rotation != 0.0
-    monotone = is_monotone(radius, eccentricity, number)
+    modified = flank.curve.radius != ring.radius or flank.rotation != 0.0
+    monotone = is_monotone(ring)
     aside = math.sqrt(1.0 - share * share)
     # Of a conjugate gear, only roots near the eccentric direction are in touch: |crank| < acos(share) and a bit.
-    far = gy < (share - _BEYOND * aside) * math.sqrt(gx * gx + gy * gy)
+    far = gear.y < (share - _BEYOND * aside) * math.sqrt(gear.x * gear.x + gear.y * gear.y)
     if far and monotone and not modified:
-        return write_arc(out, has_arc, arc_gap, arc_factor, arc_x, arc_y, ring_radius, px, py, z, lc, ls, sign)
-    turn = (number - 1.0) * math.atan2(sine, cosine)
+        return _write_arc(out, has_arc, Line(arc.gap, arc_factor, arc.nx, arc.ny), lobe, z, arc_radius, sign)
+    turn = (ring.teeth - 1.0) * math.atan2(sine, cosine)
     crank = turn - 2.0 * math.pi * math.floor(turn / (2.0 * math.pi) + 0.5)
     crowded = modified and monotone
     pieces = 1 if monotone and not modified else (_MODIFIED_SCAN if monotone else _SCAN)
-    shift_x, shift_y = gx - eccentricity * math.sin(crank), gy - eccentricity * math.cos(crank)
-    half_pitch, fan = math.pi / number, math.asin(share)
+    shift_x, shift_y = gear.x - ring.eccentricity * math.sin(crank), gear.y - ring.eccentricity * math.cos(crank)
+    half_pitch, fan = math.pi / ring.teeth, math.asin(share)
     low = math.acos(share)
     high = 2.0 * math.pi - low
     for side in range(2):
@@ -211,74 +214,54 @@ def lobe_on_teeth(
         own = side == 0
         pitch = 0.0 if own else 2.0 * half_pitch
         edges = (-half_pitch, fan) if own else (-fan, half_pitch)
-        if not modified and _opens(shift_x, shift_y, edges[0], edges[1], offset - ring_radius - margin):
+        if not modified and _opens(shift_x, shift_y, edges[0], edges[1], offset - arc_radius - margin):
             continue
-        start = root_start(crank - pitch, radius, eccentricity, number, modified) if monotone else math.pi
+        start = root_start(crank - pitch, ring, modified) if monotone else math.pi
         if start == 0.0:
             continue
-        pc, ps = math.cos(pitch), -math.sin(pitch)
-        rx, ry = pc * gx + ps * gy, pc * gy - ps * gx
-        rc, rs = pc * cosine + ps * sine, pc * sine - ps * cosine
+        next_lobe = Pose(0.0, 0.0, math.cos(pitch), -math.sin(pitch))
+        rx, ry = inwards(next_lobe, gear.x, gear.y)
+        rc, rs = inwards(next_lobe, cosine, sine)
+        posed = Pose(rx, ry, rc, rs)
         bottom, top = (low, math.pi) if own else (math.pi, high)
         slope = -1.0
         if pieces > 1:
-            slope = root_slope(bottom, radius, eccentricity, number, flank, rc, rs, rx, ry)
+            slope = root_slope(bottom, ring, flank, posed)
         for piece in range(pieces):
             left = _edge(bottom, top, piece / pieces, own, crowded)
             right = _edge(bottom, top, (piece + 1) / pieces, own, crowded)
             if pieces > 1:
                 falling = slope < 0.0
-                slope = root_slope(right, radius, eccentricity, number, flank, rc, rs, rx, ry)
+                slope = root_slope(right, ring, flank, posed)
                 if not falling or slope < 0.0:
                     continue
-            found, phase, distance, t, wx, wy = root_minimum(
-                left,
-                right,
-                start if pieces == 1 else 0.5 * (left + right),
-                radius,
-                eccentricity,
-                number,
-                flank,
-                rc,
-                rs,
-                rx,
-                ry,
-            )
-            gap = distance + offset - ring_radius
-            if not (found and gap < margin):
+            least = root_minimum(left, right, start if pieces == 1 else 0.5 * (left + right), ring, flank, posed)
+            gap = least.distance + offset - arc_radius
+            if not (least.found and gap < margin):
                 continue
-            x, y, _, _, curvature = offset_root(phase, radius, eccentricity, number)
-            bend = trochoid_curvature(t, profile.radius, eccentricity, number)
-            relative = bend / (1.0 - offset * bend) - curvature / (1.0 - ring_radius * curvature)
-            factor = _stiffness_factor(relative, reference, constant)
+            x, y, _, _, curvature = offset_root(least.B, ring)
+            bend = trochoid_curvature(least.t, flank.curve)
+            relative = bend / (1.0 - offset * bend) - curvature / (1.0 - arc_radius * curvature)
+            factor = _stiffness_factor(profile, relative)
             if has_arc and profile.deflection > 0.0:
                 # Lines with less than a deflection of gap between them are one patch, shared half and half.
-                between = 0.5 * (phase + (low if own else high))
-                mx, my, _, _, _ = offset_root(between, radius, eccentricity, number)
-                ex, ey = mx - rx, my - ry
-                _, middle, _, _, _ = flank_distance(rc * ex + rs * ey, rc * ey - rs * ex, flank)
-                rise = middle + offset - ring_radius - max(gap, arc_gap)
+                mx, my, _, _, _ = offset_root(0.5 * (least.B + (low if own else high)), ring)
+                ex, ey = inwards(posed, mx - posed.x, my - posed.y)
+                rise = flank_distance(ex, ey, flank)[1] + offset - arc_radius - max(gap, arc.gap)
                 apart = min(1.0, max(0.0, rise / profile.deflection))
                 factor = (0.5 + 0.5 * apart) * (arc_factor + apart * (factor - arc_factor))
                 arc_factor *= 0.5 + 0.5 * apart
-            depth = ring_radius + 0.5 * gap
-            qx, qy = x - depth * wx, y - depth * wy
+            depth = arc_radius + 0.5 * gap
             # Back from the root's frame to the lobe's, and to the world.
-            fx, fy = pc * qx - ps * qy, pc * qy + ps * qx - radius
-            vx, vy = pc * wx - ps * wy, pc * wy + ps * wx
-            write_contact(
-                out + CONTACT * count,
-                _pressed(gap, factor),
-                px + lc * fx - ls * fy,
-                py + lc * fy + ls * fx,
-                z,
-                sign * (lc * vx - ls * vy),
-                sign * (lc * vy + ls * vx),
-            )
+            fx, fy = outwards(next_lobe, x - depth * least.nx, y - depth * least.ny)
+            vx, vy = outwards(next_lobe, least.nx, least.ny)
+            px, py = placed(lobe, fx, fy - ring.radius)
+            qx, qy = outwards(lobe, vx, vy)
+            place = out + CONTACT * count
+            write_contact(place, _pressed(gap, factor), px, py, z, sign * qx, sign * qy)
             count += 1
     place = out + CONTACT * count
-    arcs = write_arc(place, has_arc, arc_gap, arc_factor, arc_x, arc_y, ring_radius, px, py, z, lc, ls, sign)
-    return count + arcs
+    return count + _write_arc(place, has_arc, Line(arc.gap, arc_factor, arc.nx, arc.ny), lobe, z, arc_radius, sign)
 
 
 @njit
@@ -286,10 +269,9 @@ def inner_in_outer(
     at: Places, model: int, data: int, out: int, inner: int, outer: int, sign: float, margin: float
 ) -> int:
     """Bring a circle and the circle around it in contact."""
-    size, xpos = read_address(model + at[SIZE]), read_address(data + at[XPOS])
-    inner_radius, outer_radius = read_float(size + 24 * inner), read_float(size + 24 * outer)
-    x, y = read_float(xpos + 24 * inner), read_float(xpos + 24 * inner + 8)
-    dx, dy = x - read_float(xpos + 24 * outer), y - read_float(xpos + 24 * outer + 8)
+    inner_radius, outer_radius = _radius(model, at, inner), _radius(model, at, outer)
+    (x, y, z), (outer_x, outer_y, _) = _place(data, at, inner), _place(data, at, outer)
+    dx, dy = x - outer_x, y - outer_y
     # Most circles are apart: their gap need not be known for that.
     play = outer_radius - inner_radius - margin
     if play > 0.0 and dx * dx + dy * dy <= play * play:
@@ -298,6 +280,5 @@ def inner_in_outer(
     if not gap < margin:
         return 0
     depth = inner_radius + 0.5 * gap
-    z = read_float(xpos + 24 * inner + 16)
     write_contact(out, gap, x + depth * nx, y + depth * ny, z, sign * nx, sign * ny)
     return 1

@@ -7,10 +7,11 @@ and lengths as in ``gap``.
 """
 
 import math
+from typing import NamedTuple
 
 from numba import njit
 
-from cycloid_mj.contact.gap import Flank, flank_distance, trochoid_curvature, trochoid_distance
+from cycloid_mj.contact.gap import Flank, Trochoid, flank_distance, trochoid_curvature, trochoid_distance
 
 _NEAR = 3e-4
 """Angle [rad] of the curve between expansion point and foot below which it is its osculating circle: the error is a
@@ -18,6 +19,15 @@ sixth of its square, as a share of the way between them."""
 
 _FAR = 0.02
 _ROUNDS = 6
+
+
+class Start(NamedTuple):
+    """Sine and cosine of t, and of N t, at a point of the trochoid near a foot; the first two 0 where none is known."""
+
+    st: float
+    ct: float
+    sn: float
+    cn: float
 
 
 @njit(inline="always")
@@ -42,23 +52,13 @@ def _turned_little(sine: float, cosine: float, angle: float) -> tuple[float, flo
 
 
 @njit(inline="always")
-def distance_near(
-    x: float,
-    y: float,
-    radius: float,
-    eccentricity: float,
-    teeth: float,
-    st: float,
-    ct: float,
-    sn: float,
-    cn: float,
-    most: float,
-) -> tuple[float, float, float, float]:
+def distance_near(x: float, y: float, curve: Trochoid, start: Start, most: float) -> tuple[float, float, float, float]:
     """Give signed distance [m], outward normal and curvature [1/m] of the trochoid at the foot point of (x, y).
 
-    ``st``, ``ct`` and ``sn``, ``cn`` are sine and cosine of t and of N t at a point of the trochoid near the foot. A
-    distance that is surely more than ``most`` [m] is given only as more than that.
+    A distance that is surely more than ``most`` [m] is given only as more than that.
     """
+    radius, eccentricity, teeth = curve
+    st, ct, sn, cn = start
     base = eccentricity * teeth
     for _ in range(_ROUNDS):
         dx, dy = x - radius * st + eccentricity * sn, y - radius * ct + eccentricity * cn
@@ -92,16 +92,14 @@ def distance_near(
             break
         st, ct = _turned_little(st, ct, step)
         sn, cn = _turned_little(sn, cn, teeth * step)
-    t, distance, nx, ny = trochoid_distance(x, y, radius, eccentricity, teeth)
-    return distance, nx, ny, trochoid_curvature(t, radius, eccentricity, teeth)
+    t, distance, nx, ny = trochoid_distance(x, y, curve)
+    return distance, nx, ny, trochoid_curvature(t, curve)
 
 
 @njit(inline="always")
-def pin_distance(
-    x: float, y: float, flank: Flank, st: float, ct: float, sn: float, cn: float, most: float
-) -> tuple[float, float, float, float]:
-    """Give what ``distance_near`` gives for a gear's flanks; by search where they are turned, or with no home angle."""
-    if flank.rotation == 0.0 and (st != 0.0 or ct != 0.0):
-        return distance_near(x, y, flank.radius, flank.eccentricity, flank.teeth, st, ct, sn, cn, most)
+def pin_distance(x: float, y: float, flank: Flank, start: Start, most: float) -> tuple[float, float, float, float]:
+    """Give what ``distance_near`` gives for a gear's flanks; by search where they are turned, or with no start."""
+    if flank.rotation == 0.0 and (start.st != 0.0 or start.ct != 0.0):
+        return distance_near(x, y, flank.curve, start, most)
     t, distance, nx, ny, _ = flank_distance(x, y, flank)
-    return distance, nx, ny, trochoid_curvature(t, flank.radius, flank.eccentricity, flank.teeth)
+    return distance, nx, ny, trochoid_curvature(t, flank.curve)

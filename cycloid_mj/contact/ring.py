@@ -11,10 +11,11 @@ the lobe's frame: the ring's axis at the origin, the lobe on +y.
 """
 
 import math
+from typing import NamedTuple
 
 from numba import njit
 
-from cycloid_mj.contact.gap import Flank, flank_distance, trochoid_curvature
+from cycloid_mj.contact.gap import Flank, Pose, Trochoid, flank_distance, inwards, outwards, trochoid_curvature
 
 _MARGIN = 0.03
 """Crank angle [rad] beyond the ideal range of a root in which a displaced gear may touch it."""
@@ -29,11 +30,12 @@ _SLOPE_TOLERANCE = 1e-9
 
 
 @njit
-def offset_root(B: float, radius: float, eccentricity: float, teeth: float) -> tuple[float, float, float, float, float]:
+def offset_root(B: float, ring: Trochoid) -> tuple[float, float, float, float, float]:
     """Give the point x, y of S at B, the clockwise angle psi of its normal, its arc rate and its curvature 1/R [1/m].
 
     The arc rate is positive and R is the concave radius of S (``envelope.sigma_radius`` at rho = 0).
     """
+    radius, eccentricity, teeth = ring
     base = eccentricity * teeth
     sine, cosine = math.sin(B), math.cos(B)
     alpha = math.atan2(-base * sine, radius - base * cosine)
@@ -51,18 +53,20 @@ def offset_root(B: float, radius: float, eccentricity: float, teeth: float) -> t
 
 
 @njit
-def is_monotone(radius: float, eccentricity: float, teeth: float) -> bool:
+def is_monotone(ring: Trochoid) -> bool:
     """Tell whether the contact runs through a root once a turn: c N / E <= (N-2)/N."""
+    radius, eccentricity, teeth = ring
     return eccentricity * teeth * teeth <= radius * (teeth - 2.0)
 
 
 @njit
-def ideal_root_phase(crank: float, radius: float, eccentricity: float, teeth: float) -> float:
+def ideal_root_phase(crank: float, ring: Trochoid) -> float:
     """Give B of the contact in the root at a clockwise crank angle in the ideal mesh (``is_monotone`` designs).
 
     The crank angle rises with B from -B0 to B0 - 2 pi/N, point-symmetric about B = pi and concave before it, so that
     Newton's method from the end converges from one side.
     """
+    radius, eccentricity, teeth = ring
     base = eccentricity * teeth
     K = radius * radius - base * base
     middle = -math.pi / teeth
@@ -81,79 +85,64 @@ def ideal_root_phase(crank: float, radius: float, eccentricity: float, teeth: fl
     return 2.0 * math.pi - B if mirrored else B
 
 
+class Minimum(NamedTuple):
+    """The minimum of the gap inside a root.
+
+    Attributes
+    ----------
+    found
+        Whether there is one strictly inside.
+    B, distance, t
+        Its phase, the signed distance [m] and the trochoid parameter of the gear's point.
+    nx, ny
+        Outward normal of the gear.
+    """
+
+    found: bool
+    B: float
+    distance: float
+    t: float
+    nx: float
+    ny: float
+
+
 @njit(inline="always")
 def _distance_slope(
-    B: float,
-    radius: float,
-    eccentricity: float,
-    teeth: float,
-    flank: Flank,
-    cosine: float,
-    sine: float,
-    gx: float,
-    gy: float,
+    B: float, ring: Trochoid, flank: Flank, gear: Pose
 ) -> tuple[float, float, float, float, float, float]:
     """Distance of S(B) to the gear's flank, its slope along S, the slope's rate over B, foot t and the normal."""
-    x, y, psi, rate, curvature = offset_root(B, radius, eccentricity, teeth)
-    dx, dy = x - gx, y - gy
-    t, distance, nx, ny, at_corner = flank_distance(cosine * dx + sine * dy, cosine * dy - sine * dx, flank)
-    wx, wy = cosine * nx - sine * ny, sine * nx + cosine * ny
+    x, y, psi, rate, curvature = offset_root(B, ring)
+    dx, dy = inwards(gear, x - gear.x, y - gear.y)
+    t, distance, nx, ny, at_corner = flank_distance(dx, dy, flank)
+    wx, wy = outwards(gear, nx, ny)
     # B runs counter-clockwise: the tangent of S is minus the derivative of u(psi).
     slope = -wx * math.cos(psi) + wy * math.sin(psi)
     # Both curvatures are large and nearly equal: that of the trochoid's parallel through S(B) counts; of a corner, that
     # of the circle around it.
-    parallel = 1.0 / flank.offset if at_corner else trochoid_curvature(t, flank.radius, eccentricity, teeth)
+    parallel = 1.0 / flank.offset if at_corner else trochoid_curvature(t, flank.curve)
     bend = parallel / (1.0 + parallel * distance) - curvature
     return distance, slope, rate * bend, t, wx, wy
 
 
 @njit
-def root_slope(
-    B: float,
-    radius: float,
-    eccentricity: float,
-    teeth: float,
-    flank: Flank,
-    cosine: float,
-    sine: float,
-    gx: float,
-    gy: float,
-) -> float:
-    """Give the slope of the gap along a root [1] at a phase: negative where the gap falls as B grows."""
-    return _distance_slope(B, radius, eccentricity, teeth, flank, cosine, sine, gx, gy)[1]
+def root_slope(B: float, ring: Trochoid, flank: Flank, gear: Pose) -> float:
+    """Give the slope of the gap along a root [1] at a phase: negative where the gap falls as B grows.
+
+    The `gear` is posed in the frame of the lobe clockwise of the root.
+    """
+    return _distance_slope(B, ring, flank, gear)[1]
 
 
 @njit
-def root_minimum(
-    low: float,
-    high: float,
-    start: float,
-    radius: float,
-    eccentricity: float,
-    teeth: float,
-    flank: Flank,
-    cosine: float,
-    sine: float,
-    gx: float,
-    gy: float,
-) -> tuple[bool, float, float, float, float, float]:
+def root_minimum(low: float, high: float, start: float, ring: Trochoid, flank: Flank, gear: Pose) -> Minimum:
     """Find the minimum of the gap inside a root between two phases, from a good start.
 
     Newton's method on the slope, kept in the bracket by the slope's sign: the gap falls, then rises.
-
-    Returns
-    -------
-    found
-        Whether there is a minimum strictly inside.
-    B, distance, t
-        Its phase, the signed distance [m] and the trochoid parameter of the gear's point.
-    normal_x, normal_y
-        Outward normal of the gear.
     """
     bottom, top = low, high
     B = min(high, max(low, start))
     for _ in range(_ROUNDS):
-        distance, slope, bend, t, wx, wy = _distance_slope(B, radius, eccentricity, teeth, flank, cosine, sine, gx, gy)
+        distance, slope, bend, t, wx, wy = _distance_slope(B, ring, flank, gear)
         if slope < 0.0:
             bottom = B
         else:
@@ -164,13 +153,13 @@ def root_minimum(
             after = 0.5 * (bottom + top)
         if abs(after - B) < _PHASE_TOLERANCE or abs(slope) < _SLOPE_TOLERANCE:
             inside = low + 1e-9 < B < high - 1e-9
-            return inside and bend > 0.0, B, distance, t, wx, wy
+            return Minimum(inside and bend > 0.0, B, distance, t, wx, wy)
         B = after
-    return False, B, distance, t, wx, wy
+    return Minimum(False, B, distance, t, wx, wy)
 
 
 @njit
-def root_start(crank: float, radius: float, eccentricity: float, teeth: float, modified: bool) -> float:
+def root_start(crank: float, ring: Trochoid, modified: bool) -> float:
     """Give the phase to start the search of a root from, or 0 where it can have no contact.
 
     ``crank`` is the clockwise crank angle [rad] from the lobe that the root belongs to; the ideal mesh has contact for
@@ -178,10 +167,10 @@ def root_start(crank: float, radius: float, eccentricity: float, teeth: float, m
     root is so nearly conformal that they move the contact there by many degrees, into either half or into both.
     A ``modified`` gear is not conjugate to the ring, and touches it farther from there.
     """
-    low = math.acos(eccentricity * teeth / radius)
-    last = low - 2.0 * math.pi / teeth
+    low = math.acos(ring.eccentricity * ring.teeth / ring.radius)
+    last = low - 2.0 * math.pi / ring.teeth
     margin = _MODIFIED_MARGIN if modified else _MARGIN
     if not -low - margin <= crank <= last + margin:
         return 0.0
-    phase = ideal_root_phase(min(last, max(-low, crank)), radius, eccentricity, teeth)
+    phase = ideal_root_phase(min(last, max(-low, crank)), ring)
     return min(2.0 * math.pi - low - 1e-3, max(low + 1e-3, phase))

@@ -1,80 +1,73 @@
 """What the collider must know of the gear's teeth and of a pin, as it stands in ``geom user`` of the model."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from numba import njit
 
-from cycloid_mj.contact.gap import Flank
+from cycloid_mj.contact.gap import Flank, Trochoid
 from cycloid_mj.contact.memory import read_float
 
 
 class Teeth(NamedTuple):
-    """What stands as ``geom user`` with the gear's teeth, in this order.
+    """A gear's teeth to the collider; `user_data` is how they stand in the model.
 
     Attributes
     ----------
-    radius, eccentricity, teeth, offset
-        Of the gear's profile, as in ``gap.Flank``.
+    flank
+        Its flanks.
     reference, constant, deflection
         What makes the stiffness follow the relative curvature, ``law.CurvatureLaw``: reference and constant of the
         compliance [1]; the deflection at working force [m], 0 to keep lines of contact apart however near they are.
-    ring_radius
-        Pin-circle radius of the ring [m].
-    rotation, tip, tip_radius, valley, valley_radius
-        Of turned flanks, as in ``gap.Flank``.
+    ring
+        The trochoid of the ring: of its pins' circle, which that of a modified gear is not.
     """
 
-    radius: float
-    eccentricity: float
-    teeth: float
-    offset: float
+    flank: Flank
     reference: float
     constant: float
     deflection: float
-    ring_radius: float
-    rotation: float
-    tip: float
-    tip_radius: float
-    valley: float
-    valley_radius: float
+    ring: Trochoid
 
 
-USER_DATA = len(Teeth._fields)
-"""Numbers of ``geom user`` in a model of ours: of the teeth, ``Teeth``; of a pin, sine and cosine of its home angle,
+USER_DATA = 13
+"""Numbers of ``geom user`` in a model of ours: of the teeth, `user_data`; of a pin, sine and cosine of its home angle,
 clockwise from +y, and of a massless one its play [m] and the stiffness of a pin on a flat over that of its seat."""
+
+DEFLECTION = 6
+"""Which of the teeth's is the deflection."""
+
+
+def user_data(teeth: Teeth) -> tuple[float, ...]:
+    """Give teeth as ``geom user``, shape (``USER_DATA``,)."""
+    curve, offset, *ends = teeth.flank
+    return (*curve, offset, teeth.reference, teeth.constant, teeth.deflection, teeth.ring.radius, *ends)
+
+
+def teeth_of(numbers: Sequence[float]) -> Teeth:
+    """Give the teeth that `user_data` made numbers of."""
+    radius, eccentricity, number, offset, reference, constant, deflection, ring, *ends = numbers
+    flank = Flank(Trochoid(radius, eccentricity, number), offset, *ends)
+    return Teeth(flank, reference, constant, deflection, Trochoid(ring, eccentricity, number))
+
+
+@njit(inline="always")
+def _number(user: int, place: int) -> float:
+    return read_float(user + 8 * place)
 
 
 @njit(inline="always")
 def read_teeth(user: int) -> Teeth:
-    """Read them at an address."""
-    return Teeth(
-        read_float(user),
-        read_float(user + 8),
-        read_float(user + 16),
-        read_float(user + 24),
-        read_float(user + 32),
-        read_float(user + 40),
-        read_float(user + 48),
-        read_float(user + 56),
-        read_float(user + 64),
-        read_float(user + 72),
-        read_float(user + 80),
-        read_float(user + 88),
-        read_float(user + 96),
+    """Read teeth at the address of their ``geom user``."""
+    eccentricity, number = _number(user, 1), _number(user, 2)
+    flank = Flank(
+        Trochoid(_number(user, 0), eccentricity, number),
+        _number(user, 3),
+        _number(user, 8),
+        _number(user, 9),
+        _number(user, 10),
+        _number(user, 11),
+        _number(user, 12),
     )
-
-
-@njit(inline="always")
-def flank_of(teeth: Teeth) -> Flank:
-    """Give the flanks of teeth."""
-    return Flank(
-        teeth.radius,
-        teeth.eccentricity,
-        teeth.teeth,
-        teeth.offset,
-        teeth.rotation,
-        teeth.tip,
-        teeth.tip_radius,
-        teeth.valley,
-        teeth.valley_radius,
-    )
+    ring = Trochoid(_number(user, 7), eccentricity, number)
+    return Teeth(flank, _number(user, 4), _number(user, 5), _number(user, 6), ring)

@@ -7,8 +7,9 @@ import mujoco
 import numpy as np
 
 from cycloid_mj import names
+from cycloid_mj.contact.gap import Flank, Trochoid
 from cycloid_mj.contact.law import curvature_law, pair_stiffness
-from cycloid_mj.contact.teeth import Teeth
+from cycloid_mj.contact.teeth import Teeth, user_data
 from cycloid_mj.design import Design
 from cycloid_mj.digits import on_grid, significant
 from cycloid_mj.mechanism.reducer import Body, Mechanism, Role, Surfaces
@@ -119,7 +120,7 @@ def _attributes(design: Design, surfaces: Surfaces, i: int) -> dict[str, Any]:
     """Give what the collider must know of a surface besides its place and its radius."""
     angle = float(surfaces.angle[i])
     if surfaces.role == Role.TEETH:
-        return {"quat": turn(angle), "userdata": [significant(one) for one in _teeth(design)]}
+        return {"quat": turn(angle), "userdata": [significant(one) for one in user_data(_teeth(design))]}
     if surfaces.role == Role.LOBE:
         return {"quat": turn(angle)}
     if surfaces.role != Role.PIN:
@@ -135,18 +136,7 @@ def _teeth(design: Design) -> Teeth:
     law, gear, offset = curvature_law(design), gear_profile(design), profile_offset(design)
     rotation = design.modification.rotation
     ends = flank_ends(gear, offset, rotation) if rotation else FlankEnds(0.0, 0.0, 0.0, 0.0)
-    return Teeth(
-        radius=gear.pin_circle_radius,
-        eccentricity=gear.eccentricity,
-        teeth=float(gear.ring_teeth),
-        offset=offset,
-        reference=law.reference,
-        constant=law.constant,
-        deflection=law.deflection,
-        ring_radius=design.ring.pin_circle_radius,
-        rotation=rotation,
-        tip=ends.tip,
-        tip_radius=ends.tip_radius,
-        valley=ends.valley,
-        valley_radius=ends.valley_radius,
-    )
+    curve = Trochoid(gear.pin_circle_radius, gear.eccentricity, float(gear.ring_teeth))
+    flank = Flank(curve, offset, rotation, ends.tip, ends.tip_radius, ends.valley, ends.valley_radius)
+    ring = curve._replace(radius=design.ring.pin_circle_radius)
+    return Teeth(flank, law.reference, law.constant, law.deflection, ring)

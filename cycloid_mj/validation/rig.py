@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.contact.law import contact_law, solver_parameters
-from cycloid_mj.contact.teeth import Teeth
+from cycloid_mj.contact.teeth import DEFLECTION
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.mjcf import ReducerModel
 from cycloid_mj.names import TEETH
@@ -72,7 +72,7 @@ def stiffen_cam(reducer: ReducerModel, stiffness: float) -> None:
 
 def part_patches(reducer: ReducerModel) -> None:
     """Keep the lines of an arc and a root apart in a compiled model, each a whole spring, however near they are."""
-    reducer.model.geom(TEETH).user[Teeth._fields.index("deflection")] = 0.0
+    reducer.model.geom(TEETH).user[DEFLECTION] = 0.0
 
 
 def inverse_weight(model: Any, *geoms: str) -> float:

@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit
 
 from cycloid_mj.compiling import cacheable
-from cycloid_mj.contact.gap import circle_in_circle, trochoid_curvature, trochoid_distance
+from cycloid_mj.contact.gap import Trochoid, circle_in_circle, trochoid_curvature, trochoid_distance
 from cycloid_mj.design import Design
 from cycloid_mj.solid import mass_properties, parts
 from cycloid_mj.types import Array
@@ -166,6 +166,7 @@ def _turned(
     angle, slow = turned, spin
     pins = np.zeros((teeth, 4))
     largest = np.zeros(5)
+    curve = Trochoid(radius, c, float(teeth))
     for step in range(steps):
         theta = phase + speed * step * timestep
         counts = step >= settled
@@ -175,9 +176,7 @@ def _turned(
             home = 2.0 * math.pi * i / teeth
             px, py = radius * math.sin(home) + pins[i, 0], radius * math.cos(home) + pins[i, 1]
             dx, dy = px - x, py - y
-            t, distance, bx, by = trochoid_distance(
-                cosine * dx + sine * dy, cosine * dy - sine * dx, radius, c, float(teeth)
-            )
+            t, distance, bx, by = trochoid_distance(cosine * dx + sine * dy, cosine * dy - sine * dx, curve)
             nx, ny = cosine * bx - sine * by, sine * bx + cosine * by
             gap = distance + play
             if count > 1:
@@ -186,7 +185,7 @@ def _turned(
                 along = (at - lobe) * count
                 facet = min(int(along), count - 1)
                 share = along - facet
-                side = 1.0 if trochoid_curvature(t, radius, c, float(teeth)) < 0.0 else -1.0
+                side = 1.0 if trochoid_curvature(t, curve) < 0.0 else -1.0
                 gap -= side * facets[int(lobe) % lobes, facet] * 4.0 * share * (1.0 - share)
             # the gear's speed where they touch
             rx, ry = dx - rho * nx, dy - rho * ny
