@@ -3,7 +3,7 @@
 Nothing in `cycloid_mj` imports a paper by its name: a second one is a second package, with a `Paper` of its own.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
@@ -14,6 +14,9 @@ from cycloid_mj.errors import warn
 if TYPE_CHECKING:
     from cycloid_mj.design import Design
     from cycloid_mj.measure.published import Published
+    from cycloid_mj.result import Claim
+    from cycloid_mj.stress.findings import Reference
+    from cycloid_mj.stress.study import StressStudy
 
 GROUP = "cycloid_mj.papers"
 """Entry points of this group name the `Paper` of a package, as in ``hsieh2014 = "hsieh2014:PAPER"``."""
@@ -33,6 +36,10 @@ class Paper:
         Where the function behind ``cycloid-mj reproduce`` is, as ``module:function``; the examples of its help.
     torques
         Gives the output torques that the paper has for a design, if it is one of the paper's.
+    stress_references
+        Gives what the paper has on the stress of a design's parts, by their names.
+    stress_claims
+        Judges what the paper claims of stress by studies of several designs.
     """
 
     key: str
@@ -40,6 +47,8 @@ class Paper:
     command: str
     examples: str
     torques: Callable[["Design"], "Sequence[Published]"] = lambda design: ()
+    stress_references: Callable[["Design"], "Mapping[str, Reference]"] = lambda design: {}
+    stress_claims: Callable[["Sequence[StressStudy]"], "Sequence[Claim]"] = lambda studies: ()
 
 
 @cache
@@ -52,6 +61,11 @@ def papers() -> tuple[Paper, ...]:
 def published_torques(design: "Design") -> "list[Published]":
     """Give the output torques that the papers have for a design."""
     return [one for paper in papers() for one in paper.torques(design)]
+
+
+def stress_references(design: "Design") -> "dict[str, Reference]":
+    """Give what the papers have on the stress of a design's parts, by their names."""
+    return {part: reference for paper in papers() for part, reference in paper.stress_references(design).items()}
 
 
 def _loaded(point: EntryPoint) -> Paper | None:

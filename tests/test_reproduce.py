@@ -18,7 +18,7 @@ from hsieh2014.fit import digest, fits, log_name
 from hsieh2014.plan import FULL, QUICK, at_speed, idle_runs, main_runs, ramped, rated_runs
 from hsieh2014.plan import varied_idle_runs as varied_idle
 from hsieh2014.plan import varied_rated_runs as varied_rated
-from hsieh2014.stage import Found, nobody
+from hsieh2014.stage import Found, silent
 from ideal import ideal_run, ideal_runs
 
 from cycloid_mj.comparison import STARTS, gravity_turn, settled, settling, started
@@ -112,7 +112,7 @@ def test_half_the_step_keeps_the_samples():
 
 def test_figures_show_one_turn_of_360_samples():
     found = motion.motions(replace(QUICK, turns=2), ideal_runs)[0]
-    shown = motion._sampled(found)
+    shown = motion.at_degrees(found)
     turn = shown.one_turn
     assert turn.stop - turn.start in (360, 361)
     degrees = np.degrees(shown.crank_angle[turn])
@@ -243,9 +243,9 @@ def test_ctrl_c_ends_the_command_and_a_run_that_fails_its_stage(tmp_path, monkey
     monkeypatch.setattr("cycloid_mj.cli.batch.run_all", stopped)
     step = next(step for step in stages.STEPS if step.key == "gear_speed")
     with pytest.raises(KeyboardInterrupt):
-        stages.run_step(step, QUICK, logs, nobody)
+        stages.run_step(step, QUICK, logs, silent)
     monkeypatch.setattr("cycloid_mj.cli.batch.run_all", failed)
-    assert stages.run_step(step, QUICK, logs, nobody).error == "RunError: it jumped"
+    assert stages.run_step(step, QUICK, logs, silent).error == "RunError: it jumped"
 
 
 def test_every_stage_has_a_name_and_a_time():
@@ -253,7 +253,7 @@ def test_every_stage_has_a_name_and_a_time():
     # on two free cores: quick under 3 minutes, full under 25
     assert sum(step.quick for step in stages.STEPS) < 180
     assert sum(step.full for step in stages.STEPS) < 1500
-    assert isinstance(stages.run_step(stages.STEPS[1], QUICK, ideal_runs, nobody).found, Found)
+    assert isinstance(stages.run_step(stages.STEPS[1], QUICK, ideal_runs, silent).found, Found)
 
 
 # --- the README

@@ -5,9 +5,13 @@ import re
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import replace
 from io import StringIO
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from hsieh2014 import PAPER
+from hsieh2014.one_run import claims
+from hsieh2014.stated import is_ours, stress_references
 from made_run import TORQUE, made_run
 
 from cycloid_mj.cli import app
@@ -28,9 +32,8 @@ from cycloid_mj.stress.contacts import contacts
 from cycloid_mj.stress.findings import PartFindings, Peak, Refinement, StressFindings
 from cycloid_mj.stress.loads import PARTS, part_loads, part_names
 from cycloid_mj.stress.motion import motion
-from cycloid_mj.stress.paper import claims
 from cycloid_mj.stress.table import BULK_HEADER, CONTACT_HEADER, bulk_table, contact_table
-from cycloid_mj.stress.turn import is_of_the_paper, turn
+from cycloid_mj.stress.turn import turn
 
 PIN, NONPIN = (override(PRESETS[name], ["drive.ramp_s=0.0"]) for name in ("pin", "nonpin"))
 SOME = np.radians(np.arange(0.0, 360.0, 7.0))
@@ -396,7 +399,7 @@ def made_part(part, bulk, teeth=36):
 
 def made_findings(kind, /, **bulk):
     found = tuple(made_part(part, values) for part, values in bulk.items())
-    return StressFindings(kind, kind, 0.0, None, 620.4e6, found, 1.0, of_the_paper=True)
+    return StressFindings(kind, kind, 0.0, None, 620.4e6, found, 1.0, stress_references(PRESETS[kind]))
 
 
 DEGREES = np.arange(360.0)
@@ -416,7 +419,7 @@ NONPIN_AS_THE_PAPER = {
 
 def test_every_claim_agrees_with_stress_as_in_the_paper():
     judged = claims([made_findings("pin", **AS_THE_PAPER), made_findings("nonpin", **NONPIN_AS_THE_PAPER)])
-    assert [claim.statement for claim in judged if claim.verdict != "agrees"] == []
+    assert [claim.claim for claim in judged if claim.verdict != "agrees"] == []
     assert len(judged) == 15
 
 
@@ -436,9 +439,7 @@ def test_every_claim_agrees_with_stress_as_in_the_paper():
 )
 def test_a_claim_disagrees_where_the_stress_does(part, bulk, statement):
     studies = [made_findings("pin", **(AS_THE_PAPER | {part: bulk})), made_findings("nonpin", **NONPIN_AS_THE_PAPER)]
-    found = [
-        claim.verdict for claim in claims(studies) if statement in claim.statement and "nonpin:" not in claim.statement
-    ]
+    found = [claim.verdict for claim in claims(studies) if statement in claim.claim and "nonpin:" not in claim.claim]
     assert found == ["disagrees"]
 
 
@@ -446,16 +447,22 @@ def test_only_the_papers_own_designs_are_judged_and_only_without_load():
     paper = made_findings("pin", **AS_THE_PAPER)
     assert claims([paper])
     assert claims([replace(paper, load=36.68)]) == ()
-    assert claims([replace(paper, of_the_paper=False)]) == ()
-    own = replace(paper, of_the_paper=False).as_json()
+    other = replace(paper, references=stress_references(override(PIN, ["gear.face_width_mm=12.0"])))
+    own = other.as_json()
+    assert PAPER.stress_claims([SimpleNamespace(design=PIN, findings=paper)]) == claims([paper])
+    assert (
+        PAPER.stress_claims([SimpleNamespace(design=override(PIN, ["gear.face_width_mm=12.0"]), findings=paper)]) == ()
+    )
     assert {part["reference"] for part in own["parts"]} == {None}
     assert {part["part"]: part["reference"]["below_mpa"] for part in paper.as_json()["parts"]}["shaft"] == 160.0
+    assert (paper.published("shaft"), replace(paper, load=36.68).published("shaft")) == (160e6, None)
+    assert (paper.published("output"), other.published("shaft")) == (None, None)
 
 
 def test_a_preset_is_of_the_paper_under_any_load_and_another_design_is_not():
-    assert is_of_the_paper(override(NONPIN, ["load.torque_nm=5.0", "settings.timestep_us=3.0"]))
-    assert is_of_the_paper(PIN.model_copy(update={"name": "mine"}))
-    assert not is_of_the_paper(override(PIN, ["gear.face_width_mm=12.0"]))
+    assert is_ours(override(NONPIN, ["load.torque_nm=5.0", "settings.timestep_us=3.0"]))
+    assert is_ours(PIN.model_copy(update={"name": "mine"}))
+    assert not is_ours(override(PIN, ["gear.face_width_mm=12.0"]))
 
 
 def test_refinement_holds_below_its_bound():
@@ -477,7 +484,7 @@ def test_a_part_tells_what_it_would_be_at_other_bulk_distances():
 
 def test_a_pin_without_load_is_told_to_be_idle():
     judged = claims([made_findings("pin", pin_1=np.zeros(36))])
-    assert "never loaded" in judged[0].found
+    assert "never loaded" in judged[0].found.text
 
 
 # The study and the command

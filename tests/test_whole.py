@@ -163,7 +163,7 @@ def test_stress_maps_are_written_whole(tmp_path, monkeypatch):
     monkeypatch.setattr("cycloid_mj.plots.stress.grid_figure", lambda grids, name: Figure())
     monkeypatch.setattr("cycloid_mj.plots.stress.map_figure", lambda maps, name: Figure())
     monkeypatch.setattr("cycloid_mj.stress.vtu.as_vtu", lambda found: found)
-    monkeypatch.setattr("cycloid_mj.stress.paper.claims", lambda findings: [])
+    monkeypatch.setattr("cycloid_mj.cli.stressfiles.papers", lambda: ())
     sizes = {"shaft": 100, "gear": 100}
     monkeypatch.setattr(stressfiles, "_maps", lambda study, angle: {part: b"x" * size for part, size in sizes.items()})
 

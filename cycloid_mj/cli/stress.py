@@ -18,6 +18,7 @@ from cycloid_mj.cli.stressfiles import report
 from cycloid_mj.cli.terminal import tell
 from cycloid_mj.design import Design, override
 from cycloid_mj.errors import UsageError, warn
+from cycloid_mj.papers import stress_references
 
 if TYPE_CHECKING:
     from cycloid_mj.record import Run
@@ -249,7 +250,16 @@ def _studied(
 
     watch = _Watch([cost(grid, settings).seconds for grids in planned for grid in grids.values()], quiet)
     return [
-        stress_study(run, design, tuple(grids), settings, str(path), partial(watch.begins, design.name), grids)
+        stress_study(
+            run,
+            design,
+            tuple(grids),
+            settings,
+            str(path),
+            partial(watch.begins, design.name),
+            grids,
+            stress_references(design),
+        )
         for (design, run, path), grids in zip(runs, planned, strict=True)
         if grids
     ]

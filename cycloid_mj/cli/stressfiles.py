@@ -3,35 +3,35 @@
 import json as js
 import math
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cycloid_mj.cli.terminal import say, say_json, say_table
 from cycloid_mj.cli.warned import with_warnings
+from cycloid_mj.papers import papers
 from cycloid_mj.whole import write_whole
 
 if TYPE_CHECKING:
+    from cycloid_mj.result import Claim
     from cycloid_mj.stress.field import StressMap
-    from cycloid_mj.stress.paper import Claim
     from cycloid_mj.stress.study import StressStudy
 
 RESULT = "stress.json"
 FORMATS = ("png", "svg")
 LINE = 110
+CLAIM_HEADER = ("figure", "the paper", "found here", "verdict")
 
 
 def report(studies: "Sequence[StressStudy]", into: Path, angle_deg: float | None, json: bool) -> None:
     """Write figures, maps and the JSON file, then the tables or the JSON object."""
-    from cycloid_mj.stress.paper import claims
-
     findings = [study.findings for study in studies]
-    judged = claims(findings)
+    judged = {paper.source: paper.stress_claims(studies) for paper in papers()}
     files = _drawn(studies, into, angle_deg)
     told: dict[str, Any] = with_warnings(
         {
             "designs": [each.as_json() for each in findings],
-            "paper": [claim.as_json() for claim in judged],
+            "paper": [_as_json(claim) for claims in judged.values() for claim in claims],
             "files": [str(path) for path in files],
         }
     )
@@ -70,14 +70,23 @@ def _maps(study: "StressStudy", angle_deg: float | None) -> "dict[str, StressMap
     return {one.findings.part: part_map(study.design, one, angle) for one in study.parts}
 
 
-def _say(studies: "Sequence[StressStudy]", judged: "Sequence[Claim]", files: Sequence[Path]) -> None:
+def _as_json(claim: "Claim") -> dict[str, str]:
+    """Give a claim for a program, which has its numbers from the parts."""
+    return {
+        "figure": claim.figure,
+        "statement": claim.claim,
+        "found": claim.found.text,
+        "verdict": claim.verdict,
+        "decided_by": claim.decided_by,
+    }
+
+
+def _say(studies: "Sequence[StressStudy]", judged: "Mapping[str, Sequence[Claim]]", files: Sequence[Path]) -> None:
     from cycloid_mj.stress.findings import ASSUMPTIONS, BOUND
     from cycloid_mj.stress.table import (
         BULK_HEADER,
-        CLAIM_HEADER,
         CONTACT_HEADER,
         bulk_table,
-        claim_table,
         contact_table,
         told_beside,
     )
@@ -95,20 +104,28 @@ def _say(studies: "Sequence[StressStudy]", judged: "Sequence[Claim]", files: Seq
         say(f"out of balance, of the largest force: {balance}")
         if rough := [part.part for part in found.parts if not part.refinement.holds]:
             say(f"NOT CONVERGED to {100 * BOUND:g} % under one more refinement: {', '.join(rough)}")
-    if not judged and any(study.findings.of_the_paper for study in studies):
-        say("not held against the paper (Hsieh 2014), whose figures of stress are without load: see --load-nm 0")
-    if judged:
-        say_table("against the paper (Hsieh 2014)", CLAIM_HEADER, claim_table(judged))
-        say("What decides it:")
-        for claim in judged:
-            for line in _wrapped(f"{claim.figure}, {claim.statement}: {claim.decided_by}", "- "):
-                say(line)
+    for source, claims in judged.items():
+        _say_claims(source, claims, any(study.findings.references for study in studies))
     say("Assumptions:")
     for text in ASSUMPTIONS:
         for line in _wrapped(text, "- "):
             say(line)
     say("logs: " + " ".join(str(study.findings.log) for study in studies))
     say("files: " + " ".join(str(path) for path in files))
+
+
+def _say_claims(source: str, claims: "Sequence[Claim]", referred: bool) -> None:
+    """Tell what becomes of a paper's claims, or why none of them is judged though the paper has these designs."""
+    if not claims:
+        if referred:
+            say(f"not held against the paper ({source}), whose figures of stress are without load: see --load-nm 0")
+        return
+    rows = [(claim.figure, claim.claim, claim.found.text, claim.verdict) for claim in claims]
+    say_table(f"against the paper ({source})", CLAIM_HEADER, rows)
+    say("What decides it:")
+    for claim in claims:
+        for line in _wrapped(f"{claim.figure}, {claim.claim}: {claim.decided_by}", "- "):
+            say(line)
 
 
 def _wrapped(text: str, mark: str) -> list[str]:

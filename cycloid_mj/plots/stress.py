@@ -12,7 +12,7 @@ from matplotlib.tri import Triangulation
 from cycloid_mj.plots.comparison import COLORS
 from cycloid_mj.plots.style import BLACK, GREY, crank_axis, keys, sheet, styled
 from cycloid_mj.stress.field import StressMap
-from cycloid_mj.stress.findings import BOUND, MEGAPASCAL, MILLIMETRE, RANGES, StressFindings
+from cycloid_mj.stress.findings import BOUND, MEGAPASCAL, MILLIMETRE, StressFindings
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.types import Array, Integers
 
@@ -51,8 +51,8 @@ def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
         peak = one.bulk_peak
         top.plot(np.degrees(peak.angle), peak.stress / MEGAPASCAL, "o", markersize=3.5, **look)
         bottom.plot(degrees, one.contact / MEGAPASCAL, **look)
-        if each.at_the_papers_load and (part, each.ring) in RANGES:
-            top.axhline(RANGES[part, each.ring], color=_color(number), **RANGE)
+        if published := each.published(part):
+            top.axhline(published / MEGAPASCAL, color=_color(number), **RANGE)
     top.set_title(f"Largest bulk stress of {TITLES[part]} (von Mises, away from contacts)")
     bottom.set_title("Largest stress below a contact (von Mises, by Hertz)")
     for panel in (top, bottom):
@@ -61,7 +61,7 @@ def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
         crank_axis(panel, np.concatenate([np.degrees(one.angle) for _, _, one in found]))
     top.set_xlabel("")
     entries: Entries = [(f"{each.design}, {each.load:g} N m", {"color": _color(number)}) for number, each, _ in found]
-    if any(each.at_the_papers_load and (part, each.ring) in RANGES for _, each, _ in found):
+    if any(each.published(part) for _, each, _ in found):
         entries.append(("the paper's range", {"color": GREY, **RANGE}))
     figure.legend(handles=keys(*entries), loc="outside lower center", ncols=len(entries))
     return figure

@@ -1,6 +1,7 @@
 """What a study of stress finds: for each part the maximum along a crank turn, where it sits, and its error."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -9,17 +10,6 @@ from cycloid_mj.stress.notch import Notch
 from cycloid_mj.types import Array
 
 MEGAPASCAL, MILLIMETRE = 1e6, 1e-3
-
-FIGURES = {"shaft": "Fig. 12", "gear": "Fig. 13", "ring": "Fig. 14", "output": "Fig. 15", "pin_1": "Fig. 16"}
-RANGES = {
-    ("shaft", "pin"): 160.0,
-    ("shaft", "nonpin"): 60.0,
-    ("gear", "pin"): 20.0,
-    ("gear", "nonpin"): 10.0,
-    ("ring", "pin"): 65.0,
-    ("ring", "nonpin"): 50.0,
-}
-"""Stress that each part of the paper's two designs stays below in its figures, without load [MPa]."""
 
 BOUND = 0.03
 """Largest change of a maximum under one more refinement for which it counts as found."""
@@ -236,12 +226,30 @@ class PartFindings:
         }
 
 
+@dataclass(frozen=True)
+class Reference:
+    """What a paper has on the stress of a part.
+
+    `source` paper and figure, `below` the stress that it stays below [Pa], None where none is given, under a `load`
+    [N m].
+    """
+
+    source: str
+    below: float | None
+    load: float
+
+    def as_json(self) -> dict[str, Any]:
+        """Give the reference for a program."""
+        below = None if self.below is None else self.below / MEGAPASCAL
+        return {"source": self.source, "below_mpa": below, "load_nm": self.load}
+
+
 @dataclass(frozen=True, eq=False)
 class StressFindings:
     """Stress of the parts of one design under one load.
 
     `design` its name, `ring` its kind, `load` torque [N m], `log` the run's file, `yield_strength` [Pa], `parts`, the
-    `wall` time [s], and whether it is one `of_the_paper`: then its parts carry what the paper has, as reference.
+    `wall` time [s], and `references`, what a paper has on this design by part, under whichever load.
     """
 
     design: str
@@ -251,23 +259,16 @@ class StressFindings:
     yield_strength: float
     parts: tuple[PartFindings, ...]
     wall: float
-    of_the_paper: bool = False
-
-    @property
-    def at_the_papers_load(self) -> bool:
-        """Whether the paper's figures of stress hold for it: its own designs, without load (section 3.3)."""
-        return self.of_the_paper and self.load == 0.0
+    references: Mapping[str, Reference] = field(default_factory=dict)
 
     def __getitem__(self, part: str) -> PartFindings:
         """Give the findings of a part."""
         return next(found for found in self.parts if found.part == part)
 
-    def _reference(self, part: str) -> dict[str, Any] | None:
-        """Give what the paper has on a part of its own designs, and under which load; None on any other design."""
-        if not self.of_the_paper:
-            return None
-        source = f"Hsieh 2014, {FIGURES[part]}"
-        return {"source": source, "below_mpa": RANGES.get((part, self.ring)), "load_nm": 0.0}
+    def published(self, part: str) -> float | None:
+        """Give the stress that a paper's figure of this part stays below [Pa], if this is its load."""
+        reference = self.references.get(part)
+        return reference.below if reference and reference.load == self.load else None
 
     def __contains__(self, part: str) -> bool:
         """Tell whether a part was studied."""
@@ -275,13 +276,14 @@ class StressFindings:
 
     def as_json(self) -> dict[str, Any]:
         """Give the findings as dicts, lists, numbers, text and None only."""
+        references = {part: reference.as_json() for part, reference in self.references.items()}
         return {
             "design": self.design,
             "ring": self.ring,
             "load_nm": self.load,
             "log": self.log,
             "yield_strength_mpa": self.yield_strength / MEGAPASCAL,
-            "parts": [found.as_json() | {"reference": self._reference(found.part)} for found in self.parts],
+            "parts": [found.as_json() | {"reference": references.get(found.part)} for found in self.parts],
             "assumptions": list(ASSUMPTIONS),
             "wall_s": self.wall,
         }

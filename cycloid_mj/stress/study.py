@@ -14,13 +14,12 @@ from cycloid_mj.record import Run
 from cycloid_mj.stress.bulk import OCTAVE, fall, plateau
 from cycloid_mj.stress.closed import LineStress, line_stress
 from cycloid_mj.stress.field import PartStress, StressMap, solve, stress_map
-from cycloid_mj.stress.findings import PartFindings, Peak, Refinement, StressFindings
+from cycloid_mj.stress.findings import PartFindings, Peak, Reference, Refinement, StressFindings
 from cycloid_mj.stress.grid import BULK_DISTANCE, Grid, GridSettings
 from cycloid_mj.stress.loads import PartLoads, part_loads, part_names, require_part
 from cycloid_mj.stress.notch import Notch, output_roots, shaft_shoulders
 from cycloid_mj.stress.part import part_grid
 from cycloid_mj.stress.shaftgrid import shaft_measures
-from cycloid_mj.stress.turn import is_of_the_paper
 from cycloid_mj.types import Array
 
 Told = Callable[[str, int, int], None]
@@ -126,6 +125,7 @@ def stress_study(
     log: str | None = None,
     told: Told = lambda part, done, of: None,
     grids: Mapping[str, Grid] | None = None,
+    references: Mapping[str, Reference] | None = None,
 ) -> StressStudy:
     """Find the stress of parts along a crank turn of a run, under its logged forces.
 
@@ -143,6 +143,8 @@ def stress_study(
         Is told of each part before it begins: its name, how many are done, and of how many.
     grids
         Grids of parts that are there already, as of ``study_grids``.
+    references
+        What a paper has on parts of this design, by their names.
 
     Raises
     ------
@@ -169,7 +171,7 @@ def stress_study(
         yield_strength=design.material.yield_strength,
         parts=tuple(study.findings for study in found),
         wall=time.perf_counter() - start,
-        of_the_paper=is_of_the_paper(design),
+        references=references or {},
     )
     return StressStudy(design, tuple(found), findings)
 

@@ -1,15 +1,11 @@
 """Findings of stress as rows of text, for people."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from cycloid_mj.stress.findings import MEGAPASCAL, MILLIMETRE, PartFindings, Peak, StressFindings
-from cycloid_mj.stress.paper import Claim
 
 BULK_HEADER = ("part", "bulk [MPa]", "from [mm]", "to 2d", "at [deg]", "x, y, z [mm]", "safety", "refined")
 CONTACT_HEADER = ("part", "contact [MPa]", "at [deg]", "below", "safety", "shakedown")
-CLAIM_HEADER = ("figure", "the paper", "found here", "verdict")
 
 
 def bulk_table(findings: StressFindings) -> list[list[str]]:
@@ -41,11 +37,6 @@ def told_beside(part: PartFindings) -> list[str]:
         lines.append(nominal)
     lines += [f"{part.part}, if {change}: bulk {size / MEGAPASCAL:.3g} MPa" for change, size in part.variants]
     return lines
-
-
-def claim_table(claims: Sequence[Claim]) -> list[list[str]]:
-    """Give a row for each statement of the paper; columns as in `CLAIM_HEADER`."""
-    return [[claim.figure, claim.statement, claim.found, claim.verdict] for claim in claims]
 
 
 def _bulk(part: PartFindings) -> list[str]:

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from cycloid_mj.analysis.series import design_of
 from cycloid_mj.analysis.window import in_hold
-from cycloid_mj.design import PRESETS, Design
+from cycloid_mj.design import Design
 from cycloid_mj.errors import LogError, UsageError
 from cycloid_mj.record import Run
 from cycloid_mj.types import Array, Mask
@@ -84,19 +84,14 @@ def turn(run: Run, design: Design | None = None, angles: npt.ArrayLike = DEGREES
 
 def require_same(design: Design, ran: Design) -> None:
     """Raise UsageError unless a design is the one that ran, but for load, speed, environment and settings."""
-    if differing := _differences(design, ran):
+    if differing := differences(design, ran):
         raise UsageError(
             f"the log is not of the design {design.name!r}: it differs in {'; '.join(differing[:3])}, in SI units; "
             "give the design that ran, or leave out --design"
         )
 
 
-def is_of_the_paper(design: Design) -> bool:
-    """Whether a design is one of the paper's two, the presets, but for load, speed, environment and settings."""
-    return not all(_differences(design, preset) for preset in PRESETS.values())
-
-
-def _differences(design: Design, ran: Design) -> list[str]:
+def differences(design: Design, ran: Design) -> list[str]:
     """Tell where a design differs from one that ran in what it is, not in under what it runs."""
     free = {"name": True} | {table: keys or True for table, keys in FREE.items()}
     asked, logged = (each.model_dump(exclude=free) for each in (design, ran))

@@ -186,17 +186,19 @@ def _smaller(figures: Path, name: str) -> bytes:
 
 
 def _report(stages: "Sequence[Stage]", found: dict[str, Any], page: Path, json: bool) -> None:
+    from hsieh2014.page import error_words
+
     if json:
         say_json(found | {"page": str(page)})
     else:
         claims = [claim for stage in stages for claim in stage.found.claims]
         rows = [
             (
-                f"{one.figure}, {one.design}: {one.paper.claim}",
+                f"{one.figure}, {one.design}: {one.claim}",
                 one.condition.words,
-                one.paper.text,
-                one.ours.text,
-                one.error.words,
+                one.stated.text,
+                one.found.text,
+                error_words(one),
                 one.verdict,
             )
             for one in claims

@@ -1,10 +1,11 @@
-"""Figs 1-4: how the profiles of gear and ring come about, with their closed-form figures."""
+"""Before anything runs: Figs 1-4, how the profiles come about; and all in which the two designs differ."""
 
 from cycloid_mj import envelope, profile
+from cycloid_mj.comparison import conditions, differences
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.result import Table
 from hsieh2014.plan import Plan, designs
-from hsieh2014.stage import Found, Plate, Runs, Told
+from hsieh2014.stage import Found, Plate, Progress, Runs
 
 CAPTIONS = {
     "fig1_rolling": "Generation: the gear's pitch circle rolls within the ring's; a pin's centre, fixed to the ring, "
@@ -18,7 +19,7 @@ CAPTIONS = {
 }
 
 
-def geometry(plan: Plan, runs: Runs, told: Told) -> Found:
+def geometry(plan: Plan, runs: Runs, progress: Progress) -> Found:
     """Draw the generation of both profiles, and give their closed forms."""
     from hsieh2014.profile_figures import generation_figures
 
@@ -42,3 +43,20 @@ def geometry(plan: Plan, runs: Runs, told: Told) -> Found:
         "the pins' places."
     )
     return Found(plates, (Table("closed forms of both profiles", ("", "value"), rows),), notes=(note,))
+
+
+def equal(plan: Plan, runs: Runs, progress: Progress) -> Found:
+    """Give every value in which the two designs differ, and the conditions that they share."""
+    both = designs()
+    names = tuple(design.name for design in both)
+    found = differences(both)
+    rows = tuple((key, *map(str, each)) for key, each in found.items())
+    shared = tuple((key, str(value)) for key, value in conditions(both[0]).items())
+    return Found(
+        tables=(
+            Table("all that differs between the designs", ("value", *names), rows),
+            Table("conditions of both (the runs below change ramp, hold and load, alike)", ("value", "both"), shared),
+        ),
+        findings={"differences": {key: list(each) for key, each in found.items()}},
+        notes=("Friction, clearance, stiffness law, damping, drive and step are the same for both designs.",),
+    )

@@ -9,9 +9,9 @@ from typing import Any
 
 from cycloid_mj.measure.pool import each
 from cycloid_mj.result import Table
-from hsieh2014 import stated
 from hsieh2014.plan import Plan, designs
 from hsieh2014.soft_contact import GENERIC, STEEL, Forces, SoftContact, soft_idle
+from hsieh2014.stated import HEIGHTS
 
 SEED = 2014
 TURNS = 1
@@ -50,7 +50,7 @@ def needed(stress: Mapping[str, float], force: Mapping[str, float], design: str)
     design
         Name of the design.
     """
-    return {part: stated.HEIGHTS[part, design] * force[part] / stress[part] for part in force}
+    return {part: HEIGHTS[part, design] * force[part] / stress[part] for part in force}
 
 
 def table(found: Mapping[Case, Forces], wanted: Mapping[str, Mapping[str, float]]) -> Table:

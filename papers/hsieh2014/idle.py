@@ -1,28 +1,23 @@
-"""Idle quantities over independent starts: the spread of each, for each design, as parameters vary."""
+"""Idle motion: the spread of each quantity over independent starts as parameters vary, and how far it is chaotic."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from cycloid_mj.comparison import Measures, Spread, Variation, measure, order, settled
+from cycloid_mj.design import Design, override
 from cycloid_mj.record import Run
 from hsieh2014.plan import Plan, designs, idle_runs, variations, varied_idle_runs
 from hsieh2014.stage import Runs
 
 
 @dataclass(frozen=True)
-class Quantity:
-    """A quantity that the paper ranks.
+class Ranked:
+    """A quantity that the paper ranks: key, name, unit, its figure, the part, and its rms out of a run's measures.
 
-    Attributes
-    ----------
-    key, name, unit
-        For programs, in words, and its unit.
-    figure
-        Of the paper; "vibration" where it speaks of it without one.
-    part
-        That it belongs to.
-    level
-        Its rms fluctuation about the closed form, out of a run's measures.
+    The figure is "vibration" where the paper speaks of it without one; rms is of the fluctuation about the closed form.
     """
 
     key: str
@@ -34,10 +29,10 @@ class Quantity:
 
 
 QUANTITIES = (
-    Quantity("gear_speed", "gear speed", "rad/s", "Fig. 6", "gear", lambda m: m.fluctuation.gear_speed_rad_s.rms),
-    Quantity("q_path", "path of q", "um", "Fig. 7", "gear", lambda m: m.fluctuation.q_path_um.rms),
-    Quantity("q_velocity", "velocity of q", "mm/s", "Fig. 8", "gear", lambda m: m.fluctuation.q_velocity_mm_s.rms),
-    Quantity(
+    Ranked("gear_speed", "gear speed", "rad/s", "Fig. 6", "gear", lambda m: m.fluctuation.gear_speed_rad_s.rms),
+    Ranked("q_path", "path of q", "um", "Fig. 7", "gear", lambda m: m.fluctuation.q_path_um.rms),
+    Ranked("q_velocity", "velocity of q", "mm/s", "Fig. 8", "gear", lambda m: m.fluctuation.q_velocity_mm_s.rms),
+    Ranked(
         "gear_centre_acceleration",
         "acceleration of the gear centre",
         "m/s^2",
@@ -45,7 +40,7 @@ QUANTITIES = (
         "gear",
         lambda m: m.vibration.gear_centre_m_s2.rms,
     ),
-    Quantity(
+    Ranked(
         "output_acceleration",
         "acceleration of the output",
         "rad/s^2",
@@ -66,11 +61,6 @@ class Idle:
     def order(self, key: str) -> int:
         """Tell which design fluctuates more in a quantity: pin (1), nonpin (-1), or neither for sure (0)."""
         return order(self.levels[key]["pin"], self.levels[key]["nonpin"])
-
-    def ratio(self, key: str) -> float:
-        """Give the mean of the pin design as a multiple of the nonpin design's."""
-        found = self.levels[key]
-        return found["pin"].mean / found["nonpin"].mean if found["nonpin"].mean else float("inf")
 
 
 def idle(plan: Plan, runs: Runs) -> Idle:
@@ -102,3 +92,46 @@ def of_runs(starts: Mapping[str, Sequence[Run]]) -> Idle:
 def label(variation: Variation) -> str:
     """Name a variation in a row."""
     return f"{variation.parameter} {variation.value}"
+
+
+NUDGE = 1e-9
+"""By how much of itself gravity differs between two runs that begin all but alike."""
+
+SMALL, LARGE = 1e-6, 1e-1
+"""Between these shares of the motion's own rms the growth of the difference is timed: beyond, it has no more room."""
+
+
+@dataclass(frozen=True)
+class Divergence:
+    """How two all but equal runs part.
+
+    Attributes
+    ----------
+    foldings
+        Growth of their difference, in e-foldings a crank turn (the largest Lyapunov exponent, roughly); not a number
+        where it stays below `SMALL`, and nothing is found of chaos.
+    turns
+        Crank turns after which they differ by a tenth of the motion itself; infinite where they never do.
+    """
+
+    foldings: float
+    turns: float
+
+
+def nudged(design: Design) -> Design:
+    """Give the design under a gravity that differs by `NUDGE`."""
+    return override(design, [f"environment.gravity_y_m_s2={design.environment.gravity_y * (1.0 + NUDGE)!r}"])
+
+
+def divergence(one: Run, other: Run) -> Divergence:
+    """Hold two runs of the same length against each other, by the transmission error of the gear."""
+    motion = settled(one)
+    error, same = motion.gear_angle.error, settled(other).gear_angle.error
+    size = np.abs(error - same) / (float(np.std(error[motion.hold])) or 1.0)
+    turned = np.abs(motion.crank_angle - motion.crank_angle[0]) / (2.0 * math.pi)
+    if not (size > SMALL).any():
+        return Divergence(math.nan, math.inf)
+    parted = bool((size > LARGE).any())
+    first, last = int(np.argmax(size > SMALL)), int(np.argmax(size > LARGE) if parted else np.argmax(size))
+    grown = math.log(size[last] / size[first]) / max(float(turned[last] - turned[first]), float(turned[1]))
+    return Divergence(grown, float(turned[last]) if parted else math.inf)

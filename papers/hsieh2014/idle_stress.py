@@ -11,6 +11,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.record import Run
 from hsieh2014.peaks import at_peaks
 from hsieh2014.plan import LOGGED, SAMPLING
+from hsieh2014.stated import stress_references
 
 if TYPE_CHECKING:
     from cycloid_mj.stress.loads import PartLoads
@@ -71,7 +72,7 @@ def idle_stress(
     from cycloid_mj.stress.study import stress_study
 
     peaks = [at_peaks(run, LOGGED * SAMPLING // settings.angles + 1) for run in starts]
-    study = stress_study(peaks[0], design, (), settings, told=told)
+    study = stress_study(peaks[0], design, (), settings, told=told, references=stress_references(design))
     turn = 2 * np.pi * np.arange(settings.angles) / settings.angles
     under_load = 2 * np.pi * np.arange(RATED_ANGLES) / RATED_ANGLES
     largest, loaded = {}, {}

@@ -5,23 +5,37 @@ from typing import Any
 
 import numpy as np
 
-from cycloid_mj.analysis import Series, judge, series
+from cycloid_mj.analysis import Findings, Series, judge, series
 from cycloid_mj.comparison import Spread, load_words, settled, settling
 from cycloid_mj.design import Design
-from cycloid_mj.result import Table
-from hsieh2014.claims import Claim, NumericalError, Result, Stated, range_verdict, share_verdict
+from cycloid_mj.result import Claim, Table, Value, Verdict
+from cycloid_mj.types import Array
 from hsieh2014.plan import LOGGED, Plan, designs, idle_runs, main_runs, no_load, ramped
-from hsieh2014.stage import Found, Plate, Runs, Told
-
-ARCSEC = np.degrees(1.0) * 3600.0
-SPEED = 4.907
-"""The paper's speed of the gear [rad/s]."""
+from hsieh2014.stage import Found, Plate, Progress, Runs
+from hsieh2014.stated import GEAR_SPEED
+from hsieh2014.verdicts import range_verdict, share_verdict, spread_error, spread_value
 
 SPEED_ERROR = 1e-3
 """The mean gear speed agrees with the ratio within this share."""
 
 SWAYS, GIVE = 0.1, 0.05
 """Shares of the clearance: a pin sways if it moves farther than the one; the give of its socket is within the other."""
+
+NUMBERS: tuple[tuple[str, str, Callable[[Findings], float]], ...] = (
+    ("gear_speed_mean_rad_s", "gear speed, mean [rad/s]", lambda one: one.gear_speed.mean_rad_s),
+    ("gear_speed_rms_error_rad_s", "gear speed, rms error [rad/s]", lambda one: one.gear_speed.rms_error_rad_s),
+    ("q_path_rms_error_um", "path of q, rms error [um]", lambda one: one.q_path.rms_error_um),
+    ("q_path_max_error_um", "path of q, largest error [um]", lambda one: one.q_path.max_error_um),
+    ("q_velocity_rms_error_mm_s", "velocity of q, rms error [mm/s]", lambda one: one.q_speed.rms_error_mm_s),
+    (
+        "transmission_error_arcsec",
+        "transmission error, peak to peak [arcsec]",
+        lambda one: one.transmission_error.peak_to_peak_arcsec,
+    ),
+    ("contacts_mean", "contacts that carry force, mean", lambda one: one.contact_summary.mean_active),
+    ("peak_force_n", "largest force of a contact [N]", lambda one: one.contact_summary.peak_force_n),
+)
+"""Figs 6-8 in numbers: key, words, and the number of a run."""
 
 
 def motions(plan: Plan, runs: Runs) -> list[Series]:
@@ -38,7 +52,7 @@ def _rated(found: Sequence[Series], design: Design) -> Series:
     return next(one for one in found if one.design.name == design.name and one.design.load.torque)
 
 
-def input_law(plan: Plan, runs: Runs, told: Told) -> Found:
+def input_law(plan: Plan, runs: Runs, progress: Progress) -> Found:
     """Fig. 5: the crank's speed over time."""
     from cycloid_mj.plots.motion import input_figure
 
@@ -54,27 +68,30 @@ def input_law(plan: Plan, runs: Runs, told: Told) -> Found:
         )
         for one in found
     ]
-    off = {one.design.name: float(np.abs(one.crank_speed.error).max()) for one in found}
+    errors = {one.design.name: float(np.abs(one.crank_speed.error).max()) for one in found}
     note = "The paper's law: 0 to 1640 rpm (9840 deg/s, 171.74 rad/s) in a linear ramp of 1 s, then constant."
-    return Found(tuple(plates), findings={"largest_error_rad_s": off, "ramp": plan.ramp}, notes=(note,))
+    return Found(tuple(plates), findings={"largest_error_rad_s": errors, "ramp": plan.ramp}, notes=(note,))
 
 
-def gear_speed(plan: Plan, runs: Runs, told: Told) -> Found:
+def gear_speed(plan: Plan, runs: Runs, progress: Progress) -> Found:
     """Fig. 6: the angular velocity of the cycloid gear."""
     from cycloid_mj.plots.motion import gear_speed_figure
 
     found = motions(plan, runs)
     words = "angular velocity of the cycloid gear over a crank turn, with -omega_i/35 (Eq. 12); below, the difference"
+    judged = {_key(one): judge(one) for one in found}
+    head = ("over the settled turns", *(f"{one.design.name}, {_load(one)}" for one in found))
+    rows: list[tuple[str | float, ...]] = [(name, *map(number, judged.values())) for _, name, number in NUMBERS]
     return Found(
         _plates(found, "fig6_gear_speed", "Fig. 6", words, gear_speed_figure),
-        (_table(found),),
+        (Table("Figs 6-8 in numbers", head, tuple(rows)),),
         tuple(_ratio(design.name, idle_motions(plan, runs, design), _rated(found, design)) for design in designs()),
-        {_key(one): _numbers(one) for one in found},
+        {name: {key: number(one) for key, _, number in NUMBERS} for name, one in judged.items()},
         ("The paper: the gear turns at 4.907 rad/s against the crank, with small fluctuations, larger with pins.",),
     )
 
 
-def q_path(plan: Plan, runs: Runs, told: Told) -> Found:
+def q_path(plan: Plan, runs: Runs, progress: Progress) -> Found:
     """Fig. 7: the path of q, with a local magnification."""
     from cycloid_mj.plots.point import path_figure
 
@@ -83,7 +100,7 @@ def q_path(plan: Plan, runs: Runs, told: Told) -> Found:
     return Found(_plates(motions(plan, runs), "fig7_q_path", "Fig. 7", words, path_figure), notes=(note,))
 
 
-def q_velocity(plan: Plan, runs: Runs, told: Told) -> Found:
+def q_velocity(plan: Plan, runs: Runs, progress: Progress) -> Found:
     """Fig. 8: the velocity of q and its error."""
     from cycloid_mj.plots.point import velocity_figure
 
@@ -92,7 +109,7 @@ def q_velocity(plan: Plan, runs: Runs, told: Told) -> Found:
     return Found(_plates(motions(plan, runs), "fig8_q_velocity", "Fig. 8", words, velocity_figure), notes=(note,))
 
 
-def pin_1(plan: Plan, runs: Runs, told: Told) -> Found:
+def pin_1(plan: Plan, runs: Runs, progress: Progress) -> Found:
     """Fig. 9: spin and centre of pin 1."""
     from cycloid_mj.plots.pin import pin_figure
 
@@ -110,13 +127,13 @@ def _plates(
 ) -> tuple[Plate, ...]:
     """Draw each run at the paper's sampling."""
     return tuple(
-        Plate(f"{name}_{_key(one)}", figure, f"{one.design.name}, {_load(one)}: {words}.", draw(_sampled(one)))
+        Plate(f"{name}_{_key(one)}", figure, f"{one.design.name}, {_load(one)}: {words}.", draw(at_degrees(one)))
         for one in found
     )
 
 
-def _sampled(motion: Series) -> Series:
-    """Give a run at one sample for each degree."""
+def at_degrees(motion: Series) -> Series:
+    """Give a run at one sample for each degree, the paper's sampling."""
     return series(motion.run.select(slice(None, None, LOGGED)), motion.q, settling(motion.design))
 
 
@@ -132,40 +149,6 @@ def _pin(motion: Series) -> Any:
     return motion.pin_1
 
 
-def _numbers(motion: Series) -> dict[str, float]:
-    found = judge(motion)
-    return {
-        "gear_speed_mean_rad_s": found.gear_speed.mean_rad_s,
-        "gear_speed_rms_error_rad_s": found.gear_speed.rms_error_rad_s,
-        "q_path_rms_error_um": found.q_path.rms_error_um,
-        "q_path_max_error_um": found.q_path.max_error_um,
-        "q_velocity_rms_error_mm_s": found.q_speed.rms_error_mm_s,
-        "transmission_error_arcsec": found.transmission_error.peak_to_peak_arcsec,
-        "contacts_mean": found.contact_summary.mean_active,
-        "peak_force_n": found.contact_summary.peak_force_n,
-    }
-
-
-ROWS = {
-    "gear_speed_mean_rad_s": "gear speed, mean [rad/s]",
-    "gear_speed_rms_error_rad_s": "gear speed, rms error [rad/s]",
-    "q_path_rms_error_um": "path of q, rms error [um]",
-    "q_path_max_error_um": "path of q, largest error [um]",
-    "q_velocity_rms_error_mm_s": "velocity of q, rms error [mm/s]",
-    "transmission_error_arcsec": "transmission error, peak to peak [arcsec]",
-    "contacts_mean": "contacts that carry force, mean",
-    "peak_force_n": "largest force of a contact [N]",
-}
-
-
-def _table(found: Sequence[Series]) -> Table:
-    numbers = [_numbers(one) for one in found]
-    head = ("over the settled turns", *(f"{one.design.name}, {_load(one)}" for one in found))
-    return Table(
-        "Figs 6-8 in numbers", head, tuple((words, *(one[key] for one in numbers)) for key, words in ROWS.items())
-    )
-
-
 def _ratio(name: str, starts: Sequence[Series], rated: Series) -> Claim:
     """Hold the mean gear speed of a design against the ratio, in every start at no load."""
     speeds = Spread.of(_mean_speed(one) for one in starts)
@@ -176,47 +159,44 @@ def _ratio(name: str, starts: Sequence[Series], rated: Series) -> Claim:
         part="gear",
         design=name,
         condition=no_load(),
-        paper=Stated("the gear turns at 1/35 of the crank, against it", "value", "4.907 rad/s", SPEED, "rad/s"),
-        ours=Result(f"{speeds.mean:.5g} rad/s", speeds.mean, "rad/s", (speeds.low, speeds.high)),
-        error=NumericalError(speeds.half, "rad/s", f"spread of {len(starts)} starts"),
+        claim="the gear turns at 1/35 of the crank, against it",
+        kind="value",
+        stated=Value("4.907 rad/s", GEAR_SPEED, "rad/s"),
+        found=spread_value(f"{speeds.mean:.5g} rad/s", speeds, "rad/s"),
+        error=spread_error(speeds, "rad/s"),
         verdict=range_verdict(speeds, exact * (1.0 - SPEED_ERROR), exact * (1.0 + SPEED_ERROR)),
         decided_by="the number of teeth",
-        rated=Result(f"{_mean_speed(rated):.5g} rad/s", _mean_speed(rated), "rad/s"),
+        rated=Value(f"{_mean_speed(rated):.5g} rad/s", _mean_speed(rated), "rad/s"),
     )
-
-
-def _mean_speed(motion: Series) -> float:
-    """Give the mean speed of the gear against the crank [rad/s], over whole turns."""
-    speed = motion.gear_speed.simulated[motion.whole_periods]
-    return -float(np.mean(speed)) * float(np.sign(motion.design.drive.speed))
 
 
 def _sway(starts: Sequence[Series], rated: Series) -> Claim:
     """Judge whether pin 1 moves about in its clearance, and does not leave it but by the give of the contact."""
     clearance = _pin(starts[0]).clearance
     reach = Spread.of(_reach(one) for one in starts)
-    span = Spread.of(_span(_pin(one).position[one.hold]) for one in starts)
-    sways = [least > SWAYS * clearance for least in span.values]
-    within = [most <= (1.0 + GIVE) * clearance for most in reach.values]
+    span = Spread.of(_span(one) for one in starts)
+    pairs = zip(span.values, reach.values, strict=True)
     return Claim(
         key="pin_1_sway",
         figure="Fig. 9",
         part="pin_1",
         design="pin",
         condition=no_load(),
-        paper=Stated("pin 1 sways within its clearance", "height", "within 0.001 mm", 1e3 * clearance, "mm"),
-        ours=Result(
+        claim="pin 1 sways within its clearance",
+        kind="height",
+        stated=Value("within 0.001 mm", 1e3 * clearance, "mm"),
+        found=Value(
             f"{_um(span)} um across, {_um(reach)} um from the middle; clearance {1e6 * clearance:g} um",
             1e3 * reach.mean,
             "mm",
             (1e3 * reach.low, 1e3 * reach.high),
         ),
-        error=NumericalError(1e6 * reach.half, "um", f"spread of {len(starts)} starts"),
-        verdict=share_verdict([a and b for a, b in zip(sways, within, strict=True)]),
+        error=Value(f"spread of {len(starts)} starts", 1e6 * reach.half, "um"),
+        verdict=share_verdict(least > SWAYS * clearance and most <= (1.0 + GIVE) * clearance for least, most in pairs),
         decided_by="the clearance",
-        rated=Result(
-            f"{1e6 * _span(_pin(rated).position[rated.hold]):.3g} um across, {1e6 * _reach(rated):.3g} um from the "
-            "middle, by the give of the socket",
+        rated=Value(
+            f"{1e6 * _span(rated):.3g} um across, {1e6 * _reach(rated):.3g} um from the middle, by the give of the "
+            "socket",
             1e3 * _reach(rated),
             "mm",
         ),
@@ -225,8 +205,8 @@ def _sway(starts: Sequence[Series], rated: Series) -> Claim:
 
 def _spin(starts: Sequence[Series], rated: Series) -> Claim:
     """Judge whether pin 1 turns on: whether its mean spin has one sign in all starts."""
-    means = Spread.of(_mean_spin(one) for one in starts)
-    rocking = Spread.of(_rms_spin(one) for one in starts)
+    means = Spread.of(mean_spin(one) for one in starts)
+    rocking = Spread.of(float(np.sqrt(np.mean(_spins(one) ** 2))) for one in starts)
     turns_on = means.low > 0.0 or means.high < 0.0
     return Claim(
         key="pin_1_spin",
@@ -234,17 +214,17 @@ def _spin(starts: Sequence[Series], rated: Series) -> Claim:
         part="pin_1",
         design="pin",
         condition=no_load(),
-        paper=Stated("pin 1 turns about itself", "pattern", "yes"),
-        ours=Result(
-            f"mean {means.words} rad/s, rms {rocking.words} rad/s", means.mean, "rad/s", (means.low, means.high)
-        ),
-        error=NumericalError(means.half, "rad/s", f"spread of {len(starts)} starts"),
-        verdict="agrees" if turns_on else "not determined",
+        claim="pin 1 turns about itself",
+        kind="pattern",
+        stated=Value("yes"),
+        found=spread_value(f"mean {means.words} rad/s, rms {rocking.words} rad/s", means, "rad/s"),
+        error=spread_error(means, "rad/s"),
+        verdict=Verdict.AGREES if turns_on else Verdict.NOT_DETERMINED,
         decided_by="the scatter of the starts: an idle pin rocks to and fro; how far it turns on is set by friction",
-        rated=Result(
-            f"mean {_mean_spin(rated):.3g} rad/s, which the creep speed of the friction law alone sets (a factor of 5 "
+        rated=Value(
+            f"mean {mean_spin(rated):.3g} rad/s, which the creep speed of the friction law alone sets (a factor of 5 "
             "between 20 and 1 mm/s): not determined",
-            _mean_spin(rated),
+            mean_spin(rated),
             "rad/s",
         ),
     )
@@ -254,17 +234,27 @@ def _um(lengths: Spread) -> str:
     return Spread.of(1e6 * each for each in lengths.values).words
 
 
+def _mean_speed(motion: Series) -> float:
+    """Give the mean speed of the gear against the crank [rad/s], over whole turns."""
+    speed = motion.gear_speed.simulated[motion.whole_periods]
+    return -float(np.mean(speed)) * float(np.sign(motion.design.drive.speed))
+
+
+def mean_spin(motion: Series) -> float:
+    """Give the mean spin of pin 1 [rad/s], over whole turns."""
+    return float(np.mean(_spins(motion)))
+
+
+def _spins(motion: Series) -> Array:
+    spins: Array = _pin(motion).spin[motion.whole_periods]
+    return spins
+
+
 def _reach(motion: Series) -> float:
+    """Give how far pin 1 gets from the middle of its socket [m]."""
     return float(_pin(motion).radial[motion.hold].max())
 
 
-def _mean_spin(motion: Series) -> float:
-    return float(np.mean(_pin(motion).spin[motion.whole_periods]))
-
-
-def _rms_spin(motion: Series) -> float:
-    return float(np.sqrt(np.mean(_pin(motion).spin[motion.whole_periods] ** 2)))
-
-
-def _span(position: Any) -> float:
-    return float(np.ptp(position, axis=0).max())
+def _span(motion: Series) -> float:
+    """Give the width that the centre of pin 1 moves in [m]."""
+    return float(np.ptp(_pin(motion).position[motion.hold], axis=0).max())

@@ -6,8 +6,7 @@ from importlib.resources import files
 from typing import Any
 
 from cycloid_mj.report import html
-from cycloid_mj.result import Table
-from hsieh2014.claims import Claim, Verdict
+from cycloid_mj.result import Claim, Table, Verdict
 from hsieh2014.stage import Plate, Stage
 
 PNG = b"\x89PNG"
@@ -15,11 +14,11 @@ CLAIM_HEAD = (
     *("figure", "design", "condition", "the paper says", "its number", "ours at that condition", "numerical error"),
     *("verdict", "decided by", "beside it: ours at the rated load"),
 )
-TALLY: Mapping[Verdict, str] = {
-    "agrees": "agree",
-    "disagrees": "disagree",
-    "depends": "depend on what the paper leaves open at its condition",
-    "not determined": "are not determined",
+TALLY = {
+    Verdict.AGREES: "agree",
+    Verdict.DISAGREES: "disagree",
+    Verdict.DEPENDS: "depend on what the paper leaves open at its condition",
+    Verdict.NOT_DETERMINED: "are not determined",
 }
 ERRATUM_HEAD = ("Eq.", "printed", "right", "held against", "error as printed", "error corrected")
 
@@ -71,14 +70,20 @@ def claim_table(claims: Sequence[Claim]) -> str:
     return html.tag("div", html.tag("table", head + html.tag("tbody", rows)), class_="scroll", tabindex="0")
 
 
+def error_words(claim: Claim) -> str:
+    """Give the numerical error of a claim, and where it comes from."""
+    error = claim.error
+    return error.text if error.value is None else f"{error.value:.2g} {error.unit} ({error.text})"
+
+
 def _claim(claim: Claim) -> str:
     before = (
         claim.design,
         claim.condition.words,
-        claim.paper.claim,
-        claim.paper.text,
-        claim.ours.text,
-        claim.error.words,
+        claim.claim,
+        claim.stated.text,
+        claim.found.text,
+        error_words(claim),
     )
     after = (claim.decided_by, claim.rated.text if claim.rated else "")
     cells = [

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from cycloid_mj.comparison import SWEEP, Variation, all_started, settling, with_play_of
 from cycloid_mj.design import PRESETS, Design, override
-from hsieh2014.claims import Condition
+from cycloid_mj.result import Condition
 
 SAMPLING = 360
 """Samples of a crank turn in the figures: one for each degree, 0.000101626 s at 1640 rpm (the paper's)."""

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from functools import partial
 from time import monotonic
 
-from hsieh2014.equal import equal
-from hsieh2014.geometry import geometry
+from hsieh2014.geometry import equal, geometry
 from hsieh2014.motion import gear_speed, input_law, pin_1, q_path, q_velocity
 from hsieh2014.plan import Plan
 from hsieh2014.stage import Found, Runs, Stage, Work

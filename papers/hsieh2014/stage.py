@@ -6,18 +6,18 @@ from typing import Any
 
 from cycloid_mj.design import Design
 from cycloid_mj.record import Run
-from cycloid_mj.result import Table
-from hsieh2014.claims import Claim
+from cycloid_mj.result import Claim, Table
 from hsieh2014.plan import Plan
 
 Runs = Callable[[Sequence[Design]], list[Run]]
 """Gives the run of each design: from a log that fits, or by running it."""
 
-Told = Callable[[str], None]
+Progress = Callable[[str], None]
+"""Called with what a stage does next."""
 
 
-def nobody(text: str) -> None:
-    """Tell nobody."""
+def silent(text: str) -> None:
+    """Report no progress."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,4 +67,4 @@ class Stage:
         }
 
 
-Work = Callable[[Plan, Runs, Told], Found]
+Work = Callable[[Plan, Runs, Progress], Found]

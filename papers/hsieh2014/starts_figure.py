@@ -1,12 +1,13 @@
 """Independent starts of an idle reducer: one mark for each, pin beside nonpin, as parameters vary."""
 
 from collections.abc import Mapping, Sequence
-from typing import Protocol
 
 from matplotlib.figure import Figure
 
+from cycloid_mj.comparison import Spread
 from cycloid_mj.plots.comparison import COLORS
 from cycloid_mj.plots.style import WIDTH, keys, styled
+from hsieh2014.idle import Ranked
 
 ROW, HEAD = 1.3, 1.4
 """Height of a panel, and of what stands above and below them [in]."""
@@ -14,32 +15,8 @@ BESIDE = 0.15
 """From the middle of a case to the marks of a design."""
 
 
-class Sample(Protocol):
-    """Values of one quantity over several starts."""
-
-    @property
-    def values(self) -> tuple[float, ...]:
-        """One value for each start."""
-
-
-class Named(Protocol):
-    """A quantity with a key, a name and a unit."""
-
-    @property
-    def key(self) -> str:
-        """Key in the cases."""
-
-    @property
-    def name(self) -> str:
-        """Name in words."""
-
-    @property
-    def unit(self) -> str:
-        """Unit of the values."""
-
-
 @styled
-def starts_figure(cases: Mapping[str, Mapping[str, Mapping[str, Sample]]], quantities: Sequence[Named]) -> Figure:
+def starts_figure(cases: Mapping[str, Mapping[str, Mapping[str, Spread]]], quantities: Sequence[Ranked]) -> Figure:
     """Draw each quantity in a panel: cases side by side, one mark for each start of each design.
 
     Parameters

@@ -7,12 +7,16 @@ from cycloid_mj.design import PRESETS, Design
 
 if TYPE_CHECKING:
     from cycloid_mj.measure.published import Published
+    from cycloid_mj.stress.findings import Reference
 
 IDEAL = 36.68
 """Output torque without losses [N m]: 1.048 x 35."""
 
 TORQUES = {"pin": {"simulated": 34.7, "measured": 34.335}, "nonpin": {"simulated": 35.8, "measured": 35.08}}
 """Output torque of each kind of ring [N m] at 1.048 N m in (section 3.4 and Fig. 19)."""
+
+GEAR_SPEED = 4.907
+"""Speed of the gear at 1640 rpm of the crank [rad/s] (Eq. 12, Fig. 6)."""
 
 FIGURES = {"shaft": "Fig. 12", "gear": "Fig. 13", "ring": "Fig. 14", "output": "Fig. 15", "pin_1": "Fig. 16"}
 
@@ -40,6 +44,26 @@ LEAST, MOST = 0.5, 1.1
 
 NEAR = 10.0
 """Crank angles this near each other agree [deg]: a mesh period."""
+
+
+def is_ours(design: Design) -> bool:
+    """Whether a design is one of the paper's two, the presets, but for load, speed, environment and settings."""
+    from cycloid_mj.stress.turn import differences
+
+    return not all(differences(design, preset) for preset in PRESETS.values())
+
+
+def stress_references(design: Design) -> "dict[str, Reference]":
+    """Give the paper's figure, and the height that it stays below, of each part of its own designs."""
+    from cycloid_mj.stress.findings import MEGAPASCAL, Reference
+
+    if not is_ours(design):
+        return {}
+    heights = {part: HEIGHTS.get((part, design.ring.kind)) for part in FIGURES}
+    return {
+        part: Reference(f"Hsieh 2014, {FIGURES[part]}", None if height is None else height * MEGAPASCAL, 0.0)
+        for part, height in heights.items()
+    }
 
 
 def torques(design: Design) -> "list[Published]":

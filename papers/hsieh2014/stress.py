@@ -7,18 +7,19 @@ from functools import partial
 from cycloid_mj.comparison import STARTS, settled
 from cycloid_mj.record import Run
 from cycloid_mj.result import Table
-from hsieh2014 import hypothesis, stated
+from hsieh2014 import hypothesis
 from hsieh2014.idle_stress import MEGAPASCAL, IdleStress, idle_stress
 from hsieh2014.peaks import ENDING, pairs, peak
 from hsieh2014.plan import Plan, designs, idle_runs, rated_runs
-from hsieh2014.stage import Found, Plate, Runs, Told
+from hsieh2014.stage import Found, Plate, Progress, Runs
+from hsieh2014.stated import HEIGHTS
 from hsieh2014.stress_claims import stress_claims
 
 QUICK_ANGLES = 40
 """Crank angles of a quick study: 9 deg apart, no multiple of the mesh period, so that they fall on ten phases of it."""
 
 
-def stress(plan: Plan, runs: Runs, told: Told) -> Found:
+def stress(plan: Plan, runs: Runs, progress: Progress) -> Found:
     """Find the stress of every part under the impact peaks of an idle turn, over independent starts."""
     from cycloid_mj.stress.study import QUICK, StudySettings
 
@@ -28,9 +29,9 @@ def stress(plan: Plan, runs: Runs, told: Told) -> Found:
     found = {}
     for design in designs():
         name = design.name
-        begins = partial(_part_begins, told, name)
+        begins = partial(_part_begins, progress, name)
         found[name] = idle_stress(starts[name], rated[name], idle_runs(plan, design)[0], settings, begins)
-    told("hypothesis: soft contact")
+    progress("hypothesis: soft contact")
     soft, wanted = hypothesis.soft_runs(plan), _needed(found, rated)
     return Found(
         tuple(_plates(found)),
@@ -62,8 +63,8 @@ def _largest(run: Run, names: Sequence[str]) -> float:
     return max(float(peak(run, pair)[hold].max()) for pair in names)
 
 
-def _part_begins(told: Told, design: str, part: str, number: int, of: int) -> None:
-    told(f"{design}, {part}, {number + 1} of {of} parts")
+def _part_begins(progress: Progress, design: str, part: str, number: int, of: int) -> None:
+    progress(f"{design}, {part}, {number + 1} of {of} parts")
 
 
 def _plates(found: Mapping[str, IdleStress]) -> list[Plate]:
@@ -97,7 +98,7 @@ def _stress_table(found: Mapping[str, IdleStress]) -> Table:
         (
             f"{name}, {part}",
             one.starts[part].words,
-            stated.HEIGHTS.get((part, name), ""),
+            HEIGHTS.get((part, name), ""),
             f"{one.rated[part].high:.3g}",
         )
         for name, one in found.items()

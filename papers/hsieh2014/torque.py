@@ -4,27 +4,28 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 
 from cycloid_mj.measure import Measurement
-from cycloid_mj.measure.pool import Progress
-from cycloid_mj.result import Quantity, Table
-from hsieh2014.claims import Claim, NumericalError, Result, Stated, Verdict
+from cycloid_mj.measure.pool import Progress as Steps
+from cycloid_mj.result import Claim, Quantity, Table, Value, Verdict
 from hsieh2014.plan import Plan, designs, equalised, torque_test
-from hsieh2014.stage import Found, Plate, Runs, Told
+from hsieh2014.stage import Found, Plate, Progress, Runs
 from hsieh2014.stated import IDEAL, TORQUES, torques
 
 NEAR = 0.01
 """Torques agree within this share of the torque without losses."""
+ERROR = "half the step or half the average"
+AHEAD = "N m, nonpin - pin"
 
 
-def torque(plan: Plan, runs: Runs, told: Told) -> Found:
+def torque(plan: Plan, runs: Runs, progress: Progress) -> Found:
     """Measure the output torque of both designs, as `cycloid-mj measure torque` does."""
     from cycloid_mj.measure import torque as measure_torque
     from cycloid_mj.plots.measure import measurement_figure
 
     found = {
-        design.name: measure_torque(design, plan.quick, _steps(told, design.name), torques(design))
+        design.name: measure_torque(design, plan.quick, _steps(progress, design.name), torques(design))
         for design in designs()
     }
-    told(f"{equalised().name}")
+    progress(equalised().name)
     alike = _at_equal_play(plan)
     plates = tuple(
         Plate(
@@ -68,9 +69,9 @@ def _columns(found: Mapping[str, Measurement], alike: float) -> Table:
     )
 
 
-def _steps(told: Told, name: str) -> Progress:
+def _steps(progress: Progress, name: str) -> Steps:
     """Give what tells how many runs of a design are done."""
-    return lambda done, of: told(f"{name}, {done} of {of} runs")
+    return lambda done, of: progress(f"{name}, {done} of {of} runs")
 
 
 def _named(table: Table, name: str) -> Table:
@@ -90,15 +91,11 @@ def _claims(found: Mapping[str, Measurement]) -> Iterator[Claim]:
                 part="output",
                 design=name,
                 condition=torque_test(),
-                paper=Stated(
-                    f"output torque at 1.048 N m in, {way}",
-                    "value",
-                    f"{paper:g} N m, {100 * paper / IDEAL:.1f} %",
-                    paper,
-                    "N m",
-                ),
-                ours=Result(f"{ours:.2f} N m, {100 * ours / IDEAL:.1f} %", ours, "N m"),
-                error=NumericalError(error, "N m", "half the step or half the average"),
+                claim=f"output torque at 1.048 N m in, {way}",
+                kind="value",
+                stated=Value(f"{paper:g} N m, {100 * paper / IDEAL:.1f} %", paper, "N m"),
+                found=Value(f"{ours:.2f} N m, {100 * ours / IDEAL:.1f} %", ours, "N m"),
+                error=Value(ERROR, error, "N m"),
                 verdict=_verdict(ours, paper, friction.value),
                 decided_by=f"friction of the sliding pairs, left open by the paper: {_friction(friction)}",
             )
@@ -106,8 +103,8 @@ def _claims(found: Mapping[str, Measurement]) -> Iterator[Claim]:
 
 def _verdict(ours: float, paper: float, friction: float) -> Verdict:
     if abs(ours - paper) <= NEAR * IDEAL:
-        return "agrees"
-    return "depends" if math.isfinite(friction) else "disagrees"
+        return Verdict.AGREES
+    return Verdict.DEPENDS if math.isfinite(friction) else Verdict.DISAGREES
 
 
 def _friction(friction: Quantity) -> str:
@@ -130,15 +127,15 @@ def _order(found: Mapping[str, Measurement]) -> Claim:
         part="output",
         design="both",
         condition=torque_test(),
-        paper=Stated(
-            "the nonpin design gives more output torque than the pin design",
-            "order",
+        claim="the nonpin design gives more output torque than the pin design",
+        kind="order",
+        stated=Value(
             "35.8 to 34.7 N m simulated, 35.08 to 34.335 N m measured",
             TORQUES["nonpin"]["simulated"] - TORQUES["pin"]["simulated"],
-            "N m, nonpin - pin",
+            AHEAD,
         ),
-        ours=Result(f"{ours['nonpin']:.2f} to {ours['pin']:.2f} N m", ahead, "N m, nonpin - pin"),
-        error=NumericalError(error, "N m", "half the step or half the average"),
+        found=Value(f"{ours['nonpin']:.2f} to {ours['pin']:.2f} N m", ahead, AHEAD),
+        error=Value(ERROR, error, "N m"),
         verdict=_order_verdict(ahead, error, needed),
         decided_by="friction of each design, left open by the paper: its simulated torques take "
         f"{needed[0]:.3f} with pins and {needed[1]:.3f} without. At equal friction the total play, the stiffness in "
@@ -150,7 +147,7 @@ def _order(found: Mapping[str, Measurement]) -> Claim:
 def _order_verdict(ahead: float, error: float, needed: Sequence[float]) -> Verdict:
     """Judge the order by the torque that the nonpin design is ahead [N m], its error, and the frictions needed."""
     if ahead > error:
-        return "agrees"
+        return Verdict.AGREES
     if all(map(math.isfinite, needed)):
-        return "depends"
-    return "disagrees" if ahead < -error else "not determined"
+        return Verdict.DEPENDS
+    return Verdict.DISAGREES if ahead < -error else Verdict.NOT_DETERMINED

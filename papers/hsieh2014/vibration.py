@@ -6,16 +6,12 @@ Each idle quantity is the spread over independent starts. What the rated load ma
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
-import numpy as np
-
-from cycloid_mj.analysis import Series
 from cycloid_mj.comparison import STARTS, Spread, Variation, measure, settled
 from cycloid_mj.record import Run
-from cycloid_mj.result import Table
-from hsieh2014.chaos import Divergence, divergence, nudged
-from hsieh2014.claims import Claim, NumericalError, Result, Stated, order_verdict
+from cycloid_mj.result import Claim, Table, Value
 from hsieh2014.cycle import cycle_table
-from hsieh2014.idle import QUANTITIES, Idle, Quantity, idle, label, of_runs, swept
+from hsieh2014.idle import QUANTITIES, Divergence, Idle, Ranked, divergence, idle, label, nudged, of_runs, swept
+from hsieh2014.motion import mean_spin
 from hsieh2014.plan import (
     LEFT_OPEN,
     Plan,
@@ -32,10 +28,12 @@ from hsieh2014.plan import (
     varied_idle_runs,
     varied_rated_runs,
 )
-from hsieh2014.stage import Found, Plate, Runs, Told
+from hsieh2014.stage import Found, Plate, Progress, Runs
+from hsieh2014.verdicts import order_verdict
 
 Levels = dict[str, float]
 """Name of a design -> its rms of a quantity."""
+RATIO = "pin / nonpin"
 
 CAPTIONS = {
     "compare_gear_speed": ("Fig. 6", "Error of the gear's speed over a turn, both designs on one scale."),
@@ -49,7 +47,7 @@ CAPTIONS = {
 }
 
 
-def vibration(plan: Plan, runs: Runs, told: Told) -> Found:
+def vibration(plan: Plan, runs: Runs, progress: Progress) -> Found:
     """Rank the idle fluctuations of both designs over independent starts, and vary what the paper leaves open."""
     # asked for together, so that the runs fill every core
     pairs = [(at_speed(design, 0.0, plan.turns), nudged(at_speed(design, 0.0, plan.turns))) for design in designs()]
@@ -95,7 +93,7 @@ def _plates(plan: Plan, runs: Runs, cases: Mapping[str, Idle]) -> Iterator[Plate
     )
 
 
-def _claim(quantity: Quantity, base: Idle, sweep: Mapping[Variation, Idle], rated: Mapping[str, Levels]) -> Claim:
+def _claim(quantity: Ranked, base: Idle, sweep: Mapping[Variation, Idle], rated: Mapping[str, Levels]) -> Claim:
     """Judge which design fluctuates more at no load: by its starts, and by what the paper leaves open."""
     key = quantity.key
     turned_by = {label(one): found.order(key) for one, found in sweep.items() if one.parameter in LEFT_OPEN}
@@ -108,19 +106,17 @@ def _claim(quantity: Quantity, base: Idle, sweep: Mapping[Variation, Idle], rate
         part=quantity.part,
         design="both",
         condition=no_load(),
-        paper=Stated(f"{quantity.name} fluctuates more with pins than without", "order", "pin > nonpin"),
-        ours=Result(
+        claim=f"{quantity.name} fluctuates more with pins than without",
+        kind="order",
+        stated=Value("pin > nonpin"),
+        found=Value(
             f"rms {pin.words} with pins, {nonpin.words} {quantity.unit} without ({STARTS} starts each); "
-            f"means {base.ratio(key):.2f} to 1",
-            base.ratio(key),
-            "pin / nonpin",
+            f"means {ratio.values[0]:.2f} to 1",
+            ratio.values[0],
+            RATIO,
             (ratio.low, ratio.high),
         ),
-        error=NumericalError(
-            ratio.half,
-            "pin / nonpin",
-            f"spread of {STARTS} starts",
-        ),
+        error=Value(f"spread of {STARTS} starts", ratio.half, RATIO),
         verdict=verdict,
         decided_by=_decided(key, base, sweep, turned),
         rated=_beside(quantity, rated[key]),
@@ -138,14 +134,14 @@ def _decided(key: str, base: Idle, sweep: Mapping[Variation, Idle], turned: Sequ
     return f"{words}; given by the paper: {', '.join(given)}" if given else words
 
 
-def _beside(quantity: Quantity, levels: Levels) -> Result:
+def _beside(quantity: Ranked, levels: Levels) -> Value:
     pin, nonpin = levels["pin"], levels["nonpin"]
     ratio = pin / nonpin if nonpin else math.inf
     others = "".join(f"; {name} {level:.3g}" for name, level in levels.items() if name not in ("pin", "nonpin"))
-    return Result(
+    return Value(
         f"rms {pin:.3g} with pins, {nonpin:.3g} {quantity.unit} without, {ratio:.2f} to 1{others}",
         ratio,
-        "pin / nonpin",
+        RATIO,
     )
 
 
@@ -188,13 +184,8 @@ def _spin_table(plan: Plan, runs: Runs) -> Table:
 
 
 def _spins(found: Sequence[Run]) -> str:
-    means = Spread.of(_spin(settled(run)) for run in found) if found else None
+    means = Spread.of(mean_spin(settled(run)) for run in found) if found else None
     return "" if means is None else means.words if len(means.values) > 1 else f"{means.mean:.3g}"
-
-
-def _spin(motion: Series) -> float:
-    assert motion.pin_1 is not None
-    return float(np.mean(motion.pin_1.spin[motion.whole_periods]))
 
 
 def _idle_table(cases: Mapping[str, Idle], finer: Idle | None) -> Table:
