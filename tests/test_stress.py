@@ -447,12 +447,11 @@ def test_only_the_papers_own_designs_are_judged_and_only_without_load():
     paper = made_findings("pin", **AS_THE_PAPER)
     assert claims([paper])
     assert claims([replace(paper, load=36.68)]) == ()
-    other = replace(paper, references=stress_references(override(PIN, ["gear.face_width_mm=12.0"])))
+    wider = override(PIN, ["gear.face_width_mm=12.0"])
+    other = replace(paper, references=stress_references(wider))
     own = other.as_json()
     assert PAPER.stress_claims([SimpleNamespace(design=PIN, findings=paper)]) == claims([paper])
-    assert (
-        PAPER.stress_claims([SimpleNamespace(design=override(PIN, ["gear.face_width_mm=12.0"]), findings=paper)]) == ()
-    )
+    assert PAPER.stress_claims([SimpleNamespace(design=wider, findings=paper)]) == ()
     assert {part["reference"] for part in own["parts"]} == {None}
     assert {part["part"]: part["reference"]["below_mpa"] for part in paper.as_json()["parts"]}["shaft"] == 160.0
     assert (paper.published("shaft"), replace(paper, load=36.68).published("shaft")) == (160e6, None)
