@@ -4,7 +4,7 @@ Nothing in `cycloid_mj` imports a paper by its name: a second one is a second pa
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from typing import TYPE_CHECKING
@@ -23,6 +23,14 @@ GROUP = "cycloid_mj.papers"
 
 
 @dataclass(frozen=True)
+class Vibration:
+    """Where a paper finds that a pin design fluctuates more than a nonpin one: its `source`, and quantity -> figure."""
+
+    source: str = "none is installed"
+    figures: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
 class Paper:
     """What a paper adds to the commands.
 
@@ -38,6 +46,8 @@ class Paper:
         Gives the output torques that the paper has for a design, if it is one of the paper's.
     stress_references
         Gives what the paper has on the stress of a design's parts, by their names.
+    vibration
+        Where it ranks the vibration of pin and nonpin designs, if it does.
     stress_claims
         Judges what the paper claims of stress by studies of several designs.
     """
@@ -47,6 +57,7 @@ class Paper:
     command: str
     examples: str
     torques: Callable[["Design"], "Sequence[Published]"] = lambda design: ()
+    vibration: Vibration | None = None
     stress_references: Callable[["Design"], "Mapping[str, Reference]"] = lambda design: {}
     stress_claims: Callable[["Sequence[StressStudy]"], "Sequence[Claim]"] = lambda studies: ()
 
@@ -61,6 +72,11 @@ def papers() -> tuple[Paper, ...]:
 def published_torques(design: "Design") -> "list[Published]":
     """Give the output torques that the papers have for a design."""
     return [one for paper in papers() for one in paper.torques(design)]
+
+
+def vibration() -> Vibration:
+    """Give where a paper ranks the vibration of pin and nonpin designs; nothing where none does."""
+    return next((paper.vibration for paper in papers() if paper.vibration), Vibration())
 
 
 def stress_references(design: "Design") -> "dict[str, Reference]":

@@ -28,6 +28,7 @@ from cycloid_mj.cli.simulate import logs_folder, require_possible
 from cycloid_mj.cli.verdict import report
 from cycloid_mj.design import Design, override
 from cycloid_mj.errors import LogError, UsageError
+from cycloid_mj.papers import vibration
 
 if TYPE_CHECKING:
     from cycloid_mj.analysis import Series
@@ -231,7 +232,7 @@ def _from_logs(
     from cycloid_mj.comparison import compare as compared
 
     found = [_measured(Path(name), place) for name in names]
-    comparison = compared([trial for _, trial in found])
+    comparison = compared([trial for _, trial in found], figures=vibration().figures)
     motions = {trial: motion for motion, trial in found}
     into = folder(f"{names[0].removesuffix('.mcap')}-compare" if out is None else out, "the figures")
     return comparison, _drawn(comparison, [motions[trial] for trial in comparison.trials], into)
@@ -279,9 +280,10 @@ def _from_runs(
         found = ([variation.of(start) for start in starts[design]] for design in designs)
         return [Trial(first, measured[first], tuple(measured[other] for other in others)) for first, *others in found]
 
-    points: list[Varied] = [varied(each, trials(cases, each)) for each in variations]
+    figures = vibration().figures
+    points: list[Varied] = [varied(each, trials(cases, each), figures) for each in variations]
     moved = sensitivities(trials(loaded), {each: trials(loaded, each) for each in assumptions})
-    comparison = compared(trials(cases), points, moved if assumptions else ())
+    comparison = compared(trials(cases), points, moved if assumptions else (), figures)
     return comparison, _drawn(comparison, [motions[design] for design in cases], into)
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from cycloid_mj.cli.terminal import say, say_json, say_table
 from cycloid_mj.errors import warn
+from cycloid_mj.papers import vibration
 
 if TYPE_CHECKING:
     from cycloid_mj.comparison import Comparison
@@ -51,7 +52,7 @@ def _words(comparison: "Comparison") -> Iterator[str]:
     bases = ["at no load by their independent starts"] if 0.0 in comparison.loads else []
     bases += ["under load by their crank turns"] if any(comparison.loads) else []
     yield from _wrapped(
-        "The paper (Hsieh 2014, Figs 6-8) finds that the pin design fluctuates more. Of these runs, judged "
+        f"The paper ({vibration().source}) finds that the pin design fluctuates more. Of these runs, judged "
         f"{' and '.join(bases)}:"
     )
     for sentence in comparison.summary:

@@ -2,13 +2,13 @@
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from cycloid_mj.analysis import load_words
 from cycloid_mj.comparison.conditions import HOLD, conditions, differences
-from cycloid_mj.comparison.ranking import Ranking, rankings, summary
+from cycloid_mj.comparison.ranking import NO_FIGURES, Ranking, rankings, summary
 from cycloid_mj.comparison.rows import ROWS
 from cycloid_mj.comparison.sensitivity import Sensitivity
 from cycloid_mj.comparison.sweep import Varied, decisions
@@ -96,9 +96,19 @@ class Comparison:
 
 
 def compare(
-    trials: Sequence[Trial], sweep: Sequence[Varied] = (), sensitivity: Sequence[Sensitivity] = ()
+    trials: Sequence[Trial],
+    sweep: Sequence[Varied] = (),
+    sensitivity: Sequence[Sensitivity] = (),
+    figures: Mapping[str, str] = NO_FIGURES,
 ) -> Comparison:
     """Put runs side by side.
+
+    Parameters
+    ----------
+    trials, sweep, sensitivity
+        The runs; the same with parameters varied; how far their figures move with what is assumed.
+    figures
+        A paper's that find the pin design to fluctuate more: name of a quantity -> figure.
 
     Raises
     ------
@@ -117,7 +127,7 @@ def compare(
         conditions=conditions(ordered[-1].design),
         differences=differences(list(designs.values())),
         trials=ordered,
-        rankings=tuple(rankings(ordered)),
+        rankings=tuple(rankings(ordered, figures)),
         sweep=tuple(sweep),
         sensitivity=tuple(sensitivity),
     )

@@ -1,11 +1,12 @@
-"""What the paper says of the vibration of both designs (Hsieh 2014, Figs 6-8), and what runs say of it.
+"""Whether a pin design fluctuates more than a nonpin one, as a paper finds, and what runs say of it.
 
 At no load the motion is chaotic, and independent starts tell two designs apart or do not; under load it is regular, and
 the crank turns of one run do.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Literal, NamedTuple
 
 from cycloid_mj.analysis import load_words
@@ -31,19 +32,20 @@ FEWEST_TURNS = 4
 
 
 class Quantity(NamedTuple):
-    """A quantity whose fluctuation is ranked: its name, the paper's figure ("" if it has none), its unit."""
+    """A quantity whose fluctuation is ranked: its name and unit."""
 
     name: str
-    figure: str
     unit: str
 
 
-GEAR_SPEED = Quantity("gear speed", "Fig. 6", "rad/s")
-Q_PATH = Quantity("path of q", "Fig. 7", "um")
-Q_VELOCITY = Quantity("velocity of q", "Fig. 8", "mm/s")
-CENTRE = Quantity("acceleration of the gear centre", "", "m/s^2")
-OUTPUT = Quantity("acceleration of the output", "", "rad/s^2")
+GEAR_SPEED = Quantity("gear speed", "rad/s")
+Q_PATH = Quantity("path of q", "um")
+Q_VELOCITY = Quantity("velocity of q", "mm/s")
+CENTRE = Quantity("acceleration of the gear centre", "m/s^2")
+OUTPUT = Quantity("acceleration of the output", "rad/s^2")
 QUANTITIES = (GEAR_SPEED, Q_PATH, Q_VELOCITY, CENTRE, OUTPUT)
+
+NO_FIGURES: Mapping[str, str] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -158,12 +160,19 @@ def summary(ranked: Sequence[Ranking]) -> list[str]:
     return lines
 
 
-def rankings(trials: Sequence[Trial]) -> list[Ranking]:
-    """Rank every pin design against every nonpin design under each load."""
+def rankings(trials: Sequence[Trial], figures: Mapping[str, str] = NO_FIGURES) -> list[Ranking]:
+    """Rank every pin design against every nonpin design under each load.
+
+    `figures` are a paper's that find the pin design to fluctuate more: name of a quantity -> figure.
+    """
     pins = [trial for trial in trials if trial.design.ring.kind == "pin"]
     others = [trial for trial in trials if trial.design.ring.kind == "nonpin"]
     pairs = [(pin, nonpin) for pin in pins for nonpin in others if pin.load == nonpin.load]
-    return [_ranking(quantity, pin, nonpin) for pin, nonpin in pairs for quantity in QUANTITIES]
+    return [
+        _ranking(quantity, figures.get(quantity.name, ""), pin, nonpin)
+        for pin, nonpin in pairs
+        for quantity in QUANTITIES
+    ]
 
 
 def _levels(measures: Measures) -> dict[Quantity, Level]:
@@ -177,7 +186,7 @@ def _levels(measures: Measures) -> dict[Quantity, Level]:
     }
 
 
-def _ranking(quantity: Quantity, pin: Trial, nonpin: Trial) -> Ranking:
+def _ranking(quantity: Quantity, figure: str, pin: Trial, nonpin: Trial) -> Ranking:
     pins, others = ([_levels(start)[quantity] for start in trial.starts] for trial in (pin, nonpin))
     spreads = (Spread.of(level.rms for level in levels) for levels in (pins, others))
-    return Ranking(*quantity, pin.load, pin.name, nonpin.name, pins[0], others[0], *spreads)
+    return Ranking(quantity.name, figure, quantity.unit, pin.load, pin.name, nonpin.name, pins[0], others[0], *spreads)

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from cycloid_mj.analysis import load_words
-from cycloid_mj.comparison.ranking import Ranking, rankings
+from cycloid_mj.comparison.ranking import NO_FIGURES, Ranking, rankings
 from cycloid_mj.comparison.trial import Trial
 from cycloid_mj.design import Design, override
 
@@ -48,9 +48,9 @@ class Varied:
     rankings: tuple[Ranking, ...]
 
 
-def varied(variation: Variation, trials: Sequence[Trial]) -> Varied:
+def varied(variation: Variation, trials: Sequence[Trial], figures: Mapping[str, str] = NO_FIGURES) -> Varied:
     """Rank the runs with one variation."""
-    return Varied(variation.parameter, variation.value, tuple(rankings(trials)))
+    return Varied(variation.parameter, variation.value, tuple(rankings(trials, figures)))
 
 
 def decisions(base: Sequence[Ranking], sweep: Sequence[Varied]) -> list[str]:

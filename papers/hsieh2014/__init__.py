@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from cycloid_mj.papers import Paper
-from hsieh2014.stated import is_ours, stress_references, torques
+from hsieh2014.stated import VIBRATION, is_ours, stress_references, torques
 
 if TYPE_CHECKING:
     from cycloid_mj.result import Claim
@@ -28,6 +28,7 @@ PAPER = Paper(
     command="hsieh2014.command:reproduce",
     examples=EXAMPLES,
     torques=torques,
+    vibration=VIBRATION,
     stress_references=stress_references,
     stress_claims=_stress_claims,
 )
