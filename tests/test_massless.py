@@ -14,8 +14,8 @@ from cycloid_mj.contact.teeth import teeth_of
 from cycloid_mj.contact.working import at_rated_load
 from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.errors import CycloidWarning, DesignError
+from cycloid_mj.loaded import transmission_error
 from cycloid_mj.measure import bench
-from cycloid_mj.measure.static_error import static_error
 from cycloid_mj.measure.steady import SETTLED, powers, steady, steady_design
 from cycloid_mj.mjcf import build
 from cycloid_mj.run import simulate
@@ -57,7 +57,7 @@ def test_at_rest_they_carry_as_pins_and_seats_in_series(name):
     for crank in bench.crank_angles(design, 2):
         run = bench.run_to_the_end(design, float(crank), lambda time: np.full_like(time, torque), torque, 0.04, 4)
         turned = bench.output_turn(run, design)[-1]
-        assert turned == pytest.approx(static_error(design, crank, torque)[0, 1], rel=2e-3)
+        assert turned == pytest.approx(transmission_error(design, crank, torque)[0, 1], rel=2e-3)
 
 
 def test_the_stiffness_follows_the_curvature_as_that_of_two_springs():

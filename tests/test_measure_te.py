@@ -10,12 +10,13 @@ from cycloid_mj.analysis.spectrum import periodic_orders
 from cycloid_mj.contact.working import at_rated_load
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import DesignError
+from cycloid_mj.loaded import transmission_error
 from cycloid_mj.measure.conditions import rated_torque, stepped
 from cycloid_mj.measure.orders import Cause, causes
-from cycloid_mj.measure.static_error import kinematic_error, static_error
 from cycloid_mj.measure.te import te
 from cycloid_mj.measure.trace import ARCSEC, Case, trace
 from cycloid_mj.measure.vibration import vibration
+from cycloid_mj.mechanism.gaps import arc_gaps, cam_places
 from cycloid_mj.mjcf import build
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.statics import ideal_load_sharing
@@ -39,7 +40,7 @@ def cause(key: str) -> Cause:
 
 def shares(design: Design, place: str, base: float) -> dict[int, float]:
     """Amplitudes [arcsec] of the multiples of a base order in the elastic error under the rated load."""
-    gear, output = ARCSEC * static_error(design, TURN, 36.68).T
+    gear, output = ARCSEC * transmission_error(design, TURN, 36.68).T
     found = periodic_orders(TURN, gear if place == "gear" else output - gear, base, 80.0)
     return {round(order / base): float(size) for order, size in zip(found.order, found.amplitude, strict=True)}
 
@@ -54,6 +55,15 @@ def test_each_order_has_one_cause_in_its_place() -> None:
     assert not cause("ring").has(AGAINST_GEAR)
     assert cause("eccentricity").has(HOLES * AGAINST_GEAR)
     assert cause("holes").has(AGAINST_GEAR)
+
+
+def kinematic_error(design: Design, crank: np.ndarray) -> np.ndarray:
+    """Turn [rad] at which the first rigid tooth stops a gear that is centred on the cam, pressed counter-clockwise."""
+    found = arc_gaps(design, crank)
+    teeth = found.kind == design.tooth_pair
+    at_cam = np.einsum("kni,ki->kn", found.slope[:, teeth, :2], cam_places(design, crank)[:, 0])
+    gap, closing = found.width[:, teeth] + at_cam, -design.output.pin_circle_radius * found.slope[:, teeth, 2]
+    return np.min(np.divide(gap, closing, out=np.full(gap.shape, np.inf), where=closing > 0.0), axis=1)
 
 
 @pytest.mark.parametrize("around", [1, 5])
@@ -84,7 +94,7 @@ def test_statics_without_clearance_is_ideal_load_sharing() -> None:
     stiff = ['contact.stiffness_law="uniform"', "stiffness.pin_gear_n_m=1e7", "stiffness.cam_n_m=1e12"]
     design = fixed(*SMOOTH, *(f"clearance.{pair}_um=1e-6" for pair in PAIRS), *stiff, "stiffness.output_n_m=1e12")
     crank = np.linspace(0.0, 2.0 * np.pi / N, 7)
-    turned = static_error(design, crank, 0.1)[:, 0]
+    turned = transmission_error(design, crank, 0.1)[:, 0]
     arms = ideal_load_sharing(tooth_profile(design), 0.1, crank).arms
     ideal = 0.1 / (1e7 * np.sum(np.where(arms < 0.0, arms**2, 0.0), axis=-1))
     # The cam gives 1e-5 as much as the teeth; at ten times the load the normals' turning shows, by 1e-3.
@@ -98,7 +108,7 @@ def test_statics_agrees_with_the_independent_solution(changes: list[str]) -> Non
     stiffness = {kind: law.stiffness for kind, law in build(design).laws.items()}
     for crank in (4.2, 5.0):
         solved = equilibrium.solve(design, stiffness, crank)
-        gear, output = static_error(design, crank, 36.0)[0]
+        gear, output = transmission_error(design, crank, 36.0)[0]
         assert gear == pytest.approx(solved.gear_turn, rel=0.005)
         assert output == pytest.approx(solved.output_turn, rel=0.005)
 
@@ -108,7 +118,7 @@ def test_one_pin_in_error_shows_as_its_displacement_over_its_arm() -> None:
     tight = ["clearance.cam_um=0.01", "clearance.output_um=0.01", "clearance.pin_gear_um=8.0"]
     design = stepped(fixed(*tight, "errors.pin_y_um={1=-5.0}"))
     found = trace(design, build(design), 1.0, Case("unloaded", "forward", "slow", 0.1, 30.0))
-    rigid = ARCSEC * kinematic_error(design, found.crank, 1.0)
+    rigid = ARCSEC * kinematic_error(design, found.crank)
     assert np.ptp(found.gear) == pytest.approx(np.ptp(rigid), rel=0.05)
     assert np.std(found.gear) == pytest.approx(np.std(rigid), rel=0.05)
     seen, ideal = (periodic_orders(found.crank, error, 1.0, 40.0).amplitude for error in (found.gear, rigid))
@@ -116,7 +126,7 @@ def test_one_pin_in_error_shows_as_its_displacement_over_its_arm() -> None:
     assert cause("ring").strongest(periodic_orders(found.crank, found.gear, 1.0, 40.0))[0] == 1.0
     # The neighbouring pin would show a pitch earlier, a pin that is pulled out not at all.
     for spoiled in ("errors.pin_y_um={2=-5.0}", "errors.pin_y_um={1=5.0}"):
-        wrong = ARCSEC * kinematic_error(override(fixed(*tight), [spoiled]), found.crank, 1.0)
+        wrong = ARCSEC * kinematic_error(override(fixed(*tight), [spoiled]), found.crank)
         assert np.std(found.gear - wrong) > 5.0 * np.std(found.gear - rigid)
 
 
@@ -161,7 +171,7 @@ def test_a_crank_that_stands_still_is_refused() -> None:
 def test_statics_is_found_from_the_ideal_pose_of_any_reducer(name: str, way: float) -> None:
     """A step past the middle of a valley's circle would leave the large reducer without a balance at 0.1 rad."""
     design = unlike(name)
-    found = static_error(design, [0.1], way * rated_torque(design))[0]
-    near = static_error(design, np.linspace(0.0, 0.1, 6), way * rated_torque(design))[-1]
+    found = transmission_error(design, [0.1], way * rated_torque(design))[0]
+    near = transmission_error(design, np.linspace(0.0, 0.1, 6), way * rated_torque(design))[-1]
     assert found == pytest.approx(near, rel=1e-4)
     assert way * found[1] > way * found[0] > 0.0

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from cycloid_mj import envelope, profile, statics
+from cycloid_mj import profile, statics
 from cycloid_mj.design import Design
 from cycloid_mj.errors import RunError
 from cycloid_mj.loaded import Loads, Springs, loads, peak_force, peak_pressure, springs_of, torque_at_pressure
@@ -64,13 +64,9 @@ class Rated:
     @property
     def pressure_angle(self) -> float:
         """Angle of the tooth forces to the way that they turn the gear, averaged by force [rad]."""
-        gear, turned = tooth_profile(self.design), 0.0
-        for angle, forces in zip(self.springs.crank, self.found.teeth, strict=True):
-            B = envelope.arc_contacts(gear, float(angle)).B
-            if self.design.ring.kind == "nonpin":
-                B = np.concatenate([B, envelope.sigma_contacts(gear, float(angle)).B])
-            turned += float(np.sum(profile.pressure_angle(gear, B) * forces[: B.size]))
-        return turned / float(self.found.teeth.sum())
+        gear, forces = tooth_profile(self.design), self.found.teeth
+        B = profile.pin_angles(gear) + self.springs.crank[:, np.newaxis]
+        return float(np.sum(profile.pressure_angle(gear, B) * forces) / forces.sum())
 
 
 @lru_cache(maxsize=4)

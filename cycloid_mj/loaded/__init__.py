@@ -6,17 +6,21 @@ matter, comes on as a load, from the normal forces before, until both agree. A p
 body: its two contacts are one, in series, and the smaller of both frictions is that of both.
 """
 
-from cycloid_mj.loaded.balance import Loads, loads
+from cycloid_mj.loaded.balance import Loads, Powers, loads, powers, transmission_error
 from cycloid_mj.loaded.pressure import peak_force, peak_pressure, torque_at_pressure, yield_torque
-from cycloid_mj.loaded.springs import Springs, springs_of
+from cycloid_mj.loaded.springs import Springs, body_force, springs_of
 
 __all__ = [
     "Loads",
+    "Powers",
     "Springs",
+    "body_force",
     "loads",
     "peak_force",
     "peak_pressure",
+    "powers",
     "springs_of",
     "torque_at_pressure",
+    "transmission_error",
     "yield_torque",
 ]

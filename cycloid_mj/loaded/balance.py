@@ -1,18 +1,16 @@
-"""The balance of a reducer's springs under a load."""
+"""The balance of a reducer's springs under a load, and the powers of a crank that turns slowly through it."""
 
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from cycloid_mj.compiling import announced
 from cycloid_mj.design import Design
 from cycloid_mj.errors import RunError
-from cycloid_mj.loaded.springs import Springs
-from cycloid_mj.mechanism.kernel import BALANCED, balance
+from cycloid_mj.loaded.springs import Springs, springs_of
+from cycloid_mj.mechanism.kernel import BALANCED, Left, balance
 from cycloid_mj.types import Array
-
-ROUNDS, SETTLED = 30, 1e-4
-"""Most rounds of friction, and the change of friction that ends them, as a share of the load."""
 
 
 @dataclass(frozen=True)
@@ -27,42 +25,114 @@ class Loads:
         Of the cam on the gear [N], shape (m, 2).
     departures
         Of gear and output from their ideal places, as in ``mechanism.gaps``, shape (m, 4) [m].
-    output_turn
-        Of the output from its ideal angle, shape (m,) [rad].
+    gear_turn, output_turn
+        Of gear and output from their ideal angles, shape (m,) [rad].
     """
 
     teeth: Array
     output: Array
     cam: Array
     departures: Array
+    gear_turn: Array
     output_turn: Array
 
 
-def loads(design: Design, springs: Springs, torque: float) -> Loads:
+def loads(design: Design, springs: Springs, torque: float, follow: bool = False) -> Loads:
     """Give what the contacts carry under a torque on the output [N m], counter-clockwise, not 0.
+
+    `follow` tells that the crank angles follow each other closely: each search then starts from the balances before.
 
     Raises
     ------
     RunError
         No balance was found.
     """
-    lever, count = design.output.pin_circle_radius, springs.crank.size
-    load = np.zeros((count, 4))
-    load[:, :2], load[:, 3] = springs.body_force, torque / lever
-    z, friction = np.zeros(load.shape), np.zeros(load.shape)
-    z[:, :2] = springs.contacts.cam_place[:, 0]
-    force = np.zeros(springs.contacts.distance.shape)
-    for _ in range(ROUNDS):
-        with announced():
-            left = balance(springs.contacts, springs.cam_play, springs.cam_stiffness, load + friction, z, force, False)
-        if not left <= BALANCED:
-            raise RunError(f"no static balance under the load: {left:.3g} of it is left over")
-        off = z[:, :2] - springs.contacts.cam_place[:, 0]
-        distance = np.maximum(np.linalg.norm(off, axis=1), np.finfo(float).tiny)
-        pressed = springs.cam_stiffness * np.maximum(distance - springs.cam_play, 0.0)
-        before, friction = friction, np.einsum("mn,mnk->mk", force, springs.rubbing)
-        friction[:, 2] += springs.cam_rubbing * pressed
-        if np.abs(friction - before).max() < SETTLED * np.linalg.norm(load, axis=1).min():
-            cam = -(pressed / distance)[:, np.newaxis] * off
-            return Loads(force[:, : springs.teeth], force[:, springs.teeth :], cam, z, z[:, 3] / lever)
-    raise RunError("no static balance: the friction is too large for the crank to turn under this load")
+    contacts, lever = springs.contacts, design.output.pin_circle_radius
+    load = np.zeros((springs.crank.size, contacts.slope.shape[2]))
+    load[:, :2], load[:, -1] = springs.body_force, torque / lever
+    z, force = np.zeros(load.shape), np.zeros(contacts.distance.shape)
+    z[:, :2] = contacts.cam_place[:, 0]
+    with announced():
+        require_balance(balance(contacts, load, z, force, follow))
+    away = z[:, :2] - contacts.cam_place[:, 0]
+    distance = np.maximum(np.linalg.norm(away, axis=1), np.finfo(float).tiny)
+    pressed = contacts.cam_stiffness * np.maximum(distance - contacts.cam_clearance, 0.0)
+    return Loads(
+        teeth=force[:, : springs.teeth],
+        output=force[:, springs.teeth :],
+        cam=-(pressed / distance)[:, np.newaxis] * away,
+        departures=z,
+        gear_turn=z[:, 2] / lever,
+        output_turn=z[:, -1] / lever,
+    )
+
+
+def require_balance(left: Left) -> None:
+    """Raise RunError unless a balance was found."""
+    if not left.force <= BALANCED:
+        raise RunError(f"no static balance under the load: {left.force:.3g} of it is left over")
+    if not left.friction <= BALANCED:
+        raise RunError("no static balance: the friction is too large for the crank to turn under this load")
+
+
+def transmission_error(design: Design, crank: npt.ArrayLike, torque: float) -> Array:
+    """Give the turn of gear and output from the ideal one [rad], shape (k, 2), at crank angles [rad], shape (k,).
+
+    Without friction, and without inertia but the gear's centrifugal force at the speed of the design; the angles follow
+    each other. The `torque` [N m] is on the output, counter-clockwise: against a crank that turns counter-clockwise.
+
+    Raises
+    ------
+    RunError
+        No balance was found.
+    """
+    found = loads(design, springs_of(design, crank, friction=False), torque, follow=True)
+    return np.stack([found.gear_turn, found.output_turn], axis=1)
+
+
+@dataclass(frozen=True)
+class Powers:
+    """Mean powers of a slow turn [W]: into the reducer through each shaft, negative where it gives power out.
+
+    `losses` are those of teeth (pins that move: in their seats too), cam, output pins and seals.
+    """
+
+    crank: float
+    output: float
+    losses: dict[str, float]
+
+    @property
+    def supplied(self) -> float:
+        """Power of the shafts that drive [W]: of both where the reducer is self-locking."""
+        return max(self.crank, 0.0) + max(self.output, 0.0)
+
+    @property
+    def efficiency(self) -> float:
+        """Power given out as a share of that supplied, whichever shaft drives; 0 where none is given out."""
+        return -min(self.crank, self.output, 0.0) / self.supplied
+
+
+def powers(design: Design, torque: float) -> Powers:
+    """Give the mean powers under a torque on the output [N m] that brakes, or drives where it is negative.
+
+    The crank turns at the design's speed, not 0; its torque is what the losses leave over of the load's. Seals on the
+    output are carried by the contacts.
+
+    Raises
+    ------
+    RunError
+        No balance was found, as where the friction jams the reducer.
+    """
+    springs, way, speed = springs_of(design), np.sign(design.drive.speed), abs(design.drive.speed)
+    found = loads(design, springs, float(way) * (torque + design.drag.output))
+    slip, count = np.abs(springs.slip), springs.teeth
+    turning = speed * design.ring.teeth / design.lobes
+    losses = {
+        "teeth": design.mesh_friction * np.sum(found.teeth * slip[:, :count], axis=1),
+        "cam": design.friction_of("cam") * design.gear.bore_radius * turning * np.linalg.norm(found.cam, axis=1),
+        "output": design.friction_of("output") * np.sum(found.output * slip[:, count:], axis=1),
+        "seals": np.array(design.drag.crank * speed + design.drag.output * speed / design.lobes),
+    }
+    mean = {part: float(np.mean(lost)) for part, lost in losses.items()}
+    given = torque * speed / design.lobes
+    return Powers(given + sum(mean.values()), -given, mean)

@@ -1,17 +1,18 @@
 """The springs of a reducer: gaps, slopes, stiffness and friction of every contact at many crank angles."""
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from cycloid_mj import kinematics, profile
 from cycloid_mj.contact.law import curvature_law, pair_stiffness
 from cycloid_mj.contact.working import at_rated_load
 from cycloid_mj.design import Design
-from cycloid_mj.loaded.rubbing import rubbing
+from cycloid_mj.loaded.friction import rubbing
 from cycloid_mj.mechanism import kernel
-from cycloid_mj.mechanism.gaps import Gaps, arc_gaps, cam_places, flank_gaps, ideal_motion
+from cycloid_mj.mechanism.gaps import arc_gaps, cam_places, ideal_motion
 from cycloid_mj.modification import gear_profile, profile_offset, tooth_profile
 from cycloid_mj.types import Array
 
@@ -19,13 +20,13 @@ POSES = 61
 GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 """Share of a turn between crank angles: multiples of it fill the mesh period and the turn evenly, whatever N."""
 
-FAR = 1.0
-"""Gap [m] of a contact line that a crank angle does not have."""
-
 
 @dataclass(frozen=True)
 class Springs:
     """The springs of a reducer at m crank angles, on the unknowns of ``mechanism.gaps``.
+
+    The flanks of an internal gear close only beside an arc, as one patch with it, and are left out: they turn the
+    output by less than a part in 10^5 of what the load does.
 
     Attributes
     ----------
@@ -34,28 +35,21 @@ class Springs:
     teeth
         Contact lines with the ring; those after the first are output pins.
     contacts
-        The springs of the lines and then the output pins, n at each angle.
+        The springs of the lines and then the output pins, n at each angle, and of the cam.
     curvature
         Relative curvature of the contact lines with the ring [1/m], shape (m, teeth).
-    cam_play, cam_stiffness
-        Clearance [m] and stiffness [N/m] of the cam.
     body_force
         Weight and centrifugal force of the gear [N], shape (m, 2).
-    rubbing
-        Generalised friction of each contact line and output pin per normal force [1], shape (m, n, 4).
-    cam_rubbing
-        Generalised friction of the cam on the gear's turn per normal force [1].
+    slip
+        Speed at which the gear slides on each contact line and output pin [m/s], shape (m, n), and in the cam [m/s].
     """
 
     crank: Array
     teeth: int
     contacts: kernel.Springs
     curvature: Array
-    cam_play: float
-    cam_stiffness: float
     body_force: Array
-    rubbing: Array
-    cam_rubbing: float
+    slip: Array
 
 
 def turn_evenly(poses: int = POSES) -> Array:
@@ -63,10 +57,10 @@ def turn_evenly(poses: int = POSES) -> Array:
     return np.asarray(2.0 * math.pi * np.mod(GOLDEN * np.arange(poses), 1.0))
 
 
-def springs_of(design: Design, crank: Array | None = None) -> Springs:
+def springs_of(design: Design, crank: npt.ArrayLike | None = None, friction: bool = True) -> Springs:
     """Give the springs of a design, which must be sound, at crank angles [rad], shape (m,); by default all round.
 
-    Their stiffness is that `at_rated_load`.
+    Their stiffness is that `at_rated_load`; without `friction` the crank need not turn.
 
     Raises
     ------
@@ -74,18 +68,22 @@ def springs_of(design: Design, crank: Array | None = None) -> Springs:
         The working force flattens a pin beyond a line contact.
     """
     design = at_rated_load(design)
-    crank = turn_evenly() if crank is None else crank
-    found = _lines_and_pins(design, crank)
+    crank = turn_evenly() if crank is None else np.ravel(np.asarray(crank, dtype=np.float64))
+    found = arc_gaps(design, crank)
     teeth = int(np.sum(found.kind == design.tooth_pair))
     curvature = found.relative_curvature[:, :teeth]
-    output = np.full((crank.size, design.output.pins), pair_stiffness(design, "output"))
-    turning = ideal_motion(design, crank) * np.sign(design.drive.speed)
-    drag = math.copysign(design.friction_of("cam"), design.drive.speed) * design.gear.bore_radius
+    output = np.full((crank.size, found.kind.size - teeth), pair_stiffness(design, "output"))
+    motion = ideal_motion(design, crank) * design.drive.speed
+    radius = design.output.pin_circle_radius
+    drag = math.copysign(design.friction_of("cam"), design.drive.speed) * design.gear.bore_radius / radius
     return Springs(
         crank=crank,
         teeth=teeth,
         contacts=kernel.Springs(
-            room=found.room + np.where(found.kind == design.tooth_pair, design.pin_play, 0.0),
+            radius=radius,
+            disc=found.disc,
+            turning=found.kind == design.tooth_pair,
+            room=(found.room + found.play)[0],
             distance=found.distance,
             slope=found.slope,
             shift=found.shift,
@@ -93,36 +91,15 @@ def springs_of(design: Design, crank: Array | None = None) -> Springs:
             bend=found.bend,
             stiffness=np.concatenate([tooth_stiffness(design, curvature), output], axis=1),
             cam_place=cam_places(design, crank),
+            cam_clearance=design.clearance.cam,
+            cam_stiffness=pair_stiffness(design, "cam"),
+            rubbing=rubbing(design, found, motion) if friction else np.zeros((0, *found.slope.shape[1:])),
+            cam_rubbing=drag if friction else 0.0,
         ),
         curvature=curvature,
-        cam_play=design.clearance.cam,
-        cam_stiffness=pair_stiffness(design, "cam"),
-        body_force=_body_force(design, kinematics.gear_centre(tooth_profile(design), crank)),
-        rubbing=rubbing(design, found, turning),
-        cam_rubbing=drag / design.output.pin_circle_radius,
+        body_force=body_force(design, crank),
+        slip=np.einsum("mnu,mu->mn", found.slip_slope, motion),
     )
-
-
-def _lines_and_pins(design: Design, crank: Array) -> Gaps:
-    """Give the contact lines with the ring, those of an internal gear's flanks after its arcs, and the output pins.
-
-    Angles with fewer flanks than others have some that are far away.
-    """
-    found = arc_gaps(design, crank)
-    if design.ring.kind == "pin":
-        return found
-    at = [flank_gaps(design, float(angle)) for angle in crank]
-    most, parts = max(one.owner.size for one in at), {}
-    for field in fields(Gaps):
-        whole, before = getattr(found, field.name), design.ring.teeth
-        if field.name in ("kind", "owner", "disc"):
-            flank = np.full(most, {"kind": design.tooth_pair}.get(field.name, 0))
-            parts[field.name] = np.concatenate([whole[:before], flank, whole[before:]])
-        else:
-            fill = {"room": FAR, "bend": 1.0, "relative_curvature": 1.0}.get(field.name, 0.0)
-            flanks = _padded([getattr(one, field.name) for one in at], most, fill)
-            parts[field.name] = np.concatenate([whole[:, :before], flanks, whole[:, before:]], axis=1)
-    return Gaps(**parts)
 
 
 def tooth_stiffness(design: Design, curvature: Array) -> Array:
@@ -133,19 +110,15 @@ def tooth_stiffness(design: Design, curvature: Array) -> Array:
     return np.asarray(1.0 / (1.0 / own + 1.0 / pair_stiffness(design, kind)) if kind else own)
 
 
-def _body_force(design: Design, centre: Array) -> Array:
-    """Weight and centrifugal force of the gear [N], (m, 2), its bore and holes left out of its mass."""
-    gear, output = design.gear, design.output
-    bored = math.pi * (gear.bore_radius**2 + output.pins * output.hole_radius**2)
+def body_force(design: Design, crank: Array) -> Array:
+    """Give weight and centrifugal force of the gear [N], shape (m, 2), at crank angles [rad], shape (m,).
+
+    Its mass is that of its outline less bore and holes, each with its clearance; of turned flanks not the corners.
+    """
+    gear, output, clearance = design.gear, design.output, design.clearance
+    holes = output.pins * (output.hole_radius + clearance.output) ** 2
+    bored = math.pi * ((gear.bore_radius + clearance.cam) ** 2 + holes)
     area = profile.area(gear_profile(design), profile_offset(design)) - bored
-    mass = design.material.density * gear.face_width * area
     gravity = np.array([design.environment.gravity_x, design.environment.gravity_y])
-    return np.asarray(mass * (gravity + design.drive.speed**2 * centre))
-
-
-def _padded(rows: list[Array], length: int, fill: float) -> Array:
-    """Stack arrays of different lengths, (n, ...), to one, (m, length, ...)."""
-    whole = np.full((len(rows), length, *rows[0].shape[1:]), fill)
-    for row, values in zip(whole, rows, strict=True):
-        row[: len(values)] = values
-    return whole
+    flung = design.drive.speed**2 * kinematics.gear_centre(tooth_profile(design), crank)
+    return np.asarray(design.material.density * gear.face_width * area * (gravity + flung))

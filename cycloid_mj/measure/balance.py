@@ -1,26 +1,22 @@
-"""Lost motion and stiffness by statics: an independent balance of contact springs, without friction, weight or time.
+"""Lost motion and stiffness by statics: the balance of contact springs, without friction, weight or time.
 
 The compliance of the whole is that of three parts in series, told apart by how the parts move, in simulation and
 statics alike: the output against the gear (output pins); the gear's turn about the pitch point that goes with its
 centre's way s along the eccentric's circle, -s/(c (N-1)) (cam); and the rest of the gear's turn (teeth, pins, sockets).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.contact.law import pair_stiffness
-from cycloid_mj.design import Design, Errors, Modification
-from cycloid_mj.errors import RunError
+from cycloid_mj.design import Design
+from cycloid_mj.loaded import loads, springs_of
+from cycloid_mj.measure.bench import ideal
 from cycloid_mj.measure.hysteresis import LOST_MOTION_SHARE, STRAIGHT, Loop
-from cycloid_mj.types import Array
-from cycloid_mj.validation import equilibrium
-from cycloid_mj.validation.equilibrium import Equilibrium
 
 SERIES = ("output", "cam", "mesh")
 SHARES = (*sorted(STRAIGHT, reverse=True), LOST_MOTION_SHARE)
-BETWEEN = 4
-"""Times that the way to a share is halved at most, where no balance is found from the last one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,57 +64,25 @@ def in_series(design: Design, turn: float, gear_turn: float, centre_lead: float)
     return {"output": turn - gear_turn, "cam": cam, "mesh": gear_turn - cam}
 
 
-def is_known(design: Design) -> bool:
-    """Tell whether `balance` knows a design: it is without errors and without modification of the flanks' shape."""
-    shape = design.modification.model_copy(update={"equidistant": 0.0})
-    return design.errors.model_copy(update={"seed": 0}) == Errors() and shape == Modification()
-
-
-def balance(design: Design, crank: float, rated: float) -> Balance:
-    """Solve for the static poses at a crank angle [rad] under shares of a rated torque [N m] on the output.
+def balances(design: Design, cranks: Sequence[float], rated: float) -> list[Balance]:
+    """Solve for the static poses at crank angles [rad] under shares of a rated torque [N m] on the output.
 
     Raises
     ------
     RunError
         No balance was found.
     """
-    stiffness = {kind: pair_stiffness(design, kind) for kind in design.pair_kinds}
-    turn, gear_turn, centre_lead = {}, {}, {}
-    for side in (-1, 1):
-        near: Equilibrium | None = None
-        last = 2.0 * side * rated
-        for share in SHARES:
-            near = _solved(design, stiffness, crank, side * share * rated, near, last)
-            last = side * share * rated
-            turn[side * share], gear_turn[side * share] = near.output_turn, near.gear_turn
-            centre_lead[side * share] = _lead(design, stiffness["cam"], near.cam_force, crank)
-    return Balance(rated, turn, gear_turn, centre_lead)
+    still = ideal(design).but(drive={"speed": 0.0})
+    springs = springs_of(still, cranks, friction=False)
+    found = {side * share: loads(still, springs, side * share * rated) for side in (-1, 1) for share in SHARES}
+    along = -np.stack([np.cos(springs.crank), np.sin(springs.crank)], axis=1)
 
+    def at(place: int) -> Balance:
+        return Balance(
+            rated,
+            {share: float(one.output_turn[place]) for share, one in found.items()},
+            {share: float(one.gear_turn[place]) for share, one in found.items()},
+            {share: float(one.departures[place, :2] @ along[place]) for share, one in found.items()},
+        )
 
-def _solved(
-    design: Design,
-    stiffness: dict[str, float],
-    crank: float,
-    torque: float,
-    near: Equilibrium | None,
-    last: float,
-    between: int = BETWEEN,
-) -> Equilibrium:
-    """Solve under a torque [N m]: from the balance `near` under the torque `last`, from none, or on the way there."""
-    loaded = design.model_copy(update={"load": design.load.model_copy(update={"torque": torque})})
-    for start in (near, None) if near is not None else (None,):
-        try:
-            return equilibrium.solve(loaded, stiffness, crank, start)
-        except RunError:
-            if start is None and not between:
-                raise
-    halfway = 0.5 * (last + torque)
-    near = _solved(design, stiffness, crank, halfway, near, last, between - 1)
-    return _solved(design, stiffness, crank, torque, near, halfway, between - 1)
-
-
-def _lead(design: Design, stiffness: float, cam_force: Array, crank: float) -> float:
-    """Way of the gear's centre [m]: against the cam's force, by its clearance and what it gives."""
-    force = float(np.linalg.norm(cam_force))
-    shift = -cam_force / force * (design.clearance.cam + force / stiffness)
-    return float(-shift[0] * np.cos(crank) - shift[1] * np.sin(crank))
+    return [at(place) for place in range(len(cranks))]

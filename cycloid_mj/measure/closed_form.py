@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.design import Design, override
+from cycloid_mj.loaded.friction import ideal_losses
 from cycloid_mj.solid import gear_solid, mass_properties
-from cycloid_mj.validation.published import loss_shares
 
 CRANK_ANGLES = 360
 AS_BUILT = (
@@ -38,7 +38,7 @@ def ideal_efficiency(design: Design, load: float) -> Closed:
     loaded = override(design, [f"load.torque_nm={carried!r}"])
     crank = np.linspace(0.0, 2.0 * np.pi, CRANK_ANGLES, endpoint=False)
     supplied = (
-        carried * (1.0 + sum(loss_shares(loaded, crank, design.mesh_friction))) + design.drag.crank * design.lobes
+        carried * (1.0 + sum(ideal_losses(loaded, crank, design.mesh_friction))) + design.drag.crank * design.lobes
     )
     return Closed(load / supplied, "ideal sharing, Coulomb")
 

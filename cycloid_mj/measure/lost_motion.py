@@ -13,7 +13,7 @@ from cycloid_mj.measure.pool import Progress, each, silent
 ANGLES, QUICK_ANGLES = 6, 2
 SLOWER, FINER = 2.0, 4.0
 """The checks: a loop this many times as slow, and one at a step this many times shorter."""
-LEFT_OUT = "statics is left out: it does not know manufacturing errors and modified flanks, or found no balance"
+LEFT_OUT = "statics is left out: it found no balance"
 
 
 def lost_motion(
@@ -71,11 +71,9 @@ def lost_motion(
 
 
 def _statics(design: Design, cranks: list[float], rated: float) -> list[Balance]:
-    """Give the static solutions; none where statics does not know the design, or finds no balance."""
-    if not balance.is_known(design):
-        return []
+    """Give the static solutions; none where statics finds no balance."""
     try:
-        return [balance.balance(design, crank, rated) for crank in cranks]
+        return balance.balances(design, cranks, rated)
     except RunError:
         return []
 

@@ -8,9 +8,9 @@ import numpy as np
 from cycloid_mj import envelope, statics
 from cycloid_mj.contact.pressure import hertz_holds, hertz_pressure, line_curvature, line_share
 from cycloid_mj.design import Design
+from cycloid_mj.loaded import body_force
 from cycloid_mj.mechanism.reducer import mechanism
 from cycloid_mj.record import Run
-from cycloid_mj.solid import gear_solid, mass_properties
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.types import Array, Mask
 
@@ -120,13 +120,5 @@ def ideal_peak(design: Design, kind: str, crank_angle: Array) -> float:
     if kind == "output":
         return float(output.max())
     if kind == "cam":
-        return float(np.hypot(*statics.cam_force(ring, output, crank_angle, _body_force(design, crank_angle)).T).max())
+        return float(np.hypot(*statics.cam_force(ring, output, crank_angle, body_force(design, crank_angle)).T).max())
     return float(ring.forces.max())
-
-
-def _body_force(design: Design, crank_angle: Array) -> Array:
-    """Weight of the gear, and its mass times acceleration turned round [N], shape (n, 2)."""
-    mass = mass_properties(gear_solid(design)).mass
-    outward = np.stack([-np.sin(crank_angle), np.cos(crank_angle)], axis=1)
-    flung = design.gear.eccentricity * design.drive.speed**2 * outward
-    return mass * (flung + np.array([design.environment.gravity_x, design.environment.gravity_y]))

@@ -11,12 +11,12 @@ import numpy as np
 
 from cycloid_mj.contact.working import working_at, working_forces_told
 from cycloid_mj.design import Design
+from cycloid_mj.loaded import transmission_error
 from cycloid_mj.measure import te_table
 from cycloid_mj.measure.conditions import DRAG, RPM, halved, rated_torque, require_motion, stepped
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.orders import causes
 from cycloid_mj.measure.pool import Progress, each, silent
-from cycloid_mj.measure.static_error import static_error
 from cycloid_mj.measure.trace import ARCSEC, Case, Trace, own, trace
 from cycloid_mj.mjcf import build
 
@@ -108,7 +108,8 @@ def _traces(
 def _statics(design: Design, case: Case, turns: int) -> te_table.Static:
     """Solve a case in statics."""
     crank = np.linspace(0.0, 2.0 * np.pi * turns, SOLVED * design.ring.teeth * turns + 1)
-    found = ARCSEC * static_error(design, crank, float(np.sign(case.speed)) * case.torque, case.speed)
+    turning = design.but(drive={"speed": case.speed})
+    found = ARCSEC * transmission_error(turning, crank, float(np.sign(case.speed)) * case.torque)
     return te_table.Static(crank, found[:, 0], found[:, 1])
 
 

@@ -6,8 +6,8 @@ normal distance of two surfaces, positive where they are apart. At the ideal pos
 errors and profile modification leave; its gradient is the direction of the force that the contact puts on the parts.
 
 Along the surface a contact moves too: each curve then counts as its circle of curvature, so what is left is of third
-order in the displacement, but for the turning of the parts. In the valleys of the paper's gear, where that circle has a
-radius of 18 um, that is good for displacements of some micrometres.
+order in the displacement, once a balance counts how far the parts turn (`kernel.gap`). In the valleys of the paper's
+gear, where that circle has a radius of 18 um, that is good for displacements of some micrometres.
 
 Angles as in ``kinematics``, tooth geometry as in ``envelope``. A disc at the phase beta on the crank meshes as the gear
 of a crank at theta + beta (Hsieh 2014, Eqs 7 and 11, for one disc); its holes turn with the output.
@@ -41,7 +41,9 @@ class Gaps:
         Index of the disc, shape (n,).
     room
         What the gap is wider by than the distance, wherever the parts are [m], shape (n,): clearances, errors of radii.
-        The play of a pin in its socket or sleeve is not in it.
+    play
+        Of the ring's pin in its socket, or of its sleeve [m], shape (n,); 0 where none moves. It is not in `room`: a
+        pin that is pressed gives way by it first.
     distance
         Normal distance of the two curves at z = 0 [m], shape (n,): 0 for ideal parts.
     slope
@@ -50,7 +52,7 @@ class Gaps:
         How far the parts are displaced along the surface at z = 0 [m], shape (n,), and the gradient of that.
     bend
         Relative curvature [1/m] of the two curves, shape (n,): of the gear's trochoid, on which ideal pins have their
-        centres; of the circle of a hole less the pin in it. Convex positive.
+        centres; of the circle about the middle of a hole on which those of output pins are. Convex positive.
     relative_curvature
         Of the line contact [1/m]: gear's plus mate's surface, shape (n,).
     slip_slope
@@ -62,6 +64,7 @@ class Gaps:
     owner: Integers
     disc: Integers
     room: Array
+    play: Array
     distance: Array
     slope: Array
     shift: Array
@@ -78,16 +81,6 @@ class Gaps:
     def width(self) -> Array:
         """Gaps at z = 0, to first order [m], shape (n,)."""
         return np.asarray(self.room + self.distance)
-
-    def at(self, z: Array) -> tuple[Array, Array]:
-        """Give the gaps [m], shape (n,), and their gradient [1], shape (n, 3 D + 1), at departures z [m]."""
-        distance, shift = self.distance + self.slope @ z, self.shift + self.shift_slope @ z
-        along, across = 1.0 + self.bend * distance, self.bend * shift
-        reach = np.hypot(along, across)
-        near = along > 0.0  # else it is open by more than the curve's radius
-        cosine, sine = np.where(near, along / reach, 1.0), np.where(near, across / reach, 0.0)
-        width = self.room + np.where(near, (reach - 1.0) / self.bend, distance)
-        return width, cosine[:, np.newaxis] * self.slope + sine[:, np.newaxis] * self.shift_slope
 
 
 def unknowns(design: Design) -> int:
@@ -134,15 +127,18 @@ def flank_gaps(design: Design, crank: float, disc: int = 0) -> Gaps:
 def _tooth_gaps(design: Design, disc: int, lines: envelope.RingContacts, middle: Array, mate: Array) -> Gaps:
     """Give the gaps between a disc and the ring, pins in their places.
 
-    A pin displaced by d opens its gap by d . n, n the gear's outward normal, and a radius larger by r closes it by r. A
-    pin circle of the gear larger by x moves its profile out by x cos(alpha); flanks turned by a retreat by a times the
-    arm of their normal. The gear's curve is its trochoid, its `mate` a pin's centre or a flank's parallel through it,
-    by its curvature [1/m]; the disc's `middle` [m] is where the ideal one is.
+    A pin displaced by d opens its gap by d . n, n the gear's outward normal. A radius larger by r closes it by r, and a
+    socket leaves the pin so much less play. To a gear whose pin circle is larger by x a pin is x nearer to the middle;
+    flanks turned by a retreat by a times the arm of their normal, as those of a gear that has turned. The gear's curve
+    is its trochoid, its `mate` a pin's centre or a flank's parallel through it, by its curvature [1/m]; the disc's
+    `middle` [m] is where the ideal one is.
     """
     gear, made, change = tooth_profile(design), deviations(design), design.modification
-    push, arm, place = lines.normals, profile.moment_arm(gear, lines.B), made.pin_place[lines.lobe]
+    push, arm = lines.normals, profile.moment_arm(gear, lines.B)
+    place = made.pin_place[lines.lobe] - change.pin_circle * profile.unit(profile.pin_angles(gear)[lines.lobe])
     room = profile_offset(design) - gear.pin_radius - made.pin_radius[lines.lobe]
-    moved = change.rotation * np.abs(arm) - change.pin_circle * np.cos(profile.conjugate_alpha(gear, lines.B))
+    play = design.pin_play - (made.pin_radius[lines.lobe] if design.ring.has_sockets else 0.0)
+    turned = change.rotation * np.sign(arm)
     side = _quarter_turned(push)
     rubbed = np.sum(side * _quarter_turned(lines.points - middle), axis=-1)
     lever = rubbed - gear.pin_radius
@@ -151,9 +147,10 @@ def _tooth_gaps(design: Design, disc: int, lines: envelope.RingContacts, middle:
         owner=lines.lobe,
         disc=np.full(lines.lobe.size, disc),
         room=np.broadcast_to(room, arm.shape),
-        distance=moved - np.sum(place * push, axis=-1),
+        play=np.broadcast_to(play, arm.shape),
+        distance=turned * arm - np.sum(place * push, axis=-1),
         slope=_by_unknown(design, disc, push, arm, np.zeros(arm.shape)),
-        shift=np.sum(place * side, axis=-1),
+        shift=np.sum(place * side, axis=-1) - turned * lever,
         shift_slope=_by_unknown(design, disc, -side, -lever, np.zeros(arm.shape)),
         bend=profile.curvature(gear, lines.t, 0.0) + mate,
         relative_curvature=lines.relative_curvature,
@@ -173,24 +170,21 @@ def _output_gaps(design: Design, crank: Array, disc: int) -> Gaps:
     middle = gear_centre(gear, crank[..., np.newaxis] + phases(design)[disc])
     push = -middle / gear.eccentricity
     place = profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins + turned) * output.pin_circle_radius
-    side, hole, around = (
-        _quarter_turned(push),
-        _turned(made.hole_place, -turned),
-        output.hole_radius - output.pin_radius,
-    )
+    side, hole = _quarter_turned(push), _turned(made.hole_place, -turned)
     arm, lever = np.sum(place * -_quarter_turned(push), axis=-1), np.sum(place * push, axis=-1)
-    distance = (around - gear.eccentricity) + np.sum(hole * push, axis=-1)
+    room = design.clearance.output + output.hole_radius - output.pin_radius - gear.eccentricity
     return Gaps(
         kind=np.full(output.pins, "output"),
         owner=np.arange(output.pins),
         disc=np.full(output.pins, disc),
-        room=np.full(distance.shape, design.clearance.output),
-        distance=distance,
+        room=np.full(arm.shape, room),
+        play=np.zeros(arm.shape),
+        distance=np.sum(hole * push, axis=-1),
         slope=_by_unknown(design, disc, push, arm, -arm),
         shift=-np.sum(hole * side, axis=-1),
         shift_slope=_by_unknown(design, disc, -side, -lever, lever),
-        bend=np.full(distance.shape, -1.0 / around),
-        relative_curvature=np.full(distance.shape, 1.0 / output.pin_radius - 1.0 / output.hole_radius),
+        bend=np.full(arm.shape, -1.0 / gear.eccentricity),
+        relative_curvature=np.full(arm.shape, 1.0 / output.pin_radius - 1.0 / output.hole_radius),
         slip_slope=_by_unknown(design, disc, side, lever + output.hole_radius, -(lever + output.pin_radius)),
     )
 

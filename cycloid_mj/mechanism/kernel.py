@@ -2,7 +2,8 @@
 
 Every spring is a gap from ``mechanism.gaps``, round by its `bend`; the cams are circles in circles. The energy of the
 springs less the work of the load is convex up to the turning of the gaps, so Newton's steps are shortened until the
-energy falls. Angles follow each other along the turn: each starts from the balance before it.
+energy falls. Friction comes on as a load, from the normal forces before, until both agree. Angles follow each other
+along the turn: each starts from the balances before it.
 """
 
 import math
@@ -10,17 +11,15 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from cycloid_mj.compiling import cacheable
-
-Array = NDArray[np.float64]
+from cycloid_mj.types import Array, Integers, Mask
 
 ROUNDS = 200
-"""Most Newton steps at one crank angle."""
+"""Most Newton steps at one crank angle, and most rounds of friction."""
 
 BALANCED = 1e-8
-"""Largest residual of a balance, as a share of the largest force in it."""
+"""Largest residual of a balance, and largest change of its friction, as a share of the largest load."""
 
 FLOATING = 1e-9
 """Stiffness that keeps floating parts where they are, as a share of the cam's."""
@@ -34,12 +33,21 @@ _ROUNDING = 1e-12
 
 
 class Springs(NamedTuple):
-    """Springs at k crank angles, n at each, on u unknowns; see ``gaps.Gaps`` for the meaning of each.
+    """Springs at k crank angles, n at each, on the unknowns of D discs and an output, u = 3 D + 1.
 
-    Shapes: `room`, `distance`, `shift`, `bend`, `stiffness` (k, n) [m, m, m, 1/m, N/m]; `slope`, `shift_slope`
-    (k, n, u) [1]; `cam_place` (k, D, 2) [m].
+    For the meaning of most of them see ``gaps.Gaps``; `room` [m] has the play of the pins in it. Shapes: `room` (n,)
+    [m]; `distance`, `shift`, `bend`, `stiffness` (k, n) [m, m, 1/m, N/m]; `slope`, `shift_slope` (k, n, u) [1].
+
+    `radius` [m] is that of the circle of output pins: an unknown of turning is the angle times that. `disc` (n,) is the
+    contact's disc, and `turning` (n,) tells whether its curve turns with the disc: the teeth do, round holes need not.
+    `cam_place` (k, D, 2) [m], `cam_clearance` [m] and `cam_stiffness` [N/m] are those of the cams. `rubbing` (k, n, u)
+    and `cam_rubbing` [1] are the generalised friction per normal force, of the cam on its disc's turn; k is 0 in
+    `rubbing` without friction.
     """
 
+    radius: float
+    disc: Integers
+    turning: Mask
     room: Array
     distance: Array
     slope: Array
@@ -48,85 +56,182 @@ class Springs(NamedTuple):
     bend: Array
     stiffness: Array
     cam_place: Array
+    cam_clearance: float
+    cam_stiffness: float
+    rubbing: Array
+    cam_rubbing: float
 
 
-class System(NamedTuple):
+class Curved(NamedTuple):
+    """A gap at some departures: its `width` [m] and derivatives by x, y and turn of its disc and turn of the output.
+
+    `ahead` is the gradient [1], `aside` the rate at which the contact moves along the surface, `rate` [1/m] how fast
+    the normal turns with that.
+    """
+
+    width: float
+    ahead: tuple[float, float, float, float]
+    aside: tuple[float, float, float, float]
+    rate: float
+
+
+class Left(NamedTuple):
+    """What no balance was found for, each as a share of the largest load: `force` left over, `friction` unsettled."""
+
+    force: float
+    friction: float
+
+
+class _System(NamedTuple):
     """Generalised forces left over [N], shape (u,), and the springs' stiffness [N/m], shape (u, u), its lower half."""
 
     residual: Array
     tangent: Array
 
 
-@njit(cache=cacheable(), nogil=True)
-def balance(
-    springs: Springs, cam_clearance: float, cam_stiffness: float, load: Array, z: Array, force: Array, follow: bool
-) -> float:
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool) -> Left:
     """Solve for the departures z (k, u) [m] at every crank angle under a load (k, u) [N], and the springs' forces.
 
     z and force (k, n) [N] are filled in. Each row of z is where its search starts; with `follow`, the first row is, and
-    the others start from the balance before them.
+    the others start from the balances before them.
 
     Returns
     -------
-    The worst residual, as a share of the largest load [1]: above ``BALANCED`` no balance was found somewhere.
+    The worst of all angles: where one of them is above ``BALANCED``, no balance was found.
     """
     count, number = load.shape
-    system = System(np.zeros(number), np.zeros((number, number)))
-    trial = System(np.zeros(number), np.zeros((number, number)))
-    step, there = np.zeros(number), np.zeros(number)
-    worst = 0.0
+    system = _System(np.zeros(number), np.zeros((number, number)))
+    trial = _System(np.zeros(number), np.zeros((number, number)))
+    step, there, held, drag = np.zeros(number), np.zeros(number), np.zeros(number), np.zeros(number)
+    rough = springs.rubbing.shape[0] > 0
+    worst = unsettled = 0.0
     for k in range(count):
         here = z[k]
-        if follow and k > 1:
-            here[:] = 2.0 * z[k - 1] - z[k - 2]
-        elif follow and k:
-            here[:] = z[k - 1]
-        scale = np.abs(load[k]).max() or 1.0
-        least_radius = 1.0 / np.abs(springs.bend[k]).max()
-        energy = _assemble(springs, k, cam_clearance, cam_stiffness, load[k], here, system)
-        left = np.abs(system.residual).max() / scale
+        for j in range(number if follow else 0):
+            if k > 1:
+                here[j] = 2.0 * z[k - 1, j] - z[k - 2, j]
+            elif k:
+                here[j] = z[k - 1, j]
+        scale = _largest(load[k]) or 1.0
+        longest = _NEAR / _largest(springs.bend[k])
+        left = change = 0.0
         for _ in range(ROUNDS):
-            if left <= BALANCED:
-                break
-            _solve(system.tangent, system.residual, step, FLOATING * cam_stiffness)
-            share = min(1.0, _NEAR * least_radius / np.abs(step).max())
-            for _ in range(_HALVINGS):
-                for i in range(number):
-                    there[i] = here[i] + share * step[i]
-                found = _assemble(springs, k, cam_clearance, cam_stiffness, load[k], there, trial)
-                if found <= energy + _ROUNDING * abs(energy):
+            for j in range(number):
+                held[j] = load[k, j] + drag[j]
+            energy = _assemble(springs, k, held, here, system)
+            left = _largest(system.residual) / scale
+            for _ in range(ROUNDS):
+                if left <= BALANCED:
                     break
-                share *= 0.5
-            here[:] = there
-            energy = found
-            system, trial = trial, system
-            left = np.abs(system.residual).max() / scale
-        worst = max(worst, left)
-        for i in range(springs.distance.shape[1]):
-            force[k, i] = -springs.stiffness[k, i] * min(_gap(springs, k, i, here)[0], 0.0)
-    return worst
+                _solve(system.tangent, system.residual, step, FLOATING * springs.cam_stiffness)
+                share = min(1.0, longest / _largest(step))
+                found = energy
+                for _ in range(_HALVINGS):
+                    for j in range(number):
+                        there[j] = here[j] + share * step[j]
+                    found = _assemble(springs, k, held, there, trial)
+                    if found <= energy + _ROUNDING * abs(energy):
+                        break
+                    share *= 0.5
+                for j in range(number):
+                    here[j] = there[j]
+                energy = found
+                system, trial = trial, system
+                left = _largest(system.residual) / scale
+            if not (rough and left <= BALANCED):
+                break
+            change = _rub(springs, k, here, drag, step) / scale
+            if change <= BALANCED:
+                break
+        worst, unsettled = max(worst, left), max(unsettled, change)
+        for i in range(springs.disc.size):
+            force[k, i] = springs.stiffness[k, i] * _depth(springs, k, i, here)
+    return Left(worst, unsettled)
 
 
-@njit(cache=cacheable(), nogil=True, inline="always")
-def _gap(springs: Springs, k: int, i: int, z: Array) -> tuple[float, float, float, float]:
-    """Give a gap [m], cosine and sine of the angle by which its normal has turned, and the rate of that [1/m]."""
-    distance, shift = springs.distance[k, i], springs.shift[k, i]
-    for j in range(z.size):
-        distance += springs.slope[k, i, j] * z[j]
-        shift += springs.shift_slope[k, i, j] * z[j]
-    room, bend = springs.room[k, i], springs.bend[k, i]
-    along, across = 1.0 + bend * distance, bend * shift
-    reach = math.sqrt(along * along + across * across)
-    if along <= 0.0:  # open by more than the curve's radius
-        return room + distance, 1.0, 0.0, 0.0
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def gap(springs: Springs, k: int, i: int, z: Array) -> Curved:
+    """Give a gap at departures z [m], shape (u,)."""
+    q, p = _apart(springs, k, i, z)
+    return _curved(springs, k, i, z, q, p)
+
+
+# Arrays are read before any branch: numba counts references to those that are read in one.
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _apart(springs: Springs, k: int, i: int, z: Array) -> tuple[float, float]:
+    """Give how far two curves are apart at their ideal contact [m]: across it, q, and along it, p.
+
+    Finite turns count to the second order: a curve that turns with its disc by phi sees its mate's place turn the other
+    way, q + i p as e^(i phi); a round hole only moves, its middle about the disc's and the pin's about the output's.
+    """
+    x = 3 * springs.disc[i]
+    y, t, o = x + 1, x + 2, z.size - 1
+    phi, psi, turning = z[t] / springs.radius, z[o] / springs.radius, springs.turning[i]
+    q, p = springs.distance[k, i], springs.shift[k, i]
+    turned_q, turned_p = springs.slope[k, i, t] * z[t], springs.shift_slope[k, i, t] * z[t]
+    out_q, out_p = springs.slope[k, i, o] * z[o], springs.shift_slope[k, i, o] * z[o]
+    moved_q = springs.slope[k, i, x] * z[x] + springs.slope[k, i, y] * z[y]
+    moved_p = springs.shift_slope[k, i, x] * z[x] + springs.shift_slope[k, i, y] * z[y]
+    if turning:
+        q, p = q + moved_q + turned_q, p + moved_p + turned_p
+        return q - phi * (p - 0.5 * turned_p), p + phi * (q - 0.5 * turned_q)
+    second_q = phi * (p + 0.5 * turned_p) + 0.5 * psi * out_p
+    second_p = phi * (q + 0.5 * turned_q) + 0.5 * psi * out_q
+    return q + moved_q + turned_q + out_q + second_q, p + moved_p + turned_p + out_p - second_p
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _curved(springs: Springs, k: int, i: int, z: Array, q: float, p: float) -> Curved:
+    """Give a gap and its derivatives from what `_apart` gives."""
+    x = 3 * springs.disc[i]
+    y, t, o = x + 1, x + 2, z.size - 1
+    phi, psi, turning, radius = z[t] / springs.radius, z[o] / springs.radius, springs.turning[i], springs.radius
+    qx, px = springs.slope[k, i, x], springs.shift_slope[k, i, x]
+    qy, py = springs.slope[k, i, y], springs.shift_slope[k, i, y]
+    qt, pt = springs.slope[k, i, t], springs.shift_slope[k, i, t]
+    qo, po = springs.slope[k, i, o], springs.shift_slope[k, i, o]
+    q0, p0 = springs.distance[k, i], springs.shift[k, i]
+    bend, room = springs.bend[k, i], springs.room[i]
+    if turning:
+        qt, pt = qt - (p - phi * q) / radius, pt + (q + phi * p) / radius
+        qx, px, qy, py = qx - phi * px, px + phi * qx, qy - phi * py, py + phi * qy
+    else:
+        qt, pt = qt + p0 / radius + phi * pt, pt - q0 / radius - phi * qt
+        qo, po = qo + psi * po, po - psi * qo
+    along, across = 1.0 + bend * q, bend * p
+    # reach 0 for a gap that is open by more than the curve's radius
+    reach = math.sqrt(along * along + across * across) if along > 0.0 else 0.0
+    c, s = (along / reach, across / reach) if along > 0.0 else (1.0, 0.0)
     # (reach - 1) / bend without its cancellation
-    return room + distance + across * across / (bend * (reach + along)), along / reach, across / reach, bend / reach
+    width = room + q + (across * p / (reach + along) if along > 0.0 else 0.0)
+    return Curved(
+        width,
+        (c * qx + s * px, c * qy + s * py, c * qt + s * pt, c * qo + s * po),
+        (c * px - s * qx, c * py - s * qy, c * pt - s * qt, c * po - s * qo),
+        bend / reach if along > 0.0 else 0.0,
+    )
 
 
-@njit(cache=cacheable(), nogil=True)
-def _assemble(
-    springs: Springs, k: int, cam_clearance: float, cam_stiffness: float, load: Array, z: Array, system: System
-) -> float:
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _is_open(springs: Springs, k: int, i: int, q: float, p: float) -> bool:
+    """Tell whether a gap is surely open, by what `_apart` gives: most are, and their roots need not be taken."""
+    bend, room = springs.bend[k, i], springs.room[i]
+    along = 1.0 + bend * q
+    return room + q > 0.0 and (bend > 0.0 or along <= 0.0 or (room + q) * along > -0.5 * bend * p * p)
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _depth(springs: Springs, k: int, i: int, z: Array) -> float:
+    """Give how deep a contact is pressed [m]; 0 where it is open."""
+    q, p = _apart(springs, k, i, z)
+    return 0.0 if _is_open(springs, k, i, q, p) else max(-_curved(springs, k, i, z, q, p).width, 0.0)
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _assemble(springs: Springs, k: int, load: Array, z: Array, system: _System) -> float:
     """Put together the system at departures z; give the energy of the springs less the work of the load [J]."""
     number = z.size
     residual, tangent = system.residual, system.tangent
@@ -136,40 +241,90 @@ def _assemble(
         residual[j] = load[j]
         for m in range(j + 1):
             tangent[j, m] = 0.0
-    for i in range(springs.distance.shape[1]):
-        gap, cosine, sine, rate = _gap(springs, k, i, z)
-        if gap >= 0.0:
-            continue
-        stiffness = springs.stiffness[k, i]
-        energy += 0.5 * stiffness * gap * gap
-        # The normal's turning stiffens a concave contact and softens a convex one: what softens is left to Newton.
-        turning = max(stiffness * gap * rate, 0.0)
-        for j in range(number):
-            ahead = cosine * springs.slope[k, i, j] + sine * springs.shift_slope[k, i, j]
-            aside = cosine * springs.shift_slope[k, i, j] - sine * springs.slope[k, i, j]
-            residual[j] -= stiffness * gap * ahead
-            for m in range(j + 1):
-                also = cosine * springs.slope[k, i, m] + sine * springs.shift_slope[k, i, m]
-                beside = cosine * springs.shift_slope[k, i, m] - sine * springs.slope[k, i, m]
-                tangent[j, m] += stiffness * ahead * also + turning * aside * beside
     for disc in range(springs.cam_place.shape[1]):
-        a, b = 3 * disc, 3 * disc + 1
-        x, y = z[a] - springs.cam_place[k, disc, 0], z[b] - springs.cam_place[k, disc, 1]
-        reach = math.sqrt(x * x + y * y)
-        depth = reach - cam_clearance
+        # Sums stand in names, not in the arrays, which the compiler would write at every contact.
+        rx = ry = rt = ro = xx = xy = yy = xt = yt = tt = xo = yo = to = oo = 0.0
+        for i in range(springs.disc.size):
+            if springs.disc[i] != disc:
+                continue
+            q, p = _apart(springs, k, i, z)
+            if _is_open(springs, k, i, q, p):
+                continue
+            stiffness, found = springs.stiffness[k, i], _curved(springs, k, i, z, q, p)
+            if found.width >= 0.0:
+                continue
+            force = -stiffness * found.width
+            energy -= 0.5 * force * found.width
+            # The normal's turning stiffens a concave contact and softens a convex one: what softens is left to Newton.
+            turning = max(-force * found.rate, 0.0)
+            (ax, ay, at, ao), (bx, by, bt, bo) = found.ahead, found.aside
+            rx, ry, rt, ro = rx + force * ax, ry + force * ay, rt + force * at, ro + force * ao
+            xx += stiffness * ax * ax + turning * bx * bx
+            xy += stiffness * ax * ay + turning * bx * by
+            yy += stiffness * ay * ay + turning * by * by
+            xt += stiffness * ax * at + turning * bx * bt
+            yt += stiffness * ay * at + turning * by * bt
+            tt += stiffness * at * at + turning * bt * bt
+            xo += stiffness * ax * ao + turning * bx * bo
+            yo += stiffness * ay * ao + turning * by * bo
+            to += stiffness * at * ao + turning * bt * bo
+            oo += stiffness * ao * ao + turning * bo * bo
+        u, v, depth, around = _cam(springs, k, disc, z)
         if depth > 0.0:
-            energy += 0.5 * cam_stiffness * depth * depth
-            x, y = x / reach, y / reach
-            residual[a] -= cam_stiffness * depth * x
-            residual[b] -= cam_stiffness * depth * y
-            around = depth / reach
-            tangent[a, a] += cam_stiffness * (x * x + around * y * y)
-            tangent[b, a] += cam_stiffness * (1.0 - around) * x * y
-            tangent[b, b] += cam_stiffness * (y * y + around * x * x)
+            stiffness = springs.cam_stiffness
+            energy += 0.5 * stiffness * depth * depth
+            rx, ry = rx - stiffness * depth * u, ry - stiffness * depth * v
+            xx += stiffness * (u * u + around * v * v)
+            xy += stiffness * (1.0 - around) * u * v
+            yy += stiffness * (v * v + around * u * u)
+        x, y, t, o = 3 * disc, 3 * disc + 1, 3 * disc + 2, number - 1
+        residual[x], residual[y], residual[t] = residual[x] + rx, residual[y] + ry, residual[t] + rt
+        residual[o] += ro
+        tangent[x, x], tangent[y, x], tangent[y, y] = xx, xy, yy
+        tangent[t, x], tangent[t, y], tangent[t, t] = xt, yt, tt
+        tangent[o, x], tangent[o, y], tangent[o, t] = xo, yo, to
+        tangent[o, o] += oo
     return energy
 
 
-@njit(cache=cacheable(), nogil=True)
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _cam(springs: Springs, k: int, disc: int, z: Array) -> tuple[float, float, float, float]:
+    """Give the way (u, v) [1] of a disc's centre from the cam's, how deep it presses [m], and that over how far [1]."""
+    x, y = z[3 * disc] - springs.cam_place[k, disc, 0], z[3 * disc + 1] - springs.cam_place[k, disc, 1]
+    reach = math.sqrt(x * x + y * y)
+    depth, share = reach - springs.cam_clearance, 1.0 / reach if reach > 0.0 else 0.0
+    return x * share, y * share, depth, depth * share
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _rub(springs: Springs, k: int, z: Array, drag: Array, new: Array) -> float:
+    """Put the friction of the normal forces at departures z into `drag` [N]; give by how much that changes it [N]."""
+    for j in range(z.size):
+        new[j] = 0.0
+    for i in range(springs.disc.size):
+        force = springs.stiffness[k, i] * _depth(springs, k, i, z)
+        for j in range(z.size if force > 0.0 else 0):
+            new[j] += force * springs.rubbing[k, i, j]
+    for disc in range(springs.cam_place.shape[1]):
+        depth = _cam(springs, k, disc, z)[2]
+        new[3 * disc + 2] += springs.cam_rubbing * springs.cam_stiffness * max(depth, 0.0)
+    change = 0.0
+    for j in range(z.size):
+        change = max(change, abs(new[j] - drag[j]))
+        drag[j] = new[j]
+    return change
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _largest(values: Array) -> float:
+    """Give the largest size among values."""
+    largest = 0.0
+    for j in range(values.size):
+        largest = max(largest, abs(values[j]))
+    return largest
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _solve(matrix: Array, right: Array, out: Array, floating: float) -> None:
     """Solve a symmetric positive system by Cholesky's method, from its lower half, in place."""
     number = right.size

@@ -88,7 +88,7 @@ def stops(design: Design, crank: float, sides: int = CAM_SIDES) -> tuple[float, 
 
 def _limits(design: Design, crank: float, found: Gaps, sides: int) -> tuple[Array, Array]:
     """Give gradients (m, u) [1] and rooms (m,) [m] of slope . z + room >= 0: contacts, then cams' polygons."""
-    slopes, rooms = [found.slope], [found.width + np.where(found.kind == design.tooth_pair, design.pin_play, 0.0)]
+    slopes, rooms = [found.slope], [found.width + found.play]
     around = profile.unit(np.linspace(0.0, 2.0 * np.pi, sides, endpoint=False))
     for disc, place in enumerate(cam_places(design, crank)):
         slope = np.zeros((sides, unknowns(design)))
@@ -104,6 +104,6 @@ def _aside(design: Design, found: Gaps, pose: Array) -> Array:
     if design.ring.has_moving_pins:
         teeth = found.select(found.kind == design.tooth_pair)
         gap = teeth.width + teeth.slope @ pose
-        outwards = np.where(gap < 0.0, (design.pin_play - gap) / 2.0, 0.0)
+        outwards = np.where(gap < 0.0, (teeth.play - gap) / 2.0, 0.0)
         moved[teeth.owner] = outwards[:, np.newaxis] * -teeth.slope[:, :2]
     return moved

@@ -11,12 +11,12 @@ import numpy as np
 
 from cycloid_mj import profile, statics
 from cycloid_mj.design import Design
+from cycloid_mj.loaded.friction import ideal_losses
 from cycloid_mj.mjcf import build
 from cycloid_mj.profile import CycloidGear
 from cycloid_mj.record import Run
 from cycloid_mj.run import simulate
 from cycloid_mj.solid.gear import tooth_profile
-from cycloid_mj.types import Array
 from cycloid_mj.validation import rig
 from cycloid_mj.validation.rig import FIXED, reducer_of
 from cycloid_mj.validation.row import Row, absolute, relative
@@ -123,7 +123,7 @@ def efficiency_rows(quick: bool) -> list[Row]:
     formula = 100.0 * mesh_efficiency(case) * output_efficiency(case)
     ideal, ideal_design = wang_run(case, True, quick)
     real, real_design = wang_run(case, False, quick)
-    closed = 100.0 / (1.0 + sum(loss_shares(ideal_design, ideal["crank_angle"], MESH_FRICTION)))
+    closed = 100.0 / (1.0 + sum(ideal_losses(ideal_design, ideal["crank_angle"], MESH_FRICTION)))
     ours, built = 100.0 * efficiency(ideal), 100.0 * efficiency(real)
     logged = friction_by_force(real, real_design)
     return [
@@ -231,34 +231,6 @@ def wang_design(case: Wang, ideal: bool) -> Design:
 def efficiency(run: Run) -> float:
     """Give the mean output power over the mean input power."""
     return float(-np.mean(run["load_torque"] * run["output_speed"]) / np.mean(run["crank_torque"] * run["crank_speed"]))
-
-
-def loss_shares(design: Design, crank: Array, friction: float) -> tuple[float, float, float]:
-    """Give the ideal losses of mesh, output pins and cam as shares of the output power, by Coulomb's law.
-
-    A contact at l - rho from the pitch point slides at (l - rho) w/(N-1). Friction acts about the gear's centre with
-    the arm s = l - rho + c (N-1) cos(B - alpha), against the gear's turning: the normal forces rise by
-    1/(1 - mu sum F s / sum F arm). In the holes the gear slides at c w N/(N-1): its centre orbits while both turn back.
-    The cam of radius R slides, or rolls with a bearing's coefficient, at R w N/(N-1) under its whole force.
-    """
-    gear, load, output = tooth_profile(design), design.load.torque, design.output
-    B = profile.pin_angles(gear) + crank[:, np.newaxis]
-    reach = profile.pitch_distance(gear, B) - gear.pin_radius
-    ring = statics.ideal_load_sharing(gear, load, crank)
-    forces = ring.forces
-    arm = reach + gear.eccentricity * gear.lobes * np.cos(B - profile.conjugate_alpha(gear, B))
-    raised = 1.0 / (1.0 - friction * np.sum(forces * arm, axis=1) / load)
-    mesh = friction * np.mean(raised * np.sum(forces * reach, axis=1)) / load
-    pins = statics.ideal_output_forces(gear, output.pins, output.pin_circle_radius, load, crank)
-    cam = np.linalg.norm(statics.cam_force(ring, pins, crank), axis=1)
-    held = [
-        design.friction_of(kind) * radius * gear.ring_teeth * np.mean(force) / load
-        for kind, radius, force in (
-            ("output", gear.eccentricity, np.sum(pins, axis=1)),
-            ("cam", design.gear.bore_radius, cam),
-        )
-    ]
-    return float(mesh), float(held[0]), float(held[1])
 
 
 def friction_by_force(run: Run, design: Design) -> float:
