@@ -88,9 +88,10 @@ def test_friction_makes_hysteresis_and_its_work_is_the_area():
 
 
 def test_series_of_clearances_and_closed_stiffness_are_of_the_size_of_the_balance():
-    solved = balance.balances(PRESETS["pin"], [CRANK], 36.68)[0]
+    design = at_rated_load(PRESETS["pin"])
+    solved = balance.balances(design, [CRANK], 36.68)[0]
     # with clearance, fewer contacts are closed than the estimate takes
-    assert 0.5 < 1.0 / solved.compliance(solved.turn) / hysteresis.closed_stiffness(PRESETS["pin"]) < 1.05
+    assert 0.5 < 1.0 / solved.compliance(solved.turn) / hysteresis.closed_stiffness(design) < 1.05
 
 
 def test_lost_motion_is_the_backlash_and_a_little_give():
@@ -113,9 +114,9 @@ def test_a_free_pin_needs_the_step_of_its_bowl():
 @pytest.mark.parametrize("changes", [["errors.pin_dr_um={9=0.9}"], ["modification.pin_circle_um=-2.0"]])
 @pytest.mark.parametrize("kind", ["fixed", "free"])
 def test_statics_of_parts_as_made_is_the_independent_balance(kind: str, changes: list[str]):
-    design = override(bench.ideal(PRESETS["pin"]), [f'ring.pins="{kind}"', *changes])
+    design = at_rated_load(override(bench.ideal(PRESETS["pin"]), [f'ring.pins="{kind}"', *changes]))
     solved = balance.balances(design, [CRANK], 36.68)[0]
-    stiffness = {pair: pair_stiffness(at_rated_load(design), pair) for pair in design.pair_kinds}
+    stiffness = {pair: pair_stiffness(design, pair) for pair in design.pair_kinds}
     for share, turn in solved.turn.items():
         if abs(share) >= 0.5:
             alone = equilibrium.solve(design.but(load={"torque": share * 36.68}), stiffness, CRANK)

@@ -81,6 +81,9 @@ def test_the_gradient_is_that_of_the_gaps() -> None:
     design = override(PRESETS["pin"], list(ERRORS))
     z, step = np.array([0.4e-6, -0.3e-6, 0.5e-6, -0.2e-6]), 1e-9
     _, slope = curved(design, z)
+    wide = 1e3 * z
+    ahead, behind = (curved(design, wide + sign * 1e-7 * np.eye(4)[2])[0] for sign in (1.0, -1.0))
+    np.testing.assert_allclose((ahead - behind) / 2e-7, curved(design, wide)[1][:, 2], rtol=0.0, atol=1e-6)
     for i in range(4):
         ahead, behind = (curved(design, z + sign * step * np.eye(4)[i])[0] for sign in (1.0, -1.0))
         np.testing.assert_allclose((ahead - behind) / (2.0 * step), slope[:, i], rtol=0.0, atol=1e-6)

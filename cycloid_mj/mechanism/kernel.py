@@ -108,8 +108,10 @@ def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool)
     worst = unsettled = 0.0
     for k in range(count):
         here = z[k]
-        for j in range(number if follow else 0):
-            if k > 1:
+        for j in range(number):
+            if not follow:
+                drag[j] = 0.0
+            elif k > 1:
                 here[j] = 2.0 * z[k - 1, j] - z[k - 2, j]
             elif k:
                 here[j] = z[k - 1, j]
@@ -196,7 +198,10 @@ def _curved(springs: Springs, k: int, i: int, z: Array, q: float, p: float) -> C
     q0, p0 = springs.distance[k, i], springs.shift[k, i]
     bend, room = springs.bend[k, i], springs.room[i]
     if turning:
-        qt, pt = qt - (p - phi * q) / radius, pt + (q + phi * p) / radius
+        # of w + i phi (w - v phi/2), with w linear in the turn phi at the rate v, the rate is v + i w: solved for w
+        q0, p0 = q - 0.5 * phi * pt * z[t], p + 0.5 * phi * qt * z[t]
+        q0, p0 = (q0 + phi * p0) / (1.0 + phi * phi), (p0 - phi * q0) / (1.0 + phi * phi)
+        qt, pt = qt - p0 / radius, pt + q0 / radius
         qx, px, qy, py = qx - phi * px, px + phi * qx, qy - phi * py, py + phi * qy
     else:
         qt, pt = qt + p0 / radius + phi * pt, pt - q0 / radius - phi * qt
