@@ -1,6 +1,7 @@
 """What every measure, check, comparison and claim is made of: quantities, curves, tables, verdicts."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
@@ -14,8 +15,8 @@ class Quantity:
 
     Attributes
     ----------
-    name
-        What it is, in words.
+    key, name
+        What it is: for programs, where it is the key of the JSON object, and in words.
     value, unit
         What was measured.
     error
@@ -29,6 +30,7 @@ class Quantity:
         What decides a difference, or what the value stands on.
     """
 
+    key: str
     name: str
     value: float
     unit: str
@@ -48,6 +50,27 @@ class Quantity:
             "source": self.source,
             "note": self.note,
         }
+
+
+def keyed(*groups: Iterable[Quantity]) -> dict[str, Quantity]:
+    """Give the quantities of all groups by their keys, in their order."""
+    return {quantity.key: quantity for group in groups for quantity in group}
+
+
+def quantity_table(title: str, quantities: Iterable[Quantity]) -> "Table":
+    """Give quantities as a table of text, a line each; an error or a reference that is not known is left empty."""
+    rows = (
+        (
+            one.name,
+            "-" if math.isnan(one.value) else f"{one.value:.6g}",
+            one.unit,
+            "" if one.error is None or math.isnan(one.error) else f"{one.error:.2g}",
+            "" if one.reference is None else f"{one.reference:.6g}",
+            one.source,
+        )
+        for one in quantities
+    )
+    return Table(title, ("quantity", "value", "unit", "num. error", "closed form", "source"), tuple(rows))
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,6 +133,16 @@ class Table:
     title: str
     header: tuple[str, ...]
     rows: tuple[tuple[str | float, ...], ...]
+
+    @property
+    def cells(self) -> list[list[str]]:
+        """The rows as text, numbers with five digits: what every table shows, on paper, page and terminal."""
+        return [[cell if isinstance(cell, str) else f"{cell:.5g}" for cell in row] for row in self.rows]
+
+    def as_markdown(self) -> str:
+        """Give header and rows as a table in Markdown."""
+        lines = [self.header, ["---"] * len(self.header), *self.cells]
+        return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
 
     def as_json(self) -> dict[str, Any]:
         """Give the table for a program."""

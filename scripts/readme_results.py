@@ -7,9 +7,11 @@ it keeps that one's claims and errata there first.
 import json
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
+
+from cycloid_mj.result import Table
 
 ROOT = Path(__file__).parent.parent
 README, KEPT = ROOT / "README.md", ROOT / "tests" / "data" / "reproduce.json"
@@ -103,9 +105,8 @@ def _bounded(error: float) -> str:
     return next((f"< 1e-{power}" for power in (9, 7, 5) if error < 10.0**-power), f"{error:.1g}")
 
 
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
+def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    return Table("", tuple(head), tuple(map(tuple, rows))).as_markdown()
 
 
 def main(arguments: Sequence[str]) -> int:

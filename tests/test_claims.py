@@ -333,9 +333,11 @@ def test_the_output_is_low_and_regular(idle):
 
 
 def measured(torque_nm: float, friction: float) -> Measurement:
-    quantities = {"output_torque": Quantity("output torque", torque_nm, "N m", 0.02)}
+    quantities = {"output_torque": Quantity("output_torque", "output torque", torque_nm, "N m", 0.02)}
     for way in ("simulated", "measured"):
-        quantities[f"friction_for_paper_{way}"] = Quantity("friction", friction, "1", 0.001)
+        quantities[f"friction_for_paper_{way}"] = Quantity(
+            f"friction_for_paper_{way}", "friction", friction, "1", 0.001
+        )
     return Measurement("torque", PRESETS["pin"], quantities)
 
 

@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from cycloid_mj.result import Claim, Condition, Value, Verdict
+from cycloid_mj.result import Claim, Condition, Quantity, Table, Value, Verdict, keyed, quantity_table
 
 
 @pytest.mark.parametrize(
@@ -47,3 +47,20 @@ def test_a_claim_reaches_a_program_with_both_numbers_and_the_word_of_its_verdict
     assert told["ours"] == {"value": 5.0, "unit": "um", "spread": [4.0, 6.0], "text": "5 um"}
     assert told["numerical_error"] == {"value": 0.1, "unit": "um", "source": "half the step"}
     assert told["at_rated_load"] is None
+
+
+def test_quantities_are_one_table_and_one_mapping() -> None:
+    one = Quantity("play", "backlash", 1.23456789, "arcmin", 0.0123, 1.2, "linear programme")
+    other = Quantity("margin", "margin", math.nan, "1", math.nan)
+    assert keyed([one], (item for item in [other])) == {"play": one, "margin": other}
+    table = quantity_table("backlash: pin", [one, other])
+    assert table.cells == [
+        ["backlash", "1.23457", "arcmin", "0.012", "1.2", "linear programme"],
+        ["margin", "-", "1", "", "", ""],
+    ]
+    assert "key" not in one.as_json()
+
+
+def test_a_table_is_markdown_with_its_bars_escaped() -> None:
+    table = Table("title", ("what", "value"), (("a|b", 1.0 / 3.0),))
+    assert table.as_markdown() == "| what | value |\n| --- | --- |\n| a\\|b | 0.33333 |"

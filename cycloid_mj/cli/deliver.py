@@ -2,22 +2,20 @@
 
 import json as text_of
 from collections.abc import Sequence
-from math import isnan
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from cycloid_mj.cli.terminal import finite, say, say_json, say_table, tell
+from cycloid_mj.cli.terminal import finite, say, say_json, show, tell
 from cycloid_mj.cli.warned import with_warnings
 from cycloid_mj.interrupt import unbroken
+from cycloid_mj.result import quantity_table
 from cycloid_mj.whole import write_whole
 
 if TYPE_CHECKING:
     from cycloid_mj.measure import Measurement
     from cycloid_mj.measure.pool import Progress
-    from cycloid_mj.result import Quantity
 
-HEADER = ("quantity", "value", "unit", "num. error", "closed form", "source")
 SECONDS_BETWEEN_LINES = 5.0
 
 
@@ -55,13 +53,13 @@ def write(found: "Measurement", into: Path, no_log: bool) -> list[Path]:
 
 def print_table(found: "Measurement") -> None:
     """Print the quantities of a measurement, their notes, and what they stand on."""
-    say_table(f"{found.measure}: {found.design.name}", HEADER, [_row(one) for one in found.quantities.values()])
-    for one in found.quantities.values():
+    quantities = found.quantities.values()
+    show(quantity_table(f"{found.measure}: {found.design.name}", quantities))
+    for one in quantities:
         if one.note:
             say(f"{one.name}: {one.note}")
     for table in found.tables:
-        cells = [[cell if isinstance(cell, str) else f"{cell:.5g}" for cell in row] for row in table.rows]
-        say_table(table.title, table.header, cells)
+        show(table)
     for sentence in found.assumptions:
         say(f"assumed: {sentence}")
 
@@ -79,14 +77,3 @@ def told(what: str, quiet: bool) -> "Progress":
         tell(f"{what}: {done} of {whole}, about {(now - start) * (whole / done - 1.0):.0f} s left")
 
     return tell_done
-
-
-def _row(one: "Quantity") -> tuple[str, ...]:
-    return (
-        one.name,
-        "-" if isnan(one.value) else f"{one.value:.6g}",
-        one.unit,
-        "" if one.error is None or isnan(one.error) else f"{one.error:.2g}",
-        "" if one.reference is None else f"{one.reference:.6g}",
-        one.source,
-    )

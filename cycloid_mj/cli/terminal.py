@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from cycloid_mj.cli.warned import with_warnings
+from cycloid_mj.result import Table
 
 PIPE_WIDTH = 120
 
@@ -32,6 +33,11 @@ def tell(text: str) -> None:
         text = f"{text[:LONGEST_MESSAGE]}... ({len(text):,} characters in all)"
     sys.stderr.write(f"{text}\n")
     sys.stderr.flush()
+
+
+def show(table: Table) -> None:
+    """Write a table of results."""
+    say_table(table.title, table.header, table.cells)
 
 
 def say_table(title: str, header: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

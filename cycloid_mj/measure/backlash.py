@@ -5,6 +5,7 @@ parts. Without friction and weight: friction would hold the parts on their way, 
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,7 +22,7 @@ from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
 from cycloid_mj.mechanism import limits
 from cycloid_mj.record import Run
-from cycloid_mj.result import Curve, Quantity
+from cycloid_mj.result import Curve, Quantity, keyed
 from cycloid_mj.types import Array
 
 ANGLES, QUICK_ANGLES = 8, 2
@@ -119,7 +120,7 @@ def backlash(
         measure="backlash",
         design=design,
         condition="crank locked, without friction and weight",
-        quantities=_quantities(found, checked, closed),
+        quantities=keyed(_quantities(found, checked, closed)),
         curves=_curves(design, found, closed),
         assumptions=_assumptions(design, [one.run for presses in found.values() for one in presses]),
         runs={name: presses[0].run for name, presses in found.items()},
@@ -176,8 +177,8 @@ def _closed_forms(design: Design, cranks: list[float]) -> dict[str, Known]:
 
 def _quantities(
     found: dict[str, list[Press]], checked: dict[str, Press], closed: dict[str, Known]
-) -> dict[str, Quantity]:
-    table: dict[str, Quantity] = {}
+) -> Iterator[Quantity]:
+    parts = []
     for name, presses in found.items():
         values, known = np.array([one.backlash for one in presses]), closed.get(name)
         numerical = abs(checked[name].backlash - presses[0].backlash)
@@ -186,10 +187,11 @@ def _quantities(
         mean = float(values.mean()) / ARCMINUTE
         if name == _ALL:
             source = "" if known is None else "rigid contacts: linear programme"
-            table["backlash"] = Quantity("backlash of the output, mean", mean, "arcmin", error, reference, source)
+            yield Quantity("backlash", "backlash of the output, mean", mean, "arcmin", error, reference, source)
             for word, largest in (("least", False), ("largest", True)):
                 statistic = np.max if largest else np.min
-                table["backlash_max" if largest else "backlash_min"] = Quantity(
+                yield Quantity(
+                    "backlash_max" if largest else "backlash_min",
                     f"backlash, {word} over the crank angle",
                     float(statistic(values)) / ARCMINUTE,
                     "arcmin",
@@ -199,16 +201,16 @@ def _quantities(
                 )
         else:
             label, source = f"by clearance of {NAMES[name]} alone, mean", _FORMULAS.get(name, _MESH_FORMULA)
-            table[f"backlash_{name}"] = Quantity(label, mean, "arcmin", error, reference, source)
-    parts = [quantity for key, quantity in table.items() if key.removeprefix("backlash_") in NAMES]
-    table["sum_of_parts"] = Quantity(
+            parts.append(Quantity(f"backlash_{name}", label, mean, "arcmin", error, reference, source))
+    yield from parts
+    yield Quantity(
+        "sum_of_parts",
         "sum of the parts",
         sum(part.value for part in parts),
         "arcmin",
         added(*(part.error for part in parts)),
         note="less than the whole: clearances together let the gear move in ways that none allows alone",
     )
-    return table
 
 
 def _arcminutes(error: float | None) -> float | None:

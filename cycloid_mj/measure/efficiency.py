@@ -18,7 +18,7 @@ from cycloid_mj.measure.published import Published
 from cycloid_mj.measure.sensitivity import friction_for
 from cycloid_mj.measure.steady import steady_design, whole_periods
 from cycloid_mj.mechanism.reducer import mechanism
-from cycloid_mj.result import Curve, Quantity, Table
+from cycloid_mj.result import Curve, Quantity, Table, keyed
 
 TORQUES, SPEEDS = (0.25, 0.5, 1.0), (0.5, 1.0, 1.5)
 """Points of the map: shares of the rated output torque, without losses, and of the design's speed."""
@@ -73,7 +73,7 @@ def efficiency(
     return Measurement(
         measure="efficiency",
         design=own,
-        quantities=_rated(own, found) | _losses(found.rated) | _driven(own, found),
+        quantities=keyed(_rated(own, found), _losses(found.rated), _driven(own, found)),
         curves=_curves(found),
         tables=(
             build_up.table(found.rated.powers, beside, found.error),
@@ -94,13 +94,14 @@ def efficiency(
     )
 
 
-def _rated(design: Design, found: Found) -> dict[str, Quantity]:
+def _rated(design: Design, found: Found) -> list[Quantity]:
     ours, load = 1e2 * found.rated.powers.efficiency, found.rated.torque
     ideal, wang = ideal_efficiency(design, load), wang_efficiency(design)
     error = 1e2 * found.error
     place = f"at {load:g} N m, {found.rated.speed / RPM:g} rpm"
-    return {
-        "efficiency": Quantity(
+    return [
+        Quantity(
+            "efficiency",
             f"efficiency {place}",
             ours,
             "%",
@@ -109,7 +110,8 @@ def _rated(design: Design, found: Found) -> dict[str, Quantity]:
             ideal.source,
             f"{spread.told(found.rated.powers.efficiency, found.by_input)}; {AS_BUILT}",
         ),
-        "efficiency_ideal_limit": Quantity(
+        Quantity(
+            "efficiency_ideal_limit",
             "the same, fixed pins or lobes, no play, a cam that holds",
             1e2 * found.ideal.powers.efficiency,
             "%",
@@ -119,38 +121,46 @@ def _rated(design: Design, found: Found) -> dict[str, Quantity]:
             f"{wang.source} give {1e2 * wang.efficiency:.2f} % without the cam's bearing and without the moment by "
             "which friction turns the gear back, so that the teeth press harder",
         ),
-        "balance_residual": Quantity(
+        Quantity(
+            "balance_residual",
             "largest residual of the energy balance",
             1e2 * max((point.powers.residual for point in found.grid), key=abs),
             "% of input",
         ),
-    }
+    ]
 
 
-def _losses(rated: Point) -> dict[str, Quantity]:
+def _losses(rated: Point) -> list[Quantity]:
     """Give the losses of the rated point by pair [W]."""
     whole, shorter = rated.powers, rated.shorter
-    quantities = {
-        f"{kind}_friction_power": Quantity(
-            f"friction of {kind}", power, "W", abs(power - shorter.friction[kind]), note="" if power else LEFT_OUT
+    quantities = [
+        Quantity(
+            f"{kind}_friction_power",
+            f"friction of {kind}",
+            power,
+            "W",
+            abs(power - shorter.friction[kind]),
+            note="" if power else LEFT_OUT,
         )
         for kind, power in whole.friction.items()
-    }
+    ]
     normal = sum(whole.normal.values())
-    return quantities | {
-        "normal_power": Quantity(
+    return [
+        *quantities,
+        Quantity(
+            "normal_power",
             "normal forces, all pairs",
             normal,
             "W",
             abs(normal - sum(shorter.normal.values())),
             note="damping, and the step's error: the pairs' own shares of it cancel",
         ),
-        "input_power": Quantity("input power", whole.supplied, "W"),
-        "output_power": Quantity("output power", whole.supplied * whole.efficiency, "W"),
-    }
+        Quantity("input_power", "input power", whole.supplied, "W"),
+        Quantity("output_power", "output power", whole.supplied * whole.efficiency, "W"),
+    ]
 
 
-def _driven(design: Design, found: Found) -> dict[str, Quantity]:
+def _driven(design: Design, found: Found) -> list[Quantity]:
     """Give what turns the reducer without a load, and from its output."""
     lobes, rest = design.lobes, found.rest
     forward = found.rated.powers.efficiency
@@ -158,18 +168,25 @@ def _driven(design: Design, found: Found) -> dict[str, Quantity]:
     locked = not backward > 0.0
     against = math.nan if locked else rated_torque(design) / backward
     contacts = f"contacts, {drag_told(design)}; the shafts' own bearings are left out"
-    return {
-        "no_load_torque": Quantity(
-            "no-load torque, on the crank", found.unloaded.drag, "N m", found.unloaded.drag_shift, note=contacts
+    return [
+        Quantity(
+            "no_load_torque",
+            "no-load torque, on the crank",
+            found.unloaded.drag,
+            "N m",
+            found.unloaded.drag_shift,
+            note=contacts,
         ),
-        "back_driving_torque_moving": Quantity(
+        Quantity(
+            "back_driving_torque_moving",
             "back-driving torque at speed, crank free",
             math.nan if found.coasting is None else lobes * found.coasting.drag,
             "N m",
             None if found.coasting is None else lobes * found.coasting.drag_shift,
             note=SELF_LOCKING if found.coasting is None else contacts,
         ),
-        "back_driving_torque_static": Quantity(
+        Quantity(
+            "back_driving_torque_static",
             "back-driving torque from rest, crank free",
             rest.torque,
             "N m",
@@ -178,14 +195,16 @@ def _driven(design: Design, found: Found) -> dict[str, Quantity]:
             if rest.locked
             else "none to speak of: friction is in proportion to the load, and there is only the parts' weight",
         ),
-        "back_driving_torque_rated": Quantity(
+        Quantity(
+            "back_driving_torque_rated",
             f"output torque that drives against {design.drive.torque:g} N m on the crank",
             against,
             "N m",
             None if locked else against * shift / backward,
             note=SELF_LOCKING if locked else "by the efficiency of back-driving",
         ),
-        "back_driving_efficiency": Quantity(
+        Quantity(
+            "back_driving_efficiency",
             "efficiency of back-driving, against the rated torque",
             1e2 * backward,
             "%",
@@ -194,7 +213,7 @@ def _driven(design: Design, found: Found) -> dict[str, Quantity]:
             "2 - 1/eta: losses alike both ways; below 0 it locks",
             SELF_LOCKING if locked else "",
         ),
-    }
+    ]
 
 
 def _back_driving(found: Found) -> tuple[float, float]:

@@ -15,7 +15,7 @@ from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.pressed import CARRIES, Pressed, ideal_peak, pressed
 from cycloid_mj.measure.steady import SETTLED, steady, steady_design
-from cycloid_mj.result import Curve, Quantity
+from cycloid_mj.result import Curve, Quantity, keyed
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.types import Array
 
@@ -80,26 +80,24 @@ def loads(design: Design, load: float | None = None, quick: bool = False, progre
     limits, lasting = (_limits(found, loaded, allowed) for allowed in (YIELD_PRESSURE, SHAKEDOWN_PRESSURE))
     missed = {kind: _missed(loaded, one) for kind, one in found.items()}
     weakest = min(limits, key=lambda kind: limits[kind], default="")
-    capacities = {"capacity": _undecided(FIRST_YIELD), "capacity_shakedown": _undecided(SHAKEDOWN)}
+    capacities = [_undecided("capacity", FIRST_YIELD), _undecided("capacity_shakedown", SHAKEDOWN)]
     if weakest:
         ratios = (one[weakest].peak_pressure / coarse[weakest].peak_pressure for one in (found, fine))
         # pressure goes with the root of the force
         unsure = missed[weakest] + sum(2.0 * abs(ratio - 1.0) for ratio in ratios)
-        capacities = {
-            "capacity": _capacity(loaded, weakest, torque * limits[weakest], YIELD_PRESSURE, FIRST_YIELD, unsure),
-            "capacity_shakedown": _capacity(
-                loaded, weakest, torque * lasting[weakest], SHAKEDOWN_PRESSURE, SHAKEDOWN, unsure
+        capacities = [
+            _capacity("capacity", loaded, weakest, torque * limits[weakest], YIELD_PRESSURE, FIRST_YIELD, unsure),
+            _capacity(
+                "capacity_shakedown", loaded, weakest, torque * lasting[weakest], SHAKEDOWN_PRESSURE, SHAKEDOWN, unsure
             ),
-        }
+        ]
     progress(whole, whole)
-    quantities = {
-        key: one for kind in found for key, one in _of_kind(loaded, found[kind], coarse[kind], fine[kind], missed[kind])
-    }
+    by_kind = (_of_kind(loaded, found[kind], coarse[kind], fine[kind], missed[kind]) for kind in found)
     return Measurement(
         measure="loads",
         design=design,
         condition=f"{torque:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm",
-        quantities=quantities | capacities,
+        quantities=keyed(*by_kind, capacities),
         curves=_curves(found, loaded),
         assumptions=_assumptions(loaded),
         runs={"loaded": run},
@@ -122,12 +120,14 @@ def _missed(design: Design, one: Pressed) -> float:
     return max(0.0, ideal_peak(design, one.kind, turn) / ideal_peak(design, one.kind, one.angle) - 1.0)
 
 
-def _undecided(name: str) -> Quantity:
+def _undecided(key: str, name: str) -> Quantity:
     """Give a capacity that no contact decides."""
-    return Quantity(name, math.nan, "N m", note=UNDECIDED)
+    return Quantity(key, name, math.nan, "N m", note=UNDECIDED)
 
 
-def _capacity(design: Design, weakest: str, torque: float, allowed: float, name: str, unsure: float) -> Quantity:
+def _capacity(
+    key: str, design: Design, weakest: str, torque: float, allowed: float, name: str, unsure: float
+) -> Quantity:
     """Give the torque [N m] at which the weakest kind reaches a pressure, from runs at better and better guesses of it.
 
     `allowed` is the pressure over the yield strength; `unsure` the share by which the forces of these runs may be off.
@@ -140,12 +140,13 @@ def _capacity(design: Design, weakest: str, torque: float, allowed: float, name:
         run = steady(guess, SETTLED, CHECKED)
         factor = _limits(pressed(run, design), design, allowed).get(weakest)
         if factor is None:
-            return _undecided(name)
+            return _undecided(key, name)
         before, torque = torque, torque * factor
         if abs(torque - before) < CAPACITY_TOLERANCE * torque:
             break
     rated = rated_torque(design)
     return Quantity(
+        key,
         name,
         torque,
         "N m",
@@ -155,9 +156,7 @@ def _capacity(design: Design, weakest: str, torque: float, allowed: float, name:
     )
 
 
-def _of_kind(
-    design: Design, found: Pressed, coarse: Pressed, fine: Pressed, missed: float
-) -> Iterator[tuple[str, Quantity]]:
+def _of_kind(design: Design, found: Pressed, coarse: Pressed, fine: Pressed, missed: float) -> Iterator[Quantity]:
     """Give the numbers of one kind.
 
     Errors: what half the step changes over the first mesh periods, and what the samples leave out of the turn: of a
@@ -169,29 +168,27 @@ def _of_kind(
     mean_error = abs(coarse.mean_force - fine.mean_force) + 0.5 * abs(one.mean_force - other.mean_force)
     pressure = found.peak_pressure
     pressure_error = abs(coarse.peak_pressure - fine.peak_pressure) + 0.5 * missed * pressure
-    yield (
+    yield Quantity(
         f"{kind}_peak_force",
-        Quantity(
-            f"{kind}: largest force",
-            found.peak_force,
-            "N",
-            peak_error,
-            ideal_peak(design, kind, found.angle),
-            IDEAL.get(kind, "ideal sharing"),
-            f"at {math.degrees(found.peak_angle):.0f} deg of crank",
-        ),
+        f"{kind}: largest force",
+        found.peak_force,
+        "N",
+        peak_error,
+        ideal_peak(design, kind, found.angle),
+        IDEAL.get(kind, "ideal sharing"),
+        f"at {math.degrees(found.peak_angle):.0f} deg of crank",
     )
     name = f"{kind}: mean force of the contacts that carry"
-    yield f"{kind}_mean_force", Quantity(name, found.mean_force, "N", mean_error)
+    yield Quantity(f"{kind}_mean_force", name, found.mean_force, "N", mean_error)
     name = f"{kind}: contacts that carry, on average"
     error = abs(coarse.carrying - fine.carrying) + 0.5 * abs(one.carrying - other.carrying)
-    yield f"{kind}_carrying", Quantity(name, found.carrying, "1", error)
+    yield Quantity(f"{kind}_carrying", name, found.carrying, "1", error)
     name = f"{kind}: largest Hertz pressure"
     note = "" if pressure > 0.0 else UNPRESSED if pressure == 0.0 else CONFORMAL
-    yield f"{kind}_pressure", Quantity(name, 1e-6 * pressure, "MPa", 1e-6 * pressure_error, note=note)
+    yield Quantity(f"{kind}_pressure", name, 1e-6 * pressure, "MPa", 1e-6 * pressure_error, note=note)
     # a contact under no pressure has no margin that a number could tell
     name, margin = f"{kind}: margin against first yield", allowed / (pressure or math.nan)
-    yield f"{kind}_margin", Quantity(name, margin, "1", margin * margin * pressure_error / allowed, note=note)
+    yield Quantity(f"{kind}_margin", name, margin, "1", margin * margin * pressure_error / allowed, note=note)
 
 
 def _limits(found: Kinds, design: Design, allowed: float) -> dict[str, float]:

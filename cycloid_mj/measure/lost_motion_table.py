@@ -1,6 +1,6 @@
 """The table and the curves of `lost_motion`: what its loops and static solutions tell."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +12,7 @@ from cycloid_mj.measure.balance import SERIES, Balance
 from cycloid_mj.measure.bench import ARCMINUTE
 from cycloid_mj.measure.hysteresis import Loop
 from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
-from cycloid_mj.result import Curve, Quantity
+from cycloid_mj.result import Curve, Quantity, keyed
 from cycloid_mj.types import Array, Mask
 
 STATICS, RIGID = "statics: springs in balance", "rigid contacts: linear programme"
@@ -46,10 +46,11 @@ class Found:
 
 def quantities(found: Found) -> dict[str, Quantity]:
     """Give every number of the measurement."""
-    return {**_motions(found), **_stiffness(found), **_friction(found)}
+    return keyed(_motions(found), _stiffness(found), _friction(found))
 
 
 def _quantity(
+    key: str,
     name: str,
     read: Callable[[Loop], float],
     loops: list[Loop],
@@ -64,7 +65,7 @@ def _quantity(
     reference = float(np.mean(closed)) if len(closed) else None
     values = [read(loop) for loop in loops]
     error = added(_error(read, loops, checks), error_of_mean(values, known))
-    return Quantity(name, float(np.mean(values)), unit, error, reference, source if len(closed) else "", note)
+    return Quantity(key, name, float(np.mean(values)), unit, error, reference, source if len(closed) else "", note)
 
 
 def _error(read: Callable[[Loop], float], loops: list[Loop], checks: list[Loop]) -> float:
@@ -80,13 +81,13 @@ def _extremes(
     checks: list[Loop],
     unit: str,
     known: Known | None = None,
-) -> dict[str, Quantity]:
+) -> list[Quantity]:
     values, numerical = [read(loop) for loop in loops], _error(read, loops, checks)
     least, largest = (added(numerical, error_of_extreme(values, most, known)) for most in (False, True))
-    return {
-        f"{key}_min": Quantity(f"{name}, least over the crank angle", min(values), unit, least),
-        f"{key}_max": Quantity(f"{name}, largest over the crank angle", max(values), unit, largest),
-    }
+    return [
+        Quantity(f"{key}_min", f"{name}, least over the crank angle", min(values), unit, least),
+        Quantity(f"{key}_max", f"{name}, largest over the crank angle", max(values), unit, largest),
+    ]
 
 
 def lost_motion(loop: Loop) -> float:
@@ -104,23 +105,22 @@ def stiffness(loop: Loop) -> float:
     return loop.stiffness * ARCMINUTE
 
 
-def _motions(found: Found) -> dict[str, Quantity]:
+def _motions(found: Found) -> Iterator[Quantity]:
     solved = [one.lost_motion / ARCMINUTE for one in found.statics]
     known = _rigid(found)
     rigid = known.turn if known is not None else ()
     loops = {"": (found.service, found.service_checks), "_ideal": (found.ideal, found.ideal_checks)}
-    table: dict[str, Quantity] = {}
     for suffix, pair in loops.items():
         which = f", {IDEAL}" if suffix else ""
         at = f"lost motion at +-3 % of rated torque{which}"
-        table["lost_motion" + suffix] = _quantity(at, lost_motion, *pair, closed=solved, source=STATICS, known=known)
+        yield _quantity("lost_motion" + suffix, at, lost_motion, *pair, closed=solved, source=STATICS, known=known)
         if not suffix:
-            table |= _extremes("lost_motion", "lost motion", lost_motion, *pair, "arcmin", known)
+            yield from _extremes("lost_motion", "lost motion", lost_motion, *pair, "arcmin", known)
         name = f"backlash{which}"
-        table["backlash" + suffix] = _quantity(
-            name, lambda loop: loop.backlash / ARCMINUTE, *pair, closed=rigid, source=RIGID, known=known
+        backlash = "backlash" + suffix
+        yield _quantity(
+            backlash, name, lambda loop: loop.backlash / ARCMINUTE, *pair, closed=rigid, source=RIGID, known=known
         )
-    return table
 
 
 def _rigid(found: Found) -> Known | None:
@@ -131,15 +131,15 @@ def _rigid(found: Found) -> Known | None:
     return Known(play.total(found.design, cranks) / ARCMINUTE, play.over_a_turn(found.design)[1] / ARCMINUTE)
 
 
-def _stiffness(found: Found) -> dict[str, Quantity]:
+def _stiffness(found: Found) -> Iterator[Quantity]:
     unit = "N m/arcmin"
     solved = [ARCMINUTE / one.compliance(one.turn) for one in found.statics]
     name = "torsional stiffness, 50 to 100 % of rated torque"
     note = "friction holds the parts where the torque turns back, which makes the curve steeper there"
     pair, ideal = (found.service, found.service_checks), (found.ideal, found.ideal_checks)
-    table = {"stiffness": _quantity(name, stiffness, *pair, unit, solved, STATICS, note)}
-    table |= _extremes("stiffness", "stiffness", stiffness, *pair, unit)
-    table["stiffness_ideal"] = _quantity(f"{name}, {IDEAL}", stiffness, *ideal, unit, solved, STATICS)
+    yield _quantity("stiffness", name, stiffness, *pair, unit, solved, STATICS, note)
+    yield from _extremes("stiffness", "stiffness", stiffness, *pair, unit)
+    yield _quantity("stiffness_ideal", f"{name}, {IDEAL}", stiffness, *ideal, unit, solved, STATICS)
     for part in SERIES:
         closed = [one.series(found.design)[part] / ARCMINUTE for one in found.statics]
 
@@ -147,11 +147,10 @@ def _stiffness(found: Found) -> dict[str, Quantity]:
             return balance.loop_series(found.design, loop)[part] / ARCMINUTE
 
         name = f"compliance of {_PARTS[part]}, in series, {IDEAL}"
-        table[f"compliance_{part}"] = _quantity(name, compliance, *ideal, "arcmin/(N m)", closed, STATICS)
-    return table
+        yield _quantity(f"compliance_{part}", name, compliance, *ideal, "arcmin/(N m)", closed, STATICS)
 
 
-def _friction(found: Found) -> dict[str, Quantity]:
+def _friction(found: Found) -> list[Quantity]:
     pair = found.service, found.service_checks
     damped = float(np.mean([loop.width for loop in found.ideal])) / ARCMINUTE
     viscous = (
@@ -160,11 +159,16 @@ def _friction(found: Found) -> dict[str, Quantity]:
     )
     shifts = [abs(a.offset - b.offset) / ARCMINUTE for a, b in zip(found.service, found.ideal, strict=True)]
     numerical = (_error(offset, *pair) + _error(offset, found.ideal, found.ideal_checks)) / ARCMINUTE
-    return {
-        "hysteresis": _quantity(
-            "width of the loop at half the rated torque", lambda loop: loop.width / ARCMINUTE, *pair, note=viscous
+    return [
+        _quantity(
+            "hysteresis",
+            "width of the loop at half the rated torque",
+            lambda loop: loop.width / ARCMINUTE,
+            *pair,
+            note=viscous,
         ),
-        "loop_work": _quantity(
+        _quantity(
+            "loop_work",
             "work of one loop",
             lambda loop: 1e3 * loop.work,
             *pair,
@@ -174,14 +178,15 @@ def _friction(found: Found) -> dict[str, Quantity]:
             "the area is the result; where the logged powers of light free pins do not add up to it, they are not "
             "resolved at this step",
         ),
-        "shift": Quantity(
+        Quantity(
+            "shift",
             "shift of the loop by weight and friction, largest",
             max(shifts),
             "arcmin",
             added(numerical, error_of_extreme(shifts, True)),
             note="the gear's weight pulls it about the pitch point; the crank's lock holds it",
         ),
-    }
+    ]
 
 
 def curves(found: Found) -> tuple[Curve, ...]:

@@ -36,15 +36,20 @@ class Published:
         return self.torque / self.ideal
 
 
-def friction_quantities(published: Sequence[Published]) -> dict[str, Quantity]:
+def friction_quantities(published: Sequence[Published]) -> list[Quantity]:
     """Give the frictions as quantities."""
     note = "all pairs that slide alike; rolling bearings and seals as designed"
-    return {
-        f"friction_for_paper_{one.way}": Quantity(
-            f"friction that gives the paper's {one.torque:g} N m, {one.way}", one.friction, "1", one.error, note=note
+    return [
+        Quantity(
+            f"friction_for_paper_{one.way}",
+            f"friction that gives the paper's {one.torque:g} N m, {one.way}",
+            one.friction,
+            "1",
+            one.error,
+            note=note,
         )
         for one in published
-    }
+    ]
 
 
 def tables(ours: float, published: Sequence[Published]) -> tuple[Table, ...]:

@@ -19,6 +19,7 @@ from cycloid_mj.measure.orders import causes
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.trace import ARCSEC, Case, Trace, own, trace
 from cycloid_mj.mjcf import build
+from cycloid_mj.result import keyed
 
 CHECKED = 3
 """Mesh periods that are run again with half the step."""
@@ -83,7 +84,7 @@ def te(
         design=design,
         condition=" and ".join(f"{one} {torque:.3g} N m" for one, torque in torques.items())
         + f", {abs(design.drive.speed) / RPM:.0f} rpm at speed",
-        quantities=te_table.quantities(design, found, finer, statics),
+        quantities=keyed(te_table.quantities(design, found, finer, statics)),
         curves=te_table.curves(design, found, statics),
         assumptions=_assumptions(design, turns),
         runs={case.key: one.run for case, one in found.items()},

@@ -44,10 +44,11 @@ Finer = Mapping[tuple[str, str], Trace]
 Statics = Mapping[Case, Static]
 
 
-def quantities(design: Design, found: Found, finer: Finer, statics: Statics) -> dict[str, Quantity]:
+def quantities(design: Design, found: Found, finer: Finer, statics: Statics) -> list[Quantity]:
     """Give the numbers: levels of each case, shifts between cases, and what each cause gives."""
-    levels = {
-        f"{shaft}_{name}_{case.key}": Quantity(
+    levels = [
+        Quantity(
+            key=f"{shaft}_{name}_{case.key}",
             name=f"{words} of the {shaft}, {case.words}",
             value=_LEVELS[name][1](getattr(trace, shaft)),
             unit="arcsec",
@@ -58,8 +59,8 @@ def quantities(design: Design, found: Found, finer: Finer, statics: Statics) -> 
         for case, trace in found.items()
         for shaft in ("gear", "output")
         for name, (words, _) in _LEVELS.items()
-    }
-    return levels | dict(_shifts(found, finer, statics)) | dict(_caused(design, found, finer, statics))
+    ]
+    return [*levels, *_shifts(found, finer, statics), *_caused(design, found, finer, statics)]
 
 
 def curves(design: Design, found: Found, statics: Statics) -> tuple[Curve, ...]:
@@ -107,7 +108,7 @@ def chosen(found: Found) -> list[Case]:
     return [case for case in found if case.way == "forward" and case.pace == first]
 
 
-def _shifts(found: Found, finer: Finer, statics: Statics) -> Iterator[tuple[str, Quantity]]:
+def _shifts(found: Found, finer: Finer, statics: Statics) -> Iterator[Quantity]:
     """Give what lies between the mean errors of two cases: backlash between directions, wind-up between loads."""
     case = chosen(found)[0]
     cases = {(one.load, one.way): one for one in found if one.pace == case.pace}
@@ -123,26 +124,24 @@ def _shifts(found: Found, finer: Finer, statics: Statics) -> Iterator[tuple[str,
             )
             error = sum(_mean_change(found, finer, cases[which], shaft) for which in (one, other)) if finer else None
             name = f"mean of the {shaft}, {words}"
-            yield f"{shaft}_{key}", Quantity(name, value, "arcsec", error, reference, STATICS)
+            yield Quantity(f"{shaft}_{key}", name, value, "arcsec", error, reference, STATICS)
 
 
-def _caused(design: Design, found: Found, finer: Finer, statics: Statics) -> Iterator[tuple[str, Quantity]]:
+def _caused(design: Design, found: Found, finer: Finer, statics: Statics) -> Iterator[Quantity]:
     """Give the rms value of each cause's orders, and its strongest order."""
     for case in chosen(found):
         for cause in causes(design):
             seen, solved = (_spectrum(design, part[case], cause.place, cause.base) for part in (found, statics))
             order, amplitude = cause.strongest(seen)
-            yield (
-                f"{cause.key}_orders_rms_{case.key}",
-                Quantity(
-                    name=f"rms of orders of {cause.name}, {case.words}",
-                    value=cause.rms(seen),
-                    unit="arcsec",
-                    error=_rms(np.subtract(*_change(found, finer, case, cause.place))) if finer else None,
-                    reference=cause.rms(solved),
-                    source=STATICS,
-                    note=f"strongest: order {order:.6g} with amplitude {amplitude:.3g} arcsec",
-                ),
+            yield Quantity(
+                key=f"{cause.key}_orders_rms_{case.key}",
+                name=f"rms of orders of {cause.name}, {case.words}",
+                value=cause.rms(seen),
+                unit="arcsec",
+                error=_rms(np.subtract(*_change(found, finer, case, cause.place))) if finer else None,
+                reference=cause.rms(solved),
+                source=STATICS,
+                note=f"strongest: order {order:.6g} with amplitude {amplitude:.3g} arcsec",
             )
 
 

@@ -20,7 +20,7 @@ from cycloid_mj.measure.sensitivity import Variation
 from cycloid_mj.measure.spread import Moved
 from cycloid_mj.measure.steady import Powers, first_half, powers, steady_design, whole_periods
 from cycloid_mj.record import Run
-from cycloid_mj.result import Curve, Quantity
+from cycloid_mj.result import Curve, Quantity, keyed
 
 PERIODS, QUICK_PERIODS = 12, 4
 """Fewest mesh periods of the main run: a third of a crank turn, or less."""
@@ -83,7 +83,7 @@ def torque(
     return Measurement(
         measure="torque",
         design=own,
-        quantities=_quantities(own, ours, finer, held, by_input) | friction_quantities(beside),
+        quantities=keyed(_quantities(own, ours, finer, held, by_input), friction_quantities(beside)),
         curves=(*_curves(own, ours), *sensitivity.curves(found, beside)),
         tables=(
             build_up.table(ours.powers, beside, rate_error(ours, finer)),
@@ -141,7 +141,7 @@ def rate_test(design: Design, friction: float, periods: int) -> float:
 
 def _quantities(
     design: Design, ours: Outcome, finer: Outcome | None, held: float, by_input: Sequence[Moved]
-) -> dict[str, Quantity]:
+) -> list[Quantity]:
     ideal = rated_torque(design)
     found, closed = ours.powers, ideal_efficiency(design, ours.output)
     error = rate_error(ours, finer)
@@ -150,8 +150,9 @@ def _quantities(
     # what is left of the ringing shows in the second half, which has less of it
     later = ours.run.select(slice(len(ours.run) // 2, None))
     others = [run["load_torque"] for run in (later, *([finer.run] if finer else []))]
-    return {
-        "output_torque": Quantity(
+    return [
+        Quantity(
+            "output_torque",
             "output torque",
             ours.output,
             "N m",
@@ -160,26 +161,41 @@ def _quantities(
             closed.source,
             AS_BUILT,
         ),
-        "output_rate": Quantity(
+        Quantity(
+            "output_rate",
             f"output rate, of {ideal:g} N m",
             1e2 * ours.output / ideal,
             "%",
             1e2 * torque_error / ideal,
             note=spread.told(found.efficiency, by_input),
         ),
-        "ripple_peak_to_peak": Quantity(
-            "ripple of the output torque, p-p", ripple, "N m", max(abs(float(np.ptp(one)) - ripple) for one in others)
+        Quantity(
+            "ripple_peak_to_peak",
+            "ripple of the output torque, p-p",
+            ripple,
+            "N m",
+            max(abs(float(np.ptp(one)) - ripple) for one in others),
         ),
-        "ripple_rms": Quantity(
-            "ripple of the output torque, rms", rms, "N m", max(abs(float(np.std(one)) - rms) for one in others)
+        Quantity(
+            "ripple_rms",
+            "ripple of the output torque, rms",
+            rms,
+            "N m",
+            max(abs(float(np.std(one)) - rms) for one in others),
         ),
-        "input_torque": Quantity("mean input torque", ours.input, "N m", None, design.drive.torque, "as given"),
-        "efficiency": Quantity("efficiency by powers", 1e2 * found.efficiency, "%", 1e2 * error),
-        "efficiency_crank_held": Quantity(
-            "efficiency, crank held under this load", 1e2 * held, "%", None, 1e2 * found.efficiency, "by the brake"
+        Quantity("input_torque", "mean input torque", ours.input, "N m", None, design.drive.torque, "as given"),
+        Quantity("efficiency", "efficiency by powers", 1e2 * found.efficiency, "%", 1e2 * error),
+        Quantity(
+            "efficiency_crank_held",
+            "efficiency, crank held under this load",
+            1e2 * held,
+            "%",
+            None,
+            1e2 * found.efficiency,
+            "by the brake",
         ),
-        "balance_residual": Quantity("residual of the energy balance", 1e2 * found.residual, "% of input"),
-    }
+        Quantity("balance_residual", "residual of the energy balance", 1e2 * found.residual, "% of input"),
+    ]
 
 
 def _curves(design: Design, ours: Outcome) -> tuple[Curve, ...]:

@@ -17,7 +17,7 @@ from cycloid_mj.measure.reaction import unbalance, weight
 from cycloid_mj.measure.sway import Sway, sway
 from cycloid_mj.measure.trace import own
 from cycloid_mj.mjcf import build
-from cycloid_mj.result import Curve, Quantity
+from cycloid_mj.result import Curve, Quantity, keyed
 
 SHARES = (0.5, 0.75, 1.0, 1.25, 1.5)
 """Crank speeds of the sweep as shares of the design's."""
@@ -85,7 +85,7 @@ def vibration(
         design=design,
         condition=" and ".join(f"{one} {torque:.3g} N m" for one, torque in torques.items())
         + f", spectra at {abs(speed) / RPM:.0f} rpm",
-        quantities=dict(_levels(design, at_speed, checks)) | dict(_unbalance(design, at_speed, checks)),
+        quantities=keyed(_levels(design, at_speed, checks), _unbalance(design, at_speed, checks)),
         curves=(*_sweep(design, full), *_spectra(at_speed)),
         assumptions=(
             "bearings and housing are rigid; a bearing's force is what contacts and weight leave of its body's inertia",
@@ -104,7 +104,7 @@ def vibration(
     )
 
 
-def _levels(design: Design, at_speed: Sequence[Sway], checks: Mapping[str, Sway]) -> Iterator[tuple[str, Quantity]]:
+def _levels(design: Design, at_speed: Sequence[Sway], checks: Mapping[str, Sway]) -> Iterator[Quantity]:
     """Give the levels at the design's speed; the balance of momentum is the second method for the housing's force."""
     closed, still = design.gear.eccentricity * design.drive.speed**2, float(np.hypot(*weight(design)))
     for one in at_speed:
@@ -115,21 +115,21 @@ def _levels(design: Design, at_speed: Sequence[Sway], checks: Mapping[str, Sway]
             reference, source = (one.rms("momentum"), "m a of gear and shaft") if key == "housing" else (None, "")
             note = _NOTE if key == "housing" else ""
             words = f"rms {name} below {5e-4 * one.rate:.3g} kHz, {one.load}"
-            yield f"{key}_rms_{one.load}", Quantity(words, value, unit, error, reference, source, note)
+            yield Quantity(f"{key}_rms_{one.load}", words, value, unit, error, reference, source, note)
         for key in SHOWN:
             name, _ = _SIGNALS[key]
             words = f"share of the power of the {name} above {5e-4 * one.rate:.3g} kHz, {one.load}"
             error = _error(one, check, methodcaller("above", key))
             error = None if error is None else 1e2 * error
             note = f"sampled at {1e-3 * one.sampled_rate:.4g} kHz; the figures hold what is below"
-            yield f"{key}_above_band_{one.load}", Quantity(words, 1e2 * one.above(key), "%", error, note=note)
+            yield Quantity(f"{key}_above_band_{one.load}", words, 1e2 * one.above(key), "%", error, note=note)
         words, error = f"whole acceleration of the gear's centre, {one.load}", _error(one, check, _orbit)
-        yield f"orbit_{one.load}", Quantity(words, one.orbit, "m/s2", error, closed, "c omega^2")
+        yield Quantity(f"orbit_{one.load}", words, one.orbit, "m/s2", error, closed, "c omega^2")
         words, error = f"mean force on the housing, {one.load}", _error(one, check, _mean_force)
-        yield f"mean_force_{one.load}", Quantity(words, _mean_force(one), "N", error, still, "weight of what moves")
+        yield Quantity(f"mean_force_{one.load}", words, _mean_force(one), "N", error, still, "weight of what moves")
 
 
-def _unbalance(design: Design, at_speed: Sequence[Sway], checks: Mapping[str, Sway]) -> Iterator[tuple[str, Quantity]]:
+def _unbalance(design: Design, at_speed: Sequence[Sway], checks: Mapping[str, Sway]) -> Iterator[Quantity]:
     """Give the unbalance of gear and shaft, from the solids, and the rotating force that the first run shows."""
     found, square = unbalance(design), design.drive.speed**2
     one, check = at_speed[0], checks.get(at_speed[0].load)
@@ -137,21 +137,19 @@ def _unbalance(design: Design, at_speed: Sequence[Sway], checks: Mapping[str, Sw
         ("housing_bare", "without counterweight", found.bare),
         ("housing", "with counterweight", found.balanced),
     ):
-        yield (
-            f"{key}_rotating",
-            Quantity(
-                name=f"force that goes round with the crank, {name}",
-                value=one.rotating(key),
-                unit="N",
-                error=_error(one, check, methodcaller("rotating", key)),
-                reference=abs(closed) * square,
-                source="sum of m c omega^2",
-            ),
+        yield Quantity(
+            key=f"{key}_rotating",
+            name=f"force that goes round with the crank, {name}",
+            value=one.rotating(key),
+            unit="N",
+            error=_error(one, check, methodcaller("rotating", key)),
+            reference=abs(closed) * square,
+            source="sum of m c omega^2",
         )
     couple = abs(found.couple) * square
     note = "the counterweight lies beside the gear: the force is balanced, the couple is not"
-    yield "unbalance", Quantity("unbalance without counterweight", 1e6 * found.bare, "g mm")
-    yield "couple", Quantity("rocking couple with counterweight", couple, "N m", note=note)
+    yield Quantity("unbalance", "unbalance without counterweight", 1e6 * found.bare, "g mm")
+    yield Quantity("couple", "rocking couple with counterweight", couple, "N m", note=note)
 
 
 def _error(one: Sway, check: Sway | None, read: Callable[[Sway], float]) -> float | None:

@@ -146,8 +146,7 @@ def _plate(plate: Plate, picture: bytes) -> str:
 
 
 def _table(table: Table) -> str:
-    rows = [[cell if isinstance(cell, str) else f"{cell:.5g}" for cell in row] for row in table.rows]
-    return html.tag("h3", html.text(table.title)) + html.table([table.header], rows)
+    return html.tag("h3", html.text(table.title)) + html.table([table.header], table.cells)
 
 
 def _errata(errata: Sequence[Mapping[str, Any]]) -> str:
