@@ -95,7 +95,7 @@ class Scene:
             A part of the design cannot be made.
         """
         update = SceneUpdate()
-        files = {name: glb(pieces, name) for name, pieces in shapes(self.design).items()}
+        files = {name: glb(pieces) for name, pieces in shapes(self.design).items()}
         one_pin = files.pop("pin", b"")
         if one_pin:
             files |= {pin(number): one_pin for number, _ in enumerate(ring_places(self.design), start=1)}

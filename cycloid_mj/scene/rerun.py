@@ -85,9 +85,9 @@ def _log_parts(rr: Any, recording: Any, design: Design, time: Any, place: Mappin
 
 
 def _mesh(rr: Any, piece: Piece) -> Any:
-    points, normals, faces = smoothed(piece.mesh)
-    shade = _bytes(piece.colour)
-    return rr.Mesh3D(vertex_positions=points, vertex_normals=normals, triangle_indices=faces, albedo_factor=shade)
+    mesh, shade = smoothed(piece), _bytes(piece.colour)
+    points, normals = mesh.vertices, mesh.vertex_normals
+    return rr.Mesh3D(vertex_positions=points, vertex_normals=normals, triangle_indices=mesh.faces, albedo_factor=shade)
 
 
 def _bytes(colour: Colour) -> list[int]:
