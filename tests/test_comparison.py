@@ -388,7 +388,7 @@ def test_idle_figures_are_stated_over_the_starts():
     assert verdicts["gear speed", 20.0] == ("confirmed", 1)
     # the same motion of every start in both designs
     assert verdicts["acceleration of the gear centre", 0.0] == ("not determined", 1)
-    _, rows = comparison.table(found, 0.0)
+    _, rows = comparison.table(found.at(0.0))
     least, mean, most = (value / math.sqrt(2) for value in (0.004, 0.00435, 0.0047))
     words = next(row[1] for row in rows if row[0] == "gear speed error, rms")
     assert words == f"{least:.3g} to {most:.3g} ({mean:.3g})"
@@ -463,7 +463,7 @@ def test_json_of_a_comparison_is_plain_and_complete():
 
 def test_table_has_a_column_for_each_design_and_no_empty_row():
     found = compare(pair(20.0))
-    header, rows = comparison.table(found, 20.0)
+    header, rows = comparison.table(found.at(20.0))
     assert header == ["quantity", "pin", "nonpin", "unit"]
     by_name = {row[0]: row[1:] for row in rows}
     assert by_name["gear speed error, rms"] == ["0.001414", "0.0007071", "rad/s"]

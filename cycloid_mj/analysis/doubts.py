@@ -1,12 +1,18 @@
-"""What is doubtful in a run: what was known before it began, its pace, its power balance and its efficiency."""
+"""What a reader of a run should know before he trusts its figures: sentences, for a terminal, a page and JSON alike.
 
+Some was known before it began; the rest is its end, its pace, its power balance and its efficiency.
+"""
+
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
+from cycloid_mj.analysis.findings import ContactSummary, Window
 from cycloid_mj.analysis.series import Series
 from cycloid_mj.contact.regime import pace
 from cycloid_mj.design import Design
+from cycloid_mj.design.units import MICROMETRE, RPM
 from cycloid_mj.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.record import Run
 from cycloid_mj.solid import mass_properties, parts
@@ -20,6 +26,9 @@ WHOLE_TURN = 0.99
 
 IDLE = 0.01
 """Least power that a share is taken of, over the rated power: an idling reducer takes next to none."""
+
+DEEP = 0.5
+"""Share of the allowed penetration that is worth a warning."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +75,23 @@ def balance(run: Run) -> Balance:
     )
 
 
+def warnings(motion: Series, judged: Window, contacts: ContactSummary) -> Iterator[str]:
+    """Give the warnings of a run that was judged over a window."""
+    run, design = motion.run, motion.design
+    if not run.complete:
+        yield f"the run did not reach its end: {run.note or 'no reason is known'}"
+    elif run.note:
+        yield run.note
+    if judged.phase == "ramp":
+        yield _ended_in_ramp(motion)
+    elif _turns(judged) < 1.0:
+        yield _short(motion, judged)
+    yield from doubts(motion)
+    limit = MICROMETRE.from_si(design.contact.max_penetration)
+    if contacts.max_penetration_um > DEEP * limit:
+        yield f"contacts were {contacts.max_penetration_um:.3g} um deep; a run ends with an error at {limit:g} um"
+
+
 def doubts(motion: Series) -> tuple[str, ...]:
     """Tell what is doubtful in a run: what, where, and what to change; nothing where there is nothing."""
     run, design = motion.run, motion.design
@@ -84,7 +110,7 @@ def unbalanced(run: Run, design: Design) -> tuple[str, ...]:
     idle = IDLE * design.drive.torque * abs(design.drive.speed)
     scale = max(found.crank, found.output, found.lost, idle)
     told = []
-    short = _turns(run) < WHOLE_TURN
+    short = _swept(run) < WHOLE_TURN
     if "kinetic_energy" in run.columns and not short and abs(found.missing) > OPEN * scale:
         told.append(
             f"the power balance is open by {found.missing:.3g} of {scale:.4g} W: powers, losses and efficiency are "
@@ -97,7 +123,7 @@ def unbalanced(run: Run, design: Design) -> tuple[str, ...]:
     return tuple(told)
 
 
-def _turns(run: Run) -> float:
+def _swept(run: Run) -> float:
     angle = run["crank_angle"]
     return float(abs(angle[-1] - angle[0]) / (2.0 * np.pi) * angle.size / (angle.size - 1))
 
@@ -117,3 +143,28 @@ def _cause(found: Balance, design: Design) -> str:
             f"does {late:.3g} W on the orbiting gear; shorten settings.timestep_us or lower drive.speed_rpm"
         )
     return "the log is too coarse or the hold too short for these powers: raise settings.log_rate_hz or drive.hold_s"
+
+
+def _ended_in_ramp(motion: Series) -> str:
+    drive = motion.design.drive
+    reached = RPM.from_si(float(motion.crank_speed.simulated[-1]))
+    return (
+        f"the run ended in its ramp, at {motion.time[-1]:.4g} of {drive.ramp:g} s and {reached:.4g} of"
+        f" {RPM.from_si(drive.speed):g} rpm: its figures are of the ramp, over all speeds up to there; what is missing"
+        " is everything at constant speed, efficiency too"
+    )
+
+
+def _short(motion: Series, judged: Window) -> str:
+    speed = abs(motion.design.drive.speed)
+    settled = judged.start_s - motion.design.drive.ramp
+    needed = f"; a turn takes {settled + 6.2832 / speed:.2g} s of hold, settling included" if speed else ""
+    return (
+        f"only {judged.crank_turns:.2f} crank turns at constant speed were judged: means and peaks are those of part"
+        f" of a turn{needed}"
+    )
+
+
+def _turns(judged: Window) -> float:
+    """Crank turns with the odd share of one sample."""
+    return judged.crank_turns * judged.samples / max(judged.samples - 1, 1) + 1e-6

@@ -1,10 +1,10 @@
 """The findings of a run: few numbers, each with its unit in its name."""
 
-import dataclasses
 from dataclasses import dataclass
 from typing import Any, Literal
 
 from cycloid_mj.analysis.condition import Condition
+from cycloid_mj.result import plain
 
 Phase = Literal["hold", "ramp"]
 
@@ -165,11 +165,4 @@ class Findings:
 
     def as_json(self) -> dict[str, Any]:
         """Give the findings as dicts, lists, numbers, text and None only."""
-        plain: dict[str, Any] = _plain(self)
-        return plain
-
-
-def _plain(value: Any) -> Any:
-    if dataclasses.is_dataclass(value):
-        return {field.name: _plain(getattr(value, field.name)) for field in dataclasses.fields(value)}
-    return [_plain(item) for item in value] if isinstance(value, tuple) else value
+        return dict(plain(self))

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from cycloid_mj import kinematics
 from cycloid_mj.analysis.condition import condition
+from cycloid_mj.analysis.doubts import warnings
 from cycloid_mj.analysis.findings import (
     AccelerationFindings,
     ContactSummary,
@@ -27,7 +28,6 @@ from cycloid_mj.analysis.findings import (
     Window,
 )
 from cycloid_mj.analysis.series import Compared, Series, series
-from cycloid_mj.analysis.trust import warnings
 from cycloid_mj.analysis.window import turn_by_turn
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.names import FRICTION_POWER, NORMAL_POWER

@@ -8,8 +8,6 @@ from cycloid_mj.design import Design
 from cycloid_mj.errors import LogError, UsageError
 from cycloid_mj.types import Array, Mask
 
-Mask = Mask
-
 SETTLING = 0.005
 """Least time that a start, the end of the ramp or the load's rise takes to ring out [s]; contacts need 1 to 3 ms."""
 

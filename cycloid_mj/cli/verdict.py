@@ -30,7 +30,7 @@ def report(comparison: "Comparison", figures: Sequence[Path], json: bool) -> Non
         span = f"from {window.start_s:.6g} to {window.end_s:.6g} s ({window.crank_turns:.1f} turns)"
         starts = min(len(trial.starts) for trial in comparison.at(load))
         over = f", least to largest (mean) of {starts} starts" if starts > 1 else ""
-        say_table(f"{findings.condition}: {span}{over}", *table(comparison, load))
+        say_table(f"{findings.condition}: {span}{over}", *table(comparison.at(load)))
     if comparison.sensitivity:
         ends = " and ".join(f"{each.parameter} {each.value}" for each in ASSUMPTIONS)
         condition = comparison.trials[-1].measures.findings.condition

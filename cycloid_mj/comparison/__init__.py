@@ -6,8 +6,7 @@ chaotic, and under load on the crank turns of a run.
 
 from cycloid_mj.analysis import load_words
 from cycloid_mj.comparison.comparison import Comparison, compare
-from cycloid_mj.comparison.conditions import conditions, differences, under
-from cycloid_mj.comparison.equalised import total_play, with_play_of
+from cycloid_mj.comparison.conditions import conditions, differences, total_play, under, with_play_of
 from cycloid_mj.comparison.measures import Measures, measure, settled, settling
 from cycloid_mj.comparison.ranking import Ranking, rankings
 from cycloid_mj.comparison.sensitivity import ASSUMPTIONS, Sensitivity, sensitivities, sensitivity_table

@@ -1,7 +1,5 @@
 """Two or more designs side by side: the measures of each under each load, and the words about them."""
 
-import dataclasses
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -9,13 +7,14 @@ from typing import Any
 from cycloid_mj.analysis import load_words
 from cycloid_mj.comparison.conditions import HOLD, conditions, differences
 from cycloid_mj.comparison.ranking import NO_FIGURES, Ranking, rankings, summary
-from cycloid_mj.comparison.rows import ROWS
 from cycloid_mj.comparison.sensitivity import Sensitivity
 from cycloid_mj.comparison.sweep import Varied, decisions
+from cycloid_mj.comparison.table import ROWS
 from cycloid_mj.comparison.trial import Trial
 from cycloid_mj.contact.massless import require_pin_bodies
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
+from cycloid_mj.result import plain
 
 
 @dataclass(frozen=True)
@@ -69,30 +68,22 @@ class Comparison:
 
     def as_json(self) -> dict[str, Any]:
         """Give the comparison as dicts, lists, numbers, text and None only."""
-        plain: dict[str, Any] = _plain(
-            {
-                "designs": self.designs,
-                "conditions": self.conditions,
-                "differences": self.differences,
-                "runs": [_run(trial) for trial in self.trials],
-                "rankings": [_judged(ranking) for ranking in self.rankings],
-                "summary": self.summary,
-                "sweep": [
-                    {
-                        "parameter": point.parameter,
-                        "value": point.value,
-                        "rankings": [_judged(ranking) for ranking in point.rankings],
-                    }
-                    for point in self.sweep
-                ],
-                "decisions": self.decisions,
-                "sensitivity": [
-                    dataclasses.asdict(each) | {"changes": each.changes, "determined": each.determined}
-                    for each in self.sensitivity
-                ],
-            }
-        )
-        return plain
+        told = {
+            "designs": self.designs,
+            "conditions": self.conditions,
+            "differences": self.differences,
+            "runs": [_run(trial) for trial in self.trials],
+            "rankings": [_judged(ranking) for ranking in self.rankings],
+            "summary": self.summary,
+            "sweep": [
+                {**vars(point), "rankings": [_judged(ranking) for ranking in point.rankings]} for point in self.sweep
+            ],
+            "decisions": self.decisions,
+            "sensitivity": [
+                plain(each) | {"changes": each.changes, "determined": each.determined} for each in self.sensitivity
+            ],
+        }
+        return dict(plain(told))
 
 
 def compare(
@@ -184,13 +175,13 @@ def _run(trial: Trial) -> dict[str, Any]:
     """Give a run: the measures of its first start, and, at no load, how each figure spreads over all of them."""
     spreads = [
         {"quantity": words, "unit": unit, **spread.as_json()}
-        for words, unit, figure in ROWS
-        if trial.load == 0.0 and (spread := trial.over_starts(figure)) is not None
+        for words, unit, measured in ROWS
+        if trial.load == 0.0 and (spread := trial.over_starts(measured)) is not None
     ]
     return {
         "design": trial.name,
         "load_nm": trial.load,
-        **dataclasses.asdict(trial.measures),
+        **plain(trial.measures),
         "starts": len(trial.starts),
         "start_logs": [each.findings.log for each in trial.starts],
         "spreads": spreads,
@@ -206,12 +197,4 @@ def _judged(ranking: Ranking) -> dict[str, Any]:
         "pin_starts": ranking.pin_starts.as_json(),
         "nonpin_starts": ranking.nonpin_starts.as_json(),
     }
-    return dataclasses.asdict(ranking) | told
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    return plain(ranking) | told

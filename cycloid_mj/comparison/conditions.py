@@ -1,13 +1,16 @@
-"""The settings that every design of a comparison shares, and in what the designs differ; in the words of design files.
+"""What designs of a comparison share, in what they differ, and what makes them alike; in the words of design files.
 
 Conditions are drive, load, environment and settings, but for the load torque, which tells the cases apart, and the
-drive's ratings, which no run depends on.
+drive's ratings, which no run depends on. A pin is a two-force body between gear and seat: play and compliance of its
+two contacts add up. At equal play and series stiffness, free pins, fixed pins and an internal gear lose the same at
+equal friction, and what is left to differ is the design itself.
 """
 
 import tomllib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from cycloid_mj.contact.law import series_stiffness
 from cycloid_mj.design import Design, dump, override
 
 TABLES = ("drive", "load", "environment", "settings")
@@ -40,3 +43,22 @@ def differences(designs: Sequence[Design]) -> dict[str, tuple[Any, ...]]:
     found = [values(design) for design in designs]
     each = {key: tuple(one[key] for one in found) for key in found[0] if key != "load.torque_nm"}
     return {key: told for key, told in each.items() if any(value != told[0] for value in told)}
+
+
+def total_play(design: Design) -> float:
+    """Give the clearance between the gear and the housing along a contact's normal [m]."""
+    play = getattr(design.clearance, design.tooth_pair)
+    return float(play + design.pin_play)
+
+
+def with_play_of(nonpin: Design, pin: Design) -> Design:
+    """Give an internal gear's design with the total play and the series stiffness of a pin design.
+
+    The stiffness is the pin design's at its own load, and is kept under every other: one and the same design.
+    """
+    changes = [
+        f'name="{nonpin.name}-like-{pin.name}"',
+        f"clearance.tooth_um={1e6 * total_play(pin)!r}",
+        f"stiffness.tooth_n_m={series_stiffness(pin)!r}",
+    ]
+    return override(nonpin, changes)

@@ -2,14 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
 from cycloid_mj.analysis import Series
+from cycloid_mj.analysis.window import turn_by_turn
 from cycloid_mj.types import Array
-
-ROUNDING = 1e-6
 
 
 @dataclass(frozen=True)
@@ -23,13 +21,7 @@ class Level:
 def turns(motion: Series) -> list[slice]:
     """Give the samples of each whole crank turn of the settled hold; all of them where it is shorter than a turn."""
     first = int(np.argmax(motion.hold))
-    swept = np.abs(motion.crank_angle[first:] - motion.crank_angle[first])
-    sample = swept[-1] / max(swept.size - 1, 1)
-    count = int(np.floor((swept[-1] + sample) / (2 * np.pi) + ROUNDING))
-    if count == 0:
-        return [slice(first, motion.time.size)]
-    ends = first + np.searchsorted(swept, 2 * np.pi * (np.arange(count + 1) - ROUNDING))
-    return [slice(int(start), int(stop)) for start, stop in pairwise(ends)]
+    return [slice(first + turn.start, first + turn.stop) for turn in turn_by_turn(motion.crank_angle[first:])]
 
 
 def level(values: Array, parts: Sequence[slice]) -> Level:

@@ -5,11 +5,11 @@ is brought to the other end of its plausible range, and every figure that depend
 it goes. What is stated holds for the designs, load and speed that were run, and for no others.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from cycloid_mj.comparison.measures import Measures
 from cycloid_mj.comparison.sweep import Variation
+from cycloid_mj.comparison.table import DYNAMIC
 from cycloid_mj.comparison.trial import Trial
 
 ASSUMPTIONS = (
@@ -20,21 +20,6 @@ ASSUMPTIONS = (
 
 UNDETERMINED = 2.0
 """Factor between the smallest and the largest value from which on a figure is not determined by the design."""
-
-Figure = Callable[[Measures], float | None]
-FIGURES: tuple[tuple[str, str, Figure], ...] = (
-    ("transmission error of the output, p-p", "arcsec", lambda m: m.findings.transmission_error.peak_to_peak_arcsec),
-    ("output speed error, rms", "rad/s", lambda m: m.findings.output_speed.rms_error_rad_s),
-    ("vibration of the output, rms acceleration", "rad/s^2", lambda m: m.vibration.output_rad_s2.rms),
-    ("transmission error of the gear, p-p", "arcsec", lambda m: m.findings.gear_transmission_error.peak_to_peak_arcsec),
-    ("gear speed error, rms", "rad/s", lambda m: m.fluctuation.gear_speed_rad_s.rms),
-    ("vibration of the gear centre, rms acceleration", "m/s^2", lambda m: m.vibration.gear_centre_m_s2.rms),
-    ("q path error, rms, without steady shifts", "um", lambda m: m.fluctuation.q_path_um.rms),
-    ("q velocity error, rms, without steady shifts", "mm/s", lambda m: m.fluctuation.q_velocity_mm_s.rms),
-    ("force on the most loaded tooth, peak", "N", lambda m: m.forces.tooth_peak_n),
-    ("spin of pin 1, mean", "rad/s", lambda m: m.findings.pin1.mean_spin_rad_s if m.findings.pin1 else None),
-    ("efficiency", "%", lambda m: None if m.findings.efficiency is None else 100.0 * m.findings.efficiency),
-)
 
 
 @dataclass(frozen=True)
@@ -84,7 +69,7 @@ def sensitivities(base: Sequence[Trial], changed: Mapping[Variation, Sequence[Tr
                 if (found := measured(others[place].measures)) is not None
             ),
         )
-        for quantity, unit, measured in FIGURES
+        for quantity, unit, measured in DYNAMIC
         for place, trial in enumerate(base)
         if (figure := measured(trial.measures)) is not None
     ]

@@ -1,21 +1,92 @@
-"""A comparison as rows of text, for people: one table for each load, one column for each design."""
+"""The figures of a comparison: name, unit, and where each stands in the measures of a run; and their table."""
 
-from cycloid_mj.comparison.comparison import Comparison
-from cycloid_mj.comparison.rows import ROWS
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from cycloid_mj.comparison.measures import Measures
 from cycloid_mj.comparison.starts import Spread
+from cycloid_mj.comparison.trial import Trial
 
 
-def table(comparison: Comparison, load: float) -> tuple[list[str], list[list[str]]]:
-    """Give header and rows: quantity, one column for each design, unit; a row without any value is left out.
+class Figure(NamedTuple):
+    """A figure of a run: `of` gives it from the run's measures, None where the run has none."""
 
-    A figure of several starts is given as least to largest, and the mean.
+    words: str
+    unit: str
+    of: Callable[[Measures], float | None]
+
+
+def _efficiency(measures: Measures) -> float | None:
+    return None if measures.findings.efficiency is None else 100.0 * measures.findings.efficiency
+
+
+def _spin(measures: Measures) -> float | None:
+    return measures.findings.pin1.mean_spin_rad_s if measures.findings.pin1 else None
+
+
+OUTPUT_ERROR = Figure(
+    "transmission error of the output, p-p", "arcsec", lambda m: m.findings.transmission_error.peak_to_peak_arcsec
+)
+OUTPUT_SPEED = Figure("output speed error, rms", "rad/s", lambda m: m.findings.output_speed.rms_error_rad_s)
+OUTPUT_VIBRATION = Figure(
+    "vibration of the output, rms acceleration", "rad/s^2", lambda m: m.vibration.output_rad_s2.rms
+)
+EFFICIENCY = Figure("efficiency", "%", _efficiency)
+GEAR_ERROR = Figure(
+    "transmission error of the gear, p-p", "arcsec", lambda m: m.findings.gear_transmission_error.peak_to_peak_arcsec
+)
+GEAR_SPEED = Figure("gear speed error, rms", "rad/s", lambda m: m.fluctuation.gear_speed_rad_s.rms)
+CENTRE_VIBRATION = Figure(
+    "vibration of the gear centre, rms acceleration", "m/s^2", lambda m: m.vibration.gear_centre_m_s2.rms
+)
+Q_PATH = Figure("q path error, rms, without steady shifts", "um", lambda m: m.fluctuation.q_path_um.rms)
+Q_VELOCITY = Figure("q velocity error, rms, without steady shifts", "mm/s", lambda m: m.fluctuation.q_velocity_mm_s.rms)
+TOOTH_FORCE = Figure("force on the most loaded tooth, peak", "N", lambda m: m.forces.tooth_peak_n)
+
+ROWS = (
+    OUTPUT_ERROR,
+    Figure("play and wind-up of the output, mean", "arcsec", lambda m: m.findings.transmission_error.mean_arcsec),
+    OUTPUT_SPEED,
+    OUTPUT_VIBRATION,
+    EFFICIENCY,
+    GEAR_ERROR,
+    Figure("play and wind-up of the gear, mean", "arcsec", lambda m: m.findings.gear_transmission_error.mean_arcsec),
+    GEAR_SPEED,
+    Figure("gear speed error, peak", "rad/s", lambda m: m.findings.gear_speed.peak_error_rad_s),
+    CENTRE_VIBRATION,
+    Figure("q path error, rms", "um", lambda m: m.findings.q_path.rms_error_um),
+    Q_PATH,
+    Figure("q speed error, rms", "mm/s", lambda m: m.findings.q_speed_magnitude.rms_error_mm_s),
+    Q_VELOCITY,
+    Figure("contacts in touch, mean", "1", lambda m: m.findings.contact_summary.mean_active),
+    Figure("teeth that carry force, mean", "1", lambda m: m.forces.teeth_mean),
+    Figure("teeth that carry force, least", "1", lambda m: m.forces.teeth_least),
+    Figure("teeth that carry force, most", "1", lambda m: m.forces.teeth_most),
+    Figure("force on the most loaded tooth, mean", "N", lambda m: m.forces.tooth_mean_n),
+    TOOTH_FORCE,
+    Figure("force of the cam, mean", "N", lambda m: m.forces.cam_mean_n),
+    Figure("force of the cam, peak", "N", lambda m: m.forces.cam_peak_n),
+    Figure("force of one output pin, peak", "N", lambda m: m.forces.output_pin_peak_n),
+    Figure("penetration, largest", "um", lambda m: m.findings.contact_summary.max_penetration_um),
+)
+
+DYNAMIC = (
+    *(OUTPUT_ERROR, OUTPUT_SPEED, OUTPUT_VIBRATION, GEAR_ERROR, GEAR_SPEED, CENTRE_VIBRATION, Q_PATH, Q_VELOCITY),
+    *(TOOTH_FORCE, Figure("spin of pin 1, mean", "rad/s", _spin), EFFICIENCY),
+)
+"""Those that depend on the motion's detail."""
+
+
+def table(trials: Sequence[Trial]) -> tuple[list[str], list[list[str]]]:
+    """Give header and rows for runs under one load: quantity, one column for each design, unit.
+
+    A figure of several starts is given as least to largest, and the mean; a row without any value is left out.
     """
-    trials = comparison.at(load)
     rows = []
-    for words, unit, measured in ROWS:
-        found = [trial.over_starts(measured) for trial in trials]
+    for figure in ROWS:
+        found = [trial.over_starts(figure.of) for trial in trials]
         if any(spread is not None for spread in found):
-            rows.append([words, *("" if spread is None else _words(spread) for spread in found), unit])
+            rows.append([figure.words, *("" if spread is None else _words(spread) for spread in found), figure.unit])
     return ["quantity", *(trial.name for trial in trials), "unit"], rows
 
 

@@ -5,8 +5,9 @@ from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from itertools import chain
-from pathlib import Path
+from pathlib import Path, PurePath
 from types import TracebackType
+from typing import BinaryIO
 
 import numpy as np
 import numpy.typing as npt
@@ -15,11 +16,13 @@ from mcap.writer import Writer
 from cycloid_mj.errors import LogError
 from cycloid_mj.interrupt import unbroken
 from cycloid_mj.log.encoding import FORMAT, PACKAGE, Group
-from cycloid_mj.log.place import LogTakenError
-from cycloid_mj.log.start import attach, started, storable
+from cycloid_mj.log.place import LogTakenError, Place, unwritable
 from cycloid_mj.log.viewer import RATE, Message, Viewer, due
 from cycloid_mj.record import Run
 from cycloid_mj.types import Array
+
+MEDIA_TYPES = {".json": "application/json", ".toml": "application/toml", ".xml": "application/xml"}
+WHOLE_CHUNKS_ONLY = 1 << 62  # mcap's own limit on chunks, out of the way: chunks end here, between two samples
 
 Groups = Mapping[str, Mapping[str, str] | Sequence[tuple[str, str]]]
 
@@ -79,7 +82,7 @@ class LogWriter:
         size = sum(group.zeros.size for group in self._groups)
         self._chunk = max(1, chunk_size // size)
         preamble = {PACKAGE: {"format": FORMAT}, "provenance": dict(provenance or {})}
-        self._place, self._mcap = started(Path(path), force, hidden, preamble, attachments or {})
+        self._place, self._mcap = _started(Path(path), force, hidden, preamble, attachments or {})
         self._channels = [
             self._mcap.register_channel(
                 group.topic,
@@ -234,9 +237,9 @@ class LogWriter:
 
     def _end(self, note: str, complete: bool, attachments: Mapping[str, bytes]) -> None:
         """Write what comes after the samples, and let the log take its name."""
-        end = {"complete": "true" if complete else "false", "note": storable(note), "samples": str(self.samples)}
+        end = {"complete": "true" if complete else "false", "note": _storable(note), "samples": str(self.samples)}
         try:
-            attach(self._mcap, attachments)
+            _attach(self._mcap, attachments)
             self._mcap.add_metadata(f"{PACKAGE}.end", end)
             self._mcap.finish()
             self._place.finish(complete or self._place.hidden)
@@ -286,6 +289,50 @@ def write(run: Run, path: str | os.PathLike[str], viewer: Viewer | None = None, 
     with LogWriter(path, run.groups, run.provenance, run.attachments, force=force, viewer=viewer, hidden=True) as log:
         log.write(run.time, {topic: run.block(names) for topic, names in run.topics.items()})
         log.close(run.note, run.complete)
+
+
+def _started(
+    path: Path,
+    force: bool,
+    hidden: bool,
+    preamble: Mapping[str, Mapping[str, str]],
+    attachments: Mapping[str, bytes],
+) -> tuple[Place, Writer]:
+    """Open the log and write what comes before the samples; leave no trace if that fails."""
+    place = Place(path, force, hidden)
+    try:
+        return place, _begun(place.stream, preamble, attachments)
+    except BaseException as problem:
+        place.drop()
+        if isinstance(problem, OSError):
+            raise unwritable(path, problem) from problem
+        raise
+
+
+def _begun(stream: BinaryIO, preamble: Mapping[str, Mapping[str, str]], attachments: Mapping[str, bytes]) -> Writer:
+    """Write metadata and attachments, and see them leave for the disk."""
+    mcap = Writer(stream, chunk_size=WHOLE_CHUNKS_ONLY, enable_data_crcs=True)
+    mcap.start(library=PACKAGE)
+    for name, entries in preamble.items():
+        mcap.add_metadata(name, {_storable(key): _storable(value) for key, value in entries.items()})
+    _attach(mcap, attachments)
+    mcap.flush()
+    return mcap
+
+
+def _attach(mcap: Writer, attachments: Mapping[str, bytes]) -> None:
+    """Write files that are kept with the run: name -> content."""
+    for name, content in attachments.items():
+        mcap.add_attachment(0, 0, _storable(name), _media_type(name), content)
+
+
+def _media_type(name: str) -> str:
+    return MEDIA_TYPES.get(PurePath(name).suffix, "application/octet-stream")
+
+
+def _storable(text: str) -> str:
+    """Give text that UTF-8 can hold: odd bytes of a command line come as lone surrogates."""
+    return text.encode("utf-8", "backslashreplace").decode("utf-8")
 
 
 def _viewer_channels(mcap: Writer, viewer: Viewer) -> dict[str, int]:
