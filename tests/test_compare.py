@@ -77,9 +77,27 @@ def undrawn(monkeypatch):
 
 
 @pytest.fixture
+def planned(monkeypatch):
+    """Let nothing run; give the designs that would have been run."""
+    designs = []
+
+    def run_all(jobs, workers, force, quiet):
+        designs.extend(jobs)
+        raise RunError("nothing is run here")
+
+    monkeypatch.setattr("cycloid_mj.cli.batch.run_all", run_all)
+    return designs
+
+
+@pytest.fixture
 def instant(monkeypatch):
-    """Let each run be done at once, with noise for its motion and no forces; give the designs that were run."""
+    """Let each run be done at once, with noise for its motion and no forces; give the designs that were run.
+
+    The logs have no 3-D scene.
+    """
     ran = []
+    monkeypatch.setattr("cycloid_mj.scene.Scene.opening", lambda scene, time: iter(()))
+    monkeypatch.setattr("cycloid_mj.scene.Scene.frames", lambda scene, time, columns: iter(()))
 
     def blocks(reducer, design):
         ran.append(design)
@@ -196,9 +214,9 @@ def test_table_and_words_go_to_stdout(compared, tmp_path, undrawn):
         assert ranking["sentence"] in flat
 
 
-def test_default_hold_is_whole_turns_after_settling(here, instant, undrawn):
-    assert told("compare", "pin", "nonpin", "--quiet", "--quick")[0] == 0
-    idle, loaded = ([design for design in instant if bool(design.load.torque) == under] for under in (False, True))
+def test_default_hold_is_whole_turns_after_settling(here, planned):
+    assert told("compare", "pin", "nonpin", "--quiet", "--quick")[0] == 1
+    idle, loaded = ([design for design in planned if bool(design.load.torque) == under] for under in (False, True))
     assert len({design.drive for design in idle}) == len({design.drive for design in loaded}) == 1
     assert f"{idle[0].drive.hold:.4f}" == "0.1198", "the help says how long"
     design = loaded[0]
@@ -249,15 +267,15 @@ def test_logs_in_a_named_folder_are_replaced_only_by_force(here, instant, undraw
     assert Path("mine/pin-no-load.mcap").read_bytes() != before
 
 
-def test_the_first_design_rules_the_settings_and_set_changes_all(here, instant, undrawn):
+def test_the_first_design_rules_the_settings_and_set_changes_all(here, planned):
     slow = override(PRESETS["pin"], ["name=slow", "drive.speed_rpm=820", "drive.torque_nm=0.5", "load.rise_s=0.002"])
     Path("slow.toml").write_text(dump(slow))
     argv = ("compare", "slow.toml", "nonpin", "--set", "friction.cam=0.01", "--quiet", "--quick", "--jobs", "1")
-    assert told(*argv)[0] == 0
-    assert {design.drive.speed for design in instant} == {slow.drive.speed}
-    assert {design.load.rise for design in instant} == {0.002}
-    assert {design.friction.cam for design in instant} == {0.01}
-    assert sorted({design.load.torque for design in instant}) == [0.0, 17.5]
+    assert told(*argv)[0] == 1
+    assert {design.drive.speed for design in planned} == {slow.drive.speed}
+    assert {design.load.rise for design in planned} == {0.002}
+    assert {design.friction.cam for design in planned} == {0.01}
+    assert sorted({design.load.torque for design in planned}) == [0.0, 17.5]
 
 
 def test_sweep_runs_each_different_design_once(here, instant, monkeypatch):

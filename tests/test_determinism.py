@@ -21,7 +21,7 @@ from cycloid_mj.design import PRESETS, override
 from cycloid_mj.run import simulate
 found = hashlib.sha256()
 for preset in ("pin", "nonpin"):
-    changes = ["drive.ramp_s=0", "drive.hold_s=0.002", "load.torque_nm=10", "load.rise_s=0.0005"]
+    changes = ["drive.ramp_s=0", "drive.hold_s=0.001", "load.torque_nm=10", "load.rise_s=0.0005"]
     run = simulate(override(PRESETS[preset], changes))
     found.update(run.attachments["model.xml"])
     for name in run.columns:

@@ -37,7 +37,7 @@ def parts(design: Design, chord_error: float | None = None) -> dict[str, Solid]:
     return dict(_parts(design.model_copy(update=unshaped), chord_error))
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=32)
 def _parts(design: Design, chord_error: float | None) -> dict[str, Solid]:
     gear = gear_solid(design, chord_error)
     solids = [housing_solid(design, chord_error), balanced_shaft(design, gear, chord_error), gear]
