@@ -7,14 +7,17 @@ import numpy as np
 from scipy import sparse
 
 from cycloid_mj.design.model import Material
+from cycloid_mj.stress import elastic
 from cycloid_mj.stress.grid import Grid
-from cycloid_mj.stress.packages import package
 from cycloid_mj.stress.patchfit import nodal_fit
 from cycloid_mj.types import Array, Integers
 
 PLANE = ((0, 0), (1, 1), (0, 1))
 SPACE = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 """Order of the stress components: xx, yy, xy, or xx, yy, zz, yz, xz, xy."""
+
+GAUSS = 2
+"""Order of the quadrature whose points have the best stress: 3 Gauss points a triangle, 4 a tetrahedron."""
 
 
 @dataclass(frozen=True)
@@ -31,19 +34,12 @@ class Recovery:
 
 
 def recovery(grid: Grid) -> Recovery:
-    """Give the recovery operators of a grid: 3 Gauss points a triangle, 4 a tetrahedron."""
-    skfem = package("skfem")
-    dimension, cells = grid.dimension, grid.cells
-    corner = np.eye(dimension, dimension + 1, 1)  # reference corners: the origin, then the end of each axis
-    inner = 1 / 6 if dimension == 2 else (5 - np.sqrt(5)) / 20
-    weights = np.full((dimension + 1, dimension + 1), inner) + (1 - (dimension + 1) * inner) * np.eye(dimension + 1)
-    gauss = corner @ weights
-    element = skfem.ElementTriP2() if dimension == 2 else skfem.ElementTetP2()
-    basis = skfem.Basis(grid.mesh, element, quadrature=(gauss, np.full(dimension + 1, 1.0)))
+    """Give the recovery operators of a grid."""
+    basis = elastic.basis_of(grid, vector=False, order=GAUSS)
     # (m, q, a, x): derivative of shape function a along x at point q of element m
-    slopes = np.stack([basis.basis[a][0].grad for a in range(cells.shape[1])]).transpose(2, 3, 0, 1)
-    points = np.asarray(basis.global_coordinates()).transpose(1, 2, 0).reshape(-1, dimension)
-    at_points = tuple(_matrix(slopes[..., x], cells, grid) for x in range(dimension))
+    slopes = np.stack([shape[0].grad for shape in basis.basis]).transpose(2, 3, 0, 1)
+    points = np.asarray(basis.global_coordinates()).transpose(1, 2, 0).reshape(-1, grid.dimension)
+    at_points = tuple(_matrix(slopes[..., x], grid.cells, grid) for x in range(grid.dimension))
     fit = nodal_fit(grid, points)
     return Recovery(at_points, tuple((fit @ operator).tocsr() for operator in at_points), points)
 
@@ -55,9 +51,7 @@ def stresses(operators: tuple[Any, ...], found: Array, material: Material) -> Ar
     """
     dimension = len(operators)
     moved = [found[axis::dimension] for axis in range(dimension)]
-    modulus, poisson = material.youngs_modulus, material.poisson
-    shear = modulus / (2 * (1 + poisson))
-    lame = modulus * poisson / ((1 - poisson**2) if dimension == 2 else (1 + poisson) * (1 - 2 * poisson))
+    lame, shear = elastic.lame_parameters(material, dimension)
     normal = [operators[axis] @ moved[axis] for axis in range(dimension)]
     pressure = lame * sum(normal)
     return np.stack(
