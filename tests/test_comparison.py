@@ -35,6 +35,7 @@ from cycloid_mj.comparison.sensitivity import ASSUMPTIONS, Response, Sensitivity
 from cycloid_mj.comparison.vibration import acceleration, spectrum
 from cycloid_mj.design import PRESETS, Design, dump, override
 from cycloid_mj.errors import LogError, UsageError
+from cycloid_mj.papers import vibration
 from cycloid_mj.plots.sweep import sweep_figure
 from cycloid_mj.record import Run
 
@@ -358,6 +359,16 @@ def pair(load: float = 0.0, pin: float = 0.002, nonpin: float = 0.001) -> list[T
         trial_of("pin", change, gear_speed=waving(pin), output_speed=waving(pin)),
         trial_of("nonpin", change, gear_speed=waving(nonpin), output_speed=waving(2 * nonpin)),
     ]
+
+
+def test_rankings_carry_the_figures_of_the_paper_that_is_held_against():
+    trials = pair(20.0)
+    figures = {"gear speed": "Fig. 6"}
+    given = compare(trials, [varied(SWEEP[0], trials, figures)], figures=figures)
+    for ranked in (given.rankings, given.sweep[0].rankings):
+        assert [r.figure for r in ranked] == ["Fig. 6", "", "", "", ""]
+    assert {r.figure for r in compare(trials).rankings} == {""}
+    assert vibration().figures.keys() < {r.quantity for r in given.rankings}
 
 
 def test_comparison_orders_its_runs_and_judges_them():
