@@ -14,7 +14,7 @@ import pytest
 from hsieh2014 import command, cycle, motion, plan
 from hsieh2014 import run as stages
 from hsieh2014.errata import errata
-from hsieh2014.fit import digest, fits, log_name
+from hsieh2014.logs import Logs, fits, log_name
 from hsieh2014.plan import FULL, QUICK, at_speed, idle_runs, main_runs, ramped, rated_runs
 from hsieh2014.plan import varied_idle_runs as varied_idle
 from hsieh2014.plan import varied_rated_runs as varied_rated
@@ -195,14 +195,23 @@ def test_an_unknown_stage_is_a_usage_error(tmp_path):
         command.reproduce(only=("stres",), out=str(tmp_path))
 
 
-def test_the_time_left_follows_the_pace():
-    assert stages._pace(0.0, 0.0, 100.0) == 1.0
-    assert stages._pace(50.0, 50.0, 100.0) == 1.0
-    assert 1.0 < stages._pace(100.0, 50.0, 100.0) < 2.0
-    told: list[float | None] = []
-    # a stage that takes longer than its share leaves the later ones to do
-    stages._tells(lambda step, text, left: told.append(left), stages.STEPS[0], -1e9, 5.0, 30.0, "")
-    assert told == [30.0]
+def test_the_time_left_follows_the_pace(monkeypatch):
+    assert stages.pace(0.0, 0.0, 100.0) == 1.0
+    assert stages.pace(50.0, 50.0, 100.0) == 1.0
+    assert 1.0 < stages.pace(100.0, 50.0, 100.0) < 2.0
+    clock, told = [0.0], []
+
+    def slow(plan, runs, progress):
+        clock[0] += 100.0
+        progress("late")
+        return Found()
+
+    monkeypatch.setattr(stages, "monotonic", lambda: clock[0])
+    monkeypatch.setattr(stages, "STEPS", (replace(stages.STEPS[0], work=slow), stages.STEPS[1]))
+    stages.run_steps(QUICK, ideal_runs, lambda step, text, left: told.append(left))
+    # a stage that takes longer than its share leaves the later ones to do, which may take longer, too
+    assert told[:2] == pytest.approx([4.1, 0.1])
+    assert 0.1 < told[2] < 100.0
 
 
 # --- logs that fit
@@ -215,18 +224,18 @@ def test_a_log_fits_its_own_design_and_versions_only(monkeypatch):
     assert not fits(replace(run, complete=False), design, told)
     assert not fits(run, design, told | {"mujoco": "2"})
     assert not fits(run, at_speed(PRESETS["pin"], 1.0, 1), told)
-    assert digest(design, told) != digest(design, told | {"mujoco": "2"})
+    assert log_name(design, told) != log_name(design, told | {"mujoco": "2"})
     assert re.fullmatch(r"pin-no-load-[0-9a-f]{12}\.mcap", log_name(design, told))
 
 
 def test_runs_are_read_again_where_their_logs_fit(tmp_path, monkeypatch):
     design = override(PRESETS["nonpin"], ["drive.ramp_s=0.0", "drive.hold_s=0.0004", "settings.log_rate_hz=20000.0"])
-    first = command._Logs(tmp_path, fresh=False, quiet=True)([design])[0]
-    monkeypatch.setattr("cycloid_mj.cli.batch.run_all", lambda *_, **__: pytest.fail("run again"))
-    second = command._Logs(tmp_path, fresh=False, quiet=True)([design])[0]
+    first = Logs(tmp_path, fresh=False, quiet=True)([design])[0]
+    monkeypatch.setattr("hsieh2014.logs.run_all", lambda *_, **__: pytest.fail("run again"))
+    second = Logs(tmp_path, fresh=False, quiet=True)([design])[0]
     assert np.array_equal(first["gear_angle"], second["gear_angle"])
     with pytest.raises(pytest.fail.Exception, match="run again"):
-        command._Logs(tmp_path, fresh=True, quiet=True)([design])
+        Logs(tmp_path, fresh=True, quiet=True)([design])
 
 
 def test_ctrl_c_ends_the_command_and_a_run_that_fails_its_stage(tmp_path, monkeypatch):
@@ -239,12 +248,12 @@ def test_ctrl_c_ends_the_command_and_a_run_that_fails_its_stage(tmp_path, monkey
     def failed(*_, **__):
         raise RunError("it jumped")
 
-    logs = command._Logs(tmp_path, fresh=False, quiet=True)
-    monkeypatch.setattr("cycloid_mj.cli.batch.run_all", stopped)
+    logs = Logs(tmp_path, fresh=False, quiet=True)
+    monkeypatch.setattr("hsieh2014.logs.run_all", stopped)
     step = next(step for step in stages.STEPS if step.key == "gear_speed")
     with pytest.raises(KeyboardInterrupt):
         stages.run_step(step, QUICK, logs, silent)
-    monkeypatch.setattr("cycloid_mj.cli.batch.run_all", failed)
+    monkeypatch.setattr("hsieh2014.logs.run_all", failed)
     assert stages.run_step(step, QUICK, logs, silent).error == "RunError: it jumped"
 
 

@@ -1,8 +1,7 @@
 """``cycloid-mj reproduce``: the whole paper again, figure by figure and claim by claim, as one HTML page."""
 
 import json as js
-import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Annotated, Any
@@ -13,13 +12,11 @@ from cycloid_mj.cli.flags import JsonFlag, QuietFlag
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import finite, say, say_json, say_table, tell
 from cycloid_mj.cli.warned import with_warnings
-from cycloid_mj.design import Design
-from cycloid_mj.errors import LogError, RunError, UsageError, warn
+from cycloid_mj.errors import UsageError
 from cycloid_mj.whole import write_whole
 
 if TYPE_CHECKING:
-    from cycloid_mj.record import Run
-    from hsieh2014.run import Step
+    from hsieh2014.run import Report, Step
     from hsieh2014.stage import Stage
 
 OUT = "runs/reproduce"
@@ -81,15 +78,16 @@ def reproduce(
     exit code is 1. Stress needs the extra `fem`.
     """
     from hsieh2014.errata import errata
+    from hsieh2014.logs import Logs
     from hsieh2014.plan import FULL, QUICK
-    from hsieh2014.run import STEPS
-    from hsieh2014.run import reproduce as reproduced
+    from hsieh2014.run import STEPS, run_steps
 
     if unknown := next((key for key in only if key not in [step.key for step in STEPS]), None):
         raise UsageError(f"no stage {unknown!r}; there are {', '.join(step.key for step in STEPS)}")
     into = folder(out or OUT, "the report")
+    logs = Logs(folder(str(into / "logs"), "the logs"), fresh, quiet)
     start = monotonic()
-    stages = reproduced(QUICK if quick else FULL, _Logs(into, fresh, quiet), _teller(quiet), only)
+    stages = run_steps(QUICK if quick else FULL, logs, _reporter(quiet), only)
     found = with_warnings(
         {
             "quick": quick,
@@ -103,61 +101,18 @@ def reproduce(
     return FAILURE if any(stage.error for stage in stages) else 0
 
 
-class _Logs:
-    """Gives the runs of designs: read from logs that fit, else run into logs, several at a time."""
-
-    def __init__(self, into: Path, fresh: bool, quiet: bool) -> None:
-        self._into = folder(str(into / "logs"), "the logs")
-        self._fresh, self._quiet = fresh, quiet
-        self._known: dict[Design, Run] = {}
-
-    def __call__(self, designs: Sequence[Design]) -> "list[Run]":
-        from cycloid_mj.cli.batch import run_all
-        from cycloid_mj.log import read
-        from cycloid_mj.run import provenance
-        from hsieh2014.fit import log_name
-
-        paths = {
-            design: self._into / log_name(design, provenance(design)) for design in designs if design not in self._known
-        }
-        missing = {design: path for design, path in paths.items() if self._fresh or not self._fits(design, path)}
-        if missing:
-            try:
-                run_all(missing, min(os.cpu_count() or 1, len(missing)), force=True, quiet=self._quiet)
-            except RunError as error:
-                if isinstance(error.__cause__, KeyboardInterrupt):
-                    # Ctrl-C ends the command, not this stage alone
-                    raise error.__cause__ from None
-                raise
-        self._known |= {design: read(path) for design, path in paths.items()}
-        for design in paths:
-            warn(design.name, self._known[design].warnings)
-        return [self._known[design] for design in designs]
-
-    def _fits(self, design: Design, path: Path) -> bool:
-        from cycloid_mj.log import read
-        from cycloid_mj.run import provenance
-        from hsieh2014.fit import fits
-
-        try:
-            return path.exists() and fits(read(path), design, provenance(design))
-        except LogError:
-            return False
-
-
-def _teller(quiet: bool) -> "Callable[[Step, str, float | None], None]":
+def _reporter(quiet: bool) -> "Report":
     """Give what tells each stage as it begins, and now and then how far it is."""
     last = [0.0]
 
-    def begins(step: "Step", text: str, left: float | None) -> None:
+    def report(step: "Step", text: str, left: float) -> None:
         now = monotonic()
         if quiet or (text and now - last[0] < SECONDS_BETWEEN_LINES):
             return
         last[0] = now
-        estimate = "" if left is None else f"; about {left:.0f} s left in all"
-        tell(f"{step.title} ({step.paper}){f': {text}' if text else ''}{estimate}")
+        tell(f"{step.heading}{f': {text}' if text else ''}; about {left:.0f} s left in all")
 
-    return begins
+    return report
 
 
 def _written(stages: "Sequence[Stage]", found: dict[str, Any], into: Path, quick: bool, seconds: float) -> Path:

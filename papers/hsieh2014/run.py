@@ -8,7 +8,7 @@ from time import monotonic
 from hsieh2014.geometry import equal, geometry
 from hsieh2014.motion import gear_speed, input_law, pin_1, q_path, q_velocity
 from hsieh2014.plan import Plan
-from hsieh2014.stage import Found, Runs, Stage, Work
+from hsieh2014.stage import Found, Progress, Runs, Stage, Work
 from hsieh2014.stress import stress
 from hsieh2014.torque import torque
 from hsieh2014.vibration import vibration
@@ -25,6 +25,11 @@ class Step:
     quick: float
     full: float
 
+    @property
+    def heading(self) -> str:
+        """Title, and the paper's figures."""
+        return f"{self.title} ({self.paper})"
+
 
 STEPS = (
     Step("geometry", "Generation of the profiles", "Figs 1-4", geometry, 4, 4),
@@ -39,11 +44,11 @@ STEPS = (
     Step("torque", "Output torque", "Fig. 19", torque, 20, 120),
 )
 
-Begins = Callable[[Step, str, float | None], None]
-"""Told of a step as it begins and as it goes on, what it does, and how many seconds are left in all."""
+Report = Callable[[Step, str, float], None]
+"""Called with a step as it begins and as it goes on, what it does, and how many seconds are left in all."""
 
 
-def reproduce(plan: Plan, runs: Runs, begins: Begins, chosen: Sequence[str] = ()) -> list[Stage]:
+def run_steps(plan: Plan, runs: Runs, report: Report, chosen: Sequence[str] = ()) -> list[Stage]:
     """Run the steps; an error of one, whatever it is, is kept in its stage.
 
     Parameters
@@ -52,8 +57,8 @@ def reproduce(plan: Plan, runs: Runs, begins: Begins, chosen: Sequence[str] = ()
         How much is computed.
     runs
         Gives the run of a design.
-    begins
-        Told how far it is.
+    report
+        Called with how far it is.
     chosen
         Keys of the steps to run; by default all.
     """
@@ -61,14 +66,15 @@ def reproduce(plan: Plan, runs: Runs, begins: Begins, chosen: Sequence[str] = ()
     shares = [step.quick if plan.quick else step.full for step in steps]
     start, found = monotonic(), []
     for number, step in enumerate(steps):
-        pace = _pace(monotonic() - start, sum(shares[:number]), sum(shares))
-        told = partial(_tells, begins, step, monotonic(), pace * shares[number], pace * sum(shares[number + 1 :]))
-        told("")
-        found.append(run_step(step, plan, runs, told))
+        rate = pace(monotonic() - start, sum(shares[:number]), sum(shares))
+        ends, later = monotonic() + rate * shares[number], rate * sum(shares[number + 1 :])
+        progress = partial(_progress, report, step, ends, later)
+        progress("")
+        found.append(run_step(step, plan, runs, progress))
     return found
 
 
-def _pace(passed: float, done: float, whole: float) -> float:
+def pace(passed: float, done: float, whole: float) -> float:
     """Estimate how long a share takes, as a multiple of itself: shares are seconds on two free cores.
 
     Half of all counts as done at that pace beforehand, since logs that fit make the first stages quick.
@@ -76,16 +82,16 @@ def _pace(passed: float, done: float, whole: float) -> float:
     return (passed + whole / 2) / (done + whole / 2)
 
 
-def _tells(begins: Begins, step: Step, began: float, this: float, later: float, text: str) -> None:
-    """Tell of a step with the time left [s]: what is left of its own, and what comes later."""
-    begins(step, text, max(this - (monotonic() - began), 0.0) + later)
+def _progress(report: Report, step: Step, ends: float, later: float, text: str) -> None:
+    """Report a step with the time left [s]: until its own end, if that is ahead, and what comes later."""
+    report(step, text, max(ends - monotonic(), 0.0) + later)
 
 
-def run_step(step: Step, plan: Plan, runs: Runs, told: Callable[[str], None]) -> Stage:
+def run_step(step: Step, plan: Plan, runs: Runs, progress: Progress) -> Stage:
     """Run one step."""
     start = monotonic()
     try:
-        found, error = step.work(plan, runs, told), ""
+        found, error = step.work(plan, runs, progress), ""
     except Exception as problem:  # whatever breaks a stage, the page shall have the others
         found, error = Found(), f"{type(problem).__name__}: {problem}"
     return Stage(step.key, step.title, step.paper, found, monotonic() - start, error)
