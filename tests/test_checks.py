@@ -58,6 +58,7 @@ FAILING = [
     (["ring.kind=nonpin", "housing.outer_radius_mm=40.8"], {"housing"}, "housing.outer_radius_mm"),
     (["ring.kind=nonpin", "clearance.tooth_um=99"], {"play"}, "clearance.tooth_um"),
     (["ring.pins=fixed", "clearance.output_um=99"], {"play"}, "clearance.output_um"),
+    (["ring.pins=fixed", "clearance.output_um=800", "clearance.cam_um=800"], {"play", "jump"}, "clearance.cam_um"),
     (["output.core_radius_mm=4"], {"output_core"}, "output.core_radius_mm"),
     (["output.fillet_radius_mm=3"], {"output_fillet"}, "output.fillet_radius_mm"),
     (["shaft.fillet_radius_mm=6.1"], {"shaft_fillet"}, "shaft.fillet_radius_mm"),
@@ -68,7 +69,7 @@ FAILING = [
     (["housing.bolt_radius_mm=3.5"], {"bolt_radius"}, "housing.bolt_radius_mm"),
     (["housing.bolts=90"], {"bolts"}, "housing.bolts"),
 ]
-WARNINGS = {"youngs_modulus", "density", "poisson", "power", "load"}
+WARNINGS = {"play", "youngs_modulus", "density", "poisson", "power", "load"}
 
 # Next to a limit on the side where it still holds.
 PASSING = [
@@ -199,7 +200,9 @@ def test_the_presets_pass_everything() -> None:
         assert require_sound(design) is None
     assert set(names["pin"]) - set(names["nonpin"]) == {"neighbouring_pins", "socket"}
     # Every check that exists is failed by a design below.
-    assert {name for _, names_failed, _ in FAILING for name in names_failed} == set(names["pin"])
+    assert {name for _, names_failed, _ in FAILING for name in names_failed} == set(names["pin"]) | {
+        "jump"
+    }  # where play is wide
     assert len(set(names["pin"])) == len(names["pin"])
 
 
@@ -230,7 +233,7 @@ def test_every_remedy_helps_and_is_as_small_as_it_can_be(changes: list[str], nam
             back = 1 if f"lower {path}" in item.remedy else -1
             count = path in ("ring.teeth", "output.pins", "housing.bolts")
             short = int(number) + back if count else float(number) + back * 0.005 * abs(float(number))
-            if name != "play" and f"{path}={short}" != "output.pins=1":
+            if name not in ("play", "jump") and f"{path}={short}" != "output.pins=1":
                 assert name in failed(override(design, [f"{path}={short}"])), f"{path}={short}"
 
 

@@ -51,7 +51,7 @@ def soundness(design: Design) -> tuple[Check, ...]:
     shape = (*tooth_checks(design), *body_checks(design))
     whole = all(item.passed for item in shape) and design.shaft.radius < design.shaft.counterweight_radius
     of_whole = _of_whole(design) if whole else ()
-    return (*shape, *of_whole, *mechanical_checks(design))
+    return (*shape, *of_whole, *mechanical_checks(design, whole))
 
 
 def _of_whole(design: Design) -> tuple[Check, ...]:

@@ -5,11 +5,18 @@ from collections.abc import Iterator
 
 from cycloid_mj.checks.limit import Check, Limit, millimetres, told, verdict
 from cycloid_mj.checks.teeth import pitches
-from cycloid_mj.design import Design
-from cycloid_mj.design.units import MICROMETRE
+from cycloid_mj.design import PARTS, Design, Material
+from cycloid_mj.design.units import DEGREE, MICROMETRE
+from cycloid_mj.mechanism.limits import stops
 
 PLAY_SHARE = 0.1
-"""Assumed: most play of the whole gear, as a share of the smaller of c and rho; a tooth jumps at about 2 c."""
+"""Assumed: most play of the whole gear, as a share of the smaller of c and rho, that is small against the teeth."""
+
+JUMP_MARGIN = 1e-3
+"""Relative; how far a remedy stays inside the limit on the play."""
+
+JUMP_POSES, JUMP_SIDES = 4, 32
+"""Crank angles at which a wide play is measured, and sides of the polygon around the cam's."""
 
 OVERLOAD = 1.2
 """Assumed: most power that drive torque times speed may ask for, as a share of the rated power."""
@@ -18,8 +25,8 @@ PLAUSIBLE = {"youngs_modulus": (0.5e9, 700e9), "density": (800.0, 20000.0), "poi
 """Assumed [SI]: from polymers to tungsten carbide. Beyond, it is mostly a slip of units."""
 
 
-def mechanical_checks(design: Design) -> Iterator[Check]:
-    """Check what is not the shape of gear and ring."""
+def mechanical_checks(design: Design, whole: bool) -> Iterator[Check]:
+    """Check what is not the shape of gear and ring; what stands on that only where it is `whole`."""
     yield verdict(
         design,
         "output_pins",
@@ -30,20 +37,29 @@ def mechanical_checks(design: Design) -> Iterator[Check]:
     yield from _shaft_checks(design)
     if design.housing.support == "bolts" and design.ring_root_radius < design.housing.outer_radius:
         yield from _bolt_checks(design)
-    yield _play(design)
+    yield from _play_checks(design, whole)
+    tables = ("material", *(f"{part}_material" for part in PARTS))
+    for table in tables:
+        if material := getattr(design, table):
+            yield from _material_checks(design, table, material)
+    yield from _drive_checks(design)
+
+
+def _material_checks(design: Design, table: str, material: Material) -> Iterator[Check]:
+    """Check one table of material; the names of a part's own begin with the part's."""
+    part = table.removesuffix("material")
     yield verdict(
         design,
-        "yield_strength",
-        Limit("material.yield_strength", "at most", design.material.tensile_strength),
+        f"{part}yield_strength",
+        Limit(f"{table}.yield_strength", "at most", material.tensile_strength),
         "no material yields above its tensile strength",
-        Limit("material.tensile_strength", "at least", design.material.yield_strength),
+        Limit(f"{table}.tensile_strength", "at least", material.yield_strength),
     )
     for name, (low, high) in PLAUSIBLE.items():
-        at_least = Limit(f"material.{name}", "at least", low)
+        at_least = Limit(f"{table}.{name}", "at least", low)
         limit = Limit(at_least.key, "at most", high) if at_least.holds(design) else at_least
         why = "no material between polymers and tungsten carbide lies beyond (a slip of units?)"
-        yield verdict(design, name, limit, why, severity="warning")
-    yield from _drive_checks(design)
+        yield verdict(design, f"{part}{name}", limit, why, severity="warning")
 
 
 def _output_root_checks(design: Design) -> Iterator[Check]:
@@ -117,23 +133,49 @@ def _shaft_checks(design: Design) -> Iterator[Check]:
     )
 
 
-def _play(design: Design) -> Check:
-    """Check the sum of the clearances on the way from crank to ring and output."""
-    holders = {"pin_socket": design.ring.has_sockets, "pin_sleeve": design.ring.has_sleeves}
-    names = [design.tooth_pair, *(name for name, holds in holders.items() if holds), "cam", "output"]
+def _play_checks(design: Design, whole: bool) -> Iterator[Check]:
+    """Check the clearances on the way from crank to ring and output: their sum, and what the output turns by them."""
+    names = design.pair_kinds
     total = sum(getattr(design.clearance, name) for name in names)
     allowed = PLAY_SHARE * min(design.gear.eccentricity, design.ring.pin_radius)
     got, limit = told(total, "at most", allowed, MICROMETRE)
     shares = [Limit(f"clearance.{name}", "at most", allowed / len(names)) for name in names]
     remedies = [] if total <= allowed else [share.remedy(design) for share in shares if not share.holds(design)]
-    return Check(
+    yield Check(
         name="play",
         passed=total <= allowed,
         got=f"{got} ({' + '.join(names)})",
         limit=f"{limit} ({PLAY_SHARE:.0%} of the smaller of c and rho, assumed)",
-        why="with more play the teeth leave their conjugate contact, and in the end jump",
+        why="with more play the teeth leave their conjugate contact: statics and closed forms are estimates",
         remedy=" and ".join(remedies),
+        severity="warning",
         key="clearance",
+    )
+    if total > allowed and whole:
+        yield _jump(design)
+
+
+def _jump(design: Design) -> Check:
+    """Check that the teeth hold the gear: a run ends where it is a quarter of a lobe from where the crank puts it."""
+    poses = (2.0 * math.pi * pose / JUMP_POSES for pose in range(JUMP_POSES))
+    play = max(high - low for low, high in (stops(design, pose, JUMP_SIDES) for pose in poses))
+    allowed = math.pi / design.lobes
+    got, limit = told(play, "at most", allowed, DEGREE)
+    share = (1.0 - JUMP_MARGIN) * allowed / play
+    lower = [
+        Limit(f"clearance.{name}", "at most", share * getattr(design.clearance, name)) for name in design.pair_kinds
+    ]
+    return Check(
+        name="jump",
+        passed=play <= allowed,
+        got=f"{got} from stop to stop",
+        limit=f"{limit} (half a lobe)",
+        why="with more play the gear jumps a tooth",
+        remedy="" if play <= allowed else " and ".join(limit.remedy(design) for limit in lower),
+        key="the output's play",
+        value=DEGREE.from_si(play),
+        bound=DEGREE.from_si(allowed),
+        unit=DEGREE.suffix,
     )
 
 

@@ -11,7 +11,7 @@ from typing import TypedDict
 from cycloid_mj.checks.limit import Check, Limit, told
 from cycloid_mj.checks.rated import Rated, rated
 from cycloid_mj.contact.pressure import HARDNESS_PRESSURE, SHAKEDOWN_PRESSURE, YIELD_PRESSURE
-from cycloid_mj.design import Design
+from cycloid_mj.design import PARTNERS, Design
 from cycloid_mj.design.units import DEGREE, MEGAPASCAL, NEWTON_METRE, NONE, Unit
 from cycloid_mj.errors import CycloidError
 from cycloid_mj.modification import profile_offset
@@ -75,11 +75,11 @@ def _unknown(error: CycloidError) -> Check:
 
 def _pressures(state: Rated, part: str) -> Iterator[Check]:
     """Check the Hertz pressure of one part's contacts against first yield, shakedown and hardness."""
-    design, material = state.design, state.design.material
+    design = state.design
     kind = design.tooth_pair if part == "tooth" else part
     pressure = state.peak_pressure(kind)
-    yields, breaks = "material.yield_strength", "material.tensile_strength"
-    for name, key, factor, where, what in (
+    yields, breaks = (_weaker(design, kind, strength) for strength in ("yield_strength", "tensile_strength"))
+    for name, (key, strength), factor, where, what in (
         ("yield", yields, YIELD_PRESSURE, "x yield strength", "the material first yields below the surface"),
         ("shakedown", yields, SHAKEDOWN_PRESSURE, "x yield strength, 4 k", "the material yields anew at each passing"),
         (
@@ -90,7 +90,6 @@ def _pressures(state: Rated, part: str) -> Iterator[Check]:
             "the contact leaves dents, as a hardness test does",
         ),
     ):
-        strength = material.yield_strength if key == yields else material.tensile_strength
         allowed = factor * strength
         passed = pressure <= allowed
         remedies: list[Limit] = []
@@ -115,6 +114,12 @@ def _pressures(state: Rated, part: str) -> Iterator[Check]:
             key=f"the Hertz pressure of {PARTS[part]} at {_newton_metres(abs(state.torque))}",
             **_numbers(pressure, allowed, MEGAPASCAL),
         )
+
+
+def _weaker(design: Design, kind: str, strength: str) -> tuple[str, float]:
+    """Give the key and the value [Pa] of a strength of the weaker of the two parts that meet in a kind of pair."""
+    parts = {f"{design.material_table(part)}.{strength}": design.material_of(part) for part in PARTNERS[kind]}
+    return min(((key, float(getattr(made, strength))) for key, made in parts.items()), key=lambda found: found[1])
 
 
 def _face_width(design: Design, value: Callable[[Rated], float], allowed: float, power: float) -> Limit:
@@ -221,10 +226,11 @@ def _threshold(holds: Callable[[float], bool]) -> float:
 
 @dataclass(frozen=True)
 class _Wall:
-    """A wall that a pin of one `kind` presses on: `thickness` [m], and what `share` of the yield strength it bears."""
+    """A wall of a `part` that a pin of one `kind` presses on: `thickness` [m], `share` of its yield strength."""
 
     name: str
     where: str
+    part: str
     kind: str
     thickness: float
     share: float
@@ -245,27 +251,31 @@ def _walls(design: Design) -> tuple[_Wall, ...]:
     inside, beyond = output.pin_circle_radius - hole, root - output.pin_circle_radius - hole
     ligament, tooth = design.housing.outer_radius - outside, design.tooth_pair
     return (
-        _Wall("hole_to_hole", "between neighbouring output holes", "output", between, TENSION),
-        _Wall("hole_to_root", "between the output holes and the root of the lobes", "output", beyond, SHEAR),
+        _Wall("hole_to_hole", "between neighbouring output holes", "gear", "output", between, TENSION),
+        _Wall("hole_to_root", "between the output holes and the root of the lobes", "gear", "output", beyond, SHEAR),
         _Wall(
             "bore_to_hole",
             "between the bore and the output holes",
+            "gear",
             "output",
             inside - gear.bore_radius - design.clearance.cam,
             SHEAR,
         ),
-        _Wall("housing_ligament", "of the housing outside the ring's teeth", tooth, ligament, SHEAR),
+        _Wall("housing_ligament", "of the housing outside the ring's teeth", "housing", tooth, ligament, SHEAR),
     )
 
 
 def _wall(state: Rated, wall: _Wall) -> Check:
     """Check that no pin tears out of its wall."""
     design, stress = state.design, wall.stress(state)
-    strength = wall.share * design.material.yield_strength / SAFETY
+    material = design.material_of(wall.part)
+    strength = wall.share * material.yield_strength / SAFETY
     passed = stress <= strength
     kind = "tension" if wall.share == TENSION else "shear"
     got, limit = told(stress, "at most", strength, MEGAPASCAL)
-    enough = Limit("material.yield_strength", "at least", design.material.yield_strength * stress / strength)
+    enough = Limit(
+        f"{design.material_table(wall.part)}.yield_strength", "at least", material.yield_strength * stress / strength
+    )
     return Check(
         name=wall.name,
         passed=passed,

@@ -3,11 +3,15 @@
 from dataclasses import dataclass
 
 from cycloid_mj.checks.rated import rated
-from cycloid_mj.contact.pressure import YIELD_PRESSURE
-from cycloid_mj.design import Design
+from cycloid_mj.contact.pressure import YIELD_PRESSURE, pair_strength
+from cycloid_mj.design import PARTS, Design, Material
+from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.loaded.springs import turn_evenly
 from cycloid_mj.mechanism.limits import stops
 from cycloid_mj.solid import mass_properties, parts
+
+SOFTEST_METAL = 3e10
+"""Young's modulus [Pa] below which a material counts as a plastic: magnesium has 45 GPa."""
 
 POSES = 13
 """Crank angles over which the backlash is averaged."""
@@ -43,6 +47,8 @@ class Summary:
         Torque on the output at which the first contact yields [N m]; NaN where the statics do not reach so far.
     weakest
         Kind of that contact.
+    material_limits
+        What materials of the library do not bear, a sentence each: heat, and of plastics a load that stays.
     """
 
     ratio: int
@@ -54,6 +60,7 @@ class Summary:
     backlash: float
     capacity: float
     weakest: str
+    material_limits: tuple[str, ...]
 
 
 def summary(design: Design) -> Summary:
@@ -67,7 +74,7 @@ def summary(design: Design) -> Summary:
         No static balance was found.
     """
     state = rated(design)
-    weakest = max(design.pair_kinds, key=state.peak_pressure)
+    weakest = max(design.pair_kinds, key=lambda kind: state.peak_pressure(kind) / pair_strength(design, kind))
     return Summary(
         ratio=design.lobes,
         outer_diameter=2.0 * design.housing.outer_radius,
@@ -76,9 +83,28 @@ def summary(design: Design) -> Summary:
         loaded_teeth=state.loaded_teeth,
         pressure_angle=state.pressure_angle,
         backlash=_backlash(design),
-        capacity=state.torque_at(weakest, YIELD_PRESSURE * design.material.yield_strength),
+        capacity=state.torque_at(weakest, YIELD_PRESSURE * pair_strength(design, weakest)),
         weakest=weakest,
+        material_limits=material_limits(design),
     )
+
+
+def material_limits(design: Design) -> tuple[str, ...]:
+    """Tell up to which temperature the plastics of a design may be relied on, and that they creep; of metals nothing.
+
+    Numbers that are a design's own count as a plastic's below a Young's modulus of `SOFTEST_METAL`.
+    """
+    made: dict[Material, list[str]] = {}
+    for part in PARTS:
+        made.setdefault(design.material_of(part), []).append(part)
+    found = []
+    for material, parts_of in made.items():
+        entry = MATERIALS.get(material.name)
+        if entry.creeps if entry else material.youngs_modulus < SOFTEST_METAL:
+            what = f"{material.name or 'a plastic'} ({', '.join(parts_of)})"
+            hottest = f" and holds up to {entry.hottest:g} °C ({entry.source})" if entry else ""
+            found.append(f"{what} creeps{hottest}: stiffness and strength here are those of a short load at 23 °C")
+    return tuple(found)
 
 
 def _backlash(design: Design) -> float:

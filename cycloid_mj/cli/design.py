@@ -4,13 +4,13 @@ import re
 from dataclasses import asdict
 from math import degrees
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import App, Parameter
 
 from cycloid_mj.cli.flags import JsonFlag, SetFlag, designed
 from cycloid_mj.cli.terminal import say, say_json
-from cycloid_mj.design import PRESETS, Design, dump, resolve
+from cycloid_mj.design import PRESETS, Design, dump, override, resolve
 from cycloid_mj.errors import CycloidError, UsageError
 from cycloid_mj.whole import write_whole
 
@@ -25,7 +25,15 @@ FromFlag = Annotated[
     str, Parameter(name="--from", metavar="NAME|FILE", help="Design to start from: pin, nonpin, or a TOML file.")
 ]
 
+RatioFlag = Annotated[int | None, Parameter(help="Reduction ratio of a new size: one pin more than that.")]
+DiameterFlag = Annotated[float | None, Parameter(help="Outer diameter of a new size [mm].")]
+TorqueFlag = Annotated[float | None, Parameter(help="Rated torque on the output of a new size [N m].")]
+ProcessFlag = Annotated[
+    Literal["steel", "printed"], Parameter(help="How a new size is made: materials, clearances, how the pins are held.")
+]
+
 EXAMPLES = """Examples:
+  cycloid-mj design new mine --ratio 20 --diameter-mm 60 --torque-nm 5
   cycloid-mj design new my --from nonpin
   cycloid-mj design check my.toml --set ring.pin_radius_mm=2
   cycloid-mj design check nonpin --json
@@ -41,25 +49,62 @@ def commands(sort_key: int) -> App:
     return app
 
 
-def new(name: NewName, /, *, source: FromFlag = "pin", set_: SetFlag = ()) -> int:
+def new(
+    name: NewName,
+    /,
+    *,
+    source: FromFlag = "",
+    ratio: RatioFlag = None,
+    diameter_mm: DiameterFlag = None,
+    torque_nm: TorqueFlag = None,
+    process: ProcessFlag = "steel",
+    set_: SetFlag = (),
+) -> int:
     """Write NAME.toml, a complete, commented design file to edit; an existing file is left alone.
 
-    It starts from a preset or a file, with the changes of --set, and carries the
-    new name, so that its runs do not meet those of another design. The path of
-    the file is printed.
+    It starts from a preset or a file (--from; default: pin), or from a ratio, an
+    outer diameter and a rated torque, which are to be given together: then each
+    value that was chosen has its reason beside it, the checks pass, and what the
+    design carries at the rated torque is printed. The changes of --set come
+    last. The file carries the new name, so that its runs do not meet those of
+    another design. The path of the file is printed.
     """
     stem = name.removesuffix(".toml")
     if not re.fullmatch(r"\w[\w .-]{0,63}", stem):
         raise UsageError(f"NAME {name!r}: expected letters, digits, space . _ -, at most 64, e.g. my")
     if stem in PRESETS:
         raise UsageError(f"NAME {name!r} is a preset; give a design of your own another name, e.g. my-{stem}")
-    design = designed(source, set_, ()).but(name=stem)
     file = Path(f"{stem}.toml")
     if file.exists():
         raise CycloidError(f"{file} exists already: give another NAME, or delete it")
-    write_whole({file: dump(design).encode()})
+    asked = {"--ratio": ratio, "--diameter-mm": diameter_mm, "--torque-nm": torque_nm}
+    if all(value is None for value in asked.values()):
+        write_whole({file: dump(designed(source or "pin", set_, ()).but(name=stem)).encode()})
+        say(str(file))
+        return 0
+    if ratio is None or diameter_mm is None or torque_nm is None:
+        missing = " and ".join(flag for flag, value in asked.items() if value is None)
+        raise UsageError(f"{missing} is missing: a new size takes --ratio, --diameter-mm and --torque-nm together")
+    if source:
+        raise UsageError(f"--from {source} starts from a design, --ratio from none: leave one of them out")
+    from cycloid_mj.sizing import sized
+
+    found = sized(stem, ratio, 1e-3 * diameter_mm, torque_nm, process)
+    design = override(found.design, set_)
+    write_whole({file: dump(design, found.reasons).encode()})
     say(str(file))
+    for line in _carried(design):
+        say(f"  {line}")
     return 0
+
+
+def _carried(design: Design) -> list[str]:
+    """Tell what a new design carries, and what its checks warn of."""
+    from cycloid_mj.checks import check as checks
+
+    found = [item for item in checks(design) if not item.passed]
+    summed = _summed(design)
+    return [*(_lines(summed) if summed else []), *(f"{_word(item)}  {item}" for item in found)]
 
 
 def show(design: DesignName, /) -> int:
@@ -115,7 +160,7 @@ def _summed(design: Design) -> "Summary | None":
         return None
 
 
-def _in_file_units(summed: "Summary") -> dict[str, float | str]:
+def _in_file_units(summed: "Summary") -> dict[str, Any]:
     return {
         "ratio": summed.ratio,
         "outer_diameter_mm": 1e3 * summed.outer_diameter,
@@ -126,6 +171,7 @@ def _in_file_units(summed: "Summary") -> dict[str, float | str]:
         "backlash_arcmin": 60.0 * degrees(summed.backlash),
         "capacity_nm": summed.capacity,
         "weakest": summed.weakest,
+        "material_limits": list(summed.material_limits),
     }
 
 
@@ -136,6 +182,7 @@ def _lines(summed: "Summary") -> list[str]:
         f"at the rated {summed.rated_torque:.4g} N m: {summed.loaded_teeth:.1f} teeth carry on average,"
         f" mean pressure angle {angle:.1f} deg",
         f"backlash {play:.3g} arcmin; capacity {summed.capacity:.3g} N m, at which {summed.weakest} first yields",
+        *summed.material_limits,
     ]
 
 

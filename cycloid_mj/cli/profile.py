@@ -99,19 +99,19 @@ def _ring(design: Design, points: int | None) -> Columns:
 def _curvature(design: Design, crank_angles: int | None) -> Columns:
     import numpy as np
 
+    from cycloid_mj.contact.pressure import pair_modulus
     from cycloid_mj.contact.working import at_rated_load, working_force
     from cycloid_mj.contact_lines import contact_lines, mesh_period, pressure
     from cycloid_mj.solid.gear import tooth_profile
-    from cycloid_mj.statics import contact_modulus
 
-    gear, material = tooth_profile(design), design.material
+    gear = tooth_profile(design)
     crank_angles = crank_angles or CRANK_ANGLES
     if crank_angles * design.ring.teeth > MOST_ROWS:
         raise UsageError(
             f"--points {crank_angles} gives more than {MOST_ROWS} lines with {design.ring.teeth} teeth: lower it"
         )
     lines = contact_lines(gear, design.ring.kind, mesh_period(gear, crank_angles))
-    modulus = contact_modulus(material.youngs_modulus, material.poisson)
+    modulus = pair_modulus(design, design.tooth_pair)
     force = working_force(at_rated_load(design), design.tooth_pair)
     x, y = 1e3 * lines.points.T
     return {

@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass
 
 from cycloid_mj import statics
+from cycloid_mj.contact.pressure import pair_modulus
 from cycloid_mj.contact.working import STRIBECK, working_force, working_load, working_source
 from cycloid_mj.design import Design
 from cycloid_mj.digits import significant
@@ -100,12 +101,13 @@ def pair_stiffness(design: Design, kind: str) -> float:
     if given:
         return given
     if kind == "cam" and design.gear.bearing == "plain":
-        modulus = statics.contact_modulus(design.material.youngs_modulus, design.material.poisson)
+        modulus = pair_modulus(design, kind)
         force = working_force(design, "cam")
         return statics.conformal_stiffness(force, design.gear.face_width, modulus, design.clearance.cam)
     law, play = curvature_law(design, kind), design.clearance
     if kind == "cam":
-        return law.stiffness * (design.contact.cam_rollers / (2.0 * STRIBECK))
+        on_cam = _roller_on_cam(design) or law.stiffness
+        return law.stiffness / (1.0 + law.stiffness / on_cam) * (design.contact.cam_rollers / STRIBECK)
     if kind in ("pin_gear", "tooth"):
         return law.stiffness
     inner, outer = {
@@ -125,6 +127,16 @@ def series_stiffness(design: Design) -> float:
     return 1.0 / sum(1.0 / pair_stiffness(design, kind) for kind in kinds)
 
 
+def _roller_on_cam(design: Design) -> float:
+    """Give the stiffness of a roller, of the shaft's material, on the cam [N/m]; 0 where it is given for all pairs."""
+    if design.contact.stiffness:
+        return 0.0
+    shaft, depth = design.material_of("shaft"), design.ring.pin_radius
+    modulus = statics.contact_modulus(shaft.youngs_modulus, shaft.poisson)
+    force = _line_force(design, "cam")
+    return float(statics.line_contact_stiffness(force, design.gear.face_width, modulus, depth, 1.0 / depth))
+
+
 def curvature_law(design: Design, kind: str = "") -> CurvatureLaw:
     """Give the stiffness of a kind of line contacts from material, face width, pin radius and working force.
 
@@ -138,7 +150,7 @@ def curvature_law(design: Design, kind: str = "") -> CurvatureLaw:
     kind = kind or design.tooth_pair
     force, depth = _line_force(design, kind), design.ring.pin_radius
     length = design.gear.face_width
-    modulus = statics.contact_modulus(design.material.youngs_modulus, design.material.poisson)
+    modulus = pair_modulus(design, kind)
     constant = statics.line_contact_constant(force, length, modulus, depth)
     reference = constant - math.log(depth)
     if reference <= 1.0:

@@ -47,12 +47,23 @@ def line_share(design: Design, kind: str) -> float:
     return STRIBECK / design.contact.cam_rollers if kind == "cam" and _has_rollers(design) else 1.0
 
 
-def hertz_pressure(design: Design, force: npt.ArrayLike, curvature: npt.ArrayLike) -> Array:
+def pair_modulus(design: Design, kind: str) -> float:
+    """Give the modulus E* [Pa] of a kind of pair, of the materials of both parts."""
+    one, other = design.partners(kind)
+    return statics.contact_modulus(one.youngs_modulus, one.poisson, other.youngs_modulus, other.poisson)
+
+
+def pair_strength(design: Design, kind: str) -> float:
+    """Give the yield strength [Pa] of the weaker of the two parts that meet in a kind of pair."""
+    return min(part.yield_strength for part in design.partners(kind))
+
+
+def hertz_pressure(design: Design, kind: str, force: npt.ArrayLike, curvature: npt.ArrayLike) -> Array:
     """Give Hertz's peak pressure [Pa] of lines as long as the face width; conformal ones count as flat on flat.
 
     `force` [N] and relative `curvature` [1/m] broadcast to the shape of the result.
     """
-    modulus = statics.contact_modulus(design.material.youngs_modulus, design.material.poisson)
+    modulus = pair_modulus(design, kind)
     curvature = np.maximum(curvature, np.finfo(float).tiny)
     return statics.hertz_line_contact(force, design.gear.face_width, curvature, modulus).peak_pressure
 
@@ -62,7 +73,7 @@ def hertz_holds(design: Design, kind: str, force: npt.ArrayLike, curvature: npt.
 
     `force` [N] on the line and relative `curvature` [1/m] broadcast to the shape of the result.
     """
-    modulus = statics.contact_modulus(design.material.youngs_modulus, design.material.poisson)
+    modulus = pair_modulus(design, kind)
     curvature = np.maximum(curvature, np.finfo(float).tiny)
     strip = statics.hertz_line_contact(force, design.gear.face_width, curvature, modulus).half_width
     return np.asarray(strip < HERTZ_REACH * _thinner_radius(design, kind))

@@ -67,7 +67,7 @@ def own_load(design: Design) -> float:
     area = math.pi * (squares - output.pins * output.hole_radius**2)
     weight = math.hypot(design.environment.gravity_x, design.environment.gravity_y)
     flung = gear.eccentricity * design.drive.speed**2
-    force = design.material.density * gear.face_width * area * (weight + flung)
+    force = design.material_of("gear").density * gear.face_width * area * (weight + flung)
     return force * gear.eccentricity * design.lobes
 
 

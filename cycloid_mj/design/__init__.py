@@ -5,6 +5,8 @@ This room owns every input of the project and is the only place where mm, rpm, d
 
 from cycloid_mj.design.file import dump, load, loads, override, resolve
 from cycloid_mj.design.model import (
+    PARTNERS,
+    PARTS,
     Clearance,
     ContactLaw,
     Damping,
@@ -29,6 +31,8 @@ from cycloid_mj.design.model import (
 from cycloid_mj.design.presets import PRESETS
 
 __all__ = [
+    "PARTNERS",
+    "PARTS",
     "PRESETS",
     "Clearance",
     "ContactLaw",

@@ -13,7 +13,7 @@ from pydantic.fields import FieldInfo
 from cycloid_mj.design.mistakes import refusal
 from cycloid_mj.design.model import Design, Section
 from cycloid_mj.design.presets import PRESETS
-from cycloid_mj.design.units import Unit, counted_by, file_key, source_of, unit_of
+from cycloid_mj.design.units import Unit, counted_by, file_key, section_of, source_of, unit_of
 from cycloid_mj.errors import DesignError, UsageError
 
 LARGEST_INTEGER = 2**63 - 1
@@ -76,15 +76,20 @@ def override(design: Design, changes: Sequence[str] | Mapping[str, Any]) -> Desi
         where, pairs = "override", [(path, _plain(value)) for path, value in changes.items()]
     else:
         where, pairs = "--set", [_pair(change) for change in changes]
-    tables = dict(_tables(design))
+    tables, changed = dict(_tables(design)), dict[str, dict[str, Any]]()
     for path, value in pairs:
         keys = _keys(path)
         if not keys:
             raise UsageError(f"{where} {path!r}: expected table.key, e.g. load.torque_nm")
-        table = tables if len(keys) == 1 else tables.setdefault(keys[0], {})
-        if not isinstance(table, dict):
+        if len(keys) == 1:
+            tables[path] = value
+        elif isinstance(tables.get(keys[0], {}), dict):
+            changed.setdefault(keys[0], {})[keys[1]] = value
+        else:
             raise UsageError(f"{where} {path!r}: {keys[0]} is a value, not a table")
-        table[keys[-1]] = value
+    for name, change in changed.items():
+        section = section_of(field) if (field := Design.model_fields.get(name)) else None
+        tables[name] = (section or Section).changed(tables.get(name, {}), change)
     return _validated(_to_si(Design, tables, where), where) if pairs else design
 
 
@@ -107,8 +112,12 @@ def _plain(value: Any) -> Any:
     return value.tolist() if hasattr(value, "tolist") else value
 
 
-def dump(design: Design) -> str:
-    """Give the complete commented design file of a design; reading it back gives an equal design."""
+def dump(design: Design, reasons: Mapping[str, str] | None = None) -> str:
+    """Give the complete commented design file of a design; reading it back gives an equal design.
+
+    `reasons` tell why a value is as it is, by ``table.name`` as in the model.
+    """
+    reasons = reasons or {}
     lines = ["# cycloid_mj design file. Units stand in the key names."]
     lines += [
         "# (assumed): not given in the paper (Hsieh 2014) and chosen here. Another name: where the default is from.",
@@ -116,8 +125,8 @@ def dump(design: Design) -> str:
     ]
     for name, field, value in _fields(design):
         if isinstance(value, Section):
-            lines += ["", f"# {_summary(type(value))}", f"[{name}]"]
-            lines += [_line(key, inner, item) for key, inner, item in _fields(value)]
+            lines += ["", f"# {field.description or _summary(type(value))}", f"[{name}]"]
+            lines += [_line(key, inner, item, reasons.get(f"{name}.{key}", "")) for key, inner, item in _fields(value)]
         else:
             lines.append(_line(name, field, value))
     return "\n".join(lines) + "\n"
@@ -128,9 +137,9 @@ def _summary(section: type[Section]) -> str:
     return (section.__doc__ or "").strip().partition("\n")[0]
 
 
-def _line(name: str, field: FieldInfo, value: Any) -> str:
+def _line(name: str, field: FieldInfo, value: Any, reason: str = "") -> str:
     """One commented line; the source is told only of a value that is still the preset's."""
-    source = source_of(field) if value == field.default else ""
+    source = reason or (source_of(field) if value == field.default else "")
     note = f" ({source})" if source else ""
     return f"{file_key(name, field)} = {_toml(_to_file(field, value))}  # {field.description}{note}"
 
@@ -152,7 +161,8 @@ def _to_file(field: FieldInfo, value: Any) -> Any:
 
 def _fields(section: Section) -> Iterator[tuple[str, FieldInfo, Any]]:
     for name, field in type(section).model_fields.items():
-        yield name, field, getattr(section, name)
+        if (value := getattr(section, name)) is not None:
+            yield name, field, value
 
 
 def _tables(section: Section) -> Iterator[tuple[str, Any]]:
@@ -172,11 +182,11 @@ def _to_si(section: type[Section], table: Mapping[str, Any], where: str, prefix:
         if key not in known:
             raise DesignError(f"{where}: unknown key {prefix}{key:.80}; {_nearest(key, list(known), prefix)}")
         name, field = known[key]
-        inner = field.annotation
-        if isinstance(inner, type) and issubclass(inner, Section):
+        inner, table_of = field.annotation, section_of(field)
+        if table_of:
             if not isinstance(value, Mapping):
                 raise DesignError(f"{where}: {key} is a table; write [{key}] and its keys below")
-            values[name] = _to_si(inner, value, where, f"{prefix}{key}.")
+            values[name] = _to_si(table_of, value, where, f"{prefix}{key}.")
         elif get_origin(inner) is tuple and isinstance(value, Mapping):
             values[name] = {part: _number_to_si(unit_of(field), item) for part, item in value.items()}
         elif get_origin(inner) is tuple and isinstance(value, (list, tuple)):
@@ -200,8 +210,8 @@ def _number_to_si(unit: Unit, value: Any) -> Any:
 def _filled(values: dict[str, Any], where: str) -> dict[str, Any]:
     """Give lists written as ``{3 = 5.0}``, the third value 5 and the others 0, as they are in full."""
     for table, section in values.items():
-        inner = Design.model_fields[table].annotation
-        fields = inner.model_fields if isinstance(inner, type) and issubclass(inner, Section) else {}
+        inner = section_of(Design.model_fields[table])
+        fields = inner.model_fields if inner else {}
         for name in [key for key, value in section.items() if isinstance(value, Mapping)] if fields else ():
             count_table, _, count = counted_by(fields[name]).partition(".")
             if count:

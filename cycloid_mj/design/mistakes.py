@@ -4,7 +4,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from cycloid_mj.design.units import file_key, unit_of
+from cycloid_mj.design.units import file_key, section_of, unit_of
 from cycloid_mj.errors import DesignError
 
 MOST_ERRORS = 5
@@ -32,8 +32,7 @@ def _told(details: ErrorDetails, root: type[BaseModel], where: str) -> str:
             continue
         field = section.model_fields.get(str(name))
         keys.append(file_key(str(name), field) if field else str(name))
-        if field and isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel):
-            section = field.annotation
+        section = (section_of(field) if field else None) or section
     got = details["input"]
     if not keys:
         return f"{where}: {details.get('ctx', {}).get('error', details['msg'])}"

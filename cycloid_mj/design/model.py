@@ -5,11 +5,12 @@ from collections.abc import Mapping
 from html import escape
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from cycloid_mj.design import units as u
+from cycloid_mj.design.materials import DEFAULT, MATERIALS
 from cycloid_mj.design.mistakes import refusal
-from cycloid_mj.design.units import PAPER, choice, counted_by, file_key, listed, quantity, switch
+from cycloid_mj.design.units import PAPER, choice, counted_by, file_key, listed, quantity, section_of, switch
 
 Offsets = tuple[Annotated[float, Field(ge=-1e-3, le=1e-3, allow_inf_nan=False)], ...]
 """A deviation [m] of each of some parts; empty: drawn at random."""
@@ -27,10 +28,29 @@ BOLT_SHARE = 0.25
 """Assumed: radius that a bolt of the ring clamps, as a share of the wall behind the teeth."""
 
 
+PARTS = ("gear", "housing", "pin", "output", "shaft")
+"""What may be of a material of its own; sleeves count as pins, rollers as what they turn on."""
+
+PARTNERS = {
+    "pin_gear": ("pin", "gear"),
+    "pin_socket": ("pin", "housing"),
+    "pin_sleeve": ("pin", "pin"),
+    "tooth": ("housing", "gear"),
+    "cam": ("shaft", "gear"),
+    "output": ("output", "gear"),
+}
+"""Parts that meet in each kind of mating pair."""
+
+
 class Section(BaseModel):
     """One table of the design file."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", validate_default=False)
+
+    @classmethod
+    def changed(cls, values: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
+        """Give the values of a table with some of them changed."""
+        return {**values, **change}
 
 
 class Ring(Section):
@@ -342,17 +362,46 @@ class WorkingForce(Section):
 
 
 class Material(Section):
-    """The steel of every part: the paper's Table 1, which is the "Alloy Steel" of SolidWorks' material library.
+    """What parts are made of: a name of the library, and the numbers that it stands for unless they are given.
 
-    Yield strength 620.422 MPa and shear modulus 79 000 MPa are that entry's; Poisson's ratio and density, which the
-    paper does not print, are taken from it too.
+    The default is the steel of the paper's Table 1, which is the "Alloy Steel" of SolidWorks' material library. Yield
+    strength 620.422 MPa and shear modulus 79 000 MPa are that entry's; Poisson's ratio and density, which the paper
+    does not print, are taken from it too.
     """
 
+    name: str = choice(DEFAULT, "entry of the library of materials; empty: the numbers below are its own", source="")
     youngs_modulus: float = quantity(210000.0, "Young's modulus", u.MEGAPASCAL, PAPER, ge=100.0, le=2e6)
     poisson: float = quantity(0.28, "Poisson's ratio", source=u.ALLOY_STEEL, ge=0.0, lt=0.5)
     density: float = quantity(7700.0, "density", u.DENSITY, u.ALLOY_STEEL, gt=100.0, le=25000.0)
     tensile_strength: float = quantity(723.1, "tensile strength", u.MEGAPASCAL, PAPER, gt=0.0, le=1e5)
     yield_strength: float = quantity(620.4, "yield strength", u.MEGAPASCAL, PAPER, gt=0.0, le=1e5)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _named(cls, given: Any) -> Any:
+        """Take what is not given from the library."""
+        if not isinstance(given, Mapping):
+            return given
+        numbers = [key for key in cls.model_fields if key != "name"]
+        name = given.get("name", "" if any(key in given for key in numbers) else DEFAULT)
+        entry = MATERIALS.get(name or DEFAULT) if isinstance(name, str) else None
+        return {"name": name, **{key: getattr(entry, key) for key in numbers if entry}, **given}
+
+    @field_validator("name")
+    @classmethod
+    def _known(cls, name: str) -> str:
+        if name and name not in MATERIALS:
+            raise ValueError(f"no such material; it is one of {', '.join(MATERIALS)}; or leave it out and give numbers")
+        return name
+
+    @classmethod
+    def changed(cls, values: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
+        """Give the values of a table with some of them changed; a new name brings its own numbers."""
+        return dict(change) if "name" in change else super().changed(values, change)
+
+
+def _made_of(part: str) -> Any:
+    return Field(default=None, description=f"What {part} is made of, where it is not what all parts are.")
 
 
 class Drive(Section):
@@ -413,6 +462,11 @@ class Design(Section):
     damping: Damping = Damping()
     working_force: WorkingForce = WorkingForce()
     material: Material = Material()
+    gear_material: Material | None = _made_of("the gear")
+    housing_material: Material | None = _made_of("the housing, or the internal gear")
+    pin_material: Material | None = _made_of("the ring pins, or their sleeves")
+    output_material: Material | None = _made_of("the output disc and its pins")
+    shaft_material: Material | None = _made_of("the shaft, and the rollers on its cam")
     drive: Drive = Drive()
     load: Load = Load()
     environment: Environment = Environment()
@@ -454,13 +508,38 @@ class Design(Section):
         """
         values = self.model_dump()
         for name, change in changes.items():
-            if isinstance(change, Mapping):
-                change = {**values.get(name, {}), **{key: _tupled(value) for key, value in change.items()}}
+            section = section_of(field) if (field := type(self).model_fields.get(name)) else None
+            if section and isinstance(change, Mapping):
+                change = section.changed(values[name] or {}, {key: _tupled(value) for key, value in change.items()})
             values[name] = change
         try:
             return type(self).model_validate(values, strict=True)
         except ValidationError as error:
             raise refusal(error, type(self), "but") from error
+
+    @model_validator(mode="before")
+    @classmethod
+    def _parts_as_the_rest(cls, given: Any) -> Any:
+        """Let a part's table without a name of its own start from what all parts are made of."""
+        unnamed = [f"{part}_material" for part in PARTS]
+        tables = {key: given[key] for key in unnamed if isinstance(given.get(key), Mapping)}
+        base = given.get("material", {})
+        if not tables or not isinstance(base, Mapping):
+            return given
+        return {**given, **{key: {**base, **table} for key, table in tables.items() if "name" not in table}}
+
+    def material_of(self, part: str) -> Material:
+        """Give what a part is made of: one of `PARTS`."""
+        return getattr(self, f"{part}_material") or self.material
+
+    def material_table(self, part: str) -> str:
+        """Give the table of the design file that says what a part is made of."""
+        return f"{part}_material" if getattr(self, f"{part}_material") else "material"
+
+    def partners(self, pair: str) -> tuple[Material, Material]:
+        """Give the materials of the two parts that meet in a kind of mating pair."""
+        one, other = PARTNERS[pair]
+        return self.material_of(one), self.material_of(other)
 
     @property
     def rated_torque(self) -> float:

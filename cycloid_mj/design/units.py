@@ -2,9 +2,9 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_args
 
-from pydantic import Field
+from pydantic import BaseModel, Field
 from pydantic.fields import FieldInfo
 
 PAPER = "Hsieh 2014"
@@ -145,6 +145,12 @@ def counted_by(field: FieldInfo) -> str:
     """Give the ``table.name`` of the integer that a declared list has one value for each of; empty if it is no list."""
     extra = field.json_schema_extra
     return str(extra.get("per", "")) if isinstance(extra, dict) else ""
+
+
+def section_of(field: FieldInfo) -> Any:
+    """Give the class of the table that a declared value is; None for a value that is none."""
+    kinds = (field.annotation, *get_args(field.annotation))
+    return next((kind for kind in kinds if isinstance(kind, type) and issubclass(kind, BaseModel)), None)
 
 
 def file_key(name: str, field: FieldInfo) -> str:

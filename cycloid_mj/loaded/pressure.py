@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cycloid_mj.contact.pressure import YIELD_PRESSURE, hertz_pressure, line_curvature, line_share
+from cycloid_mj.contact.pressure import YIELD_PRESSURE, hertz_pressure, line_curvature, line_share, pair_strength
 from cycloid_mj.design import Design
 from cycloid_mj.loaded.balance import Loads, loads
 from cycloid_mj.loaded.springs import Springs
@@ -19,7 +19,7 @@ def peak_force(found: Loads, kind: str) -> float:
 def peak_pressure(design: Design, springs: Springs, found: Loads, kind: str) -> float:
     """Give the largest Hertz pressure on a kind of contact [Pa]."""
     curvature = springs.curvature if kind == design.tooth_pair else line_curvature(design, kind)
-    return float(hertz_pressure(design, _forces(found, kind) * line_share(design, kind), curvature).max())
+    return float(hertz_pressure(design, kind, _forces(found, kind) * line_share(design, kind), curvature).max())
 
 
 def torque_at_pressure(design: Design, springs: Springs, kind: str, pressure: float, torque: float) -> float:
@@ -42,7 +42,7 @@ def torque_at_pressure(design: Design, springs: Springs, kind: str, pressure: fl
 
 def yield_torque(design: Design, springs: Springs, kind: str, torque: float) -> float:
     """Give the torque on the output at which a kind of contact first yields, as `torque_at_pressure` [N m]."""
-    return torque_at_pressure(design, springs, kind, YIELD_PRESSURE * design.material.yield_strength, torque)
+    return torque_at_pressure(design, springs, kind, YIELD_PRESSURE * pair_strength(design, kind), torque)
 
 
 def _forces(found: Loads, kind: str) -> Array:

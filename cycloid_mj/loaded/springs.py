@@ -121,4 +121,4 @@ def body_force(design: Design, crank: Array) -> Array:
     area = profile.area(gear_profile(design), profile_offset(design)) - bored
     gravity = np.array([design.environment.gravity_x, design.environment.gravity_y])
     flung = design.drive.speed**2 * kinematics.gear_centre(tooth_profile(design), crank)
-    return np.asarray(design.material.density * gear.face_width * area * (gravity + flung))
+    return np.asarray(design.material_of("gear").density * gear.face_width * area * (gravity + flung))

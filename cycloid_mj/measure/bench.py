@@ -73,7 +73,7 @@ def step(design: Design, torque: float) -> float:
         return LONGEST_STEP
     held = min(design.friction_of("pin_gear"), design.friction_of(kind)) > 0.0
     bore = ring.sleeve_bore_radius if ring.has_sleeves else 0.0
-    mass = math.pi * (ring.pin_radius**2 - bore**2) * design.gear.face_width * design.material.density
+    mass = math.pi * (ring.pin_radius**2 - bore**2) * design.gear.face_width * design.material_of("pin").density
     force = float(statics.ideal_load_sharing(tooth_profile(design), abs(torque), 0.0).forces.max())
     bowl = force / (design.pin_play + force / pair_stiffness(design, kind))
     return min(LONGEST_STEP, (HELD_SHARE if held else STEP_SHARE) * 2.0 * math.sqrt(mass / bowl))

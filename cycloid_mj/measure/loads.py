@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from cycloid_mj import statics
-from cycloid_mj.contact.pressure import HERTZ_REACH, SHAKEDOWN_PRESSURE, YIELD_PRESSURE
+from cycloid_mj.contact.pressure import HERTZ_REACH, SHAKEDOWN_PRESSURE, YIELD_PRESSURE, pair_strength
 from cycloid_mj.contact.working import STRIBECK, working_forces_told
 from cycloid_mj.design import Design, override
 from cycloid_mj.errors import UsageError
@@ -162,7 +162,8 @@ def _of_kind(design: Design, found: Pressed, coarse: Pressed, fine: Pressed, mis
     Errors: what half the step changes over the first mesh periods, and what the samples leave out of the turn: of a
     peak `missed`, a share of the force; of a mean half of what it changes from one half of the samples to the other.
     """
-    kind, allowed = found.kind, YIELD_PRESSURE * design.material.yield_strength
+    kind = found.kind
+    allowed = YIELD_PRESSURE * pair_strength(design, kind)
     peak_error = abs(coarse.peak_force - fine.peak_force) + missed * found.peak_force
     one, other = found.halves
     mean_error = abs(coarse.mean_force - fine.mean_force) + 0.5 * abs(one.mean_force - other.mean_force)
@@ -197,8 +198,11 @@ def _limits(found: Kinds, design: Design, allowed: float) -> dict[str, float]:
     A kind that is conformal or not pressed has no limit; `allowed` is the limit over the yield strength.
     """
     pressures = {kind: one.peak_pressure for kind, one in found.items()}
-    limit = allowed * design.material.yield_strength
-    return {kind: (limit / pressure) ** 2 for kind, pressure in pressures.items() if pressure > 0.0}
+    return {
+        kind: (allowed * pair_strength(design, kind) / pressure) ** 2
+        for kind, pressure in pressures.items()
+        if pressure > 0.0
+    }
 
 
 def _scaled(limits: Mapping[str, float], torque: float) -> dict[str, float]:

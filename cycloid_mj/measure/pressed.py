@@ -99,7 +99,7 @@ def pressed(run: Run, design: Design) -> dict[str, Pressed]:
         vector = run.forces(kind)
         curvature = relative_curvature(design, kind, crank)
         force = np.hypot(vector[..., 0], vector[..., 1]) * line_share(design, kind)
-        pressure, holds = hertz_pressure(design, force, curvature), hertz_holds(design, kind, force, curvature)
+        pressure, holds = hertz_pressure(design, kind, force, curvature), hertz_holds(design, kind, force, curvature)
         found[kind] = Pressed(kind, angle, vector, pressure, holds)
     return found
 

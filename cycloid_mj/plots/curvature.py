@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from cycloid_mj import statics
+from cycloid_mj.contact.pressure import pair_modulus
 from cycloid_mj.contact.working import at_rated_load, working_force
 from cycloid_mj.contact_lines import ContactLines, contact_lines, mesh_period, pressure
 from cycloid_mj.design import Design
@@ -82,6 +82,5 @@ def _force(design: Design) -> float:
 
 
 def _pressure(lines: ContactLines, design: Design) -> Any:
-    material = design.material
-    modulus = statics.contact_modulus(material.youngs_modulus, material.poisson)
+    modulus = pair_modulus(design, design.tooth_pair)
     return pressure(lines, _force(design), design.gear.face_width, modulus)

@@ -102,7 +102,7 @@ def reference_force(design: Design) -> dict[str, float]:
     """
     gear, output, teeth = design.gear, design.output, design.ring.teeth
     area = np.pi * (design.ring.pin_circle_radius**2 - gear.bore_radius**2 - output.pins * output.hole_radius**2)
-    mass = design.material.density * gear.face_width * max(float(area), 0.0)
+    mass = design.material_of("gear").density * gear.face_width * max(float(area), 0.0)
     inertia = mass * (gear.eccentricity * design.drive.speed**2 + abs(design.environment.gravity_y))
     torque = max(abs(design.load.torque), inertia * gear.eccentricity * design.lobes)
     cam = torque / (gear.eccentricity * design.lobes)

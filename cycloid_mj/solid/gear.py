@@ -43,7 +43,7 @@ def gear_solid(design: Design, chord_error: float | None = None) -> Solid:
     hole = circle(design.output.hole_radius + design.clearance.output, chord_error)
     holes = [hole + centre for centre in output_centres(design)]
     half = design.gear.face_width / 2
-    return Solid("gear", (Prism(outline, (bore, *holes), -half, half),), design.material.density)
+    return Solid("gear", (Prism(outline, (bore, *holes), -half, half),), design.material_of("gear").density)
 
 
 def gear_outline(design: Design, chord_error: float) -> Array:

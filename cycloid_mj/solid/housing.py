@@ -30,7 +30,7 @@ def pin_solid(design: Design, chord_error: float | None = None) -> Solid:
     outline = circle(design.ring.pin_radius, chord_error)
     bore = (_sleeve_bore(design, chord_error),) if design.ring.has_sleeves else ()
     half = design.gear.face_width / 2
-    return Solid("pin", (Prism(outline, bore, -half, half),), design.material.density)
+    return Solid("pin", (Prism(outline, bore, -half, half),), design.material_of("pin").density)
 
 
 def sleeve_core_radius(design: Design) -> float:
@@ -68,7 +68,7 @@ def housing_solid(design: Design, chord_error: float | None = None) -> Solid:
     outline = circle(design.housing.outer_radius, chord_error)
     half = design.gear.face_width / 2
     ring = Prism(outline, (hole,), -half, half)
-    return Solid("housing", (ring, *_cores(design, chord_error)), design.material.density)
+    return Solid("housing", (ring, *_cores(design, chord_error)), design.material_of("housing").density)
 
 
 def _cores(design: Design, chord_error: float) -> list[Prism]:

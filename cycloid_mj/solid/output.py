@@ -39,4 +39,4 @@ def output_solid(design: Design, chord_error: float | None = None) -> Solid:
     pin = circle(output.pin_radius, chord_error)
     disc = Prism(rim, (), face, face + output.disc_thickness)
     pins = [Prism(pin + centre, (), -half, face) for centre in output_centres(design)]
-    return Solid("output", (disc, *pins), design.material.density)
+    return Solid("output", (disc, *pins), design.material_of("output").density)

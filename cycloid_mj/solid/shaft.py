@@ -52,7 +52,7 @@ def balanced_shaft(design: Design, gear: Solid, chord_error: float | None = None
         cam,
         *_far_journal(design, journal, start - (end - shaft.length)),
     )
-    return Solid("shaft", prisms, design.material.density)
+    return Solid("shaft", prisms, design.material_of("shaft").density)
 
 
 def bearing_width(design: Design, journal: float) -> float:

@@ -11,6 +11,7 @@ from cycloid_mj.stress.elastic import Body
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.loads import PartLoads
 from cycloid_mj.stress.patch import patches
+from cycloid_mj.stress.region import material_of
 from cycloid_mj.types import Array, Integers, Mask
 
 Flags = Mask
@@ -76,7 +77,7 @@ def patch_case(design: Design, grid: Grid, loads: PartLoads) -> Case:
     """
     put = patches(grid if grid.section is None else grid.section.grid, loads)
     pressed = put.loads if grid.section is None else (grid.section.lift @ put.loads).tocsc()
-    part = elastic.body(grid, design.material)
+    part = elastic.body(grid, material_of(design, grid.part))
     mass, shares = elastic.mass_loads(part, grid.points), mass_coefficients(loads)
 
     def response(block: Indices) -> Response:

@@ -13,6 +13,7 @@ from scipy.optimize import minimize_scalar
 from cycloid_mj.design import Design
 from cycloid_mj.statics import LARGEST_SHEAR, SHEAR_DEPTH
 from cycloid_mj.stress.loads import PartLoads
+from cycloid_mj.stress.region import material_of
 from cycloid_mj.types import Array
 
 DEEPEST = 3.0
@@ -42,7 +43,7 @@ def line_stress(loads: PartLoads, design: Design) -> LineStress:
     worst = np.argmax(loads.pressure, axis=0)
     holds = loads.hertz & loads.hertz[worst, np.arange(len(loads.labels))]
     pressure, strip = np.where(holds, loads.pressure, np.nan), np.where(holds, loads.strip, np.nan)
-    share, _ = largest_von_mises(design.material.poisson)
+    share, _ = largest_von_mises(material_of(design, loads.part).poisson)
     return LineStress(pressure, LARGEST_SHEAR * pressure, SHEAR_DEPTH * strip, share * pressure)
 
 

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.contact.pressure import hertz_holds, hertz_pressure, line_curvature, line_share
+from cycloid_mj.contact.pressure import hertz_holds, hertz_pressure, line_curvature, line_share, pair_modulus
 from cycloid_mj.design import Design
 from cycloid_mj.deviations import deviations
 from cycloid_mj.profile import unit
 from cycloid_mj.solid import output_centres
 from cycloid_mj.solid.gear import gear_profile, profile_offset, tooth_profile
-from cycloid_mj.statics import contact_modulus, hertz_line_contact
+from cycloid_mj.statics import hertz_line_contact
 from cycloid_mj.stress.action import Action, turned
 from cycloid_mj.stress.flank import lobe_lines, lobe_place, pin_curvature
 from cycloid_mj.stress.turn import Turn
@@ -95,10 +95,12 @@ def contacts(turn: Turn, part: str) -> list[Contact]:
     return found[part](turn)
 
 
-def half_width(design: Design, force: Array, curvature: Array | float, radius: float) -> Array:
-    """Give Hertz's half width [m] under a force [N], at a relative curvature [1/m]; the thinner body's radius [m]."""
-    material, length = design.material, design.gear.face_width
-    modulus = contact_modulus(material.youngs_modulus, material.poisson)
+def half_width(design: Design, kind: str, force: Array, curvature: Array | float, radius: float) -> Array:
+    """Give Hertz's half width [m] in a kind of pair under a force [N], by its relative curvature [1/m].
+
+    `radius` is that of the thinner body [m].
+    """
+    length, modulus = design.gear.face_width, pair_modulus(design, kind)
     conformal = 4.0 * force / (np.pi * length * modulus * (WIDEST * radius) ** 2)
     bounded = np.maximum(curvature, np.maximum(conformal, np.finfo(float).tiny))
     return hertz_line_contact(force, length, bounded, modulus).half_width
@@ -112,7 +114,7 @@ def line(design: Design, kind: str, force: Array, curvature: Array | float | Non
     """
     bend = line_curvature(design, kind) if curvature is None else curvature
     force = force * line_share(design, kind)
-    pressure = hertz_pressure(design, force, bend)
+    pressure = hertz_pressure(design, kind, force, bend)
     load = 2.0 * force / (np.pi * design.gear.face_width)
     width = np.divide(load, pressure, out=np.zeros_like(load), where=pressure > 0.0)
     return Line(pressure, width, hertz_holds(design, kind, force, bend))
@@ -167,7 +169,7 @@ def _teeth(turn: Turn, part: str) -> list[Contact]:
         place, curvature = lobe_place(flank, _in(on_gear, action), lines[:, lobe], curvatures[:, lobe], ahead, offset)
         if part == "ring":
             place, action = turned(place, on_gear.angle) + on_gear.origin, action.reaction()
-        width = half_width(turn.design, action.size, curvature, gear.pin_radius)
+        width = half_width(turn.design, "tooth", action.size, curvature, gear.pin_radius)
         found.append(Contact(name, _in(seat, action), place, width, line(turn.design, "tooth", action.size, curvature)))
     return found
 
@@ -177,7 +179,7 @@ def _pin_on_gear(turn: Turn, pin: int) -> Contact:
     action = _in(seat, _on_gear(turn, f"pin_{pin + 1}"))
     place = action.on_hole(seat.sees(pin_centre(turn, pin)), gear.pin_radius + deviations(turn.design).pin_radius[pin])
     curvature = pin_curvature(gear, pin, seat.angle, profile_offset(turn.design))
-    width = half_width(turn.design, action.size, curvature, gear.pin_radius)
+    width = half_width(turn.design, "pin_gear", action.size, curvature, gear.pin_radius)
     return Contact(f"pin_{pin + 1}", action, place, width, line(turn.design, "pin_gear", action.size, curvature))
 
 
@@ -231,7 +233,7 @@ def _of_pin(turn: Turn) -> list[Contact]:
     radius = gear.pin_radius
     pushed, held = _in(seat, _on_gear(turn, "pin_1").reaction()), _in(seat, _by_socket(turn, 0))
     curvature = pin_curvature(gear, 0, turn["gear_angle"], profile_offset(turn.design))
-    narrow, wide = half_width(turn.design, pushed.size, curvature, radius), _socket_width(turn, held)
+    narrow, wide = half_width(turn.design, "pin_gear", pushed.size, curvature, radius), _socket_width(turn, held)
     return [
         Contact(
             *("gear", pushed, pushed.on_disc(centre, radius, narrow), narrow),
@@ -266,22 +268,22 @@ def _by_socket(turn: Turn, pin: int) -> Action:
 
 def _cam_width(turn: Turn, action: Action) -> Array:
     radius = turn.design.gear.bore_radius
-    return _nested_width(turn, action, radius, radius + turn.design.clearance.cam)
+    return _nested_width(turn, "cam", action, radius, radius + turn.design.clearance.cam)
 
 
 def _hole_width(turn: Turn, action: Action) -> Array:
     output = turn.design.output
-    return _nested_width(turn, action, output.pin_radius, output.hole_radius + turn.design.clearance.output)
+    return _nested_width(turn, "output", action, output.pin_radius, output.hole_radius + turn.design.clearance.output)
 
 
 def _socket_width(turn: Turn, action: Action) -> Array:
     """Half width of the patch of a pin in its socket [m], (k,); as wide as can be where the pin is pressed in."""
     radius = turn.design.ring.pin_radius
-    return _nested_width(turn, action, radius, radius + turn.design.socket_play)
+    return _nested_width(turn, "pin_socket", action, radius, radius + turn.design.socket_play)
 
 
-def _nested_width(turn: Turn, action: Action, inner: float, outer: float) -> Array:
-    return half_width(turn.design, action.size, 1.0 / inner - 1.0 / outer, inner)
+def _nested_width(turn: Turn, kind: str, action: Action, inner: float, outer: float) -> Array:
+    return half_width(turn.design, kind, action.size, 1.0 / inner - 1.0 / outer, inner)
 
 
 def total(found: Sequence[Contact]) -> Action:

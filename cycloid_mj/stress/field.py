@@ -13,6 +13,7 @@ from cycloid_mj.stress.grid import Grid, GridSettings
 from cycloid_mj.stress.loads import PartLoads
 from cycloid_mj.stress.part import part_case, part_grid
 from cycloid_mj.stress.recover import principal, recovery, stresses, von_mises
+from cycloid_mj.stress.region import material_of
 from cycloid_mj.types import Array, Integers, Mask
 
 Flags = Mask
@@ -141,7 +142,7 @@ def solve(
     found: list[tuple[Array, ...]] = []
     for block in _blocks(len(loads.angle)):
         answer = case.response(block)
-        stress = von_mises(stresses(operators, answer.moved, design.material))
+        stress = von_mises(stresses(operators, answer.moved, material_of(design, grid.part)))
         sizes, nodes = map(np.array, zip(*largest(apart, rungs, block, stress), strict=True))
         contact = stress.max(axis=0), grid.points[stress.argmax(axis=0)]
         found.append((sizes, nodes, *contact, answer.reaction, answer.imbalance, answer.moments))
@@ -201,7 +202,7 @@ def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int, distanc
         raise UsageError(f"the loads have no angle of index {index}; choose 0 to {len(loads.angle) - 1}")
     case = part_case(design, grid, loads)
     moved = case.response(np.array([index])).moved
-    stress = stresses(recovery(grid).at_nodes, moved, design.material)[..., 0]
+    stress = stresses(recovery(grid).at_nodes, moved, material_of(design, grid.part))[..., 0]
     inside = distances_of(grid, case).at(index) >= (grid.bulk_distance if distance is None else distance)
     return StressMap(
         part=grid.part,

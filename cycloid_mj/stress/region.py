@@ -5,13 +5,16 @@ from typing import Literal
 
 import numpy as np
 
-from cycloid_mj.design import Design
+from cycloid_mj.design import Design, Material
 from cycloid_mj.errors import UsageError
 from cycloid_mj.solid import circle, output_centres, parts
 from cycloid_mj.types import Array
 
 CHORD_ERROR = 1e-9
 """How far the polygons are from the exact outlines [m]: a millionth of a millimetre."""
+
+MADE_AS = {"ring": "housing", "pin_1": "pin"}
+"""Part of the design that a part is, where it has another name."""
 
 PLANAR_PARTS = ("gear", "ring", "output", "pin_1")
 
@@ -37,6 +40,11 @@ class Region:
     part: str
     boundaries: tuple[Boundary, ...]
     thickness: float
+
+
+def material_of(design: Design, part: str) -> Material:
+    """Give what a part is made of."""
+    return design.material_of(MADE_AS.get(part, part))
 
 
 def part_region(design: Design, part: str) -> Region:

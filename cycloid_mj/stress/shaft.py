@@ -52,8 +52,9 @@ def shaft_case(design: Design, grid: Grid, loads: PartLoads) -> Case:
             f"the shaft's grid takes the loads of its cam, got {', '.join(loads.labels) or 'none'} on the {loads.part}"
         )
     shaft = shaft_measures(design)
-    pads = bearing_pads(grid, shaft, BEARING_STIFFNESS * design.material.youngs_modulus * shaft.radius)
-    part = elastic.body(grid, design.material, springs=pads.springs, loose=(2, 5))
+    steel = design.material_of("shaft")
+    pads = bearing_pads(grid, shaft, BEARING_STIFFNESS * steel.youngs_modulus * shaft.radius)
+    part = elastic.body(grid, steel, springs=pads.springs, loose=(2, 5))
     pressures = _pressures(grid, shaft)
     units = np.hstack([pressures, _couples(grid, shaft, pressures), elastic.mass_loads(part, grid.points)])
     units, imbalances = elastic.balanced(part, units)

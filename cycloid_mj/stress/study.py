@@ -19,6 +19,7 @@ from cycloid_mj.stress.grid import BULK_DISTANCE, Grid, GridSettings
 from cycloid_mj.stress.loads import PartLoads, part_loads, part_names, require_part
 from cycloid_mj.stress.notch import Notch, output_roots, shaft_shoulders
 from cycloid_mj.stress.part import part_grid
+from cycloid_mj.stress.region import material_of
 from cycloid_mj.stress.shaftgrid import shaft_measures
 from cycloid_mj.types import Array
 
@@ -188,6 +189,7 @@ def part_study(run: Run, design: Design, part: str, settings: StudySettings, gri
     loads = part_loads(run, design, part, turn)
     grid = grid or part_grid(design, part, settings.grid(part))
     stress, lines = solve(design, grid, loads), line_stress(loads, design)
+    strength = material_of(design, part).yield_strength
     pressure = float(_largest(lines.peak_pressure.reshape(1, -1))[0])
     findings = PartFindings(
         part=part,
@@ -204,13 +206,13 @@ def part_study(run: Run, design: Design, part: str, settings: StudySettings, gri
         contact=_largest(lines.von_mises),
         contact_peak=_contact_peak(loads, lines, design),
         largest_pressure=pressure,
-        shakedown=SHAKEDOWN_PRESSURE * _safety(pressure, design),
+        shakedown=SHAKEDOWN_PRESSURE * _safety(pressure, strength),
         largest_force=float(np.linalg.norm(loads.force, axis=-1).max()),
         near_field=_near_field(loads, design, stress.bulk_distance),
         imbalance=_imbalance(stress, grid),
         notches=_notches(design, loads, stress),
         variants=_variants(design, part, settings, loads, stress),
-        yield_strength=design.material.yield_strength,
+        yield_strength=strength,
         refinement=_refined(design, grid, settings, loads, stress),
         wall=time.perf_counter() - start,
     )
@@ -286,7 +288,13 @@ def _variants(
 def _bulk_peak(loads: PartLoads, stress: PartStress, design: Design) -> Peak:
     row = int(np.argmax(stress.bulk_stress))
     size = float(stress.bulk_stress[row])
-    return Peak(size, float(loads.angle[row]), stress.bulk_place[row], "", _safety(size, design))
+    return Peak(
+        size,
+        float(loads.angle[row]),
+        stress.bulk_place[row],
+        "",
+        _safety(size, material_of(design, loads.part).yield_strength),
+    )
 
 
 def _sensitivity(stress: PartStress, grid: Grid) -> tuple[tuple[float, float], ...]:
@@ -314,7 +322,13 @@ def _contact_peak(loads: PartLoads, lines: LineStress, design: Design) -> Peak:
     row, contact = np.unravel_index(int(np.argmax(told)), told.shape)
     size = float(lines.von_mises[row, contact])
     place = loads.place[row, contact]
-    return Peak(size, float(loads.angle[row]), place, loads.labels[contact], _safety(size, design))
+    return Peak(
+        size,
+        float(loads.angle[row]),
+        place,
+        loads.labels[contact],
+        _safety(size, material_of(design, loads.part).yield_strength),
+    )
 
 
 def _imbalance(stress: PartStress, grid: Grid) -> float:
@@ -332,5 +346,9 @@ def _near_field(loads: PartLoads, design: Design, distance: float) -> float:
     return float(2.0 * force / (np.pi * design.gear.face_width * distance))
 
 
-def _safety(stress: float, design: Design) -> float:
-    return design.material.yield_strength / stress if stress != 0.0 else float("inf")
+def _strength(design: Design, loads: PartLoads) -> float:
+    return material_of(design, loads.part).yield_strength
+
+
+def _safety(stress: float, strength: float) -> float:
+    return strength / stress if stress != 0.0 else float("inf")
