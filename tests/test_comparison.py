@@ -9,7 +9,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from cycloid_mj import comparison
 from cycloid_mj.analysis import Series
 from cycloid_mj.comparison import (
     STARTS,
@@ -31,7 +30,7 @@ from cycloid_mj.comparison.conditions import conditions, differences
 from cycloid_mj.comparison.fluctuation import Level, level, turns, unshifted
 from cycloid_mj.comparison.forces import cam_force, tooth_forces
 from cycloid_mj.comparison.ranking import FEWEST_TURNS, SIGNIFICANCE, Ranking, summary
-from cycloid_mj.comparison.sensitivity import ASSUMPTIONS, Response, Sensitivity, sensitivities, sensitivity_table
+from cycloid_mj.comparison.sensitivity import ASSUMPTIONS, Response, Sensitivity, sensitivities
 from cycloid_mj.comparison.vibration import acceleration, spectrum
 from cycloid_mj.design import PRESETS, Design, dump, override
 from cycloid_mj.errors import LogError, UsageError
@@ -399,7 +398,7 @@ def test_idle_figures_are_stated_over_the_starts():
     assert verdicts["gear speed", 20.0] == ("confirmed", 1)
     # the same motion of every start in both designs
     assert verdicts["acceleration of the gear centre", 0.0] == ("not determined", 1)
-    _, rows = comparison.table(found.at(0.0))
+    rows = found.tables[0].cells
     least, mean, most = (value / math.sqrt(2) for value in (0.004, 0.00435, 0.0047))
     words = next(row[1] for row in rows if row[0] == "gear speed error, rms")
     assert words == f"{least:.3g} to {most:.3g} ({mean:.3g})"
@@ -474,8 +473,9 @@ def test_json_of_a_comparison_is_plain_and_complete():
 
 def test_table_has_a_column_for_each_design_and_no_empty_row():
     found = compare(pair(20.0))
-    header, rows = comparison.table(found.at(20.0))
-    assert header == ["quantity", "pin", "nonpin", "unit"]
+    (told,) = found.tables
+    rows = told.cells
+    assert told.header == ("quantity", "pin", "nonpin", "unit")
     by_name = {row[0]: row[1:] for row in rows}
     assert by_name["gear speed error, rms"] == ["0.001414", "0.0007071", "rad/s"]
     assert "efficiency" not in by_name
@@ -529,9 +529,9 @@ def test_sensitivity_states_the_change_with_each_assumption():
     (other,) = (each for each in found if (each.design, each.quantity) == ("nonpin", "gear speed error, rms"))
     assert other.changes == pytest.approx((0.2, 0.0))
     assert other.determined
-    header, rows = sensitivity_table(found)
-    assert header == ["quantity", "pin", "nonpin"]
-    told = {row[0]: row[1:] for row in rows}
+    table = compare(base, sensitivity=found).tables[-1]
+    assert table.header == ("quantity", "pin", "nonpin")
+    told = {row[0]: row[1:] for row in table.cells}
     assert told["gear speed error, rms"] == ["not determined: x 1.4, 2.5", "+20 %, +0 %"]
     as_json = compare(base, sensitivity=found).as_json()["sensitivity"]
     assert as_json == json.loads(json.dumps(as_json, allow_nan=False))

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cycloid_mj.cli.terminal import say, say_json, say_table
+from cycloid_mj.cli.terminal import say, say_json, show
 from cycloid_mj.errors import warn
 from cycloid_mj.papers import vibration
 
@@ -22,19 +22,8 @@ def report(comparison: "Comparison", figures: Sequence[Path], json: bool) -> Non
     if json:
         say_json(comparison.as_json() | {"figures": [str(path) for path in figures]})
         return
-    from cycloid_mj.comparison import ASSUMPTIONS, sensitivity_table, table
-
-    for load in comparison.loads:
-        findings = comparison.at(load)[0].measures.findings
-        window = findings.window
-        span = f"from {window.start_s:.6g} to {window.end_s:.6g} s ({window.crank_turns:.1f} turns)"
-        starts = min(len(trial.starts) for trial in comparison.at(load))
-        over = f", least to largest (mean) of {starts} starts" if starts > 1 else ""
-        say_table(f"{findings.condition}: {span}{over}", *table(comparison.at(load)))
-    if comparison.sensitivity:
-        ends = " and ".join(f"{each.parameter} {each.value}" for each in ASSUMPTIONS)
-        condition = comparison.trials[-1].measures.findings.condition
-        say_table(f"{condition}: change with {ends}", *sensitivity_table(comparison.sensitivity))
+    for table in comparison.tables:
+        show(table)
     for line in _words(comparison):
         say(line)
     say("logs: " + " ".join(str(trial.measures.findings.log) for trial in comparison.trials))

@@ -9,10 +9,9 @@ from cycloid_mj.comparison.comparison import Comparison, compare
 from cycloid_mj.comparison.conditions import conditions, differences, total_play, under, with_play_of
 from cycloid_mj.comparison.measures import Measures, measure, settled, settling
 from cycloid_mj.comparison.ranking import Ranking, rankings
-from cycloid_mj.comparison.sensitivity import ASSUMPTIONS, Sensitivity, sensitivities, sensitivity_table
+from cycloid_mj.comparison.sensitivity import ASSUMPTIONS, Sensitivity, sensitivities
 from cycloid_mj.comparison.starts import STARTS, Spread, all_started, gravity_turn, order, started
 from cycloid_mj.comparison.sweep import SWEEP, Variation, Varied, varied
-from cycloid_mj.comparison.table import table
 from cycloid_mj.comparison.trial import Trial
 
 __all__ = [
@@ -37,11 +36,9 @@ __all__ = [
     "order",
     "rankings",
     "sensitivities",
-    "sensitivity_table",
     "settled",
     "settling",
     "started",
-    "table",
     "total_play",
     "under",
     "varied",

@@ -7,14 +7,14 @@ from typing import Any
 from cycloid_mj.analysis import load_words
 from cycloid_mj.comparison.conditions import HOLD, conditions, differences
 from cycloid_mj.comparison.ranking import NO_FIGURES, Ranking, rankings, summary
-from cycloid_mj.comparison.sensitivity import Sensitivity
+from cycloid_mj.comparison.sensitivity import Sensitivity, sensitivity_table
 from cycloid_mj.comparison.sweep import Varied, decisions
-from cycloid_mj.comparison.table import ROWS
+from cycloid_mj.comparison.table import ROWS, table
 from cycloid_mj.comparison.trial import Trial
 from cycloid_mj.contact.massless import require_pin_bodies
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
-from cycloid_mj.result import plain
+from cycloid_mj.result import Table, plain
 
 
 @dataclass(frozen=True)
@@ -55,6 +55,14 @@ class Comparison:
     def at(self, load: float) -> tuple[Trial, ...]:
         """Give the runs under a load [N m]."""
         return tuple(trial for trial in self.trials if trial.load == load)
+
+    @property
+    def tables(self) -> tuple[Table, ...]:
+        """The figures under each load, and how far the dynamic ones move with what is assumed, if that was run."""
+        told = [table(self.at(load)) for load in self.loads]
+        if self.sensitivity:
+            told.append(sensitivity_table(self.sensitivity, str(self.trials[-1].measures.findings.condition)))
+        return tuple(told)
 
     @property
     def summary(self) -> list[str]:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from cycloid_mj.comparison.sweep import Variation
 from cycloid_mj.comparison.table import DYNAMIC
 from cycloid_mj.comparison.trial import Trial
+from cycloid_mj.result import Table
 
 ASSUMPTIONS = (
     Variation("creep speed", "1 mm/s", ("contact.creep_speed_mm_s=1.0",)),
@@ -75,14 +76,15 @@ def sensitivities(base: Sequence[Trial], changed: Mapping[Variation, Sequence[Tr
     ]
 
 
-def sensitivity_table(found: Sequence[Sensitivity]) -> tuple[list[str], list[list[str]]]:
-    """Give header and rows: quantity, and for each design its changes with each assumption, or "not determined"."""
+def sensitivity_table(found: Sequence[Sensitivity], condition: str) -> Table:
+    """Give the changes of each figure with each assumption, a column for each design, or "not determined"."""
+    ends = " and ".join(f"{each.parameter} {each.value}" for each in ASSUMPTIONS)
     designs = list(dict.fromkeys(each.design for each in found))
     rows = []
     for quantity in dict.fromkeys(each.quantity for each in found):
         by_design = {each.design: each for each in found if each.quantity == quantity}
-        rows.append([quantity, *(_words(by_design[name]) if name in by_design else "" for name in designs)])
-    return ["quantity", *designs], rows
+        rows.append((quantity, *(_words(by_design[name]) if name in by_design else "" for name in designs)))
+    return Table(f"{condition}: change with {ends}", ("quantity", *designs), tuple(rows))
 
 
 def _words(found: Sensitivity) -> str:

@@ -6,6 +6,7 @@ from typing import NamedTuple
 from cycloid_mj.comparison.measures import Measures
 from cycloid_mj.comparison.starts import Spread
 from cycloid_mj.comparison.trial import Trial
+from cycloid_mj.result import Table
 
 
 class Figure(NamedTuple):
@@ -77,17 +78,22 @@ DYNAMIC = (
 """Those that depend on the motion's detail."""
 
 
-def table(trials: Sequence[Trial]) -> tuple[list[str], list[list[str]]]:
-    """Give header and rows for runs under one load: quantity, one column for each design, unit.
+def table(trials: Sequence[Trial]) -> Table:
+    """Give the figures of runs under one load: quantity, one column for each design, unit.
 
     A figure of several starts is given as least to largest, and the mean; a row without any value is left out.
     """
+    findings = trials[0].measures.findings
+    window, starts = findings.window, min(len(trial.starts) for trial in trials)
+    span = f"from {window.start_s:.6g} to {window.end_s:.6g} s ({window.crank_turns:.1f} turns)"
+    over = f", least to largest (mean) of {starts} starts" if starts > 1 else ""
     rows = []
     for figure in ROWS:
         found = [trial.over_starts(figure.of) for trial in trials]
         if any(spread is not None for spread in found):
-            rows.append([figure.words, *("" if spread is None else _words(spread) for spread in found), figure.unit])
-    return ["quantity", *(trial.name for trial in trials), "unit"], rows
+            rows.append((figure.words, *("" if spread is None else _words(spread) for spread in found), figure.unit))
+    header = ("quantity", *(trial.name for trial in trials), "unit")
+    return Table(f"{findings.condition}: {span}{over}", header, tuple(rows))
 
 
 def _words(found: Spread) -> str:
