@@ -17,11 +17,20 @@ from cycloid_mj.envelope import sample_ring_by_sagitta
 from cycloid_mj.errors import CycloidError, LogError, UsageError
 from cycloid_mj.mjcf import build
 from cycloid_mj.mjcf.model import xml
-from cycloid_mj.plots import animation, movie, stage
+from cycloid_mj.plots import movie, stage
 from cycloid_mj.plots.animation import film, take
 from cycloid_mj.plots.movie import write_movie
-from cycloid_mj.scene import contact_forces, drawing, drawn_radii, gaps, largest_magnification, poses, ring_outline
-from cycloid_mj.scene.messages import FORCE_COLOURS
+from cycloid_mj.scene import (
+    contact_forces,
+    drawing,
+    drawn_radii,
+    gaps,
+    ideal_forces,
+    largest_magnification,
+    poses,
+    ring_outline,
+)
+from cycloid_mj.scene.force import FORCE_COLOURS
 from cycloid_mj.scene.replay import replay_model, set_sample
 from cycloid_mj.solid import output_centres
 from cycloid_mj.solid.gear import tooth_profile
@@ -185,7 +194,7 @@ def test_stage_moves_what_it_is_told(pin_run, monkeypatch):
     columns = {name: values[100:103] for name, values in pin_run.columns.items()}
     drawn = drawing(PIN, gaps(PIN, columns), 100.0)
     acting = contact_forces(PIN, columns, drawn)
-    ideal = animation._ideal(PIN, columns)
+    ideal = ideal_forces(PIN, columns)
     script = stage.Script(PIN, drawn, acting, ideal)
     set_up = stage.set_stage(script, 400)
     assert "36 N m, 1640 rpm" in [text.get_text() for text in set_up.figure.texts]

@@ -1,7 +1,7 @@
 """The mechanism in motion: which samples of a run are filmed, and the frames."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,14 +9,11 @@ import numpy.typing as npt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from cycloid_mj.analysis import Series, series
-from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
-from cycloid_mj.modification import tooth_profile
 from cycloid_mj.plots.stage import Script, Stage, set_stage, show
 from cycloid_mj.plots.style import styled
 from cycloid_mj.record import Run
-from cycloid_mj.scene import contact_forces, drawing, drawn_radii, gaps
-from cycloid_mj.statics import ideal_load_sharing
+from cycloid_mj.scene import contact_forces, drawing, drawn_radii, gaps, ideal_forces
 from cycloid_mj.types import Array
 
 Image = npt.NDArray[np.uint8]
@@ -86,7 +83,7 @@ def film(scene: Take, width: int = WIDTH) -> Iterator[Image]:
         design=motion.design,
         drawn=drawn,
         acting=contact_forces(motion.design, columns, drawn),
-        ideal=_ideal(motion.design, columns),
+        ideal=ideal_forces(motion.design, columns),
     )
     return _frames(script, set_stage(script, width), columns["crank_angle"], motion.time[scene.rows])
 
@@ -101,10 +98,3 @@ def _frames(script: Script, stage: Stage, crank_angle: Array, time: Array) -> It
         picture = np.asarray(canvas.buffer_rgba())
         height, width = (2 * (size // 2) for size in picture.shape[:2])
         yield picture[:height, :width, :3].copy()
-
-
-def _ideal(design: Design, columns: Mapping[str, Array]) -> Array | None:
-    """Give the force on each pin by ideal load sharing, shape (n, N) [N]; None for an internal gear."""
-    if design.ring.kind != "pin":
-        return None
-    return ideal_load_sharing(tooth_profile(design), columns["load_torque"], columns["crank_angle"]).forces

@@ -10,10 +10,9 @@ from cycloid_mj.design import Design
 from cycloid_mj.envelope import sample_ring_by_sagitta
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.report.encode import encoded
-from cycloid_mj.scene import contact_forces, drawn_radii, gaps, largest_magnification
+from cycloid_mj.scene import contact_forces, drawn_radii, gaps, ideal_forces, largest_magnification
 from cycloid_mj.scene.drawing import tooth_clearance
 from cycloid_mj.solid import gear_solid, housing_solid
-from cycloid_mj.statics import ideal_load_sharing
 from cycloid_mj.types import Array
 
 FRAMES = 360
@@ -81,8 +80,7 @@ def _frames(motion: Series, columns: dict[str, Array], time: Array) -> dict[str,
         "outputAway": encoded(1e3 * measured.output_away),
         "force": {kind: encoded(acting.of(*kinds).force) for kind, kinds in GROUPS.items()},
     }
-    if design.ring.kind == "pin":
-        ideal = ideal_load_sharing(tooth_profile(design), columns["load_torque"], columns["crank_angle"]).forces
+    if (ideal := ideal_forces(design, columns)) is not None:
         frames |= {
             "away": encoded(1e3 * measured.away),
             "pinAngle": encoded(np.mod(measured.pin_angle, 2 * np.pi)),

@@ -5,7 +5,7 @@ MuJoCo nor a log: what writes logs takes a `Scene`, what draws takes `poses` and
 """
 
 from cycloid_mj.scene.drawing import Drawing, Gaps, drawing, drawn_radii, gaps, largest_magnification, ring_outline
-from cycloid_mj.scene.force import ContactForces, contact_forces, reference_force
+from cycloid_mj.scene.force import ContactForces, contact_forces, ideal_forces, reference_force
 from cycloid_mj.scene.messages import RATE, Scene
 from cycloid_mj.scene.pose import POSE_COLUMNS, moved, poses, ring_places
 
@@ -20,6 +20,7 @@ __all__ = [
     "drawing",
     "drawn_radii",
     "gaps",
+    "ideal_forces",
     "largest_magnification",
     "moved",
     "poses",

@@ -11,12 +11,28 @@ from cycloid_mj.names import FORCE_X, FORCE_Y, GEAR, MOMENT, OUTPUT, SHAFT, colu
 from cycloid_mj.record import usable
 from cycloid_mj.scene.drawing import Drawing, Radii, drawn_radii
 from cycloid_mj.scene.pose import moved, poses, ring_places
+from cycloid_mj.scene.shape import Colour
 from cycloid_mj.solid import output_centres
 from cycloid_mj.solid.gear import tooth_profile
+from cycloid_mj.statics import ideal_load_sharing
 from cycloid_mj.types import Array
 
 WRENCH = (FORCE_X, FORCE_Y, MOMENT)
 _ON_PINS = ("pin_socket", "pin_sleeve")
+
+ARROW = 0.3
+"""Length of a kind's typical largest force, as a share of the pin-circle radius."""
+
+THICKNESS = 0.012
+"""Diameter of an arrow's shaft, as a share of the pin-circle radius."""
+
+FORCE_COLOURS: dict[str, Colour] = {
+    "pin_gear": (0.84, 0.37, 0.0, 1.0),
+    "tooth": (0.84, 0.37, 0.0, 1.0),
+    "cam": (0.0, 0.0, 0.0, 1.0),
+    "output": (0.0, 0.45, 0.70, 1.0),
+}
+"""Kinds of pairs that are shown: the force in a socket or sleeve is that of the gear on the pin, and is left out."""
 
 LONGEST_SHIFT = 1e-3
 """Farthest that a contact is moved onto the line of action of its force [m]: friction of 0.5 on a pin of 2 mm."""
@@ -92,6 +108,23 @@ def contact_forces(design: Design, columns: Mapping[str, Array], drawn: Drawing 
         force[:, row] = wrench[:, :2]
         point[:, row] = shown.surface(kind, number, along) + aside
     return ContactForces(names, kinds, point, force)
+
+
+def on_gear(design: Design, columns: Mapping[str, Array]) -> ContactForces:
+    """Give the forces that viewers show; see `contact_forces`."""
+    return contact_forces(design, columns).of(*FORCE_COLOURS)
+
+
+def arrow_height(design: Design) -> float:
+    """Give where viewers show forces along the axis [m]: on the gear's face towards the output."""
+    return 0.5 * design.gear.face_width + THICKNESS * design.ring.pin_circle_radius
+
+
+def ideal_forces(design: Design, columns: Mapping[str, Array]) -> Array | None:
+    """Give the force on each pin by ideal load sharing [N], shape (n, N); None for an internal gear."""
+    if design.ring.kind != "pin":
+        return None
+    return ideal_load_sharing(tooth_profile(design), columns["load_torque"], columns["crank_angle"]).forces
 
 
 def reference_force(design: Design) -> dict[str, float]:

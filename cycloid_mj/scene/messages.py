@@ -23,7 +23,15 @@ from google.protobuf.descriptor_pb2 import FileDescriptorSet
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
 from cycloid_mj.names import pin
-from cycloid_mj.scene.force import ContactForces, contact_forces, reference_force
+from cycloid_mj.scene.force import (
+    ARROW,
+    FORCE_COLOURS,
+    THICKNESS,
+    ContactForces,
+    arrow_height,
+    on_gear,
+    reference_force,
+)
 from cycloid_mj.scene.glb import MEDIA_TYPE, glb
 from cycloid_mj.scene.pose import poses, ring_places
 from cycloid_mj.scene.shape import Colour, shapes
@@ -38,20 +46,6 @@ RATE = 60.0
 HIGHEST_RATE = 1e5
 ROOT = "reducer"
 FRAMES, PARTS, FORCES = "/tf", "/scene/parts", "/scene/forces"
-
-ARROW = 0.3
-"""Length of a kind's typical largest force, as a share of the pin-circle radius."""
-
-THICKNESS = 0.012
-"""Diameter of an arrow's shaft, as a share of the pin-circle radius."""
-
-FORCE_COLOURS: dict[str, Colour] = {
-    "pin_gear": (0.84, 0.37, 0.0, 1.0),
-    "tooth": (0.84, 0.37, 0.0, 1.0),
-    "cam": (0.0, 0.0, 0.0, 1.0),
-    "output": (0.0, 0.45, 0.70, 1.0),
-}
-"""Kinds of pairs that are shown: the force in a socket or sleeve is that of the gear on the pin, and is left out."""
 
 
 @dataclass(frozen=True)
@@ -123,7 +117,7 @@ class Scene:
             A column of the parts' motion is missing.
         """
         place = poses(self.design, columns)
-        acting = contact_forces(self.design, columns).of(*FORCE_COLOURS)
+        acting = on_gear(self.design, columns)
         for row, now in enumerate(time.tolist()):
             if all(np.isfinite(pose[row]).all() for pose in place.values()):
                 stamp = _nanoseconds(now)
@@ -151,11 +145,12 @@ class Scene:
         arrow.shaft_length, arrow.head_length = length - head, head
         arrow.shaft_diameter, arrow.head_diameter = thickness, 2.0 * thickness
         arrow.color.r, arrow.color.g, arrow.color.b, arrow.color.a = colour
-        _place(arrow.pose.position, arrow.pose.orientation, (float(tail[0]), float(tail[1]), self._face), angle)
-
-    @cached_property
-    def _face(self) -> float:
-        return 0.5 * self.design.gear.face_width + THICKNESS * self.design.ring.pin_circle_radius
+        _place(
+            arrow.pose.position,
+            arrow.pose.orientation,
+            (float(tail[0]), float(tail[1]), arrow_height(self.design)),
+            angle,
+        )
 
     @cached_property
     def _scales(self) -> dict[str, float]:

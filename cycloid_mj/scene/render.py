@@ -9,8 +9,7 @@ import numpy.typing as npt
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
 from cycloid_mj.record import Run
-from cycloid_mj.scene.force import contact_forces
-from cycloid_mj.scene.messages import ARROW, FORCE_COLOURS, THICKNESS
+from cycloid_mj.scene.force import ARROW, FORCE_COLOURS, THICKNESS, arrow_height, on_gear
 from cycloid_mj.scene.opengl import opengl
 from cycloid_mj.scene.replay import AZIMUTH, ELEVATION, aim, replay_model, set_sample
 
@@ -82,9 +81,7 @@ def _scene(model: Any, data: Any, arrows: list[dict[str, Any]], view: tuple[floa
 def _arrows(run: Run, design: Design, sample: int) -> list[dict[str, Any]]:
     """Give tail, tip, width [m] and colour of each force's arrow, on the gear's face towards the output."""
     columns = {name: values[sample : sample + 1] for name, values in run.columns.items()}
-    acting = contact_forces(design, columns).of(*FORCE_COLOURS)
-    reach = design.ring.pin_circle_radius
-    face = 0.5 * design.gear.face_width + THICKNESS * reach
+    acting, reach, face = on_gear(design, columns), design.ring.pin_circle_radius, arrow_height(design)
     arrows = []
     for kind in dict.fromkeys(acting.kinds):
         these = acting.of(kind)

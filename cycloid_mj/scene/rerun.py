@@ -11,9 +11,8 @@ import numpy as np
 from cycloid_mj.design import Design
 from cycloid_mj.errors import CycloidError
 from cycloid_mj.record import Run
-from cycloid_mj.scene.force import ContactForces, contact_forces
+from cycloid_mj.scene.force import ARROW, FORCE_COLOURS, THICKNESS, ContactForces, arrow_height, on_gear
 from cycloid_mj.scene.glb import smoothed
-from cycloid_mj.scene.messages import ARROW, FORCE_COLOURS, THICKNESS
 from cycloid_mj.scene.pose import poses
 from cycloid_mj.scene.shape import Colour, Piece, shapes
 from cycloid_mj.types import Array
@@ -45,7 +44,7 @@ def write_rerun(run: Run, design: Design, path: str | os.PathLike[str]) -> None:
         A column of the parts' motion is missing.
     """
     rr = _rerun()
-    place, acting = poses(design, run.columns), contact_forces(design, run.columns).of(*FORCE_COLOURS)
+    place, acting = poses(design, run.columns), on_gear(design, run.columns)
     name = "cycloid_mj_" + "_".join(design.name.split())
     with whole_file(path) as beside:
         recording = rr.RecordingStream(name)
@@ -96,8 +95,7 @@ def _bytes(colour: Colour) -> list[int]:
 
 def _log_forces(rr: Any, recording: Any, design: Design, time: Any, acting: ContactForces) -> None:
     """Log the arrows of each kind of pair, their tips at the contacts, on the gear's face towards the output."""
-    reach = design.ring.pin_circle_radius
-    face = 0.5 * design.gear.face_width + THICKNESS * reach
+    reach, face = design.ring.pin_circle_radius, arrow_height(design)
     for kind in dict.fromkeys(acting.kinds):
         these = acting.of(kind)
         scale = ARROW * reach / these.size.max(initial=1e-9)
