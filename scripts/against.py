@@ -1,65 +1,148 @@
-"""Hold this tree against another revision of it: CPU time of whole commands, taken in turn, and the figures of both.
+"""Hold this tree against another revision of it: CPU time and memory of whole commands, taken in turn, figures of both.
 
-The other revision is laid out in a folder of its own and run by the same interpreter with the same packages. Both logs
-are judged by this tree's reader, so that a figure means the same for both.
+The other revision is laid out in a folder of its own and run by the same interpreter with the same packages. The logs
+of both are judged by this tree's reader, so that a figure means the same for both.
 """
 
+import json
+import math
 import os
 import subprocess
 import sys
 import tarfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import TemporaryDirectory, TemporaryFile
+from typing import Any
 
 import numpy as np
 
+from cycloid_mj.design import loads
 from cycloid_mj.log import read
 from cycloid_mj.record import Run
 
 ROOT = Path(__file__).resolve().parents[1]
-RATED = ("--load-nm", "36.68", "--ramp-s", "0")
+TURN = 60.0 / 1640.0
+"""A crank turn at the designs' speed [s]."""
+
 SETTLING = 0.015
 """Start of the figures [s]: the load is on after 5 ms, and the jolt of the start gone after 10."""
 
 ARCSEC = np.pi / 648000.0
 
+Figures = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Ended:
+    """A command that has run: CPU time [s], its children's included, peak memory [MB], output and folder."""
+
+    cpu: float
+    memory: float
+    printed: str
+    out: Path
+
+
+def figures(run: Run) -> dict[str, float]:
+    """Give the figures of a run over the crank turn at its end: speeds, transmission error, cam force, efficiency."""
+    lobes = loads(run.attachments["design.toml"].decode()).lobes
+    late = run.select(run.time > max(SETTLING, run.time[-1] - TURN))
+    error = (late["output_angle"] + late["crank_angle"] / lobes) / ARCSEC
+    speed = late["gear_speed"] + late["crank_speed"] / lobes
+    power_in = float((late["crank_torque"] * late["crank_speed"]).mean())
+    power_out = -float((late["load_torque"] * late["output_speed"]).mean())
+    found = {
+        "rms gear speed [rad/s]": float(np.sqrt((speed**2).mean())),
+        "mean TE [arcsec]": float(error.mean()),
+        "TE p-p [arcsec]": float(np.ptp(error)),
+        "q path, rms [um]": 1e6 * float(np.hypot(late["gear_x"], late["gear_y"]).std()),
+        "cam [N]": float(np.hypot(late["cam_force_x"], late["cam_force_y"]).mean()),
+    }
+    return found | ({"efficiency [%]": 1e2 * power_out / power_in} if power_out > 0.0 else {})
+
+
+def of_the_log(ended: Ended) -> Figures:
+    """Give the figures of the one run that a command has logged."""
+    (log,) = ended.out.glob("*.mcap")
+    return figures(read(log))
+
+
+def of_the_json(ended: Ended) -> Figures:
+    """Give every number that a command has printed as JSON, by its place there, but for what depends on the machine."""
+    found: dict[str, float] = {}
+
+    def gather(place: str, value: Any) -> None:
+        if isinstance(value, dict):
+            for key, inner in value.items():
+                gather(f"{place}.{key}", inner)
+        elif isinstance(value, list):
+            for number, inner in enumerate(value):
+                gather(f"{place}.{inner.get('key', number) if isinstance(inner, dict) else number}", inner)
+        elif isinstance(value, float) and math.isfinite(value) and not place.endswith(("_s", "_mb")):
+            found[place.lstrip(".")] = value
+
+    gather("", json.loads(ended.printed))
+    return found
+
 
 @dataclass(frozen=True)
 class Trial:
-    """A run to time.
+    """A command to time in both trees.
 
     Attributes
     ----------
     name
         What it is called.
-    flags
-        Flags of ``cycloid-mj simulate`` for both revisions.
-    timestep_us
-        Time step of this tree; the other revision keeps its own default. None for both on their defaults.
-    reference_us
-        Time step of the other revision's run that the figures are held against.
+    words
+        The command: words of ``cycloid-mj``, or a program for Python if its first line is ``import``.
+    ours
+        Further words for this tree.
+    reference
+        Further words for another run of the other tree, which the figures are held against; none without.
+    figures
+        What both are held against each other by.
+    logged
+        Whether the command takes ``--out`` for its files.
     """
 
     name: str
-    flags: tuple[str, ...]
-    timestep_us: float | None = None
-    reference_us: float = 0.5
+    words: tuple[str, ...]
+    ours: tuple[str, ...] = ()
+    reference: tuple[str, ...] = ()
+    figures: Callable[[Ended], Figures] = of_the_log
+    logged: bool = True
 
 
-def turn(share: float) -> tuple[str, str]:
-    """Give the flag of a hold that goes on for so many crank turns after the figures start."""
-    return "--hold-s", repr(SETTLING + share * 60.0 / 1640.0)
+def loaded(design: str, *flags: str) -> tuple[str, ...]:
+    """Give the words of a run at full speed under the rated load, of one crank turn after it has settled."""
+    hold = repr(SETTLING + TURN)
+    return ("simulate", "--design", design, "--load-nm", "36.68", "--ramp-s", "0", "--hold-s", hold, *flags)
 
 
+FINE = ("--timestep-us", "0.5")
+STATICS = """import json, sys
+import numpy as np
+from cycloid_mj.design import PRESETS, override
+from cycloid_mj.measure.static_error import static_error
+found = {}
+for name in ("pin", "nonpin"):
+    design = override(PRESETS[name], [f"errors.{key}_tol_um=2.0" for key in ("pin_place", "hole_place")])
+    errors = static_error(override(design, ["errors.seed=1"]), np.linspace(0.0, 2.0 * np.pi, 361)[:-1], 36.68)
+    found[name] = {"gear mean": float(errors[:, 0].mean()), "gear rms": float(errors[:, 0].std())}
+json.dump(found, sys.stdout)
+"""
 TRIALS = (
-    Trial("default run", ("--design", "pin"), reference_us=1.0),
-    Trial("free pins, 36.68 N m", ("--design", "pin", *RATED, *turn(1.0))),
-    Trial("fixed pins, 36.68 N m", ("--design", "pin", "--set", 'ring.pins="fixed"', *RATED, *turn(1.0)), 10.0),
-    Trial("nonpin, 36.68 N m", ("--design", "nonpin", *RATED, *turn(1.0)), 10.0),
+    Trial("default run", ("simulate", "--design", "pin")),
+    Trial("free pins, 36.68 N m", loaded("pin"), reference=FINE),
+    Trial("massless pins, 36.68 N m", loaded("pin"), ("--set", 'ring.pins="massless"'), reference=FINE),
+    Trial("fixed pins, 36.68 N m", loaded("pin", "--set", 'ring.pins="fixed"'), reference=FINE),
+    Trial("nonpin, 36.68 N m", loaded("nonpin"), reference=FINE),
+    Trial("stress of pin", ("stress", "--design", "pin"), figures=of_the_json),
+    Trial("validate", ("validate",), figures=of_the_json, logged=False),
+    Trial("statics, 2 x 360 angles", (STATICS,), figures=of_the_json, logged=False),
 )
 
 
@@ -81,51 +164,61 @@ def laid_out(revision: str) -> Iterator[Path]:
         yield Path(folder)
 
 
-def cpu_time(tree: Path, flags: tuple[str, ...], out: Path) -> float:
-    """Run ``cycloid-mj simulate`` of a tree into a folder; give its CPU time [s], its threads and children included."""
-    command = [sys.executable, "-m", "cycloid_mj.cli", "simulate", "--quiet", "--json", "--out", str(out), *flags]
-    environment = os.environ | {"PYTHONPATH": str(tree)}
-    process = subprocess.Popen(command, cwd=tree, env=environment, stdout=subprocess.DEVNULL)
-    _, status, usage = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    if process.returncode:
-        sys.exit(f"failed with exit code {process.returncode}: {' '.join(command)}")
-    return usage.ru_utime + usage.ru_stime
+def ended(tree: Path, trial: Trial, further: tuple[str, ...], out: Path) -> Ended:
+    """Run a trial's command in a tree, with further words, its files into a folder.
 
-
-def figures(run: Run, lobes: int) -> dict[str, float]:
-    """Give the figures of a run over the crank turn at its end: speeds, transmission error, cam force, efficiency."""
-    late = run.select(run.time > max(SETTLING, run.time[-1] - 60.0 / 1640.0))
-    error = (late["output_angle"] + late["crank_angle"] / lobes) / ARCSEC
-    speed = late["gear_speed"] + late["crank_speed"] / lobes
-    power_in = float((late["crank_torque"] * late["crank_speed"]).mean())
-    power_out = -float((late["load_torque"] * late["output_speed"]).mean())
-    found = {
-        "rms gear speed [rad/s]": float(np.sqrt((speed**2).mean())),
-        "mean TE [arcsec]": float(error.mean()),
-        "TE p-p [arcsec]": float(np.ptp(error)),
-        "cam [N]": float(np.hypot(late["cam_force_x"], late["cam_force_y"]).mean()),
-    }
-    return found | ({"efficiency [%]": 1e2 * power_out / power_in} if power_out > 0.0 else {})
-
-
-def compare(trial: Trial, other: Path, passes: int) -> tuple[list[float], list[float], dict[str, Mapping[str, float]]]:
-    """Time a run of this tree and of another in turn; give both CPU times of each pass [s], and the figures.
-
-    The figures are those of this tree, of the other one, and of the other one at the reference's step.
+    Raises
+    ------
+    SystemExit
+        The command failed.
     """
-    step = () if trial.timestep_us is None else ("--timestep-us", repr(trial.timestep_us))
-    ours: list[float] = []
-    theirs: list[float] = []
+    program, *flags = trial.words
+    into = ("--out", str(out)) if trial.logged else ()
+    if program.startswith("import"):
+        command = [sys.executable, "-c", program]
+    else:
+        quiet = ("--quiet",) if trial.logged else ()
+        command = [sys.executable, "-m", "cycloid_mj.cli", program, *flags, *further, "--json", *quiet, *into]
+    out.mkdir()
+    with TemporaryFile() as printed:
+        environment = os.environ | {"PYTHONPATH": str(tree)}
+        process = subprocess.Popen(command, cwd=out, env=environment, stdout=printed)
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        if process.returncode:
+            sys.exit(f"failed with exit code {process.returncode}: {' '.join(command)}")
+        printed.seek(0)
+        text = printed.read().decode()
+    return Ended(usage.ru_utime + usage.ru_stime, 1e-3 * usage.ru_maxrss, text, out)
+
+
+def compare(trial: Trial, other: Path, passes: int) -> tuple[list[Ended], list[Ended], dict[str, Figures]]:
+    """Run a trial in this tree and in another in turn; give how each pass ended here and there, and the figures.
+
+    The figures are those of this tree, of the other one, and of the other one's reference. A run before them compiles.
+    """
+    ours: list[Ended] = []
+    theirs: list[Ended] = []
     with TemporaryDirectory() as folder:
         out = Path(folder)
+        warm = Trial("warm", ("simulate", *trial.words[1:3], "--ramp-s", "0", "--hold-s", "0.001"))
         for number, tree in enumerate((ROOT, other)):
-            cpu_time(tree, (*trial.flags[:2], "--ramp-s", "0", "--hold-s", "0.001"), out / f"warm{number}")
+            ended(tree, warm if trial.words[0] == "simulate" else trial, (), out / f"warm{number}")
         for number in range(passes):
-            ours.append(cpu_time(ROOT, (*trial.flags, *step), out / f"ours{number}"))
-            theirs.append(cpu_time(other, trial.flags, out / f"other{number}"))
-        fine = ("--timestep-us", repr(trial.reference_us))
-        cpu_time(other, (*trial.flags, *fine), out / "reference")
-        places = {"this tree": "ours0", "other": "other0", f"other at {trial.reference_us:g} us": "reference"}
-        design = trial.flags[1]
-        return ours, theirs, {name: figures(read(out / at / f"{design}.mcap"), 35) for name, at in places.items()}
+            ours.append(ended(ROOT, trial, trial.ours, out / f"ours{number}"))
+            theirs.append(ended(other, trial, (), out / f"other{number}"))
+        found = {"this tree": trial.figures(ours[0]), "other": trial.figures(theirs[0])}
+        if trial.reference:
+            found["reference"] = trial.figures(ended(other, trial, trial.reference, out / "reference"))
+    return ours, theirs, found
+
+
+def difference(found: Mapping[str, Figures]) -> tuple[str, float, int]:
+    """Give the figure that differs most between this tree and the last of the others, by how much, and of how many.
+
+    The difference is a share of the other's figure; figures that only one side has are left out.
+    """
+    ours, *_, theirs = found.values()
+    common = {name: abs(ours[name] / theirs[name] - 1.0) for name in ours if theirs.get(name)}
+    worst = max(common, key=lambda name: common[name], default="")
+    return worst, common.get(worst, math.nan), len(common)

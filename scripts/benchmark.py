@@ -13,6 +13,7 @@ times the machine should be idle.
 import argparse
 import inspect
 import json
+import math
 import os
 import platform
 import statistics
@@ -27,8 +28,21 @@ from typing import Any
 import mujoco
 import numba
 import numpy as np
-from against import TRIALS, compare, laid_out
-from passes import FREE, KINDS, NONPIN, Case, bare_cost, command_cost, example, logged_cost, loop_cost, own_cost
+from against import TRIALS, compare, difference, laid_out, of_the_log
+from passes import (
+    FIXED,
+    FREE,
+    KINDS,
+    NONPIN,
+    WARM,
+    Case,
+    bare_cost,
+    command_cost,
+    example,
+    logged_cost,
+    loop_cost,
+    own_cost,
+)
 
 from cycloid_mj.run import reducer_model
 
@@ -42,6 +56,19 @@ TEETH = {
     120: {"gear.eccentricity_mm": 0.25, "ring.pin_radius_mm": 0.7, "output.hole_radius_mm": 4.25},
 }
 """What fits the number of ring teeth into the pin circle of the presets."""
+
+FREE_PINS = {
+    **{teeth: TEETH[teeth] for teeth in (12, 36, 72)},
+    144: {"gear.eccentricity_mm": 0.2, "ring.pin_radius_mm": 0.55, "output.hole_radius_mm": 4.2},
+}
+"""Numbers of free pins over which the cost of a step is to grow nearly as they do."""
+
+EXUDYN = {FIXED: (5.0, 15.0), FREE: (247.0,)}
+"""CPU time of a simulated second in Exudyn 1.13.6 at its best known settings [s], one core, as published.
+
+Fixed pins: a contact of the user's own, compiled, least and most. Free pins: its own contact.
+"""
+STEPS = {FIXED: ("settings.timestep_us=10",), FREE: ()}
 
 
 def in_turn(passes: int, **cases: Callable[[], float]) -> Row:
@@ -151,18 +178,62 @@ def command_table(passes: int) -> Table:
     return table
 
 
+def scaling_table(passes: int) -> Table:
+    """Step loop by the number of free pins under 36 N m, at a step that resolves them; us per step.
+
+    Thinner pins are lighter, as their radius squared, and take a step shorter as their radius. The exponent is that of
+    the cost from the fewest pins on.
+    """
+    costs = {}
+    for teeth, fit in FREE_PINS.items():
+        step = fit.get("ring.pin_radius_mm", 2.25) / 2.25
+        changes = {"ring.teeth": teeth, "settings.timestep_us": step, "settings.log_rate_hz": 1e4 / step, **fit}
+        hold = {"drive.hold_s": (WARM + 5_000) * 1e-6 * step, "load.rise_s": 5e-4}
+        case = example(FREE, 36.0, 0, *(f"{name}={value!r}" for name, value in (changes | hold).items()))
+        costs[str(teeth)] = partial(loop_cost, *case)
+    row = in_turn(passes, **costs)
+    first = next(iter(FREE_PINS))
+    table: Table = {}
+    for name, values in row.items():
+        table[f"{name} pins"] = {"step": values}
+        if int(name) > first:
+            wider = math.log(int(name) / first)
+            exponents = [math.log(cost / least) / wider for cost, least in zip(values, row[str(first)], strict=True)]
+            table[f"{name} pins"]["exponent"] = exponents
+    return table
+
+
+def exudyn_table(passes: int) -> Table:
+    """CPU time of a simulated second at rated load [s], here, each design at its own step, and in Exudyn (published).
+
+    ``scripts/peer_exudyn.py`` runs Exudyn itself, with the one contact that it has for such a profile, a polygon.
+    """
+    table: Table = {}
+    for kind, published in EXUDYN.items():
+        design, reducer = example(kind, 36.0, 20_000, *STEPS[kind])
+        here = [loop_cost(design, reducer) / (1e6 * reducer.model.opt.timestep) for _ in range(passes)]
+        row = {"here": here, "Exudyn": list(published)}
+        table[kind] = row | {"Exudyn / here": [cost / statistics.median(here) for cost in published]}
+    return table
+
+
 def against_table(revision: str, passes: int) -> Table:
-    """Show runs of ``cycloid-mj simulate`` here and in another revision, in turn: CPU time [s], and figures of both."""
+    """Show commands here and in another revision, in turn: CPU time [s], peak memory [MB], and figures of both."""
     table: Table = {}
     with laid_out(revision) as other:
         for trial in TRIALS:
             ours, theirs, found = compare(trial, other, passes)
-            row = {"this tree": ours, revision: theirs}
-            table[trial.name] = row | ratio(row, revision, "this tree")
+            row = {"this tree": [one.cpu for one in ours], revision: [one.cpu for one in theirs]}
+            memory = {
+                f"{name}, MB": [one.memory for one in ends] for name, ends in zip(row, (ours, theirs), strict=True)
+            }
+            table[trial.name] = row | ratio(row, revision, "this tree") | memory
             show({trial.name: table[trial.name]})
-            for name in next(iter(found.values())):
+            for name in found["this tree"] if trial.figures is of_the_log else ():
                 values = ", ".join(f"{tree} {one[name]:.5g}" for tree, one in found.items() if name in one)
-                print(f"    {name}: {values}", flush=True)
+                print(f"    {name}: {values}")
+            worst, size, count = difference(found)
+            print(f"    largest difference of {count} figures: {size:.2%}, {worst}", flush=True)
     return table
 
 
@@ -176,6 +247,8 @@ SECTIONS: dict[str, Callable[[int], Table]] = {
     "log": log_table,
     "mesh": mesh_table,
     "teeth": teeth_table,
+    "scaling": scaling_table,
+    "exudyn": exudyn_table,
     "threads": threads_table,
     "command": command_table,
 }

@@ -39,12 +39,45 @@ def test_passes_are_taken_in_turn() -> None:
 
 
 def test_the_number_of_teeth_fits() -> None:
-    for teeth, fit in benchmark.TEETH.items():
+    for teeth, fit in (benchmark.TEETH | benchmark.FREE_PINS).items():
         design, reducer = benchmark.example(
             "fixed pins", 36.0, 0, f"ring.teeth={teeth}", *(f"{name}={value}" for name, value in fit.items())
         )
         assert design.ring.teeth == teeth
         assert sum(pair.kind == "pin_gear" for pair in reducer.pairs) == teeth
+
+
+def test_scaling_holds_steps_that_resolve_the_pins_alike(monkeypatch) -> None:
+    seen = {}
+
+    def cost(design, reducer):
+        seen[design.ring.teeth] = max(law.stiffness / law.effective_mass for law in reducer.laws.values())
+        seen[design.ring.teeth] *= design.settings.timestep**2
+        assert passes.schedule(design).steps == benchmark.WARM + 5_000
+        return float(design.ring.teeth) ** 1.1
+
+    monkeypatch.setattr(benchmark, "loop_cost", cost)
+    table = benchmark.scaling_table(1)
+    assert list(seen) == [12, 36, 72, 144]
+    # the stiffness of a line contact grows a little as its radius falls
+    assert list(seen.values()) == pytest.approx([seen[12]] * 4, rel=0.1)
+    assert [row["exponent"] for row in list(table.values())[1:]] == [[pytest.approx(1.1)]] * 3
+
+
+def test_a_ratio_to_exudyn_is_to_each_published_cost(monkeypatch) -> None:
+    monkeypatch.setattr(benchmark, "loop_cost", lambda design, reducer: 20.0)
+    table = benchmark.exudyn_table(1)
+    step = 1e6 * benchmark.example("free pins", 36.0, 0)[1].model.opt.timestep
+    assert table["fixed pins"]["Exudyn / here"] == pytest.approx([5.0 / 2.0, 15.0 / 2.0])
+    assert table["free pins"]["Exudyn / here"] == pytest.approx([247.0 * step / 20.0])
+
+
+def test_figures_of_two_trees_are_held_against_each_other_by_name(tmp_path) -> None:
+    printed = {"a": [{"key": "x", "value": 2.0}, 3.0], "wall_s": 1.0, "n": 4, "none": None, "bad": float("inf")}
+    ours = against.of_the_json(against.Ended(1.0, 1.0, json.dumps(printed), tmp_path))
+    assert ours == {"a.x.value": 2.0, "a.1": 3.0}
+    found = {"this tree": ours, "other": {"a.x.value": 9.0}, "reference": {"a.x.value": 2.5, "a.1": 3.0, "b": 1.0}}
+    assert against.difference(found) == ("a.x.value", pytest.approx(0.2), 2)
 
 
 def test_main_writes_what_it_prints(tmp_path, monkeypatch, capsys) -> None:
@@ -85,9 +118,19 @@ def test_against_needs_one_revision_that_git_knows(monkeypatch, capsys) -> None:
 @pytest.mark.slow
 def test_a_tree_against_itself_has_the_same_figures(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(against, "SETTLING", 0.001)
-    trial = against.Trial("short", ("--design", "nonpin", "--ramp-s", "0", "--hold-s", "0.002"), None, 1.0)
+    words = ("simulate", "--design", "nonpin", "--ramp-s", "0", "--hold-s", "0.002")
+    trial = against.Trial("short", words, reference=("--quiet",))
     ours, theirs, found = against.compare(trial, against.ROOT, 1)
-    assert min(*ours, *theirs) > 0.0
-    here, there, finer = found.values()
-    assert here == there == finer
+    assert min(one.cpu for one in (*ours, *theirs)) > 0.3
+    assert min(one.memory for one in (*ours, *theirs)) > 50.0
+    here, there, reference = found.values()
+    assert here == there == reference
     assert here["cam [N]"] > 0.0
+    assert against.difference(found)[1] == 0.0
+
+
+@pytest.mark.slow
+def test_the_program_of_the_statics_runs_in_this_tree(tmp_path) -> None:
+    trial = next(trial for trial in against.TRIALS if trial.words == (against.STATICS,))
+    found = trial.figures(against.ended(against.ROOT, trial, (), tmp_path / "out"))
+    assert found["pin.gear rms"] > 0.0 < found["nonpin.gear mean"]
