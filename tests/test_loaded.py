@@ -11,7 +11,6 @@ from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.loaded.springs import turn_evenly
 from cycloid_mj.measure import play
-from cycloid_mj.measure.conditions import rated_torque
 from cycloid_mj.measure.loads import loads
 from cycloid_mj.mechanism.kernel import gap
 from cycloid_mj.validation import equilibrium, rig
@@ -28,7 +27,7 @@ SIMULATED = {"pin": (154.0, 954, 1414, 1231, 28.1, 0.8805), "nonpin": (155.3, 90
 
 def carried(design: Design, torque: float | None = None) -> tuple[loaded.Springs, loaded.Loads]:
     springs = loaded.springs_of(design)
-    return springs, loaded.loads(design, springs, rated_torque(design) if torque is None else torque)
+    return springs, loaded.loads(design, springs, design.rated_torque if torque is None else torque)
 
 
 @pytest.mark.parametrize("name", SIMULATED)
@@ -45,7 +44,7 @@ def test_figures_are_those_of_the_simulation_within_two_percent(name):
     # the crank works against the cam's force on the eccentric, and against the friction of its bearing
     held = np.sum(found.cam * ahead, axis=1).mean() * design.gear.eccentricity
     asked = held + design.friction_of("cam") * design.gear.bore_radius * np.linalg.norm(found.cam, axis=1).mean()
-    assert rated_torque(design) / (asked * design.lobes) == pytest.approx(efficiency, abs=0.003)
+    assert design.rated_torque / (asked * design.lobes) == pytest.approx(efficiency, abs=0.003)
 
 
 @pytest.mark.slow
@@ -56,7 +55,7 @@ def test_peak_forces_of_other_designs_are_those_of_the_simulation(name):
     bound = 0.1 if name == "printed" else 0.05
     measured = loads(design, quick=True)
     springs = loaded.springs_of(design, measured.runs["loaded"]["crank_angle"][::20])
-    found = loaded.loads(design, springs, rated_torque(design))
+    found = loaded.loads(design, springs, design.rated_torque)
     for kind in design.pair_kinds:
         assert loaded.peak_force(found, kind) == pytest.approx(
             measured.quantities[f"{kind}_peak_force"].value, rel=bound
@@ -68,7 +67,7 @@ SLOW = [pytest.param(name, marks=pytest.mark.slow) for name in ("pin", "nonpin",
 
 @pytest.mark.parametrize("name", ["few", "teeth21", *SLOW])
 def test_without_friction_it_is_the_independent_equilibrium(name):
-    design = override(DESIGNS[name], [*STILL, *SMOOTH, f"load.torque_nm={rated_torque(DESIGNS[name])!r}"])
+    design = override(DESIGNS[name], [*STILL, *SMOOTH, f"load.torque_nm={DESIGNS[name].rated_torque!r}"])
     springs, found = carried(design)
     stiffness = {kind: pair_stiffness(design, kind) for kind in design.pair_kinds}
     for row in (3, 20):
@@ -81,8 +80,8 @@ def test_without_friction_it_is_the_independent_equilibrium(name):
 
 def test_a_larger_free_pin_closes_its_gap_and_its_socket() -> None:
     larger = "errors.pin_dr_um={9 = 0.9}"
-    design = override(PRESETS["pin"], [*STILL, *SMOOTH, larger, f"load.torque_nm={rated_torque(PRESETS['pin'])!r}"])
-    found = loaded.loads(design, loaded.springs_of(design, 2.0), rated_torque(design))
+    design = override(PRESETS["pin"], [*STILL, *SMOOTH, larger, f"load.torque_nm={PRESETS['pin'].rated_torque!r}"])
+    found = loaded.loads(design, loaded.springs_of(design, 2.0), design.rated_torque)
     other = equilibrium.solve(design, {kind: pair_stiffness(design, kind) for kind in design.pair_kinds}, 2.0)
     # without the larger radius it carries 44 N, with its gap alone 121 N
     assert found.teeth[0, 8] == pytest.approx(np.linalg.norm(other.ring_forces[8]), rel=1e-3)
@@ -93,7 +92,7 @@ def test_a_larger_free_pin_closes_its_gap_and_its_socket() -> None:
 def test_under_next_to_no_load_the_output_turns_by_its_backlash(name):
     design = override(DESIGNS[name], [*STILL, *SMOOTH])
     springs = loaded.springs_of(design, turn_evenly(7))
-    small = 1e-5 * rated_torque(design)
+    small = 1e-5 * design.rated_torque
     width = loaded.loads(design, springs, small).output_turn - loaded.loads(design, springs, -small).output_turn
     # Limits are linear in the clearances, the balance follows the curves; exact gaps lie between, 0.4 % from either.
     wide = {"printed": 1.2e-2, "few": 2e-3}
@@ -107,13 +106,13 @@ def test_output_pins_bear_the_whole_load(name):
     pins = range(springs.teeth, springs.contacts.disc.size)
     slope = [[gap(springs.contacts, k, i, z).ahead[3] for i in pins] for k, z in enumerate(found.departures)]
     moment = -np.sum(found.output * np.array(slope), axis=1) * design.output.pin_circle_radius
-    assert moment == pytest.approx(np.full(moment.size, rated_torque(design)), rel=1e-6)
+    assert moment == pytest.approx(np.full(moment.size, design.rated_torque), rel=1e-6)
 
 
 def test_a_crank_that_turns_backwards_is_the_mirror_image():
     mirrored = override(PRESETS["pin"], ["environment.gravity_y_m_s2=0", "drive.speed_rpm=-1640"])
     _, found = carried(override(PRESETS["pin"], ["environment.gravity_y_m_s2=0"]))
-    _, back = carried(mirrored, -rated_torque(mirrored))
+    _, back = carried(mirrored, -mirrored.rated_torque)
     assert back.teeth.max() == pytest.approx(found.teeth.max(), rel=0.01)
     assert np.linalg.norm(back.cam, axis=1).mean() == pytest.approx(np.linalg.norm(found.cam, axis=1).mean(), rel=2e-3)
 

@@ -11,7 +11,6 @@ from cycloid_mj.contact.working import at_rated_load
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.errors import UsageError
 from cycloid_mj.measure import balance, bench, hysteresis
-from cycloid_mj.measure.conditions import rated_torque
 from cycloid_mj.measure.hysteresis import Loop
 from cycloid_mj.measure.lost_motion import lost_motion
 from cycloid_mj.mechanism import limits
@@ -52,7 +51,7 @@ def test_work_of_a_loop_is_its_area():
 
 @pytest.fixture(scope="module")
 def ideal_loop() -> Loop:
-    rated = rated_torque(FIXED)
+    rated = FIXED.rated_torque
     return hysteresis.loop(bench.ideal(FIXED), CRANK, rated, hysteresis.slow_period(FIXED, rated))
 
 
@@ -80,7 +79,7 @@ def test_backlash_of_a_loop_is_that_of_rigid_contacts(ideal_loop: Loop):
 
 
 def test_friction_makes_hysteresis_and_its_work_is_the_area():
-    rated = rated_torque(FIXED)
+    rated = FIXED.rated_torque
     period = hysteresis.slow_period(FIXED, rated)
     loop = hysteresis.loop(FIXED, CRANK, rated, period)
     assert loop.width > 5.0 * bench.ARCMINUTE * 2e-3
@@ -104,7 +103,7 @@ def test_lost_motion_is_the_backlash_and_a_little_give():
 
 
 def test_a_free_pin_needs_the_step_of_its_bowl():
-    ideal, rated = bench.ideal(PRESETS["pin"]), rated_torque(PRESETS["pin"])
+    ideal, rated = bench.ideal(PRESETS["pin"]), PRESETS["pin"].rated_torque
     assert bench.step(ideal, rated) < 5e-6
     assert bench.step(bench.ideal(FIXED), rated) == bench.LONGEST_STEP
     given = override(FIXED, ["settings.timestep_us=2.0"])

@@ -9,7 +9,7 @@ from hsieh2014.stated import torques
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.measure import build_up, spread
 from cycloid_mj.measure.closed_form import ideal_efficiency
-from cycloid_mj.measure.conditions import halved, rated_torque
+from cycloid_mj.measure.conditions import halved
 from cycloid_mj.measure.efficiency import efficiency
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.steady import SETTLED, powers, steady, steady_design
@@ -112,7 +112,7 @@ def test_seals_are_a_part_of_the_build_up():
 def test_other_designs_build_up_and_hold_at_half_the_step(name):
     # found within 0.001 points of half the step, and 0.4 to 5.6 points of ideal sharing, which knows no clearance
     design = unlike(name)
-    torque = rated_torque(design)
+    torque = design.rated_torque
     own = steady_design(override(design, [f"load.torque_nm={torque!r}"]))
     found, finer = (powers(steady(one, SETTLED, spread.PERIODS)) for one in (own, halved(own)))
     assert found.efficiency == pytest.approx(finer.efficiency, abs=1e-3)

@@ -7,7 +7,6 @@ from designs import unlike
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.errors import ContactError, RunError
 from cycloid_mj.measure import bench, hysteresis
-from cycloid_mj.measure.conditions import rated_torque
 from cycloid_mj.record import Run
 
 TEETH21 = unlike("teeth21")
@@ -15,7 +14,7 @@ CRANK = float(bench.crank_angles(TEETH21, 2)[1])
 
 
 def test_held_pins_take_a_longer_step_than_sliding_ones_but_not_any_step():
-    rated = rated_torque(TEETH21)
+    rated = TEETH21.rated_torque
     held, sliding = bench.step(TEETH21, rated), bench.step(bench.ideal(TEETH21), rated)
     # the least force that friction holds is none: no limit but the longest
     assert sliding < held < bench.LONGEST_STEP
@@ -27,7 +26,7 @@ def test_held_pins_take_a_longer_step_than_sliding_ones_but_not_any_step():
 
 def test_a_run_that_goes_wrong_is_made_again_at_half_the_step_and_names_it():
     # 21 free pins of 0.55 g at their rated load: 16 us ends with a contact more than 50 um deep
-    rated = rated_torque(TEETH21)
+    rated = TEETH21.rated_torque
     period = hysteresis.slow_period(TEETH21, rated)
     finer = bench.step(TEETH21, rated) / 16e-6
     torque, duration = hysteresis.signal(rated, period), 0.3 * period

@@ -11,7 +11,7 @@ from cycloid_mj.contact.working import at_rated_load
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import DesignError
 from cycloid_mj.loaded import transmission_error
-from cycloid_mj.measure.conditions import rated_torque, stepped
+from cycloid_mj.measure.conditions import stepped
 from cycloid_mj.measure.orders import Cause, causes
 from cycloid_mj.measure.te import te
 from cycloid_mj.measure.trace import ARCSEC, Case, trace
@@ -171,7 +171,7 @@ def test_a_crank_that_stands_still_is_refused() -> None:
 def test_statics_is_found_from_the_ideal_pose_of_any_reducer(name: str, way: float) -> None:
     """A step past the middle of a valley's circle would leave the large reducer without a balance at 0.1 rad."""
     design = unlike(name)
-    found = transmission_error(design, [0.1], way * rated_torque(design))[0]
-    near = transmission_error(design, np.linspace(0.0, 0.1, 6), way * rated_torque(design))[-1]
+    found = transmission_error(design, [0.1], way * design.rated_torque)[0]
+    near = transmission_error(design, np.linspace(0.0, 0.1, 6), way * design.rated_torque)[-1]
     assert found == pytest.approx(near, rel=1e-4)
     assert way * found[1] > way * found[0] > 0.0

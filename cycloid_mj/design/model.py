@@ -517,6 +517,24 @@ class Design(Section):
         except ValidationError as error:
             raise refusal(error, type(self), "but") from error
 
+    def steady(self, settled: float, turns: float, samples: float = 0.0, **changes: Mapping[str, Any]) -> Self:
+        """Give the design for a run at full speed from its start, with other values, in SI, as in `but`.
+
+        Parameters
+        ----------
+        settled
+            Time that it takes to settle [s].
+        turns
+            Crank turns after that.
+        samples
+            Samples beyond them, for what filters and differences reach into.
+        changes
+            Table -> values; the crank's speed must not be 0.
+        """
+        found = self.but(**{**changes, "drive": {"ramp": 0.0, **changes.get("drive", {})}})
+        time = turns * 2.0 * math.pi / abs(found.drive.speed) + samples / found.settings.log_rate
+        return found.but(drive={"hold": settled + time})
+
     @model_validator(mode="before")
     @classmethod
     def _parts_as_the_rest(cls, given: Any) -> Any:

@@ -7,8 +7,7 @@ import numpy as np
 
 from cycloid_mj.contact.working import at_rated_load
 from cycloid_mj.course import Course
-from cycloid_mj.design import Design, override
-from cycloid_mj.measure.conditions import rated_torque
+from cycloid_mj.design import Design
 from cycloid_mj.mjcf import build
 from cycloid_mj.record import Run
 from cycloid_mj.run import simulate
@@ -65,7 +64,7 @@ def break_away(design: Design) -> BreakAway:
     RunError
         The run went wrong.
     """
-    largest = GROWTH * rated_torque(design)
+    largest = GROWTH * design.rated_torque
     forward = -math.copysign(1.0, design.drive.speed)
     course = Course(
         angle=0.0,
@@ -73,7 +72,7 @@ def break_away(design: Design) -> BreakAway:
         drive=lambda time: np.zeros_like(time),
         load=lambda time: forward * largest * time / GROWS_FOR,
     )
-    resting = override(at_rated_load(design), [f"drive.hold_s={GROWS_FOR!r}"])
+    resting = at_rated_load(design).but(drive={"ramp": 0.0, "hold": GROWS_FOR})
     reducer = build(resting, held="")
     run = simulate(resting, reducer, course)
     moving = run.select(np.abs(run["crank_angle"]) > TURNED)

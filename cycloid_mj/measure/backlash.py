@@ -16,7 +16,6 @@ from cycloid_mj.design import Design, Errors, Modification
 from cycloid_mj.errors import UsageError
 from cycloid_mj.measure import bench, play
 from cycloid_mj.measure.bench import ARCMINUTE
-from cycloid_mj.measure.conditions import rated_torque
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
@@ -142,7 +141,7 @@ def press(design: Design, crank: float, longer: float = 1.0, finer: float = 1.0)
 
     `longer` multiplies the time, `finer` divides the step.
     """
-    torque = PRESS * rated_torque(design)
+    torque = PRESS * design.rated_torque
     dwell = longer * SETTLING * _crossing(design, crank, torque)
     levels = torque * np.array(LEVELS)
 
@@ -232,7 +231,7 @@ def _curves(design: Design, found: dict[str, list[Press]], closed: dict[str, Kno
 
 
 def _assumptions(design: Design, runs: list[Run]) -> tuple[str, ...]:
-    torque = PRESS * rated_torque(design)
+    torque = PRESS * design.rated_torque
     return (
         f"the crank is locked; the output is pressed to its stops by {torque:.2g} and {2.0 * torque:.2g} N m, and the "
         "line through both turns is drawn on to zero",

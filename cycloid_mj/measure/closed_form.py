@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.design import Design, override
+from cycloid_mj.design import Design
 from cycloid_mj.loaded.friction import ideal_losses
 from cycloid_mj.solid import gear_solid, mass_properties
 
@@ -15,8 +15,8 @@ AS_BUILT = (
     "clearances"
 )
 """Why a design as built departs from ideal sharing: with a stiff cam alone it comes within half a point."""
-PLAY_UM = 1e-3
-"""Clearance [um] next to none."""
+PLAY = 1e-9
+"""Clearance [m] next to none."""
 BEARABLE, STIFFEST = 0.3, 1e12
 """Stiffness of a cam times the step's square over the gear's mass, and the design file's limit [N/m]."""
 
@@ -35,7 +35,7 @@ def ideal_efficiency(design: Design, load: float) -> Closed:
     The contacts carry the drag of the output's seals besides the load.
     """
     carried = load + design.drag.output
-    loaded = override(design, [f"load.torque_nm={carried!r}"])
+    loaded = design.but(load={"torque": carried})
     crank = np.linspace(0.0, 2.0 * np.pi, CRANK_ANGLES, endpoint=False)
     supplied = (
         carried * (1.0 + sum(ideal_losses(loaded, crank, design.mesh_friction))) + design.drag.crank * design.lobes
@@ -49,17 +49,13 @@ def ideal_limit(design: Design) -> Design:
     The cam is as stiff as the default step bears.
     """
     timestep, gear = type(design.settings)().timestep, mass_properties(gear_solid(design)).mass
-    pins = [] if design.ring.kind == "nonpin" else ['ring.pins="fixed"']
-    return override(
-        design,
-        [
-            *pins,
-            *(f"clearance.{kind}_um={PLAY_UM}" for kind in (design.tooth_pair, "cam", "output")),
-            f"friction.{design.tooth_pair}={design.mesh_friction!r}",
-            f"stiffness.cam_n_m={min(BEARABLE * gear / timestep**2, STIFFEST)!r}",
-            'contact.stiffness_law="uniform"',
-            f"settings.timestep_us={1e6 * timestep!r}",
-        ],
+    return design.but(
+        ring={} if design.ring.kind == "nonpin" else {"pins": "fixed"},
+        clearance=dict.fromkeys((design.tooth_pair, "cam", "output"), PLAY),
+        friction={design.tooth_pair: design.mesh_friction},
+        stiffness={"cam": min(BEARABLE * gear / timestep**2, STIFFEST)},
+        contact={"stiffness_law": "uniform"},
+        settings={"timestep": timestep},
     )
 
 

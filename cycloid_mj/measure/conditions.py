@@ -2,9 +2,7 @@
 
 import math
 
-import numpy as np
-
-from cycloid_mj.design import Design, Settings, override
+from cycloid_mj.design import Design, Settings
 from cycloid_mj.errors import DesignError
 
 RPM = math.pi / 30.0
@@ -15,11 +13,6 @@ LOG_RATE = 20e3
 """Samples per second."""
 DRAG = 0.01
 """Torque that keeps the flanks of an unloaded reducer in touch, as a share of the rated one."""
-
-
-def rated_torque(design: Design) -> float:
-    """Give the torque at the output [N m] that the rated input torque holds without loss."""
-    return design.drive.torque * design.lobes
 
 
 def require_motion(design: Design) -> None:
@@ -52,48 +45,9 @@ def stepped(design: Design) -> Design:
     """Give the design with `LONGER_STEP` in place of the default step, where no pin moves."""
     if design.ring.has_pin_bodies or not has_default_step(design):
         return design
-    return with_step(design, LONGER_STEP)
+    return design.but(settings={"timestep": LONGER_STEP})
 
 
 def halved(design: Design) -> Design:
     """Give the design with half the time step."""
-    return with_step(design, 0.5 * design.settings.timestep)
-
-
-def with_step(design: Design, timestep: float) -> Design:
-    """Give the design with a time step [s]."""
-    return override(design, [f"settings.timestep_us={1e6 * timestep!r}"])
-
-
-def at_speed(design: Design, speed: float, duration: float, torque: float, rise: float, rate: float) -> Design:
-    """Give the design for a run at a crank speed from its start.
-
-    Parameters
-    ----------
-    design
-        What else holds.
-    speed
-        Of the crank [rad/s], signed.
-    duration
-        Of the run [s].
-    torque, rise
-        Load [N m], and the time in which it comes on [s].
-    rate
-        Samples per second.
-    """
-    return override(
-        design,
-        [
-            f"drive.speed_rpm={speed / RPM!r}",
-            "drive.ramp_s=0.0",
-            f"drive.hold_s={duration!r}",
-            f"load.torque_nm={torque!r}",
-            f"load.rise_s={rise!r}",
-            f"settings.log_rate_hz={rate!r}",
-        ],
-    )
-
-
-def turn_period(speed: float) -> float:
-    """Give the time of a crank turn [s] at a speed [rad/s]."""
-    return 2.0 * np.pi / abs(speed)
+    return design.but(settings={"timestep": 0.5 * design.settings.timestep})

@@ -10,7 +10,7 @@ from cycloid_mj.contact.working import at_rated_load, working_forces_told
 from cycloid_mj.design import Design
 from cycloid_mj.measure import build_up, spread
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency, wang_efficiency
-from cycloid_mj.measure.conditions import RPM, drag_told, rated_torque
+from cycloid_mj.measure.conditions import RPM, drag_told
 from cycloid_mj.measure.efficiency_map import Found, Point, run_map
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, silent
@@ -64,7 +64,7 @@ def efficiency(
         The crank does not turn.
     """
     own = steady_design(design)
-    rated, speed = rated_torque(own), own.drive.speed
+    rated, speed = own.rated_torque, own.drive.speed
     torques = loads or [share * rated for share in ((1.0,) if quick else TORQUES)]
     speeds = speeds or [share * speed for share in ((1.0,) if quick else SPEEDS)]
     periods = QUICK_PERIODS if quick else PERIODS
@@ -166,7 +166,7 @@ def _driven(design: Design, found: Found) -> list[Quantity]:
     forward = found.rated.powers.efficiency
     backward, shift = _back_driving(found)
     locked = not backward > 0.0
-    against = math.nan if locked else rated_torque(design) / backward
+    against = math.nan if locked else design.rated_torque / backward
     contacts = f"contacts, {drag_told(design)}; the shafts' own bearings are left out"
     return [
         Quantity(

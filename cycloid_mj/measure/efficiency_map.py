@@ -4,12 +4,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from cycloid_mj.design import Design, override
+from cycloid_mj.design import Design
 from cycloid_mj.measure import sensitivity
 from cycloid_mj.measure.back_driving import BreakAway, break_away
 from cycloid_mj.measure.braked import braked_run
 from cycloid_mj.measure.closed_form import ideal_limit
-from cycloid_mj.measure.conditions import RPM, halved, rated_torque
+from cycloid_mj.measure.conditions import halved
 from cycloid_mj.measure.pool import Progress, each
 from cycloid_mj.measure.spread import PERIODS as SPREAD_PERIODS
 from cycloid_mj.measure.spread import Moved, inputs, moved
@@ -93,7 +93,7 @@ def run_map(
     RunError
         A run went wrong.
     """
-    rated, speed = rated_torque(design), design.drive.speed
+    rated, speed = design.rated_torque, design.drive.speed
     # The longest runs come first, so that no processor is left alone with one.
     grid = [(torque, pace) for pace in sorted(speeds, key=abs) for torque in torques]
     rest = break_away(design)
@@ -139,7 +139,7 @@ def run_map(
 
 def forward(design: Design, torque: float, speed: float, periods: int) -> Point:
     """Run under an output torque [N m], the crank held at a speed [rad/s]."""
-    loaded = override(design, [f"drive.speed_rpm={speed / RPM!r}", f"load.torque_nm={torque!r}"])
+    loaded = design.but(drive={"speed": speed}, load={"torque": torque})
     return _point(torque, speed, steady(loaded, SETTLED, whole_periods(loaded, periods)))
 
 

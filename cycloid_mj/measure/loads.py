@@ -8,9 +8,9 @@ import numpy as np
 from cycloid_mj import statics
 from cycloid_mj.contact.pressure import HERTZ_REACH, SHAKEDOWN_PRESSURE, YIELD_PRESSURE, pair_strength
 from cycloid_mj.contact.working import STRIBECK, working_forces_told
-from cycloid_mj.design import Design, override
+from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
-from cycloid_mj.measure.conditions import RPM, halved, rated_torque
+from cycloid_mj.measure.conditions import RPM, halved
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.pressed import CARRIES, Pressed, ideal_peak, pressed
@@ -68,10 +68,10 @@ def loads(design: Design, load: float | None = None, quick: bool = False, progre
     RunError
         A run went wrong.
     """
-    torque = rated_torque(design) if load is None else load
+    torque = design.rated_torque if load is None else load
     if not torque > 0.0:
         raise UsageError(f"cannot measure loads under {torque:g} N m: the torque must be more than 0")
-    loaded = override(steady_design(design), [f"load.torque_nm={torque!r}"])
+    loaded = steady_design(design).but(load={"torque": torque})
     work = [(loaded, CHECKED if quick else design.ring.teeth), (halved(loaded), CHECKED)]
     whole = len(work) + 1
     run, finer = each(lambda one: steady(one[0], SETTLED, one[1]), work, lambda done, _: progress(done, whole))
@@ -103,7 +103,7 @@ def loads(design: Design, load: float | None = None, quick: bool = False, progre
         runs={"loaded": run},
         details={
             "load_torque_nm": torque,
-            "rated_torque_nm": rated_torque(design),
+            "rated_torque_nm": design.rated_torque,
             "weakest": weakest,
             "capacity_by_kind_nm": _scaled(limits, torque),
             "shakedown_by_kind_nm": _scaled(lasting, torque),
@@ -136,7 +136,7 @@ def _capacity(
     for _ in range(MOST_GUESSES):
         # a contact grows deeper with its force, and may: the limit is to find runs that went wrong
         deeper = min(deepest * max(1.0, torque / design.load.torque), DEEPEST)
-        guess = override(design, [f"load.torque_nm={torque!r}", f"contact.max_penetration_um={1e6 * deeper!r}"])
+        guess = design.but(load={"torque": torque}, contact={"max_penetration": deeper})
         run = steady(guess, SETTLED, CHECKED)
         factor = _limits(pressed(run, design), design, allowed).get(weakest)
         if factor is None:
@@ -144,7 +144,7 @@ def _capacity(
         before, torque = torque, torque * factor
         if abs(torque - before) < CAPACITY_TOLERANCE * torque:
             break
-    rated = rated_torque(design)
+    rated = design.rated_torque
     return Quantity(
         key,
         name,

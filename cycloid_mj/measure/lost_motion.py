@@ -5,7 +5,6 @@ from cycloid_mj.design import Design
 from cycloid_mj.errors import RunError, UsageError
 from cycloid_mj.measure import balance, bench, hysteresis
 from cycloid_mj.measure.balance import Balance
-from cycloid_mj.measure.conditions import rated_torque
 from cycloid_mj.measure.lost_motion_table import Found, by_angle, curves, quantities
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
@@ -45,7 +44,7 @@ def lost_motion(
     RunError
         A run went wrong.
     """
-    rated = rated_torque(design) if load is None else load
+    rated = design.rated_torque if load is None else load
     angles = (QUICK_ANGLES if quick else ANGLES) if angles is None else angles
     if not rated > 0.0 or angles < 1:
         raise UsageError(f"cannot measure under {rated:g} N m at {angles} crank angles: both must be more than 0")

@@ -2,12 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from cycloid_mj.design import Design, override
-from cycloid_mj.measure.conditions import rated_torque
+from cycloid_mj.design import Design
 from cycloid_mj.measure.published import Published
 from cycloid_mj.measure.steady import steady_design
 from cycloid_mj.result import Curve, Table
@@ -45,7 +45,7 @@ def ring_kinds(design: Design) -> list[Design]:
     if design.ring.kind == "nonpin":
         return [design]
     others = [pins for pins in ("free", "fixed", "sleeved") if pins != design.ring.pins]
-    return [design, *(override(design, [f'ring.pins="{pins}"']) for pins in others)]
+    return [design, *(design.but(ring={"pins": pins}) for pins in others)]
 
 
 def pins_of(design: Design) -> str:
@@ -62,7 +62,7 @@ def sliding_pairs(design: Design) -> list[str]:
 
 def with_common_friction(design: Design, friction: float) -> Design:
     """Give the design with one coefficient for all pairs that slide."""
-    return override(design, [f"friction.{pair}={friction!r}" for pair in sliding_pairs(design)])
+    return design.but(friction=dict.fromkeys(sliding_pairs(design), friction))
 
 
 def friction_for(rates: Mapping[float, float], target: float) -> float:
@@ -88,7 +88,7 @@ def common_rates(found: Mapping[Variation, float], pins: str) -> dict[float, flo
 
 def table(design: Design, found: Mapping[Variation, float]) -> Table:
     """Give the sensitivity as a table, each row beside the row of the design's own friction."""
-    ideal = rated_torque(design)
+    ideal = design.rated_torque
     own = {row.pins: rate for row, rate in found.items() if row.pair == OWN}
     return Table(
         "output rate by friction, one pair at a time",
@@ -127,9 +127,7 @@ def _of_ring(design: Design, quick: bool) -> list[Variation]:
     rows = [Variation(pins, OWN, design.friction_of(design.tooth_pair), design)]
     if len(pairs) > 1 and not quick:
         rows += [
-            Variation(pins, pair, value, override(design, [f"friction.{pair}={value!r}"]))
-            for pair in pairs
-            for value in SLIDING
+            Variation(pins, pair, value, design.but(friction={pair: value})) for pair in pairs for value in SLIDING
         ]
     return rows + [Variation(pins, EVERY, value, with_common_friction(design, value)) for value in COMMON]
 
@@ -137,11 +135,11 @@ def _of_ring(design: Design, quick: bool) -> list[Variation]:
 def _of_bearings(design: Design) -> list[Variation]:
     """Give the rows of the rolling bearings, and of sliding in their place."""
     rows, pins = [], pins_of(design)
-    plain = {"cam": 'gear.bearing="plain"', "output": "output.rollers=false"}
+    plain: dict[str, dict[str, Any]] = {"cam": {"gear": {"bearing": "plain"}}, "output": {"output": {"rollers": False}}}
     for pair in [pair for pair in plain if pair not in sliding_pairs(design)]:
         for value in ROLLING:
-            changed = override(design, [f"friction.{pair}_rolling={value!r}"])
+            changed = design.but(friction={f"{pair}_rolling": value})
             rows.append(Variation(pins, f"{pair}, rolling", value, changed))
-        sliding = override(design, [plain[pair]])
+        sliding = design.but(**plain[pair])
         rows.append(Variation(pins, f"{pair}, sliding", sliding.friction_of(pair), sliding))
     return rows

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cycloid_mj.contact.law import pair_stiffness
-from cycloid_mj.design import Design, override
+from cycloid_mj.design import Design
 from cycloid_mj.measure.pool import Progress, each
 from cycloid_mj.result import Table
 
@@ -54,17 +54,16 @@ class Moved:
 def inputs(design: Design) -> list[Input]:
     """Give the assumed inputs that a design's rate rests on."""
     seats = [kind for kind in design.pair_kinds if kind not in ("cam", "output")]
+    stiffness = pair_stiffness(design, "cam")
     return [
-        _input(design, "mesh play", "um", _scaled(design, seats, PLAY), [f"clearance.{kind}_um" for kind in seats]),
-        _input(design, "cam play", "um", _scaled(design, ["cam"], CAM_PLAY), ["clearance.cam_um"]),
-        _input(design, "cam stiffness", "N/m", _stiffnesses(design), ["stiffness.cam_n_m"]),
-        _input(design, "friction of the teeth", "1", _alike(TEETH, seats), [f"friction.{kind}" for kind in seats]),
+        _play(design, "mesh play", seats, PLAY),
+        _play(design, "cam play", ["cam"], CAM_PLAY),
+        _input(design, "cam stiffness", "N/m", "stiffness", ["cam"], [share * stiffness for share in CAM_STIFFNESS]),
+        _input(design, "friction of the teeth", "1", "friction", seats, TEETH),
         _bearing(design, "cam", design.gear.bearing == "rolling", BEARING),
         _bearing(design, "output", design.output.rollers, (BEARING[0], plain_roller(design))),
-        _input(
-            design, "creep speed", "mm/s", _alike([1e3 * v for v in CREEP], ["creep"]), ["contact.creep_speed_mm_s"]
-        ),
-        _input(design, "contact damping", "of critical", _alike(DAMPING, ["damping"]), ["contact.damping_ratio"]),
+        _input(design, "creep speed", "mm/s", "contact", ["creep_speed"], CREEP, 1e3),
+        _input(design, "contact damping", "of critical", "contact", ["damping_ratio"], DAMPING),
     ]
 
 
@@ -125,32 +124,23 @@ def as_json(own: float, found: Sequence[Moved]) -> dict[str, Any]:
     }
 
 
-def _input(design: Design, name: str, unit: str, ends: Sequence[Sequence[float]], keys: Sequence[str]) -> Input:
-    """Give an input that sets keys of the design file; `ends` are the values of each key at either end.
-
-    Plays in series add up; of all else, the keys have one value.
-    """
-    low, high = (override(design, [f"{key}={value!r}" for key, value in zip(keys, end, strict=True)]) for end in ends)
-    least, most = (sum(end) if unit == "um" else end[0] for end in ends)
-    return Input(name, unit, least, most, low, high)
+def _input(
+    design: Design, name: str, unit: str, table: str, keys: Sequence[str], ends: Sequence[float], scale: float = 1.0
+) -> Input:
+    """Give an input that sets values of a table of the design, all alike, to either end; `scale` makes the unit."""
+    low, high = (design.but(**{table: dict.fromkeys(keys, end)}) for end in ends)
+    return Input(name, unit, scale * ends[0], scale * ends[1], low, high)
 
 
-def _alike(range_: Sequence[float], keys: Sequence[str]) -> list[list[float]]:
-    return [[value] * len(keys) for value in range_]
-
-
-def _scaled(design: Design, kinds: Sequence[str], factors: Sequence[float]) -> list[list[float]]:
-    return [[1e6 * factor * getattr(design.clearance, kind) for kind in kinds] for factor in factors]
-
-
-def _stiffnesses(design: Design) -> list[list[float]]:
-    return [[factor * pair_stiffness(design, "cam")] for factor in CAM_STIFFNESS]
+def _play(design: Design, name: str, kinds: Sequence[str], factors: Sequence[float]) -> Input:
+    """Give the plays of pairs in series, which add up."""
+    plays = [{kind: factor * getattr(design.clearance, kind) for kind in kinds} for factor in factors]
+    least, most = (sum(1e6 * play for play in end.values()) for end in plays)
+    low, high = (design.but(clearance=end) for end in plays)
+    return Input(name, "um", least, most, low, high)
 
 
 def _bearing(design: Design, kind: str, rolls: bool, rolling: tuple[float, float]) -> Input:
     """Give the friction of cam or output pins: of a bearing, or of what slides."""
-    if not rolls:
-        return _input(design, f"friction of the {kind}, sliding", "1", _alike(TEETH, [kind]), [f"friction.{kind}"])
-    return _input(
-        design, f"friction of the {kind}'s rollers", "1", _alike(rolling, [kind]), [f"friction.{kind}_rolling"]
-    )
+    name, key, ends = ("'s rollers", f"{kind}_rolling", rolling) if rolls else (", sliding", kind, TEETH)
+    return _input(design, f"friction of the {kind}{name}", "1", "friction", [key], ends)

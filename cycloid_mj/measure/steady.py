@@ -1,6 +1,5 @@
 """Runs at a steady state, and the mean powers over their whole periods."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -8,7 +7,7 @@ import numpy as np
 
 from cycloid_mj.analysis.doubts import unbalanced
 from cycloid_mj.course import Course
-from cycloid_mj.design import Design, override
+from cycloid_mj.design import Design
 from cycloid_mj.errors import warn
 from cycloid_mj.measure.conditions import LOG_RATE, require_motion, stepped
 from cycloid_mj.mjcf import ReducerModel
@@ -21,11 +20,6 @@ SETTLED = 0.01
 
 NEAR_WHOLE = 0.1
 """By how much of a period the output pins may miss a whole number of theirs."""
-
-
-def mesh_period(design: Design) -> float:
-    """Give the time [s] from tooth to tooth: the crank turns by 2 pi/N."""
-    return 2.0 * math.pi / (design.ring.teeth * abs(design.drive.speed))
 
 
 def whole_periods(design: Design, least: int) -> int:
@@ -54,8 +48,7 @@ def steady(
     RunError
         The run went wrong.
     """
-    hold = settled + periods * mesh_period(design)
-    run = simulate(override(design, [f"drive.hold_s={hold!r}"]), reducer, course)
+    run = simulate(design.steady(settled, periods / design.ring.teeth), reducer, course)
     run = run.select(run.time >= settled * (1.0 - 1e-9))
     warn(design.name, unbalanced(run, design))
     return run
@@ -70,7 +63,7 @@ def steady_design(design: Design) -> Design:
         The crank does not turn.
     """
     require_motion(design)
-    return override(stepped(design), ["drive.ramp_s=0.0", f"settings.log_rate_hz={LOG_RATE!r}"])
+    return stepped(design).but(settings={"log_rate": LOG_RATE})
 
 
 def first_half(run: Run) -> Run:

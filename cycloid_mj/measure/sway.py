@@ -13,7 +13,7 @@ from cycloid_mj.analysis import series
 from cycloid_mj.analysis.spectrum import thinned
 from cycloid_mj.comparison.vibration import acceleration
 from cycloid_mj.design import Design
-from cycloid_mj.measure.conditions import LOG_RATE, RPM, at_speed, turn_period
+from cycloid_mj.measure.conditions import LOG_RATE, RPM
 from cycloid_mj.measure.reaction import masses, reaction, shaft_acceleration, without_counterweight
 from cycloid_mj.measure.trace import RISE, SETTLING, pressed
 from cycloid_mj.mjcf import ReducerModel
@@ -109,10 +109,15 @@ def sway(design: Design, reducer: ReducerModel, load: str, torque: float, speed:
     RunError
         The run went wrong.
     """
-    swept_time = turns * turn_period(speed)
     every = max(1, min(FASTER, int(1.0 / (LOG_RATE * design.settings.timestep) + 1e-6)))
-    duration = SETTLING + swept_time + MARGIN / LOG_RATE
-    design = at_speed(design, speed, duration, torque, RISE, every * LOG_RATE)
+    design = design.steady(
+        SETTLING,
+        turns,
+        samples=MARGIN * every,
+        drive={"speed": speed},
+        load={"torque": torque, "rise": RISE},
+        settings={"log_rate": every * LOG_RATE},
+    )
     run = simulate(design, reducer, pressed(design, reducer))
     step = float(np.mean(np.diff(run.time)))
     of, found = masses(design), acceleration(series(run, settle=SETTLING))
@@ -127,7 +132,7 @@ def sway(design: Design, reducer: ReducerModel, load: str, torque: float, speed:
     }
     kept = {key: thinned(signal, every, key in ACCELERATIONS) for key, signal in taken.items()}
     first = int(np.searchsorted(run.time[::every], SETTLING))
-    rows = slice(first, first + round(swept_time / (every * step)))
+    rows = slice(first, first + round(turns * 2.0 * np.pi / abs(speed) / (every * step)))
     fine = slice(every * rows.start, every * rows.stop)
     return Sway(
         load=load,

@@ -13,7 +13,7 @@ from cycloid_mj.contact.working import working_at, working_forces_told
 from cycloid_mj.design import Design
 from cycloid_mj.loaded import transmission_error
 from cycloid_mj.measure import te_table
-from cycloid_mj.measure.conditions import DRAG, RPM, halved, rated_torque, require_motion, stepped
+from cycloid_mj.measure.conditions import DRAG, RPM, halved, require_motion, stepped
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.orders import causes
 from cycloid_mj.measure.pool import Progress, each, silent
@@ -66,7 +66,7 @@ def te(
         A run went wrong.
     """
     require_motion(design)
-    rated = rated_torque(design)
+    rated = design.rated_torque
     torques = {"unloaded": DRAG * rated if drag is None else drag, "loaded": rated if load is None else load}
     speed = abs(design.drive.speed)
     paces = {"speed": speed} if quick else {"slow": SLOW * speed if slow is None else slow, "speed": speed}

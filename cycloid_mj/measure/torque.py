@@ -8,11 +8,11 @@ import numpy as np
 
 from cycloid_mj.analysis.spectrum import tapered_orders
 from cycloid_mj.contact.working import working_at, working_forces_told
-from cycloid_mj.design import Design, override
+from cycloid_mj.design import Design
 from cycloid_mj.measure import build_up, sensitivity, spread, steady
 from cycloid_mj.measure.braked import DECAY, braked_run
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency
-from cycloid_mj.measure.conditions import drag_told, halved, rated_torque
+from cycloid_mj.measure.conditions import drag_told, halved
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.published import Published, friction_quantities, tables
@@ -59,7 +59,7 @@ def torque(
     DesignError
         The crank does not turn.
     """
-    own = working_at(steady_design(design), rated_torque(design))
+    own = working_at(steady_design(design), design.rated_torque)
     main = whole_periods(own, QUICK_PERIODS if quick else PERIODS)
     rows = sensitivity.variations(design, quick)
     varied = list(dict.fromkeys(row.design for row in rows))
@@ -106,7 +106,7 @@ def rated_test(design: Design, periods: int) -> Outcome:
 
 def held_efficiency(design: Design, load: float, periods: int) -> float:
     """Give the efficiency under a load [N m] with the crank held at its speed: the second method."""
-    return powers(steady.steady(override(design, [f"load.torque_nm={load!r}"]), steady.SETTLED, periods)).efficiency
+    return powers(steady.steady(design.but(load={"torque": load}), steady.SETTLED, periods)).efficiency
 
 
 def rate_error(ours: Outcome, finer: Outcome | None) -> float:
@@ -142,7 +142,7 @@ def rate_test(design: Design, friction: float, periods: int) -> float:
 def _quantities(
     design: Design, ours: Outcome, finer: Outcome | None, held: float, by_input: Sequence[Moved]
 ) -> list[Quantity]:
-    ideal = rated_torque(design)
+    ideal = design.rated_torque
     found, closed = ours.powers, ideal_efficiency(design, ours.output)
     error = rate_error(ours, finer)
     torque_error = max(error * ideal, abs(ours.output - found.efficiency * ideal))

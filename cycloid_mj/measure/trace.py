@@ -7,7 +7,6 @@ import numpy as np
 from cycloid_mj.course import Course, load_torque, servo_target
 from cycloid_mj.design import Design
 from cycloid_mj.kinematics import CrankLaw
-from cycloid_mj.measure.conditions import at_speed, rated_torque, turn_period
 from cycloid_mj.mjcf import ReducerModel
 from cycloid_mj.record import Run
 from cycloid_mj.run import simulate
@@ -81,7 +80,7 @@ def pressed(design: Design, reducer: ReducerModel, start: float = 0.0) -> Course
     sine squared, that ends in a few.
     """
     law, way = CrankLaw(design.drive.speed, 0.0), float(np.sign(design.drive.speed))
-    press = max(rated_torque(design) - design.load.torque, 0.0)
+    press = max(design.rated_torque - design.load.torque, 0.0)
 
     def load(time: Array) -> Array:
         return load_torque(design, time) + way * press * np.sin(np.pi * np.clip(time / PRESSED, 0.0, 1.0)) ** 2
@@ -92,14 +91,19 @@ def pressed(design: Design, reducer: ReducerModel, start: float = 0.0) -> Course
 def trace(design: Design, reducer: ReducerModel, turns: float, case: Case) -> Trace:
     """Run a case over some crank turns from the crank angle 0, or back from a whole turn to it."""
     way = float(np.sign(case.speed))
-    period = turn_period(case.speed)
-    rate = min(SAMPLES * design.ring.teeth / period, 1.0 / design.settings.timestep)
-    duration = SETTLING + turns * period + 4.0 / rate
-    design = at_speed(design, case.speed, duration, case.torque, RISE, rate)
+    per_second = SAMPLES * design.ring.teeth * abs(case.speed) / (2.0 * np.pi)
+    design = design.steady(
+        SETTLING,
+        turns,
+        samples=4.0,
+        drive={"speed": case.speed},
+        load={"torque": case.torque, "rise": RISE},
+        settings={"log_rate": min(per_second, 1.0 / design.settings.timestep)},
+    )
     # Both ways sweep the same angles, so that their curves can be laid over each other.
     start = (0.0 if way > 0.0 else 2.0 * np.pi * np.ceil(turns)) - case.speed * SETTLING
     run = simulate(design, reducer, pressed(design, reducer, start))
-    window = run.select(run.time >= SETTLING - 2.0 / rate)
+    window = run.select(run.time >= SETTLING - 2.0 / design.settings.log_rate)
     return _read(window, design, turns, way)
 
 

@@ -10,7 +10,7 @@ from cycloid_mj.analysis.spectrum import BAND, tapered_orders
 from cycloid_mj.contact.massless import require_pin_bodies
 from cycloid_mj.contact.working import working_at, working_forces_told
 from cycloid_mj.design import Design
-from cycloid_mj.measure.conditions import DRAG, RPM, halved, rated_torque, require_motion, stepped
+from cycloid_mj.measure.conditions import DRAG, RPM, halved, require_motion, stepped
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.reaction import unbalance, weight
@@ -68,7 +68,7 @@ def vibration(
     require_motion(design)
     require_pin_bodies(design, "vibration")
     design = stepped(design)
-    rated, speed = rated_torque(design), design.drive.speed
+    rated, speed = design.rated_torque, design.drive.speed
     torques = {"unloaded": DRAG * rated, "loaded": rated if load is None else load}
     design = working_at(design, torques["loaded"])
     swept = [] if quick else list(speeds) or [share * speed for share in SHARES]
