@@ -1,6 +1,5 @@
 """``cycloid-mj compare``: two or more designs, or logs of them, side by side by the same measures."""
 
-import math
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -26,7 +25,7 @@ from cycloid_mj.cli.flags import (
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.simulate import logs_folder, require_possible
 from cycloid_mj.cli.verdict import report
-from cycloid_mj.design import Design, override
+from cycloid_mj.design import Design
 from cycloid_mj.errors import LogError, UsageError
 from cycloid_mj.papers import vibration
 
@@ -196,8 +195,7 @@ def _held_for_turns(design: Design) -> Design:
         return design
     turns = TURNS if design.load.torque else IDLE_TURNS
     # a sample more: the last turn shall be whole
-    hold = settling(design) + turns * 2 * math.pi / abs(design.drive.speed) + 1.0 / design.settings.log_rate
-    return override(design, [f"drive.hold_s={hold!r}"])
+    return design.steady(settling(design), turns, samples=1.0, drive={"ramp": design.drive.ramp})
 
 
 def _cases(designs: Sequence[Design], first: Design, load_nm: float | None, held: bool) -> list[Design]:

@@ -16,7 +16,7 @@ from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.simulate import logs_folder, require_possible
 from cycloid_mj.cli.stressfiles import report
 from cycloid_mj.cli.terminal import tell
-from cycloid_mj.design import Design, override
+from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError, warn
 from cycloid_mj.papers import stress_references
 
@@ -174,14 +174,12 @@ def _loaded(design: Design, load_nm: float | None) -> Design:
     """Give a design that runs from full speed for one settled turn, under a load."""
     from cycloid_mj.comparison import settling
 
-    rated = round(design.drive.torque * design.lobes, 9)
-    load = load_nm if load_nm is not None else design.load.torque or rated
-    design = override(design, ["drive.ramp_s=0.0", f"load.torque_nm={load!r}"])
+    load = load_nm if load_nm is not None else design.load.torque or round(design.rated_torque, 9)
+    design = design.but(drive={"ramp": 0.0}, load={"torque": load})
     if design.drive.speed == 0.0:
         return design
-    turn = 2 * math.pi / abs(design.drive.speed)
-    rate = max(design.settings.log_rate, SAMPLES / turn)
-    return override(design, [f"settings.log_rate_hz={rate!r}", f"drive.hold_s={settling(design) + turn + 3 / rate!r}"])
+    rate = max(design.settings.log_rate, SAMPLES * abs(design.drive.speed) / (2.0 * math.pi))
+    return design.steady(settling(design), 1.0, samples=3.0, settings={"log_rate": rate})
 
 
 def _run(designs: Sequence[Design], out: str | None, force: bool, quiet: bool) -> "tuple[Path, list[Logged]]":

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from cycloid_mj.comparison import SWEEP, Variation, all_started, settling, with_play_of
-from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.result import Condition
 
 SAMPLING = 360
@@ -85,23 +85,17 @@ def torque_test() -> Condition:
 
 def at_speed(design: Design, load: float, turns: int, finer: int = 1) -> Design:
     """Give a design that runs from full speed until so many turns have settled, its step divided by `finer`."""
-    turn = 2 * math.pi / abs(design.drive.speed)
-    sample = turn / (SAMPLING * LOGGED)
-    changes = [
-        "drive.ramp_s=0.0",
-        f"load.torque_nm={load!r}",
-        f"settings.timestep_us={1e6 * sample / (STEPS * finer)!r}",
-        f"settings.log_rate_hz={1.0 / sample!r}",
-    ]
-    design = override(design, changes)
-    return override(design, [f"drive.hold_s={settling(design) + turns * turn + SPARE * sample!r}"])
+    sample = 2 * math.pi / abs(design.drive.speed) / (SAMPLING * LOGGED)
+    sampling = {"timestep": sample / (STEPS * finer), "log_rate": 1.0 / sample}
+    design = design.but(drive={"ramp": 0.0}, load={"torque": load}, settings=sampling)
+    return design.steady(settling(design), turns, samples=SPARE)
 
 
 def ramped(design: Design) -> Design:
     """Give a design with the paper's ramp and a settled turn after it, without load, at the paper's sampling."""
     short = at_speed(design, 0.0, 1)
     rate = short.settings.log_rate / LOGGED
-    return override(short, [f"drive.ramp_s={design.drive.ramp!r}", f"settings.log_rate_hz={rate!r}"])
+    return short.but(drive={"ramp": design.drive.ramp}, settings={"log_rate": rate})
 
 
 def main_runs(plan: Plan) -> list[Design]:
@@ -117,7 +111,7 @@ def idle_runs(plan: Plan, design: Design) -> list[Design]:
 def equalised() -> Design:
     """Give the third design of the rated runs: nonpin with the pin design's total play and series stiffness there."""
     pin, nonpin = designs()
-    return with_play_of(nonpin, override(pin, {"load.torque_nm": loads()[1]}))
+    return with_play_of(nonpin, pin.but(load={"torque": loads()[1]}))
 
 
 def rated_runs(plan: Plan) -> list[Design]:
