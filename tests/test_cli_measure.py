@@ -1,5 +1,7 @@
 """The table of measures on the command line against the functions that it calls."""
 
+import subprocess
+import sys
 from dataclasses import fields
 from inspect import signature
 
@@ -38,3 +40,10 @@ def test_speeds_reach_a_measure_in_si():
     arguments = vibration(load_nm=20.0, speeds_rpm=(500.0,)).arguments()
     assert arguments["load"] == 20.0
     assert arguments["speeds"] == [SPEED.unit.to_si(500.0)]
+
+
+def test_help_needs_no_arrays_and_no_simulation():
+    code = "import sys; from cycloid_mj.cli import main; main(['measure', 'te', '--help']); print(*sorted(sys.modules))"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert "cyclopts" in loaded
+    assert not {"numpy", "scipy", "mujoco", "numba", "matplotlib", "cycloid_mj.measure"} & set(loaded)

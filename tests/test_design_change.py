@@ -1,5 +1,7 @@
 """Designs changed and told in Python."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -72,3 +74,12 @@ def test_a_design_tells_itself_in_a_line():
     assert str(PIN) == repr(PIN)
     html = PRESETS["nonpin"]._repr_html_()
     assert "<td>36 teeth, internal gear, E 40.75 mm</td>" in html
+
+
+def test_a_steady_design_runs_whole_turns_at_full_speed_after_it_has_settled():
+    design = PIN.steady(
+        0.02, 3.0, samples=4.0, drive={"speed": -100.0}, load={"torque": 20.0}, settings={"log_rate": 1e4}
+    )
+    assert (design.drive.ramp, design.drive.speed, design.load.torque) == (0.0, -100.0, 20.0)
+    assert design.drive.hold == pytest.approx(0.02 + 3.0 * 2.0 * math.pi / 100.0 + 4.0 / 1e4, rel=1e-14)
+    assert PIN.steady(0.02, 1.0, drive={"ramp": 0.5}).drive.ramp == 0.5

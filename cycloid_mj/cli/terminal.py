@@ -4,10 +4,12 @@ import json
 import math
 import sys
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from cycloid_mj.cli.warned import with_warnings
-from cycloid_mj.result import Table
+
+if TYPE_CHECKING:
+    from cycloid_mj.result import Table
 
 PIPE_WIDTH = 120
 
@@ -35,7 +37,7 @@ def tell(text: str) -> None:
     sys.stderr.flush()
 
 
-def show(table: Table) -> None:
+def show(table: "Table") -> None:
     """Write a table of results."""
     say_table(table.title, table.header, table.cells)
 
