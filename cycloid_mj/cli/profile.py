@@ -9,10 +9,9 @@ from cycloid_mj.cli.outfile import STDOUT, Columns, CsvFlag, write_csv
 from cycloid_mj.cli.terminal import tell
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
-from cycloid_mj.types import Array
 
 if TYPE_CHECKING:
-    Array = Array
+    from cycloid_mj.types import Array
 
 EXAMPLES = """Examples:
   cycloid-mj profile --design pin --csv gear.csv --points 7000
