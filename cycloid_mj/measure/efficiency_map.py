@@ -1,6 +1,6 @@
 """The runs that efficiency is measured by: a map of torque and speed, no load, and the output as the driver."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -10,7 +10,7 @@ from cycloid_mj.measure.back_driving import BreakAway, break_away
 from cycloid_mj.measure.braked import braked_run
 from cycloid_mj.measure.closed_form import ideal_limit
 from cycloid_mj.measure.conditions import halved
-from cycloid_mj.measure.pool import Progress, each
+from cycloid_mj.measure.pool import Progress, run_all
 from cycloid_mj.measure.spread import PERIODS as SPREAD_PERIODS
 from cycloid_mj.measure.spread import Moved, inputs, moved
 from cycloid_mj.measure.steady import SETTLED, Powers, first_half, powers, steady, whole_periods
@@ -97,43 +97,34 @@ def run_map(
     # The longest runs come first, so that no processor is left alone with one.
     grid = [(torque, pace) for pace in sorted(speeds, key=abs) for torque in torques]
     rest = break_away(design)
-    driven: list[Callable[[], Point]] = [
-        partial(backward, design, torque, periods) for torque in (() if rest.locked else (0.0, design.drive.torque))
-    ]
-    singles: list[Callable[[], Point]] = [
-        partial(forward, design, rated, speed, periods),
-        partial(forward, ideal_limit(design), rated, speed, periods),
-        partial(forward, design, 0.0, speed, periods),
-        *driven,
-        *([partial(forward, halved(design), rated, speed, periods)] if check else []),
-    ]
-    others: list[Callable[[], Point]] = [
-        partial(forward, design, *place, periods) for place in grid if place != (rated, speed)
-    ]
+    tasks: dict[Hashable, Callable[[], Point]] = {
+        place: partial(forward, design, *place, periods) for place in grid if place != (rated, speed)
+    }
+    tasks[rated, speed] = partial(forward, design, rated, speed, periods)
+    tasks["ideal"] = partial(forward, ideal_limit(design), rated, speed, periods)
+    tasks["unloaded"] = partial(forward, design, 0.0, speed, periods)
+    if not rest.locked:
+        tasks["coasting"] = partial(backward, design, 0.0, periods)
+        tasks["backward"] = partial(backward, design, design.drive.torque, periods)
+    if check:
+        tasks["halved"] = partial(forward, halved(design), rated, speed, periods)
     assumed = inputs(design)
-    frictions = [sensitivity.with_common_friction(design, value) for value in sensitivity.COMMON]
-    first = 1 + len(singles) + len(others)
-    whole = first + 2 * len(assumed) + len(frictions)
-    progress(1, whole)
-    points = each(_done, others + singles, lambda done, _: progress(1 + done, whole))
-    rate = partial(_rate, torque=rated, periods=SPREAD_PERIODS)
-    by_input = moved(rate, assumed, lambda done, _: progress(first + done, whole))
-    rates = each(rate, frictions, lambda done, _: progress(first + 2 * len(assumed) + done, whole))
-    main, ideal, unloaded, *singly = points[len(others) :]
-    coasting, against = singly[: len(driven)] or (None, None)
-    finer = singly[len(driven) :]
-    at = {(point.torque, point.speed): point for point in (*points[: len(others)], main)}
+    varied: dict[Hashable, Design] = {end: end for one in assumed for end in one.ends}
+    varied |= {value: sensitivity.with_common_friction(design, value) for value in sensitivity.COMMON}
+    tasks |= {key: partial(forward, one, rated, speed, SPREAD_PERIODS) for key, one in varied.items()}
+    points = run_all(tasks, progress)
+    rates = {key: points[key].powers.efficiency for key in varied}
     return Found(
-        grid=tuple(at[place] for place in grid),
-        rated=main,
-        halved=finer[0] if finer else None,
-        ideal=ideal,
-        unloaded=unloaded,
-        coasting=coasting,
-        backward=against,
+        grid=tuple(points[place] for place in grid),
+        rated=points[rated, speed],
+        halved=points.get("halved"),
+        ideal=points["ideal"],
+        unloaded=points["unloaded"],
+        coasting=points.get("coasting"),
+        backward=points.get("backward"),
         rest=rest,
-        by_input=tuple(by_input),
-        by_friction=dict(zip(sensitivity.COMMON, rates, strict=True)),
+        by_input=moved(assumed, rates),
+        by_friction={value: rates[value] for value in sensitivity.COMMON},
     )
 
 
@@ -146,14 +137,6 @@ def forward(design: Design, torque: float, speed: float, periods: int) -> Point:
 def backward(design: Design, torque: float, periods: int) -> Point:
     """Drive the output at its speed against a torque on the crank [N m]; with none, the crank is free."""
     return _point(torque, design.drive.speed, braked_run(design, -torque, whole_periods(design, periods)))
-
-
-def _rate(design: Design, torque: float, periods: int) -> float:
-    return forward(design, torque, design.drive.speed, periods).powers.efficiency
-
-
-def _done(task: Callable[[], Point]) -> Point:
-    return task()
 
 
 def _point(torque: float, speed: float, run: Run) -> Point:

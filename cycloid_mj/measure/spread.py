@@ -3,13 +3,12 @@
 A numerical error says how well a model is solved; where its inputs are assumptions, it is no error of the rate.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.design import Design
-from cycloid_mj.measure.pool import Progress, each
 from cycloid_mj.result import Table
 
 PLAY = (0.5, 2.0)
@@ -41,6 +40,11 @@ class Input:
     low_design: Design
     high_design: Design
 
+    @property
+    def ends(self) -> tuple[Design, Design]:
+        """The designs at both ends."""
+        return self.low_design, self.high_design
+
 
 @dataclass(frozen=True)
 class Moved:
@@ -67,10 +71,9 @@ def inputs(design: Design) -> list[Input]:
     ]
 
 
-def moved(rate: Callable[[Design], float], varied: Sequence[Input], progress: Progress) -> list[Moved]:
-    """Find a rate [1] at both ends of every input's range, several runs at a time; `progress` after each."""
-    rates = each(rate, [end for one in varied for end in (one.low_design, one.high_design)], progress)
-    return [Moved(one, *ends) for one, ends in zip(varied, zip(rates[::2], rates[1::2], strict=True), strict=True)]
+def moved(varied: Sequence[Input], rates: Mapping[Any, float]) -> tuple[Moved, ...]:
+    """Put the rates [1] of the designs at both ends of every input's range beside it; `rates` holds them by design."""
+    return tuple(Moved(one, *(rates[end] for end in one.ends)) for one in varied)
 
 
 def plain_roller(design: Design) -> float:

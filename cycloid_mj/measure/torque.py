@@ -1,8 +1,9 @@
 """The paper's test (Hsieh 2014, Fig. 19): a given torque on the crank, the output held at its speed by a brake."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from cycloid_mj.measure.braked import DECAY, braked_run
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency
 from cycloid_mj.measure.conditions import drag_told, halved
 from cycloid_mj.measure.measurement import Measurement
-from cycloid_mj.measure.pool import Progress, each, silent
+from cycloid_mj.measure.pool import Progress, each, run_all, silent
 from cycloid_mj.measure.published import Published, friction_quantities, tables
 from cycloid_mj.measure.sensitivity import Variation
 from cycloid_mj.measure.spread import Moved
@@ -62,24 +63,25 @@ def torque(
     own = working_at(steady_design(design), design.rated_torque)
     main = whole_periods(own, QUICK_PERIODS if quick else PERIODS)
     rows = sensitivity.variations(design, quick)
-    varied = list(dict.fromkeys(row.design for row in rows))
-    work = [(own, main)] if quick else [(own, main), (halved(own), main)]
-    work += [(one, whole_periods(one, sensitivity.PERIODS)) for one in varied]
     assumed = spread.inputs(own)
-    whole = len(work) + 1 + 2 * len(assumed) + len(published)
-    tests = each(lambda item: rated_test(*item), work, lambda done, _: progress(done, whole))
-    ours, finer = tests[0], None if quick else tests[1]
-    rates = {one: tried.powers.efficiency for one, tried in zip(varied, tests[-len(varied) :], strict=True)}
-    found = {row: rates[row.design] for row in rows}
-    held = held_efficiency(own, ours.output, main)
-    done = len(work) + 1
-    progress(done, whole)
+    tasks: dict[Hashable, Callable[[], Outcome]] = {"own": partial(rated_test, own, main)}
+    if not quick:
+        tasks["halved"] = partial(rated_test, halved(own), main)
+    tasks |= {
+        ("row", one.design): partial(rated_test, one.design, whole_periods(one.design, sensitivity.PERIODS))
+        for one in rows
+    }
     periods = whole_periods(own, spread.PERIODS)
-    by_input = spread.moved(
-        lambda one: rated_test(one, periods).powers.efficiency, assumed, lambda runs, _: progress(done + runs, whole)
-    )
+    tasks |= {end: partial(rated_test, end, periods) for one in assumed for end in one.ends}
+    last = 1 + len(published)
+    tests = run_all(tasks, lambda done, whole: progress(done, whole + last))
+    ours, finer = tests["own"], tests.get("halved")
+    rates = {key: test.powers.efficiency for key, test in tests.items()}
+    found = {row: rates["row", row.design] for row in rows}
+    by_input = spread.moved(assumed, rates)
+    held = held_efficiency(own, ours.output, main)
     beside = with_friction(published, own, found, None if quick else rate_error(ours, finer))
-    progress(whole, whole)
+    progress(len(tasks) + last, len(tasks) + last)
     return Measurement(
         measure="torque",
         design=own,
