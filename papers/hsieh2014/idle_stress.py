@@ -52,7 +52,7 @@ class IdleStress:
 
 
 def idle_stress(
-    starts: Sequence[Run], rated: Run, design: Design, settings: "StudySettings", told: Any = lambda *_: None
+    starts: Sequence[Run], rated: Run, design: Design, settings: "StudySettings", progress: Any = lambda *_: None
 ) -> IdleStress:
     """Study one design: its first start in whole, the heaviest angles of the others, and the rated run.
 
@@ -64,15 +64,15 @@ def idle_stress(
         The design that ran.
     settings
         How much is computed.
-    told
-        Is told of each part before it begins; see `stress.study.stress_study`.
+    progress
+        Called with each part before it begins; see `stress.study.stress_study`.
     """
     from cycloid_mj.stress.field import solve
     from cycloid_mj.stress.loads import part_loads
     from cycloid_mj.stress.study import stress_study
 
     peaks = [at_peaks(run, LOGGED * SAMPLING // settings.angles + 1) for run in starts]
-    study = stress_study(peaks[0], design, (), settings, told=told, references=stress_references(design))
+    study = stress_study(peaks[0], design, (), settings, told=progress, references=stress_references(design))
     turn = 2 * np.pi * np.arange(settings.angles) / settings.angles
     under_load = 2 * np.pi * np.arange(RATED_ANGLES) / RATED_ANGLES
     largest, loaded = {}, {}

@@ -9,20 +9,12 @@ from scipy.ndimage import maximum_filter1d
 
 from cycloid_mj.comparison import gravity_turn, settled
 from cycloid_mj.design import Design
+from cycloid_mj.names import FORCE_X, FORCE_Y, MOMENT, PEAK_FORCE, column
 from cycloid_mj.record import Run
 from cycloid_mj.types import Array
 
-ENDING = "_peak_force"
-COMPONENTS = ("_force_x", "_force_y", "_moment")
-
 BINS = 36
 """Parts of a crank turn: ten degrees each, a mesh period of the paper's ring."""
-
-
-def pairs(run: Run) -> list[str]:
-    """Name the mating pairs of a run whose peaks it has."""
-    found = (name.removesuffix(ENDING) for name in run.columns if name.endswith(ENDING))
-    return [name for name in found if f"{name}_force_x" in run.columns]
 
 
 def peak(run: Run, pair: str, window: int = 1) -> Array:
@@ -30,8 +22,8 @@ def peak(run: Run, pair: str, window: int = 1) -> Array:
 
     A log has at each sample the largest since the one before; of friction it knows the sample's own.
     """
-    sampled = np.hypot(run[f"{pair}_force_x"], run[f"{pair}_force_y"])
-    largest = np.maximum(sampled, run[f"{pair}{ENDING}"])
+    sampled = np.hypot(run[column(pair, FORCE_X)], run[column(pair, FORCE_Y)])
+    largest = np.maximum(sampled, run[column(pair, PEAK_FORCE)])
     return np.asarray(maximum_filter1d(largest, 2 * (window // 2) + 1, mode="nearest"))
 
 
@@ -43,8 +35,8 @@ def at_peaks(run: Run, window: int = 1) -> Run:
     peaked between samples has that of the nearest sample at which its pair touched.
     """
     changed: dict[str, Array] = {}
-    for pair in pairs(run):
-        names = [f"{pair}{ending}" for ending in COMPONENTS]
+    for pair in run.by_stem(PEAK_FORCE):
+        names = [column(pair, part) for part in (FORCE_X, FORCE_Y, MOMENT)]
         logged = run.block(names)
         size = np.hypot(logged[:, 0], logged[:, 1])
         touching = np.flatnonzero(size > 0.0)

@@ -1,18 +1,19 @@
 """Figs 10-16: grids, and stress over a crank turn at no load, where the paper has it; the rated load stands beside."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
 from cycloid_mj.comparison import STARTS, settled
+from cycloid_mj.names import CAM, KINDS, LOBE, SHAFT, SOCKET
 from cycloid_mj.record import Run
 from cycloid_mj.result import Table
 from hsieh2014 import hypothesis
 from hsieh2014.idle_stress import MEGAPASCAL, IdleStress, idle_stress
-from hsieh2014.peaks import ENDING, pairs, peak
+from hsieh2014.peaks import peak
 from hsieh2014.plan import Plan, designs, idle_runs, rated_runs
 from hsieh2014.stage import Found, Plate, Progress, Runs
-from hsieh2014.stated import HEIGHTS
+from hsieh2014.stated import FIGURES, HEIGHTS
 from hsieh2014.stress_claims import stress_claims
 
 QUICK_ANGLES = 40
@@ -32,7 +33,8 @@ def stress(plan: Plan, runs: Runs, progress: Progress) -> Found:
         begins = partial(_part_begins, progress, name)
         found[name] = idle_stress(starts[name], rated[name], idle_runs(plan, design)[0], settings, begins)
     progress("hypothesis: soft contact")
-    soft, wanted = hypothesis.soft_runs(plan), _needed(found, rated)
+    soft = hypothesis.soft_runs(plan)
+    wanted = {name: _needed(name, one, rated[name]) for name, one in found.items()}
     return Found(
         tuple(_plates(found)),
         (_stress_table(found), _force_table(starts, rated), hypothesis.table(soft, wanted)),
@@ -42,65 +44,47 @@ def stress(plan: Plan, runs: Runs, progress: Progress) -> Found:
     )
 
 
-def _needed(found: Mapping[str, IdleStress], rated: Mapping[str, Run]) -> dict[str, dict[str, float]]:
+def _needed(name: str, one: IdleStress, rated: Run) -> dict[str, float]:
     """Give the forces that the paper's heights would take, from stress and largest force under the rated load."""
-    forces = {}
-    for name, run in rated.items():
-        seats = "socket" if f"socket_1{ENDING}" in run.columns else "lobe"
-        groups = {"shaft": "cam", "ring": seats}
-        forces[name] = {
-            part: _largest(run, [pair for pair in pairs(run) if pair.startswith(stem)]) for part, stem in groups.items()
-        }
-    return {
-        name: hypothesis.needed({part: size.high for part, size in one.rated.items()}, forces[name], name)
-        for name, one in found.items()
-    }
+    ring = SOCKET if rated.pairs(KINDS[SOCKET]) else LOBE
+    forces = {part: _largest(rated, rated.pairs(KINDS[stem])) for part, stem in ((SHAFT, CAM), ("ring", ring))}
+    return hypothesis.needed({part: size.high for part, size in one.rated.items()}, forces, name)
 
 
-def _largest(run: Run, names: Sequence[str]) -> float:
+def _largest(run: Run, among: Sequence[str]) -> float:
     """Give the largest force [N] of some pairs in the settled hold."""
     hold = settled(run).hold
-    return max(float(peak(run, pair)[hold].max()) for pair in names)
+    return max(float(peak(run, pair)[hold].max()) for pair in among)
 
 
 def _part_begins(progress: Progress, design: str, part: str, number: int, of: int) -> None:
     progress(f"{design}, {part}, {number + 1} of {of} parts")
 
 
-def _plates(found: Mapping[str, IdleStress]) -> list[Plate]:
-    from cycloid_mj.plots.stress import grid_figure, map_figure, stress_figures
+def _plates(found: Mapping[str, IdleStress]) -> Iterator[Plate]:
+    from cycloid_mj.plots.stress import grid_figure, map_figure, maxima_figure, refinement_figure
     from cycloid_mj.stress.study import part_map
 
-    plates = []
     for name, one in found.items():
-        study = one.study
-        grids = {each.findings.part: each.grid for each in study.parts}
-        maps = {each.findings.part: part_map(study.design, each) for each in study.parts}
-        words = f"{name}, no load: von Mises stress on every part at the crank angle where its own is largest"
-        plates.append(Plate(f"fig10_grid_{name}", "Fig. 10", f"{name}: grids of the parts.", grid_figure(grids, name)))
-        plates.append(Plate(f"fig11_map_{name}", "Fig. 11", f"{words}.", map_figure(maps, name)))
-    for name, drawing in stress_figures([one.study.findings for one in found.values()]).items():
-        figure = f"Fig. {name[3:5]}" if name.startswith("fig") else "Figs 12-16"
-        plates.append(Plate(name, figure, _caption(name), drawing))
-    return plates
-
-
-def _caption(name: str) -> str:
-    if name == "stress_refinement":
-        return "No load. Numerical error: the largest bulk stress of each part on a coarser and on a finer grid."
-    part = name.split("_stress_")[1].replace("_", " ")
-    return f"No load, impact peaks of one start: largest von Mises stress of {part} over a crank turn, pin and nonpin."
+        parts = {each.findings.part: each for each in one.study.parts}
+        grids = {part: each.grid for part, each in parts.items()}
+        maps = {part: part_map(one.study.design, each) for part, each in parts.items()}
+        words = f"{name}, no load: von Mises stress on every part at the crank angle where its own is largest."
+        yield Plate(f"fig10_grid_{name}", "Fig. 10", f"{name}: grids of the parts.", grid_figure(grids, name))
+        yield Plate(f"fig11_map_{name}", "Fig. 11", words, map_figure(maps, name))
+    findings = [one.study.findings for one in found.values()]
+    for number, (part, figure) in enumerate(FIGURES.items(), start=12):
+        words = f"No load, impact peaks of one start: largest von Mises stress of {part.replace('_', ' ')} over a crank"
+        name = f"fig{number}_stress_{part}"
+        yield Plate(name, figure, f"{words} turn, pin and nonpin.", maxima_figure(findings, part))
+    words = "No load. Numerical error: the largest bulk stress of each part on a coarser and on a finer grid."
+    yield Plate("stress_refinement", "Figs 12-16", words, refinement_figure(findings))
 
 
 def _stress_table(found: Mapping[str, IdleStress]) -> Table:
     """Give the largest bulk stress of each part: over the starts at no load, the paper's, and at the rated load."""
     rows = [
-        (
-            f"{name}, {part}",
-            one.starts[part].words,
-            HEIGHTS.get((part, name), ""),
-            f"{one.rated[part].high:.3g}",
-        )
+        (f"{name}, {part}", one.starts[part].words, HEIGHTS.get((part, name), ""), f"{one.rated[part].high:.3g}")
         for name, one in found.items()
         for part in one.starts
     ]
@@ -112,11 +96,11 @@ def _force_table(starts: Mapping[str, Sequence[Run]], rated: Mapping[str, Run]) 
     """Give the largest force of each kind of pair, in a sample and between samples."""
     rows = []
     for name, runs in starts.items():
-        for kind in dict.fromkeys(pair.rstrip("0123456789").rstrip("_") for pair in pairs(runs[0])):
-            own = [pair for pair in pairs(runs[0]) if pair.rstrip("0123456789").rstrip("_") == kind]
-            between = [_largest(run, own) for run in runs]
-            loaded = _largest(rated[name], own)
-            rows.append((f"{name}, {kind}", f"{min(between):.3g} to {max(between):.3g}", f"{loaded:.3g}"))
+        for stem, among in ((stem, runs[0].pairs(kind)) for stem, kind in KINDS.items()):
+            if among:
+                between = [_largest(run, among) for run in runs]
+                loaded = _largest(rated[name], among)
+                rows.append((f"{name}, {stem}", f"{min(between):.3g} to {max(between):.3g}", f"{loaded:.3g}"))
     head = ("largest force of one contact pair [N]", f"no load, impact peaks of {STARTS} starts", "rated load")
     return Table("forces behind the stress", head, tuple(rows))
 
