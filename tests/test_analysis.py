@@ -10,6 +10,7 @@ import pytest
 
 from cycloid_mj import analysis
 from cycloid_mj.analysis import analyze, series, table, window
+from cycloid_mj.analysis.window import turn_by_turn
 from cycloid_mj.design import PRESETS, Design, dump, override
 from cycloid_mj.errors import DesignError, LogError, UsageError
 from cycloid_mj.record import Run
@@ -575,3 +576,10 @@ def test_a_simulated_run_stays_within_its_clearances():
     assert found.q_path.max_error_um < play + (play + touched) * HOLE / (ECCENTRICITY * LOBES)
     assert found.pin1.max_radial_um <= 1e6 * clearance.pin_socket + touched + 1e-9
     assert found.q_speed.max_error_mm_s < 0.01 * 1e3 * ECCENTRICITY * design.drive.speed
+
+
+@pytest.mark.parametrize("miss", [0.0, 3e-8, -3e-8])
+def test_turns_are_whole_where_samples_fall_on_their_ends_but_for_the_servo(miss):
+    crank = np.radians(np.arange(3 * 360 + 1.0))
+    crank[1:] += miss
+    assert [turn.stop - turn.start for turn in turn_by_turn(crank)] == [360] * 3

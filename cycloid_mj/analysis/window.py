@@ -88,7 +88,8 @@ def turn_by_turn(crank_angle: Array) -> list[slice]:
     swept = np.abs(crank_angle - crank_angle[0]) / (2 * np.pi)
     # a turn of n samples ends one sample after its last
     turns = int(swept[-1] * swept.size / max(swept.size - 1, 1) + 1e-6)
-    starts = np.searchsorted(swept, np.arange(turns + 1) - 1e-9)
+    # samples may fall on the turn's ends, which the drive's servo misses by some 1e-8 of a turn
+    starts = np.searchsorted(swept, np.arange(turns + 1) - 1e-6 / (2 * np.pi))
     return [slice(int(first), int(last)) for first, last in pairwise(starts)] or [slice(0, swept.size)]
 
 
