@@ -640,6 +640,12 @@ def test_a_log_of_a_changed_design_is_refused_by_the_words_of_its_file():
         part_loads(changed, PIN, "shaft")
 
 
+def test_a_log_with_another_material_in_a_part_is_refused():
+    bronze = override(PIN, ["gear_material.youngs_modulus_mpa=110000.0"])
+    with pytest.raises(UsageError, match=r"gear_material.youngs_modulus \(1100+.0 in the design, None in the log\)"):
+        part_loads(made_run(PIN), bronze, "gear")
+
+
 def test_a_part_is_studied_in_the_designs_that_have_it():
     assert command._parts_by_design([PIN, NONPIN], ["pin_1"]) == [["pin_1"], []]
     assert command._parts_by_design([PIN, NONPIN], []) == [list(PARTS), [part for part in PARTS if part != "pin_1"]]

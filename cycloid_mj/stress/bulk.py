@@ -5,7 +5,6 @@ would tell that distance. What the part bears as a whole shows as a plateau of t
 distances. Conformal patches, over which stress is spread, belong to the bulk; sharp inner corners do not.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,8 +13,6 @@ from scipy.spatial import cKDTree
 from cycloid_mj.stress.case import Case
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.types import Array, Integers, Mask
-
-Indices = Integers
 
 RUNG = np.sqrt(2.0)
 """Ratio of neighbouring distances of the ladder."""
@@ -27,6 +24,9 @@ FLAT = 0.05
 """The largest stress stands on a plateau where it falls by less than this share to the next rung."""
 
 MOST_RUNGS = 16
+
+CANDIDATES = 4000
+"""Nodes of the largest stress among which the largest of the bulk is looked for first."""
 
 
 @dataclass(frozen=True)
@@ -43,25 +43,29 @@ class Distances:
         Centres of narrow patches (p, 2) [m] in the order of their angles, and where those of each angle begin (k + 1,).
     at_corner
         Whether each node lies so near to a sharp corner that it is never in the bulk (n,).
+    vertices
+        So many of the nodes, the first, are corners of elements.
     """
 
     points: Array
     outside: Array
     patches: Array
-    ends: Indices
+    ends: Integers
     at_corner: Mask
+    vertices: int
 
-    def at(self, angle: int) -> Array:
-        """Give the distance [m] (n,) of each node from narrow patches at an angle, inf without; 0 at corners."""
-        squared = np.where(self.at_corner, 0.0, np.inf)
-        across = self.outside**2
-        for x, y in self.patches[self.ends[angle] : self.ends[angle + 1]]:
-            np.minimum(squared, (self.points[:, 0] - x) ** 2 + (self.points[:, 1] - y) ** 2 + across, out=squared)
+    def at(self, angle: int, nodes: Integers) -> Array:
+        """Give the distance [m] of nodes from narrow patches at an angle, inf without patches; 0 at corners."""
+        squared = np.where(self.at_corner[nodes], 0.0, np.inf)
+        (x, y), across = self.points[nodes, :2].T, self.outside[nodes] ** 2
+        for px, py in self.patches[self.ends[angle] : self.ends[angle + 1]]:
+            np.minimum(squared, (x - px) ** 2 + (y - py) ** 2 + across, out=squared)
         return np.sqrt(squared)
 
     def farthest(self) -> float:
-        """Give the largest distance [m] beyond which something of the part is left at every angle."""
-        return min(float(self.at(angle).max()) for angle in range(len(self.ends) - 1))
+        """Give the largest distance [m] beyond which one of the part's vertices is left at every angle."""
+        vertices = np.arange(self.vertices)
+        return min(float(self.at(angle, vertices).max()) for angle in range(len(self.ends) - 1))
 
 
 def distances_of(grid: Grid, case: Case) -> Distances:
@@ -76,7 +80,7 @@ def distances_of(grid: Grid, case: Case) -> Distances:
         at_corner = np.asarray(cKDTree(grid.keep_off).query(points)[0]) < grid.corner_distance
     order = np.argsort(case.angle, kind="stable")
     ends = np.searchsorted(case.angle[order], np.arange(len(case.resolved) + 1))
-    return Distances(points, outside, case.points[order, :2], ends, at_corner)
+    return Distances(points, outside, case.points[order, :2], ends, at_corner, grid.mesh.nvertices)
 
 
 def ladder(found: Distances, start: float) -> Array:
@@ -89,15 +93,24 @@ def ladder(found: Distances, start: float) -> Array:
     return kept if len(kept) > OCTAVE else np.append(kept, found.farthest() * (1.0 - 1e-9))
 
 
-def largest(found: Distances, distances: Array, block: Indices, stress: Array) -> Iterator[tuple[Array, Indices]]:
-    """Give the largest von Mises stress [Pa] (s,) beyond each distance, and its node (s,), for each angle of a block.
+def largest(found: Distances, distances: Array, angle: int, stress: Array) -> tuple[Array, Integers]:
+    """Give the largest von Mises stress [Pa] (s,) beyond each distance at an angle, and its node (s,).
 
-    `stress` is that of all nodes, (n, c).
+    `stress` is that of all nodes, (n,). Those of the largest are looked at first, all of them only for distances
+    beyond which none of these lies.
     """
-    for column, angle in enumerate(block):
-        apart, here = found.at(int(angle)), stress[:, column]
-        nodes = np.array([int(np.where(apart >= distance, here, -1.0).argmax()) for distance in distances])
-        yield here[nodes], nodes
+    count = min(CANDIDATES, len(stress))
+    chosen = np.zeros(len(distances), np.int64)
+    missing = np.ones(len(distances), bool)
+    for nodes in (np.sort(np.argpartition(stress, -count)[-count:]), np.arange(len(stress))):
+        here, apart = stress[nodes], found.at(angle, nodes)
+        for rung in np.flatnonzero(missing):
+            beyond = apart >= distances[rung]
+            missing[rung] = not beyond.any()
+            chosen[rung] = nodes[np.where(beyond, here, -1.0).argmax()]
+        if not missing.any():
+            break
+    return stress[chosen], chosen
 
 
 def plateau(sizes: Array, first: int) -> int:

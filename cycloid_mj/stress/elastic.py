@@ -19,8 +19,6 @@ from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.packages import package
 from cycloid_mj.types import Array, Integers
 
-Indices = Integers
-
 INDEPENDENT = 1e-6
 """Supports hold a rigid motion whose share at them is larger than this, relatively."""
 
@@ -34,8 +32,8 @@ class Body:
 
     Attributes
     ----------
-    stiffness
-        Sparse (n, n) [N/m], springs of the supports included.
+    hold
+        Rows of the stiffness of the fixed unknowns, sparse (f, n) [N/m].
     fixed, free
         Unknowns that are held at zero, and the others.
     motions
@@ -50,9 +48,9 @@ class Body:
         Sparse (n, n) [N/m] of elastic supports, or None.
     """
 
-    stiffness: Any
-    fixed: Indices
-    free: Indices
+    hold: Any
+    fixed: Integers
+    free: Integers
     motions: Array
     inertia: Any
     loose: tuple[int, ...]
@@ -80,21 +78,21 @@ def body(grid: Grid, material: Material, springs: Any = None, loose: tuple[int, 
     CycloidError
         The supports leave a rigid motion free, the part is in pieces, or scikit-fem is missing.
     """
-    stiffness = _stiffness(grid, material) + (0.0 if springs is None else springs)
     motions = rigid_motions(grid.points)
     if loose is None:
         loose = () if len(grid.held) or springs is not None else tuple(range(motions.shape[1]))
     fixed = np.union1d(unknowns(grid.held, grid.dimension), _pinned(motions, loose))
     _require_hold(grid, motions, fixed, springs)
     free = np.setdiff1d(np.arange(grid.unknowns), fixed)
+    hold, lower = _split(stiffness(grid, material), springs, fixed, free)
     return Body(
-        stiffness=stiffness.tocsr(),
+        hold=hold,
         fixed=fixed,
         free=free,
         motions=motions,
         inertia=_inertia(grid, material.density),
         loose=loose,
-        factor=_factor(stiffness[free][:, free].tocsc(), grid.part),
+        factor=_factor(lower, grid.part),
         springs=springs,
     )
 
@@ -128,7 +126,7 @@ def reactions(part: Body, found: Array, loads: Array) -> Array:
 
     They are what fixed nodes must add for equilibrium, and what springs push back.
     """
-    held = part.stiffness[part.fixed] @ found - loads[part.fixed]
+    held = part.hold @ found - loads[part.fixed]
     resultants = held.T @ part.motions[part.fixed]
     if part.springs is not None:
         resultants = resultants - (part.springs @ found).T @ part.motions
@@ -159,7 +157,7 @@ def rigid_motions(points: Array) -> Array:
     return motions.reshape(nodes * dimension, -1)
 
 
-def unknowns(nodes: Indices, dimension: int) -> Indices:
+def unknowns(nodes: Integers, dimension: int) -> Integers:
     """Give the unknowns of nodes."""
     return (dimension * nodes[:, np.newaxis] + np.arange(dimension)).ravel()
 
@@ -178,7 +176,7 @@ def lame_parameters(material: Material, dimension: int) -> tuple[float, float]:
     return bulk, modulus / (2 * (1 + poisson))
 
 
-def _stiffness(grid: Grid, material: Material) -> Any:
+def stiffness(grid: Grid, material: Material) -> Any:
     """Assemble the stiffness (n, n) [N/m]: lambda (div u)(div v) + 2 mu eps(u) : eps(v), all elements at once.
 
     In the plane three Gauss points suffice for the patch test on curved edges, in space the rule of order 3.
@@ -202,12 +200,20 @@ def _stiffness(grid: Grid, material: Material) -> Any:
     return assembler.matrix(blocks)
 
 
+def _split(matrix: Any, springs: Any, fixed: Integers, free: Integers) -> tuple[Any, Any]:
+    """Give the rows of the fixed unknowns, and the lower triangle of the free ones; the whole is then let go."""
+    if springs is not None:
+        matrix = matrix + springs
+    return matrix[fixed], sparse.tril(matrix[free][:, free], format="csc")
+
+
 def _inertia(grid: Grid, density: float) -> Any:
     basis = basis_of(grid, vector=False, order=INERTIA_ORDER)
     shape = np.stack([np.broadcast_to(each[0], basis.dx.shape)[0] for each in basis.basis])
     assembler = _Assembler(grid)
     mass = density * grid.thickness * np.tensordot(basis.dx, np.einsum("aq,bq->qab", shape, shape), 1)
-    return assembler.matrix(assembler.summed(mass)[:, np.newaxis, np.newaxis] * np.eye(grid.dimension))
+    scalar = assembler.matrix(assembler.summed(mass)[:, np.newaxis, np.newaxis])
+    return sparse.kron(scalar, sparse.eye(grid.dimension), format="csr")
 
 
 class _Assembler:
@@ -231,7 +237,7 @@ class _Assembler:
         return sparse.bsr_matrix((blocks, self._columns, self._starts), shape=(size, size)).tocsr()
 
 
-def _pinned(motions: Array, loose: tuple[int, ...]) -> Indices:
+def _pinned(motions: Array, loose: tuple[int, ...]) -> Integers:
     """Choose one unknown for each loose motion, far from each other: the largest left after those already chosen."""
     left = motions[:, list(loose)]
     left = left / np.abs(left).max(axis=0, initial=np.finfo(float).tiny)
@@ -244,7 +250,7 @@ def _pinned(motions: Array, loose: tuple[int, ...]) -> Indices:
     return np.array(chosen, np.int64)
 
 
-def _require_hold(grid: Grid, motions: Array, fixed: Indices, springs: Any) -> None:
+def _require_hold(grid: Grid, motions: Array, fixed: Integers, springs: Any) -> None:
     """Raise CycloidError unless the part is in one piece and each of its rigid motions meets a support."""
     cells = grid.mesh.t
     pairs = np.concatenate([np.stack([cells[0], corner]) for corner in cells[1:]], axis=1)
@@ -265,20 +271,21 @@ def _require_hold(grid: Grid, motions: Array, fixed: Indices, springs: Any) -> N
         )
 
 
-def _factor(matrix: Any, part: str) -> Callable[[Array], Array]:
-    """Factorise a symmetric matrix: by rslab where it is installed (a fourth of the time), else by SuperLU."""
+def _factor(lower: Any, part: str) -> Callable[[Array], Array]:
+    """Factorise a symmetric matrix of this lower triangle: by rslab where it is installed (far faster), or SuperLU."""
     try:
         rslab = importlib.import_module("rslab")
     except (ImportError, OSError):
-        return _superlu(matrix, part)
+        return _superlu(lower, part)
     try:
-        solver = rslab.ldlt(matrix, threads=1, ordering="metis")
+        solver = rslab.ldlt(lower, threads=1, ordering="metis")
     except (RuntimeError, ValueError, MemoryError) as error:
         raise _not_factorised(part, error) from error
     return lambda loads: np.asarray(solver.solve_many(loads))
 
 
-def _superlu(matrix: Any, part: str) -> Callable[[Array], Array]:
+def _superlu(lower: Any, part: str) -> Callable[[Array], Array]:
+    matrix = (lower + sparse.tril(lower, -1).T).tocsc()
     try:
         solver = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     except (RuntimeError, MemoryError) as error:

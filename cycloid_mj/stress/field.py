@@ -136,14 +136,15 @@ def solve(
     CycloidError
         The loads are not this part's, its support is singular, or a package of the extra ``fem`` is missing.
     """
-    case, operators = part_case(design, grid, loads), recovery(grid).at_nodes
+    case, operators = part_case(design, grid, loads), recovery(grid)
     apart = distances_of(grid, case)
     rungs = ladder(apart, grid.bulk_distance) if distance is None else np.array([distance])
     found: list[tuple[Array, ...]] = []
     for block in _blocks(len(loads.angle)):
         answer = case.response(block)
         stress = von_mises(stresses(operators, answer.moved, material_of(design, grid.part)))
-        sizes, nodes = map(np.array, zip(*largest(apart, rungs, block, stress), strict=True))
+        found_here = [largest(apart, rungs, int(angle), stress[:, column]) for column, angle in enumerate(block)]
+        sizes, nodes = map(np.array, zip(*found_here, strict=True))
         contact = stress.max(axis=0), grid.points[stress.argmax(axis=0)]
         found.append((sizes, nodes, *contact, answer.reaction, answer.imbalance, answer.moments))
         if progress is not None:
@@ -202,8 +203,8 @@ def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int, distanc
         raise UsageError(f"the loads have no angle of index {index}; choose 0 to {len(loads.angle) - 1}")
     case = part_case(design, grid, loads)
     moved = case.response(np.array([index])).moved
-    stress = stresses(recovery(grid).at_nodes, moved, material_of(design, grid.part))[..., 0]
-    inside = distances_of(grid, case).at(index) >= (grid.bulk_distance if distance is None else distance)
+    stress = stresses(recovery(grid), moved, material_of(design, grid.part))[..., 0]
+    apart = distances_of(grid, case).at(index, np.arange(len(grid.points)))
     return StressMap(
         part=grid.part,
         angle=float(loads.angle[index]),
@@ -213,7 +214,7 @@ def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int, distanc
         stress=stress.T,
         von_mises=von_mises(stress),
         principal=principal(stress),
-        bulk=inside,
+        bulk=apart >= (grid.bulk_distance if distance is None else distance),
     )
 
 

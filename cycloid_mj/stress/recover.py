@@ -1,4 +1,8 @@
-"""Stress from displacements: components at quadrature points and at nodes, von Mises, principal, and where it peaks."""
+"""Stress from displacements: at quadrature points, at nodes by superconvergent patches, von Mises, and principal.
+
+Zienkiewicz and Zhu 1992: the stress of quadratic elements is better at their Gauss points than anywhere else, and a
+quadratic polynomial fitted to those of the elements round a vertex keeps that.
+"""
 
 from dataclasses import dataclass
 from typing import Any
@@ -9,8 +13,7 @@ from scipy import sparse
 from cycloid_mj.design.model import Material
 from cycloid_mj.stress import elastic
 from cycloid_mj.stress.grid import Grid
-from cycloid_mj.stress.patchfit import nodal_fit
-from cycloid_mj.types import Array, Integers
+from cycloid_mj.types import Array, Integers, Mask
 
 PLANE = ((0, 0), (1, 1), (0, 1))
 SPACE = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
@@ -19,47 +22,67 @@ SPACE = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 GAUSS = 2
 """Order of the quadrature whose points have the best stress: 3 Gauss points a triangle, 4 a tetrahedron."""
 
+RIDGE = 0.03
+"""Weight on the quadratic terms, of monomials of size 1: it decides where a patch has few points, as at a surface."""
+
 
 @dataclass(frozen=True)
 class Recovery:
-    """Operators from nodal values (n,) to derivatives along each axis.
+    """Operators of a grid of n nodes and p quadrature points.
 
-    `at_points` at the quadrature points, element by element (m q, n); `at_nodes` (n, n), by ``patchfit``.
-    `points` (m q, d) [m] are the quadrature points.
+    Attributes
+    ----------
+    slopes
+        Sparse (p, n): from nodal values to derivatives along each axis at the quadrature points, element by element.
+    fit
+        Sparse (n, p): from values at the quadrature points to nodes.
+    points
+        The quadrature points (p, d) [m].
     """
 
-    at_points: tuple[Any, ...]
-    at_nodes: tuple[Any, ...]
+    slopes: tuple[Any, ...]
+    fit: Any
     points: Array
 
 
 def recovery(grid: Grid) -> Recovery:
     """Give the recovery operators of a grid."""
     basis = elastic.basis_of(grid, vector=False, order=GAUSS)
-    # (m, q, a, x): derivative of shape function a along x at point q of element m
-    slopes = np.stack([shape[0].grad for shape in basis.basis]).transpose(2, 3, 0, 1)
     points = np.asarray(basis.global_coordinates()).transpose(1, 2, 0).reshape(-1, grid.dimension)
-    at_points = tuple(_matrix(slopes[..., x], grid.cells, grid) for x in range(grid.dimension))
-    fit = nodal_fit(grid, points)
-    return Recovery(at_points, tuple((fit @ operator).tocsr() for operator in at_points), points)
-
-
-def stresses(operators: tuple[Any, ...], found: Array, material: Material) -> Array:
-    """Give the stress components [Pa] (components, points, c) of displacements (n d, c) [m], by Hooke's law.
-
-    In the plane this is plane stress.
-    """
-    dimension = len(operators)
-    moved = [found[axis::dimension] for axis in range(dimension)]
-    lame, shear = elastic.lame_parameters(material, dimension)
-    normal = [operators[axis] @ moved[axis] for axis in range(dimension)]
-    pressure = lame * sum(normal)
-    return np.stack(
-        [
-            2 * shear * normal[i] + pressure if i == j else shear * (operators[i] @ moved[j] + operators[j] @ moved[i])
-            for i, j in (PLANE if dimension == 2 else SPACE)
-        ]
+    # derivatives (a, d, m, q) of shape function a of element m at its point q
+    slopes = np.stack([shape[0].grad for shape in basis.basis])
+    count, nodes = grid.cells.shape
+    starts = nodes * np.arange(len(points) + 1)
+    columns = np.repeat(grid.cells, len(points) // count, axis=0).ravel()
+    shape = (len(points), len(grid.points))
+    operators = tuple(
+        sparse.csr_matrix((slopes[:, axis].transpose(1, 2, 0).ravel(), columns, starts), shape=shape)
+        for axis in range(grid.dimension)
     )
+    return Recovery(operators, _nodal_fit(grid, points), points)
+
+
+def stresses_at_points(operators: Recovery, found: Array, material: Material) -> Array:
+    """Give the stress components [Pa] (components, p, c) of displacements (n d, c) [m] at the quadrature points.
+
+    By Hooke's law; in the plane this is plane stress.
+    """
+    return np.stack(_at_points(operators, found, material))
+
+
+def _at_points(operators: Recovery, found: Array, material: Material) -> list[Array]:
+    dimension = len(operators.slopes)
+    moved = [np.ascontiguousarray(found[axis::dimension]) for axis in range(dimension)]
+    lame, shear = elastic.lame_parameters(material, dimension)
+    slope = [[along @ each for along in operators.slopes] for each in moved]
+    pressure = lame * sum(slope[axis][axis] for axis in range(dimension))
+    pairs = PLANE if dimension == 2 else SPACE
+    return [shear * (slope[i][j] + slope[j][i]) + (pressure if i == j else 0.0) for i, j in pairs]
+
+
+def stresses(operators: Recovery, found: Array, material: Material) -> Array:
+    """Give the stress components [Pa] (components, n, c) of displacements (n d, c) [m] at the nodes."""
+    return np.stack([operators.fit @ each for each in _at_points(operators, found, material)])
 
 
 def von_mises(stress: Array) -> Array:
@@ -82,9 +105,55 @@ def principal(stress: Array) -> Array:
     return np.asarray(np.linalg.eigvalsh(tensor)[..., ::-1])
 
 
-def _matrix(slopes: Array, cells: Integers, grid: Grid) -> Any:
-    """Assemble the blocks (m, q, a) of the elements into a sparse matrix (m q, n)."""
-    rows = np.arange(slopes.shape[0] * slopes.shape[1]).reshape(slopes.shape[:2])
-    i = np.broadcast_to(rows[:, :, np.newaxis], slopes.shape).ravel()
-    j = np.broadcast_to(cells[:, np.newaxis, :], slopes.shape).ravel()
-    return sparse.coo_matrix((slopes.ravel(), (i, j)), shape=(rows.size, len(grid.points))).tocsr()
+def _nodal_fit(grid: Grid, points: Array) -> Any:
+    """Give the operator, sparse (n, p), from quadrature points (p, d) [m], element by element, to nodes.
+
+    A vertex has the value of its own polynomial, the middle of an edge the mean of those of its ends.
+    """
+    table, used = _points_round(grid, len(points))
+    vertices = grid.mesh.nvertices
+    places = grid.points[:vertices]
+    apart = np.where(used[..., np.newaxis], points[table] - places[:, np.newaxis], 0.0)
+    size = np.linalg.norm(apart, axis=2).max(axis=1)
+    terms = _terms(apart / size[:, np.newaxis, np.newaxis]) * used[..., np.newaxis]
+    ridge = np.diag((np.arange(terms.shape[2]) > grid.dimension) * RIDGE)
+    fit = np.linalg.solve(terms.transpose(0, 2, 1) @ terms + ridge, terms.transpose(0, 2, 1))
+    kept = np.broadcast_to(used[:, np.newaxis], fit.shape)
+    starts = np.append(0, np.cumsum(np.repeat(used.sum(axis=1), fit.shape[1])))
+    columns = np.broadcast_to(table[:, np.newaxis], fit.shape)[kept]
+    polynomials = sparse.csr_matrix((fit[kept], columns, starts), shape=(len(starts) - 1, len(points)))
+    return (_evaluated(grid, size) @ polynomials).tocsr()
+
+
+def _evaluated(grid: Grid, size: Array) -> Any:
+    """Give the operator, sparse (n, v t), from the t coefficients of each vertex's polynomial to nodes."""
+    vertices = np.arange(grid.mesh.nvertices)
+    ends = np.asarray(grid.mesh.facets if grid.dimension == 2 else grid.mesh.edges)
+    middles = len(vertices) + np.arange(ends.shape[1])
+    nodes, centres = np.concatenate([vertices, middles, middles]), np.concatenate([vertices, *ends])
+    share = np.where(nodes < len(vertices), 1.0, 0.5)
+    terms = _terms((grid.points[nodes] - grid.points[centres]) / size[centres, np.newaxis]) * share[:, np.newaxis]
+    count = terms.shape[1]
+    columns = count * centres[:, np.newaxis] + np.arange(count)
+    entries = (terms.ravel(), (np.repeat(nodes, count), columns.ravel()))
+    return sparse.csr_matrix(entries, shape=(len(grid.points), count * len(vertices)))
+
+
+def _points_round(grid: Grid, count: int) -> tuple[Integers, Mask]:
+    """Give the quadrature points (v, w) of the elements round each vertex, padded, and which are no padding."""
+    corners = grid.mesh.t.T
+    each = count // len(corners)
+    order = np.argsort(corners.ravel(), kind="stable")
+    valence = np.bincount(corners.ravel(), minlength=grid.mesh.nvertices)
+    slot = np.arange(corners.size) - np.repeat(np.cumsum(valence) - valence, valence)
+    cells = np.full((grid.mesh.nvertices, valence.max()), -1, np.int64)
+    cells[corners.ravel()[order], slot] = order // corners.shape[1]
+    table = (each * cells[..., np.newaxis] + np.arange(each)).reshape(len(cells), -1)
+    used = np.repeat(cells >= 0, each, axis=1)
+    return np.where(used, table, 0), used
+
+
+def _terms(x: Array) -> Array:
+    """Monomials up to the second degree (..., 6 or 10) of places (..., d)."""
+    i, j = np.triu_indices(x.shape[-1])
+    return np.concatenate([np.ones((*x.shape[:-1], 1)), x, x[..., i] * x[..., j]], axis=-1)

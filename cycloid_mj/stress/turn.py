@@ -95,11 +95,12 @@ def differences(design: Design, ran: Design) -> list[str]:
     """Tell where a design differs from one that ran in what it is, not in under what it runs."""
     free = {"name": True} | {table: keys or True for table, keys in FREE.items()}
     asked, logged = (each.model_dump(exclude=free) for each in (design, ran))
+    pairs = ((table, asked[table] or {}, logged[table] or {}) for table in asked)  # None: the part has no own material
     return [
-        f"{table}.{key} ({asked[table][key]} in the design, {logged[table][key]} in the log)"
-        for table in asked
-        for key in asked[table]
-        if asked[table][key] != logged[table][key]
+        f"{table}.{key} ({ours.get(key)} in the design, {theirs.get(key)} in the log)"
+        for table, ours, theirs in pairs
+        for key in dict.fromkeys((*ours, *theirs))
+        if ours.get(key) != theirs.get(key)
     ]
 
 
