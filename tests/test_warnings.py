@@ -14,8 +14,7 @@ from cycloid_mj.analysis import analyze
 from cycloid_mj.analysis.doubts import OPEN, balance, unbalanced
 from cycloid_mj.analysis.series import design_of
 from cycloid_mj.cli.app import main
-from cycloid_mj.cli.terminal import say_json, tell
-from cycloid_mj.cli.warned import warnings_kept
+from cycloid_mj.cli.terminal import say_json, tell, warnings_kept
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import CycloidWarning, warn
 from cycloid_mj.log import read

@@ -31,10 +31,8 @@ from cycloid_mj.cli import (
     validate,
     view,
 )
-from cycloid_mj.cli.logged import log_told
 from cycloid_mj.cli.mistakes import sentence
-from cycloid_mj.cli.terminal import tell
-from cycloid_mj.cli.warned import warnings_kept
+from cycloid_mj.cli.terminal import log_told, tell, warnings_kept
 from cycloid_mj.errors import CycloidError, UsageError
 from cycloid_mj.interrupt import cause
 

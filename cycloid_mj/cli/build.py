@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import TIMESTEP, DesignFlag, JsonFlag, SetFlag, designed, whole, within
+from cycloid_mj.cli.flags import FLAT, TIMESTEP, DesignOptions, JsonFlag, whole, within
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import say, say_json, say_table, tell
 from cycloid_mj.errors import CycloidError
@@ -48,9 +48,8 @@ PlainFlag = Annotated[
 
 def build(
     *,
-    design: DesignFlag,
+    chosen: Annotated[DesignOptions, FLAT],
     out: OutFlag,
-    set_: SetFlag = (),
     timestep_us: Annotated[float | None, TIMESTEP.flag("Time step of the model")] = None,
     chord_error_um: ChordFlag = 0.1,
     seed: SeedFlag = 0,
@@ -73,18 +72,18 @@ def build(
     from cycloid_mj.convex import ConvexSettings
     from cycloid_mj.mjcf.folder import MANIFEST, SCENE, model_files, write_folder
 
-    chosen = designed(design, set_, [(TIMESTEP, timestep_us)])
-    require_sound(chosen)
+    design = chosen.resolved([(TIMESTEP, timestep_us)])
+    require_sound(design)
     _require_room(out)
     settings = ConvexSettings(chord_error=chord_error_um * 1e-6)
     settings = replace(settings, coacd=replace(settings.coacd, seed=seed))
     tell("cutting the parts into convex pieces")
-    files = model_files(chosen, settings)
+    files = model_files(design, settings)
     into = folder(out, "the model")
     write_folder(files, into)
     told = _told(files[MANIFEST])
     if plain_coacd:
-        told |= _plain_told(chosen, seed)
+        told |= _plain_told(design, seed)
     if json:
         say_json({"scene": str(into / SCENE), "files": sorted(files), "quality": told})
         return 0

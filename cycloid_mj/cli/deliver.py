@@ -1,22 +1,16 @@
 """What every measure leaves: a table or JSON on stdout; a figure, the JSON and the logs of its runs in a folder."""
 
-import json as text_of
 from collections.abc import Sequence
 from pathlib import Path
-from time import monotonic
 from typing import TYPE_CHECKING
 
-from cycloid_mj.cli.terminal import finite, say, say_json, show, tell
-from cycloid_mj.cli.warned import with_warnings
+from cycloid_mj.cli.terminal import json_text, say, say_json, show, tell
 from cycloid_mj.interrupt import unbroken
 from cycloid_mj.result import quantity_table
 from cycloid_mj.whole import write_whole
 
 if TYPE_CHECKING:
     from cycloid_mj.measure import Measurement
-    from cycloid_mj.measure.pool import Progress
-
-SECONDS_BETWEEN_LINES = 5.0
 
 
 def deliver(found: "Sequence[Measurement]", into: Path, json: bool, quiet: bool, no_log: bool = False) -> int:
@@ -42,7 +36,7 @@ def write(found: "Measurement", into: Path, no_log: bool) -> list[Path]:
     stem = f"{found.measure}-{found.design.name}"
     written = [*save({stem: measurement_figure(found)}, into, ("png", "svg"))]
     result = into / f"{stem}.json"
-    write_whole({result: (text_of.dumps(finite(with_warnings(found.as_json())), indent=2) + "\n").encode()})
+    write_whole({result: f"{json_text(found.as_json())}\n".encode()})
     written.append(result)
     if not no_log:
         for name, run in found.runs.items():
@@ -62,18 +56,3 @@ def print_table(found: "Measurement") -> None:
         show(table)
     for sentence in found.assumptions:
         say(f"assumed: {sentence}")
-
-
-def told(what: str, quiet: bool) -> "Progress":
-    """Give what tells on stderr how many pieces of work are done, and about how many seconds are left."""
-    start = monotonic()
-    last = [start]
-
-    def tell_done(done: int, whole: int) -> None:
-        now = monotonic()
-        if quiet or (now - last[0] < SECONDS_BETWEEN_LINES and done < whole):
-            return
-        last[0] = now
-        tell(f"{what}: {done} of {whole}, about {(now - start) * (whole / done - 1.0):.0f} s left")
-
-    return tell_done

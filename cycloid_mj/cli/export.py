@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import DesignFlag, JsonFlag, SetFlag, designed, within
+from cycloid_mj.cli.flags import FLAT, DesignOptions, JsonFlag, within
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import say, say_json, say_table
 
@@ -44,9 +44,8 @@ ChordFlag = Annotated[
 
 def export(
     *,
-    design: DesignFlag,
+    chosen: Annotated[DesignOptions, FLAT],
     format_: FormatFlag,
-    set_: SetFlag = (),
     out: OutFlag = None,
     chord_error_um: ChordFlag = 1.0,
     json: JsonFlag = False,
@@ -62,10 +61,10 @@ def export(
     from cycloid_mj.export import export as exported
     from cycloid_mj.whole import write_whole
 
-    chosen = designed(design, set_, ())
-    require_sound(chosen)
-    made = exported(chosen, format_, chord_error_um * 1e-6)
-    into = folder(f"{chosen.name}-{format_}" if out is None else out, "the parts")
+    design = chosen.resolved()
+    require_sound(design)
+    made = exported(design, format_, chord_error_um * 1e-6)
+    into = folder(f"{design.name}-{format_}" if out is None else out, "the parts")
     files = {into / name: content for name, content in made.files.items()}
     write_whole(files)
     paths = list(files)

@@ -136,6 +136,18 @@ def designed(name_or_file: str, changes: Sequence[str], values: Values) -> Desig
     return override(design, [f"{quantity.key}={value!r}" for quantity, value in values if value is not None])
 
 
+@dataclass(frozen=True)
+class DesignOptions:
+    """The design that a command works on, with what is changed in it."""
+
+    design: DesignFlag
+    set_: SetFlag = ()
+
+    def resolved(self, values: Values = ()) -> Design:
+        """Give the design, with `values` of other flags; see `designed` for the errors."""
+        return designed(self.design, self.set_, values)
+
+
 def point(text: str | None) -> tuple[float, float] | None:
     """Give q [m] from ``X,Y`` in mm, None from None; raise UsageError if it is no such point."""
     if text is None:

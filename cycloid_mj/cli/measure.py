@@ -17,12 +17,12 @@ from cycloid_mj.cli.flags import (
     LOAD,
     SPEED,
     DesignFlag,
+    DesignOptions,
     JsonFlag,
     Quantity,
     QuietFlag,
     SetFlag,
     Values,
-    designed,
     whole,
     within,
 )
@@ -43,11 +43,10 @@ RATED = "Default: the rated torque, drive.torque_nm times the ratio (36.68 in th
 
 
 @dataclass(frozen=True)
-class Chosen:
-    """What is measured."""
+class Chosen(DesignOptions):
+    """What is measured: the preset pin, unless something else is chosen."""
 
     design: DesignFlag = "pin"
-    set_: SetFlag = ()
 
 
 @dataclass(frozen=True)
@@ -350,7 +349,7 @@ def _command(name: str, options: type[Options]) -> Callable[..., int]:
     """Make the command of a measure: its design, its own options, and what all measures share."""
 
     def one(*, chosen: Chosen, options: Options, delivered: Delivered) -> int:
-        return _measure(name, [chosen.design], chosen.set_, options, delivered)
+        return _measure(name, [chosen.resolved(options.values())], options, delivered)
 
     def many(
         *designs: Annotated[
@@ -364,7 +363,8 @@ def _command(name: str, options: type[Options]) -> Callable[..., int]:
         options: Options,
         delivered: Delivered,
     ) -> int:
-        return _measure(name, (*designs, *design) or BOTH, set_, options, delivered)
+        found = [DesignOptions(one, set_).resolved(options.values()) for one in (*designs, *design) or BOTH]
+        return _measure(name, found, options, delivered)
 
     command: Any = many if options is Torque else one
     shared: dict[str, type[Any]] = {"chosen": Chosen, "options": options, "delivered": Delivered}
@@ -376,32 +376,27 @@ def _command(name: str, options: type[Options]) -> Callable[..., int]:
     return made
 
 
-def _measure(name: str, designs: Sequence[str], changes: Sequence[str], options: Options, delivered: Delivered) -> int:
+def _measure(name: str, designs: Sequence[Design], options: Options, delivered: Delivered) -> int:
     """Measure designs, and print and write what was found."""
-    from cycloid_mj.cli.deliver import deliver, told
+    from cycloid_mj.checks import require_sound
+    from cycloid_mj.cli.deliver import deliver
+    from cycloid_mj.cli.progress import counted
     from cycloid_mj.measure import MEASURES
     from cycloid_mj.papers import published_torques
 
-    chosen = [_sound(designed(one, changes, options.values())) for one in designs]
-    called = [one.name for one in chosen]
+    for design in designs:
+        require_sound(design)
+    called = [one.name for one in designs]
     if twice := next((one for one in called if called.count(one) > 1), None):
         raise UsageError(f"two of the designs are called {twice!r}: give each a name of its own in its file")
     into = _prepared(delivered.out)
     found = []
-    for design in chosen:
+    for design in designs:
         words = WORDS.get(name, name) + (f" of {design.name}" if options.values() else "")
-        progress = told(words, delivered.quiet)
+        progress = counted(words, delivered.quiet)
         published = {"published": published_torques(design)} if options.PUBLISHED else {}
         found.append(MEASURES[name](design, **options.arguments(), **published, progress=progress))
     return deliver(found, into, delivered.json, delivered.quiet, delivered.no_log)
-
-
-def _sound(design: Design) -> Design:
-    """Give a design that can be built; raise DesignError where it fails a check."""
-    from cycloid_mj.checks import require_sound
-
-    require_sound(design)
-    return design
 
 
 def _prepared(out: str) -> Path:

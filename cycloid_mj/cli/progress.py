@@ -1,13 +1,14 @@
-"""How far a run is: a bar with the time left on a terminal, now and then a line elsewhere."""
+"""How far runs are: a bar with the time left on a terminal, now and then a line elsewhere."""
 
 import sys
+from collections.abc import Callable
 from time import monotonic
 from types import TracebackType
 from typing import Any
 
 from cycloid_mj.cli.terminal import tell
 
-SECONDS_BETWEEN_LINES = 10.0
+SECONDS_BETWEEN_LINES, SECONDS_BETWEEN_COUNTS = 10.0, 5.0
 
 
 class Progress:
@@ -52,8 +53,28 @@ class Progress:
 
     def _line(self, simulated: float) -> str:
         share = simulated / self._end
-        left = (monotonic() - self._start) * (1.0 / share - 1.0) if share > 0.0 else float("inf")
+        left = seconds_left(self._start, share)
         return f"{share:4.0%}  {simulated:.3f} of {self._end:g} s simulated, about {left:.0f} s left"
+
+
+def seconds_left(start: float, share: float) -> float:
+    """Give the time [s] that the rest of some work will take, of which a share is done since `start`."""
+    return (monotonic() - start) * (1.0 / share - 1.0) if share > 0.0 else float("inf")
+
+
+def counted(what: str, quiet: bool) -> Callable[[int, int], None]:
+    """Give what writes, not too often, how many pieces of work are done, of how many, and the time left."""
+    start = monotonic()
+    last = [start]
+
+    def progress(done: int, whole: int) -> None:
+        now = monotonic()
+        if quiet or (now - last[0] < SECONDS_BETWEEN_COUNTS and done < whole):
+            return
+        last[0] = now
+        tell(f"{what}: {done} of {whole}, about {seconds_left(start, done / whole):.0f} s left")
+
+    return progress
 
 
 def _bar(end: float) -> Any:

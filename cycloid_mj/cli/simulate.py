@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Literal, NoReturn
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import HOLD, LOAD, RAMP, SPEED, TIMESTEP, DesignFlag, JsonFlag, QuietFlag, SetFlag, designed
+from cycloid_mj.cli.analyze import report
+from cycloid_mj.cli.flags import FLAT, HOLD, LOAD, RAMP, SPEED, TIMESTEP, DesignOptions, JsonFlag, QuietFlag
 from cycloid_mj.cli.outfile import folder, new_folder
 from cycloid_mj.cli.progress import Progress
-from cycloid_mj.cli.report import report
 from cycloid_mj.design import Design
 from cycloid_mj.errors import CycloidError, LogError, RunError, UsageError
 from cycloid_mj.interrupt import cause, unbroken
@@ -64,8 +64,7 @@ ForceFlag = Annotated[
 
 def simulate(
     *,
-    design: DesignFlag,
-    set_: SetFlag = (),
+    chosen: Annotated[DesignOptions, FLAT],
     contact: ContactFlag = "profile",
     out: OutFlag = None,
     timestep_us: Annotated[float | None, TIMESTEP.flag("Time step")] = None,
@@ -92,16 +91,16 @@ def simulate(
     write one log: the second takes the next name, or ends with an error.
     """
     values = [(TIMESTEP, timestep_us), (SPEED, speed_rpm), (RAMP, ramp_s), (HOLD, hold_s), (LOAD, load_nm)]
-    chosen = designed(design, set_, values)
-    require_possible(chosen)
+    design = chosen.resolved(values)
+    require_possible(design)
     into = folder(RUNS if out is None else out, "the log")
-    names: Iterable[Path] = [into / f"{chosen.name}.mcap"]
+    names: Iterable[Path] = [into / f"{design.name}.mcap"]
     if out is None and not force:
-        names = _free_names(into, chosen.name)
+        names = _free_names(into, design.name)
     elif not force:
         require_free(*names)
-    with Progress(chosen.drive.ramp + chosen.drive.hold, quiet) as progress:
-        ran = run_into_log(chosen, names, force, progress, contact)
+    with Progress(design.drive.ramp + design.drive.hold, quiet) as progress:
+        ran = run_into_log(design, names, force, progress, contact)
     report(ran.judged(), json)
     return 0
 

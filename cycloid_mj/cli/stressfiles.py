@@ -7,8 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cycloid_mj.cli.terminal import say, say_json, say_table
-from cycloid_mj.cli.warned import with_warnings
+from cycloid_mj.cli.terminal import say, say_json, say_table, with_warnings
 from cycloid_mj.papers import papers
 from cycloid_mj.whole import write_whole
 

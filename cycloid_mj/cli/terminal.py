@@ -1,12 +1,16 @@
-"""What reaches the user: results on stdout, messages on stderr."""
+"""What reaches the user: results on stdout; on stderr messages, what the package logs, and warnings."""
 
 import json
+import logging
 import math
 import sys
-from collections.abc import Sequence
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import TYPE_CHECKING, Any
 
-from cycloid_mj.cli.warned import with_warnings
+from cycloid_mj.errors import CycloidWarning
 
 if TYPE_CHECKING:
     from cycloid_mj.result import Table
@@ -16,6 +20,8 @@ PIPE_WIDTH = 120
 LONGEST_MESSAGE = 4000
 """Characters of a message; of a longer one the start is written."""
 
+_seen: ContextVar[dict[str, None]] = ContextVar("seen")
+
 
 def say(text: str) -> None:
     """Write a result; control codes in it, as of a hostile log, are shown and not obeyed."""
@@ -24,8 +30,13 @@ def say(text: str) -> None:
 
 def say_json(value: Any) -> None:
     """Write one JSON object, warnings included; what is no number there (JSON has no NaN) becomes null."""
+    say(json_text(value))
+
+
+def json_text(value: Any) -> str:
+    """Give a JSON object as text, warnings included."""
     noted = with_warnings(value) if isinstance(value, dict) else value
-    say(json.dumps(finite(noted), indent=2, allow_nan=False))
+    return json.dumps(finite(noted), indent=2, allow_nan=False)
 
 
 def tell(text: str) -> None:
@@ -86,3 +97,56 @@ def finite(value: Any) -> Any:
     if isinstance(value, list):
         return [finite(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+@contextmanager
+def warnings_kept(show: Callable[[str], None] | None) -> Iterator[None]:
+    """Keep the warnings issued inside this ``with`` block, in whichever thread; show each once, if there is a `show`.
+
+    Python's own way with warnings of other kinds stays as it is.
+    """
+    seen: dict[str, None] = {}
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", CycloidWarning)
+        others = warnings.showwarning
+
+        def keep(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
+            if not issubclass(category, CycloidWarning):
+                others(message, category, *place, **more)
+            elif (text := str(message)) not in seen:
+                seen[text] = None
+                if show:
+                    show(f"warning: {text}")
+
+        warnings.showwarning = keep
+        token = _seen.set(seen)
+        try:
+            yield
+        finally:
+            _seen.reset(token)
+
+
+def with_warnings(found: dict[str, Any]) -> dict[str, Any]:
+    """Give a command's JSON object with the warnings kept so far, ``warnings``, unless it has that key already."""
+    seen = _seen.get(None)
+    return found if seen is None or "warnings" in found else found | {"warnings": list(seen)}
+
+
+@contextmanager
+def log_told(quiet: bool) -> Iterator[None]:
+    """Write every message of level info and above as a line on stderr inside this block, or none if it is `quiet`."""
+    log, handler = logging.getLogger("cycloid_mj"), _Teller()
+    level = log.level
+    if not quiet:
+        log.addHandler(handler)
+        log.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        log.removeHandler(handler)
+        log.setLevel(level)
+
+
+class _Teller(logging.Handler):
+    def emit(self, record: logging.LogRecord) -> None:
+        tell(record.getMessage())

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from cycloid_mj.cli.flags import JsonFlag
+from cycloid_mj.cli.progress import seconds_left
 from cycloid_mj.cli.terminal import say, say_json, say_table, tell
 
 if TYPE_CHECKING:
@@ -64,7 +65,7 @@ def _climbed(parts: "tuple[Part, ...]", quick: bool) -> "list[Row]":
     for number, rows in climb(parts, quick):
         found.append((number, rows))
         done += parts[number].cost[not quick]
-        left = (monotonic() - start) * (whole / done - 1.0)
+        left = seconds_left(start, done / whole)
         tell(f"{len(found)} of {len(parts)} parts, last of {parts[number].rung!r}; about {left:.0f} s left")
     return in_order(found)
 

@@ -10,8 +10,7 @@ from cyclopts import Parameter
 
 from cycloid_mj.cli.flags import JsonFlag, QuietFlag
 from cycloid_mj.cli.outfile import folder
-from cycloid_mj.cli.terminal import finite, say, say_json, say_table, tell
-from cycloid_mj.cli.warned import with_warnings
+from cycloid_mj.cli.terminal import finite, say, say_json, say_table, tell, with_warnings
 from cycloid_mj.errors import UsageError
 from cycloid_mj.whole import write_whole
 
