@@ -48,8 +48,7 @@ def loads(design: Design, springs: Springs, torque: float, follow: bool = False)
         No balance was found.
     """
     contacts, lever = springs.contacts, design.output.pin_circle_radius
-    load = np.zeros((springs.crank.size, contacts.slope.shape[2]))
-    load[:, :2], load[:, -1] = springs.body_force, torque / lever
+    load = springs.load(torque)
     z, force = np.zeros(load.shape), np.zeros(contacts.distance.shape)
     z[:, :2] = contacts.cam_place[:, 0]
     with announced():

@@ -51,6 +51,12 @@ class Springs:
     body_force: Array
     slip: Array
 
+    def load(self, torque: float) -> Array:
+        """Give the generalised force on each unknown [N], shape (m, 3 D + 1), of a torque on the output [N m]."""
+        load = np.zeros((self.crank.size, self.contacts.slope.shape[2]))
+        load[:, :2], load[:, -1] = self.body_force, torque / self.contacts.radius
+        return load
+
 
 def turn_evenly(poses: int = POSES) -> Array:
     """Give crank angles [rad], shape (poses,), that lie evenly in the turn and, taken modulo it, in the mesh period."""

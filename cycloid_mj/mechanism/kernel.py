@@ -4,6 +4,8 @@ Every spring is a gap from ``mechanism.gaps``, round by its `bend`; the cams are
 springs less the work of the load is convex up to the turning of the gaps, so Newton's steps are shortened until the
 energy falls. Friction comes on as a load, from the normal forces before, until both agree. Angles follow each other
 along the turn: each starts from the balances before it.
+
+All is in one file: numba does not see when code that it has kept calls other code that has changed.
 """
 
 import math
@@ -23,6 +25,13 @@ BALANCED = 1e-8
 
 FLOATING = 1e-9
 """Stiffness that keeps floating parts where they are, as a share of the cam's."""
+
+CARRIES = 0.01
+"""A tooth carries where its force is at least this share of the largest over the turn."""
+
+FIGURES = 9
+"""Numbers of a sample: of gear and output the mean turn and its range; peaks of a tooth, an output pin, the cam; teeth
+that carry on average; what no balance was found for."""
 
 _NEAR = 0.5
 """Longest step as a share of the least radius of a contact's curve: past its middle the circle pushes the other way."""
@@ -82,6 +91,32 @@ class Left(NamedTuple):
     friction: float
 
 
+class Effects(NamedTuple):
+    """How far the curves of a contact are moved by errors of the parts, per error [1], [1], [1], [m/rad].
+
+    `distance` and `shift`, shape (k, n, 4), as in ``kernel.Springs``: by the place of its pin or hole in x and y, the
+    gear's pin circle, and the turn of its flanks. `cam_place` (k, D, 2) [1] is that of the cams by the eccentricity.
+    """
+
+    distance: Array
+    shift: Array
+    cam_place: Array
+
+
+class Made(NamedTuple):
+    """How s samples were made: `room` (s, n) and `place` (s, n, 2) of each contact [m]; the rest has the shape (s,).
+
+    `pin_circle` [m], `rotation` [rad], `eccentricity` [m], and the `cam`'s clearance [m].
+    """
+
+    room: Array
+    place: Array
+    pin_circle: Array
+    rotation: Array
+    eccentricity: Array
+    cam: Array
+
+
 class _System(NamedTuple):
     """Generalised forces left over [N], shape (u,), and the springs' stiffness [N/m], shape (u, u), its lower half."""
 
@@ -126,9 +161,11 @@ def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool)
             for _ in range(ROUNDS):
                 if left <= BALANCED:
                     break
-                _solve(system.tangent, system.residual, step, FLOATING * springs.cam_stiffness)
-                share = min(1.0, longest / _largest(step))
-                found = energy
+                floating = FLOATING * springs.cam_stiffness
+                if not _solve(system.tangent, system.residual, step, floating):
+                    _assemble(springs, k, held, here, system)
+                    _roll_off(system.tangent, system.residual, step, floating)
+                share, found = min(1.0, longest / _largest(step)), energy
                 for _ in range(_HALVINGS):
                     for j in range(number):
                         there[j] = here[j] + share * step[j]
@@ -150,6 +187,81 @@ def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool)
         for i in range(springs.disc.size):
             force[k, i] = springs.stiffness[k, i] * _depth(springs, k, i, here)
     return Left(worst, unsettled)
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def balance_samples(
+    ideal: Springs, effects: Effects, made: Made, load: Array, first: int, last: int, out: Array
+) -> None:
+    """Balance samples `first` to `last` under a load (k, u) [N] at crank angles that follow each other.
+
+    `ideal` are the springs of ideal parts; the row of each sample in `out` (s, ``FIGURES``) is filled in.
+    """
+    count, contacts, discs = ideal.distance.shape[0], ideal.disc.size, effects.cam_place.shape[1]
+    distance, shift = np.empty((count, contacts)), np.empty((count, contacts))
+    z, force, cam_place = np.empty(load.shape), np.empty((count, contacts)), np.empty(effects.cam_place.shape)
+    for s in range(first, last):
+        circle, rotation = made.pin_circle[s], made.rotation[s]
+        for k in range(count):
+            for i in range(contacts):
+                across = along = 0.0
+                for j, size in enumerate((made.place[s, i, 0], made.place[s, i, 1], circle, rotation)):
+                    across += effects.distance[k, i, j] * size
+                    along += effects.shift[k, i, j] * size
+                distance[k, i], shift[k, i] = across, along
+            for disc in range(discs):
+                for j in range(2):
+                    cam_place[k, disc, j] = made.eccentricity[s] * effects.cam_place[k, disc, j]
+        springs = Springs(
+            ideal.radius,
+            ideal.disc,
+            ideal.turning,
+            made.room[s],
+            distance,
+            ideal.slope,
+            shift,
+            ideal.shift_slope,
+            ideal.bend,
+            ideal.stiffness,
+            cam_place,
+            made.cam[s],
+            ideal.cam_stiffness,
+            ideal.rubbing,
+            ideal.cam_rubbing,
+        )
+        for follow in (True, False):
+            z[:] = 0.0
+            for disc in range(discs):
+                z[:, 3 * disc : 3 * disc + 2] = cam_place[:, disc]
+            left = balance(springs, load, z, force, follow)
+            if left.force <= BALANCED and left.friction <= BALANCED:
+                break
+        _sum_up(springs, z, force, out[s])
+        out[s, FIGURES - 1] = max(left.force, left.friction)
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _sum_up(springs: Springs, z: Array, force: Array, out: Array) -> None:
+    """Give the figures of one sample, but the last."""
+    count, last = len(z), z[0].size - 1
+    for place, turn in enumerate((2, last)):
+        out[2 * place], out[2 * place + 1] = z[:, turn].mean() / springs.radius, np.ptp(z[:, turn]) / springs.radius
+    tooth = pin = cam = 0.0
+    for k in range(count):
+        for i in range(force.shape[1]):
+            if springs.turning[i]:
+                tooth = max(tooth, force[k, i])
+            else:
+                pin = max(pin, force[k, i])
+        for disc in range(springs.cam_place.shape[1]):
+            x, y = z[k, 3 * disc] - springs.cam_place[k, disc, 0], z[k, 3 * disc + 1] - springs.cam_place[k, disc, 1]
+            cam = max(cam, springs.cam_stiffness * (np.sqrt(x * x + y * y) - springs.cam_clearance))
+    carrying = 0
+    for k in range(count):
+        for i in range(force.shape[1]):
+            if springs.turning[i] and force[k, i] > CARRIES * tooth:
+                carrying += 1
+    out[4], out[5], out[6], out[7] = tooth, pin, cam, carrying / count
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
@@ -260,20 +372,21 @@ def _assemble(springs: Springs, k: int, load: Array, z: Array, system: _System) 
                 continue
             force = -stiffness * found.width
             energy -= 0.5 * force * found.width
-            # The normal's turning stiffens a concave contact and softens a convex one: what softens is left to Newton.
-            turning = max(-force * found.rate, 0.0)
+            # The normal's turning stiffens a concave contact and softens a convex one; so do the turns of the parts.
+            turning, with_disc = -force * found.rate, force / springs.radius if springs.turning[i] else 0.0
+            alone = with_disc if springs.turning[i] else -force / springs.radius
             (ax, ay, at, ao), (bx, by, bt, bo) = found.ahead, found.aside
             rx, ry, rt, ro = rx + force * ax, ry + force * ay, rt + force * at, ro + force * ao
             xx += stiffness * ax * ax + turning * bx * bx
             xy += stiffness * ax * ay + turning * bx * by
             yy += stiffness * ay * ay + turning * by * by
-            xt += stiffness * ax * at + turning * bx * bt
-            yt += stiffness * ay * at + turning * by * bt
-            tt += stiffness * at * at + turning * bt * bt
+            xt += stiffness * ax * at + turning * bx * bt + with_disc * bx
+            yt += stiffness * ay * at + turning * by * bt + with_disc * by
+            tt += stiffness * at * at + turning * bt * bt + alone * bt
             xo += stiffness * ax * ao + turning * bx * bo
             yo += stiffness * ay * ao + turning * by * bo
             to += stiffness * at * ao + turning * bt * bo
-            oo += stiffness * ao * ao + turning * bo * bo
+            oo += stiffness * ao * ao + turning * bo * bo + alone * bo
         u, v, depth, around = _cam(springs, k, disc, z)
         if depth > 0.0:
             stiffness = springs.cam_stiffness
@@ -330,14 +443,16 @@ def _largest(values: Array) -> float:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _solve(matrix: Array, right: Array, out: Array, floating: float) -> None:
-    """Solve a symmetric positive system by Cholesky's method, from its lower half, in place."""
+def _solve(matrix: Array, right: Array, out: Array, floating: float) -> bool:
+    """Solve a symmetric system by Cholesky's method, from its lower half, in place; tell whether it is positive."""
     number = right.size
     for j in range(number):
         pivot = matrix[j, j] + floating
         for m in range(j):
             pivot -= matrix[j, m] * matrix[j, m]
-        pivot = math.sqrt(max(pivot, floating))
+        if not pivot > 0.5 * floating:
+            return False
+        pivot = math.sqrt(pivot)
         matrix[j, j] = pivot
         for i in range(j + 1, number):
             value = matrix[i, j]
@@ -354,3 +469,24 @@ def _solve(matrix: Array, right: Array, out: Array, floating: float) -> None:
         for m in range(i + 1, number):
             value -= matrix[m, i] * out[m]
         out[i] = value / matrix[i, i]
+    return True
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _roll_off(matrix: Array, right: Array, out: Array, floating: float) -> None:
+    """Solve a symmetric system, from its lower half, as if all of its eigenvalues were positive.
+
+    Where the turning of convex contacts leaves no stable system, away from a balance, that leads down from the ridge.
+    """
+    number = right.size
+    for j in range(number):
+        out[j] = 0.0
+        for m in range(j + 1, number):
+            matrix[j, m] = matrix[m, j]
+    values, vectors = np.linalg.eigh(matrix)
+    for m in range(number):
+        along = 0.0
+        for j in range(number):
+            along += vectors[j, m] * right[j]
+        for j in range(number):
+            out[j] += along / max(abs(values[m]), floating) * vectors[j, m]

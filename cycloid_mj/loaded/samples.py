@@ -1,0 +1,227 @@
+"""Statics of many samples of one design, each with clearances, manufacturing errors and modification of its own.
+
+Gaps are linear in what a sample departs by, so the springs of all samples follow from those of ideal parts, which are
+made once. A pin that is displaced moves its contact as its disc does when displaced the other way; a hole, as its
+disc; flanks that are turned, as a disc that has turned.
+"""
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cycloid_mj import profile
+from cycloid_mj.compiling import announced
+from cycloid_mj.design import Design, Errors, Modification
+from cycloid_mj.deviations import deviations
+from cycloid_mj.errors import RunError
+from cycloid_mj.kinematics import gear_rotation
+from cycloid_mj.loaded.springs import Springs, springs_of
+from cycloid_mj.mechanism.gaps import cam_places
+from cycloid_mj.mechanism.kernel import BALANCED, FIGURES, Effects, Made, balance_samples
+from cycloid_mj.modification import tooth_profile
+from cycloid_mj.types import Array
+
+ANGLES = 360
+"""Crank angles in a turn."""
+
+CHUNKS = 8
+"""Pieces of work for each thread: samples do not all take as long."""
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """How s samples of a design were made; lengths in metres, pins (or lobes) and holes counted as in ``deviations``.
+
+    Attributes
+    ----------
+    pin_place, pin_radius
+        Departures of each ring pin's (or lobe's) place, shape (s, N, 2), and radius, shape (s, N).
+    hole_place
+        Of each hole's place in the gear, shape (s, output pins, 2).
+    eccentricity
+        Of the cam's, shape (s,).
+    mesh, seat, cam, output
+        Clearances, shape (s,): of the gear on its ring, of pins or sleeves that move in their seats (0 where none
+        does), of the cam and of the output pins.
+    equidistant, pin_circle, rotation
+        Modification of the gear, shape (s,); the last in rad.
+    """
+
+    pin_place: Array
+    pin_radius: Array
+    hole_place: Array
+    eccentricity: Array
+    mesh: Array
+    seat: Array
+    cam: Array
+    output: Array
+    equidistant: Array
+    pin_circle: Array
+    rotation: Array
+
+    def __len__(self) -> int:
+        """Count the samples."""
+        return len(self.cam)
+
+
+def alike(design: Design, count: int) -> Samples:
+    """Give samples that are all made as the design is, with its own errors; `replace` what they differ in."""
+    made, clearance, change = deviations(design), design.clearance, design.modification
+    one = {
+        **{name: getattr(made, name) for name in ("pin_place", "pin_radius", "hole_place", "eccentricity")},
+        **{name: getattr(change, name) for name in ("equidistant", "pin_circle", "rotation")},
+        "mesh": getattr(clearance, design.tooth_pair),
+        "seat": design.pin_play,
+        "cam": clearance.cam,
+        "output": clearance.output,
+    }
+    return Samples(**{name: np.broadcast_to(value, (count, *np.shape(value))) for name, value in one.items()})
+
+
+def drawn(design: Design, count: int, seed: int) -> Samples:
+    """Draw samples by the standard deviations of the design's `errors`: normal, each kind from a stream of its own.
+
+    What the design lists, part by part, and its eccentricity are the same in all samples.
+    """
+    errors, same = design.errors, alike(design, count)
+    pins, holes = (count, design.ring.teeth), (count, design.output.pins)
+
+    def normal(stream: int, sigma: float, listed: Sequence[float], own: Array, shape: tuple[int, int]) -> Array:
+        draws = np.random.default_rng([seed, stream]).standard_normal(shape)
+        return own if listed else sigma * draws
+
+    def places(
+        stream: int, sigma: float, lists: Sequence[Sequence[float]], own: Array, shape: tuple[int, int]
+    ) -> Array:
+        axes = [normal(stream + axis, sigma, lists[axis], own[..., axis], shape) for axis in (0, 1)]
+        return np.stack(axes, axis=-1)
+
+    return replace(
+        same,
+        pin_place=places(0, errors.pin_position, (errors.pin_x, errors.pin_y), same.pin_place, pins),
+        pin_radius=normal(2, errors.pin_radius, errors.pin_dr, same.pin_radius, pins),
+        hole_place=places(3, errors.hole_position, (errors.hole_x, errors.hole_y), same.hole_place, holes),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Figures:
+    """What s samples do under one torque, over the crank angles of a turn; arrays of shape (s,).
+
+    Attributes
+    ----------
+    gear_mean, gear_range, output_mean, output_range
+        Turn of gear and output from the ideal one [rad]: its mean, and from its least to its largest, the peak to peak
+        of the transmission error.
+    tooth, output_pin, cam
+        Largest forces [N].
+    carrying
+        Teeth that carry at least 1 % of the largest force, on average.
+    """
+
+    gear_mean: Array
+    gear_range: Array
+    output_mean: Array
+    output_range: Array
+    tooth: Array
+    output_pin: Array
+    cam: Array
+    carrying: Array
+
+
+def solve_samples(
+    design: Design,
+    samples: Samples,
+    torques: Sequence[float],
+    angles: int = ANGLES,
+    threads: int = 1,
+    friction: bool = False,
+) -> list[Figures]:
+    """Balance every sample under each torque on the output, at crank angles all over a turn.
+
+    The result does not depend on the number of threads, to the last bit. Springs are as stiff as those of the design.
+
+    Parameters
+    ----------
+    design
+        What the samples are samples of; its own errors, clearances and modification do not matter.
+    samples
+        How they were made.
+    torques
+        On the output [N m], counter-clockwise, not 0. Between a small one and its opposite lies the backlash.
+    angles
+        Crank angles, evenly in a turn.
+    threads
+        To share the work.
+    friction
+        Whether the crank turns at the design's speed, with the friction of all contacts.
+
+    Returns
+    -------
+    The figures under each torque.
+
+    Raises
+    ------
+    RunError
+        A sample has no balance.
+    """
+    bare = design.model_copy(update={"errors": Errors(), "modification": Modification()})
+    crank = np.linspace(0.0, 2.0 * np.pi, angles, endpoint=False)
+    springs = springs_of(bare, crank, friction)
+    effects, made = _effects(bare, springs), _made(bare, springs, samples)
+    bounds = np.linspace(0, len(samples), min(CHUNKS * threads, len(samples)) + 1).astype(int).tolist()
+    found = []
+    for torque in torques:
+        load = springs.load(torque)
+        out = np.zeros((len(samples), FIGURES))
+
+        def balanced(first: int, last: int, load: Array = load, out: Array = out) -> None:
+            balance_samples(springs.contacts, effects, made, load, first, last, out)
+
+        with announced(), ThreadPoolExecutor(threads) as pool:
+            list(pool.map(balanced, bounds[:-1], bounds[1:]))
+        lost = np.flatnonzero(~(out[:, -1] <= BALANCED))
+        if lost.size:
+            raise RunError(f"no static balance of {lost.size} of {len(samples)} samples, the first being {lost[0] + 1}")
+        found.append(Figures(*out[:, :-1].T.copy()))
+    return found
+
+
+def backlash(counter_clockwise: Figures, clockwise: Figures) -> Array:
+    """Give the mean backlash of samples [rad], shape (s,), between a small torque and its opposite."""
+    return counter_clockwise.output_mean - clockwise.output_mean
+
+
+def _effects(design: Design, springs: Springs) -> Effects:
+    """Give the effects of errors on the contacts of ideal parts: they move as their disc's place or turn moves them."""
+    contacts, teeth, gear = springs.contacts, springs.teeth, tooth_profile(design)
+    turned = gear_rotation(gear, springs.crank)
+    along = np.stack([np.cos(turned), np.sin(turned)], axis=-1), np.stack([-np.sin(turned), np.cos(turned)], axis=-1)
+    outwards, side = profile.unit(profile.pin_angles(gear)), np.sign(contacts.slope[:, :teeth, 2])
+
+    def effect(slope: Array) -> Array:
+        moved = np.zeros((*slope.shape[:2], 4))
+        moved[:, :teeth, :2] = -slope[:, :teeth, :2]
+        for axis in (0, 1):
+            moved[:, teeth:, axis] = np.einsum("kni,ki->kn", slope[:, teeth:, :2], along[axis])
+        moved[:, :teeth, 2] = np.einsum("kni,ni->kn", slope[:, :teeth, :2], outwards)
+        moved[:, :teeth, 3] = slope[:, :teeth, 2] * side * contacts.radius
+        return moved
+
+    unit = design.but(errors={"eccentricity": 1e-6})
+    return Effects(effect(contacts.slope), effect(contacts.shift_slope), cam_places(unit, springs.crank) / 1e-6)
+
+
+def _made(design: Design, springs: Springs, samples: Samples) -> Made:
+    """Give what the samples put into the contacts; the springs are those of the design's own clearances."""
+    wider = samples.mesh - getattr(design.clearance, design.tooth_pair) + samples.seat - design.pin_play
+    radii = (2.0 if design.ring.has_sockets else 1.0) * samples.pin_radius
+    teeth = (wider + samples.equidistant)[:, np.newaxis] - radii
+    output = np.broadcast_to((samples.output - design.clearance.output)[:, np.newaxis], samples.hole_place.shape[:2])
+    return Made(
+        room=springs.contacts.room + np.concatenate([teeth, output], axis=1),
+        place=np.concatenate([samples.pin_place, samples.hole_place], axis=1),
+        **{name: np.ascontiguousarray(getattr(samples, name)) for name in Made._fields[2:]},
+    )
