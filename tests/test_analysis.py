@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from ideal import ideal_mechanism
 
 from cycloid_mj import analysis
 from cycloid_mj.analysis import analyze, series, table, window
@@ -41,34 +42,10 @@ def designed(*changes: str, turns: float = 2, ramp: float = 0.0, preset: str = "
 
 
 def ideal(design: Design, **added) -> Run:
-    """Give the run of the ideal mechanism; `added` is added to the columns of that name, an array or a number."""
-    omega, ramp = design.drive.speed, design.drive.ramp
-    time = DT * np.arange(round((ramp + design.drive.hold) / DT))
-    early = np.minimum(time, ramp)
-    theta = omega * (early**2 / (2 * ramp) if ramp else 0.0) + omega * (time - early)
-    speed = omega * (early / ramp if ramp else np.ones_like(time))
-    centre = 1j * ECCENTRICITY * np.exp(1j * theta)
-    velocity = 1j * speed * centre
-    columns = {
-        "crank_angle": theta,
-        "crank_speed": speed,
-        "gear_x": centre.real,
-        "gear_y": centre.imag,
-        "gear_vx": velocity.real,
-        "gear_vy": velocity.imag,
-        "gear_angle": -theta / LOBES,
-        "gear_speed": -speed / LOBES,
-        "output_angle": -theta / LOBES,
-        "output_speed": -speed / LOBES,
-    }
-    others = ["crank_torque", "load_torque", "contacts", "penetration", "peak_force"]
-    if design.ring.kind == "pin" and design.ring.pins == "free":
-        others += ["pin_1_x", "pin_1_y", "pin_1_angle", "pin_1_speed"]
-    columns |= {name: np.zeros_like(time) for name in others}
-    columns |= {name: columns.get(name, 0.0) + np.broadcast_to(value, time.shape) for name, value in added.items()}
-    provenance = {"design": design.name, "contact": "profile", "timestep_s": "4e-06"}
-    files = {"design.toml": dump(design).encode()}
-    return Run(time, columns, dict.fromkeys(columns, "1"), provenance, files)
+    return replace(
+        ideal_mechanism(design, **added),
+        provenance={"design": design.name, "contact": "profile", "timestep_s": "4e-06"},
+    )
 
 
 def wave(design: Design, order: float) -> np.ndarray:

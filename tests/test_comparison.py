@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from ideal import ideal_mechanism
 
 from cycloid_mj.analysis import Series
 from cycloid_mj.comparison import (
@@ -32,11 +33,10 @@ from cycloid_mj.comparison.forces import cam_force, tooth_forces
 from cycloid_mj.comparison.ranking import FEWEST_TURNS, SIGNIFICANCE, Ranking, summary
 from cycloid_mj.comparison.sensitivity import ASSUMPTIONS, Response, Sensitivity, sensitivities
 from cycloid_mj.comparison.vibration import acceleration, spectrum
-from cycloid_mj.design import PRESETS, Design, dump, override
+from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import LogError, UsageError
 from cycloid_mj.papers import vibration
 from cycloid_mj.plots.sweep import sweep_figure
-from cycloid_mj.record import Run
 
 DT = 1e-4
 SPEED = math.radians(1.0) / DT
@@ -51,30 +51,8 @@ def designed(preset: str, *changes: str, turns: float = TURNS + 1) -> Design:
     return override(PRESETS[preset], [*drive, *changes])
 
 
-def run_of(design: Design, **added) -> Run:
-    """The ideal mechanism; `added` is added to the columns of that name: a number, or a function of the crank angle."""
-    time = DT * np.arange(round(design.drive.hold / DT))
-    theta = SPEED * time
-    centre = 1j * ECCENTRICITY * np.exp(1j * theta)
-    velocity = 1j * SPEED * centre
-    columns = {"crank_angle": theta, "crank_speed": np.full_like(time, SPEED)}
-    columns |= {"gear_x": centre.real, "gear_y": centre.imag, "gear_vx": velocity.real, "gear_vy": velocity.imag}
-    for part in ("gear", "output"):
-        columns |= {f"{part}_angle": -theta / LOBES, f"{part}_speed": np.full_like(time, -SPEED / LOBES)}
-    stem = "pin" if design.ring.kind == "pin" else "lobe"
-    pairs = [*(f"{stem}_{i}" for i in range(1, 37)), "cam", *(f"output_pin_{i}" for i in range(1, 9))]
-    names = ["crank_torque", "load_torque", "contacts", "penetration", "peak_force"]
-    names += ["pin_1_x", "pin_1_y", "pin_1_angle", "pin_1_speed"] if design.ring.kind == "pin" else []
-    names += [f"{pair}_force_{axis}" for pair in pairs for axis in "xy"]
-    columns |= {name: np.zeros_like(time) for name in names}
-    for name, value in added.items():
-        columns[name] = columns[name] + (value(theta) if callable(value) else value)
-    files = {"design.toml": dump(design).encode()}
-    return Run(time, columns, dict.fromkeys(columns, "1"), {"design": design.name}, files)
-
-
 def motion_of(preset: str = "pin", *changes: str, **added) -> Series:
-    return settled(run_of(designed(preset, *changes), **added))
+    return settled(ideal_mechanism(designed(preset, *changes), **added))
 
 
 def trial_of(preset: str, *changes: str, **added) -> Trial:
@@ -99,7 +77,7 @@ def test_turns_are_whole_and_follow_one_another():
 
 
 def test_a_hold_of_less_than_a_turn_is_one_part():
-    motion = settled(run_of(designed("pin", turns=0.5)))
+    motion = settled(ideal_mechanism(designed("pin", turns=0.5)))
     (part,) = turns(motion)
     assert part == slice(int(np.argmax(motion.hold)), len(motion.run))
 
@@ -214,7 +192,7 @@ def test_forces_of_a_ring_are_those_of_its_lobes():
 
 
 def test_a_run_without_forces_is_refused():
-    run = run_of(designed("pin"))
+    run = ideal_mechanism(designed("pin"))
     columns = {name: values for name, values in run.columns.items() if not name.startswith("cam")}
     bare = replace(run, columns=columns, units={name: run.units[name] for name in columns}, topics={})
     with pytest.raises(LogError, match="no forces of the kind 'cam'"):

@@ -10,15 +10,15 @@ from pathlib import Path
 import matplotlib
 import numpy as np
 import pytest
+from ideal import ideal_mechanism
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.patches import Circle, PathPatch
 from matplotlib.quiver import Quiver
 
 from cycloid_mj import kinematics, profile
 from cycloid_mj.analysis import analyze, series
-from cycloid_mj.design import PRESETS, Design, dump, override
+from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import CycloidError, LogError, UsageError
-from cycloid_mj.kinematics import CrankLaw
 from cycloid_mj.plots import FigureError, figures, mechanism, save
 from cycloid_mj.profile import CycloidGear
 from cycloid_mj.record import Run
@@ -31,32 +31,26 @@ ARCSEC = math.pi / 180 / 3600
 
 def run_of(design: Design) -> Run:
     """Give the closed form with waves on everything that the figures show."""
-    law = CrankLaw(design.drive.speed, design.drive.ramp)
-    time = DT * np.arange(round((design.drive.ramp + design.drive.hold) / DT))
-    theta, speed = law.angle_at(time), law.speed_at(time)
-    centre = kinematics.gear_centre(GEAR, theta) + 1e-6 * np.stack([np.cos(theta), np.sin(2 * theta)], axis=1)
-    velocity = kinematics.gear_centre_velocity(GEAR, theta, speed) + 1e-3 * np.stack([np.sin(theta), np.cos(theta)], 1)
-    columns = {
-        "crank_angle": theta,
-        "crank_speed": speed + 1e-3 * np.cos(3 * theta),
-        "crank_torque": np.full_like(time, 1.2),
-        "gear_x": centre[:, 0],
-        "gear_y": centre[:, 1],
-        "gear_angle": -theta / 35 + 20 * ARCSEC * np.sin(36 * theta),
-        "gear_vx": velocity[:, 0],
-        "gear_vy": velocity[:, 1],
-        "gear_speed": -speed / 35 + 0.002 * np.cos(36 * theta),
-        "output_angle": -theta / 35 - 96 * ARCSEC + ARCSEC * np.sin(8 * theta),
-        "output_speed": -speed / 35,
-        "load_torque": np.full_like(time, 36.0),
-        **{name: np.ones_like(time) for name in ("contacts", "penetration", "peak_force")},
-        "pin_1_x": 0.9e-6 * np.cos(theta),
-        "pin_1_y": 0.7e-6 * np.sin(theta),
-        "pin_1_angle": np.zeros_like(time),
-        "pin_1_speed": 2 + np.cos(theta),
+    pin_1 = {
+        "pin_1_x": lambda theta: 0.9e-6 * np.cos(theta),
+        "pin_1_y": lambda theta: 0.7e-6 * np.sin(theta),
+        "pin_1_speed": lambda theta: 2 + np.cos(theta),
     }
-    files = {"design.toml": dump(design).encode()}
-    return Run(time, columns, dict.fromkeys(columns, "1"), {"design": design.name}, files)
+    return ideal_mechanism(
+        design,
+        crank_speed=lambda theta: 1e-3 * np.cos(3 * theta),
+        crank_torque=1.2,
+        gear_x=lambda theta: 1e-6 * np.cos(theta),
+        gear_y=lambda theta: 1e-6 * np.sin(2 * theta),
+        gear_angle=lambda theta: 20 * ARCSEC * np.sin(36 * theta),
+        gear_vx=lambda theta: 1e-3 * np.sin(theta),
+        gear_vy=lambda theta: 1e-3 * np.cos(theta),
+        gear_speed=lambda theta: 0.002 * np.cos(36 * theta),
+        output_angle=lambda theta: ARCSEC * np.sin(8 * theta) - 96 * ARCSEC,
+        load_torque=36.0,
+        **dict.fromkeys(("contacts", "penetration", "peak_force"), 1.0),
+        **(pin_1 if design.ring.has_moving_pins else {}),
+    )
 
 
 @pytest.fixture(scope="module")
