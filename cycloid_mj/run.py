@@ -21,6 +21,7 @@ from cycloid_mj.contact.massless import idle
 from cycloid_mj.contact.peaks import Peaks
 from cycloid_mj.contact.regime import pace
 from cycloid_mj.contact.shared import Shared
+from cycloid_mj.contact.timestep import Step, chosen, timestep
 from cycloid_mj.contact.working import for_slices, working_forces_told
 from cycloid_mj.course import Course, initial_state, ramp_and_hold
 from cycloid_mj.design import Design, dump
@@ -87,12 +88,15 @@ class Schedule:
         return -(-self.steps // self.stride)
 
 
-def schedule(design: Design) -> Schedule:
-    """Give the steps of a design's run: ramp and hold, sampled as near to the log rate as whole steps allow."""
-    timestep = design.settings.timestep
-    steps = max(1, round((design.drive.ramp + design.drive.hold) / timestep))
-    stride = max(1, round(1.0 / (design.settings.log_rate * timestep)))
-    return Schedule(timestep, steps, min(stride, steps))
+def schedule(design: Design, step: float = 0.0) -> Schedule:
+    """Give the steps of a design's run: ramp and hold, sampled as near to the log rate as whole steps allow.
+
+    `step` is the time step [s] of the model that runs it; 0: the design's own.
+    """
+    step = step or timestep(design)
+    steps = max(1, round((design.drive.ramp + design.drive.hold) / step))
+    stride = max(1, round(1.0 / (design.settings.log_rate * step)))
+    return Schedule(step, steps, min(stride, steps))
 
 
 def columns(reducer: ReducerModel, design: Design) -> Groups:
@@ -162,22 +166,29 @@ def simulate(design: Design, reducer: ReducerModel | None = None, course: Course
         time=time,
         columns=values,
         units=units,
-        provenance=provenance(design, contact_of(reducer)) | warned(warnings(reducer, design, course)),
+        provenance=provenance(design, contact_of(reducer), reducer.model.opt.timestep)
+        | warned(warnings(reducer, design, course)),
         attachments=attachments(reducer, design),
         topics={topic: tuple(names) for topic, names in groups.items()},
     )
 
 
-def provenance(design: Design, contact: Contact = "profile") -> dict[str, str]:
-    """Give what a run stands on: contact method, time step, the forces that stiffness is the secant of, versions."""
+def provenance(design: Design, contact: Contact = "profile", step: float = 0.0) -> dict[str, str]:
+    """Give what a run stands on: contact method, time step, the forces that stiffness is the secant of, versions.
+
+    `step` is as in `schedule`.
+    """
     from cycloid_mj import __version__
 
-    made_for = for_slices(design) if contact == "mesh" else design
+    made = for_slices(design) if contact == "mesh" else design
+    own = chosen(made)
+    step = step or own.seconds
     return {
         "design": design.name,
         "contact": contact,
-        "timestep_s": repr(design.settings.timestep),
-        "working_forces": working_forces_told(made_for, mechanism(design).kinds),
+        "timestep_s": repr(step),
+        "timestep": str(own if own.seconds == step else Step(step, "the model's")),
+        "working_forces": working_forces_told(made, mechanism(design).kinds),
         "cycloid_mj": __version__,
         "mujoco": mujoco.__version__,
         "numpy": np.__version__,
@@ -215,7 +226,7 @@ def blocks(reducer: ReducerModel, design: Design, course: Course | None = None) 
         As `simulate`.
     """
     warn(design.name, warnings(reducer, design, course))
-    plan = schedule(design)
+    plan = schedule(design, reducer.model.opt.timestep)
     course = course or ramp_and_hold(reducer, design)
     data = initial_state(reducer, design, course)
     recorder = _Recorder(reducer, design, data)

@@ -12,6 +12,7 @@ from ideal import ideal_mechanism
 from cycloid_mj import analysis
 from cycloid_mj.analysis import analyze, series, table, window
 from cycloid_mj.analysis.window import turn_by_turn
+from cycloid_mj.contact.timestep import timestep
 from cycloid_mj.design import PRESETS, Design, dump, override
 from cycloid_mj.errors import DesignError, LogError, UsageError
 from cycloid_mj.record import Run
@@ -32,7 +33,7 @@ KEYS = {
     "contact_summary": ["mean_active", "max_penetration_um", "peak_force_n"],
     "pin1": ["max_radial_um", "mean_spin_rad_s"],
 }
-PLAIN = ["design", "contact", "log", "timestep_s", "steps", "wall_s"]
+PLAIN = ["design", "contact", "log", "timestep_s", "timestep", "steps", "wall_s"]
 
 
 def designed(*changes: str, turns: float = 2, ramp: float = 0.0, preset: str = "pin") -> Design:
@@ -383,7 +384,7 @@ def test_the_path_starts_at_q_and_is_that_of_eq_16():
 
 def test_json_has_exactly_the_agreed_keys_first():
     found = analyze(ideal(designed(ramp=0.05)), log="here/run.mcap").as_json()
-    assert list(found)[:13] == [*PLAIN, *KEYS]
+    assert list(found)[:14] == [*PLAIN, *KEYS]
     for part, keys in KEYS.items():
         assert list(found[part]) == keys
     assert found["log"] == "here/run.mcap"
@@ -403,7 +404,7 @@ def test_provenance_is_handed_on():
     assert (told.contact, told.timestep_s, told.steps, told.wall_s) == (None, 2e-6, 1800, 3.5)
     assert (told.complete, told.note) == (False, "cut")
     bare = analyze(replace(run, provenance={}))
-    assert bare.timestep_s == designed().settings.timestep
+    assert bare.timestep_s == timestep(designed())
     assert pickle.loads(pickle.dumps(told)) == told
 
 

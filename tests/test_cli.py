@@ -18,6 +18,7 @@ import cycloid_mj.run
 from cycloid_mj import __version__, envelope, profile
 from cycloid_mj.cli import flags, main, outfile, terminal
 from cycloid_mj.cli.progress import Progress
+from cycloid_mj.contact.timestep import timestep
 from cycloid_mj.design import PRESETS, dump, loads, override
 from cycloid_mj.errors import DesignError, LogError, RunError
 from cycloid_mj.interrupt import unbroken
@@ -35,6 +36,7 @@ FIXED_KEYS = {
     "contact": None,
     "log": None,
     "timestep_s": None,
+    "timestep": None,
     "steps": None,
     "wall_s": None,
     "crank": ["speed_rad_s", "max_relative_error"],
@@ -65,7 +67,9 @@ def told(*argv: str) -> tuple[int, str, str]:
 def rejected(*argv: str) -> tuple[int, str]:
     """Exit code and message of a mistake, which must be one line, beside warnings of a run, and leave stdout empty."""
     code, out, err = told(*argv)
-    messages = [line for line in err.splitlines() if line != "preparing the model" and not line.startswith("warning: ")]
+    messages = [
+        line for line in err.splitlines() if not line.startswith(("preparing the model", "time step ", "warning: "))
+    ]
     assert out == ""
     assert len(messages) == 1, err
     assert messages[0].startswith("error: ")
@@ -162,7 +166,8 @@ def test_json_of_a_run_has_the_fixed_keys(run):
         assert inner is None or list(found[key]) == inner
     assert found["design"] == "pin"
     assert found["log"] == str(log)
-    assert found["timestep_s"] == PRESETS["pin"].settings.timestep
+    assert found["timestep_s"] == timestep(PRESETS["pin"])
+    assert found["timestep"] == "3.0303 us (chosen by the design: stiffness of pin_socket)"
     assert found["steps"] == round(0.01 / found["timestep_s"])
     assert found["wall_s"] > 0
     assert found["q_path"]["q_mm"] == [0.0, 26.0]
@@ -182,7 +187,7 @@ def test_log_holds_the_design_the_model_and_the_settings(run):
     asked = override(PRESETS["pin"], ["drive.ramp_s=0", "drive.hold_s=0.01"])
     assert loads(logged.attachments["design.toml"].decode()) == asked
     assert logged.attachments["model.xml"].startswith(b"<mujoco")
-    assert logged.provenance["timestep_s"] == repr(asked.settings.timestep)
+    assert logged.provenance["timestep_s"] == repr(timestep(asked))
     assert logged.complete
 
 
@@ -191,8 +196,9 @@ def test_table_of_a_run_goes_to_stdout_and_messages_to_stderr(here, monkeypatch,
     monkeypatch.setattr("cycloid_mj.cli.progress.SECONDS_BETWEEN_LINES", between_lines)
     code, out, err = told("simulate", "--design", "pin", *SHORT)
     assert code == 0
-    first, *lines, last = err.splitlines()
+    first, step, *lines, last = err.splitlines()
     assert first == "preparing the model"
+    assert step == "time step 3.0303 us (chosen by the design: stiffness of pin_socket)"
     # 0.01 s at 1640 rpm are 0.27 turns, half of which is settling
     assert last.startswith("warning: pin: only 0.13 crank turns")
     assert bool(lines) == progress
@@ -704,7 +710,7 @@ def test_wrong_use_is_one_line_and_exit_code_2(argv, words, here):
 
 
 LIMITS = {
-    "--timestep-us": "more than 0 and at most 1000",
+    "--timestep-us": "at least 0 and at most 1000",
     "--speed-rpm": "more than -100000 and less than 100000, not 0",
     "--ramp-s": "at least 0 and at most 1000",
     "--hold-s": "more than 0 and at most 1000",
@@ -722,7 +728,7 @@ def test_absurd_value_of_a_flag_is_told_with_its_range(flag, value):
 
 @pytest.mark.parametrize(
     ("flag", "value"),
-    [("--timestep-us", "0"), ("--timestep-us", "5e-324"), ("--speed-rpm", "0"), ("--hold-s", "0"), ("--ramp-s", "-1")],
+    [("--timestep-us", "-1"), ("--speed-rpm", "0"), ("--hold-s", "0"), ("--ramp-s", "-1")],
 )
 def test_zero_and_negative_values_are_told_with_their_range(flag, value):
     code, message = rejected(*SIMULATE, flag, value)

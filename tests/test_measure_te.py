@@ -11,7 +11,6 @@ from cycloid_mj.contact.working import at_rated_load
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import DesignError
 from cycloid_mj.loaded import transmission_error
-from cycloid_mj.measure.conditions import stepped
 from cycloid_mj.measure.orders import Cause, causes
 from cycloid_mj.measure.te import te
 from cycloid_mj.measure.trace import ARCSEC, Case, trace
@@ -116,7 +115,7 @@ def test_statics_agrees_with_the_independent_solution(changes: list[str]) -> Non
 def test_one_pin_in_error_shows_as_its_displacement_over_its_arm() -> None:
     """Cam and output pins are without play, so the pin in the way stops the gear alone: n . d / l."""
     tight = ["clearance.cam_um=0.01", "clearance.output_um=0.01", "clearance.pin_gear_um=8.0"]
-    design = stepped(fixed(*tight, "errors.pin_y_um={1=-5.0}"))
+    design = fixed(*tight, "errors.pin_y_um={1=-5.0}")
     found = trace(design, build(design), 1.0, Case("unloaded", "forward", "slow", 0.1, 30.0))
     rigid = ARCSEC * kinematic_error(design, found.crank)
     assert np.ptp(found.gear) == pytest.approx(np.ptp(rigid), rel=0.05)
@@ -133,7 +132,7 @@ def test_one_pin_in_error_shows_as_its_displacement_over_its_arm() -> None:
 @pytest.mark.parametrize("name", ["pin", "nonpin"])
 def test_no_error_no_load_and_no_clearance_leave_no_transmission_error(name: str) -> None:
     design = override(PRESETS[name], CLOSED if name == "nonpin" else ['ring.pins="fixed"', *CLOSED])
-    design = at_rated_load(stepped(design))
+    design = at_rated_load(design)
     found = trace(design, build(design), 1.0, Case("unloaded", "forward", "speed", 0.0, design.drive.speed))
     assert np.ptp(found.gear) < 0.05
     assert np.ptp(found.output) < 0.05

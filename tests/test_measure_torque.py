@@ -10,13 +10,14 @@ import pytest
 from designs import unlike
 
 from cycloid_mj.cli.app import main
+from cycloid_mj.contact.timestep import timestep
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.errors import DesignError
 from cycloid_mj.measure import MEASURES, sensitivity, steady
 from cycloid_mj.measure.back_driving import break_away
 from cycloid_mj.measure.braked import braked_run
 from cycloid_mj.measure.closed_form import ideal_efficiency, wang_efficiency
-from cycloid_mj.measure.conditions import LOG_RATE, LONGER_STEP, stepped
+from cycloid_mj.measure.conditions import LOG_RATE, halved
 from cycloid_mj.measure.efficiency_map import forward
 from cycloid_mj.measure.steady import powers, steady_design, whole_periods
 from cycloid_mj.measure.torque import held_efficiency, rated_test
@@ -81,17 +82,16 @@ def test_without_friction_nothing_is_lost(kind):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_longer_step_gives_the_figures_of_the_default_one(kind):
+def test_the_chosen_step_gives_the_figures_of_a_short_one(kind):
     design = override(KINDS[kind], ["drive.ramp_s=0.0", f"settings.log_rate_hz={LOG_RATE!r}"])
-    longer = stepped(design)
-    assert longer.settings.timestep == LONGER_STEP
-    fine, coarse = (held_efficiency(one, 32.7, PERIODS) for one in (design, longer))
-    assert coarse == pytest.approx(fine, abs=1e-4)
+    fine = override(design, ["settings.timestep_us=1.0"])
+    assert timestep(design) == 1e-5
+    assert held_efficiency(design, 32.7, PERIODS) == pytest.approx(held_efficiency(fine, 32.7, PERIODS), abs=1e-4)
 
 
-def test_step_of_moving_pins_and_of_the_user_is_kept():
-    for design in (PRESETS["pin"], override(FIXED, ["settings.timestep_us=2.0"])):
-        assert stepped(design) == design
+def test_half_the_step_is_half_of_the_chosen_or_the_given_one():
+    assert timestep(halved(FIXED)) == 5e-6
+    assert timestep(halved(override(FIXED, ["settings.timestep_us=3.0"]))) == pytest.approx(1.5e-6)
 
 
 def test_window_holds_whole_periods_of_the_output_pins():
@@ -176,7 +176,6 @@ def test_sensitivity_covers_pins_free_fixed_and_sleeved():
     rows = sensitivity.variations(PRESETS["pin"])
     assert {row.pins for row in rows} == {"free", "fixed", "sleeved"}
     assert {"pin_socket", "pin_sleeve", "pin_gear", "cam, rolling", "output, sliding"} <= {row.pair for row in rows}
-    assert {row.design.settings.timestep for row in rows if row.pins != "fixed"} == {1e-6}
     assert {row.pins for row in sensitivity.variations(PRESETS["nonpin"])} == {"none"}
 
 

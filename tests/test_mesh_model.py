@@ -208,7 +208,7 @@ def test_only_mating_surfaces_meet(reducers: dict[str, Any], kind: str) -> None:
     data.qvel[:] = initial_state(reducer, design).qvel
     law = CrankLaw(design.drive.speed, 0.0)
     for step in range(240):
-        now = np.array([step * design.settings.timestep])
+        now = np.array([step * reducer.model.opt.timestep])
         data.ctrl[0], data.ctrl[1] = servo_target(reducer, law, now)[0], load_torque(design, now)[0]
         mujoco.mj_step(reducer.model, data)
         met.update(frozenset(names[geom] for geom in data.contact[i].geom) for i in range(data.ncon))

@@ -9,6 +9,7 @@ import pytest
 from cycloid_mj import envelope
 from cycloid_mj.analysis import Findings, analyze
 from cycloid_mj.cli import main
+from cycloid_mj.contact.timestep import timestep
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.profile import CycloidGear
 from cycloid_mj.record import Run
@@ -34,7 +35,7 @@ def broken(found: Findings) -> list[str]:
     assert found.ramp is not None
     speed, penetration = found.gear_speed, found.contact_summary.max_penetration_um
     bounds = {
-        "crank law": found.crank.max_relative_error < 1e-4,
+        "crank law": found.crank.max_relative_error < 2e-4,
         "mean gear speed": abs(speed.mean_rad_s / speed.theory_rad_s - 1) < 5e-4,
         # seen: 1.4, 1.8 and 0.05 um; the gear floats in its play
         "path of q in the hold": found.q_path.max_error_um < 5.0,
@@ -51,7 +52,7 @@ def test_the_nonpin_run_meets_the_bounds_of_the_pin_run(run):
 @pytest.mark.parametrize(
     ("column", "factor", "caught"),
     [
-        ("crank_speed", 1.0002, ["crank law"]),
+        ("crank_speed", 1.0004, ["crank law"]),
         ("gear_speed", 1.001, ["mean gear speed"]),
         ("gear_x", 1.01, ["path of q in the hold", "path of q in the ramp"]),
         ("penetration", 20.0, ["penetration"]),
@@ -79,19 +80,19 @@ def at_steps(load: float, hold: float, *steps_us: float) -> list[dict[str, float
     return [figures_of(nonpin(*changes, f"settings.timestep_us={step!r}")) for step in steps_us]
 
 
-def test_two_microseconds_give_what_one_gives_and_twenty_do_not():
-    """Under load the motion is periodic after 10 ms: the rms speed error changes by 0.07 %, the others by less."""
-    one, two, twenty = at_steps(36.0, 0.022, 1.0, 2.0, 20.0)
+def test_five_microseconds_give_what_one_gives_and_forty_do_not():
+    """Under load the motion is periodic after 10 ms: the rms speed error changes by 1 %, the others by less."""
+    one, five, forty = at_steps(36.0, 0.022, 1.0, 5.0, 40.0)
     for name, value in one.items():
-        assert two[name] == pytest.approx(value, rel=0.002), name
-    assert abs(twenty["rms"] / one["rms"] - 1) > 0.1
+        assert five[name] == pytest.approx(value, rel=0.02 if name == "rms" else 0.002), name
+    assert abs(forty["rms"] / one["rms"] - 1) > 0.1
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("load", "hold"), [(36.0, 0.1), (1.0, 0.15)])
 def test_half_the_step_gives_the_same_figures(load, hold):
     """Measured: 0.04 % of the rms speed error at 1 N m and 0.07 % at 36 N m; the other figures change by less."""
-    step = 1e6 * PRESETS["nonpin"].settings.timestep
+    step = 1e6 * timestep(nonpin(f"load.torque_nm={load}"))
     whole, half = at_steps(load, hold, step, step / 2)
     for name, value in half.items():
         assert whole[name] == pytest.approx(value, rel=0.0025), name

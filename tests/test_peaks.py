@@ -12,6 +12,7 @@ from cycloid_mj.contact.collider import installed
 from cycloid_mj.contact.forces import pair_index, surface_name
 from cycloid_mj.contact.layout import discover_contacts
 from cycloid_mj.contact.peaks import Peaks
+from cycloid_mj.contact.timestep import timestep
 from cycloid_mj.course import initial_state, ramp_and_hold
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.log import read, write
@@ -24,11 +25,12 @@ STEPS, STRIDE = 300, 15
 def short(preset: str, *changes: str) -> Design:
     # At full speed from the start, across the clearances: the parts knock against each other.
     begin = ["drive.ramp_s=0", f"drive.hold_s={STEPS * 1e-6}", "load.torque_nm=20", "load.rise_s=0.0001"]
+    begin.append("settings.timestep_us=1")
     return override(PRESETS[preset] if preset in PRESETS else unlike(preset), [*begin, *changes])
 
 
 def sampled(design: Design, every: int) -> Design:
-    return override(design, [f"settings.log_rate_hz={1.0 / (every * design.settings.timestep)!r}"])
+    return override(design, [f"settings.log_rate_hz={1.0 / (every * timestep(design))!r}"])
 
 
 def normal_forces(data, reducer) -> dict[str, float]:

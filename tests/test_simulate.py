@@ -7,6 +7,7 @@ import pytest
 from cycloid_mj import course
 from cycloid_mj.analysis import analyze
 from cycloid_mj.contact.collider import installed
+from cycloid_mj.contact.timestep import timestep
 from cycloid_mj.course import initial_state, load_torque
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import RunError
@@ -38,7 +39,7 @@ def test_the_crank_follows_the_ramp_and_the_gear_follows_the_crank() -> None:
     run = simulate(design)
     law = CrankLaw(design.drive.speed, design.drive.ramp)
     error = run["crank_speed"] - law.speed_at(run.time)
-    assert np.abs(error).max() < 1e-4 * design.drive.speed
+    assert np.abs(error).max() < 2e-4 * design.drive.speed
     slip = run["gear_angle"] + run["crank_angle"] / design.lobes
     backlash = 2e-6 / (design.gear.eccentricity * design.lobes)
     assert 0.0 < np.abs(slip).max() < 3.0 * backlash
@@ -195,7 +196,7 @@ def measured(design: Design) -> dict[str, float]:
 def test_half_the_step_gives_the_same_figures(load: float, hold: float, points: float, share: float) -> None:
     """At 36 N m: 7e-7 of efficiency, 0.6 % of the rms speed error, the others less; lightly loaded pins chatter."""
     changes = ["drive.ramp_s=0.0", f"drive.hold_s={hold}", f"load.torque_nm={load}"]
-    step = PRESETS["pin"].settings.timestep
+    step = timestep(changed(*changes))
     whole, half = (measured(changed(*changes, f"settings.timestep_us={1e6 * step / k!r}")) for k in (1, 2))
     assert whole["efficiency"] == pytest.approx(half["efficiency"], abs=points)
     for name in ("mean", "peak_to_peak", "rms"):

@@ -19,13 +19,14 @@ NEWTON, CG = mujoco.mjtSolver.mjSOL_NEWTON, mujoco.mjtSolver.mjSOL_CG
 @pytest.mark.parametrize(
     ("design", "step", "solver"),
     [
-        (PRESETS["pin"], 1.0, CG),
-        (PRESETS["pin"], 2.0, NEWTON),
-        (PRESETS["nonpin"], 1.0, NEWTON),
-        (unlike("few"), 1.0, CG),
-        (unlike("large"), 1.0, CG),
+        (PRESETS["pin"], 0.5, CG),
+        (PRESETS["pin"], 1.0, NEWTON),
+        (PRESETS["pin"], 0.0, NEWTON),
+        (PRESETS["nonpin"], 0.5, NEWTON),
+        (unlike("few"), 0.5, CG),
+        (unlike("large"), 0.5, CG),
         (unlike("large"), 5.0, NEWTON),
-        (unlike("printed"), 1.0, NEWTON),
+        (unlike("printed"), 0.5, NEWTON),
     ],
     ids=lambda value: value.name if isinstance(value, Design) else str(value),
 )
@@ -40,13 +41,14 @@ def test_both_solvers_find_the_same_forces(name: str) -> None:
     """From one state: a run between flanks is chaotic, and two that differ by a rounding part ways."""
     design = PRESETS["pin"] if name == "pin" else unlike(name)
     load = design.drive.torque * design.lobes
-    design = override(design, ["drive.ramp_s=0", "load.rise_s=0.0005", f"load.torque_nm={load}"])
+    changes = ["drive.ramp_s=0", "load.rise_s=0.0005", f"load.torque_nm={load}", "settings.timestep_us=0.5"]
+    design = override(design, changes)
     reducer = build(design)
     course = ramp_and_hold(reducer, design)
     data = initial_state(reducer, design, course)
     model, worst, loaded = reducer.model, 0.0, 0
     with installed():
-        for step, command in enumerate(course.commands(design.settings.timestep * np.arange(2000))):
+        for step, command in enumerate(course.commands(reducer.model.opt.timestep * np.arange(2000))):
             data.ctrl[:] = command
             mujoco.mj_step(model, data)
             if step % 100 == 99 and data.nefc:
@@ -55,7 +57,7 @@ def test_both_solvers_find_the_same_forces(name: str) -> None:
                 loaded += scale > 1.0
                 worst = max(worst, float(np.abs(forces[1] - forces[0]).max()) / scale)
     assert loaded > 10
-    assert worst < 1e-11
+    assert worst < 1e-9
 
 
 def _forces(model: Any, data: Any, solver: int) -> Any:

@@ -101,8 +101,8 @@ def test_compare_tells_of_every_run(tmp_path: Path, capsys) -> None:
 
 def test_a_measure_tells_in_json_and_file(tmp_path: Path, capsys) -> None:
     words = ["measure", "loads", "--design", "nonpin", "--quick", "--no-log", "--out", str(tmp_path)]
-    found, shown = command(capsys, *words, "--set", "stiffness.cam_n_m=1e11")
-    told = [text for text in found["warnings"] if text.startswith("nonpin: cam: a stiffness of 1e+11 N/m is too")]
+    found, shown = command(capsys, *words, "--set", "stiffness.cam_n_m=1e12", "--set", "settings.timestep_us=10")
+    told = [text for text in found["warnings"] if text.startswith("nonpin: cam: a stiffness of 1e+12 N/m is too")]
     assert len(told) == 2, "one for the step of the runs, one for the half step of their check"
     assert shown.count("cam: a stiffness") == len(told)
     assert json.loads(next(tmp_path.glob("*.json")).read_text())["warnings"] == found["warnings"]

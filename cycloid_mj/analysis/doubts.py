@@ -11,6 +11,7 @@ import numpy as np
 from cycloid_mj.analysis.findings import ContactSummary, Window
 from cycloid_mj.analysis.series import Series
 from cycloid_mj.contact.regime import pace
+from cycloid_mj.contact.timestep import timestep
 from cycloid_mj.design import Design
 from cycloid_mj.design.units import MICROMETRE, RPM
 from cycloid_mj.names import FRICTION_POWER, NORMAL_POWER
@@ -134,7 +135,7 @@ def _cause(found: Balance, design: Design) -> str:
     Contact forces are those of a step's start, in the mean half a step late: on a gear of mass m that goes round on c
     they do the work m (c omega)^2 omega (omega dt) / 2 a second.
     """
-    speed, step = abs(design.drive.speed), design.settings.timestep
+    speed, step = abs(design.drive.speed), timestep(design)
     mass = mass_properties(parts(design)["gear"]).mass
     late = 0.5 * mass * design.gear.eccentricity**2 * speed**4 * step
     if late > 0.5 * abs(found.missing):

@@ -134,6 +134,7 @@ class Findings:
     contact: str | None
     log: str | None
     timestep_s: float
+    timestep: str | None
     steps: int | None
     wall_s: float | None
     crank: Crank

@@ -29,6 +29,7 @@ from cycloid_mj.analysis.findings import (
 )
 from cycloid_mj.analysis.series import Compared, Series, series
 from cycloid_mj.analysis.window import turn_by_turn
+from cycloid_mj.contact.timestep import timestep
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.record import Run
@@ -68,7 +69,8 @@ def judge(motion: Series, log: str | None = None) -> Findings:
         design=motion.design.name,
         contact=told.get("contact"),
         log=log,
-        timestep_s=float(told.get("timestep_s", motion.design.settings.timestep)),
+        timestep_s=float(told["timestep_s"]) if "timestep_s" in told else timestep(motion.design),
+        timestep=told.get("timestep"),
         steps=int(told["steps"]) if "steps" in told else None,
         wall_s=float(told["wall_s"]) if "wall_s" in told else None,
         crank=_crank(motion),

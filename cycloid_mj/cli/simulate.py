@@ -137,18 +137,19 @@ class Ran:
 
 def require_possible(design: Design) -> None:
     """Raise UsageError for a run that is too long or stands still, DesignError for an unsound design."""
-    drive, timestep = design.drive, design.settings.timestep
-    steps = (drive.ramp + drive.hold) / timestep
-    if steps > MOST_STEPS:
-        raise UsageError(
-            f"the run would take {steps:.3g} steps of {timestep * 1e6:g} us, more than {MOST_STEPS:.0e}: "
-            "enlarge --timestep-us or shorten --ramp-s and --hold-s"
-        )
-    if drive.speed == 0.0:
+    if design.drive.speed == 0.0:
         raise UsageError("drive.speed_rpm is 0: the crank would stand still; give --speed-rpm")
     from cycloid_mj.checks import require_sound
+    from cycloid_mj.contact.timestep import timestep
 
     require_sound(design)
+    step = timestep(design)
+    steps = (design.drive.ramp + design.drive.hold) / step
+    if steps > MOST_STEPS:
+        raise UsageError(
+            f"the run would take {steps:.3g} steps of {step * 1e6:g} us, more than {MOST_STEPS:.0e}: "
+            "enlarge --timestep-us or shorten --ramp-s and --hold-s"
+        )
 
 
 def require_free(*logs: Path) -> None:
@@ -203,11 +204,12 @@ def run_into_log(
     )
     from cycloid_mj.scene import Scene
 
-    plan = schedule(design)
-    _require_held_samples(design, plan)
     reducer = reducer_model(design, contact)
+    plan = schedule(design, reducer.model.opt.timestep)
+    _require_held_samples(design, plan)
     groups = {topic: list(units.items()) for topic, units in columns(reducer, design).items()}
-    told = provenance(design, contact) | {"steps": str(plan.steps)} | warned(warnings(reducer, design))
+    told = provenance(design, contact, plan.timestep) | {"steps": str(plan.steps)} | warned(warnings(reducer, design))
+    progress.tell(f"time step {told['timestep']}")
     start = time.perf_counter()
     scene = Scene(design, design.settings.scene_rate)
     files = attachments(reducer, design)

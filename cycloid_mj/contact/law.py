@@ -22,7 +22,6 @@ While a contact slides, MuJoCo's convex cone adds friction * creep * speed / imp
 teeth would push each other apart at every touch, and the gear would chatter the more, the longer the step.
 """
 
-_LEAST_SHARE = 1e-2
 LEAST_IMPEDANCE, MOST_IMPEDANCE = 1e-4, 0.9999
 """What MuJoCo clamps a constraint's impedance to."""
 
@@ -127,6 +126,12 @@ def series_stiffness(design: Design) -> float:
     return 1.0 / sum(1.0 / pair_stiffness(design, kind) for kind in kinds)
 
 
+def contact_stiffness(design: Design, kind: str) -> float:
+    """Give the stiffness of a kind of pair as the simulation has it [N/m]: of a massless pin, its seat in series."""
+    through = kind == design.tooth_pair and design.ring.has_massless_pins
+    return series_stiffness(design) if through else pair_stiffness(design, kind)
+
+
 def _roller_on_cam(design: Design) -> float:
     """Give the stiffness of a roller, of the shaft's material, on the cam [N/m]; 0 where it is given for all pairs."""
     if design.contact.stiffness:
@@ -210,13 +215,16 @@ def contact_law(
     creep
         Friction per sliding speed below Coulomb's limit [N s/m].
     timestep
-        Time step dt [s]. The added mass keeps K dt^2 and C dt within m + 1/R: a quarter and half of what the
-        explicit step bears.
+        Time step dt [s].
+
+    The added mass makes MuJoCo's explicit step of the contact that of Fox and Goodwin, with centred damping:
+    1/R = beta K dt^2 + C dt/2. With beta = 1/12 the frequency is right to fourth order in dt; from K dt^2/m = 3 on more
+    is taken, beta = 1/4 - m/(2 K dt^2), which is stable at any step (Hughes, The Finite Element Method, 9.1).
     """
     damping = 2.0 * damping_ratio * math.sqrt(stiffness * effective_mass)
-    resolved = stiffness * timestep**2 - effective_mass
-    damped = damping * timestep - effective_mass
-    added = max(resolved, damped, _LEAST_SHARE * effective_mass)
+    squared = stiffness * timestep**2
+    beta = max(1.0 / 12.0, 0.25 - 0.5 * effective_mass / squared)
+    added = beta * squared + 0.5 * damping * timestep
     return ContactLaw(stiffness, damping, added, friction, creep, effective_mass)
 
 

@@ -432,7 +432,9 @@ class Environment(Section):
 class Settings(Section):
     """How the design is simulated and logged."""
 
-    timestep: float = quantity(1.0, "time step", u.MICROSECOND, gt=0.0, le=1000.0)
+    timestep: float = quantity(
+        0.0, "time step; 0: the longest at which the design's figures hold", u.MICROSECOND, ge=0.0, le=1000.0
+    )
     log_rate: float = quantity(10000.0, "samples of every signal per second", u.HERTZ, gt=0.0, le=1e6)
     scene_rate: float = quantity(60.0, "3-D frames per second for viewers", u.HERTZ, gt=0.0, le=1e5)
 

@@ -20,7 +20,6 @@ from cycloid_mj.contact.working import working_force
 from cycloid_mj.course import Signal, locked_crank
 from cycloid_mj.design import Design, Drive, Friction, Load, Settings
 from cycloid_mj.errors import ContactError, RunError
-from cycloid_mj.measure.conditions import has_default_step
 from cycloid_mj.mjcf import ReducerModel, build
 from cycloid_mj.record import Run
 from cycloid_mj.run import simulate
@@ -65,8 +64,8 @@ def ideal(design: Design) -> Design:
 
 
 def step(design: Design, torque: float) -> float:
-    """Give the step [s] for a torque on the output [N m]: the design's own, unless it is the default."""
-    if not has_default_step(design):
+    """Give the step [s] for a torque on the output [N m]: the one given, if any."""
+    if design.settings.timestep:
         return design.settings.timestep
     ring, kind = design.ring, "pin_sleeve" if design.ring.has_sleeves else "pin_socket"
     if not ring.has_pin_bodies or torque == 0.0:

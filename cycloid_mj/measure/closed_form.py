@@ -17,8 +17,8 @@ AS_BUILT = (
 """Why a design as built departs from ideal sharing: with a stiff cam alone it comes within half a point."""
 PLAY = 1e-9
 """Clearance [m] next to none."""
-BEARABLE, STIFFEST = 0.3, 1e12
-"""Stiffness of a cam times the step's square over the gear's mass, and the design file's limit [N/m]."""
+HOLDING, STIFFEST = 3e11, 1e12
+"""Stiffness of a cam that holds, per mass of the gear [1/s2], and the design file's limit [N/m]."""
 
 
 @dataclass(frozen=True)
@@ -46,16 +46,16 @@ def ideal_efficiency(design: Design, load: float) -> Closed:
 def ideal_limit(design: Design) -> Design:
     """Give a design as ideal sharing takes it: fixed pins with the same friction, next to no play, a cam that holds.
 
-    The cam is as stiff as the default step bears.
+    The cam gives a hundredth of what the teeth do.
     """
-    timestep, gear = type(design.settings)().timestep, mass_properties(gear_solid(design)).mass
+    gear = mass_properties(gear_solid(design)).mass
     return design.but(
         ring={} if design.ring.kind == "nonpin" else {"pins": "fixed"},
         clearance=dict.fromkeys((design.tooth_pair, "cam", "output"), PLAY),
         friction={design.tooth_pair: design.mesh_friction},
-        stiffness={"cam": min(BEARABLE * gear / timestep**2, STIFFEST)},
+        stiffness={"cam": min(HOLDING * gear, STIFFEST)},
         contact={"stiffness_law": "uniform"},
-        settings={"timestep": timestep},
+        settings={"timestep": 0.0},
     )
 
 

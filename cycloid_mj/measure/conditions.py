@@ -2,13 +2,12 @@
 
 import math
 
-from cycloid_mj.design import Design, Settings
+from cycloid_mj.contact.timestep import timestep
+from cycloid_mj.design import Design
 from cycloid_mj.errors import DesignError
 
 RPM = math.pi / 30.0
 """One turn a minute [rad/s]."""
-LONGER_STEP = 5e-6
-"""Step [s] in place of the default one where no pin moves."""
 LOG_RATE = 20e3
 """Samples per second."""
 DRAG = 0.01
@@ -36,18 +35,6 @@ def drag_told(design: Design) -> str:
     return f"seals and lubricant: {', '.join(told)}"
 
 
-def has_default_step(design: Design) -> bool:
-    """Tell whether a design has the default step: a measure takes any other one as it is given."""
-    return design.settings.timestep == Settings().timestep
-
-
-def stepped(design: Design) -> Design:
-    """Give the design with `LONGER_STEP` in place of the default step, where no pin moves."""
-    if design.ring.has_pin_bodies or not has_default_step(design):
-        return design
-    return design.but(settings={"timestep": LONGER_STEP})
-
-
 def halved(design: Design) -> Design:
     """Give the design with half the time step."""
-    return design.but(settings={"timestep": 0.5 * design.settings.timestep})
+    return design.but(settings={"timestep": 0.5 * timestep(design)})

@@ -9,7 +9,7 @@ from cycloid_mj.analysis.doubts import unbalanced
 from cycloid_mj.course import Course
 from cycloid_mj.design import Design
 from cycloid_mj.errors import warn
-from cycloid_mj.measure.conditions import LOG_RATE, require_motion, stepped
+from cycloid_mj.measure.conditions import LOG_RATE, require_motion
 from cycloid_mj.mjcf import ReducerModel
 from cycloid_mj.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.record import Run
@@ -55,7 +55,7 @@ def steady(
 
 
 def steady_design(design: Design) -> Design:
-    """Give the design with the step and the log rate of these runs, at full speed from the start.
+    """Give the design with the log rate of these runs, at full speed from the start.
 
     Raises
     ------
@@ -63,7 +63,7 @@ def steady_design(design: Design) -> Design:
         The crank does not turn.
     """
     require_motion(design)
-    return stepped(design).but(settings={"log_rate": LOG_RATE})
+    return design.but(settings={"log_rate": LOG_RATE})
 
 
 def first_half(run: Run) -> Run:

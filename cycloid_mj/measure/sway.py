@@ -109,7 +109,7 @@ def sway(design: Design, reducer: ReducerModel, load: str, torque: float, speed:
     RunError
         The run went wrong.
     """
-    every = max(1, min(FASTER, int(1.0 / (LOG_RATE * design.settings.timestep) + 1e-6)))
+    every = max(1, min(FASTER, int(1.0 / (LOG_RATE * reducer.model.opt.timestep) + 1e-6)))
     design = design.steady(
         SETTLING,
         turns,

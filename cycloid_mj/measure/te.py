@@ -13,7 +13,7 @@ from cycloid_mj.contact.working import working_at, working_forces_told
 from cycloid_mj.design import Design
 from cycloid_mj.loaded import transmission_error
 from cycloid_mj.measure import te_table
-from cycloid_mj.measure.conditions import DRAG, RPM, halved, require_motion, stepped
+from cycloid_mj.measure.conditions import DRAG, RPM, halved, require_motion
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.orders import causes
 from cycloid_mj.measure.pool import Progress, each, silent
@@ -43,8 +43,7 @@ def te(
     Parameters
     ----------
     design
-        The design; its drive gives the speed, its settings the step (`conditions.LONGER_STEP` for the default one,
-        where no pin moves).
+        The design; its drive gives the speed.
     load
         Torque of the loaded runs [N m]; by default the rated one, drive.torque times the ratio.
     drag
@@ -74,7 +73,7 @@ def te(
     cases = [
         Case(one, way, pace, torques[one], ways[way] * paces[pace]) for pace, one, way in product(paces, torques, ways)
     ]
-    design = working_at(stepped(design), torques["loaded"])
+    design = working_at(design, torques["loaded"])
     runs = _traces(design, cases, float(turns), progress, not quick)
     found = {case: runs[case, 1.0] for case in cases}
     finer = {(case.load, case.pace): one for (case, share), one in runs.items() if share == 0.5}

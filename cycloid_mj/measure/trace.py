@@ -98,7 +98,7 @@ def trace(design: Design, reducer: ReducerModel, turns: float, case: Case) -> Tr
         samples=4.0,
         drive={"speed": case.speed},
         load={"torque": case.torque, "rise": RISE},
-        settings={"log_rate": min(per_second, 1.0 / design.settings.timestep)},
+        settings={"log_rate": min(per_second, 1.0 / reducer.model.opt.timestep)},
     )
     # Both ways sweep the same angles, so that their curves can be laid over each other.
     start = (0.0 if way > 0.0 else 2.0 * np.pi * np.ceil(turns)) - case.speed * SETTLING

@@ -10,7 +10,7 @@ from cycloid_mj.analysis.spectrum import BAND, tapered_orders
 from cycloid_mj.contact.massless import require_pin_bodies
 from cycloid_mj.contact.working import working_at, working_forces_told
 from cycloid_mj.design import Design
-from cycloid_mj.measure.conditions import DRAG, RPM, halved, require_motion, stepped
+from cycloid_mj.measure.conditions import DRAG, RPM, halved, require_motion
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.reaction import unbalance, weight
@@ -46,7 +46,7 @@ def vibration(
     Parameters
     ----------
     design
-        The design; its step is `conditions.LONGER_STEP` in place of the default one, where no pin moves.
+        The design.
     load
         Torque of the loaded runs [N m]; by default the rated one, drive.torque times the ratio.
     speeds
@@ -67,7 +67,6 @@ def vibration(
     """
     require_motion(design)
     require_pin_bodies(design, "vibration")
-    design = stepped(design)
     rated, speed = design.rated_torque, design.drive.speed
     torques = {"unloaded": DRAG * rated, "loaded": rated if load is None else load}
     design = working_at(design, torques["loaded"])

@@ -107,7 +107,7 @@ def mesh_spec(design: Design, settings: ConvexSettings) -> MeshSpec:
     _options(spec)
     _add_visuals(spec, reducer)
     weights = _inverse_weights(spec)
-    laws = contact_laws(design, masses)
+    laws = contact_laws(design)
     working = surfaces(design, settings)
     collision = spec.add_default(COLLISION, spec.default)
     collision.geom.group, collision.geom.contype, collision.geom.conaffinity = 3, 0, 0

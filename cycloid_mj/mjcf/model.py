@@ -15,6 +15,7 @@ from cycloid_mj.contact.law import IMPRATIO, ContactLaw, solver_parameters
 from cycloid_mj.contact.library import exact_xml
 from cycloid_mj.contact.regime import warnings
 from cycloid_mj.contact.teeth import USER_DATA
+from cycloid_mj.contact.timestep import timestep
 from cycloid_mj.design import Design
 from cycloid_mj.digits import significant
 from cycloid_mj.mechanism.reducer import Pair, mechanism
@@ -93,7 +94,7 @@ def build(design: Design, held: Held = "crank") -> ReducerModel:
     inertias = {"crank": crank, "output": float(masses[names.OUTPUT].inertia[2, 2]), "": 0.0}
     gains = add_actuators(spec, inertias[held], held)
     add_sensors(spec, design)
-    laws = contact_laws(design, masses)
+    laws = contact_laws(design)
     set_solver(spec, laws, design.ring.has_pin_bodies)
     model = _add_pairs(spec, reducer.pairs, laws)
     return judged(ReducerModel(spec, model, reducer.pairs, laws, gains, crank), design)
@@ -116,7 +117,7 @@ def empty_spec(design: Design) -> Any:
     spec.modelname = f"cycloid_{design.name}"
     spec.nuser_geom = USER_DATA
     option = spec.option
-    option.timestep = design.settings.timestep
+    option.timestep = timestep(design)
     option.gravity = [design.environment.gravity_x, design.environment.gravity_y, 0.0]
     option.integrator = mujoco.mjtIntegrator.mjINT_EULER
     option.solver = mujoco.mjtSolver.mjSOL_NEWTON

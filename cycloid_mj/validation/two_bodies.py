@@ -14,6 +14,7 @@ import numpy as np
 from cycloid_mj import statics
 from cycloid_mj.contact.collider import installed
 from cycloid_mj.contact.law import ContactLaw, contact_law, curvature_law, solver_parameters
+from cycloid_mj.contact.timestep import timestep
 from cycloid_mj.contact.working import at_rated_load, working_force
 from cycloid_mj.design import PRESETS
 from cycloid_mj.mechanism.reducer import Role
@@ -26,6 +27,8 @@ FORCE = 400.0
 """Static force [N]."""
 IMPACT = 0.01
 """Speed of the impact [m/s]."""
+FINE = 1e-6
+"""Step [s] at which a contact's own motion is followed as if it were continuous."""
 AT_REST = 1e-6
 """Percent; the solver's tolerance is all that a body at rest may be off by."""
 _XML = """<mujoco>
@@ -43,16 +46,16 @@ _XML = """<mujoco>
 def rows(quick: bool) -> list[Row]:
     """Give the rows of this rung."""
     stiffness, ratio = curvature_law(RATED).stiffness, RATED.contact.damping_ratio
-    timestep = PRESETS["pin"].settings.timestep
-    law = contact_law(stiffness, ratio, MASS, 0.0, 0.0, timestep)
+    step = timestep(RATED)
+    law = contact_law(stiffness, ratio, MASS, 0.0, 0.0, step)
     swinging = replace(law, damping=0.0, added_mass=0.3 * MASS)
-    depth, force = pressed(law, timestep)
+    depth, force = pressed(law, step)
     return [
         relative("penetration under a static force", 1e6 * depth, 1e6 * FORCE / stiffness, "um", "F/K", AT_REST),
         relative("static contact force", force, FORCE, "N", "equilibrium", AT_REST),
         relative(
             "frequency with an added mass of 0.3 m",
-            frequency(swinging, timestep) / (2 * math.pi),
+            frequency(swinging, FINE) / (2 * math.pi),
             math.sqrt(stiffness / (MASS + swinging.added_mass)) / (2 * math.pi),
             "Hz",
             "sqrt(K/(m + 1/R))",
@@ -60,11 +63,11 @@ def rows(quick: bool) -> list[Row]:
         ),
         relative(
             "frequency at the default step",
-            frequency(replace(law, damping=0.0), timestep) / (2 * math.pi),
+            frequency(contact_law(stiffness, 0.0, MASS, 0.0, 0.0, step), step) / (2 * math.pi),
             math.sqrt(stiffness / MASS) / (2 * math.pi),
             "Hz",
             "sqrt(K/m)",
-            1.0,
+            0.01,
         ),
         relative(
             f"restitution at {ratio:g} of critical damping",

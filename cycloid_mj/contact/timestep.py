@@ -1,0 +1,126 @@
+"""The time step of a design: the one given, or the longest at which its figures hold.
+
+Three things set it. A contact of stiffness K under the mass m swings at sqrt(K/m): the added mass of `law.contact_law`
+keeps any step stable, and up to `RESOLVED` the figures are right. A moving pin of mass m under the force F rolls in its
+play like a ball in a bowl, with the stiffness F/(play + F/K) across the force: no added mass acts there, so the step
+must follow it. And the teeth must not pass too fast.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+from cycloid_mj.contact.law import contact_stiffness
+from cycloid_mj.contact.working import working_force
+from cycloid_mj.design import Design, Drive, Friction, Load, Settings
+from cycloid_mj.solid import gear_solid, mass_properties, output_solid
+from cycloid_mj.solid.housing import pin_solid
+
+RESOLVED = 6.4
+"""K dt^2/m of a contact up to which the figures of a run hold.
+
+Free pins at 36.68 N m against 0.5 us: at 6.3 the rms of the gear's speed is 1.3 % off, at 9.1 it is 7 %, all other
+figures 0.1 %; at 16 the run goes wrong. Without load at 6.2 it spreads over independent starts as at a tenth. Fixed
+pins, cam and output pins bear as much: at 8.7 the rms is 6 % off, from 12 to 40 on they chatter.
+"""
+
+ROLLING = 0.5
+"""Share of the longest step at which a pin rolling in its play stays bounded, 2 sqrt(m/k), k the bowl's stiffness.
+
+At 0.50 the rms of the gear's speed is 1 % off, at 0.74 the efficiency 0.2 points (free pins with 0.2 um of play).
+"""
+
+FEWEST_STEPS = 25.0
+"""Fewest steps from tooth to tooth.
+
+Fixed pins at 20 N m, 5000 to 20 000 rpm, against a tenth of the step: at 33 steps the efficiency is right within 0.05
+points and the transmission error within 1 %, at 17 within 0.7 points and 2 %, at 8 the efficiency is 102 %.
+"""
+
+LONGEST = 10e-6
+"""Longest step [s] that is chosen: a fifth of the time constant of the servo that turns the crank."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """A time step [s], and why it is this one."""
+
+    seconds: float
+    reason: str
+
+    def __str__(self) -> str:
+        """Tell both."""
+        return f"{1e6 * self.seconds:g} us ({self.reason})"
+
+
+def timestep(design: Design) -> float:
+    """Give the time step [s] that a design is run at."""
+    return chosen(design).seconds
+
+
+@lru_cache(maxsize=256)
+def chosen(design: Design) -> Step:
+    """Give the time step of a design and its reason: ``settings.timestep``, or the longest that `limits` allow.
+
+    A chosen step is at most `LONGEST`, and a whole number of them lies between two samples of the log.
+    """
+    given = design.settings.timestep
+    if given:
+        return Step(given, "given")
+    rate = design.settings.log_rate
+    allowed = {"the longest that is taken": LONGEST, "a sample at every step": 1.0 / rate} | limits(design)
+    reason, longest = min(allowed.items(), key=lambda item: item[1])
+    return Step(1.0 / (rate * math.ceil(1.0 / (rate * longest) - 1e-9)), f"chosen by the design: {reason}")
+
+
+def limits(design: Design) -> dict[str, float]:
+    """Give what limits the step of a design -> the longest step [s] that it allows."""
+    found = {
+        f"stiffness of {kind}": math.sqrt(RESOLVED * mass / contact_stiffness(design, kind))
+        for kind, mass in effective_masses(design).items()
+    }
+    if design.ring.has_pin_bodies:
+        found["pins that roll in their play"] = rolling_limit(design)
+    if design.drive.speed:
+        found["the passing of teeth"] = passing_limit(design)
+    return found
+
+
+def rolling_limit(design: Design) -> float:
+    """Give the longest step [s] for moving pins that roll in their play under the working force."""
+    force, seat = working_force(design, design.seat_pair), contact_stiffness(design, design.seat_pair)
+    bowl = force / (design.pin_play + force / seat)
+    return ROLLING * 2.0 * math.sqrt(_masses(design)[2] / bowl)
+
+
+def passing_limit(design: Design) -> float:
+    """Give the longest step [s] for the teeth that pass at the design's crank speed."""
+    return 2.0 * math.pi / (FEWEST_STEPS * design.ring.teeth * abs(design.drive.speed))
+
+
+def effective_masses(design: Design) -> dict[str, float]:
+    """Give the mass [kg] that moves on a contact of each kind of pair.
+
+    Half of the ring's and of the output's contacts carry at a time; a free pin, or a sleeve, lies between two.
+    """
+    gear, output, pin = _masses(design)
+    turning = design.output.pin_circle_radius**2 / output
+    mobility = {"cam": 1.0 / gear, "output": (1.0 / gear + turning) * design.output.pins / 2.0}
+    if design.ring.has_pin_bodies:
+        mobility |= {"pin_gear": 2.0 * (1.0 / gear + 1.0 / pin), design.seat_pair: 2.0 / pin}
+    else:
+        mobility[design.tooth_pair] = design.ring.teeth / (2.0 * gear)
+    return {kind: 1.0 / mobile for kind, mobile in mobility.items()}
+
+
+def _masses(design: Design) -> tuple[float, float, float]:
+    """Give the gear's mass [kg], the output's inertia [kg m2] and a moving pin's mass [kg], 0 for none."""
+    same = {"drive": Drive(), "load": Load(), "settings": Settings(), "friction": Friction(), "name": "shape"}
+    return _masses_of(design.model_copy(update=same))
+
+
+@lru_cache(maxsize=64)
+def _masses_of(design: Design) -> tuple[float, float, float]:
+    pin = mass_properties(pin_solid(design)).mass if design.ring.has_pin_bodies else 0.0
+    output = float(mass_properties(output_solid(design)).inertia[2, 2])
+    return mass_properties(gear_solid(design)).mass, output, pin
