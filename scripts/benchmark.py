@@ -178,6 +178,11 @@ def command_table(passes: int) -> Table:
     return table
 
 
+def _lasting(steps: int, step: float) -> tuple[str, str]:
+    """Give the changes of a run of so many steps [s] after the warm ones, which are those before its 100th sample."""
+    return f"drive.hold_s={(WARM + steps) * step!r}", f"settings.log_rate_hz={100.0 / (WARM * step)!r}"
+
+
 def scaling_table(passes: int) -> Table:
     """Step loop by the number of free pins under 36 N m, at a step that resolves them; us per step.
 
@@ -187,9 +192,9 @@ def scaling_table(passes: int) -> Table:
     costs = {}
     for teeth, fit in FREE_PINS.items():
         step = fit.get("ring.pin_radius_mm", 2.25) / 2.25
-        changes = {"ring.teeth": teeth, "settings.timestep_us": step, "settings.log_rate_hz": 1e4 / step, **fit}
-        hold = {"drive.hold_s": (WARM + 5_000) * 1e-6 * step, "load.rise_s": 5e-4}
-        case = example(FREE, 36.0, 0, *(f"{name}={value!r}" for name, value in (changes | hold).items()))
+        changes = {"ring.teeth": teeth, "settings.timestep_us": step, **fit, "load.rise_s": 5e-4}
+        words = [f"{name}={value!r}" for name, value in changes.items()]
+        case = example(FREE, 36.0, 0, *words, *_lasting(5_000, 1e-6 * step))
         costs[str(teeth)] = partial(loop_cost, *case)
     row = in_turn(passes, **costs)
     first = next(iter(FREE_PINS))
@@ -210,8 +215,9 @@ def exudyn_table(passes: int) -> Table:
     """
     table: Table = {}
     for kind, published in EXUDYN.items():
-        design, reducer = example(kind, 36.0, 20_000, *STEPS[kind])
-        here = [loop_cost(design, reducer) / (1e6 * reducer.model.opt.timestep) for _ in range(passes)]
+        step = float(example(kind, 36.0, 0, *STEPS[kind])[1].model.opt.timestep)
+        case = example(kind, 36.0, 0, *STEPS[kind], *_lasting(20_000, step))
+        here = [loop_cost(*case) / (1e6 * step) for _ in range(passes)]
         row = {"here": here, "Exudyn": list(published)}
         table[kind] = row | {"Exudyn / here": [cost / statistics.median(here) for cost in published]}
     return table

@@ -9,11 +9,15 @@ from pathlib import Path
 
 import mujoco
 import pytest
+from numba import njit
 
 import cycloid_mj
+from cycloid_mj import compiling
+from cycloid_mj.cli import main
 from cycloid_mj.compiling import announced
 from cycloid_mj.contact.collider import CYLINDER, TYPES, collision_table, installed
 from cycloid_mj.design import PRESETS, override
+from cycloid_mj.errors import DesignError
 from cycloid_mj.run import simulate
 
 RUN = ("simulate", "--design", "pin", "--ramp-s", "0", "--hold-s", "0.001", "--timestep-us", "5", "--json")
@@ -38,11 +42,25 @@ def test_first_run_says_that_it_compiles_and_the_next_has_it(tmp_path):
     told = "compiling the contact code, once per installation; this takes some seconds"
     assert first.stderr.splitlines().count(told) == 1
     assert "compiling" not in second.stderr
-    shutil.rmtree(tmp_path / "cache")
-    assert ran(tmp_path, *RUN, "--quiet", **cache).stderr == ""
 
 
-@pytest.mark.parametrize("argv", [RUN, ("design", "check", "pin")])
+def test_it_is_said_of_any_code_but_once_and_not_when_quiet(capsys, monkeypatch, tmp_path):
+    for quiet, lines in ((), 1), (("--quiet",), 0):
+        compiling._announce.cache_clear()
+
+        def build(*given):
+            for number in range(2):
+                # code that is not in any cache
+                with announced():
+                    njit(lambda x, number=number: x + number)(1)
+            raise DesignError("enough")
+
+        monkeypatch.setattr("cycloid_mj.run.reducer_model", build)
+        assert main([*RUN, *quiet, "--out", str(tmp_path)]) == 1
+        assert capsys.readouterr().err.count("compiling the contact code") == lines
+
+
+@pytest.mark.parametrize("argv", [RUN, pytest.param(("design", "check", "pin"), marks=pytest.mark.slow)])
 def test_installation_that_cannot_be_written_runs_and_says_so_once(argv, tmp_path):
     shutil.copytree(
         Path(cycloid_mj.__file__).parent, tmp_path / "code" / "cycloid_mj", ignore=shutil.ignore_patterns("__pycache__")

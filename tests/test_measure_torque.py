@@ -227,9 +227,17 @@ def test_mistakes_are_told_in_one_line(words, told, capsys):
     assert error.count("\n") == 1
 
 
-def test_a_self_locking_reducer_gives_no_back_driving_but_all_the_rest() -> None:
-    """Friction takes more than half of the printed design's power: its output cannot turn its crank."""
-    found = MEASURES["efficiency"](unlike("printed"), quick=True).quantities
+@pytest.mark.parametrize(
+    "design",
+    [
+        override(FIXED, ["friction.pin_gear=0.4", "friction.cam_rolling=0.03"]),
+        pytest.param(unlike("printed"), marks=pytest.mark.slow),
+    ],
+    ids=["rubbing", "printed"],
+)
+def test_a_self_locking_reducer_gives_no_back_driving_but_all_the_rest(design) -> None:
+    """Friction takes more than half of the power: the output cannot turn the crank."""
+    found = MEASURES["efficiency"](design, quick=True).quantities
     assert found["efficiency"].value < 50.0
     assert found["back_driving_efficiency"].value == 0.0
     assert found["back_driving_efficiency"].reference < 0.0

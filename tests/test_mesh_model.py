@@ -222,9 +222,9 @@ def test_only_mating_surfaces_meet(reducers: dict[str, Any], kind: str) -> None:
 def loaded() -> dict[str, tuple[Any, float]]:
     found = {}
     for kind in KINDS:
-        start = time.perf_counter()
+        start = time.process_time()
         model = mujoco.MjModel.from_xml_path(str(MODELS / kind / "scene.xml"))
-        found[kind] = model, time.perf_counter() - start
+        found[kind] = model, time.process_time() - start
     return found
 
 
@@ -323,7 +323,7 @@ def mesh_means(errors: np.ndarray, model: Any, design: Design) -> np.ndarray:
     return np.convolve(errors, np.full(period, 1.0 / period), mode="valid")
 
 
-@pytest.mark.parametrize(("kind", "duration"), [("pin", 0.012), ("nonpin", 0.008)])
+@pytest.mark.parametrize(("kind", "duration"), [("pin", 0.005), ("nonpin", 0.003)])
 def test_a_model_runs_at_full_speed(loaded: dict[str, Any], kind: str, duration: float) -> None:
     errors = keeps_speed(loaded[kind][0], "1640rpm_90", duration)
     assert abs(errors.mean()) < 0.005
@@ -414,7 +414,7 @@ def test_rubbing_holes_meet_their_mates_by_pairs() -> None:
 
 
 def mesh_run(kind: str, *changes: str) -> Run:
-    design = changed(kind, "drive.ramp_s=0.0", "drive.hold_s=0.001", "load.torque_nm=20.0", "load.rise_s=0.0003")
+    design = changed(kind, "drive.ramp_s=0.0", "drive.hold_s=0.0005", "load.torque_nm=20.0", "load.rise_s=0.0003")
     design = override(design, list(changes))
     return simulate(design, reducer_model(design, "mesh"))
 
