@@ -134,7 +134,8 @@ found = {}
 crank = np.linspace(0.0, 2.0 * np.pi, 361)[:-1]
 for name in ("pin", "nonpin"):
     for seed in range(5):
-        changes = [f"errors.seed={seed}", "errors.pin_position_um=1.0", "errors.hole_position_um=1.0"]
+        made = ["hole_position", "pin_position"] if name == "pin" else ["hole_position"]
+        changes = [f"errors.seed={seed}", *(f"errors.{each}_um=1.0" for each in made)]
         errors = transmission_error(override(PRESETS[name], changes), crank, 36.68)
         found[f"{name} {seed}"] = {"mean": float(errors[:, 0].mean()), "std": float(errors[:, 0].std())}
 json.dump(found, sys.stdout)
