@@ -52,41 +52,37 @@ QUANTITIES = (
 """What the paper says fluctuates, or vibrates, more with pins than without."""
 
 
-@dataclass(frozen=True)
-class Idle:
-    """The idle fluctuations of one case: quantity key -> design name -> rms of each start."""
-
-    levels: Mapping[str, Mapping[str, Spread]]
-
-    def order(self, key: str) -> int:
-        """Tell which design fluctuates more in a quantity: pin (1), nonpin (-1), or neither for sure (0)."""
-        return order(self.levels[key]["pin"], self.levels[key]["nonpin"])
+Levels = Mapping[str, Mapping[str, Spread]]
+"""Key of a quantity -> name of a design -> rms of each of its runs."""
 
 
-def idle(plan: Plan, runs: Runs) -> Idle:
+def pin_over_nonpin(levels: Levels, key: str) -> int:
+    """Tell which design fluctuates more in a quantity: pin (1), nonpin (-1), or neither for sure (0)."""
+    return order(levels[key]["pin"], levels[key]["nonpin"])
+
+
+def idle(plan: Plan, runs: Runs) -> Levels:
     """Give the idle fluctuations of both designs."""
-    return of_runs({design.name: runs(idle_runs(plan, design)) for design in designs()})
+    return levels_of({design.name: runs(idle_runs(plan, design)) for design in designs()})
 
 
-def swept(plan: Plan, runs: Runs) -> dict[Variation, Idle]:
+def swept(plan: Plan, runs: Runs) -> dict[Variation, Levels]:
     """Give the idle fluctuations with one parameter varied at a time."""
-    sweep = variations(plan)
-    # all at once, so that the runs fill every core
-    runs([run for one in sweep for design in designs() for run in varied_idle_runs(plan, one, design)])
-    return {
-        one: of_runs({design.name: runs(varied_idle_runs(plan, one, design)) for design in designs()}) for one in sweep
+    cases = {
+        one: {design.name: varied_idle_runs(plan, one, design) for design in designs()} for one in variations(plan)
     }
+    # all at once, so that the runs fill every core
+    runs([run for case in cases.values() for starts in case.values() for run in starts])
+    return {one: levels_of({name: runs(starts) for name, starts in case.items()}) for one, case in cases.items()}
 
 
-def of_runs(starts: Mapping[str, Sequence[Run]]) -> Idle:
-    """Collect the levels of runs: design name -> its starts."""
+def levels_of(starts: Mapping[str, Sequence[Run]]) -> Levels:
+    """Measure runs: name of a design -> its runs."""
     measured = {name: [measure(settled(run)) for run in found] for name, found in starts.items()}
-    return Idle(
-        {
-            each.key: {name: Spread.of(each.level(one) for one in found) for name, found in measured.items()}
-            for each in QUANTITIES
-        }
-    )
+    return {
+        each.key: {name: Spread.of(each.level(one) for one in found) for name, found in measured.items()}
+        for each in QUANTITIES
+    }
 
 
 def label(variation: Variation) -> str:

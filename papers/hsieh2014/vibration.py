@@ -6,11 +6,23 @@ Each idle quantity is the spread over independent starts. What the rated load ma
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
-from cycloid_mj.comparison import STARTS, Spread, Variation, measure, settled
+from cycloid_mj.comparison import STARTS, Spread, Variation, settled
 from cycloid_mj.record import Run
 from cycloid_mj.result import Claim, Table, Value
 from hsieh2014.cycle import cycle_table
-from hsieh2014.idle import QUANTITIES, Divergence, Idle, Ranked, divergence, idle, label, nudged, of_runs, swept
+from hsieh2014.idle import (
+    QUANTITIES,
+    Divergence,
+    Levels,
+    Ranked,
+    divergence,
+    idle,
+    label,
+    levels_of,
+    nudged,
+    pin_over_nonpin,
+    swept,
+)
 from hsieh2014.motion import mean_spin
 from hsieh2014.plan import (
     LEFT_OPEN,
@@ -31,8 +43,6 @@ from hsieh2014.plan import (
 from hsieh2014.stage import Found, Plate, Progress, Runs
 from hsieh2014.verdicts import order_verdict
 
-Levels = dict[str, float]
-"""Name of a design -> its rms of a quantity."""
 RATIO = "pin / nonpin"
 
 CAPTIONS = {
@@ -53,21 +63,25 @@ def vibration(plan: Plan, runs: Runs, progress: Progress) -> Found:
     pairs = [(at_speed(design, 0.0, plan.turns), nudged(at_speed(design, 0.0, plan.turns))) for design in designs()]
     runs([*(run for design in designs() for run in idle_runs(plan, design)), *rated_runs(plan), *(b for _, b in pairs)])
     base, sweep = idle(plan, runs), swept(plan, runs)
-    finer = of_runs({each.name: runs(finer_idle_runs(plan, each)) for each in designs()}) if plan.finer_turns else None
     chaos = {one.name: divergence(*runs([one, other])) for one, other in pairs}
     rated = {"as it is": _rated(runs(rated_runs(plan)))} | _varied_rated(plan, runs)
     cases = {"as it is": base} | {label(one): found for one, found in sweep.items()}
+    finer = {design.name: finer_idle_runs(plan, design) for design in designs()}
+    halved = {"half the step": levels_of({name: runs(starts) for name, starts in finer.items()})}
     return Found(
         tuple(_plates(plan, runs, cases)),
         (
-            _idle_table(cases, finer),
+            _idle_table(cases | (halved if plan.finer_turns else {})),
             _rated_table(rated),
             _spin_table(plan, runs),
             cycle_table({"as it is": runs(rated_runs(plan))}),
         ),
         tuple(_claim(each, base, sweep, rated["as it is"]) for each in QUANTITIES),
         {
-            "idle": {name: _levels(found) for name, found in cases.items()},
+            "idle": {
+                name: {key: {design: list(one.values) for design, one in each.items()} for key, each in found.items()}
+                for name, found in cases.items()
+            },
             "chaos": {
                 name: {"foldings_per_turn": each.foldings, "turns_to_a_tenth": each.turns}
                 for name, each in chaos.items()
@@ -77,7 +91,7 @@ def vibration(plan: Plan, runs: Runs, progress: Progress) -> Found:
     )
 
 
-def _plates(plan: Plan, runs: Runs, cases: Mapping[str, Idle]) -> Iterator[Plate]:
+def _plates(plan: Plan, runs: Runs, cases: Mapping[str, Levels]) -> Iterator[Plate]:
     """Draw one turn of each main run, and every idle start of every case."""
     from cycloid_mj.plots.comparison import comparison_figures
     from hsieh2014.starts_figure import starts_figure
@@ -89,16 +103,16 @@ def _plates(plan: Plan, runs: Runs, cases: Mapping[str, Idle]) -> Iterator[Plate
         "compare_starts",
         "Figs 6-8",
         "No load: rms of every independent start, pin and nonpin, as it is and with one parameter varied.",
-        starts_figure({name: found.levels for name, found in cases.items()}, QUANTITIES),
+        starts_figure(cases, QUANTITIES),
     )
 
 
-def _claim(quantity: Ranked, base: Idle, sweep: Mapping[Variation, Idle], rated: Mapping[str, Levels]) -> Claim:
+def _claim(quantity: Ranked, base: Levels, sweep: Mapping[Variation, Levels], rated: Levels) -> Claim:
     """Judge which design fluctuates more at no load: by its starts, and by what the paper leaves open."""
     key = quantity.key
-    turned_by = {label(one): found.order(key) for one, found in sweep.items() if one.parameter in LEFT_OPEN}
-    verdict, turned = order_verdict(base.order(key), turned_by)
-    pin, nonpin = base.levels[key]["pin"], base.levels[key]["nonpin"]
+    turned_by = {label(one): pin_over_nonpin(found, key) for one, found in sweep.items() if one.parameter in LEFT_OPEN}
+    verdict, turned = order_verdict(pin_over_nonpin(base, key), turned_by)
+    pin, nonpin = base[key]["pin"], base[key]["nonpin"]
     ratio = pin.over(nonpin)
     return Claim(
         key=key,
@@ -123,39 +137,32 @@ def _claim(quantity: Ranked, base: Idle, sweep: Mapping[Variation, Idle], rated:
     )
 
 
-def _decided(key: str, base: Idle, sweep: Mapping[Variation, Idle], turned: Sequence[str]) -> str:
+def _decided(key: str, base: Levels, sweep: Mapping[Variation, Levels], turned: Sequence[str]) -> str:
     """Tell what turns the order round among all that is varied, and what of that the paper leaves open."""
     given = [
         label(one)
         for one, found in sweep.items()
-        if one.parameter not in LEFT_OPEN and found.order(key) not in (0, base.order(key))
+        if one.parameter not in LEFT_OPEN and pin_over_nonpin(found, key) not in (0, pin_over_nonpin(base, key))
     ]
     words = f"left open by the paper: {', '.join(turned)}" if turned else "nothing varied that the paper leaves open"
     return f"{words}; given by the paper: {', '.join(given)}" if given else words
 
 
-def _beside(quantity: Ranked, levels: Levels) -> Value:
-    pin, nonpin = levels["pin"], levels["nonpin"]
-    ratio = pin / nonpin if nonpin else math.inf
-    others = "".join(f"; {name} {level:.3g}" for name, level in levels.items() if name not in ("pin", "nonpin"))
+def _beside(quantity: Ranked, rated: Mapping[str, Spread]) -> Value:
+    pin, nonpin, *others = (one.mean for one in rated.values())
+    ratio = rated["pin"].over(rated["nonpin"]).values[0]
+    third = "".join(f"; {equalised().name} {level:.3g}" for level in others)
     return Value(
-        f"rms {pin:.3g} with pins, {nonpin:.3g} {quantity.unit} without, {ratio:.2f} to 1{others}",
-        ratio,
-        RATIO,
+        f"rms {pin:.3g} with pins, {nonpin:.3g} {quantity.unit} without, {ratio:.2f} to 1{third}", ratio, RATIO
     )
 
 
-def _levels(found: Idle) -> dict[str, dict[str, list[float]]]:
-    return {key: {name: list(one.values) for name, one in each.items()} for key, each in found.levels.items()}
+def _rated(runs: Sequence[Run]) -> Levels:
+    """Measure rated runs, one of each design: pin, nonpin and, where it ran, the third."""
+    return levels_of({run.provenance["design"]: [run] for run in runs})
 
 
-def _rated(runs: Sequence[Run]) -> dict[str, Levels]:
-    """Give the levels of rated runs: quantity key -> design name -> rms."""
-    measured = {run.provenance["design"]: measure(settled(run)) for run in runs}
-    return {each.key: {name: each.level(one) for name, one in measured.items()} for each in QUANTITIES}
-
-
-def _varied_rated(plan: Plan, runs: Runs) -> dict[str, dict[str, Levels]]:
+def _varied_rated(plan: Plan, runs: Runs) -> dict[str, Levels]:
     """Give the rated levels with one parameter varied at a time, and with half the step; none if quick."""
     if plan.quick:
         return {}
@@ -188,24 +195,20 @@ def _spins(found: Sequence[Run]) -> str:
     return "" if means is None else means.words if len(means.values) > 1 else f"{means.mean:.3g}"
 
 
-def _idle_table(cases: Mapping[str, Idle], finer: Idle | None) -> Table:
+def _idle_table(cases: Mapping[str, Levels]) -> Table:
     """Give the spread of each quantity in each case."""
-    told = {**cases, **({"half the step": finer} if finer else {})}
-    head = ("no load: rms over independent starts, pin | nonpin", *told)
+    head = ("no load: rms over independent starts, pin | nonpin", *cases)
     rows = [
         (
             f"{each.name} [{each.unit}]",
-            *(
-                f"{found.levels[each.key]['pin'].words} | {found.levels[each.key]['nonpin'].words}"
-                for found in told.values()
-            ),
+            *(" | ".join(one.words for one in found[each.key].values()) for found in cases.values()),
         )
         for each in QUANTITIES
     ]
     return Table("idle fluctuations over independent starts", head, tuple(rows))
 
 
-def _rated_table(cases: Mapping[str, Mapping[str, Levels]]) -> Table:
+def _rated_table(cases: Mapping[str, Levels]) -> Table:
     """Give rms at the rated load, and pin over nonpin, in each case; as it is, the third design as well."""
     third = equalised().name
     head = (f"rated load: rms, pin | nonpin | ratio (| {third})", *cases)
@@ -216,11 +219,9 @@ def _rated_table(cases: Mapping[str, Mapping[str, Levels]]) -> Table:
     return Table(title, head, tuple(rows))
 
 
-def _cell(levels: Levels) -> str:
-    ratio = levels["pin"] / levels["nonpin"] if levels["nonpin"] else math.inf
-    third = levels.get(equalised().name)
-    words = f"{levels['pin']:.3g} | {levels['nonpin']:.3g} | {ratio:.2f}"
-    return words if third is None else f"{words} | {third:.3g}"
+def _cell(rated: Mapping[str, Spread]) -> str:
+    pin, nonpin, *others = (f"{one.mean:.3g}" for one in rated.values())
+    return " | ".join([pin, nonpin, f"{rated['pin'].over(rated['nonpin']).values[0]:.2f}", *others])
 
 
 def _notes(plan: Plan, chaos: Mapping[str, Divergence]) -> Iterator[str]:
