@@ -1,6 +1,7 @@
 """One crank turn of a run: the samples nearest to the wanted crank angles, in the settled hold."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -93,15 +94,19 @@ def require_same(design: Design, ran: Design) -> None:
 
 def differences(design: Design, ran: Design) -> list[str]:
     """Tell where a design differs from one that ran in what it is, not in under what it runs."""
-    free = {"name": True} | {table: keys or True for table, keys in FREE.items()}
-    asked, logged = (each.model_dump(exclude=free) for each in (design, ran))
-    pairs = ((table, asked[table] or {}, logged[table] or {}) for table in asked)  # None: the part has no own material
+    asked, logged = _values(design), _values(ran)
     return [
-        f"{table}.{key} ({ours.get(key)} in the design, {theirs.get(key)} in the log)"
-        for table, ours, theirs in pairs
-        for key in dict.fromkeys((*ours, *theirs))
-        if ours.get(key) != theirs.get(key)
+        f"{key} ({asked.get(key)} in the design, {logged.get(key)} in the log)"
+        for key in {**asked, **logged}
+        if asked.get(key) != logged.get(key)
     ]
+
+
+def _values(design: Design) -> dict[str, Any]:
+    """Give the values of a design's tables by ``table.key``, but for those that it may run under; none of no table."""
+    free = {"name": True} | {table: keys or True for table, keys in FREE.items()}
+    tables = design.model_dump(exclude=free)
+    return {f"{table}.{key}": value for table, values in tables.items() for key, value in (values or {}).items()}
 
 
 def _last_turn(run: Run, hold: Mask) -> npt.NDArray[np.intp]:
