@@ -4,9 +4,10 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, is_dataclass
 from enum import StrEnum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from cycloid_mj.types import Array
+if TYPE_CHECKING:
+    from cycloid_mj.types import Array
 
 
 def plain(value: Any) -> Any:
@@ -107,8 +108,8 @@ class Curve:
 
     panel: str
     name: str
-    x: Array
-    y: Array
+    x: "Array"
+    y: "Array"
     x_label: str
     y_label: str
     style: str = "line"

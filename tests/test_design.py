@@ -54,6 +54,10 @@ ASSUMED_HERE = {
         "creep_speed_mm_s",
         "max_penetration_um",
     },
+    "bearing": {"dynamic_capacity_n", "static_capacity_n", "shaft_dynamic_capacity_n", "output_dynamic_capacity_n"}
+    | {"reliability", "service_factor"},
+    "service": {"surface", "endurance_limit_mpa", "notch_factor", "wear_coefficient_mm3_nm", "ambient_temperature_c"}
+    | {"film_coefficient_w_m2_k"},
     "drive": {"ramp_s", "hold_s", "rotor_inertia_kg_m2"},
     "load": {"torque_nm", "rise_s"},
     "settings": {"timestep_us", "log_rate_hz", "scene_rate_hz"},
@@ -101,7 +105,7 @@ def random_changes(rng: np.random.Generator) -> list[str]:
     changes = []
     for table, keys in tomllib.loads(dump(PRESETS["pin"])).items():
         for key, value in keys.items() if isinstance(keys, dict) else ():
-            if isinstance(value, float):
+            if isinstance(value, float) and key != "reliability":  # a share of 1 at most
                 digits = rng.integers(1, 18)
                 changes.append(f"{table}.{key}={float(f'{value * rng.uniform(0.8, 1.2):.{digits}g}')!r}")
     return [*changes, f"ring.teeth={rng.integers(4, 401)}", f"output.pins={rng.integers(2, 101)}", 'name="a b-1"']
@@ -188,7 +192,8 @@ def test_the_file_has_every_key_and_says_what_is_assumed() -> None:
 
 def test_a_key_states_its_unit() -> None:
     # Numbers without a unit in their key are counts, ratios and friction coefficients, and nothing else.
-    bare = {"teeth", "pins", "bolts", "seed", "cam_rollers", "damping_ratio", "poisson"}
+    bare = {"teeth", "pins", "bolts", "seed", "cam_rollers", "damping_ratio", "poisson", "reliability"}
+    bare |= {"service_factor", "notch_factor"}
     for table, field in Design.model_fields.items():
         for name, inner in getattr(field.annotation, "model_fields", {}).items():
             if inner.annotation in (int, float) and table not in ("friction", "damping"):

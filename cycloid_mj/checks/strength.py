@@ -56,7 +56,7 @@ def strength_checks(design: Design) -> Iterator[Check]:
         yield from _pressures(state, part)
     yield _concentration(state)
     yield _pressure_angle(state)
-    for wall in _walls(design):
+    for wall in walls(design):
         yield _wall(state, wall)
 
 
@@ -225,7 +225,7 @@ def _threshold(holds: Callable[[float], bool]) -> float:
 
 
 @dataclass(frozen=True)
-class _Wall:
+class Wall:
     """A wall of a `part` that a pin of one `kind` presses on: `thickness` [m], `share` of its yield strength."""
 
     name: str
@@ -240,7 +240,8 @@ class _Wall:
         return state.peak_force(self.kind) / (2.0 * self.thickness * state.design.gear.face_width)
 
 
-def _walls(design: Design) -> tuple[_Wall, ...]:
+def walls(design: Design) -> tuple[Wall, ...]:
+    """Give the walls of gear and housing that pins press on."""
     output, ring, gear = design.output, design.ring, design.gear
     hole = output.hole_radius + design.clearance.output
     root = ring.pin_circle_radius + design.modification.pin_circle - gear.eccentricity - profile_offset(design)
@@ -251,9 +252,9 @@ def _walls(design: Design) -> tuple[_Wall, ...]:
     inside, beyond = output.pin_circle_radius - hole, root - output.pin_circle_radius - hole
     ligament, tooth = design.housing.outer_radius - outside, design.tooth_pair
     return (
-        _Wall("hole_to_hole", "between neighbouring output holes", "gear", "output", between, TENSION),
-        _Wall("hole_to_root", "between the output holes and the root of the lobes", "gear", "output", beyond, SHEAR),
-        _Wall(
+        Wall("hole_to_hole", "between neighbouring output holes", "gear", "output", between, TENSION),
+        Wall("hole_to_root", "between the output holes and the root of the lobes", "gear", "output", beyond, SHEAR),
+        Wall(
             "bore_to_hole",
             "between the bore and the output holes",
             "gear",
@@ -261,11 +262,11 @@ def _walls(design: Design) -> tuple[_Wall, ...]:
             inside - gear.bore_radius - design.clearance.cam,
             SHEAR,
         ),
-        _Wall("housing_ligament", "of the housing outside the ring's teeth", "housing", tooth, ligament, SHEAR),
+        Wall("housing_ligament", "of the housing outside the ring's teeth", "housing", tooth, ligament, SHEAR),
     )
 
 
-def _wall(state: Rated, wall: _Wall) -> Check:
+def _wall(state: Rated, wall: Wall) -> Check:
     """Check that no pin tears out of its wall."""
     design, stress = state.design, wall.stress(state)
     material = design.material_of(wall.part)

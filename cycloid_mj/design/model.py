@@ -404,6 +404,40 @@ def _made_of(part: str) -> Any:
     return Field(default=None, description=f"What {part} is made of, where it is not what all parts are.")
 
 
+class Bearing(Section):
+    """Ratings of rolling bearings by their catalogue, and how sure their life is to be; for `cycloid-mj rate` alone."""
+
+    dynamic_capacity: float = quantity(
+        0.0, "of the cam's bearing; 0: ISO 281 with contact.cam_rollers side by side", u.NEWTON, ge=0.0, le=1e9
+    )
+    static_capacity: float = quantity(0.0, "of the cam's bearing; 0: ISO 76, the same", u.NEWTON, ge=0.0, le=1e9)
+    shaft_dynamic_capacity: float = quantity(
+        0.0, "of each bearing of the shaft; 0: ISO 281 with rollers of a usual size", u.NEWTON, ge=0.0, le=1e9
+    )
+    output_dynamic_capacity: float = quantity(
+        0.0, "of the roller of an output pin; 0: ISO 281 with needles that fill it", u.NEWTON, ge=0.0, le=1e9
+    )
+    reliability: float = quantity(0.9, "share of bearings, and of parts, that last", ge=0.5, le=0.9999)
+    service_factor: float = quantity(1.0, "on the loads of bearings, for shocks", ge=0.1, le=10.0)
+
+
+class Service(Section):
+    """What fatigue, wear and heat depend on beside the loads; for `cycloid-mj rate` alone."""
+
+    surface: Literal["ground", "machined", "forged"] = choice("machined", "shaft and pins: ground, machined, forged")
+    endurance_limit: float = quantity(
+        0.0, "endurance limit of every part; 0: by tensile strength, surface, size", u.MEGAPASCAL, ge=0.0, le=1e5
+    )
+    notch_factor: float = quantity(
+        0.0, "fatigue notch factor at the root of an output pin; 0: from its fillet", ge=0.0, le=10.0
+    )
+    wear_coefficient: float = quantity(
+        1e-9, "volume worn per force and sliding distance (mixed lubrication)", u.WEAR, ge=0.0, le=1.0
+    )
+    ambient_temperature: float = quantity(20.0, "temperature around the housing", u.CELSIUS, ge=-100.0, le=200.0)
+    film_coefficient: float = quantity(12.0, "heat given to still air", u.FILM, gt=0.0, le=1e4)
+
+
 class Drive(Section):
     """The motor and the law of the crank: a linear ramp, then constant speed."""
 
@@ -469,6 +503,8 @@ class Design(Section):
     pin_material: Material | None = _made_of("the ring pins, or their sleeves")
     output_material: Material | None = _made_of("the output disc and its pins")
     shaft_material: Material | None = _made_of("the shaft, and the rollers on its cam")
+    bearing: Bearing = Bearing()
+    service: Service = Service()
     drive: Drive = Drive()
     load: Load = Load()
     environment: Environment = Environment()

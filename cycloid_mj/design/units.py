@@ -60,6 +60,9 @@ INERTIA = Unit("kg_m2")
 ACCELERATION = Unit("m_s2")
 MILLIMETRE_PER_SECOND = Unit("mm_s", divisor=1e3)
 KILOWATT = Unit("kw", multiplier=1e3)
+CELSIUS = Unit("c")
+FILM = Unit("w_m2_k")
+WEAR = Unit("mm3_nm", divisor=1e9)
 HERTZ = Unit("hz")
 
 
@@ -124,6 +127,9 @@ UNITS = {
         ACCELERATION,
         MILLIMETRE_PER_SECOND,
         KILOWATT,
+        CELSIUS,
+        FILM,
+        WEAR,
         HERTZ,
     )
 }
