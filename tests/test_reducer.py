@@ -9,6 +9,7 @@ from designs import UNLIKE, unlike
 
 from cycloid_mj.contact.collider import installed
 from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.deviations import deviations
 from cycloid_mj.mechanism import gaps, reducer
 from cycloid_mj.mechanism.reducer import mechanism
 from cycloid_mj.mjcf import build
@@ -105,3 +106,43 @@ def test_the_gaps_of_two_discs_are_those_of_each(monkeypatch: pytest.MonkeyPatch
     motion = gaps.ideal_motion(design, 0.7)
     np.testing.assert_allclose(both.slope @ motion, 0.0, rtol=0.0, atol=1e-17)
     assert math.isclose(np.hypot(*motion[3:5]), design.gear.eccentricity, rel_tol=1e-12)
+
+
+@pytest.mark.parametrize("pins", ["free", "fixed", "sleeved", "massless"])
+def test_clearances_and_errors_are_in_places_and_radii(pins: str) -> None:
+    errors = ["errors.pin_position_um=1.0", "errors.pin_radius_um=0.5", "errors.hole_position_um=1.0"]
+    more = [
+        "errors.eccentricity_um=3.0",
+        "clearance.cam_um=2.0",
+        "clearance.output_um=3.0",
+        "clearance.pin_socket_um=4.0",
+    ]
+    design = override(PRESETS["pin"], [*errors, *more, "clearance.pin_sleeve_um=5.0", f'ring.pins="{pins}"'])
+    wrong, made, ring = deviations(design), mechanism(design), design.ring
+    angle = 2.0 * np.pi * np.arange(ring.teeth) / ring.teeth
+    home = ring.pin_circle_radius * np.stack([np.sin(angle), np.cos(angle)], axis=1) + wrong.pin_place
+    mesh = made.mating("pin_gear")
+    np.testing.assert_allclose(mesh.by.radius, 2.25e-3 + wrong.pin_radius, rtol=1e-14)
+    if made.pins:
+        np.testing.assert_allclose([pin.place for pin in made.pins], home, rtol=0.0, atol=1e-17)
+        assert not mesh.by.place.any()
+    else:
+        np.testing.assert_allclose(mesh.by.place, home, rtol=0.0, atol=1e-17)
+    assert mesh.on.radius[0] > ring.pin_circle_radius + design.gear.eccentricity + wrong.largest
+    np.testing.assert_allclose(mesh.by.play, 4e-6 - wrong.pin_radius if pins == "massless" else 0.0, atol=1e-18)
+    if pins == "free":
+        seats = made.mating("pin_socket").by
+        np.testing.assert_allclose(seats.radius, 2.254e-3, rtol=1e-14)
+        np.testing.assert_allclose(seats.place, home, rtol=0.0, atol=1e-17)
+    if pins == "sleeved":
+        sleeves = made.mating("pin_sleeve")
+        np.testing.assert_allclose(sleeves.on.radius, 1.5e-3, rtol=1e-14)
+        np.testing.assert_allclose(sleeves.by.radius, 1.495e-3, rtol=1e-14)
+    cam, holes = made.mating("cam"), made.mating("output")
+    np.testing.assert_allclose(cam.by.place, [[0.0, 1.003e-3]], rtol=0.0, atol=1e-17)
+    np.testing.assert_allclose([cam.by.radius[0], cam.on.radius[0]], [15e-3, 15.002e-3], rtol=1e-14)
+    turned = 2.0 * np.pi * np.arange(design.output.pins) / design.output.pins
+    circle = design.output.pin_circle_radius * np.stack([np.sin(turned), np.cos(turned)], axis=1)
+    np.testing.assert_allclose(holes.on.place, circle + wrong.hole_place, rtol=0.0, atol=1e-17)
+    np.testing.assert_allclose(holes.by.place, circle, rtol=0.0, atol=1e-17)
+    np.testing.assert_allclose([holes.on.radius[0], holes.by.radius[0]], [5.003e-3, 4e-3], rtol=1e-14)

@@ -36,8 +36,8 @@ def validate(*, quick: QuickFlag = False, only: OnlyFlag = (), json: JsonFlag = 
     """Hold the simulation against closed forms and published cases.
 
     Prints a table of quantity, ours, reference, source, error, bound and
-    result, rung by rung: two-body, friction, backlash, sharing, cam,
-    published, energy, steps, mirror, gravity. "told" marks a row without a
+    result, rung by rung: two-body, friction, mechanism, backlash, sharing,
+    cam, published, energy, steps, mirror, gravity. "told" marks a row without a
     bound, which states a difference; its reason stands below the table.
     Exit code 1 if any row fails. Two processes at a time, for some minutes.
     """

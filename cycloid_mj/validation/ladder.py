@@ -14,6 +14,7 @@ from cycloid_mj.validation import (
     cam_load,
     energy,
     incline,
+    mechanism,
     published,
     sharing,
     steps,
@@ -24,7 +25,7 @@ from cycloid_mj.validation.rig import FIXED, FREE, KINDS, NONPIN, SLEEVED
 from cycloid_mj.validation.row import Row
 
 RUNGS = (
-    *("two-body", "friction", "backlash", "sharing", "cam"),
+    *("two-body", "friction", "mechanism", "backlash", "sharing", "cam"),
     *("published", "energy", "steps", "mirror", "gravity"),
 )
 """Name of every rung, from the ground up."""
@@ -54,6 +55,7 @@ class Part:
 def _parts() -> Iterator[Part]:
     yield Part("two-body", two_bodies.rows, (1.0, 1.0))
     yield Part("friction", incline.rows, (0.2, 0.2))
+    yield Part("mechanism", mechanism.rows, (9.0, 9.0))
     yield Part("backlash", backlash.rows, (4.0, 4.0))
     for kind in KINDS:
         yield Part("sharing", partial(sharing.ideal_rows, kind), (1.0, 2.0))

@@ -1,0 +1,263 @@
+"""Rung 3 also: what ``mechanism`` states of gaps, sliding, stops and balance, against exact curves and a search.
+
+Without a simulation. The designs have every clearance, manufacturing error and modification, so that no sign is idle.
+"""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj import kinematics, profile
+from cycloid_mj.contact.collider import installed
+from cycloid_mj.contact.law import pair_stiffness
+from cycloid_mj.contact.working import at_rated_load
+from cycloid_mj.design import Design
+from cycloid_mj.deviations import deviations
+from cycloid_mj.loaded import loads, springs_of
+from cycloid_mj.mechanism.gaps import gaps, ideal_motion
+from cycloid_mj.mechanism.kernel import gap
+from cycloid_mj.mechanism.limits import stops
+from cycloid_mj.mechanism.reducer import mechanism
+from cycloid_mj.mjcf import build
+from cycloid_mj.mjcf.keyframe import joint_state
+from cycloid_mj.modification import gear_profile, profile_offset, tooth_profile
+from cycloid_mj.types import Array, Mask
+from cycloid_mj.validation import equilibrium, rig
+from cycloid_mj.validation.gaps import Flanks, Pose, pin_gaps, ring_gaps, rotate
+from cycloid_mj.validation.rig import FIXED, FREE, NONPIN, SLEEVED, reducer_of
+from cycloid_mj.validation.row import Row, deviation
+
+CRANK = 1.9
+"""A crank angle with no symmetry [rad]."""
+
+TURN = (1.9, 3.1, 5.2)
+"""Crank angles of the balances [rad]."""
+
+MADE = (
+    "errors.hole_position_um=1.0",
+    "errors.eccentricity_um=1.5",
+    "errors.seed=4",
+    "modification.equidistant_um=0.4",
+    "modification.pin_circle_um=-0.7",
+    "modification.rotation_arcsec=4.0",
+    "drive.speed_rpm=1.0",
+)
+PINS = ("errors.pin_position_um=1.0", "errors.pin_radius_um=0.5")
+ROOM = ("clearance.pin_gear_um=4.0", "clearance.tooth_um=4.0", "clearance.cam_um=3.0", "clearance.output_um=5.0")
+UNIFORM = 'contact.stiffness_law="uniform"'
+
+WAY = np.array([0.7e-6, -0.4e-6, 0.5e-6, -0.6e-6])
+"""A pose that the parts are displaced to: the unknowns of ``mechanism.gaps`` [m]."""
+
+ASIDE = np.array([2e-6, 1e-6])
+"""By how much pins are displaced [m]."""
+
+FRICTION = 0.1
+"""Coefficient of friction where there is any: of all pairs."""
+
+_STEP, _TURN = 1e-8, 1e-6
+"""Of parts [m], and of the crank [rad], in differences."""
+
+SEARCH = "static solution by scipy"
+
+
+def made(kind: str, *changes: str) -> Design:
+    """Give a design with errors and modification, without friction and gravity."""
+    free = (*rig.without_friction(), *rig.without_gravity(), f"load.torque_nm={rig.RATED_LOAD}")
+    return reducer_of(kind, *MADE, *(() if kind == NONPIN else PINS), *free, *changes)
+
+
+def gap_rows(kind: str) -> list[Row]:
+    """Hold the gaps of displaced parts, and their gradient, against exact curves."""
+    design = made(kind, *ROOM, "modification.rotation_arcsec=0.0")  # its corners have no second order
+    springs = springs_of(design, CRANK, friction=False).contacts
+    found = [gap(springs, 0, i, WAY) for i in range(springs.disc.size)]
+    sides = [[exact_gaps(design, CRANK, WAY + sign * _STEP * way) for way in np.eye(4)] for sign in (1.0, -1.0)]
+    slope = (np.array(sides[0]) - np.array(sides[1])).T / (2.0 * _STEP)
+    width, ours = np.array([one.width for one in found]), np.array([one.ahead for one in found])
+    exact, source = exact_gaps(design, CRANK, WAY), "exact curves"
+    return [
+        deviation(f"gaps of displaced parts, {kind}", 1e6 * width, 1e6 * exact, "um", source, 0.08),
+        deviation(f"gradient of these gaps, {kind}", ours.ravel(), slope.ravel(), "", source, 1.3),
+    ]
+
+
+def flank_rows() -> list[Row]:
+    """Hold the gaps of an internal gear's flanks, parts displaced a little, against a search along every root."""
+    design, z = reducer_of(NONPIN), 1e-1 * WAY
+    gear, found = tooth_profile(design), gaps(design, CRANK)
+    flank = (found.kind == "tooth") & (np.arange(found.owner.size) >= design.ring.teeth)
+    mesh = ring_gaps(gear, _pose(design, CRANK, z)[0], np.unique(found.owner[flank]))
+    exact = mesh.distance[np.isfinite(mesh.B)] + profile_offset(design) - gear.pin_radius
+    ours = found.width[flank] + found.slope[flank] @ z
+    nearest = exact[np.abs(exact[np.newaxis] - ours[:, np.newaxis]).argmin(axis=1)]
+    return [deviation("gaps of flanks, nonpin", 1e6 * ours, 1e6 * nearest, "um", "exact curves", 0.1)]
+
+
+def _arcs_and_output(design: Design, kinds: npt.NDArray[np.str_]) -> Mask:
+    arcs = (kinds == design.tooth_pair) & (np.arange(kinds.size) < design.ring.teeth)
+    return np.asarray(arcs | (kinds == "output"))
+
+
+def exact_gaps(design: Design, crank: float, z: Array, aside: Array | float = 0.0) -> Array:
+    """Give the gaps of pins or arcs, then of output pins [m], at the unknowns z [m] of ``mechanism``, by search.
+
+    All pins are `aside` of their places [m].
+    """
+    gear, made, output = tooth_profile(design), deviations(design), design.output
+    pose, out = _pose(design, crank, z)
+    flanks = Flanks(gear_profile(design), profile_offset(design), design.modification.rotation)
+    pins = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear)) + made.pin_place + aside
+    teeth = pin_gaps(gear, pose, pins, flanks).distance + profile_offset(design) - gear.pin_radius - made.pin_radius
+    around = output.pin_circle_radius * profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins)
+    between = rotate(around, out) - pose.centre - rotate(around + made.hole_place, pose.angle)
+    room = output.hole_radius + design.clearance.output - output.pin_radius
+    return np.concatenate([teeth, room - np.linalg.norm(between, axis=1)])
+
+
+def _pose(design: Design, crank: float, z: Array) -> tuple[Pose, float]:
+    """Give the pose of the gear, and the output's angle [rad], at departures z [m]."""
+    gear, lever = tooth_profile(design), design.output.pin_circle_radius
+    turned = float(kinematics.gear_rotation(gear, crank))
+    return Pose(kinematics.gear_centre(gear, crank) + z[:2], turned + z[2] / lever), turned + z[3] / lever
+
+
+def sliding_rows(kind: str) -> list[Row]:
+    """Hold the sliding of an ideal mesh against points fixed to both parts, over a small turn of the crank."""
+    design = reducer_of(kind)
+    found = gaps(design, CRANK)
+    ours = (found.slip_slope @ ideal_motion(design, CRANK))[_arcs_and_output(design, found.kind)]
+    after, before = (_points(design, CRANK + turn) for turn in (_TURN, -_TURN))
+    here = _points(design, CRANK)
+    slid = np.sum((after[0] - after[1] - before[0] + before[1]) * here[2], axis=1) / (2.0 * _TURN)
+    return [
+        deviation(f"sliding of the contacts, {kind}", 1e3 * ours, 1e3 * slid, "mm/rad", "points on both parts", 1e-5)
+    ]
+
+
+def _points(design: Design, crank: float) -> tuple[Array, Array, Array]:
+    """Give where points are that touch at ``CRANK`` in the ideal mesh, on the gear and on its mates [m], (n, 2) each.
+
+    And the unit vectors along which they slide there, (n, 2).
+    """
+    gear, output = tooth_profile(design), design.output
+    pins = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear))
+    touching, out = _pose(design, CRANK, np.zeros(4))
+    pose, turned = _pose(design, crank, np.zeros(4))
+    inwards = -pin_gaps(gear, touching, pins).normals
+    on_ring = pins + gear.pin_radius * inwards
+    studs = rotate(output.pin_circle_radius * profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins), out)
+    push = np.broadcast_to(-touching.centre / gear.eccentricity, studs.shape)
+    on_stud = studs + output.pin_radius * push
+    on_gear = np.concatenate([on_ring, on_stud])
+    moved = rotate(touching.to_gear(on_gear), pose.angle) + pose.centre
+    mates = np.concatenate([on_ring, rotate(on_stud, turned - out)])
+    return moved, mates, rotate(np.concatenate([inwards, push]), np.pi / 2)
+
+
+def model_rows(pins: str) -> list[Row]:
+    """Hold the distances that the collider finds in the model against exact gaps of the same pose.
+
+    Gear and output are in their ideal places, pins and sleeves displaced by ``ASIDE``.
+    """
+    tight = [f"clearance.{pair}_um=0.01" for pair in ("pin_gear", "pin_socket", "pin_sleeve", "cam", "output")]
+    design = made(FIXED, UNIFORM, *tight, f"ring.pins={pins}")
+    reducer, moving = build(design), design.ring.has_pin_bodies
+    data = mujoco.MjData(reducer.model)
+    for joint, value in joint_state(reducer_of(FIXED), CRANK, 0.0)[0].items():
+        data.joint(joint).qpos[0] = value
+    for pin in mechanism(design).pins:
+        data.joint(pin.joints[0]).qpos[0], data.joint(pin.joints[1]).qpos[0] = ASIDE
+    with installed():
+        mujoco.mj_forward(reducer.model, data)
+    number = {frozenset(reducer.model.geom(one).id for one in (pair.on, pair.by)): pair for pair in reducer.pairs}
+    mating = [number[frozenset(geoms)].name for geoms in data.contact.geom.tolist()]
+    found = dict(zip(mating, data.contact.dist, strict=True))
+    ours = np.array([found.get(pair.name, 0.0) for pair in reducer.pairs])
+    exact, larger = (
+        exact_gaps(design, CRANK, np.zeros(4), ASIDE if moving else 0.0),
+        deviations(design).pin_radius,
+    )
+    if design.ring.has_massless_pins:
+        exact[: larger.size] += design.clearance.pin_socket - larger
+    seat = design.pin_play - np.linalg.norm(ASIDE) - (larger if design.ring.has_sockets else 0.0 * larger)
+    cam = np.array([design.clearance.cam - deviations(design).eccentricity])
+    parts = [exact[: larger.size], *([seat] if moving else []), cam, exact[larger.size :]]
+    depths = np.minimum(np.concatenate(parts), 0.0)
+    return [deviation(f"depths in the model, {pins} pins", 1e6 * ours, 1e6 * depths, "um", "exact curves", 1e-3)]
+
+
+def balance_rows(kind: str, turn: Sequence[float]) -> list[Row]:
+    """Hold the balance of springs at crank angles [rad] against the independent static solution."""
+    design = made(kind, UNIFORM)
+    rated = at_rated_load(design)
+    stiffness = {pair: pair_stiffness(rated, pair) for pair in rated.pair_kinds}
+    found = loads(design, springs_of(design, turn, friction=False), rig.RATED_LOAD)
+    solved = [equilibrium.solve(design, stiffness, crank) for crank in turn]
+    cam, output = (np.array([getattr(one, name) for one in solved]) for name in ("cam_force", "output_turn"))
+    # An arc and a flank that close as one patch are one spring here, and up to two in the search.
+    bounds = (3.0, 0.05) if kind == NONPIN else (0.01, 0.01)
+    return [
+        deviation(f"cam in statics, {kind}", found.cam, cam, "N", SEARCH, bounds[0]),
+        deviation(f"turn of the output, {kind}", 1e6 * found.output_turn, 1e6 * output, "urad", SEARCH, bounds[1]),
+    ]
+
+
+def friction_rows() -> list[Row]:
+    """Hold the work of the cam over a small turn, with friction, against that of the load and of all sliding."""
+    rubs = [f"friction.{kind}={FRICTION}" for kind in (*rig.MATING, "cam_rolling", "output_rolling")]
+    design = reducer_of(FIXED, *rubs, *rig.without_gravity(), f"load.torque_nm={rig.RATED_LOAD}", "drive.speed_rpm=1.0")
+    gear, springs = tooth_profile(design), springs_of(design, TURN)
+    found, speed = loads(design, springs, rig.RATED_LOAD), design.drive.speed
+    going = speed * rotate(kinematics.gear_centre(gear, np.array(TURN)), np.pi / 2)
+    slow, pressed = speed / gear.lobes, np.linalg.norm(found.cam, axis=1)
+    driven = np.sum(found.cam * going, axis=1) - FRICTION * design.gear.bore_radius * pressed * slow
+    rubbed = FRICTION * np.sum(np.concatenate([found.teeth, found.output], axis=1) * np.abs(springs.slip), axis=1)
+    return [
+        deviation(
+            "power through friction, fixed pins",
+            1e3 * driven,
+            1e3 * (rig.RATED_LOAD * slow + rubbed),
+            "mW",
+            "load and sliding",
+            0.1,
+        )
+    ]
+
+
+def stop_rows(kind: str) -> list[Row]:
+    """Hold the stops of rigid parts against the turn of very stiff ones under a small torque, both ways.
+
+    Pins that move count as fixed ones with the play of both: to rigid parts they are the same.
+    """
+    design = made(kind, *ROOM)
+    held = design
+    if kind == FREE:
+        design = rig.changed(design, "errors.pin_radius_um=0.0")
+        play = design.clearance.pin_gear + design.clearance.pin_socket
+        held = rig.changed(design, 'ring.pins="fixed"', f"clearance.pin_gear_um={1e6 * play!r}")
+    ours = 1e6 * np.array(stops(design, CRANK))
+    stiffness = dict.fromkeys(design.pair_kinds, 1e11)
+    ways = [rig.changed(held, f"load.torque_nm={torque}") for torque in (-1.0, 1.0)]
+    solved = 1e6 * np.array([equilibrium.solve(way, stiffness, CRANK).output_turn for way in ways])
+    return [deviation(f"stops of the output, {kind}", ours, solved, "urad", SEARCH, 0.35)]
+
+
+PARTS: tuple[Callable[[], list[Row]], ...] = (
+    *(partial(gap_rows, kind) for kind in (FIXED, NONPIN)),
+    *(partial(sliding_rows, kind) for kind in (FIXED, NONPIN)),
+    flank_rows,
+    *(partial(balance_rows, kind, turn) for kind, turn in ((FREE, TURN), (SLEEVED, TURN), (NONPIN, TURN[:1]))),
+    friction_rows,
+    *(partial(stop_rows, kind) for kind in (FIXED, FREE)),
+    *(partial(model_rows, pins) for pins in ("fixed", "free", "sleeved", "massless")),
+)
+"""Gives the rows of this rung, the quick ones first."""
+
+
+def rows(quick: bool) -> list[Row]:
+    """Give the rows of this rung."""
+    return [row for part in PARTS for row in part()]

@@ -1,0 +1,40 @@
+"""The script that flips the signs of `mechanism`: it finds every sign, and what it flips is seen."""
+
+import ast
+import importlib.util
+import sys
+from pathlib import Path
+
+import pytest
+
+from cycloid_mj.validation import mechanism
+
+SCRIPT = Path(__file__).resolve().parents[1] / "scripts" / "flip_signs.py"
+SPEC = importlib.util.spec_from_file_location("flip_signs", SCRIPT)
+assert SPEC is not None
+assert SPEC.loader is not None
+flip_signs = importlib.util.module_from_spec(SPEC)
+sys.modules["flip_signs"] = flip_signs
+SPEC.loader.exec_module(flip_signs)
+
+
+def test_every_sign_is_found_and_flipped_alone(tmp_path: Path) -> None:
+    path = tmp_path / "one.py"
+    path.write_text("# é - +\na = -b + (c\n    - d)  # - e\na += f(-1)\n")
+    content, found = path.read_bytes(), list(flip_signs.flips(path))
+    assert sorted(flip.expression for flip in found) == ["-1", "-b", "-b + (c - d)", "a += f(-1)", "c - d"]
+    for flip in found:
+        other = flip_signs.flipped(content, flip)
+        assert sum(a != b for a, b in zip(content, other, strict=True)) == 1
+        assert ast.dump(ast.parse(other)) != ast.dump(ast.parse(content))
+
+
+@pytest.mark.parametrize("part", mechanism.PARTS)
+def test_every_row_of_the_mechanism_passes(part) -> None:
+    for row in part():
+        assert row.verdict == "pass", row
+
+
+@pytest.mark.slow
+def test_a_sample_of_flips_is_seen_by_tests_and_rows() -> None:
+    assert flip_signs.main(["--sample", "8", "--workers", "1"]) == 0
