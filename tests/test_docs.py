@@ -1,5 +1,6 @@
 """The documents name what is there: links lead somewhere, modules and files exist."""
 
+import importlib
 import importlib.util
 import re
 from pathlib import Path
@@ -24,6 +25,17 @@ def test_files_and_modules_exist(page: Path) -> None:
         elif re.fullmatch(r"(mechanism|loaded|cycloid_mj)\.[a-z_.]+", word):
             module = word if word.startswith("cycloid_mj") else f"cycloid_mj.{word}"
             assert importlib.util.find_spec(module), word
+
+
+def test_walks_name_functions_that_are_there_in_ten_lines_each() -> None:
+    text = (ROOT / "docs" / "walks.md").read_text(encoding="utf-8")
+    walks = [walk.splitlines() for walk in text.split("\n## ")[1:]]
+    assert [sum(bool(re.match(r"\d+\. ", line)) for line in walk) for walk in walks] == [10, 10, 10]
+    named = re.findall(r"`([\w/]+):(\w+)`", text)
+    assert len(named) > 30
+    for module, name in named:
+        found = importlib.import_module(f"cycloid_mj.{module.replace('/', '.').removesuffix('.__init__')}")
+        assert callable(getattr(found, name)), f"{module}:{name}"
 
 
 def test_every_decision_is_numbered_once() -> None:
