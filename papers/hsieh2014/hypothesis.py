@@ -7,6 +7,7 @@ paper's kind of motion solver, on exact flanks and on flanks made of facets.
 from collections.abc import Mapping
 from typing import Any
 
+from cycloid_mj.design import PRESETS
 from cycloid_mj.measure.pool import each
 from cycloid_mj.result import Table
 from hsieh2014.plan import Plan, designs
@@ -33,11 +34,9 @@ def soft_cases(plan: Plan) -> list[Case]:
 
 def soft_runs(plan: Plan) -> dict[Case, Forces]:
     """Turn every case."""
-    by_name = {design.name: design for design in designs()}
     cases = soft_cases(plan)
-    return dict(
-        zip(cases, each(lambda case: soft_idle(by_name[case[0]], case[1], case[2], TURNS, SEED), cases), strict=True)
-    )
+    found = each(lambda case: soft_idle(PRESETS[case[0]], case[1], case[2], TURNS, SEED), cases)
+    return dict(zip(cases, found, strict=True))
 
 
 def needed(stress: Mapping[str, float], force: Mapping[str, float], design: str) -> dict[str, float]:
