@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from io import StringIO
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -165,24 +166,25 @@ def test_stress_maps_are_written_whole(tmp_path, monkeypatch):
     monkeypatch.setattr("cycloid_mj.stress.vtu.as_vtu", lambda found: found)
     monkeypatch.setattr("cycloid_mj.cli.stressfiles.papers", lambda: ())
     sizes = {"shaft": 100, "gear": 100}
-    monkeypatch.setattr(stressfiles, "_maps", lambda study, angle: {part: b"x" * size for part, size in sizes.items()})
 
     class Study:
         design = DESIGN
-        parts = ()
+        findings = SimpleNamespace(as_json=lambda: {"x": np.pi})
 
-        class findings:
-            @staticmethod
-            def as_json():
-                return {"x": np.pi}
+        @property
+        def parts(self):
+            return [
+                SimpleNamespace(findings=SimpleNamespace(part=part), grid=None, map=b"x" * size)
+                for part, size in sizes.items()
+            ]
 
     with redirect_stdout(StringIO()):
-        stressfiles.report([Study], tmp_path, None, True)
+        stressfiles.report([Study()], tmp_path, True)
     before = dict.fromkeys(contents(tmp_path), b"whole")
     assert {"nonpin_shaft.vtu", "nonpin_gear.vtu", "stress.json"} < before.keys()
     for name, content in before.items():
         (tmp_path / name).write_bytes(content)
     sizes["gear"] = 10_000
     with disk_of(1000), pytest.raises(CycloidError, match="cannot write"), redirect_stdout(StringIO()):
-        stressfiles.report([Study], tmp_path, None, True)
+        stressfiles.report([Study()], tmp_path, True)
     assert contents(tmp_path) == before

@@ -156,7 +156,11 @@ def stress(
 
     for name in ("gmsh", "skfem", "meshio"):
         package(name)
-    settings = replace(QUICK if quick else StudySettings(), solid=solid)
+    settings = replace(
+        QUICK if quick else StudySettings(),
+        solid=solid,
+        map_angle=None if angle_deg is None else math.radians(angle_deg),
+    )
     if log:
         into, runs = _read(log, design, out)
         planned = _planned([ran for ran, _, _ in runs], part, settings, quiet)
@@ -166,7 +170,7 @@ def stress(
         planned = _planned(designs, part, settings, quiet)
         into, runs = _run(designs, out, force, quiet)
     studies = _studied(runs, planned, settings, quiet)
-    report(studies, into, angle_deg, json)
+    report(studies, into, json)
     return 0
 
 

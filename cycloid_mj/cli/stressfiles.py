@@ -1,7 +1,6 @@
 """What ``cycloid-mj stress`` gives out: figures, stress maps for ParaView, a JSON file, and tables."""
 
 import json as js
-import math
 import textwrap
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -13,7 +12,6 @@ from cycloid_mj.whole import write_whole
 
 if TYPE_CHECKING:
     from cycloid_mj.result import Claim
-    from cycloid_mj.stress.field import StressMap
     from cycloid_mj.stress.study import StressStudy
 
 RESULT = "stress.json"
@@ -22,11 +20,11 @@ LINE = 110
 CLAIM_HEADER = ("figure", "the paper", "found here", "verdict")
 
 
-def report(studies: "Sequence[StressStudy]", into: Path, angle_deg: float | None, json: bool) -> None:
+def report(studies: "Sequence[StressStudy]", into: Path, json: bool) -> None:
     """Write figures, maps and the JSON file, then the tables or the JSON object."""
     findings = [study.findings for study in studies]
     judged = {paper.source: paper.stress_claims(studies) for paper in papers()}
-    files = _drawn(studies, into, angle_deg)
+    files = _drawn(studies, into)
     told: dict[str, Any] = with_warnings(
         {
             "designs": [each.as_json() for each in findings],
@@ -42,7 +40,7 @@ def report(studies: "Sequence[StressStudy]", into: Path, angle_deg: float | None
     _say(studies, judged, [*files, result])
 
 
-def _drawn(studies: "Sequence[StressStudy]", into: Path, angle_deg: float | None) -> list[Path]:
+def _drawn(studies: "Sequence[StressStudy]", into: Path) -> list[Path]:
     from cycloid_mj.plots import save
     from cycloid_mj.plots.stress import grid_figure, map_figure, stress_figures
     from cycloid_mj.stress.vtu import as_vtu
@@ -50,7 +48,7 @@ def _drawn(studies: "Sequence[StressStudy]", into: Path, angle_deg: float | None
     figures = stress_figures([study.findings for study in studies])
     vtu: dict[Path, bytes] = {}
     for study in studies:
-        maps = _maps(study, angle_deg)
+        maps = {one.findings.part: one.map for one in study.parts}
         for part, found in maps.items():
             vtu[into / f"{study.design.name}_{part}.vtu"] = as_vtu(found)
         figures[f"fig10_grid_{study.design.name}"] = grid_figure(
@@ -59,14 +57,6 @@ def _drawn(studies: "Sequence[StressStudy]", into: Path, angle_deg: float | None
         figures[f"fig11_map_{study.design.name}"] = map_figure(maps, study.design.name)
     write_whole(vtu)
     return [*save(figures, into, FORMATS), *vtu]
-
-
-def _maps(study: "StressStudy", angle_deg: float | None) -> "dict[str, StressMap]":
-    """Map every part at one crank angle, or by default each where its own bulk stress is largest."""
-    from cycloid_mj.stress.study import part_map
-
-    angle = None if angle_deg is None else math.radians(angle_deg)
-    return {one.findings.part: part_map(study.design, one, angle) for one in study.parts}
 
 
 def _as_json(claim: "Claim") -> dict[str, str]:

@@ -7,19 +7,21 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.design import Design
+from cycloid_mj.design.model import Material
 from cycloid_mj.errors import UsageError
-from cycloid_mj.stress.bulk import OCTAVE, distances_of, ladder, largest, plateau
+from cycloid_mj.stress.bulk import OCTAVE, Distances, distances_of, ladder, largest, plateau
+from cycloid_mj.stress.case import Case
 from cycloid_mj.stress.grid import Grid, GridSettings
 from cycloid_mj.stress.loads import PartLoads
 from cycloid_mj.stress.part import part_case, part_grid
-from cycloid_mj.stress.recover import principal, recovery, stresses, von_mises
+from cycloid_mj.stress.recover import Recovery, principal, recovery, stresses, von_mises
 from cycloid_mj.stress.region import material_of
 from cycloid_mj.types import Array, Integers, Mask
 
 Flags = Mask
 Indices = Integers
 
-BLOCK = 24
+BLOCK = 12
 """Angles worked on together: enough for speed, few enough for memory."""
 
 
@@ -136,13 +138,39 @@ def solve(
     CycloidError
         The loads are not this part's, its support is singular, or a package of the extra ``fem`` is missing.
     """
-    case, operators = part_case(design, grid, loads), recovery(grid)
-    apart = distances_of(grid, case)
+    return maxima(loaded(design, grid, loads), progress, distance)
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """A part under its loads, factorised once for its maxima and for any maps.
+
+    `operators` recover its stress, `material` is its own, `apart` tells how far its nodes are from narrow patches.
+    """
+
+    grid: Grid
+    loads: PartLoads
+    material: Material
+    operators: Recovery
+    case: Case
+    apart: Distances
+
+
+def loaded(design: Design, grid: Grid, loads: PartLoads) -> Loaded:
+    """Factorise a part under its loads; raises as ``solve``."""
+    operators = recovery(grid)  # first: beside the factor its own needs would be the peak of memory
+    case = part_case(design, grid, loads)
+    return Loaded(grid, loads, material_of(design, grid.part), operators, case, distances_of(grid, case))
+
+
+def maxima(part: Loaded, progress: Callable[[float], None] | None = None, distance: float | None = None) -> PartStress:
+    """Give the maxima of stress at each crank angle; see ``solve``."""
+    grid, loads, apart = part.grid, part.loads, part.apart
     rungs = ladder(apart, grid.bulk_distance) if distance is None else np.array([distance])
     found: list[tuple[Array, ...]] = []
     for block in _blocks(len(loads.angle)):
-        answer = case.response(block)
-        stress = von_mises(stresses(operators, answer.moved, material_of(design, grid.part)))
+        answer = part.case.response(block)
+        stress = von_mises(stresses(part.operators, answer.moved, part.material))
         found_here = [largest(apart, rungs, int(angle), stress[:, column]) for column, angle in enumerate(block)]
         sizes, nodes = map(np.array, zip(*found_here, strict=True))
         contact = stress.max(axis=0), grid.points[stress.argmax(axis=0)]
@@ -162,7 +190,7 @@ def solve(
         stress_by_distance=sizes.T,
         contact_stress=contact_stress,
         contact_place=contact_place,
-        resolved=case.resolved,
+        resolved=part.case.resolved,
         reaction=reaction,
         imbalance=imbalance,
         moments=moments,
@@ -201,13 +229,18 @@ def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int, distanc
     """
     if not 0 <= index < len(loads.angle):
         raise UsageError(f"the loads have no angle of index {index}; choose 0 to {len(loads.angle) - 1}")
-    case = part_case(design, grid, loads)
-    moved = case.response(np.array([index])).moved
-    stress = stresses(recovery(grid), moved, material_of(design, grid.part))[..., 0]
-    apart = distances_of(grid, case).at(index, np.arange(len(grid.points)))
+    return mapped(loaded(design, grid, loads), index, distance)
+
+
+def mapped(part: Loaded, index: int, distance: float | None = None) -> StressMap:
+    """Give the fields at the crank angle of an index; see ``stress_map``."""
+    grid = part.grid
+    moved = part.case.response(np.array([index])).moved
+    stress = stresses(part.operators, moved, part.material)[..., 0]
+    apart = part.apart.at(index, np.arange(len(grid.points)))
     return StressMap(
         part=grid.part,
-        angle=float(loads.angle[index]),
+        angle=float(part.loads.angle[index]),
         points=grid.points,
         cells=grid.cells,
         displacement=moved.reshape(-1, grid.dimension),

@@ -13,7 +13,7 @@ from cycloid_mj.design import Design, override
 from cycloid_mj.record import Run
 from cycloid_mj.stress.bulk import OCTAVE, fall, plateau
 from cycloid_mj.stress.closed import LineStress, line_stress
-from cycloid_mj.stress.field import PartStress, StressMap, solve, stress_map
+from cycloid_mj.stress.field import PartStress, StressMap, loaded, mapped, maxima, solve
 from cycloid_mj.stress.findings import PartFindings, Peak, Reference, Refinement, StressFindings
 from cycloid_mj.stress.grid import BULK_DISTANCE, Grid, GridSettings
 from cycloid_mj.stress.loads import PartLoads, part_loads, part_names, require_part
@@ -63,6 +63,8 @@ class StudySettings:
         Distance from narrow patches at which the search for the bulk begins, as a share of the ring's pin radius.
     solid
         Whether gear, ring and pin 1 are solid bodies as well; shaft and output always are.
+    map_angle
+        Crank angle of the maps [rad]; None: for each part where its bulk stress is largest.
     """
 
     angles: int = 360
@@ -71,6 +73,7 @@ class StudySettings:
     checked: int = 23
     bulk_distance: float = BULK_DISTANCE
     solid: bool = False
+    map_angle: float | None = None
 
     def grid(self, part: str, factor: float = 1.0) -> GridSettings:
         """Give the settings of a part's grid, refined by a factor on top."""
@@ -92,17 +95,14 @@ QUICK = StudySettings(angles=36, refinement=0.5, checked=5)
 
 @dataclass(frozen=True, eq=False)
 class PartStudy:
-    """One part: its grid, its loads, its stress by finite elements and by Hertz, and what is found."""
+    """One part: its grid, its loads, its stress by finite elements and by Hertz, its map, and what is found."""
 
     grid: Grid
     loads: PartLoads
     stress: PartStress
     lines: LineStress
+    map: StressMap
     findings: PartFindings
-
-    def nearest(self, angle: float) -> int:
-        """Give the number of the sample nearest to a crank angle [rad]."""
-        return int(np.argmax(np.cos(self.loads.angle - angle)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,7 +188,7 @@ def part_study(run: Run, design: Design, part: str, settings: StudySettings, gri
     turn = 2 * np.pi * np.arange(settings.angles) / settings.angles
     loads = part_loads(run, design, part, turn)
     grid = grid or part_grid(design, part, settings.grid(part))
-    stress, lines = solve(design, grid, loads), line_stress(loads, design)
+    (stress, drawn), lines = _solved(design, grid, loads, settings.map_angle), line_stress(loads, design)
     strength = material_of(design, part).yield_strength
     pressure = float(_largest(lines.peak_pressure.reshape(1, -1))[0])
     findings = PartFindings(
@@ -216,13 +216,16 @@ def part_study(run: Run, design: Design, part: str, settings: StudySettings, gri
         refinement=_refined(design, grid, settings, loads, stress),
         wall=time.perf_counter() - start,
     )
-    return PartStudy(grid, loads, stress, lines, findings)
+    return PartStudy(grid, loads, stress, lines, drawn, findings)
 
 
-def part_map(design: Design, one: PartStudy, angle: float | None = None) -> StressMap:
-    """Map the stress of a part at a crank angle [rad], by default where its bulk stress is largest."""
-    row = one.nearest(one.findings.bulk_peak.angle if angle is None else angle)
-    return stress_map(design, one.grid, one.loads, row, one.stress.bulk_distance)
+def _solved(design: Design, grid: Grid, loads: PartLoads, map_angle: float | None) -> tuple[PartStress, StressMap]:
+    """Give the maxima of a part, and its map; its factor is let go before other grids are factorised."""
+    part = loaded(design, grid, loads)
+    stress = maxima(part)
+    angle = loads.angle[stress.bulk_stress.argmax()] if map_angle is None else map_angle
+    nearest = int(np.argmax(np.cos(loads.angle - angle)))
+    return stress, mapped(part, nearest, stress.bulk_distance)
 
 
 def at_angles(loads: PartLoads, rows: npt.ArrayLike) -> PartLoads:

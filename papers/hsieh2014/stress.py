@@ -63,12 +63,11 @@ def _part_begins(progress: Progress, design: str, part: str, number: int, of: in
 
 def _plates(found: Mapping[str, IdleStress]) -> Iterator[Plate]:
     from cycloid_mj.plots.stress import grid_figure, map_figure, maxima_figure, refinement_figure
-    from cycloid_mj.stress.study import part_map
 
     for name, one in found.items():
         parts = {each.findings.part: each for each in one.study.parts}
         grids = {part: each.grid for part, each in parts.items()}
-        maps = {part: part_map(one.study.design, each) for part, each in parts.items()}
+        maps = {part: each.map for part, each in parts.items()}
         words = f"{name}, no load: von Mises stress on every part at the crank angle where its own is largest."
         yield Plate(f"fig10_grid_{name}", "Fig. 10", f"{name}: grids of the parts.", grid_figure(grids, name))
         yield Plate(f"fig11_map_{name}", "Fig. 11", words, map_figure(maps, name))
