@@ -94,11 +94,11 @@ class Run:
         return Run, (self.time, *mappings, self.complete, self.note, dict(self.topics))
 
     def __repr__(self) -> str:
-        """Tell the run in one line; columns, units and attachments have their names in mappings."""
+        """Describe the run in one line."""
         return f"Run({', '.join(f'{key} {value}' for key, value in self._facts())})"
 
     def _repr_html_(self) -> str:
-        """Tell the run as a table of a notebook."""
+        """Describe the run in a table, for a notebook."""
         rows = "".join(f"<tr><th>{escape(key)}</th><td>{escape(value)}</td></tr>" for key, value in self._facts())
         return f"<table>{rows}</table>"
 

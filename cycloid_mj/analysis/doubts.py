@@ -94,34 +94,34 @@ def warnings(motion: Series, judged: Window, contacts: ContactSummary) -> Iterat
 
 
 def doubts(motion: Series) -> tuple[str, ...]:
-    """Tell what is doubtful in a run: what, where, and what to change; nothing where there is nothing."""
+    """Say what is doubtful in a run: what, where, and what to change; empty where nothing is."""
     run, design = motion.run, motion.design
     judged = run.select(motion.whole_periods)
-    told = unbalanced(judged, design) if motion.phase == "hold" and len(judged) > 1 else ()
-    return tuple(dict.fromkeys((*run.warnings, *pace(design), *told)))
+    powers = unbalanced(judged, design) if motion.phase == "hold" and len(judged) > 1 else ()
+    return tuple(dict.fromkeys((*run.warnings, *pace(design), *powers)))
 
 
 def unbalanced(run: Run, design: Design) -> tuple[str, ...]:
-    """Tell of a power balance that is open, and of an efficiency that no reducer has, in the samples of a run.
+    """Say if the power balance of a run's samples is open, or its efficiency one that no reducer has.
 
-    A run that logs no losses has no balance, and over less than a crank turn sampled powers do not tell it. A reducer
+    A run that logs no losses has no balance, and over less than a crank turn sampled powers do not average out. A reducer
     whose load is not the design's may be driven through both shafts, with an efficiency below 0 where it locks itself.
     """
     found = balance(run)
     idle = IDLE * design.drive.torque * abs(design.drive.speed)
     scale = max(found.crank, found.output, found.lost, idle)
-    told = []
+    doubtful = []
     short = _swept(run) < WHOLE_TURN
     if "kinetic_energy" in run.columns and not short and abs(found.missing) > OPEN * scale:
-        told.append(
+        doubtful.append(
             f"the power balance is open by {found.missing:.3g} of {scale:.4g} W: powers, losses and efficiency are "
             f"wrong; {_cause(found, design)}"
         )
     outside = not 0.0 <= found.efficiency <= 1.0 if design.load.torque else found.efficiency > 1.0
     if outside and (design.load.torque or max(found.crank, found.output) > idle):
         why = "the hold is too short to average over: lengthen drive.hold_s" if short else _cause(found, design)
-        told.append(f"the efficiency reads {found.efficiency:.2%}, which no reducer has; {why}")
-    return tuple(told)
+        doubtful.append(f"the efficiency reads {found.efficiency:.2%}, which no reducer has; {why}")
+    return tuple(doubtful)
 
 
 def _swept(run: Run) -> float:

@@ -123,7 +123,7 @@ class Window:
 
 @dataclass(frozen=True)
 class Findings:
-    """What a run says. None stands where a quantity does not exist or the run does not tell it.
+    """What a run says. None stands where a quantity does not exist or the run does not have it.
 
     All that is not of the `ramp` is of the `window`, under the `condition`. `transmission_error` is the output's, which
     a user of the drive feels; `output_transmission_error` is the same under its full name. `warnings` say what a reader

@@ -37,7 +37,7 @@ from cycloid_mj.types import Array, Mask
 
 ARCSEC = 3600 * 180 / np.pi
 COARSEST_SAMPLING = np.radians(5.0)
-"""Crank angle from sample to sample beyond which velocities tell no acceleration: the error is its square / 24."""
+"""Crank angle from sample to sample beyond which velocities give no acceleration: the error is its square / 24."""
 
 
 def analyze(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None, log: str | None = None) -> Findings:
@@ -62,17 +62,17 @@ def analyze(run: Run, q: npt.ArrayLike | None = None, settle: float | None = Non
 
 def judge(motion: Series, log: str | None = None) -> Findings:
     """Judge a series; see `analyze`."""
-    run, told = motion.run, motion.run.provenance
+    run, provenance = motion.run, motion.run.provenance
     power, contacts, judged = _power(motion), _contacts(motion), _window(motion)
     output = _transmission_error(motion.output_angle, motion)
     return Findings(
         design=motion.design.name,
-        contact=told.get("contact"),
+        contact=provenance.get("contact"),
         log=log,
-        timestep_s=float(told["timestep_s"]) if "timestep_s" in told else timestep(motion.design),
-        timestep=told.get("timestep"),
-        steps=int(told["steps"]) if "steps" in told else None,
-        wall_s=float(told["wall_s"]) if "wall_s" in told else None,
+        timestep_s=float(provenance["timestep_s"]) if "timestep_s" in provenance else timestep(motion.design),
+        timestep=provenance.get("timestep"),
+        steps=int(provenance["steps"]) if "steps" in provenance else None,
+        wall_s=float(provenance["wall_s"]) if "wall_s" in provenance else None,
         crank=_crank(motion),
         gear_speed=_speed(motion.gear_speed, motion),
         q_path=_path(motion, motion.judged),

@@ -16,7 +16,7 @@ from cycloid_mj.errors import UsageError
 from cycloid_mj.types import Array, Mask
 
 BAND = 0.4
-"""Highest frequency that is told, as a share of the sampling rate."""
+"""Highest frequency that is given, as a share of the sampling rate."""
 
 LOWEST = 3.0
 """Least number of cycles in the window at which any cosine is read within 1 %; one that fits in whole is below it, too,
@@ -29,7 +29,7 @@ SHARPNESS = 9.0
 """Kaiser's beta of the windows: ripples of 1e-4."""
 
 PADDING = 8
-"""Orders told for each cycle in the window, so that one that lies between is not read too low."""
+"""Orders given for each cycle in the window, so that one that lies between is not read too low."""
 
 HANN_BANDWIDTH = 1.5
 """Equivalent noise bandwidth of a Hann window, in cycles of the window."""
@@ -58,7 +58,7 @@ class Orders:
     cycles
         Whole cycles of the base in the window.
     spread
-        Orders that one cosine shows in, as a power: 1 where each is told once.
+        Orders that one cosine shows in, as a power: 1 where each is given once.
     """
 
     base: float
@@ -85,7 +85,7 @@ def periodic_orders(crank: Array, values: Array, base: float = 1.0, most: float 
     base
         Cycles in a crank turn of what the values repeat with [1].
     most
-        The largest order that is told [1]; at most that of two samples in a cycle.
+        The largest order that is given [1]; at most that of two samples in a cycle.
 
     Raises
     ------
@@ -118,7 +118,7 @@ def tapered_orders(angle: Array, values: Array, most: float = np.inf, base: floa
     values
         Shape (n,).
     most
-        The largest order that is told [1]; at most ``BAND`` of the samples in a turn.
+        The largest order that is given [1]; at most ``BAND`` of the samples in a turn.
     base
         Cycles in a crank turn of which the window is to hold whole ones [1]; by default whole turns.
 

@@ -59,10 +59,10 @@ class Comparison:
     @property
     def tables(self) -> tuple[Table, ...]:
         """The figures under each load, and how far the dynamic ones move with what is assumed, if that was run."""
-        told = [table(self.at(load)) for load in self.loads]
+        tables = [table(self.at(load)) for load in self.loads]
         if self.sensitivity:
-            told.append(sensitivity_table(self.sensitivity, str(self.trials[-1].measures.findings.condition)))
-        return tuple(told)
+            tables.append(sensitivity_table(self.sensitivity, str(self.trials[-1].measures.findings.condition)))
+        return tuple(tables)
 
     @property
     def summary(self) -> list[str]:
@@ -76,7 +76,7 @@ class Comparison:
 
     def as_json(self) -> dict[str, Any]:
         """Give the comparison as dicts, lists, numbers, text and None only."""
-        told = {
+        content = {
             "designs": self.designs,
             "conditions": self.conditions,
             "differences": self.differences,
@@ -91,7 +91,7 @@ class Comparison:
                 plain(each) | {"changes": each.changes, "determined": each.determined} for each in self.sensitivity
             ],
         }
-        return dict(plain(told))
+        return dict(plain(content))
 
 
 def compare(
@@ -197,7 +197,7 @@ def _run(trial: Trial) -> dict[str, Any]:
 
 
 def _judged(ranking: Ranking) -> dict[str, Any]:
-    told = {
+    derived = {
         "ratio": ranking.ratio,
         "verdict": ranking.verdict,
         "sentence": ranking.sentence,
@@ -205,4 +205,4 @@ def _judged(ranking: Ranking) -> dict[str, Any]:
         "pin_starts": ranking.pin_starts.as_json(),
         "nonpin_starts": ranking.nonpin_starts.as_json(),
     }
-    return plain(ranking) | told
+    return plain(ranking) | derived

@@ -1,6 +1,6 @@
 """What designs of a comparison share, in what they differ, and what makes them alike; in the words of design files.
 
-Conditions are drive, load, environment and settings, but for the load torque, which tells the cases apart, and the
+Conditions are drive, load, environment and settings, but for the load torque, by which the cases differ, and the
 drive's ratings, which no run depends on. A pin is a two-force body between gear and seat: play and compliance of its
 two contacts add up. At equal play and series stiffness, free pins, fixed pins and an internal gear lose the same at
 equal friction, and what is left to differ is the design itself.
@@ -42,7 +42,7 @@ def differences(designs: Sequence[Design]) -> dict[str, tuple[Any, ...]]:
     """Give what differs between designs, load torque apart: key -> the value of each."""
     found = [values(design) for design in designs]
     each = {key: tuple(one[key] for one in found) for key in found[0] if key != "load.torque_nm"}
-    return {key: told for key, told in each.items() if any(value != told[0] for value in told)}
+    return {key: of_each for key, of_each in each.items() if any(value != of_each[0] for value in of_each)}
 
 
 def total_play(design: Design) -> float:

@@ -44,7 +44,7 @@ def settling(design: Design) -> float:
 
 
 def settled(run: Run, q: npt.ArrayLike | None = None) -> Series:
-    """Hold a run against the closed form, after its `settling`; `q` as in `analysis.series`, which tells the errors.
+    """Hold a run against the closed form, after its `settling`; `q` as in `analysis.series`, which lists the errors.
 
     Raises
     ------

@@ -1,6 +1,6 @@
 """Whether a pin design fluctuates more than a nonpin one, as a paper finds, and what runs say of it.
 
-At no load the motion is chaotic, and independent starts tell two designs apart or do not; under load it is regular, and
+At no load the motion is chaotic, and independent starts decide whether two designs differ; under load it is regular, and
 the crank turns of one run do.
 """
 
@@ -53,7 +53,7 @@ class Ranking:
     """One quantity of a pin and of a nonpin design under one load: levels, and what becomes of the paper's finding.
 
     The paper finds that the pin design fluctuates more. Under load that is `confirmed` or `contradicted` where a rank
-    test (Mann and Whitney, two-sided, 5 %) tells the crank turns of the two apart; the designs are `alike` where their
+    test (Mann and Whitney, two-sided, 5 %) finds the crank turns of the two different; the designs are `alike` where their
     rms values are within 5 %; else, and with fewer than `FEWEST_TURNS`, it is `undecided`. At no load it is `confirmed`
     or `contradicted` where all starts of the one design lie beyond all of the other by more than 5 %; else, and with
     fewer than `STARTS` independent ones, it is `not determined`.
@@ -136,14 +136,14 @@ class Ranking:
     def _numbers(self) -> str:
         if self.load_nm == 0.0:
             spreads = ((self.pin, self.pin_starts), (self.nonpin, self.nonpin_starts))
-            told = [f"{name} {at.words} {self.unit} (mean {at.mean:.3g})" for name, at in spreads]
-            return f"rms {', '.join(told)}, ratio of the means {self.ratio:.2f}"
+            parts = [f"{name} {at.words} {self.unit} (mean {at.mean:.3g})" for name, at in spreads]
+            return f"rms {', '.join(parts)}, ratio of the means {self.ratio:.2f}"
         levels = ((self.pin, self.pin_level), (self.nonpin, self.nonpin_level))
-        told = [
+        parts = [
             f"{name} {at.rms:.3g} {self.unit} (turns {min(at.by_turn):.3g} to {max(at.by_turn):.3g})"
             for name, at in levels
         ]
-        return f"rms {', '.join(told)}, ratio {self.ratio:.2f}"
+        return f"rms {', '.join(parts)}, ratio {self.ratio:.2f}"
 
 
 def summary(ranked: Sequence[Ranking]) -> list[str]:
@@ -151,12 +151,12 @@ def summary(ranked: Sequence[Ranking]) -> list[str]:
     lines = []
     for load, pin, nonpin in dict.fromkeys((ranking.load_nm, ranking.pin, ranking.nonpin) for ranking in ranked):
         claims = [r for r in ranked if r.figure and (r.load_nm, r.pin, r.nonpin) == (load, pin, nonpin)]
-        told = [
+        parts = [
             f"{words} for {', '.join(found)}"
             for words, verdicts in OUTCOMES.items()
             if (found := [f"{r.quantity} ({r.figure})" for r in claims if r.verdict in verdicts])
         ]
-        lines.append(f"{load_words(load)}, {pin} fluctuates more than {nonpin}: {'; '.join(told)}")
+        lines.append(f"{load_words(load)}, {pin} fluctuates more than {nonpin}: {'; '.join(parts)}")
     return lines
 
 

@@ -70,7 +70,7 @@ class Spread:
 
 
 def order(one: Spread, other: Spread) -> int:
-    """Tell which of two quantities is larger: 1 the first, -1 the second, 0 where their starts overlap.
+    """Say which of two quantities is larger: 1 the first, -1 the second, 0 where their starts overlap.
 
     Where all starts of the one lie beyond all of the other, by more than `ALIKE`, the difference of the two exceeds
     what the starts spread.

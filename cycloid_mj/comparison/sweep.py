@@ -72,8 +72,8 @@ def _case(ranking: Ranking) -> tuple[str, str, str, float]:
 
 
 def _decision(base: Ranking, answers: Mapping[str, list[tuple[str, Ranking]]]) -> str:
-    told = [f"ratio {base.ratio:.2f}"]
-    told += [
+    parts = [f"ratio {base.ratio:.2f}"]
+    parts += [
         f"{parameter} " + ", ".join(f"{value}: {ranking.ratio:.2f}" for value, ranking in points)
         for parameter, points in answers.items()
     ]
@@ -88,7 +88,7 @@ def _decision(base: Ranking, answers: Mapping[str, list[tuple[str, Ranking]]]) -
         verdict = "the designs are alike"
     else:
         verdict = f"decided by {' and '.join(decisive)}" if decisive else "decided by none of them"
-    return f"{load_words(base.load_nm)}, {base.quantity}, {base.pin} / {base.nonpin}: {'; '.join(told)}: {verdict}"
+    return f"{load_words(base.load_nm)}, {base.quantity}, {base.pin} / {base.nonpin}: {'; '.join(parts)}: {verdict}"
 
 
 def _difference(ranking: Ranking) -> float:

@@ -28,8 +28,8 @@ def write_parquet(run: Run, path: str | os.PathLike[str], columns: Sequence[str]
     names = list(run.columns) if columns is None else list(columns)
     table = {TIME: run.time, **{name: run[name] for name in names}}
     units = {TIME: "s", **{name: run.units[name] for name in names}}
-    told = f"units: {_quoted(json.dumps(units))}, provenance: {_quoted(json.dumps(dict(run.provenance)))}"
-    options = f"FORMAT parquet, COMPRESSION zstd, KV_METADATA {{{told}}}"
+    metadata = f"units: {_quoted(json.dumps(units))}, provenance: {_quoted(json.dumps(dict(run.provenance)))}"
+    options = f"FORMAT parquet, COMPRESSION zstd, KV_METADATA {{{metadata}}}"
     with whole_file(path) as beside, duckdb.connect() as database:
         database.register("run", table)
         try:

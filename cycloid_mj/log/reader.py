@@ -25,7 +25,7 @@ END = f"{PACKAGE}.end"
 
 @dataclass(frozen=True)
 class Shown:
-    """A viewer's topic: name of its schema, messages in the file, and frames per second if that is told."""
+    """A viewer's topic: name of its schema, messages in the file, and frames per second if the log has them."""
 
     schema: str
     messages: int

@@ -203,7 +203,7 @@ class LogWriter:
         messages: list[npt.NDArray[np.uint8]],
         shown: Mapping[int, list[Message]],
     ) -> None:
-        """Append samples that fit into the chunk being filled, each after what viewers are told of it."""
+        """Append samples that fit into the chunk being filled, each after the viewers' messages of it."""
         times = nanoseconds.tolist()
         rows = zip(*(_rows(block) for block in messages), strict=True)
         try:
@@ -337,10 +337,10 @@ def _storable(text: str) -> str:
 
 def _viewer_channels(mcap: Writer, viewer: Viewer) -> dict[str, int]:
     """Register the viewer's topics; give the channel of each."""
-    told = {RATE: repr(viewer.rate)}
+    metadata = {RATE: repr(viewer.rate)}
     schemas = {name: mcap.register_schema(name, "protobuf", schema) for name, schema in viewer.schemas.values()}
     return {
-        topic: mcap.register_channel(topic, "protobuf", schemas[name], told)
+        topic: mcap.register_channel(topic, "protobuf", schemas[name], metadata)
         for topic, (name, _) in viewer.schemas.items()
     }
 

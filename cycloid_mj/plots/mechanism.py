@@ -1,4 +1,4 @@
-"""A drawing of the reducer in its plane, true to scale, with the forces on the gear where a run tells them."""
+"""A drawing of the reducer in its plane, true to scale, with the forces on the gear where a run has them."""
 
 import math
 from collections.abc import Mapping

@@ -1,7 +1,7 @@
 """How every figure looks: one style, one palette, and the axes that the figures share.
 
 The palette is Okabe and Ito's, made for colour-blind readers; theory is broad and light under a thin dark simulation,
-so that the two also tell apart in grey.
+so that the two also differ in grey.
 """
 
 import re

@@ -67,7 +67,7 @@ def _numbers(item: Reviewed) -> Iterator[tuple[str, str]]:
 
 def _conditions(reviewed: Sequence[Reviewed]) -> str:
     """Give the condition that all runs share, or that of each."""
-    told = {item.name: item.findings.condition_words for item in reviewed}
-    if len(set(told.values())) == 1:
+    conditions = {item.name: item.findings.condition_words for item in reviewed}
+    if len(set(conditions.values())) == 1:
         return reviewed[0].findings.condition_words
-    return "; ".join(f"{name} {words}" for name, words in told.items())
+    return "; ".join(f"{name} {words}" for name, words in conditions.items())

@@ -1,4 +1,4 @@
-"""One run of a report: its series and findings, the log they came from, and what tells it from the others."""
+"""One run of a report: its series and findings, the log they came from, with a name and a colour of its own."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -32,7 +32,7 @@ class Table(NamedTuple):
 
 def setup(reviewed: Sequence[Reviewed]) -> Table:
     """Give the table of what was run: one column for each run."""
-    columns = [dict(_told(item)) for item in reviewed]
+    columns = [dict(_facts(item)) for item in reviewed]
     rows = [(name, *(column[name] for column in columns)) for name in columns[0]]
     return Table([("", *(item.name for item in reviewed))], rows)
 
@@ -44,8 +44,8 @@ def findings(reviewed: Sequence[Reviewed]) -> Table:
     ]
     head = [("quantity", "unit", *("simulated", "closed form", "error") * len(tables))]
     if len(tables) > 1:
-        told = [f"{item.name}: {item.findings.condition_words}" for item in reviewed]
-        head.insert(0, ("", "", *(cell for words in told for cell in (words, "", ""))))
+        titles = [f"{item.name}: {item.findings.condition_words}" for item in reviewed]
+        head.insert(0, ("", "", *(cell for words in titles for cell in (words, "", ""))))
     rows: list[Sequence[str]] = []
     for group in (name for name in GROUPS if any(name in found for found in tables)):
         each = [found.get(group, {}) for found in tables]
@@ -82,7 +82,7 @@ def warnings(item: Reviewed) -> list[str]:
     return [*item.findings.warnings, *(f"design check: {one}" for one in check(design) if not one.passed)]
 
 
-def _told(item: Reviewed) -> Iterator[tuple[str, str]]:
+def _facts(item: Reviewed) -> Iterator[tuple[str, str]]:
     design, run = item.motion.design, item.motion.run
     ring, drive, load = design.ring, design.drive, design.load
     yield "ring", f"{ring.teeth} {ring.pins} pins" if ring.kind == "pin" else f"internal gear with {ring.teeth} lobes"

@@ -72,7 +72,7 @@ class ContactForces:
 
 
 def contact_forces(design: Design, columns: Mapping[str, Array], drawn: Drawing | None = None) -> ContactForces:
-    """Give the force and its place in every mating pair that the columns tell of.
+    """Give the force and its place in every mating pair that has columns.
 
     The columns ``<pair>_force_x``, ``_force_y`` and ``_moment`` are a wrench about the origin of the body that feels
     it. It fixes the line of action; the place on it is where a frictionless contact of the inner part would be, moved
@@ -144,7 +144,7 @@ def reference_force(design: Design) -> dict[str, float]:
 
 
 def _pairs(columns: Mapping[str, Array]) -> dict[str, str]:
-    """Give pair -> kind of those whose whole wrench the columns tell."""
+    """Give pair -> kind of those whose whole wrench has columns."""
     end = column("", FORCE_X)
     stems = (name.removesuffix(end) for name in columns if name.endswith(end))
     whole = (pair for pair in stems if all(column(pair, part) in columns for part in WRENCH))

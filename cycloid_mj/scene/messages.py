@@ -50,7 +50,7 @@ FRAMES, PARTS, FORCES = "/tf", "/scene/parts", "/scene/forces"
 
 @dataclass(frozen=True)
 class Scene:
-    """What a viewer is told of a run: a pure function of the design and of samples.
+    """What a viewer gets of a run: a pure function of the design and of samples.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ class Scene:
         return {topic: (kind.DESCRIPTOR.full_name, _descriptors(kind)) for topic, kind in kinds.items()}
 
     def opening(self, time: float) -> Iterator[Message]:
-        """Give what is told once, before the first frame, at `time` [s].
+        """Give what comes once, before the first frame, at `time` [s].
 
         Raises
         ------
