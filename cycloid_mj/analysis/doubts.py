@@ -104,8 +104,9 @@ def doubts(motion: Series) -> tuple[str, ...]:
 def unbalanced(run: Run, design: Design) -> tuple[str, ...]:
     """Say if the power balance of a run's samples is open, or its efficiency one that no reducer has.
 
-    A run that logs no losses has no balance, and over less than a crank turn sampled powers do not average out. A reducer
-    whose load is not the design's may be driven through both shafts, with an efficiency below 0 where it locks itself.
+    A run that logs no losses has no balance, and over less than a crank turn sampled powers do not average out. A
+    reducer whose load is not the design's may be driven through both shafts, with an efficiency below 0 where it locks
+    itself.
     """
     found = balance(run)
     idle = IDLE * design.drive.torque * abs(design.drive.speed)

@@ -1,7 +1,7 @@
 """Whether a pin design fluctuates more than a nonpin one, as a paper finds, and what runs say of it.
 
-At no load the motion is chaotic, and independent starts decide whether two designs differ; under load it is regular, and
-the crank turns of one run do.
+At no load the motion is chaotic, and independent starts decide whether two designs differ; under load it is regular,
+and the crank turns of one run do.
 """
 
 from collections.abc import Mapping, Sequence
@@ -53,8 +53,8 @@ class Ranking:
     """One quantity of a pin and of a nonpin design under one load: levels, and what becomes of the paper's finding.
 
     The paper finds that the pin design fluctuates more. Under load that is `confirmed` or `contradicted` where a rank
-    test (Mann and Whitney, two-sided, 5 %) finds the crank turns of the two different; the designs are `alike` where their
-    rms values are within 5 %; else, and with fewer than `FEWEST_TURNS`, it is `undecided`. At no load it is `confirmed`
+    test (Mann and Whitney, two-sided, 5 %) finds the crank turns of the two different; the designs are `alike` where
+    their rms values are within 5 %; else, and with fewer than `FEWEST_TURNS`, it is `undecided`. At no load it is `confirmed`
     or `contradicted` where all starts of the one design lie beyond all of the other by more than 5 %; else, and with
     fewer than `STARTS` independent ones, it is `not determined`.
 
