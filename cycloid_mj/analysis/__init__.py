@@ -5,9 +5,8 @@ closed form of everything but the crank is evaluated at the *measured* crank ang
 is judged once, in the crank's own line.
 """
 
-from cycloid_mj.analysis.condition import Condition, condition, load_words
 from cycloid_mj.analysis.curves import ARCSEC, FIGURES, MICROMETRE, SIGNALS, Figure, Signal
-from cycloid_mj.analysis.findings import Findings
+from cycloid_mj.analysis.findings import Condition, Findings, condition, load_words
 from cycloid_mj.analysis.judge import analyze, judge
 from cycloid_mj.analysis.series import Compared, PinPath, Series, series
 from cycloid_mj.analysis.table import GROUPS, Group, Row, groups, table

@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj import kinematics
-from cycloid_mj.analysis.condition import condition
 from cycloid_mj.analysis.doubts import warnings
 from cycloid_mj.analysis.findings import (
     AccelerationFindings,
@@ -26,6 +25,7 @@ from cycloid_mj.analysis.findings import (
     TransmissionError,
     VelocityFindings,
     Window,
+    condition,
 )
 from cycloid_mj.analysis.series import Compared, Series, series
 from cycloid_mj.analysis.window import turn_by_turn

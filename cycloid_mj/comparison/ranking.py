@@ -54,9 +54,9 @@ class Ranking:
 
     The paper finds that the pin design fluctuates more. Under load that is `confirmed` or `contradicted` where a rank
     test (Mann and Whitney, two-sided, 5 %) finds the crank turns of the two different; the designs are `alike` where
-    their rms values are within 5 %; else, and with fewer than `FEWEST_TURNS`, it is `undecided`. At no load it is `confirmed`
-    or `contradicted` where all starts of the one design lie beyond all of the other by more than 5 %; else, and with
-    fewer than `STARTS` independent ones, it is `not determined`.
+    their rms values are within 5 %; else, and with fewer than `FEWEST_TURNS`, it is `undecided`. At no load it is
+    `confirmed` or `contradicted` where all starts of the one design lie beyond all of the other by more than 5 %; else,
+    and with fewer than `STARTS` independent ones, it is `not determined`.
 
     Attributes
     ----------
