@@ -178,6 +178,12 @@ def test_take_is_even_over_the_settled_turns(pin_run):
             take(pin_run, frames=frames, turns=turns)
 
 
+def test_a_pair_without_its_whole_wrench_has_no_arrow():
+    run = made_run(PIN, 3)
+    columns = {name: values for name, values in run.columns.items() if name not in ("cam_moment", "pin_3_force_y")}
+    assert set(contact_forces(PIN, run.columns).names) - set(contact_forces(PIN, columns).names) == {"cam", "pin_3"}
+
+
 def test_frames_show_parts_and_forces_where_they_are(pin_run):
     scene = take(pin_run, 200.0, frames=4)
     frames = list(film(scene, 401))
