@@ -43,7 +43,7 @@ PAPER = CycloidGear(ring_teeth=36, eccentricity=1e-3, pin_circle_radius=40.75e-3
 
 def failed(rows) -> list[str]:
     """Quantities of the rows that fail."""
-    return [row.quantity for row in rows if row.verdict == "fail"]
+    return [row.measured.name for row in rows if row.verdict == "fail"]
 
 
 # --- rows -------------------------------------------------------------------------------------------------------------
@@ -69,8 +69,10 @@ def test_what_is_no_number_fails(ours):
 def test_a_deviation_is_the_largest_difference_over_the_largest_reference():
     ours, reference = np.array([[3.0, 4.0], [0.0, 1.0]]), np.array([[3.0, 4.0], [0.5, 1.0]])
     row = deviation("q", ours, reference, "N", "s", 10.0)
-    assert (row.ours, row.reference, row.error) == pytest.approx((5.0, 5.0, 10.0))
-    assert deviation("q", np.array([1.0, -2.0]), np.array([1.0, -2.5]), "N", "s", 10.0).error == pytest.approx(20.0)
+    assert (row.measured.value, row.measured.reference, row.difference) == pytest.approx((5.0, 5.0, 10.0))
+    assert deviation("q", np.array([1.0, -2.0]), np.array([1.0, -2.5]), "N", "s", 10.0).difference == pytest.approx(
+        20.0
+    )
 
 
 # --- the independent static solution ----------------------------------------------------------------------------------
@@ -246,7 +248,7 @@ def test_a_run_that_fails_is_judged_by_its_step():
     study = {1.0: FIGURES, 2.0: FIGURES, 20.0: RunError("a contact is 60 um deep")}
     rows = steps.judged(FREE, study, 2.0)
     assert failed(rows) == []
-    assert any("60 um deep" in row.note for row in rows)
+    assert any("60 um deep" in row.measured.note for row in rows)
     assert len(failed(steps.judged(FREE, study, 20.0))) == 1
     with pytest.raises(RunError, match="deep"):
         steps.judged(FREE, {1.0: RunError("a contact is deep"), 2.0: FIGURES}, 2.0)
@@ -272,7 +274,7 @@ def test_a_part_that_cannot_run_fails_alone():
     parts = (ladder.Part("cam", broken, (2.0, 2.0)), ladder.Part("energy", sound, (1.0, 1.0)))
     rows = ladder.in_order(ladder.climb(parts, quick=True, workers=1))
     assert [(row.rung, row.verdict) for row in rows] == [("cam", "fail"), ("energy", "pass")]
-    assert rows[0].note == "the gear jumped a tooth"
+    assert rows[0].measured.note == "the gear jumped a tooth"
 
 
 def told(monkeypatch, *argv: str) -> tuple[int, str, str]:
@@ -299,7 +301,9 @@ def test_the_command_fails_with_a_row(monkeypatch):
     assert code == 1
     assert found["passed"] is False
     assert {row["verdict"] for row in found["rows"]} >= {"fail"}
-    assert set(found["rows"][0]) == {*Row.__dataclass_fields__, "verdict"}
+    assert list(found["rows"][0]) == [
+        *("quantity", "ours", "reference", "unit", "source", "error", "error_unit", "bound", "note", "rung", "verdict")
+    ]
 
 
 def test_the_command_names_the_rungs_there_are(monkeypatch):

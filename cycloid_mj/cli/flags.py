@@ -53,7 +53,7 @@ FLAT = Parameter(name="*")
 
 
 @dataclass(frozen=True)
-class Quantity:
+class DesignValue:
     """A flag's value that stands at `table`.`name` of the design and keeps the limits it has there."""
 
     table: str
@@ -107,14 +107,14 @@ class Quantity:
         return [(side, getattr(limit, side)) for limit in self.field.metadata for side in SIDES if hasattr(limit, side)]
 
 
-TIMESTEP = Quantity("settings", "timestep")
-SPEED = Quantity("drive", "speed", nonzero=True)
-RAMP = Quantity("drive", "ramp")
-HOLD = Quantity("drive", "hold")
-LOAD = Quantity("load", "torque")
+TIMESTEP = DesignValue("settings", "timestep")
+SPEED = DesignValue("drive", "speed", nonzero=True)
+RAMP = DesignValue("drive", "ramp")
+HOLD = DesignValue("drive", "hold")
+LOAD = DesignValue("load", "torque")
 
 
-Values = Sequence[tuple[Quantity, float | None]]
+Values = Sequence[tuple[DesignValue, float | None]]
 """Values of the design that flags set; None where the flag is not given."""
 
 

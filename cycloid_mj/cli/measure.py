@@ -18,8 +18,8 @@ from cycloid_mj.cli.flags import (
     SPEED,
     DesignFlag,
     DesignOptions,
+    DesignValue,
     JsonFlag,
-    Quantity,
     QuietFlag,
     SetFlag,
     Values,
@@ -38,7 +38,7 @@ EXAMPLES = """Examples:
 
 OUT = "runs/measure"
 BOTH = ("pin", "nonpin")
-TORQUE = Quantity("drive", "torque")
+TORQUE = DesignValue("drive", "torque")
 RATED = "Default: the rated torque, drive.torque_nm times the ratio (36.68 in the presets)."
 
 
@@ -95,7 +95,7 @@ def torque_flag(text: str, default: str = RATED) -> Parameter:
     return Parameter(metavar="X", validator=LOAD.require, help=f"{text} [N m], {LOAD.range}. {default}")
 
 
-def several(name: str, quantity: Quantity, text: str, default: str) -> Parameter:
+def several(name: str, quantity: DesignValue, text: str, default: str) -> Parameter:
     """Declare a flag for one or more values above 0 that keep a quantity's limits; `text` says what they are."""
 
     def require(_: Any, values: tuple[float, ...] | None) -> None:

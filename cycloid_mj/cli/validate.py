@@ -73,26 +73,28 @@ def _climbed(parts: "tuple[Part, ...]", quick: bool) -> "list[Row]":
 def _report(rows: "list[Row]", wall: float) -> None:
     """Write the table, the notes below it, and the sum."""
     from cycloid_mj.validation.ladder import RUNGS
+    from cycloid_mj.validation.row import Outcome
 
     numbers = {rung: number for number, rung in enumerate(RUNGS, start=1)}
     climbed = dict.fromkeys(row.rung for row in rows)
     title = "validation: " + ", ".join(f"{numbers[rung]} {rung}" for rung in climbed)
     say_table(title, HEADER, [_line(numbers[row.rung], row) for row in rows])
     for row in rows:
-        if row.note:
-            say(f"{numbers[row.rung]} {row.quantity} ({row.source}): {row.note}")
-    counts = {verdict: sum(row.verdict == verdict for row in rows) for verdict in ("pass", "fail", "told")}
-    say(f"{', '.join(f'{count} {verdict}' for verdict, count in counts.items())}; {wall:.0f} s")
+        if row.measured.note:
+            say(f"{numbers[row.rung]} {row.measured.name} ({row.measured.source}): {row.measured.note}")
+    counts = (f"{sum(row.verdict == each for row in rows)} {each}" for each in Outcome)
+    say(f"{', '.join(counts)}; {wall:.0f} s")
 
 
 def _line(number: int, row: "Row") -> tuple[str, ...]:
     """Give a row as text; the bound is in the error's unit."""
+    one = row.measured
     return (
-        f"{number} {row.quantity}",
-        f"{row.ours:.5g} {row.unit}".strip(),
-        f"{row.reference:.5g}",
-        row.source,
-        f"{row.error:.2g} {row.error_unit}".strip(),
+        f"{number} {one.name}",
+        f"{one.value:.5g} {one.unit}".strip(),
+        f"{one.reference:.5g}",
+        one.source,
+        f"{row.difference:.2g} {row.difference_unit}".strip(),
         "" if row.bound is None else f"{row.bound:.3g}",
         row.verdict,
     )

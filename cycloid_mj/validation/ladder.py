@@ -22,7 +22,7 @@ from cycloid_mj.validation import (
     two_bodies,
 )
 from cycloid_mj.validation.rig import FIXED, FREE, KINDS, NONPIN, SLEEVED
-from cycloid_mj.validation.row import Row
+from cycloid_mj.validation.row import Row, broken
 
 RUNGS = (
     *("two-body", "friction", "mechanism", "backlash", "sharing", "cam"),
@@ -123,8 +123,7 @@ def _run(work: tuple[int, Part, bool]) -> tuple[int, list[Row]]:
     try:
         rows = part.rows(quick)
     except CycloidError as error:
-        nan = float("nan")
-        rows = [Row("could not be run", nan, nan, "", "", nan, "", 0.0, note=str(error))]
+        rows = [broken(str(error))]
     return number, [replace(row, rung=part.rung) for row in rows]
 
 

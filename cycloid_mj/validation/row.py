@@ -1,14 +1,22 @@
 """One line of the validation table: a quantity, its reference, and whether they agree."""
 
-import dataclasses
 from dataclasses import dataclass
-from typing import Any, Literal
+from enum import StrEnum
+from typing import Any
 
 import numpy as np
 
+from cycloid_mj.result import Quantity
 from cycloid_mj.types import Array
 
-Verdict = Literal["pass", "fail", "told"]
+
+class Outcome(StrEnum):
+    """What becomes of a row; its value is the word for people and programs."""
+
+    PASS = "pass"
+    FAIL = "fail"
+    STATED = "told"
+    """The row has no bound: it states a difference."""
 
 
 @dataclass(frozen=True)
@@ -17,47 +25,46 @@ class Row:
 
     Attributes
     ----------
-    quantity
-        What it is, and of which design.
-    ours, reference
-        The two values, in `unit`.
-    unit
-        "" for a plain number.
-    source
-        Where the reference comes from.
-    error
-        The difference, in `error_unit`.
-    error_unit
-        Unit of `error` and `bound`: "%", "points" of a percentage, or `unit`.
+    measured
+        The quantity, named with its design, and its reference; its note explains a difference, where it needs that.
+    difference
+        Of the two, in `difference_unit`.
+    difference_unit
+        Of `difference` and `bound`: "%", "points" of a percentage, or the quantity's unit.
     bound
-        Largest error that passes, about three times the largest that was seen; None where the row only tells.
-    note
-        What explains the error, where it needs that.
+        Largest difference that passes, about three times the largest that was seen; None where the row only states it.
     rung
         Name of the rung of the ladder.
     """
 
-    quantity: str
-    ours: float
-    reference: float
-    unit: str
-    source: str
-    error: float
-    error_unit: str
+    measured: Quantity
+    difference: float
+    difference_unit: str
     bound: float | None
-    note: str = ""
     rung: str = ""
 
     @property
-    def verdict(self) -> Verdict:
-        """Whether the row passes; an error that is not a number fails."""
+    def verdict(self) -> Outcome:
+        """Whether the row passes; a difference that is not a number fails."""
         if self.bound is None:
-            return "told"
-        return "pass" if self.error <= self.bound else "fail"
+            return Outcome.STATED
+        return Outcome.PASS if self.difference <= self.bound else Outcome.FAIL
 
     def as_json(self) -> dict[str, Any]:
         """Give the row as a flat dict with its verdict."""
-        return {**dataclasses.asdict(self), "verdict": self.verdict}
+        return {
+            "quantity": self.measured.name,
+            "ours": self.measured.value,
+            "reference": self.measured.reference,
+            "unit": self.measured.unit,
+            "source": self.measured.source,
+            "error": self.difference,
+            "error_unit": self.difference_unit,
+            "bound": self.bound,
+            "note": self.measured.note,
+            "rung": self.rung,
+            "verdict": self.verdict,
+        }
 
 
 def relative(
@@ -65,17 +72,15 @@ def relative(
 ) -> Row:
     """Give a row judged by |ours/reference - 1| in percent; `bound` in percent too."""
     error = 100.0 * abs(ours / reference - 1.0) if reference else float("nan")
-    return Row(quantity, float(ours), float(reference), unit, source, float(error), "%", bound, note)
+    return Row(_held(quantity, ours, reference, unit, source, note), float(error), "%", bound)
 
 
 def absolute(
     quantity: str, ours: float, reference: float, unit: str, source: str, bound: float | None, note: str = ""
 ) -> Row:
     """Give a row judged by |ours - reference| in `unit`; the difference of two percentages is in points."""
-    error_unit = "points" if unit == "%" else unit
-    return Row(
-        quantity, float(ours), float(reference), unit, source, float(abs(ours - reference)), error_unit, bound, note
-    )
+    measured = _held(quantity, ours, reference, unit, source, note)
+    return Row(measured, float(abs(ours - reference)), "points" if unit == "%" else unit, bound)
 
 
 def deviation(
@@ -87,7 +92,17 @@ def deviation(
     largest reference.
     """
     size, largest, error = (float(_sizes(values).max()) for values in (ours, reference, ours - reference))
-    return Row(quantity, size, largest, unit, source, 100.0 * error / largest, "%", bound, note)
+    return Row(_held(quantity, size, largest, unit, source, note), 100.0 * error / largest, "%", bound)
+
+
+def broken(why: str) -> Row:
+    """Give the row of a part that could not be run, which fails."""
+    nan = float("nan")
+    return Row(_held("could not be run", nan, nan, "", "", why), nan, "", 0.0)
+
+
+def _held(name: str, ours: float, reference: float, unit: str, source: str, note: str) -> Quantity:
+    return Quantity("", name, float(ours), unit, None, float(reference), source, note)
 
 
 def _sizes(values: Array) -> Array:

@@ -77,8 +77,9 @@ def judged(kind: str, study: Study, default: float) -> list[Row]:
         if step <= default:
             told += compared
         else:
-            worst = max(compared, key=lambda row: row.error / (row.bound or math.inf))
-            told.append(replace(worst, quantity=f"{worst.quantity} (the worst of five)", bound=None))
+            worst = max(compared, key=lambda row: row.difference / (row.bound or math.inf))
+            measured = replace(worst.measured, name=f"{worst.measured.name} (the worst of five)")
+            told.append(replace(worst, measured=measured, bound=None))
     return [*told, *_order_rows(kind, study)]
 
 
