@@ -80,9 +80,9 @@ def inverse_weight(model: Any, *geoms: str) -> float:
     return float(sum(model.body_invweight0[model.geom(name).bodyid[0], 0] for name in geoms))
 
 
-def rated_design(kind: str) -> Design:
+def rated_design(kind: str, *changes: str) -> Design:
     """Give a kind of reducer at rated load."""
-    return reducer_of(kind, f"load.torque_nm={RATED_LOAD}")
+    return reducer_of(kind, f"load.torque_nm={RATED_LOAD}", *changes)
 
 
 def rated_run(kind: str, rpm: float, periods: int, *changes: str) -> tuple[Run, Design]:
