@@ -26,6 +26,11 @@ def massless(design: Design) -> Design:
     return design.but(ring={"pins": WITHOUT[design.ring.pins]})
 
 
+def assumptions(design: Design, what: str) -> tuple[str, ...]:
+    """Tell what of a measure stands on massless pins where the design's own pins move; nothing where none does."""
+    return (f"{what}: {ASSUMPTION}",) if design.ring.has_pin_bodies else ()
+
+
 def require_pin_bodies(design: Design, what: str) -> None:
     """Refuse massless pins for what they cannot tell.
 

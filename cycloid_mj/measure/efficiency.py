@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from cycloid_mj.contact.massless import assumptions
 from cycloid_mj.contact.working import at_rated_load, working_forces_told
 from cycloid_mj.design import Design
 from cycloid_mj.measure import build_up, spread
@@ -230,7 +231,7 @@ def _tables(found: Found) -> tuple[Table, ...]:
         efficiency, shift, left = (1e2 * value for value in _judged(point))
         numbers = [efficiency, shift, *_shares(point).values(), left]
         rows.append((f"{point.speed / RPM:g}", point.torque, *(round(number, 4) for number in numbers)))
-    header = ("speed [rpm]", "torque [N m]", "efficiency", "num. error", *_shares(found.rated), "residual")
+    header = ("speed [rpm]", "torque [N m]", "efficiency", "num. error", *_shares(found.grid[0]), "residual")
     return (Table("efficiency, and losses by pair, in % of the input power", header, tuple(rows)),)
 
 
@@ -261,7 +262,7 @@ def _curves(found: Found) -> tuple[Curve, ...]:
         drawn.append(_line("efficiency", f"{speed / RPM:g} rpm", points, efficiency, "efficiency [%]"))
     shown = found.rated.speed if found.rated.speed in speeds else speeds[-1]
     points = _at(found.grid, shown)
-    for loss in [loss for loss, share in _shares(found.rated).items() if share]:
+    for loss in [loss for loss, share in _shares(points[0]).items() if share]:
         shares = [_shares(point)[loss] for point in points]
         name = "normal forces" if loss == "normal" else f"friction of {loss}"
         drawn.append(_line(f"losses at {shown / RPM:g} rpm", name, points, shares, "share of the input [%]"))
@@ -294,4 +295,5 @@ def _assumptions(design: Design, periods: int) -> tuple[str, ...]:
         f"friction grows with the sliding speed until {creep:g} mm/s under the working force, and is whole beyond",
         "numerical error: half the step (unless --quick) or half the average, whichever changes more; elsewhere half "
         "the average",
+        *assumptions(design, "the map, and the rated point with an input varied"),
     )

@@ -4,6 +4,7 @@ from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
+from cycloid_mj.contact.massless import massless
 from cycloid_mj.design import Design
 from cycloid_mj.measure import sensitivity
 from cycloid_mj.measure.back_driving import BreakAway, break_away
@@ -86,6 +87,8 @@ def run_map(
 ) -> Found:
     """Run every point over at least so many mesh periods, several at a time, and the rated one with half the step.
 
+    The map, and the rated point with an input varied, are of massless pins where pins move.
+
     `torques` on the output [N m] and crank `speeds` [rad/s] make the map.
 
     Raises
@@ -97,10 +100,11 @@ def run_map(
     # The longest runs come first, so that no processor is left alone with one.
     grid = [(torque, pace) for pace in sorted(speeds, key=abs) for torque in torques]
     rest = break_away(design)
+    light = massless(design)
     tasks: dict[Hashable, Callable[[], Point]] = {
-        place: partial(forward, design, *place, periods) for place in grid if place != (rated, speed)
+        place: partial(forward, light, *place, periods) for place in grid if light != design or place != (rated, speed)
     }
-    tasks[rated, speed] = partial(forward, design, rated, speed, periods)
+    tasks["rated"] = partial(forward, design, rated, speed, periods)
     tasks["ideal"] = partial(forward, ideal_limit(design), rated, speed, periods)
     tasks["unloaded"] = partial(forward, design, 0.0, speed, periods)
     if not rest.locked:
@@ -111,12 +115,12 @@ def run_map(
     assumed = inputs(design)
     varied: dict[Hashable, Design] = {end: end for one in assumed for end in one.ends}
     varied |= {value: sensitivity.with_common_friction(design, value) for value in sensitivity.COMMON}
-    tasks |= {key: partial(forward, one, rated, speed, SPREAD_PERIODS) for key, one in varied.items()}
+    tasks |= {key: partial(forward, massless(one), rated, speed, SPREAD_PERIODS) for key, one in varied.items()}
     points = run_all(tasks, progress)
     rates = {key: points[key].powers.efficiency for key in varied}
     return Found(
-        grid=tuple(points[place] for place in grid),
-        rated=points[rated, speed],
+        grid=tuple(points.get(place, points["rated"]) for place in grid),
+        rated=points["rated"],
         halved=points.get("halved"),
         ideal=points["ideal"],
         unloaded=points["unloaded"],

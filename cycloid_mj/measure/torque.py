@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 
 from cycloid_mj.analysis.spectrum import tapered_orders
+from cycloid_mj.contact.massless import assumptions, massless
 from cycloid_mj.contact.working import working_at, working_forces_told
 from cycloid_mj.design import Design
 from cycloid_mj.measure import build_up, sensitivity, spread, steady
@@ -68,11 +69,11 @@ def torque(
     if not quick:
         tasks["halved"] = partial(rated_test, halved(own), main)
     tasks |= {
-        ("row", one.design): partial(rated_test, one.design, whole_periods(one.design, sensitivity.PERIODS))
+        ("row", one.design): partial(rated_test, massless(one.design), whole_periods(one.design, sensitivity.PERIODS))
         for one in rows
     }
     periods = whole_periods(own, spread.PERIODS)
-    tasks |= {end: partial(rated_test, end, periods) for one in assumed for end in one.ends}
+    tasks |= {end: partial(rated_test, massless(end), periods) for one in assumed for end in one.ends}
     last = 1 + len(published)
     tests = run_all(tasks, lambda done, whole: progress(done, whole + last))
     ours, finer = tests["own"], tests.get("halved")
@@ -138,7 +139,8 @@ def with_friction(
 
 def rate_test(design: Design, friction: float, periods: int) -> float:
     """Give the rate with one friction for all sliding pairs."""
-    return rated_test(sensitivity.with_common_friction(design, friction), periods).powers.efficiency
+    varied = massless(sensitivity.with_common_friction(design, friction))
+    return rated_test(varied, periods).powers.efficiency
 
 
 def _quantities(
@@ -232,4 +234,5 @@ def _assumptions(design: Design, periods: int) -> tuple[str, ...]:
         "numerical error: half the step (unless --quick) or half the average, whichever changes more; of a friction: "
         "that, and what a run with it misses, by the slope",
         "some of the ringing is still in the mesh when a row of the table begins to count: up to 0.1 points",
+        *assumptions(design, "runs with an input varied"),
     )

@@ -46,7 +46,7 @@ HELD = Figures(5.4, 0.003, 1.2, 0.006, 1.4e-3)
 """Bounds without moving pins, in percent but for points of efficiency: three times the changes seen at 10 us."""
 MOVING = Figures(5.6, 0.006, 6.0, 0.009, 6e-4)
 """The same with moving pins, which chatter: free ones change by 1.8, 0.002, 2.0, 0.003 % and 2e-4 points at 2.5 us."""
-WITHOUT_INERTIA = Figures(math.inf, 0.5, 2.0, 0.03, 0.04)
+WITHOUT_INERTIA = Figures(math.inf, 0.5, 6.0, 0.03, 0.04)
 """The same of free pins without their inertia against real ones; speeds they do not tell."""
 
 Study = Mapping[float, Figures | RunError]
