@@ -10,9 +10,9 @@ from cycloid_mj.comparison import Spread, load_words, settled, settling
 from cycloid_mj.design import Design
 from cycloid_mj.result import Claim, Table, Value, Verdict
 from cycloid_mj.types import Array
-from hsieh2014.plan import LOGGED, Plan, designs, idle_runs, main_runs, no_load, ramped
+from hsieh2014 import statements
+from hsieh2014.plan import LOGGED, Plan, designs, idle_runs, main_runs, ramped
 from hsieh2014.stage import Found, Plate, Progress, Runs
-from hsieh2014.stated import GEAR_SPEED
 from hsieh2014.verdicts import range_verdict, share_verdict, spread_error, spread_value
 
 SPEED_ERROR = 1e-3
@@ -153,15 +153,7 @@ def _ratio(name: str, starts: Sequence[Series], rated: Series) -> Claim:
     """Hold the mean gear speed of a design against the ratio, in every start at no load."""
     speeds = Spread.of(_mean_speed(one) for one in starts)
     exact = abs(starts[0].design.drive.speed) / starts[0].design.lobes
-    return Claim(
-        key=f"gear_speed_mean_{name}",
-        figure="Eq. 12, Fig. 6",
-        part="gear",
-        design=name,
-        condition=no_load(),
-        claim="the gear turns at 1/35 of the crank, against it",
-        kind="value",
-        stated=Value("4.907 rad/s", GEAR_SPEED, "rad/s"),
+    return statements.gear_speed(name).judged(
         found=spread_value(f"{speeds.mean:.5g} rad/s", speeds, "rad/s"),
         error=spread_error(speeds, "rad/s"),
         verdict=range_verdict(speeds, exact * (1.0 - SPEED_ERROR), exact * (1.0 + SPEED_ERROR)),
@@ -176,15 +168,7 @@ def _sway(starts: Sequence[Series], rated: Series) -> Claim:
     reach = Spread.of(_reach(one) for one in starts)
     span = Spread.of(_span(one) for one in starts)
     pairs = zip(span.values, reach.values, strict=True)
-    return Claim(
-        key="pin_1_sway",
-        figure="Fig. 9",
-        part="pin_1",
-        design="pin",
-        condition=no_load(),
-        claim="pin 1 sways within its clearance",
-        kind="height",
-        stated=Value("within 0.001 mm", 1e3 * clearance, "mm"),
+    return statements.pin_1_sway(clearance).judged(
         found=Value(
             f"{_um(span)} um across, {_um(reach)} um from the middle; clearance {1e6 * clearance:g} um",
             1e3 * reach.mean,
@@ -208,15 +192,7 @@ def _spin(starts: Sequence[Series], rated: Series) -> Claim:
     means = Spread.of(mean_spin(one) for one in starts)
     rocking = Spread.of(float(np.sqrt(np.mean(_spins(one) ** 2))) for one in starts)
     turns_on = means.low > 0.0 or means.high < 0.0
-    return Claim(
-        key="pin_1_spin",
-        figure="Fig. 9",
-        part="pin_1",
-        design="pin",
-        condition=no_load(),
-        claim="pin 1 turns about itself",
-        kind="pattern",
-        stated=Value("yes"),
+    return statements.PIN_1_SPIN.judged(
         found=spread_value(f"mean {means.words} rad/s, rms {rocking.words} rad/s", means, "rad/s"),
         error=spread_error(means, "rad/s"),
         verdict=Verdict.AGREES if turns_on else Verdict.NOT_DETERMINED,

@@ -1,6 +1,7 @@
 """The paper's figures of stress held against studies of single runs, for ``cycloid-mj stress``: Figs 12-16."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -9,7 +10,16 @@ from cycloid_mj.result import Claim, Value
 from cycloid_mj.stress.findings import MEGAPASCAL, PartFindings, StressFindings
 from cycloid_mj.types import Array
 from hsieh2014.plan import no_load
-from hsieh2014.stated import FIGURES, HEIGHTS, LEAST, MOST, NEAR, ORDER, PIN_1_LOADED, SHAFT_PEAKS
+from hsieh2014.stated import HEIGHTS, LEAST, MOST, NEAR, ORDER, PIN_1_LOADED, SHAFT_PEAKS
+from hsieh2014.statements import (
+    PIN_1_CYCLE,
+    Statement,
+    stress_height,
+    stress_of_designs,
+    stress_of_output,
+    stress_of_parts,
+    stress_peaks,
+)
 from hsieh2014.verdicts import share_verdict
 
 ALSO = {
@@ -51,35 +61,18 @@ def _alone(findings: StressFindings) -> Iterator[Claim]:
             yield judge(findings)
 
 
-def _claim(
-    key: str, part: str, design: str, claim: str, kind: str, found: str, holds: bool, decided_by: str, figure: str = ""
-) -> Claim:
-    """Give a claim; the study tells its numerical errors part by part."""
-    return Claim(
-        key=key,
-        figure=figure or FIGURES[part],
-        part=part,
-        design=design,
-        condition=no_load(),
-        claim=claim,
-        kind=kind,
-        stated=Value(""),
-        found=Value(found),
-        error=Value("one more refinement, in the table of the parts"),
-        verdict=share_verdict([holds]),
-        decided_by=decided_by,
-    )
+def _judged(statement: Statement, name: str, found: str, holds: bool, decided_by: str) -> Claim:
+    """Judge what the paper states of a design of some name; the tables of the study have the numerical errors."""
+    own = replace(statement, claim=f"{name}: {statement.claim}")
+    return own.judged(Value(found), Value("one more refinement"), share_verdict([holds]), decided_by)
 
 
 def _height(findings: StressFindings, part: PartFindings) -> Claim:
     name, bound, found = findings.design, HEIGHTS[part.part, findings.ring], part.bulk_peak.stress / MEGAPASCAL
     ratio = found / bound
-    return _claim(
-        f"stress_height_{part.part}_{findings.ring}",
-        part.part,
+    return _judged(
+        replace(stress_height(part.part, findings.ring), claim=f"the {part.part}'s stress stays below {bound:g} MPa"),
         name,
-        f"{name}: the {part.part}'s stress stays below {bound:g} MPa",
-        "height",
         f"bulk {found:.3g} MPa at {_degrees(part):.0f} deg ({part.bulk.min() / MEGAPASCAL:.3g} at least)",
         LEAST <= ratio <= MOST,
         f"{findings.load:.4g} N m at the output and the assumed dimensions (stress goes with the load: the paper's "
@@ -102,17 +95,13 @@ def _near(part: PartFindings) -> str:
 def _order(findings: StressFindings) -> Claim:
     peaks = [findings[part].bulk_peak.stress / MEGAPASCAL for part in ORDER]
     contacts = ", ".join(f"{part} {findings[part].contact_peak.stress / MEGAPASCAL:.3g}" for part in ORDER)
-    return _claim(
-        f"stress_order_of_parts_{findings.ring}",
-        "all",
+    return _judged(
+        stress_of_parts(findings.ring),
         findings.design,
-        f"{findings.design}: {' > '.join(ORDER)}",
-        "order",
         ", ".join(f"{part} {peak:.3g} MPa" for part, peak in zip(ORDER, peaks, strict=True)),
         peaks[0] > peaks[1] > peaks[2],
         f"the wall behind sockets or roots and the web between bore and holes, both assumed; and whether contact "
         f"stress is counted (by Hertz: {contacts} MPa)",
-        figure="Figs 12-14",
     )
 
 
@@ -123,12 +112,9 @@ def _shaft_peaks(findings: StressFindings) -> Claim:
     amplitudes = shaft.orders(tuple(orders)) / MEGAPASCAL
     first = np.mod(degrees, 360.0) < 180.0
     best = [float(degrees[np.argmax(np.where(half, shaft.bulk, -np.inf))]) for half in (first, ~first)]
-    return _claim(
-        f"stress_peaks_shaft_{findings.ring}",
-        "shaft",
+    return _judged(
+        stress_peaks(findings.ring),
         findings.design,
-        f"{findings.design}: two peaks a turn, near 75 and 255 deg, the highest at 74 deg",
-        "pattern",
         f"largest of each half turn at {best[0]:.0f} and {best[1]:.0f} deg; amplitudes of orders "
         f"{', '.join(map(str, orders))}: {', '.join(f'{size:.2g}' for size in amplitudes)} MPa about a mean of "
         f"{shaft.bulk.mean() / MEGAPASCAL:.3g}",
@@ -142,12 +128,9 @@ def _output(findings: StressFindings) -> Claim:
     output = findings["output"]
     others = [findings[part].bulk_peak.stress for part in ORDER if part in findings]
     found, share = output.bulk_peak.stress, np.ptp(output.bulk) / output.bulk.mean()
-    return _claim(
-        f"stress_output_{findings.ring}",
-        "output",
+    return _judged(
+        stress_of_output(findings.ring),
         findings.design,
-        f"{findings.design}: the output's stress is low and regular",
-        "pattern",
         f"at most {found / MEGAPASCAL:.3g} MPa, peak to peak {share:.0%} of its mean",
         not others or found < max(others),
         OUTPUT[output.dimension],
@@ -163,12 +146,9 @@ def _pin_cycle(findings: StressFindings) -> Claim:
     told = ", ".join(f"{'loaded' if loaded[i] else 'relieved'} from {degrees[i]:.0f} deg" for i in changes)
     told = told or ("always loaded" if loaded.all() else "never loaded")
     begins, ends = (degrees[changes[loaded[changes] == wanted]] for wanted in (True, False))
-    return _claim(
-        "stress_cycle_pin_1",
-        "pin_1",
+    return _judged(
+        PIN_1_CYCLE,
         findings.design,
-        f"{findings.design}: pin 1 is loaded at 0, relieved by 10 deg, loaded again from 350 deg",
-        "pattern",
         f"{told}; {loaded.mean():.0%} of the turn under load, most at {_degrees(pin):.0f} deg",
         bool(loaded[0]) and _is_near(begins, PIN_1_LOADED[0]) and _is_near(ends, PIN_1_LOADED[1]),
         "load sharing: half of the pins carry at a time where clearances are as small as the deflections, so each "
@@ -183,13 +163,11 @@ def _against(pin: StressFindings, nonpin: StressFindings) -> Iterator[Claim]:
             continue
         ours = [findings[part].bulk_peak.stress / MEGAPASCAL for findings in (pin, nonpin)]
         forces = [findings[part].largest_force for findings in (pin, nonpin)]
-        theirs = HEIGHTS[part, "nonpin"] / HEIGHTS[part, "pin"]
-        yield _claim(
-            f"stress_order_of_designs_{part}",
+        stated = stress_of_designs(part)
+        words = f"less stress in {nonpin.design} than in {pin.design} (ranges {stated.stated.text})"
+        yield _judged(
+            replace(stated, claim=words),
             part,
-            "both",
-            f"{part}: less stress in {nonpin.design} than in {pin.design} (ranges {theirs:.2g} to 1)",
-            "order",
             f"{ours[1]:.3g} against {ours[0]:.3g} MPa, {ours[1] / ours[0]:.2g} to 1",
             ours[1] < ours[0],
             f"the largest force of one contact, {forces[1]:.3g} N against {forces[0]:.3g} N "

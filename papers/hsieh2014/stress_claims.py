@@ -12,8 +12,16 @@ from cycloid_mj.result import Claim, Value
 from hsieh2014.cycle import cycle
 from hsieh2014.idle_stress import IdleStress
 from hsieh2014.peaks import by_angle, largest_of_halves, likeness, share_near, standing_for_pin_1
-from hsieh2014.plan import no_load
-from hsieh2014.stated import FIGURES, HEIGHTS, LEAST, MOST, NEAR, ORDER, PIN_1_LOADED, SHAFT_PEAKS
+from hsieh2014.stated import HEIGHTS, LEAST, MOST, NEAR, ORDER, PIN_1_LOADED, SHAFT_PEAKS
+from hsieh2014.statements import (
+    BY_DESIGN,
+    PIN_1_CYCLE,
+    stress_height,
+    stress_of_designs,
+    stress_of_output,
+    stress_of_parts,
+    stress_peaks,
+)
 from hsieh2014.verdicts import joint_verdict, order_verdict, range_verdict, share_verdict, spread_error, spread_value
 
 REGULAR = 0.5
@@ -26,7 +34,6 @@ ERROR = "one more refinement, or where bulk begins"
 TREATMENT = (
     "the treatment of contact: the paper states no stiffness, damping or mesh of its motion solver; see the hypothesis"
 )
-RATIO = "nonpin / pin"
 OF_THE_PEAKS = "share of the turn's peaks"
 
 
@@ -58,15 +65,7 @@ def stress_claims(
 def height(design: str, part: str, one: IdleStress) -> Claim:
     """Judge how high the curve of a part reaches."""
     theirs, ours = HEIGHTS[part, design], one.starts[part]
-    return Claim(
-        key=f"stress_height_{part}_{design}",
-        figure=FIGURES[part],
-        part=part,
-        design=design,
-        condition=no_load(),
-        claim=f"the {part}'s stress reaches up to about {theirs:g} MPa",
-        kind="height",
-        stated=Value(f"{theirs:g} MPa", theirs, "MPa"),
+    return stress_height(part, design).judged(
         found=spread_value(f"{ours.words} MPa at impact peaks, 1/{theirs / ours.mean:.0f} of that", ours, "MPa"),
         error=_error(one, [part]),
         verdict=range_verdict(ours, LEAST * theirs, MOST * theirs),
@@ -79,15 +78,7 @@ def parts_in_order(design: str, one: IdleStress) -> Claim:
     """Judge which part is stressed most, and which least."""
     spreads = [one.starts[part] for part in ORDER]
     words = ", ".join(f"{part} {size.words}" for part, size in zip(ORDER, spreads, strict=True))
-    return Claim(
-        key=f"stress_order_of_parts_{design}",
-        figure="Figs 12-14",
-        part="all",
-        design=design,
-        condition=no_load(),
-        claim=" > ".join(ORDER),
-        kind="order",
-        stated=Value(" > ".join(f"{HEIGHTS[part, design]:g}" for part in ORDER) + " MPa"),
+    return stress_of_parts(design).judged(
         found=Value(f"{words} MPa"),
         error=_error(one, ORDER),
         verdict=joint_verdict(order_verdict(order(*pair), {})[0] for pair in pairwise(spreads)),
@@ -98,28 +89,24 @@ def parts_in_order(design: str, one: IdleStress) -> Claim:
 
 def designs_in_order(part: str, pin: IdleStress, nonpin: IdleStress) -> Claim:
     """Judge whether a part is stressed less without pins."""
-    theirs = HEIGHTS[part, "nonpin"] / HEIGHTS[part, "pin"]
     ours = (pin.starts[part], nonpin.starts[part])
     ratio = ours[1].over(ours[0])
     mean = ratio.values[0]
     rated = nonpin.rated[part].high / pin.rated[part].high
-    return Claim(
-        key=f"stress_order_of_designs_{part}",
-        figure=FIGURES[part],
-        part=part,
-        design="both",
-        condition=no_load(),
-        claim=f"{part}: less stress without pins than with them",
-        kind="order",
-        stated=Value(f"{theirs:.2g} to 1", theirs, RATIO),
+    return stress_of_designs(part).judged(
         found=Value(
-            f"{ours[1].words} against {ours[0].words} MPa, {mean:.2g} to 1", mean, RATIO, (ratio.low, ratio.high)
+            f"{ours[1].words} against {ours[0].words} MPa, {mean:.2g} to 1",
+            mean,
+            BY_DESIGN,
+            (ratio.low, ratio.high),
         ),
-        error=Value(ERROR, mean * max(pin.error(part), nonpin.error(part)), RATIO),
+        error=Value(ERROR, mean * max(pin.error(part), nonpin.error(part)), BY_DESIGN),
         verdict=order_verdict(order(*ours), {})[0],
         decided_by="how hard the gear strikes: through two clearances and a loose pin, or one",
         rated=Value(
-            f"{nonpin.rated[part].high:.3g} against {pin.rated[part].high:.3g} MPa, {rated:.2g} to 1", rated, RATIO
+            f"{nonpin.rated[part].high:.3g} against {pin.rated[part].high:.3g} MPa, {rated:.2g} to 1",
+            rated,
+            BY_DESIGN,
         ),
     )
 
@@ -130,15 +117,7 @@ def shaft_peaks(one: IdleStress, starts: Sequence[Run]) -> Claim:
     each = [largest_of_halves(curve) for curve in curves]
     mean = largest_of_halves(np.mean(curves, axis=0))
     at = [Spread.of(angles) for angles in zip(*each, strict=True)]
-    return Claim(
-        key="stress_peaks_shaft_pin",
-        figure=FIGURES["shaft"],
-        part="shaft",
-        design="pin",
-        condition=no_load(),
-        claim="two peaks a turn, near 75 and 255 deg, the highest at 74 deg",
-        kind="pattern",
-        stated=Value("75, 255 deg", 74.0, "deg"),
+    return stress_peaks("pin").judged(
         found=Value(
             f"the cam's force peaks at {at[0].words} and {at[1].words} deg; over all starts at {mean[0]:g} and "
             f"{mean[1]:g} deg",
@@ -162,15 +141,7 @@ def output(design: str, one: IdleStress, starts: Sequence[Run]) -> Claim:
     others = Spread.of(max(sizes) for sizes in zip(*(one.starts[part].values for part in ORDER), strict=True))
     ours = one.starts["output"]
     low, _ = order_verdict(order(others, ours), {})
-    return Claim(
-        key=f"stress_output_{design}",
-        figure=FIGURES["output"],
-        part="output",
-        design=design,
-        condition=no_load(),
-        claim="the output's stress is low and regular",
-        kind="pattern",
-        stated=Value("low, regular"),
+    return stress_of_output(design).judged(
         found=spread_value(
             f"{ours.words} MPa, the most stressed other part {others.words} MPa; its force over the turn correlates "
             f"between starts by {Spread.of(alike).words}",
@@ -192,15 +163,7 @@ def pin_1_cycle(starts: Sequence[Run], nonpin: Sequence[Run], rated: Run) -> Cla
         for stem, each in (("pin", starts), ("lobe", nonpin))
     )
     begins, ends, turn, _ = cycle(settled(rated))
-    return Claim(
-        key="stress_cycle_pin_1",
-        figure=FIGURES["pin_1"],
-        part="pin_1",
-        design="pin",
-        condition=no_load(),
-        claim="pin 1 is loaded at 0, relieved by 10 deg, loaded again from 350 deg",
-        kind="pattern",
-        stated=Value("350 to 10 deg"),
+    return PIN_1_CYCLE.judged(
         found=spread_value(
             f"of what presses it over a turn, {100 * shares.low:.0f} to {100 * shares.high:.0f} % comes within "
             f"{reach:g} deg of 0, a ninth of the turn; of lobe 1 without pins {100 * of_lobe.low:.0f} to "

@@ -6,14 +6,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from cycloid_mj.measure import Measurement
 from cycloid_mj.measure.pool import Progress as Steps
 from cycloid_mj.result import Claim, Quantity, Table, Value, Verdict
-from hsieh2014.plan import Plan, designs, equalised, torque_test
+from hsieh2014.plan import Plan, designs, equalised
 from hsieh2014.stage import Found, Plate, Progress, Runs
 from hsieh2014.stated import IDEAL, TORQUES, torques
+from hsieh2014.statements import AHEAD, TORQUE_ORDER, output_torque
 
 NEAR = 0.01
 """Torques agree within this share of the torque without losses."""
 ERROR = "half the step or half the average"
-AHEAD = "N m, nonpin - pin"
 
 
 def torque(plan: Plan, runs: Runs, progress: Progress) -> Found:
@@ -85,15 +85,7 @@ def _claims(found: Mapping[str, Measurement]) -> Iterator[Claim]:
         ours, error = one["output_torque"], one.quantities["output_torque"].error
         for way, paper in ways.items():
             friction = one.quantities[f"friction_for_paper_{way}"]
-            yield Claim(
-                key=f"output_torque_{way}_{name}",
-                figure="Fig. 19" if way == "measured" else "section 3.4",
-                part="output",
-                design=name,
-                condition=torque_test(),
-                claim=f"output torque at 1.048 N m in, {way}",
-                kind="value",
-                stated=Value(f"{paper:g} N m, {100 * paper / IDEAL:.1f} %", paper, "N m"),
+            yield output_torque(way, name).judged(
                 found=Value(f"{ours:.2f} N m, {100 * ours / IDEAL:.1f} %", ours, "N m"),
                 error=Value(ERROR, error, "N m"),
                 verdict=_verdict(ours, paper, friction.value),
@@ -121,19 +113,7 @@ def _order(found: Mapping[str, Measurement]) -> Claim:
     error = max(one.quantities["output_torque"].error or 0.0 for one in found.values())
     needed = [one["friction_for_paper_simulated"] for one in (pin, nonpin)]
     ahead = ours["nonpin"] - ours["pin"]
-    return Claim(
-        key="output_torque_order",
-        figure="Fig. 19",
-        part="output",
-        design="both",
-        condition=torque_test(),
-        claim="the nonpin design gives more output torque than the pin design",
-        kind="order",
-        stated=Value(
-            "35.8 to 34.7 N m simulated, 35.08 to 34.335 N m measured",
-            TORQUES["nonpin"]["simulated"] - TORQUES["pin"]["simulated"],
-            AHEAD,
-        ),
+    return TORQUE_ORDER.judged(
         found=Value(f"{ours['nonpin']:.2f} to {ours['pin']:.2f} N m", ahead, AHEAD),
         error=Value(ERROR, error, "N m"),
         verdict=_order_verdict(ahead, error, needed),

@@ -34,13 +34,13 @@ from hsieh2014.plan import (
     finer_rated_runs,
     idle_runs,
     main_runs,
-    no_load,
     rated_runs,
     variations,
     varied_idle_runs,
     varied_rated_runs,
 )
 from hsieh2014.stage import Found, Plate, Progress, Runs
+from hsieh2014.statements import fluctuation
 from hsieh2014.verdicts import order_verdict
 
 RATIO = "pin / nonpin"
@@ -114,15 +114,7 @@ def _claim(quantity: Ranked, base: Levels, sweep: Mapping[Variation, Levels], ra
     verdict, turned = order_verdict(pin_over_nonpin(base, key), turned_by)
     pin, nonpin = base[key]["pin"], base[key]["nonpin"]
     ratio = pin.over(nonpin)
-    return Claim(
-        key=key,
-        figure=quantity.figure,
-        part=quantity.part,
-        design="both",
-        condition=no_load(),
-        claim=f"{quantity.name} fluctuates more with pins than without",
-        kind="order",
-        stated=Value("pin > nonpin"),
+    return fluctuation(key, quantity.name, quantity.figure, quantity.part).judged(
         found=Value(
             f"rms {pin.words} with pins, {nonpin.words} {quantity.unit} without ({STARTS} starts each); "
             f"means {ratio.values[0]:.2f} to 1",

@@ -1,0 +1,126 @@
+"""Every claim of the paper that is judged: its key, where it stands, its condition, its words and its number."""
+
+from dataclasses import dataclass
+
+from cycloid_mj.result import Claim, Condition, Value, Verdict
+from hsieh2014.plan import no_load, torque_test
+from hsieh2014.stated import FIGURES, GEAR_SPEED, HEIGHTS, IDEAL, ORDER, TORQUES
+
+BY_DESIGN = "nonpin / pin"
+AHEAD = "N m, nonpin - pin"
+"""Units of what compares the designs."""
+
+
+@dataclass(frozen=True)
+class Statement:
+    """What the paper states; fields as of `Claim`."""
+
+    key: str
+    figure: str
+    part: str
+    design: str
+    kind: str
+    claim: str
+    stated: Value
+    condition: Condition
+
+    def judged(
+        self, found: Value, error: Value, verdict: Verdict, decided_by: str, rated: Value | None = None
+    ) -> Claim:
+        """Give the claim with what is found here, and what becomes of it."""
+        return Claim(**vars(self), found=found, error=error, verdict=verdict, decided_by=decided_by, rated=rated)
+
+
+def _idle(key: str, figure: str, part: str, design: str, kind: str, claim: str, stated: Value) -> Statement:
+    return Statement(key, figure, part, design, kind, claim, stated, no_load())
+
+
+def gear_speed(design: str) -> Statement:
+    """Eq. 12 and Fig. 6: the mean speed of the gear."""
+    claim, value = "the gear turns at 1/35 of the crank, against it", Value("4.907 rad/s", GEAR_SPEED, "rad/s")
+    return _idle(f"gear_speed_mean_{design}", "Eq. 12, Fig. 6", "gear", design, "value", claim, value)
+
+
+def pin_1_sway(clearance: float) -> Statement:
+    """Fig. 9: the way of pin 1, within a clearance [m]."""
+    value = Value("within 0.001 mm", 1e3 * clearance, "mm")
+    return _idle("pin_1_sway", "Fig. 9", "pin_1", "pin", "height", "pin 1 sways within its clearance", value)
+
+
+PIN_1_SPIN = _idle("pin_1_spin", "Fig. 9", "pin_1", "pin", "pattern", "pin 1 turns about itself", Value("yes"))
+
+
+def fluctuation(key: str, name: str, figure: str, part: str) -> Statement:
+    """Figs 6-8 and the text: which design fluctuates more in a quantity of some name."""
+    claim = f"{name} fluctuates more with pins than without"
+    return _idle(key, figure, part, "both", "order", claim, Value("pin > nonpin"))
+
+
+def stress_height(part: str, design: str) -> Statement:
+    """Figs 12-14: how high the curve of a part reaches."""
+    height = HEIGHTS[part, design]
+    claim, value = f"the {part}'s stress reaches up to about {height:g} MPa", Value(f"{height:g} MPa", height, "MPa")
+    return _idle(f"stress_height_{part}_{design}", FIGURES[part], part, design, "height", claim, value)
+
+
+def stress_of_parts(design: str) -> Statement:
+    """Figs 12-14: which part is stressed most, and which least."""
+    value = Value(" > ".join(f"{HEIGHTS[part, design]:g}" for part in ORDER) + " MPa")
+    return _idle(f"stress_order_of_parts_{design}", "Figs 12-14", "all", design, "order", " > ".join(ORDER), value)
+
+
+def stress_of_designs(part: str) -> Statement:
+    """Figs 12-14: in which design a part is stressed more."""
+    ratio = HEIGHTS[part, "nonpin"] / HEIGHTS[part, "pin"]
+    claim, value = (
+        f"{part}: less stress without pins than with them",
+        Value(f"{ratio:.2g} to 1", ratio, BY_DESIGN),
+    )
+    return _idle(f"stress_order_of_designs_{part}", FIGURES[part], part, "both", "order", claim, value)
+
+
+def stress_peaks(design: str) -> Statement:
+    """Fig. 12: where the shaft's stress peaks in a turn."""
+    claim, value = "two peaks a turn, near 75 and 255 deg, the highest at 74 deg", Value("75, 255 deg", 74.0, "deg")
+    return _idle(f"stress_peaks_shaft_{design}", FIGURES["shaft"], "shaft", design, "pattern", claim, value)
+
+
+def stress_of_output(design: str) -> Statement:
+    """Fig. 15: the output's stress."""
+    claim, value = "the output's stress is low and regular", Value("low, regular")
+    return _idle(f"stress_output_{design}", FIGURES["output"], "output", design, "pattern", claim, value)
+
+
+PIN_1_CYCLE = _idle(
+    "stress_cycle_pin_1",
+    FIGURES["pin_1"],
+    "pin_1",
+    "pin",
+    "pattern",
+    "pin 1 is loaded at 0, relieved by 10 deg, loaded again from 350 deg",
+    Value("350 to 10 deg"),
+)
+
+
+def output_torque(way: str, design: str) -> Statement:
+    """Section 3.4 and Fig. 19: the output torque, simulated or measured."""
+    torque, figure = TORQUES[design][way], "Fig. 19" if way == "measured" else "section 3.4"
+    claim = f"output torque at 1.048 N m in, {way}"
+    value = Value(f"{torque:g} N m, {100 * torque / IDEAL:.1f} %", torque, "N m")
+    return Statement(f"output_torque_{way}_{design}", figure, "output", design, "value", claim, value, torque_test())
+
+
+TORQUE_ORDER = Statement(
+    "output_torque_order",
+    "Fig. 19",
+    "output",
+    "both",
+    "order",
+    "the nonpin design gives more output torque than the pin design",
+    Value(
+        "35.8 to 34.7 N m simulated, 35.08 to 34.335 N m measured",
+        TORQUES["nonpin"]["simulated"] - TORQUES["pin"]["simulated"],
+        AHEAD,
+    ),
+    torque_test(),
+)
