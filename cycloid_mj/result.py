@@ -11,7 +11,12 @@ if TYPE_CHECKING:
 
 
 def plain(value: Any) -> Any:
-    """Give records, mappings and sequences as dicts, lists, numbers, text and None: what is no number becomes None."""
+    """Give records, mappings and sequences as dicts, lists, numbers, text and None: what is no number becomes None.
+
+    A record that has `as_json` is what that gives, another its fields.
+    """
+    if hasattr(value, "as_json"):
+        return plain(value.as_json())
     if is_dataclass(value) and not isinstance(value, type):
         return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, Mapping):
@@ -190,17 +195,29 @@ class Condition:
     speed: float
     input_torque: float | None = None
 
+    def __str__(self) -> str:
+        """Give the condition in words, such as "36.68 N m, 1640 rpm"."""
+        return f"{self.words}, {self.speed_rpm:g} rpm"
+
+    @property
+    def speed_rpm(self) -> float:
+        """Speed of the crank [rpm], as a design file has it: without the rounding of the way to rad/s and back."""
+        return round(self.speed * 30.0 / math.pi, 9)
+
     @property
     def words(self) -> str:
         """The load in words, for a row of a table."""
-        if self.input_torque is not None:
-            return f"{self.input_torque:g} N m in"
-        return f"{self.load:g} N m" if self.load else "no load"
+        return load_words(self.load) if self.input_torque is None else f"{self.input_torque:g} N m in"
 
     def as_json(self) -> dict[str, float]:
         """Give load [N m] and speed [rpm] for a program."""
         torque = {} if self.input_torque is None else {"input_torque_nm": self.input_torque}
-        return {"load_nm": self.load, "speed_rpm": round(self.speed * 30.0 / math.pi, 9)} | torque
+        return {"load_nm": self.load, "speed_rpm": self.speed_rpm} | torque
+
+
+def load_words(load: float) -> str:
+    """Name a load [N m]."""
+    return f"{load:g} N m" if load else "no load"
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ is judged once, in the crank's own line.
 """
 
 from cycloid_mj.analysis.curves import ARCSEC, FIGURES, MICROMETRE, SIGNALS, Figure, Signal
-from cycloid_mj.analysis.findings import Condition, Findings, condition, load_words
+from cycloid_mj.analysis.findings import Findings, condition
 from cycloid_mj.analysis.judge import analyze, judge
 from cycloid_mj.analysis.series import Compared, PinPath, Series, series
 from cycloid_mj.analysis.table import GROUPS, Group, Row, groups, table
@@ -18,7 +18,6 @@ __all__ = [
     "MICROMETRE",
     "SIGNALS",
     "Compared",
-    "Condition",
     "Figure",
     "Findings",
     "Group",
@@ -30,7 +29,6 @@ __all__ = [
     "condition",
     "groups",
     "judge",
-    "load_words",
     "series",
     "table",
 ]

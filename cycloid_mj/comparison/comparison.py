@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from cycloid_mj.analysis import load_words
 from cycloid_mj.comparison.conditions import HOLD, conditions, differences
 from cycloid_mj.comparison.ranking import NO_FIGURES, Ranking, rankings, summary
 from cycloid_mj.comparison.sensitivity import Sensitivity, sensitivity_table
@@ -14,7 +13,7 @@ from cycloid_mj.comparison.trial import Trial
 from cycloid_mj.contact.massless import require_pin_bodies
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
-from cycloid_mj.result import Table, plain
+from cycloid_mj.result import Table, load_words, plain
 
 
 @dataclass(frozen=True)
@@ -197,12 +196,5 @@ def _run(trial: Trial) -> dict[str, Any]:
 
 
 def _judged(ranking: Ranking) -> dict[str, Any]:
-    derived = {
-        "ratio": ranking.ratio,
-        "verdict": ranking.verdict,
-        "sentence": ranking.sentence,
-        "starts": ranking.starts,
-        "pin_starts": ranking.pin_starts.as_json(),
-        "nonpin_starts": ranking.nonpin_starts.as_json(),
-    }
-    return plain(ranking) | derived
+    derived = ("ratio", "verdict", "sentence", "starts")
+    return plain(ranking) | {key: getattr(ranking, key) for key in derived}

@@ -4,10 +4,10 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from cycloid_mj.analysis import load_words
 from cycloid_mj.comparison.ranking import NO_FIGURES, Ranking, rankings
 from cycloid_mj.comparison.trial import Trial
 from cycloid_mj.design import Design, override
+from cycloid_mj.result import load_words
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cycloid_mj.analysis import SIGNALS, Series, Signal, condition, load_words
+from cycloid_mj.analysis import SIGNALS, Series, Signal, condition
 from cycloid_mj.analysis.spectrum import BAND
 from cycloid_mj.comparison.forces import cam_force, tooth_forces
 from cycloid_mj.comparison.vibration import spectrum
@@ -26,6 +26,7 @@ from cycloid_mj.plots.style import (
     turn_degrees,
     typeset,
 )
+from cycloid_mj.result import load_words
 from cycloid_mj.types import Array
 
 Grid = Sequence[Sequence[Series]]

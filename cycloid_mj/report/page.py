@@ -53,7 +53,7 @@ def page(reviewed: Sequence[Reviewed]) -> str:
 def _numbers(item: Reviewed) -> Iterator[tuple[str, str]]:
     """Give the numbers that one looks for first."""
     found = item.findings
-    none = "not in a ramp" if found.condition.load_nm else "no load"
+    none = "not in a ramp" if found.condition.load else "no load"
     yield "efficiency", none if found.efficiency is None else f"{100 * found.efficiency:.2f} %"
     for part, error, speed in (
         ("output", found.transmission_error, found.output_speed),
