@@ -10,9 +10,11 @@ from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.contact.working import at_rated_load
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.errors import UsageError
-from cycloid_mj.measure import balance, bench, hysteresis
+from cycloid_mj.loaded.windup import windups
+from cycloid_mj.measure import bench, hysteresis
 from cycloid_mj.measure.hysteresis import Loop
 from cycloid_mj.measure.lost_motion import lost_motion
+from cycloid_mj.measure.lost_motion_table import loop_series
 from cycloid_mj.mechanism import limits
 from cycloid_mj.record import Run
 from cycloid_mj.validation import equilibrium
@@ -56,11 +58,11 @@ def ideal_loop() -> Loop:
 
 
 def test_loop_without_friction_is_the_static_balance(ideal_loop: Loop):
-    solved = balance.balances(FIXED, [CRANK], ideal_loop.rated)[0]
+    solved = windups(FIXED, [CRANK], ideal_loop.rated)[0]
     # left: inertia, damping and the straight lines through the readings, 0.05 %, 0.07 %, and 0.26 % of the mesh
     assert ideal_loop.stiffness == pytest.approx(1.0 / solved.compliance(solved.turn), rel=0.0015)
     assert ideal_loop.lost_motion == pytest.approx(solved.lost_motion, rel=0.0022)
-    series = balance.loop_series(FIXED, ideal_loop)
+    series = loop_series(FIXED, ideal_loop)
     assert sum(series.values()) == pytest.approx(1.0 / ideal_loop.stiffness, rel=1e-12)
     for part, value in solved.series(FIXED).items():
         assert series[part] == pytest.approx(value, rel=0.008 if part == "mesh" else 0.0015), part
@@ -68,7 +70,7 @@ def test_loop_without_friction_is_the_static_balance(ideal_loop: Loop):
 
 def test_balance_of_a_softer_cam_is_another(ideal_loop: Loop):
     softer = override(FIXED, ["stiffness.cam_n_m=4.0e8"])
-    solved = balance.balances(softer, [CRANK], ideal_loop.rated)[0]
+    solved = windups(softer, [CRANK], ideal_loop.rated)[0]
     assert ideal_loop.stiffness != pytest.approx(1.0 / solved.compliance(solved.turn), rel=0.03)
 
 
@@ -88,14 +90,14 @@ def test_friction_makes_hysteresis_and_its_work_is_the_area():
 
 def test_series_of_clearances_and_closed_stiffness_are_of_the_size_of_the_balance():
     design = at_rated_load(PRESETS["pin"])
-    solved = balance.balances(design, [CRANK], 36.68)[0]
+    solved = windups(design, [CRANK], 36.68)[0]
     # with clearance, fewer contacts are closed than the estimate takes
     assert 0.5 < 1.0 / solved.compliance(solved.turn) / hysteresis.closed_stiffness(design) < 1.05
 
 
 def test_lost_motion_is_the_backlash_and_a_little_give():
     crank = float(bench.crank_angles(PRESETS["pin"], 6)[1])
-    solved = balance.balances(PRESETS["pin"], [crank], 36.68)[0]
+    solved = windups(PRESETS["pin"], [crank], 36.68)[0]
     low, high = limits.stops(PRESETS["pin"], crank)
     assert high - low < solved.lost_motion < 1.1 * (high - low)
     shares = sorted(solved.turn)
@@ -114,7 +116,7 @@ def test_a_free_pin_needs_the_step_of_its_bowl():
 @pytest.mark.parametrize("kind", ["fixed", "free"])
 def test_statics_of_parts_as_made_is_the_independent_balance(kind: str, changes: list[str]):
     design = at_rated_load(override(bench.ideal(PRESETS["pin"]), [f'ring.pins="{kind}"', *changes]))
-    solved = balance.balances(design, [CRANK], 36.68)[0]
+    solved = windups(design, [CRANK], 36.68)[0]
     stiffness = {pair: pair_stiffness(design, pair) for pair in design.pair_kinds}
     for share, turn in solved.turn.items():
         if abs(share) >= 0.5:

@@ -2,7 +2,14 @@
 
 import numpy as np
 
-from cycloid_mj.contact.pressure import YIELD_PRESSURE, hertz_pressure, line_curvature, line_share, pair_strength
+from cycloid_mj.contact.pressure import (
+    YIELD_PRESSURE,
+    hertz_holds,
+    hertz_pressure,
+    line_curvature,
+    line_share,
+    pair_strength,
+)
 from cycloid_mj.design import Design
 from cycloid_mj.loaded.balance import Loads, loads
 from cycloid_mj.loaded.springs import Springs
@@ -13,13 +20,13 @@ GUESSES, TOLERANCE = 12, 1e-3
 
 def peak_force(found: Loads, kind: str) -> float:
     """Give the largest force on a contact of a kind [N]."""
-    return float(_forces(found, kind).max())
+    return float(forces(found, kind).max())
 
 
 def peak_pressure(design: Design, springs: Springs, found: Loads, kind: str) -> float:
     """Give the largest Hertz pressure on a kind of contact [Pa]."""
     curvature = springs.curvature if kind == design.tooth_pair else line_curvature(design, kind)
-    return float(hertz_pressure(design, kind, _forces(found, kind) * line_share(design, kind), curvature).max())
+    return float(hertz_pressure(design, kind, forces(found, kind) * line_share(design, kind), curvature).max())
 
 
 def torque_at_pressure(design: Design, springs: Springs, kind: str, pressure: float, torque: float) -> float:
@@ -45,6 +52,15 @@ def yield_torque(design: Design, springs: Springs, kind: str, torque: float) -> 
     return torque_at_pressure(design, springs, kind, YIELD_PRESSURE * pair_strength(design, kind), torque)
 
 
-def _forces(found: Loads, kind: str) -> Array:
+def is_narrow(design: Design, springs: Springs, found: Loads, kind: str) -> bool:
+    """Tell whether the most pressed contact of a kind is a narrow strip, for which Hertz holds, and pressed at all."""
+    curvature = springs.curvature if kind == design.tooth_pair else np.array(line_curvature(design, kind))
+    force = forces(found, kind) * line_share(design, kind)
+    worst = np.argmax(hertz_pressure(design, kind, force, curvature))
+    return bool(force.flat[worst] > 0.0 and hertz_holds(design, kind, force, curvature).flat[worst])
+
+
+def forces(found: Loads, kind: str) -> Array:
+    """Give the forces on the contacts of a kind [N], shape (m, contacts), or (m,) of the cam."""
     other = {"cam": np.linalg.norm(found.cam, axis=1), "output": found.output}
     return other.get(kind, found.teeth)

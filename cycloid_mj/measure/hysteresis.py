@@ -16,6 +16,7 @@ import numpy as np
 from cycloid_mj import course, statics
 from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.design import Design
+from cycloid_mj.loaded.windup import LOST_MOTION_SHARE, STRAIGHT
 from cycloid_mj.measure import bench
 from cycloid_mj.mechanism import limits
 from cycloid_mj.names import FRICTION_POWER, NORMAL_POWER
@@ -24,12 +25,6 @@ from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.types import Array
 
 POWER = 5
-LOST_MOTION_SHARE = 0.03
-"""Torque at which lost motion is read, as a share of the rated torque: the industry's definition."""
-
-STRAIGHT = (0.5, 1.0)
-"""Ends of the straight part of the curve, as shares of the rated torque."""
-
 TO_ZERO = (0.005, 0.015)
 """Stretch of the unloading branch, as shares of the rated torque, that is drawn on to zero."""
 

@@ -3,8 +3,8 @@
 from cycloid_mj.contact.working import working_at, working_forces_told
 from cycloid_mj.design import Design
 from cycloid_mj.errors import RunError, UsageError
-from cycloid_mj.measure import balance, bench, hysteresis
-from cycloid_mj.measure.balance import Balance
+from cycloid_mj.loaded.windup import Windup, windups
+from cycloid_mj.measure import bench, hysteresis
 from cycloid_mj.measure.lost_motion_table import Found, by_angle, curves, quantities
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
@@ -69,10 +69,10 @@ def lost_motion(
     )
 
 
-def _statics(design: Design, cranks: list[float], rated: float) -> list[Balance]:
+def _statics(design: Design, cranks: list[float], rated: float) -> list[Windup]:
     """Give the static solutions; none where statics finds no balance."""
     try:
-        return balance.balances(design, cranks, rated)
+        return windups(design, cranks, rated)
     except RunError:
         return []
 

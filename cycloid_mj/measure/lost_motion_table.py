@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.design import Design
-from cycloid_mj.measure import balance, bench, hysteresis, play
-from cycloid_mj.measure.balance import SERIES, Balance
+from cycloid_mj.loaded.windup import LOST_MOTION_SHARE, SERIES, Windup, in_series
+from cycloid_mj.measure import bench, play
 from cycloid_mj.measure.bench import ARCMINUTE
 from cycloid_mj.measure.hysteresis import Loop
 from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
@@ -33,7 +33,7 @@ class Found:
     service_checks, ideal_checks
         The same at the first crank angle, slower and at a shorter step: what they change is the numerical error.
     statics
-        One for each crank angle; none where a design is beyond `balance`.
+        One for each crank angle; none where a design is beyond statics.
     """
 
     design: Design
@@ -41,7 +41,7 @@ class Found:
     ideal: list[Loop]
     service_checks: list[Loop]
     ideal_checks: list[Loop]
-    statics: list[Balance]
+    statics: list[Windup]
 
 
 def quantities(found: Found) -> dict[str, Quantity]:
@@ -144,10 +144,15 @@ def _stiffness(found: Found) -> Iterator[Quantity]:
         closed = [one.series(found.design)[part] / ARCMINUTE for one in found.statics]
 
         def compliance(loop: Loop, part: str = part) -> float:
-            return balance.loop_series(found.design, loop)[part] / ARCMINUTE
+            return loop_series(found.design, loop)[part] / ARCMINUTE
 
         name = f"compliance of {_PARTS[part]}, in series, {IDEAL}"
         yield _quantity(f"compliance_{part}", name, compliance, *ideal, "arcmin/(N m)", closed, STATICS)
+
+
+def loop_series(design: Design, loop: Loop) -> dict[str, float]:
+    """Give the compliance of each part in series [rad/(N m)] by a loop, keyed by `SERIES`."""
+    return in_series(design, loop.compliance(), loop.compliance(loop.gear_turn), loop.compliance(loop.centre_lead))
 
 
 def _friction(found: Found) -> list[Quantity]:
@@ -193,15 +198,15 @@ def curves(found: Found) -> tuple[Curve, ...]:
     """Give the loop at the first crank angle, whole and near zero, and the readings over the crank angle."""
     loop, ideal = found.service[0], found.ideal[0]
     torque, turn = "torque [N m]", "turn [arcmin]"
-    near = np.abs(loop.torque) <= 3.0 * hysteresis.LOST_MOTION_SHARE * loop.rated
+    near = np.abs(loop.torque) <= 3.0 * LOST_MOTION_SHARE * loop.rated
     title = f"hysteresis, crank at {np.degrees(loop.crank):.1f}°"
     drawn = [
         Curve(title, "no friction", ideal.torque, ideal.turn / ARCMINUTE, torque, turn, "theory"),
         Curve(title, "as designed", loop.torque, loop.turn / ARCMINUTE, torque, turn),
         Curve("near zero torque", "as designed", *_cut(loop, near), torque, turn),
     ]
-    marks = hysteresis.LOST_MOTION_SHARE * loop.rated * np.array([-1.0, 1.0])
-    middles = np.array([loop.middle(hysteresis.LOST_MOTION_SHARE, side) for side in (-1, 1)]) / ARCMINUTE
+    marks = LOST_MOTION_SHARE * loop.rated * np.array([-1.0, 1.0])
+    middles = np.array([loop.middle(LOST_MOTION_SHARE, side) for side in (-1, 1)]) / ARCMINUTE
     drawn.append(Curve("near zero torque", "±3 %", marks, middles, torque, turn, "points"))
     if found.statics:
         shares = sorted(found.statics[0].turn)

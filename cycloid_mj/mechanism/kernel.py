@@ -153,7 +153,7 @@ def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool)
         scale = _largest(load[k]) or 1.0
         longest = _NEAR / _largest(springs.bend[k])
         left = change = 0.0
-        for _ in range(ROUNDS):
+        for turn in range(ROUNDS):
             for j in range(number):
                 held[j] = load[k, j] + drag[j]
             energy = _assemble(springs, k, held, here, system)
@@ -178,6 +178,9 @@ def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool)
                 energy = found
                 system, trial = trial, system
                 left = _largest(system.residual) / scale
+            if turn and not left <= BALANCED:  # it is the friction that has grown beyond all bounds
+                left, change = 0.0, max(change, 1.0)
+                break
             if not (rough and left <= BALANCED):
                 break
             change = _rub(springs, k, here, drag, step) / scale

@@ -11,16 +11,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.design import Design
-from cycloid_mj.loaded import loads, springs_of
-from cycloid_mj.measure.bench import ideal
-from cycloid_mj.measure.hysteresis import LOST_MOTION_SHARE, STRAIGHT, Loop
+from cycloid_mj.loaded.balance import loads
+from cycloid_mj.loaded.springs import springs_of
+from cycloid_mj.types import Array
+
+LOST_MOTION_SHARE = 0.03
+"""Torque at which lost motion is read, as a share of the rated torque: the industry's definition."""
+
+STRAIGHT = (0.5, 1.0)
+"""Ends of the straight part of the curve, as shares of the rated torque."""
 
 SERIES = ("output", "cam", "mesh")
 SHARES = (*sorted(STRAIGHT, reverse=True), LOST_MOTION_SHARE)
 
 
 @dataclass(frozen=True, eq=False)
-class Balance:
+class Windup:
     """Static solutions at one crank angle, at the shares (+-1, +-0.5, +-0.03) of the rated torque.
 
     Attributes
@@ -53,18 +59,13 @@ class Balance:
         return in_series(design, *(self.compliance(at) for at in (self.turn, self.gear_turn, self.centre_lead)))
 
 
-def loop_series(design: Design, loop: Loop) -> dict[str, float]:
-    """Give the compliance of each part in series [rad/(N m)] by a loop, keyed by `SERIES`."""
-    return in_series(design, loop.compliance(), loop.compliance(loop.gear_turn), loop.compliance(loop.centre_lead))
-
-
 def in_series(design: Design, turn: float, gear_turn: float, centre_lead: float) -> dict[str, float]:
     """Tell the parts of a compliance [rad/(N m)] from those of turn, gear and gear's centre [m/(N m)]."""
     cam = -centre_lead / (design.gear.eccentricity * design.lobes)
     return {"output": turn - gear_turn, "cam": cam, "mesh": gear_turn - cam}
 
 
-def balances(design: Design, cranks: Sequence[float], rated: float) -> list[Balance]:
+def windups(design: Design, cranks: Sequence[float] | Array, rated: float) -> list[Windup]:
     """Solve for the static poses at crank angles [rad] under shares of a rated torque [N m] on the output.
 
     Raises
@@ -72,13 +73,13 @@ def balances(design: Design, cranks: Sequence[float], rated: float) -> list[Bala
     RunError
         No balance was found.
     """
-    still = ideal(design).but(drive={"speed": 0.0})
+    still = design.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
     springs = springs_of(still, cranks, friction=False)
     found = {side * share: loads(still, springs, side * share * rated) for side in (-1, 1) for share in SHARES}
     along = -np.stack([np.cos(springs.crank), np.sin(springs.crank)], axis=1)
 
-    def at(place: int) -> Balance:
-        return Balance(
+    def at(place: int) -> Windup:
+        return Windup(
             rated,
             {share: float(one.output_turn[place]) for share, one in found.items()},
             {share: float(one.gear_turn[place]) for share, one in found.items()},

@@ -1,0 +1,260 @@
+"""What a maker's data sheet has of a reducer, by statics alone, under the keys of the measures."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cycloid_mj.contact.pressure import SHAKEDOWN_PRESSURE, YIELD_PRESSURE, pair_strength
+from cycloid_mj.contact.working import working_at, working_forces_told
+from cycloid_mj.design import Design
+from cycloid_mj.errors import DesignError, UsageError
+from cycloid_mj.loaded.balance import Loads, Powers, loads, powers
+from cycloid_mj.loaded.pressure import forces, is_narrow, peak_force, peak_pressure, torque_at_pressure
+from cycloid_mj.loaded.springs import POSES, Springs, springs_of, turn_evenly
+from cycloid_mj.loaded.windup import SERIES, windups
+from cycloid_mj.mechanism.kernel import CARRIES
+from cycloid_mj.result import Quantity, keyed
+from cycloid_mj.types import Array
+
+ARCMINUTE = math.pi / 180.0 / 60.0
+ARCSECOND = ARCMINUTE / 60.0
+RPM = math.pi / 30.0
+
+SMALL = 1e-4
+"""Torque that presses the parts to their stops, as a share of the load; a line through twice that leads to zero."""
+
+DRAG = 0.01
+"""Torque of the unloaded transmission error as a share of the rated one, as in `measure te`."""
+
+PER_MESH_PERIOD = 8
+"""Crank angles in a mesh period over which the transmission error is solved."""
+
+SELF_LOCKING = "self-locking: the output cannot drive the crank"
+CONFORMAL = "none: the bodies fit so closely that the contact is no narrow strip"
+
+PARTS = {"output": "output pins", "cam": "cam", "mesh": "teeth, pins and sockets"}
+
+KNOWN = {
+    "backlash": 0.001,
+    "lost_motion_ideal": 0.002,
+    "stiffness_ideal": 0.002,
+    "output_peak_to_peak_loaded_forward_speed": 0.04,
+    "efficiency": 0.001,
+    "back_driving_efficiency": 0.0015,
+    "capacity": 0.01,
+    "capacity_shakedown": 0.01,
+}
+KNOWN_OF_KINDS = {"peak_force": 0.01, "pressure": 0.005}
+"""Largest relative differences from the dynamic run, by key, and by the end of the key of each kind of pair.
+
+They are those of pin and nonpin in ``tests/data/measured.json``, rounded up; a test holds this table against them.
+"""
+
+COMPARED = "the dynamic runs of the presets pin and nonpin at 36.68 N m and 1640 rpm"
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """The static figures of one design.
+
+    Attributes
+    ----------
+    design
+        Its name.
+    condition
+        Load and speed.
+    quantities
+        Key -> number, the keys being those of the measures.
+    assumptions
+        What the numbers stand on, a sentence each.
+    """
+
+    design: str
+    condition: str
+    quantities: dict[str, Quantity]
+    assumptions: tuple[str, ...]
+
+    def as_json(self) -> dict[str, Any]:
+        """Give the sheet for a program."""
+        return {
+            "design": self.design,
+            "condition": self.condition,
+            "quantities": {
+                key: {**one.as_json(), "known_difference": known_difference(one)}
+                for key, one in self.quantities.items()
+            },
+            "known_difference_from": COMPARED,
+            "assumptions": list(self.assumptions),
+        }
+
+
+def sheet(design: Design, load: float | None = None) -> Sheet:
+    """Give the static figures of a sound design under an output torque [N m], by default the rated one.
+
+    Raises
+    ------
+    UsageError
+        The torque is not positive.
+    DesignError
+        The crank does not turn.
+    ContactError
+        The load flattens a pin beyond a line contact.
+    RunError
+        No static balance was found, as where friction jams the reducer.
+    """
+    load = design.rated_torque if load is None else load
+    if not load > 0.0:
+        raise UsageError(f"cannot load the output by {load:g} N m: the torque must be more than 0")
+    if design.drive.speed == 0.0:
+        raise DesignError("drive.speed_rpm is 0, but losses need a crank that turns: give another speed, such as 1640")
+    design = working_at(design.but(load={"torque": load}), load)
+    quantities = keyed(_motions(design, load), _errors(design, load), _loads(design, load), _losses(design, load))
+    return Sheet(
+        design=design.name,
+        condition=f"{load:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm, at rest but for the gear's own force",
+        quantities=quantities,
+        assumptions=_assumptions(design),
+    )
+
+
+def known_difference(one: Quantity) -> float | None:
+    """Give the largest relative difference of a quantity from the runs `COMPARED`; None where it is not known."""
+    if math.isnan(one.value) or one.key in KNOWN:
+        return KNOWN.get(one.key)
+    return next((share for end, share in KNOWN_OF_KINDS.items() if one.key.endswith(f"_{end}")), None)
+
+
+def _motions(design: Design, load: float) -> Iterator[Quantity]:
+    """Give backlash, lost motion and stiffness at a locked crank, without friction and weight."""
+    still = design.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
+    springs = springs_of(still, friction=False)
+    ends = []
+    for way in (-1.0, 1.0):
+        near, far = (loads(still, springs, way * times * SMALL * load).output_turn for times in (1.0, 2.0))
+        ends.append(2.0 * near - far)
+    width = (ends[1] - ends[0]) / ARCMINUTE
+    yield Quantity("backlash", "backlash of the output, mean", float(width.mean()), "arcmin")
+    yield Quantity("backlash_min", "backlash, least over the crank angle", float(width.min()), "arcmin")
+    yield Quantity("backlash_max", "backlash, largest over the crank angle", float(width.max()), "arcmin")
+    found = windups(design, turn_evenly(), load)
+    ideal = "without friction and weight"
+    lost = float(np.mean([one.lost_motion for one in found])) / ARCMINUTE
+    yield Quantity("lost_motion_ideal", f"lost motion at +-3 % of the load, {ideal}", lost, "arcmin")
+    stiffness = float(np.mean([ARCMINUTE / one.compliance(one.turn) for one in found]))
+    name = f"torsional stiffness, 50 to 100 % of the load, {ideal}"
+    yield Quantity("stiffness_ideal", name, stiffness, "N m/arcmin")
+    for part in SERIES:
+        give = float(np.mean([one.series(design)[part] for one in found])) / ARCMINUTE
+        yield Quantity(f"compliance_{part}", f"compliance of {PARTS[part]}, in series, {ideal}", give, "arcmin/(N m)")
+
+
+def _errors(design: Design, load: float) -> Iterator[Quantity]:
+    """Give the transmission errors, loaded and unloaded, both ways, with friction."""
+    crank = np.linspace(0.0, 2.0 * np.pi, PER_MESH_PERIOD * design.ring.teeth + 1)
+    mean: dict[tuple[str, str, str], float] = {}
+    for case, torque in (("unloaded", DRAG * load), ("loaded", load)):
+        for way, sign in (("forward", 1.0), ("reverse", -1.0)):
+            turning = design.but(drive={"speed": sign * abs(design.drive.speed)})
+            found = loads(turning, springs_of(turning, crank), sign * torque, follow=True)
+            for shaft, turn in (("gear", found.gear_turn), ("output", found.output_turn)):
+                mean[shaft, case, way] = float(turn.mean()) / ARCSECOND
+                for key, words, value in (
+                    ("peak_to_peak", "peak to peak", np.ptp(turn)),
+                    ("rms", "rms about its mean", turn.std()),
+                ):
+                    name = f"transmission error, {words}, {shaft}, {case}, {way}"
+                    yield Quantity(f"{shaft}_{key}_{case}_{way}_speed", name, float(value) / ARCSECOND, "arcsec")
+    for shaft in ("gear", "output"):
+        reversal = mean[shaft, "unloaded", "forward"] - mean[shaft, "unloaded", "reverse"]
+        yield Quantity(f"{shaft}_reversal", f"mean of the {shaft}, forward less reverse, unloaded", reversal, "arcsec")
+        wound = mean[shaft, "loaded", "forward"] - mean[shaft, "unloaded", "forward"]
+        yield Quantity(f"{shaft}_wind_up", f"mean of the {shaft}, loaded less unloaded, forward", wound, "arcsec")
+
+
+def _loads(design: Design, load: float) -> Iterator[Quantity]:
+    """Give forces, pressures and margins by kind, and the capacity."""
+    torque = math.copysign(load, design.drive.speed)
+    springs = springs_of(design)
+    found = loads(design, springs, torque)
+    spare = {
+        kind: pair_strength(design, kind) / peak_pressure(design, springs, found, kind)
+        for kind in design.pair_kinds
+        if is_narrow(design, springs, found, kind)
+    }
+    for kind in design.pair_kinds:
+        yield from _of_kind(springs, found, kind, design, spare.get(kind, math.nan))
+    for key, name, allowed in (
+        ("capacity", "capacity: torque at which a contact first yields, below its surface", YIELD_PRESSURE),
+        ("capacity_shakedown", "shakedown: torque up to which rolling turns elastic again", SHAKEDOWN_PRESSURE),
+    ):
+        if not spare:
+            yield Quantity(key, name, math.nan, "N m", note="none: no contact is narrow enough for Hertz")
+            continue
+        weakest = min(spare, key=lambda kind: spare[kind])
+        pressure = allowed * pair_strength(design, weakest)
+        reached = abs(torque_at_pressure(design, springs, weakest, pressure, torque))
+        yield Quantity(key, name, reached, "N m", note=f"{weakest} decides")
+
+
+def _of_kind(springs: Springs, found: Loads, kind: str, design: Design, spare: float) -> Iterator[Quantity]:
+    """Give the numbers of a kind; `spare` is its strength over its pressure, no number where Hertz does not hold."""
+    peak, force = peak_force(found, kind), forces(found, kind).reshape(springs.crank.size, -1)
+    carries, note = force > CARRIES * peak, CONFORMAL if math.isnan(spare) else ""
+    carrying = float(carries.sum(axis=1).mean())
+    pressure = 1e-6 * pair_strength(design, kind) / spare
+    yield Quantity(f"{kind}_peak_force", f"{kind}: largest force", peak, "N")
+    yield Quantity(f"{kind}_mean_force", f"{kind}: mean force of the contacts that carry", _mean(force[carries]), "N")
+    yield Quantity(f"{kind}_carrying", f"{kind}: contacts that carry, on average", carrying, "1")
+    yield Quantity(f"{kind}_pressure", f"{kind}: largest Hertz pressure", pressure, "MPa", note=note)
+    yield Quantity(f"{kind}_margin", f"{kind}: margin against first yield", YIELD_PRESSURE * spare, "1", note=note)
+
+
+def _mean(values: Array) -> float:
+    return float(values.mean()) if values.size else 0.0
+
+
+def _losses(design: Design, load: float) -> Iterator[Quantity]:
+    """Give efficiency and losses, and those of the reducer driven by its output."""
+    found = powers(design, load)
+    yield Quantity("efficiency", f"efficiency at {load:.4g} N m", 100.0 * found.efficiency, "%")
+    for kind, part in {design.tooth_pair: "teeth", "cam": "cam", "output": "output"}.items():
+        note = f"with that of {design.seat_pair}" if part == "teeth" and design.seat_pair else ""
+        yield Quantity(f"{kind}_friction_power", f"friction of {kind}", found.losses[part], "W", note=note)
+    yield Quantity("seals_power", "drag of seals and lubricant", found.losses["seals"], "W")
+    yield Quantity("input_power", "input power", found.supplied, "W")
+    yield Quantity("output_power", "output power", found.supplied * found.efficiency, "W")
+    back, held = _driven(design, load)
+    against = f"against {load / design.lobes:.4g} N m on the crank"
+    locked = SELF_LOCKING if math.isnan(held) else ""
+    yield Quantity("back_driving_torque_rated", f"output torque that drives {against}", held, "N m", note=locked)
+    yield Quantity(
+        "back_driving_efficiency", f"efficiency of back-driving, {against}", 100.0 * back.efficiency, "%", note=locked
+    )
+
+
+def _driven(design: Design, load: float) -> tuple[Powers, float]:
+    """Give the powers of a reducer whose output drives against the crank's share of a load, and the torque it takes."""
+    torque = load
+    found = powers(design, -torque)
+    for _ in range(3):
+        if not found.efficiency > 0.0:
+            return found, math.nan
+        torque = load / found.efficiency
+        found = powers(design, -torque)
+    return found, torque
+
+
+def _assumptions(design: Design) -> tuple[str, ...]:
+    return (
+        "statics: parts are rigid, contacts are springs that only push, with all clearances, manufacturing errors and "
+        "modification; of inertia the gear's centrifugal force alone",
+        f"friction of a crank that turns, whole at any sliding speed, but none in backlash, lost motion and stiffness: "
+        f"{', '.join(f'{kind} {design.friction_of(kind):g}' for kind in design.pair_kinds)}",
+        f"contacts have the secant stiffness of the load: {working_forces_told(design, design.pair_kinds)}",
+        "flanks of an internal gear carry as one patch with the arc beside them",
+        f"forces and losses are over {POSES} crank angles, the transmission error over {PER_MESH_PERIOD} in a mesh "
+        f"period, unloaded under {DRAG:.0%} of the load; the shafts' own bearings are left out",
+    )
