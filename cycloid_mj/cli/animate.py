@@ -35,8 +35,7 @@ TurnsFlag = Annotated[
     ),
 ]
 RateFlag = Annotated[
-    int,
-    Parameter(name="--fps", metavar="N", converter=whole, help=f"Frames per second, 1 to 50. Default: {RATE}."),
+    int, Parameter(name="--fps", metavar="N", converter=whole, help=f"Frames per second, 1 to 50. Default: {RATE}.")
 ]
 WidthFlag = Annotated[
     int, Parameter(metavar="N", converter=whole, help=f"Width [pixels], 200 to 4000. Default: {WIDTH}.")

@@ -192,16 +192,7 @@ def run_into_log(
     """Run a design into the first log of `names` that no other run has taken meanwhile."""
     progress.tell("preparing the model")
     from cycloid_mj.log import LogWriter
-    from cycloid_mj.run import (
-        attachments,
-        blocks,
-        columns,
-        provenance,
-        reducer_model,
-        schedule,
-        warned,
-        warnings,
-    )
+    from cycloid_mj.run import attachments, blocks, columns, provenance, reducer_model, schedule, warned, warnings
     from cycloid_mj.scene import Scene
 
     reducer = reducer_model(design, contact)

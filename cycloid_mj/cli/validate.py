@@ -23,12 +23,7 @@ FAILURE = 1
 
 QuickFlag = Annotated[bool, Parameter(help="Shorter runs and fewer crank angles: under a minute on two cores.")]
 OnlyFlag = Annotated[
-    tuple[str, ...],
-    Parameter(
-        metavar="NAME",
-        consume_multiple=True,
-        help="Rungs to climb, by name. Default: all.",
-    ),
+    tuple[str, ...], Parameter(metavar="NAME", consume_multiple=True, help="Rungs to climb, by name. Default: all.")
 ]
 
 

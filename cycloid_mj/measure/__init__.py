@@ -25,14 +25,4 @@ MEASURES: Mapping[str, Callable[..., Measurement]] = {
 }
 """Name on the command line -> measure. Each takes a design, its own options, `quick`, and `progress`."""
 
-__all__ = [
-    "MEASURES",
-    "Measurement",
-    "backlash",
-    "efficiency",
-    "loads",
-    "lost_motion",
-    "te",
-    "torque",
-    "vibration",
-]
+__all__ = ["MEASURES", "Measurement", "backlash", "efficiency", "loads", "lost_motion", "te", "torque", "vibration"]
