@@ -19,6 +19,7 @@ from cycloid_mj.cli.flags import (
     SetFlag,
     designed,
     point,
+    require_distinct,
     whole,
     within,
 )
@@ -59,28 +60,21 @@ DesignsOrLogs = Annotated[
 ]
 LoadFlag = Annotated[
     float | None,
-    Parameter(
-        metavar="X",
-        validator=LOAD.require,
-        help=f"Torque of the loaded runs [N m], {LOAD.range}; with 0, there is no load only. Default: the first "
-        "design's rated torque, drive.torque_nm times the ratio (36.68 in the presets).",
+    LOAD.flag(
+        "Torque of the loaded runs",
+        "; with 0, there is no load only. Default: the first design's rated torque, drive.torque_nm times the ratio "
+        "(36.68 in the presets).",
     ),
 ]
 RampFlag = Annotated[
-    float | None,
-    Parameter(
-        metavar="X",
-        validator=RAMP.require,
-        help=f"Duration of the linear ramp from rest [s], {RAMP.range}. Default: 0, which starts at full speed.",
-    ),
+    float | None, RAMP.flag("Duration of the linear ramp from rest", ". Default: 0, which starts at full speed.")
 ]
 HoldFlag = Annotated[
     float | None,
-    Parameter(
-        metavar="X",
-        validator=HOLD.require,
-        help=f"Duration at constant speed [s], {HOLD.range}. Default: {TURNS} crank turns after the load has come on "
-        f"and settled for a turn (0.2661 in the presets); {IDLE_TURNS} at no load (0.1198).",
+    HOLD.flag(
+        "Duration at constant speed",
+        f". Default: {TURNS} crank turns after the load has come on and settled for a turn (0.2661 in the presets); "
+        f"{IDLE_TURNS} at no load (0.1198).",
     ),
 ]
 OutFlag = Annotated[
@@ -209,9 +203,7 @@ def _cases(designs: Sequence[Design], first: Design, load_nm: float | None, held
 
     for design in designs:
         require_pin_bodies(design, "the idle and dynamic figures of a comparison")
-    names = [design.name for design in designs]
-    if twice := next((name for name in names if names.count(name) > 1), None):
-        raise UsageError(f"two of the designs are called {twice!r}: give each a name of its own in its file")
+    require_distinct(designs)
     shared = conditions(first)
     rated = round(first.drive.torque * first.lobes, 9) if load_nm is None else load_nm
     compared = list(designs)

@@ -2,7 +2,7 @@
 
 import math
 import operator
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -97,10 +97,10 @@ class DesignValue:
         if not (kept and math.isfinite(si) and (si or not self.nonzero)):
             raise ValueError(f"must be {self.range} [{self.symbol}]")
 
-    def flag(self, text: str) -> Parameter:
-        """Declare the flag; `text` says what the value is."""
-        default = self.unit.from_si(self.field.default)
-        told = f"{text} [{self.symbol}], {self.range}. Default: the design's {self.key} ({default:g} in the presets)."
+    def flag(self, text: str, rest: str = "") -> Parameter:
+        """Declare the flag; `text` says what it is, `rest` what follows its limits, if not the design's value."""
+        own = f". Default: the design's {self.key} ({self.unit.from_si(self.field.default):g} in the presets)."
+        told = f"{text} [{self.symbol}], {self.range}{rest or own}"
         return Parameter(metavar="X", help=told, validator=self.require)
 
     def _bounds(self) -> list[tuple[str, float]]:
@@ -146,6 +146,13 @@ class DesignOptions:
     def resolved(self, values: Values = ()) -> Design:
         """Give the design, with `values` of other flags; see `designed` for the errors."""
         return designed(self.design, self.set_, values)
+
+
+def require_distinct(designs: Iterable[Design]) -> None:
+    """Raise UsageError where two designs have one name, and so would share their files."""
+    names = [design.name for design in designs]
+    if twice := next((name for name in names if names.count(name) > 1), None):
+        raise UsageError(f"two of the designs are called {twice!r}: give each a name of its own in its file")
 
 
 def point(text: str | None) -> tuple[float, float] | None:

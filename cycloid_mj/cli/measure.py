@@ -23,12 +23,13 @@ from cycloid_mj.cli.flags import (
     QuietFlag,
     SetFlag,
     Values,
+    require_distinct,
     whole,
     within,
 )
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.design import Design
-from cycloid_mj.errors import CycloidError, UsageError
+from cycloid_mj.errors import CycloidError
 
 ABOUT = "Measure transmission error, backlash, lost motion, torque, efficiency, loads or vibration."
 EXAMPLES = """Examples:
@@ -39,7 +40,7 @@ EXAMPLES = """Examples:
 OUT = "runs/measure"
 BOTH = ("pin", "nonpin")
 TORQUE = DesignValue("drive", "torque")
-RATED = "Default: the rated torque, drive.torque_nm times the ratio (36.68 in the presets)."
+RATED = ". Default: the rated torque, drive.torque_nm times the ratio (36.68 in the presets)."
 
 
 @dataclass(frozen=True)
@@ -90,11 +91,6 @@ def _in_si(name: str, value: Any) -> Any:
     return [SPEED.unit.to_si(one) for one in value] if isinstance(value, tuple) else SPEED.unit.to_si(value)
 
 
-def torque_flag(text: str, default: str = RATED) -> Parameter:
-    """Declare a flag for a torque on the output; `text` says which."""
-    return Parameter(metavar="X", validator=LOAD.require, help=f"{text} [N m], {LOAD.range}. {default}")
-
-
 def several(name: str, quantity: DesignValue, text: str, default: str) -> Parameter:
     """Declare a flag for one or more values above 0 that keep a quantity's limits; `text` says what they are."""
 
@@ -116,7 +112,7 @@ def several(name: str, quantity: DesignValue, text: str, default: str) -> Parame
     )
 
 
-LoadedFlag = Annotated[float | None, torque_flag("Torque of the loaded runs")]
+LoadedFlag = Annotated[float | None, LOAD.flag("Torque of the loaded runs", RATED)]
 SpeedsFlag = Annotated[
     tuple[float, ...],
     several("--speed-rpm", SPEED, "Crank speeds", "Default: shares of the design's drive.speed_rpm from 0.5 to 1.5."),
@@ -149,18 +145,13 @@ class TransmissionError(Options):
     load_nm: LoadedFlag = None
     drag_nm: Annotated[
         float | None,
-        torque_flag(
-            "Torque of the unloaded runs", "0 lets the gear float in its backlash. Default: 1 % of the rated torque."
+        LOAD.flag(
+            "Torque of the unloaded runs", ". 0 lets the gear float in its backlash. Default: 1 % of the rated torque."
         ),
     ] = None
     slow_rpm: Annotated[
         float | None,
-        Parameter(
-            metavar="X",
-            validator=SPEED.require,
-            help=f"Crank speed of the slow runs [rpm], {SPEED.range}; both ways are run. Default: a quarter of the "
-            "design's.",
-        ),
+        SPEED.flag("Crank speed of the slow runs", "; both ways are run. Default: a quarter of the design's."),
     ] = None
     turns: TurnsFlag = 1
     quick: Annotated[bool, Parameter(help="At speed only, and no runs with half the step.")] = False
@@ -203,9 +194,9 @@ class LostMotion(Options):
   cycloid-mj measure lost-motion --design nonpin --load-nm 30 --quick
   cycloid-mj measure lost-motion --design pin --set 'ring.pins="fixed"' --json"""
 
-    load_nm: Annotated[float | None, torque_flag("Largest torque of the loop, of which lost motion is read at 3 %")] = (
-        None
-    )
+    load_nm: Annotated[
+        float | None, LOAD.flag("Largest torque of the loop, of which lost motion is read at 3 %", RATED)
+    ] = None
     quick: Annotated[bool, Parameter(help="2 crank angles instead of 6.")] = False
 
 
@@ -224,7 +215,7 @@ class Loads(Options):
   cycloid-mj measure loads --design pin
   cycloid-mj measure loads --design nonpin --load-nm 20 --json"""
 
-    load_nm: Annotated[float | None, torque_flag("Torque on the output")] = None
+    load_nm: Annotated[float | None, LOAD.flag("Torque on the output", RATED)] = None
     quick: Annotated[bool, Parameter(help="Two mesh periods instead of a whole turn of the crank.")] = False
 
 
@@ -386,9 +377,7 @@ def _measure(name: str, designs: Sequence[Design], options: Options, delivered: 
 
     for design in designs:
         require_sound(design)
-    called = [one.name for one in designs]
-    if twice := next((one for one in called if called.count(one) > 1), None):
-        raise UsageError(f"two of the designs are called {twice!r}: give each a name of its own in its file")
+    require_distinct(designs)
     into = _prepared(delivered.out)
     found = []
     for design in designs:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import LOAD, JsonFlag, QuietFlag, SetFlag, designed, within
+from cycloid_mj.cli.flags import LOAD, JsonFlag, QuietFlag, SetFlag, designed, require_distinct, within
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.simulate import logs_folder, require_possible
 from cycloid_mj.cli.stressfiles import report
@@ -65,11 +65,10 @@ LogsFlag = Annotated[
 ]
 LoadFlag = Annotated[
     float | None,
-    Parameter(
-        metavar="X",
-        validator=LOAD.require,
-        help=f"Torque against the output's rotation in the run [N m], {LOAD.range}. Default: the design's "
-        "load.torque_nm or, where that is 0, its rated torque, drive.torque_nm times the ratio (36.68 in the presets).",
+    LOAD.flag(
+        "Torque against the output's rotation in the run",
+        ". Default: the design's load.torque_nm or, where that is 0, its rated torque, drive.torque_nm times the ratio "
+        "(36.68 in the presets).",
     ),
 ]
 AngleFlag = Annotated[
@@ -203,9 +202,7 @@ Grids = dict[str, "Grid"]
 
 def _require_apart(designs: Sequence[Design]) -> None:
     """Raise UsageError for designs of one name, or one that cannot run."""
-    names = [design.name for design in designs]
-    if twice := next((name for name in names if names.count(name) > 1), None):
-        raise UsageError(f"two of the designs are called {twice!r}: give each a name of its own in its file")
+    require_distinct(designs)
     for design in designs:
         require_possible(design)
 
