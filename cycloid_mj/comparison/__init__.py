@@ -7,7 +7,7 @@ chaotic, and under load on the crank turns of a run.
 from cycloid_mj.comparison.comparison import Comparison, compare
 from cycloid_mj.comparison.conditions import conditions, differences, total_play, under, with_play_of
 from cycloid_mj.comparison.measures import Measures, measure, settled, settling
-from cycloid_mj.comparison.ranking import Ranking, rankings
+from cycloid_mj.comparison.ranking import RANKED, Ranked, Ranking, rankings
 from cycloid_mj.comparison.sensitivity import ASSUMPTIONS, Sensitivity, sensitivities
 from cycloid_mj.comparison.starts import STARTS, Spread, all_started, gravity_turn, order, started
 from cycloid_mj.comparison.sweep import SWEEP, Variation, Varied, varied
@@ -16,10 +16,12 @@ from cycloid_mj.result import load_words
 
 __all__ = [
     "ASSUMPTIONS",
+    "RANKED",
     "STARTS",
     "SWEEP",
     "Comparison",
     "Measures",
+    "Ranked",
     "Ranking",
     "Sensitivity",
     "Spread",

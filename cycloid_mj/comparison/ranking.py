@@ -4,7 +4,7 @@ At no load the motion is chaotic, and independent starts decide whether two desi
 and the crank turns of one run do.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal, NamedTuple
@@ -31,19 +31,27 @@ FEWEST_TURNS = 4
 """Turns of each design from which on the rank test can fall below `SIGNIFICANCE`: 2 of C(8, 4) orders are 3 %."""
 
 
-class Quantity(NamedTuple):
-    """A quantity whose fluctuation is ranked: its name and unit."""
+class Ranked(NamedTuple):
+    """A quantity whose fluctuation is ranked: its key, name and unit, and its level in the measures of a run."""
 
+    key: str
     name: str
     unit: str
+    level: Callable[[Measures], Level]
 
 
-GEAR_SPEED = Quantity("gear speed", "rad/s")
-Q_PATH = Quantity("path of q", "um")
-Q_VELOCITY = Quantity("velocity of q", "mm/s")
-CENTRE = Quantity("acceleration of the gear centre", "m/s^2")
-OUTPUT = Quantity("acceleration of the output", "rad/s^2")
-QUANTITIES = (GEAR_SPEED, Q_PATH, Q_VELOCITY, CENTRE, OUTPUT)
+RANKED = (
+    Ranked("gear_speed", "gear speed", "rad/s", lambda m: m.fluctuation.gear_speed_rad_s),
+    Ranked("q_path", "path of q", "um", lambda m: m.fluctuation.q_path_um),
+    Ranked("q_velocity", "velocity of q", "mm/s", lambda m: m.fluctuation.q_velocity_mm_s),
+    Ranked(
+        "gear_centre_acceleration",
+        "acceleration of the gear centre",
+        "m/s^2",
+        lambda m: m.vibration.gear_centre_m_s2,
+    ),
+    Ranked("output_acceleration", "acceleration of the output", "rad/s^2", lambda m: m.vibration.output_rad_s2),
+)
 
 NO_FIGURES: Mapping[str, str] = MappingProxyType({})
 
@@ -169,24 +177,11 @@ def rankings(trials: Sequence[Trial], figures: Mapping[str, str] = NO_FIGURES) -
     others = [trial for trial in trials if trial.design.ring.kind == "nonpin"]
     pairs = [(pin, nonpin) for pin in pins for nonpin in others if pin.load == nonpin.load]
     return [
-        _ranking(quantity, figures.get(quantity.name, ""), pin, nonpin)
-        for pin, nonpin in pairs
-        for quantity in QUANTITIES
+        _ranking(quantity, figures.get(quantity.name, ""), pin, nonpin) for pin, nonpin in pairs for quantity in RANKED
     ]
 
 
-def _levels(measures: Measures) -> dict[Quantity, Level]:
-    fluctuation, vibration = measures.fluctuation, measures.vibration
-    return {
-        GEAR_SPEED: fluctuation.gear_speed_rad_s,
-        Q_PATH: fluctuation.q_path_um,
-        Q_VELOCITY: fluctuation.q_velocity_mm_s,
-        CENTRE: vibration.gear_centre_m_s2,
-        OUTPUT: vibration.output_rad_s2,
-    }
-
-
-def _ranking(quantity: Quantity, figure: str, pin: Trial, nonpin: Trial) -> Ranking:
-    pins, others = ([_levels(start)[quantity] for start in trial.starts] for trial in (pin, nonpin))
+def _ranking(quantity: Ranked, figure: str, pin: Trial, nonpin: Trial) -> Ranking:
+    pins, others = ([quantity.level(start) for start in trial.starts] for trial in (pin, nonpin))
     spreads = (Spread.of(level.rms for level in levels) for levels in (pins, others))
     return Ranking(quantity.name, figure, quantity.unit, pin.load, pin.name, nonpin.name, pins[0], others[0], *spreads)

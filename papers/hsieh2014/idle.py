@@ -1,59 +1,19 @@
 """Idle motion: the spread of each quantity over independent starts as parameters vary, and how far it is chaotic."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.comparison import Measures, Spread, Variation, measure, order, settled
+from cycloid_mj.comparison import RANKED, Spread, Variation, measure, order, settled
 from cycloid_mj.design import Design, override
 from cycloid_mj.record import Run
 from hsieh2014.plan import Plan, designs, idle_runs, variations, varied_idle_runs
 from hsieh2014.stage import Runs
-from hsieh2014.stated import VIBRATION
-
-
-@dataclass(frozen=True)
-class Ranked:
-    """A quantity that the paper ranks: key, name, unit, part, and its rms about the closed form out of a run."""
-
-    key: str
-    name: str
-    unit: str
-    part: str
-    level: Callable[[Measures], float]
-
-    @property
-    def figure(self) -> str:
-        """Of the paper; "vibration" where it speaks of it without one."""
-        return VIBRATION.figures.get(self.name, "vibration")
-
-
-QUANTITIES = (
-    Ranked("gear_speed", "gear speed", "rad/s", "gear", lambda m: m.fluctuation.gear_speed_rad_s.rms),
-    Ranked("q_path", "path of q", "um", "gear", lambda m: m.fluctuation.q_path_um.rms),
-    Ranked("q_velocity", "velocity of q", "mm/s", "gear", lambda m: m.fluctuation.q_velocity_mm_s.rms),
-    Ranked(
-        "gear_centre_acceleration",
-        "acceleration of the gear centre",
-        "m/s^2",
-        "gear",
-        lambda m: m.vibration.gear_centre_m_s2.rms,
-    ),
-    Ranked(
-        "output_acceleration",
-        "acceleration of the output",
-        "rad/s^2",
-        "output",
-        lambda m: m.vibration.output_rad_s2.rms,
-    ),
-)
-"""What the paper says fluctuates, or vibrates, more with pins than without."""
-
 
 Levels = Mapping[str, Mapping[str, Spread]]
-"""Key of a quantity -> name of a design -> rms of each of its runs."""
+"""Key of a ranked quantity -> name of a design -> rms about the closed form of each of its runs."""
 
 
 def pin_over_nonpin(levels: Levels, key: str) -> int:
@@ -80,8 +40,8 @@ def levels_of(starts: Mapping[str, Sequence[Run]]) -> Levels:
     """Measure runs: name of a design -> its runs."""
     measured = {name: [measure(settled(run)) for run in found] for name, found in starts.items()}
     return {
-        each.key: {name: Spread.of(each.level(one) for one in found) for name, found in measured.items()}
-        for each in QUANTITIES
+        each.key: {name: Spread.of(each.level(one).rms for one in found) for name, found in measured.items()}
+        for each in RANKED
     }
 
 

@@ -4,10 +4,9 @@ from collections.abc import Mapping, Sequence
 
 from matplotlib.figure import Figure
 
-from cycloid_mj.comparison import Spread
+from cycloid_mj.comparison import Ranked, Spread
 from cycloid_mj.plots.comparison import COLORS
 from cycloid_mj.plots.style import WIDTH, keys, styled
-from hsieh2014.idle import Ranked
 
 ROW, HEAD = 1.3, 1.4
 """Height of a panel, and of what stands above and below them [in]."""

@@ -4,11 +4,13 @@ from dataclasses import dataclass
 
 from cycloid_mj.result import Claim, Condition, Value, Verdict
 from hsieh2014.plan import no_load, torque_test
-from hsieh2014.stated import FIGURES, GEAR_SPEED, HEIGHTS, IDEAL, ORDER, TORQUES
+from hsieh2014.stated import FIGURES, GEAR_SPEED, HEIGHTS, IDEAL, ORDER, TORQUES, VIBRATION
 
 BY_DESIGN = "nonpin / pin"
 AHEAD = "N m, nonpin - pin"
 """Units of what compares the designs."""
+PARTS = {"output_acceleration": "output"}
+"""The part that a ranked quantity is of, if it is not the gear."""
 
 
 @dataclass(frozen=True)
@@ -50,8 +52,9 @@ def pin_1_sway(clearance: float) -> Statement:
 PIN_1_SPIN = _idle("pin_1_spin", "Fig. 9", "pin_1", "pin", "pattern", "pin 1 turns about itself", Value("yes"))
 
 
-def fluctuation(key: str, name: str, figure: str, part: str) -> Statement:
-    """Figs 6-8 and the text: which design fluctuates more in a quantity of some name."""
+def fluctuation(key: str, name: str) -> Statement:
+    """Figs 6-8, and the text on vibration without one: which design fluctuates more in a quantity."""
+    figure, part = VIBRATION.figures.get(name, "vibration"), PARTS.get(key, "gear")
     claim = f"{name} fluctuates more with pins than without"
     return _idle(key, figure, part, "both", "order", claim, Value("pin > nonpin"))
 

@@ -6,15 +6,13 @@ Each idle quantity is the spread over independent starts. What the rated load ma
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
-from cycloid_mj.comparison import STARTS, Spread, Variation, settled
+from cycloid_mj.comparison import RANKED, STARTS, Ranked, Spread, Variation, settled
 from cycloid_mj.record import Run
 from cycloid_mj.result import Claim, Table, Value
 from hsieh2014.cycle import cycle_table
 from hsieh2014.idle import (
-    QUANTITIES,
     Divergence,
     Levels,
-    Ranked,
     divergence,
     idle,
     label,
@@ -76,7 +74,7 @@ def vibration(plan: Plan, runs: Runs, progress: Progress) -> Found:
             _spin_table(plan, runs),
             cycle_table({"as it is": runs(rated_runs(plan))}),
         ),
-        tuple(_claim(each, base, sweep, rated["as it is"]) for each in QUANTITIES),
+        tuple(_claim(each, base, sweep, rated["as it is"]) for each in RANKED),
         {
             "idle": {
                 name: {key: {design: list(one.values) for design, one in each.items()} for key, each in found.items()}
@@ -103,7 +101,7 @@ def _plates(plan: Plan, runs: Runs, cases: Mapping[str, Levels]) -> Iterator[Pla
         "compare_starts",
         "Figs 6-8",
         "No load: rms of every independent start, pin and nonpin, as it is and with one parameter varied.",
-        starts_figure(cases, QUANTITIES),
+        starts_figure(cases, RANKED),
     )
 
 
@@ -114,7 +112,7 @@ def _claim(quantity: Ranked, base: Levels, sweep: Mapping[Variation, Levels], ra
     verdict, turned = order_verdict(pin_over_nonpin(base, key), turned_by)
     pin, nonpin = base[key]["pin"], base[key]["nonpin"]
     ratio = pin.over(nonpin)
-    return fluctuation(key, quantity.name, quantity.figure, quantity.part).judged(
+    return fluctuation(key, quantity.name).judged(
         found=Value(
             f"rms {pin.words} with pins, {nonpin.words} {quantity.unit} without ({STARTS} starts each); "
             f"means {ratio.values[0]:.2f} to 1",
@@ -195,7 +193,7 @@ def _idle_table(cases: Mapping[str, Levels]) -> Table:
             f"{each.name} [{each.unit}]",
             *(" | ".join(one.words for one in found[each.key].values()) for found in cases.values()),
         )
-        for each in QUANTITIES
+        for each in RANKED
     ]
     return Table("idle fluctuations over independent starts", head, tuple(rows))
 
@@ -204,9 +202,7 @@ def _rated_table(cases: Mapping[str, Levels]) -> Table:
     """Give rms at the rated load, and pin over nonpin, in each case; as it is, the third design as well."""
     third = equalised().name
     head = (f"rated load: rms, pin | nonpin | ratio (| {third})", *cases)
-    rows = [
-        (f"{each.name} [{each.unit}]", *(_cell(found[each.key]) for found in cases.values())) for each in QUANTITIES
-    ]
+    rows = [(f"{each.name} [{each.unit}]", *(_cell(found[each.key]) for found in cases.values())) for each in RANKED]
     title = "fluctuations under the rated load; the third design has the pin design's total play and series stiffness"
     return Table(title, head, tuple(rows))
 
