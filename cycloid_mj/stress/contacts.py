@@ -8,6 +8,7 @@ import numpy as np
 from cycloid_mj.contact.pressure import hertz_holds, hertz_pressure, line_curvature, line_share, pair_modulus
 from cycloid_mj.design import Design
 from cycloid_mj.deviations import deviations
+from cycloid_mj.names import FORCE_X, FORCE_Y, LOBE, MOMENT, OUTPUT_PIN, PIN, SOCKET, column, numbered, planar_joints
 from cycloid_mj.profile import unit
 from cycloid_mj.solid import output_centres
 from cycloid_mj.solid.gear import gear_profile, profile_offset, tooth_profile
@@ -126,7 +127,7 @@ def pin_centre(turn: Turn, pin: int) -> Array:
     nominal = ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth) + deviations(turn.design).pin_place[pin]
     if not ring.has_pin_bodies:
         return np.broadcast_to(nominal, (turn.angle.size, 2))
-    return nominal + turn.vectors(f"pin_{pin + 1}_x", f"pin_{pin + 1}_y")
+    return nominal + turn.vectors(*planar_joints(numbered(PIN, pin + 1))[:2])
 
 
 def _on_gear(turn: Turn, name: str) -> Action:
@@ -135,7 +136,7 @@ def _on_gear(turn: Turn, name: str) -> Action:
 
 
 def _logged(turn: Turn, name: str, origin: Array) -> Action:
-    force, moment = turn.vectors(f"{name}_force_x", f"{name}_force_y"), turn[f"{name}_moment"]
+    force, moment = turn.vectors(column(name, FORCE_X), column(name, FORCE_Y)), turn[column(name, MOMENT)]
     return Action(force, moment).seen_from(-origin, np.zeros_like(moment)).without_rounding()
 
 
@@ -164,7 +165,7 @@ def _teeth(turn: Turn, part: str) -> list[Contact]:
     ahead = turn["gear_angle"] + turn["crank_angle"] / gear.lobes
     found = []
     for lobe in range(gear.ring_teeth):
-        name = f"lobe_{lobe + 1}"
+        name = numbered(LOBE, lobe + 1)
         action = _on_gear(turn, name)
         place, curvature = lobe_place(flank, _in(on_gear, action), lines[:, lobe], curvatures[:, lobe], ahead, offset)
         if part == "ring":
@@ -176,11 +177,11 @@ def _teeth(turn: Turn, part: str) -> list[Contact]:
 
 def _pin_on_gear(turn: Turn, pin: int) -> Contact:
     gear, seat = gear_profile(turn.design), frame(turn, "gear")
-    action = _in(seat, _on_gear(turn, f"pin_{pin + 1}"))
+    action = _in(seat, _on_gear(turn, numbered(PIN, pin + 1)))
     place = action.on_hole(seat.sees(pin_centre(turn, pin)), gear.pin_radius + deviations(turn.design).pin_radius[pin])
     curvature = pin_curvature(gear, pin, seat.angle, profile_offset(turn.design))
     width = half_width(turn.design, "pin_gear", action.size, curvature, gear.pin_radius)
-    return Contact(f"pin_{pin + 1}", action, place, width, line(turn.design, "pin_gear", action.size, curvature))
+    return Contact(numbered(PIN, pin + 1), action, place, width, line(turn.design, "pin_gear", action.size, curvature))
 
 
 def _cam_in_bore(turn: Turn) -> Contact:
@@ -198,10 +199,10 @@ def _holes(turn: Turn) -> list[Contact]:
     found = []
     centres = output_centres(turn.design) + deviations(turn.design).hole_place
     for number, centre in enumerate(centres, start=1):
-        action = _in(seat, _on_gear(turn, f"output_pin_{number}"))
+        action = _in(seat, _on_gear(turn, numbered(OUTPUT_PIN, number)))
         width = _hole_width(turn, action)
         place, pressed = action.on_hole(centre, radius, width), line(turn.design, "output", action.size)
-        found.append(Contact(f"output_pin_{number}", action, place, width, pressed))
+        found.append(Contact(numbered(OUTPUT_PIN, number), action, place, width, pressed))
     return found
 
 
@@ -211,10 +212,10 @@ def _of_output(turn: Turn) -> list[Contact]:
     radius = output.root_radius
     found = []
     for number, centre in enumerate(output_centres(turn.design), start=1):
-        action = _in(seat, _on_gear(turn, f"output_pin_{number}").reaction())
+        action = _in(seat, _on_gear(turn, numbered(OUTPUT_PIN, number)).reaction())
         width = np.full_like(action.size, WIDEST * radius) if output.rollers else _hole_width(turn, action)
         place, pressed = action.on_disc(centre, radius, width), line(turn.design, "output", action.size)
-        found.append(Contact(f"output_pin_{number}", action, place, width, pressed))
+        found.append(Contact(numbered(OUTPUT_PIN, number), action, place, width, pressed))
     return found
 
 
@@ -256,14 +257,14 @@ def _socket(turn: Turn, pin: int) -> Contact:
     action = action.where(out > ring.pin_circle_radius)
     width = _socket_width(turn, action)
     place = action.on_hole(centre, radius + turn.design.socket_play, width)
-    return Contact(f"socket_{pin + 1}", action, place, width, line(turn.design, "pin_socket", action.size))
+    return Contact(numbered(SOCKET, pin + 1), action, place, width, line(turn.design, "pin_socket", action.size))
 
 
 def _by_socket(turn: Turn, pin: int) -> Action:
     """Give the force of a socket on its pin, about the reducer's axis."""
     if turn.design.ring.has_sockets and turn.design.ring.has_pin_bodies:
-        return _logged(turn, f"socket_{pin + 1}", pin_centre(turn, pin))
-    return _on_gear(turn, f"pin_{pin + 1}")
+        return _logged(turn, numbered(SOCKET, pin + 1), pin_centre(turn, pin))
+    return _on_gear(turn, numbered(PIN, pin + 1))
 
 
 def _cam_width(turn: Turn, action: Action) -> Array:

@@ -10,6 +10,7 @@ from cycloid_mj.analysis.series import design_of
 from cycloid_mj.analysis.window import in_hold
 from cycloid_mj.design import Design
 from cycloid_mj.errors import LogError, UsageError
+from cycloid_mj.names import CAM, FORCE_X, column
 from cycloid_mj.record import Run
 from cycloid_mj.types import Array, Mask
 
@@ -26,6 +27,9 @@ FREE = {
 
 COARSEST = 1.5
 """Samples may lie this many wanted steps apart; then no sample stands for more than two of the wanted angles."""
+
+CAM_FORCE = column(CAM, FORCE_X)
+"""Every run with forces has it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,9 +73,9 @@ def turn(run: Run, design: Design | None = None, angles: npt.ArrayLike = DEGREES
     ran = design_of(run)
     if design is not None:
         require_same(design, ran)
-    if "cam_force_x" not in run.columns:
+    if CAM_FORCE not in run.columns:
         raise LogError(
-            f"the run has no forces of the mating pairs (no column 'cam_force_x' among {len(run.columns)}), so there "
+            f"the run has no forces of the mating pairs (no column {CAM_FORCE!r} among {len(run.columns)}), so there "
             "are no loads to put on the parts; simulate it again with the forces in its log"
         )
     run = run.usable()
@@ -111,7 +115,7 @@ def _values(design: Design) -> dict[str, Any]:
 
 def _last_turn(run: Run, hold: Mask) -> npt.NDArray[np.intp]:
     """Give the settled samples of the last crank turn; one more than a turn, so that each angle has a near one."""
-    rows = np.flatnonzero(hold & np.isfinite(run["cam_force_x"]))
+    rows = np.flatnonzero(hold & np.isfinite(run[CAM_FORCE]))
     crank = run["crank_angle"][rows]
     swept = abs(crank[-1] - crank[0]) if rows.size else 0.0
     step = swept / max(rows.size - 1, 1)
