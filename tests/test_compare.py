@@ -25,7 +25,7 @@ from cycloid_mj.plots.curvature import CRANK_ANGLES, curvature_figure
 from cycloid_mj.profile import CycloidGear
 
 PAPER = CycloidGear(36, 1e-3, 40.75e-3, 2.25e-3)
-SHORT = ("--hold-s", "0.012", "--timestep-us", "4", "--set", "load.rise_s=0.001", "--quick")
+SHORT = ("--hold-s", "0.012", "--set", "load.rise_s=0.001", "--quick")
 DESIGNS = ("pin", "nonpin", "nonpin-like-pin")
 NAMES = (
     *("transmission_error", "gear_transmission_error", "output_speed", "gear_speed", "q_path", "q_speed"),

@@ -58,6 +58,10 @@ def test_the_default_designs_and_the_steps_they_bear_give_no_warning(made: tuple
         (("pin", FIXED, "settings.timestep_us=18"), {"pin_gear"}),
         (("nonpin", "settings.timestep_us=18"), {"tooth"}),
         (("nonpin", "stiffness.cam_n_m=1e12", "settings.timestep_us=10"), {"cam"}),
+        (
+            ("nonpin", "stiffness.cam_n_m=7e10", "clearance.cam_um=1e-3", "settings.timestep_us=4"),
+            {"settings.timestep_us"},
+        ),
         (("pin", "clearance.pin_socket_um=1e-8"), {"clearance.pin_socket_um"}),
         (("pin", "friction.output=0.01"), {"friction.output"}),
         (("pin", "friction.cam=0.01"), {"friction.cam"}),
@@ -177,7 +181,7 @@ def test_the_step_follows_mass_stiffness_play_force_and_speed() -> None:
     seat, force = pair_stiffness(design, "pin_socket"), working_force(design, "pin_socket")
     assert found["stiffness of pin_socket"] == pytest.approx((RESOLVED * 0.5 * pin / seat) ** 0.5, rel=1e-6)
     bowl = force / (1e-6 + force / seat)
-    assert found["pins that roll in their play"] == pytest.approx(ROLLING * 2.0 * (pin / bowl) ** 0.5, rel=1e-6)
+    assert found["rolling of pins in their play"] == pytest.approx(ROLLING * 2.0 * (pin / bowl) ** 0.5, rel=1e-6)
     passing = 36 * 1640.0 / 60.0
     assert found["the passing of teeth"] == pytest.approx(1.0 / (FEWEST_STEPS * passing), rel=1e-6)
     assert timestep(design) == pytest.approx(2.5e-6)

@@ -8,8 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, Protocol
 
 from cycloid_mj.contact.law import LEAST_IMPEDANCE, ContactLaw
-from cycloid_mj.contact.timestep import RESOLVED, passing_limit, rolling_limit, timestep
-from cycloid_mj.contact.working import working_force
+from cycloid_mj.contact.timestep import RESOLVED, passing_limit, rolling_limits, timestep
 from cycloid_mj.design import Design, Friction
 
 NOISE = 1e4 * 2.0**-52
@@ -88,16 +87,14 @@ def steps_ratio(law: ContactLaw, step: float) -> float:
 
 
 def _rolling(design: Design) -> Iterator[str]:
-    """Tell of a step that does not follow moving pins as they roll in their play."""
-    if not design.ring.has_pin_bodies:
-        return
-    step, longest = timestep(design), rolling_limit(design)
-    if step > longest * (1.0 + 1e-9):
-        yield (
-            f"settings.timestep_us = {1e6 * step:g} is too long for pins that roll in their play under "
-            f"{working_force(design, design.seat_pair):.3g} N: speeds and losses are wrong; shorten it "
-            f"to {_below(1e6 * longest)} or leave it 0"
-        )
+    """Tell of a step that does not follow what rolls in its play."""
+    step = timestep(design)
+    for what, longest in rolling_limits(design).items():
+        if step > longest * (1.0 + 1e-9):
+            yield (
+                f"settings.timestep_us = {1e6 * step:g} is too long for the rolling of {what}: speeds and losses are "
+                f"wrong; shorten it to {_below(1e6 * longest)} or leave it 0"
+            )
 
 
 def _resolution(design: Design, kind: str, law: ContactLaw) -> Iterator[str]:
