@@ -49,6 +49,11 @@ def eq2(sign: int, pin_angle: float, crank: npt.ArrayLike) -> tuple[Array, Array
     return centre - rho * unit(-(alpha + sign * pin_angle) + turn), centre
 
 
+def eq2_point(sign: int, pin_angle: float, crank: npt.ArrayLike) -> Array:
+    """Point of the gear that a pin touches (Eq. 2), shape (..., 2) [m]."""
+    return eq2(sign, pin_angle, crank)[0]
+
+
 def eq6(third: float, position: Array) -> Array:
     """Velocity k x R of a point [m/s at 1 rad/s] whose R has a third component (Eqs 6 and 10), shape (..., 3)."""
     R = np.concatenate([position, np.full((*position.shape[:-1], 1), third)], axis=-1)

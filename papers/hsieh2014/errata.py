@@ -6,7 +6,7 @@ the step, and rounding of eps/h or eps/h^2), and tells by how much the printed a
 
 # ruff: noqa: RUF001 - the formulas are shown as they are printed, in Greek and with minus signs
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -26,6 +26,7 @@ from hsieh2014.equations import (
     Q,
     centre,
     eq2,
+    eq2_point,
     eq6,
     eq12,
     eq13,
@@ -44,6 +45,9 @@ from hsieh2014.equations import (
 
 TIMES = np.linspace(0.113, 0.149, 37)
 """Times of a crank turn at constant speed, and of part of one in the ramp [s]."""
+
+LAWS = ((HOLD, 5e-5), (RAMP, 2e-4))
+"""Laws of the crank, and the step of second differences in each [s]."""
 
 GRAVITY = 9.8
 RIGHT = 1e-8
@@ -92,8 +96,15 @@ def relative_error(found: npt.ArrayLike, wanted: npt.ArrayLike) -> float:
     return float(np.abs(found - wanted).max() / np.abs(wanted).max())
 
 
-def _outline(sign: int, pin_angle: float, crank: Array) -> Array:
-    return eq2(sign, pin_angle, crank)[0]
+def misses(printed: npt.ArrayLike, right: npt.ArrayLike, wanted: npt.ArrayLike) -> tuple[float, float]:
+    """Give the relative errors of a printed and of a corrected formula."""
+    return relative_error(printed, wanted), relative_error(right, wanted)
+
+
+def least_and_most(errors: Iterable[tuple[float, float]]) -> tuple[float, float]:
+    """Give of several cases the least that the printed formula misses, and the most that the right one does."""
+    printed, right = zip(*errors, strict=True)
+    return min(printed), max(right)
 
 
 def rubbing(sign: int) -> float:
@@ -105,7 +116,7 @@ def rubbing(sign: int) -> float:
     for pin_angle in 2 * np.pi * np.array([1, 5, 11]) / GEAR.ring_teeth:
         crank = pin_angle - np.linspace(0.3, 2.8, 26)
         point, centre = eq2(sign, pin_angle, crank)
-        run = first(partial(_outline, sign, pin_angle), crank, 1e-3)
+        run = first(partial(eq2_point, sign, pin_angle), crank, 1e-3)
         normal = (centre - point) / GEAR.pin_radius
         worst = max(worst, float(np.abs(np.sum(run * normal, axis=1) / np.linalg.norm(run, axis=1)).max()))
     return worst
@@ -115,7 +126,7 @@ def _eq6() -> tuple[float, float]:
     angle = np.linspace(0.1, 6.0, 25)
     wanted = first(lambda turn: GEAR.pin_circle_radius * unit(-turn), angle, 1e-3)
     printed, right = (eq6(third, GEAR.pin_circle_radius * unit(-angle))[:, :2] for third in (1.0, 0.0))
-    return relative_error(printed, wanted), relative_error(right, wanted)
+    return misses(printed, right, wanted)
 
 
 def orbit_speed(rate: float) -> float:
@@ -126,33 +137,31 @@ def orbit_speed(rate: float) -> float:
 
 
 def _eq12() -> tuple[float, float]:
-    return relative_error(orbit_speed(eq12(-1, SPEED)), SPEED), relative_error(orbit_speed(eq12(1, SPEED)), SPEED)
+    return misses(orbit_speed(eq12(-1, SPEED)), orbit_speed(eq12(1, SPEED)), SPEED)
 
 
 def _eq13() -> tuple[float, float]:
     speed = np.linalg.norm(first(partial(centre, HOLD), TIMES, 1e-5), axis=1)
-    return relative_error(eq13(SPEED / GEAR.lobes), speed), relative_error(eq13(SPEED), speed)
+    return misses(eq13(SPEED / GEAR.lobes), eq13(SPEED), speed)
 
 
 def _eq14() -> tuple[float, float]:
-    found = [np.linalg.norm(second(partial(centre, law), TIMES, h), axis=1) for law, h in ((HOLD, 5e-5), (RAMP, 2e-4))]
-    errors = [
-        [relative_error(formula(law, TIMES), wanted) for law, wanted in zip((HOLD, RAMP), found, strict=True)]
-        for formula in (eq14_printed, eq14_right)
-    ]
-    return min(errors[0]), max(errors[1])
+    return least_and_most(
+        misses(eq14_printed(law, TIMES), eq14_right(law, TIMES), np.linalg.norm(at_law, axis=1))
+        for law, at_law in ((law, second(partial(centre, law), TIMES, step)) for law, step in LAWS)
+    )
 
 
 def _eq17() -> tuple[float, float]:
     zeta = zeta_at(HOLD)(TIMES)
     wanted = first(place, zeta, 2e-4)
-    return relative_error(eq17(1, zeta), wanted), relative_error(eq17(-1, zeta), wanted)
+    return misses(eq17(1, zeta), eq17(-1, zeta), wanted)
 
 
 def _eq18() -> tuple[float, float]:
     zeta = zeta_at(HOLD)(TIMES)
     wanted = np.linalg.norm(first(place, zeta, 2e-4), axis=1)
-    return relative_error(np.linalg.norm(eq17(1, zeta), axis=1), wanted), relative_error(eq18(zeta), wanted)
+    return misses(np.linalg.norm(eq17(1, zeta), axis=1), eq18(zeta), wanted)
 
 
 def acceleration(law: CrankLaw, step: float) -> Array:
@@ -161,10 +170,9 @@ def acceleration(law: CrankLaw, step: float) -> Array:
 
 
 def _eq19() -> tuple[float, float]:
-    found = [(law, acceleration(law, step)) for law, step in ((HOLD, 5e-5), (RAMP, 2e-4))]
-    printed = [relative_error(eq19_printed(law, TIMES), wanted) for law, wanted in found]
-    right = [relative_error(eq19_right(law, TIMES), wanted) for law, wanted in found]
-    return min(printed), max(right)
+    return least_and_most(
+        misses(eq19_printed(law, TIMES), eq19_right(law, TIMES), acceleration(law, step)) for law, step in LAWS
+    )
 
 
 def _eq20() -> tuple[float, float]:
@@ -173,18 +181,16 @@ def _eq20() -> tuple[float, float]:
     ramped = np.linalg.norm(acceleration(RAMP, 2e-4), axis=1)
     motion = RAMP.angle_at(TIMES), RAMP.speed_at(TIMES), RAMP.acceleration_at(TIMES)
     in_ramp = relative_error(kinematics.point_acceleration(GEAR, Q, *motion), ramped)
-    return relative_error(rate**2 * eq20(-1, zeta), wanted), max(
-        relative_error(rate**2 * eq20(1, zeta), wanted), in_ramp
-    )
+    printed, right = misses(rate**2 * eq20(-1, zeta), rate**2 * eq20(1, zeta), wanted)
+    return printed, max(right, in_ramp)
 
 
 def _eq21() -> tuple[float, float]:
     """Let a unit mass swing on the eccentric: its acceleration follows from constant energy, no multiplier needed."""
     c, theta, rate = GEAR.eccentricity, 0.7, 30.0
     growth = GRAVITY / c * np.sin(theta)
-    swing = second(lambda t: kinematics.gear_centre(GEAR, theta + rate * t + growth * t**2 / 2), np.array([0.0]), 2e-5)[
-        0
-    ]
+    at_rest = np.array([0.0])
+    swing = second(lambda t: kinematics.gear_centre(GEAR, theta + rate * t + growth * t**2 / 2), at_rest, 2e-5)[0]
     position = kinematics.gear_centre(GEAR, theta)
     variation = np.array([-np.cos(theta), -np.sin(theta)])
     weight = np.array([0.0, -GRAVITY])
@@ -195,7 +201,7 @@ def _eq27() -> tuple[float, float]:
     time = 0.0123
     wanted = second(partial(centre, HOLD), np.array([time]), 5e-5)[0]
     speed = first(partial(centre, HOLD), np.array([time]), 1e-5)[0]
-    return relative_error(eq27(np.ones(2), time), wanted), relative_error(eq27(speed, time), wanted)
+    return misses(eq27(np.ones(2), time), eq27(speed, time), wanted)
 
 
 ERRATA = (
