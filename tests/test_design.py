@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from cycloid_mj.design import PARTS, PRESETS, Design, Gear, Ring, dump, load, loads, override, resolve
+from cycloid_mj.design import PARTS, PRESETS, Design, Gear, Ring, Tolerance, dump, load, loads, override, resolve
 from cycloid_mj.design.units import DEGREE, RPM, UNITS, unit_of
 from cycloid_mj.errors import DesignError, UsageError
 
@@ -182,7 +182,11 @@ def test_the_file_has_every_key_and_says_what_is_assumed() -> None:
     assert lines_noted(text, "SKF, JTEKT catalogues") == {"friction": FROM_ELSEWHERE["friction"]}
     assert lines_noted(text, "SolidWorks Alloy Steel") == {"material": FROM_ELSEWHERE["material"]}
     kinds = (FROM_PAPER, ASSUMED_HERE, FROM_ELSEWHERE)
-    kinds = (*kinds, {"material": {"name"}})  # of an entry of the library, which says where each is from
+    kinds = (
+        *kinds,
+        {"tolerance": set(Tolerance.model_fields)},
+        {"material": {"name"}},
+    )  # of an entry of the library, which says where each is from
     assert tables == {t: set().union(*(kind.get(t, set()) for kind in kinds)) for t in set().union(*kinds)}
     # Nothing of the model is missing in the file but parts that are made of what all are.
     assert set(Design.model_fields) - {f"{part}_material" for part in PARTS} == {"name", *tables}

@@ -30,6 +30,7 @@ from cycloid_mj.cli import (
     simulate,
     statics,
     stress,
+    tolerance,
     validate,
     view,
 )
@@ -65,6 +66,7 @@ COMMANDS: dict[Callable[..., int], str] = {
     validate.validate: validate.EXAMPLES,
     stress.stress: stress.EXAMPLES,
     rate.rate: rate.EXAMPLES,
+    tolerance.tolerance: tolerance.EXAMPLES,
     build.build: build.EXAMPLES,
     export.export: export.EXAMPLES,
     profile.profile: profile.EXAMPLES,

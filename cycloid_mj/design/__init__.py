@@ -28,6 +28,7 @@ from cycloid_mj.design.model import (
     Settings,
     Shaft,
     Stiffness,
+    Tolerance,
     WorkingForce,
 )
 from cycloid_mj.design.presets import PRESETS
@@ -57,6 +58,7 @@ __all__ = [
     "Settings",
     "Shaft",
     "Stiffness",
+    "Tolerance",
     "WorkingForce",
     "dump",
     "load",

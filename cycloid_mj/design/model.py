@@ -238,6 +238,28 @@ class Errors(Section):
     hole_y: Offsets = listed("each gear hole's place along y", u.MICROMETRE, "output.pins")
 
 
+def _zone(what: str) -> Any:
+    return choice("", what, source="")
+
+
+class Tolerance(Section):
+    """How much samples of the design may differ from it, for `cycloid-mj tolerance` alone; empty: not at all.
+
+    ``normal 2``, ``uniform 5`` and ``between -1 4`` are micrometres about the design's value; ``IT6`` is a grade at the
+    part's size; a clearance may be a fit, ``H7/g6`` (ISO 286-1).
+    """
+
+    mesh: str = _zone('clearance of the gear on its ring: "normal 2", "uniform 5", "between -1 4" [um], or "H7/g6"')
+    seat: str = _zone("clearance of pins or sleeves that move in their seats")
+    cam: str = _zone("clearance of the cam")
+    output: str = _zone("clearance of the output pins")
+    pin_position: str = _zone("each ring pin's (or lobe's) place, along x and along y")
+    pin_radius: str = _zone('each ring pin\'s radius, or a grade, "IT5"')
+    pin_circle: str = _zone("the radius on which all pins stand")
+    hole_position: str = _zone("each gear hole's place, along x and along y")
+    eccentricity: str = _zone("the cam's eccentricity")
+
+
 class Modification(Section):
     """How the gear's flanks depart, by intent, from the profile that is conjugate to the ring."""
 
@@ -490,6 +512,7 @@ class Design(Section):
     housing: Housing = Housing()
     clearance: Clearance = Clearance()
     errors: Errors = Errors()
+    tolerance: Tolerance = Tolerance()
     modification: Modification = Modification()
     friction: Friction = Friction()
     drag: Drag = Drag()

@@ -1,0 +1,47 @@
+"""Limits on figures, as a user writes them: ``backlash_arcmin<=1``."""
+
+import re
+from collections.abc import Collection
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.errors import UsageError
+from cycloid_mj.types import Array, Mask
+
+
+@dataclass(frozen=True)
+class FigureLimit:
+    """A figure's `key` that is to be at most, or at least, a `bound` in the key's unit."""
+
+    key: str
+    at_most: bool
+    bound: float
+
+    def holds(self, values: Array) -> Mask:
+        """Tell where values, shape (s,), keep it; what is no number does not."""
+        return np.asarray(values <= self.bound if self.at_most else values >= self.bound)
+
+    def __str__(self) -> str:
+        """Tell it as it was written."""
+        return f"{self.key}{'<=' if self.at_most else '>='}{self.bound:g}"
+
+
+def limit(text: str, known: Collection[str]) -> FigureLimit:
+    """Read a limit on one of the known figures.
+
+    Raises
+    ------
+    UsageError
+        It has not that form, or there is no such figure.
+    """
+    found = re.fullmatch(r"\s*(\w+)\s*(<=|>=)\s*(\S+)\s*", text)
+    try:
+        bound = float(found[3]) if found else np.nan
+    except ValueError:
+        bound = np.nan
+    if not found or not np.isfinite(bound):
+        raise UsageError(f"--limit {text!r}: expected KEY<=NUMBER or KEY>=NUMBER, e.g. 'backlash_arcmin<=1'")
+    if found[1] not in known:
+        raise UsageError(f"--limit {text!r}: there is no figure {found[1]}; there are {', '.join(known)}")
+    return FigureLimit(found[1], found[2] == "<=", bound)

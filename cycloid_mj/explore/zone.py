@@ -1,0 +1,95 @@
+"""Tolerance zones in the words of the design file, and draws from them.
+
+``normal 2``, ``uniform 5`` and ``between -1 4`` are micrometres about the design's value; ``IT6`` is a grade's zone at
+a part's size, ``H7/g6`` the fit of two (ISO 286-1): both are normal, with a sixth of the zone as standard deviation.
+"""
+
+import re
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from cycloid_mj.errors import DesignError
+from cycloid_mj.types import Array
+
+ZONE_SIGMAS = 6.0
+"""Standard deviations in a zone that a process keeps: 3 parts in 1000 lie beyond."""
+
+FORMS = '"normal 2", "uniform 5", "between -1 4" (in um), "IT6", or for a clearance "H7/g6"'
+
+
+@dataclass(frozen=True)
+class Zone:
+    """A distribution about `middle` [m]: `width` is its standard deviation, or its half width where it is uniform."""
+
+    kind: Literal["normal", "uniform"]
+    middle: float
+    width: float
+
+    def draws(self, generator: np.random.Generator, shape: tuple[int, ...]) -> Array:
+        """Draw deviations [m]."""
+        unit = generator.standard_normal(shape) if self.kind == "normal" else generator.uniform(-1.0, 1.0, shape)
+        return np.asarray(self.middle + self.width * unit)
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation [m]."""
+        return self.width if self.kind == "normal" else self.width / 3.0**0.5
+
+
+def zone(text: str, key: str, size: float, clearance: float | None = None) -> Zone | None:
+    """Read a tolerance; None where there is none.
+
+    Parameters
+    ----------
+    text, key
+        What the design file says, and where.
+    size
+        Diameter that grades and fits are of [m].
+    clearance
+        The design's own clearance [m], about which a fit lies; None where no fit is meant.
+
+    Raises
+    ------
+    DesignError
+        It is not of one of `FORMS`.
+    """
+    words = text.split()
+    try:
+        match [word.lower() for word in words]:
+            case [] | ["0"]:
+                return None
+            case ["normal", sigma] if float(sigma) >= 0.0:
+                return Zone("normal", 0.0, 1e-6 * float(sigma))
+            case ["uniform", half] if float(half) >= 0.0:
+                return Zone("uniform", 0.0, 1e-6 * float(half))
+            case ["between", low, high] if float(low) <= float(high):
+                return Zone("uniform", 0.5e-6 * (float(low) + float(high)), 0.5e-6 * (float(high) - float(low)))
+        if found := re.fullmatch(r"IT(\d+)", text.strip()):
+            return Zone("normal", 0.0, 0.5 * _grade(int(found[1]), size) / ZONE_SIGMAS)
+        if clearance is not None and "/" in text:
+            return _fit(text, size, clearance)
+    except ValueError as error:
+        raise DesignError(f"tolerance.{key} = {text!r}: {error}; write {FORMS}") from error
+    raise DesignError(f"tolerance.{key} = {text!r} is no tolerance; write {FORMS}")
+
+
+def _grade(grade: int, size: float) -> float:
+    """Give the width of a standard tolerance grade at a diameter [m]."""
+    from pressfit.tables import GRADES, it_value
+
+    if grade not in GRADES:
+        raise ValueError(f"grades go from IT{min(GRADES)} to IT{max(GRADES)}")
+    return 1e-6 * float(it_value(1e3 * size, grade))
+
+
+def _fit(text: str, size: float, clearance: float) -> Zone:
+    """Give the radial clearance of a fit, about the design's own; its limits are 3 standard deviations off."""
+    from pressfit import fit
+
+    try:
+        tight, loose = (0.5e-6 * float(limit) for limit in fit(text.strip(), 1e3 * size).clearance_um)
+    except NotImplementedError as error:
+        raise ValueError(str(error)) from error
+    return Zone("normal", 0.5 * (tight + loose) - clearance, (loose - tight) / ZONE_SIGMAS)

@@ -1,0 +1,170 @@
+"""Tolerances: zones, draws, yield and budget, against the linear programme of rigid parts and the tables of ISO 286."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from designs import UNLIKE, unlike
+
+from cycloid_mj.cli import main
+from cycloid_mj.design import PRESETS, Design, load, override
+from cycloid_mj.errors import DesignError, UsageError
+from cycloid_mj.explore import tolerance, tolerances
+from cycloid_mj.explore.limit import limit
+from cycloid_mj.explore.zone import Zone, zone
+from cycloid_mj.mechanism.limits import stops
+
+PIN, NONPIN = PRESETS["pin"], PRESETS["nonpin"]
+ANGLES = 12
+
+
+@pytest.fixture(autouse=True)
+def few_angles(monkeypatch):
+    monkeypatch.setattr(tolerances, "ANGLES", ANGLES)
+    monkeypatch.setattr(tolerances, "BUDGET_SAMPLES", 64)
+
+
+def play(design: Design) -> float:
+    """Mean play of the output by the linear programme [arcmin], at the crank angles of the samples."""
+    ends = [stops(design, 2.0 * np.pi * i / ANGLES) for i in range(ANGLES)]
+    return float(60.0 * np.degrees(np.mean([high - low for low, high in ends])))
+
+
+def test_zones_are_read() -> None:
+    assert zone("", "cam", 0.03) is None
+    assert zone("0", "cam", 0.03) is None
+    assert zone("normal 2", "cam", 0.03) == Zone("normal", 0.0, 2e-6)
+    assert zone("Uniform 5", "cam", 0.03).width == pytest.approx(5e-6)
+    between = zone("between -1 4", "cam", 0.03)
+    assert (between.middle, between.width) == pytest.approx((1.5e-6, 2.5e-6))
+
+
+@pytest.mark.parametrize(
+    ("size", "fit", "least", "most"), [(25e-3, "H7/g6", 7, 41), (40e-3, "H8/f7", 25, 89), (10e-3, "H7/h6", 0, 24)]
+)
+def test_fits_are_those_of_the_standard(size: float, fit: str, least: int, most: int) -> None:
+    """ISO 286-1: limits of the clearance on the diameter [um], here half of it, 3 standard deviations to each side."""
+    found = zone(fit, "cam", size, 5e-6)
+    low, high = (5e-6 + found.middle + sign * 3.0 * found.width for sign in (-1.0, 1.0))
+    assert (low, high) == pytest.approx((0.5e-6 * least, 0.5e-6 * most), abs=1e-12)
+
+
+@pytest.mark.parametrize(("size", "grade", "width"), [(25e-3, "IT6", 13), (81.5e-3, "IT7", 35), (4.5e-3, "IT5", 5)])
+def test_grades_are_those_of_the_standard(size: float, grade: str, width: int) -> None:
+    assert 6.0 * zone(grade, "pin_radius", size).width == pytest.approx(0.5e-6 * width)
+
+
+@pytest.mark.parametrize(
+    "text", ["normal", "normal x", "normal -1", "between 2 1", "IT99", "H7/z99", "H7/g6 about", "five", "normal 1 2"]
+)
+def test_other_words_are_no_tolerance(text: str) -> None:
+    with pytest.raises(DesignError, match=r"tolerance\.cam = "):
+        zone(text, "cam", 0.03, 1e-6)
+
+
+def test_a_fit_is_for_a_clearance_alone() -> None:
+    with pytest.raises(DesignError, match=r"tolerance\.pin_radius"):
+        zone("H7/g6", "pin_radius", 0.0045)
+
+
+@pytest.mark.parametrize("design", [PIN, NONPIN], ids=["pin", "nonpin"])
+def test_small_tolerances_add_up_as_their_gradients(design: Design, monkeypatch) -> None:
+    """Mean, standard deviation and shares of the backlash, by the slopes of the rigid play."""
+    monkeypatch.setattr(tolerances, "BUDGET_SAMPLES", 512)
+    sigma = {"cam": 0.02e-6, "mesh": 0.01e-6, "output": 0.03e-6}
+    slopes = {}
+    for key in sigma:
+        kind = design.tooth_pair if key == "mesh" else key
+        step = 0.01e-6
+        ends = [
+            play(design.but(clearance={kind: getattr(design.clearance, kind) + side * step})) for side in (-1.0, 1.0)
+        ]
+        slopes[key] = (ends[1] - ends[0]) / (2.0 * step)
+    expected = {key: (slopes[key] * sigma[key]) ** 2 for key in sigma}
+    toleranced = override(design, [f'tolerance.{key}="normal {1e6 * value!r}"' for key, value in sigma.items()])
+    found = tolerance(toleranced, 4000, 3)
+    figures = found.distributions["backlash_arcmin"]
+    assert figures.mean == pytest.approx(play(design), rel=2e-3)
+    assert figures.std == pytest.approx(np.sqrt(sum(expected.values())), rel=0.03)
+    for share in found.budget:
+        exact = expected[share.source] / sum(expected.values())
+        assert (share.first_order, share.total) == pytest.approx((exact, exact), abs=0.08)
+        assert share.ci95[0] - 0.02 <= exact <= share.ci95[1] + 0.02
+
+
+def test_the_same_seed_gives_the_same_bits_whatever_the_threads() -> None:
+    design = override(PIN, ['tolerance.pin_position="normal 0.2"', 'tolerance.cam="uniform 0.3"'])
+    one, two, other = (tolerance(design, 40, seed, threads=n) for seed, n in ((1, 1), (1, 2), (2, 1)))
+    for key, values in one.figures.items():
+        assert np.array_equal(values, two.figures[key])
+        assert not np.array_equal(values, other.figures[key])
+    assert one.budget == two.budget
+
+
+def test_the_worst_samples_are_designs_that_have_that_play() -> None:
+    words = {
+        "pin_position": "normal 0.1",
+        "pin_radius": "normal 0.1",
+        "hole_position": "normal 0.1",
+        "cam": "uniform 0.4",
+    }
+    found = tolerance(override(PIN, {f"tolerance.{key}": text for key, text in words.items()}), 60, 5)
+    worst = np.sort(found.figures["backlash_arcmin"])[::-1][: len(found.worst)]
+    for design, value in zip(found.worst, worst, strict=True):
+        assert play(design) == pytest.approx(value, rel=5e-3)
+
+
+def test_parts_larger_than_their_clearances_jam() -> None:
+    jammed = tolerance(override(PIN, {"tolerance.mesh": "between -6 -5"}), 20, 0)
+    assert jammed.jams.all()
+    assert jammed.as_json()["yield"] == 0.0
+    assert not tolerance(override(PIN, {"tolerance.mesh": "between 0 1"}), 20, 0).jams.any()
+
+
+def test_yield_counts_what_keeps_the_limits() -> None:
+    design = override(PIN, {"tolerance.cam": "uniform 0.5"})
+    asked = [limit("backlash_arcmin<=0.98", tolerances.FIGURES), limit("backlash_arcmin >= 0.9", tolerances.FIGURES)]
+    found = tolerance(design, 300, 1, asked)
+    values = found.figures["backlash_arcmin"]
+    assert found.good.mean() == np.mean((values <= 0.98) & (values >= 0.9))
+    low, high = found.yield_interval
+    assert 0.0 < low < found.good.mean() < high < 1.0
+
+
+@pytest.mark.parametrize("text", ["backlash<=1", "backlash_arcmin<1", "backlash_arcmin<=x", "backlash_arcmin<=nan", ""])
+def test_wrong_limits_are_refused(text: str) -> None:
+    with pytest.raises(UsageError, match="--limit"):
+        limit(text, tolerances.FIGURES)
+
+
+@pytest.mark.parametrize("name", UNLIKE)
+def test_other_designs(name: str) -> None:
+    design = override(unlike(name), {"tolerance.cam": "uniform 1", "tolerance.hole_position": "normal 0.5"})
+    found = tolerance(design, 10, 0)
+    assert all(np.isfinite(values).all() for values in found.figures.values())
+
+
+def test_the_command(tmp_path: Path, capsys) -> None:
+    flags = ["--samples", "50", "--seed", "4", "--out", str(tmp_path), "--limit", "backlash_arcmin<=1"]
+    assert main(["tolerance", "--design", "pin", "--set", 'tolerance.cam="normal 0.2"', *flags, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert {"samples", "seed", "yield", "yield_ci95", "jam_probability", "quantities", "budget"} <= set(found)
+    assert set(found["quantities"]["backlash_arcmin"]) == {"mean", "std", "p05", "p50", "p95", "unit"}
+    assert set(found["budget"][0]) == {"source", "first_order", "total", "ci95"}
+    assert len((tmp_path / "pin-samples.csv").read_text().splitlines()) == 51
+    assert load(tmp_path / "pin-worst-1.toml").clearance.cam > PIN.clearance.cam
+
+
+@pytest.mark.parametrize(
+    ("flags", "message"),
+    [
+        ([], "has no tolerances"),
+        (["--set", 'tolerance.cam="normal 1"', "--samples", "1"], "--samples 1"),
+        (["--set", 'tolerance.cam="normal 1"', "--seed", "-1"], "--seed -1"),
+        (["--set", 'tolerance.cam="normal 1"', "--limit", "play<=1"], "there is no figure play"),
+    ],
+)
+def test_wrong_wishes_are_refused(tmp_path: Path, capsys, flags: list[str], message: str) -> None:
+    assert main(["tolerance", "--design", "pin", *flags, "--out", str(tmp_path)]) == 2
+    assert message in capsys.readouterr().err
