@@ -32,10 +32,7 @@ def conditions(design: Design) -> dict[str, Any]:
 
 def under(design: Design, shared: Mapping[str, Any], load: float) -> Design:
     """Give a design under shared conditions and a load torque [N m]."""
-    wanted = {**shared, "load.torque_nm": load}
-    return override(
-        design, [f'{key}="{value}"' if isinstance(value, str) else f"{key}={value!r}" for key, value in wanted.items()]
-    )
+    return override(design, {**shared, "load.torque_nm": load})
 
 
 def differences(designs: Sequence[Design]) -> dict[str, tuple[Any, ...]]:
@@ -56,9 +53,5 @@ def with_play_of(nonpin: Design, pin: Design) -> Design:
 
     The stiffness is the pin design's at its own load, and is kept under every other: one and the same design.
     """
-    changes = [
-        f'name="{nonpin.name}-like-{pin.name}"',
-        f"clearance.tooth_um={1e6 * total_play(pin)!r}",
-        f"stiffness.tooth_n_m={series_stiffness(pin)!r}",
-    ]
-    return override(nonpin, changes)
+    alike = {"clearance": {"tooth": total_play(pin)}, "stiffness": {"tooth": series_stiffness(pin)}}
+    return nonpin.but(name=f"{nonpin.name}-like-{pin.name}", **alike)

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from cycloid_mj.design import Design, override
+from cycloid_mj.design import Design
 
 STARTS = 8
 """Independent starts over which an idle quantity is given, and from which on two designs are ranked by it."""
@@ -92,7 +92,7 @@ def started(design: Design, number: int, of: int = STARTS) -> Design:
         return design
     cos, sin = math.cos(turn), math.sin(turn)
     x, y = cos * pull.gravity_x - sin * pull.gravity_y, sin * pull.gravity_x + cos * pull.gravity_y
-    return override(design, [f"environment.gravity_x_m_s2={x!r}", f"environment.gravity_y_m_s2={y!r}"])
+    return design.but(environment={"gravity_x": x, "gravity_y": y})
 
 
 def all_started(design: Design, count: int = STARTS) -> tuple[Design, ...]:
