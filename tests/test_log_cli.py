@@ -199,6 +199,7 @@ def test_rerun_that_is_missing(path, tmp_path, monkeypatch):
 
 def test_report_of_one_and_of_several_logs(path, cut, tmp_path):
     target = tmp_path / "page.html"
+    told("report", path, "--out", target)  # in a new installation the first page says that code is compiled
     assert told("report", path, "--out", target, "--q", "10,3") == (0, f"{target}\n", "")
     page = target.read_text(encoding="utf-8")
     assert "(10, 3) mm" in page
