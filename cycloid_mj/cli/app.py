@@ -16,6 +16,7 @@ from cycloid_mj.cli import (
     build,
     compare,
     design,
+    doctor,
     export,
     kinematics,
     log,
@@ -71,6 +72,7 @@ COMMANDS: dict[Callable[..., int], str] = {
     export.export: export.EXAMPLES,
     profile.profile: profile.EXAMPLES,
     kinematics.kinematics: kinematics.EXAMPLES,
+    doctor.doctor: doctor.EXAMPLES,
 }
 
 

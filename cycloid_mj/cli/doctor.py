@@ -1,0 +1,115 @@
+"""``cycloid-mj doctor``: whether this installation works, what is missing, and what to do about it."""
+
+import platform
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
+from typing import NamedTuple
+
+from cycloid_mj import __version__
+from cycloid_mj.cli.flags import JsonFlag
+from cycloid_mj.cli.terminal import say, say_json
+from cycloid_mj.errors import CycloidError
+
+NEEDED = ("mujoco", "numpy", "scipy", "numba", "trimesh", "coacd", "mcap", "matplotlib", "pydantic", "cyclopts")
+EXTRAS = {
+    "cad": ("gmsh",),
+    "fem": ("gmsh", "meshio", "skfem"),
+    "parquet": ("duckdb",),
+    "rerun": ("rerun",),
+    "video": ("imageio_ffmpeg",),
+}
+"""Extra -> the modules that it installs."""
+
+MOST_ERROR = 1e-3
+"""Of the gear's angle in the self-test, against the closed form [rad]: a lobe is 0.18."""
+
+EXAMPLES = """Examples:
+  cycloid-mj doctor
+  cycloid-mj doctor --json"""
+
+
+class Finding(NamedTuple):
+    """One thing looked at: whether it is well, needed, and what was found or is to be done."""
+
+    name: str
+    well: bool
+    needed: bool
+    found: str
+
+
+def doctor(*, json: JsonFlag = False) -> int:
+    """Look at this installation: versions, compile cache, rendering, extras, and a self-test.
+
+    The self-test simulates a millisecond of a reducer and holds it against the
+    closed form; the first one on a machine compiles the contact code for some
+    seconds. The exit code is 1 if something that every command needs is missing.
+    """
+    findings = [*_versions(), *_cache(), _tried("contact and simulation", True, _simulated), *_rendering(), *_extras()]
+    if json:
+        say_json({"version": __version__, "findings": [finding._asdict() for finding in findings]})
+    else:
+        say(f"cycloid-mj {__version__}, Python {platform.python_version()}, {platform.system()} {platform.machine()}")
+        for one in findings:
+            say(f"{'ok' if one.well else 'FAIL' if one.needed else 'none':4}  {one.name}: {one.found}")
+    return 0 if all(one.well for one in findings if one.needed) else 1
+
+
+def _versions() -> Iterator[Finding]:
+    for name in NEEDED:
+        try:
+            yield Finding(name, True, True, version(name))
+        except PackageNotFoundError:
+            yield Finding(name, False, True, f"not installed: pip install {name}")
+
+
+def _cache() -> Iterator[Finding]:
+    from cycloid_mj.compiling import cacheable
+
+    kept = "compiled code is kept" if cacheable() else "no folder can be written: set NUMBA_CACHE_DIR to one that can"
+    yield Finding("compile cache", cacheable(), False, kept)
+
+
+def _tried(name: str, needed: bool, work: Callable[[], str]) -> Finding:
+    try:
+        return Finding(name, True, needed, work())
+    except CycloidError as error:
+        return Finding(name, False, needed, str(error))
+
+
+def _simulated() -> str:
+    """Run a millisecond of a reducer with pressed-in pins, and hold its gear against the closed form."""
+    from cycloid_mj.design import PRESETS, override
+    from cycloid_mj.run import simulate
+
+    changes = ["ring.pins=fixed", "drive.ramp_s=0", "drive.hold_s=0.001", "load.torque_nm=5", "load.rise_s=0.0005"]
+    design = override(PRESETS["pin"], changes)
+    run = simulate(design)
+    error = float(abs(run["gear_angle"] + run["crank_angle"] / design.lobes).max())
+    if not error < MOST_ERROR:
+        raise CycloidError(
+            f"the gear of the self-test is {error:.3g} rad off its closed form; install the package anew"
+        )
+    return f"{len(run.time)} samples, the gear within {error:.1g} rad of the closed form"
+
+
+def _rendering() -> Iterator[Finding]:
+    """Try OpenGL in a process of its own: a driver that fails may end it."""
+    code = (
+        "import mujoco; from cycloid_mj.scene.opengl import opengl\n"
+        "model = mujoco.MjModel.from_xml_string('<mujoco/>')\n"
+        "with opengl(model, 64, 64): pass"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    last = done.stderr.strip().splitlines()[-1] if done.stderr.strip() else "the driver ended the process"
+    well = done.returncode == 0
+    yield Finding("rendering (render, animate, view)", well, False, "off-screen OpenGL works" if well else last)
+
+
+def _extras() -> Iterator[Finding]:
+    for extra, modules in EXTRAS.items():
+        missing = [module for module in modules if find_spec(module) is None]
+        found = f"without {', '.join(missing)}: pip install 'cycloid-mj[{extra}]'" if missing else "installed"
+        yield Finding(f"extra {extra}", not missing, False, found)
