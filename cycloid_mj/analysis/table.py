@@ -28,6 +28,9 @@ class Group(NamedTuple):
     detail: str = ""
 
 
+ROUNDING = 1e-12
+"""Share of its reference below which a difference is rounding."""
+
 GROUPS = ("output", "gear", "path of q", "contacts", "pin 1", "torques and losses", "energy", "crank")
 """Names of the groups, in their order."""
 
@@ -53,11 +56,13 @@ def groups(findings: Findings) -> list[Group]:
 
 def _part(part: str, speed: SpeedFindings, error: TransmissionError) -> Iterator[Row]:
     mean, theory = speed.mean_rad_s, speed.theory_rad_s
-    yield Row(f"transmission error of the {part}, peak to peak", "", "", _text(error.peak_to_peak_arcsec), "arcsec")
-    yield Row(f"transmission error of the {part}, mean (play and wind-up)", _text(error.mean_arcsec), "", "", "arcsec")
-    yield Row(f"{part} speed, mean", _text(mean), _text(theory), _text(mean - theory, theory), "rad/s")
-    yield Row(f"{part} speed, rms error", "", "", _text(speed.rms_error_rad_s), "rad/s")
-    yield Row(f"{part} speed, peak error", "", "", _text(speed.peak_error_rad_s), "rad/s")
+    # a difference that is rounding beside its reference is none
+    off = 0.0 if abs(mean - theory) <= ROUNDING * abs(theory) else mean - theory
+    yield _row(f"transmission error of the {part}, peak to peak", "arcsec", error=error.peak_to_peak_arcsec)
+    yield _row(f"transmission error of the {part}, mean (play and wind-up)", "arcsec", error.mean_arcsec)
+    yield _row(f"{part} speed, mean", "rad/s", mean, theory, off)
+    yield _row(f"{part} speed, rms error", "rad/s", error=speed.rms_error_rad_s)
+    yield _row(f"{part} speed, peak error", "rad/s", error=speed.peak_error_rad_s)
 
 
 def _point(findings: Findings) -> Iterator[Row]:
@@ -67,56 +72,61 @@ def _point(findings: Findings) -> Iterator[Row]:
 
 
 def _errors(phase: str, path: PathFindings, velocity: VelocityFindings) -> Iterator[Row]:
-    yield Row(f"path of q, {phase}, rms error", "", "", _text(path.rms_error_um), "um")
-    yield Row(f"path of q, {phase}, largest error", "", "", _text(path.max_error_um), "um")
-    yield Row(f"velocity of q, {phase}, rms error", "", "", _text(velocity.rms_error_mm_s), "mm/s")
-    yield Row(f"velocity of q, {phase}, largest error", "", "", _text(velocity.max_error_mm_s), "mm/s")
+    yield _row(f"path of q, {phase}, rms error", "um", error=path.rms_error_um)
+    yield _row(f"path of q, {phase}, largest error", "um", error=path.max_error_um)
+    yield _row(f"velocity of q, {phase}, rms error", "mm/s", error=velocity.rms_error_mm_s)
+    yield _row(f"velocity of q, {phase}, largest error", "mm/s", error=velocity.max_error_mm_s)
 
 
 def _contacts(findings: Findings) -> Iterator[Row]:
     contact = findings.contact_summary
-    yield Row("contacts in touch, mean", _text(contact.mean_active), "", "", "1")
-    yield Row("penetration, largest", _text(contact.max_penetration_um), "", "", "um")
-    yield Row("force of one contact, largest", _text(contact.peak_force_n), "", "", "N")
+    yield _row("contacts in touch, mean", "1", contact.mean_active)
+    yield _row("penetration, largest", "um", contact.max_penetration_um)
+    yield _row("force of one contact, largest", "N", contact.peak_force_n)
 
 
 def _pin_1(findings: Findings) -> Iterator[Row]:
     if pin := findings.pin1:
-        yield Row("pin 1, distance from where it is centred, largest", _text(pin.max_radial_um), "", "", "um")
-        yield Row("pin 1, spin, mean", _text(pin.mean_spin_rad_s), "", "", "rad/s")
+        yield _row("pin 1, distance from where it is centred, largest", "um", pin.max_radial_um)
+        yield _row("pin 1, spin, mean", "rad/s", pin.mean_spin_rad_s)
 
 
 def _torques(findings: Findings) -> Iterator[Row]:
     power = findings.power
-    yield Row("load torque, mean", _text(power.load_torque_nm), "", "", "N m")
-    yield Row("crank torque, mean", _text(power.crank_torque_nm), "", "", "N m")
-    yield Row("crank torque without losses, load / (N-1)", "", _text(power.ideal_crank_torque_nm), "", "N m")
+    yield _row("load torque, mean", "N m", power.load_torque_nm)
+    yield _row("crank torque, mean", "N m", power.crank_torque_nm)
+    yield _row("crank torque without losses, load / (N-1)", "N m", closed_form=power.ideal_crank_torque_nm)
     for loss in findings.losses:
         pair = loss.pair.replace("_", "-")
-        yield Row(f"loss by friction, {pair}", _text(loss.friction_w), "", "", "W")
-        yield Row(f"loss by damping, {pair}", _text(loss.normal_w), "", "", "W")
+        yield _row(f"loss by friction, {pair}", "W", loss.friction_w)
+        yield _row(f"loss by damping, {pair}", "W", loss.normal_w)
 
 
 def _energy(findings: Findings) -> Iterator[Row]:
     power, efficiency = findings.power, findings.efficiency
-    yield Row("input power, mean", _text(power.input_w), "", "", "W")
-    yield Row("output power, mean", _text(power.output_w), "", "", "W")
+    yield _row("input power, mean", "W", power.input_w)
+    yield _row("output power, mean", "W", power.output_w)
     if efficiency is not None:
-        yield Row("efficiency", _text(100 * efficiency), "", "", "%")
+        yield _row("efficiency", "%", 100 * efficiency)
 
 
 def _crank(findings: Findings) -> Iterator[Row]:
     crank = findings.crank
-    yield Row("crank speed, mean", _text(crank.speed_rad_s), "", "", "rad/s")
-    yield Row("crank speed against its law, largest, whole run", "", "", _text(crank.max_relative_error), "1")
+    yield _row("crank speed, mean", "rad/s", crank.speed_rad_s)
+    yield _row("crank speed against its law, largest, whole run", "1", error=crank.max_relative_error)
 
 
-ROUNDING = 1e-12
-"""Share of its reference below which a difference is rounding."""
+def _row(
+    quantity: str,
+    unit: str,
+    simulated: float | None = None,
+    closed_form: float | None = None,
+    error: float | None = None,
+) -> Row:
+    return Row(quantity, _text(simulated), _text(closed_form), _text(error), unit)
 
 
-def _text(value: float | None, reference: float = 0.0) -> str:
-    """Give a number in words: five digits; 0 for a difference that is rounding beside its reference."""
+def _text(value: float | None) -> str:
     if value is None:
         return ""
-    return "0" if abs(value) <= ROUNDING * abs(reference) else f"{value:.5g}"
+    return f"{value:.5g}" if value else "0"
