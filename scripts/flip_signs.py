@@ -10,6 +10,7 @@ import argparse
 import ast
 import contextlib
 import io
+import os
 import queue
 import shutil
 import subprocess
@@ -23,8 +24,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 ROOM = Path("cycloid_mj/mechanism")
-TESTS = ("tests/test_mechanism.py", "tests/test_reducer.py")
-"""What is run until the first of them fails."""
+MODEL = "reducer.py"
+"""The file that models are made from; what the others hold is seen without one, and without compiling."""
 
 SECONDS = 300
 """After which a flip counts as seen: it does not come to an end."""
@@ -96,31 +97,33 @@ def flipped(content: bytes, flip: Flip) -> bytes:
     return content[: flip.place] + other + content[flip.place + 1 :]
 
 
-def tested(folder: Path) -> bool:
+def tested(folder: Path, models: bool) -> bool:
     """Tell whether a test fails on the tree in a folder."""
     import pytest
 
     arguments = ["-x", "-q", "-p", "no:cacheprovider", "-o", "addopts="]
-    return pytest.main([*arguments, *(str(folder / test) for test in TESTS)]) != 0
+    tests = "tests/test_reducer.py" if models else "tests/test_mechanism.py"
+    return pytest.main([*arguments, str(folder / tests)]) != 0
 
 
-def validated() -> bool:
+def validated(models: bool) -> bool:
     """Tell whether a row of the rung `mechanism` fails, or cannot be given."""
     from cycloid_mj.validation import mechanism
 
     try:
-        return any(row.verdict == "fail" for part in mechanism.PARTS for row in part())
+        parts = (*mechanism.STATICS, *(mechanism.MODELS if models else ()))
+        return any(row.verdict == "fail" for part in parts for row in part())
     except Exception:
         return True
 
 
-def see(folder: Path) -> None:
+def see(folder: Path, models: bool) -> None:
     """Print what fails on the tree in a folder; in a process of its own."""
     sys.path[:0] = [str(folder), str(folder / "tests")]
     warnings.simplefilter("ignore")
-    by_row = validated()
+    by_row = validated(models)
     with contextlib.redirect_stdout(io.StringIO()):
-        by_test = tested(folder)
+        by_test = tested(folder, models)
     print(f"row={by_row} test={by_test}")
 
 
@@ -137,9 +140,13 @@ def judged(flip: Flip, folder: Path) -> Found:
     path = folder / ROOM / flip.file
     shutil.copy2(ROOT / ROOM / flip.file, path)
     path.write_bytes(flipped(path.read_bytes(), flip))
-    command = [sys.executable, str(Path(__file__).resolve()), "--see", str(folder)]
+    models = flip.file == MODEL
+    command = [sys.executable, str(Path(__file__).resolve()), "--see", str(folder), "--only", flip.file]
+    plain = os.environ | ({} if models else {"NUMBA_DISABLE_JIT": "1"})
     try:
-        ended = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS, cwd=folder, check=False)
+        ended = subprocess.run(
+            command, capture_output=True, text=True, timeout=SECONDS, cwd=folder, env=plain, check=False
+        )
         told = ended.stdout
     except subprocess.TimeoutExpired:
         told = ""
@@ -165,7 +172,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--workers", type=int, default=2, help="processes at a time")
     options = parser.parse_args(arguments)
     if options.see:
-        see(options.see)
+        see(options.see, options.only == MODEL)
         return 0
     every = wanted(options.only, options.sample)
     tried = [flip for flip in every if (flip.file, flip.expression) not in EQUIVALENT]

@@ -112,26 +112,23 @@ def arc_gaps(design: Design, crank: npt.ArrayLike) -> Gaps:
 def _arc_gaps(design: Design, crank: Array, disc: int) -> Gaps:
     gear, turned = tooth_profile(design), crank[..., np.newaxis] + phases(design)[disc]
     lines = envelope.arc_contacts(gear, turned)
-    return _tooth_gaps(design, disc, lines, gear_centre(gear, turned), np.zeros(()))
+    return _tooth_gaps(design, disc, lines, gear_centre(gear, turned))
 
 
 def flank_gaps(design: Design, crank: float, disc: int = 0) -> Gaps:
-    """Give the gaps of the flanks of an internal gear at a crank angle [rad]: 4 or 5 a disc."""
+    """Give the gaps of the flanks of an internal gear at a crank angle [rad], to first order: 4 or 5 a disc."""
     gear, turned = tooth_profile(design), crank + phases(design)[disc]
     lines = envelope.sigma_contacts(gear, turned)
-    surface = lines.relative_curvature - profile.curvature(gear, lines.t)
-    parallel = surface / (1.0 - gear.pin_radius * surface)
-    return _tooth_gaps(design, disc, lines, gear_centre(gear, turned), parallel)
+    return _tooth_gaps(design, disc, lines, gear_centre(gear, turned))
 
 
-def _tooth_gaps(design: Design, disc: int, lines: envelope.RingContacts, middle: Array, mate: Array) -> Gaps:
+def _tooth_gaps(design: Design, disc: int, lines: envelope.RingContacts, middle: Array) -> Gaps:
     """Give the gaps between a disc and the ring, pins in their places.
 
     A pin displaced by d opens its gap by d . n, n the gear's outward normal. A radius larger by r closes it by r, and a
     socket leaves the pin so much less play. To a gear whose pin circle is larger by x a pin is x nearer to the middle;
     flanks turned by a retreat by a times the arm of their normal, as those of a gear that has turned. The gear's curve
-    is its trochoid, its `mate` a pin's centre or a flank's parallel through it, by its curvature [1/m]; the disc's
-    `middle` [m] is where the ideal one is.
+    is its trochoid, its mate a pin's centre; the disc's `middle` [m] is where the ideal one is.
     """
     gear, made, change = tooth_profile(design), deviations(design), design.modification
     push, arm = lines.normals, profile.moment_arm(gear, lines.B)
@@ -152,7 +149,7 @@ def _tooth_gaps(design: Design, disc: int, lines: envelope.RingContacts, middle:
         slope=_by_unknown(design, disc, push, arm, np.zeros(arm.shape)),
         shift=np.sum(place * side, axis=-1) - turned * lever,
         shift_slope=_by_unknown(design, disc, -side, -lever, np.zeros(arm.shape)),
-        bend=profile.curvature(gear, lines.t, 0.0) + mate,
+        bend=profile.curvature(gear, lines.t, 0.0),
         relative_curvature=lines.relative_curvature,
         slip_slope=_by_unknown(design, disc, side, rubbed, np.zeros(arm.shape)),
     )

@@ -19,7 +19,7 @@ from cycloid_mj.deviations import deviations
 from cycloid_mj.loaded import loads, springs_of
 from cycloid_mj.mechanism.gaps import gaps, ideal_motion
 from cycloid_mj.mechanism.kernel import gap
-from cycloid_mj.mechanism.limits import stops
+from cycloid_mj.mechanism.limits import best_fit, stops
 from cycloid_mj.mechanism.reducer import mechanism
 from cycloid_mj.mjcf import build
 from cycloid_mj.mjcf.keyframe import joint_state
@@ -228,6 +228,27 @@ def friction_rows() -> list[Row]:
     ]
 
 
+def fit_rows() -> list[Row]:
+    """Hold the pose with the most room against exact gaps: the least of them, and both sides of pins that give way."""
+    design = made(FIXED, *ROOM)
+    fit, crank = best_fit(design, CRANK), design.output.pin_circle_radius
+    z = np.array([*fit.shift, fit.gear_turn * crank, fit.output_turn * crank])
+    away = kinematics.gear_centre(tooth_profile(design), CRANK) / design.gear.eccentricity
+    cam = design.clearance.cam - np.linalg.norm(fit.shift - deviations(design).eccentricity * away)
+    least = np.array([min(cam, *exact_gaps(design, CRANK, z))])
+    loose = made(FREE, "clearance.pin_gear_um=0.5", "clearance.pin_socket_um=4.0")
+    found = best_fit(loose, CRANK)
+    z = np.array([*found.shift, found.gear_turn * crank, found.output_turn * crank])
+    moved = np.any(found.pin_shift, axis=1)
+    ahead = exact_gaps(loose, CRANK, z, found.pin_shift)[: loose.ring.teeth][moved]
+    behind = loose.pin_play - deviations(loose).pin_radius - np.linalg.norm(found.pin_shift, axis=1)
+    source = "exact curves"
+    return [
+        deviation("least gap of the best fit, fixed pins", 1e6 * np.array([fit.room]), 1e6 * least, "um", source, 0.1),
+        deviation("pins that give way, both sides", 1e6 * ahead, 1e6 * behind[moved], "um", source, 1.0),
+    ]
+
+
 def stop_rows(kind: str) -> list[Row]:
     """Hold the stops of rigid parts against the turn of very stiff ones under a small torque, both ways.
 
@@ -246,18 +267,23 @@ def stop_rows(kind: str) -> list[Row]:
     return [deviation(f"stops of the output, {kind}", ours, solved, "urad", SEARCH, 0.35)]
 
 
-PARTS: tuple[Callable[[], list[Row]], ...] = (
+STATICS: tuple[Callable[[], list[Row]], ...] = (
     *(partial(gap_rows, kind) for kind in (FIXED, NONPIN)),
     *(partial(sliding_rows, kind) for kind in (FIXED, NONPIN)),
     flank_rows,
     *(partial(balance_rows, kind, turn) for kind, turn in ((FREE, TURN), (SLEEVED, TURN), (NONPIN, TURN[:1]))),
     friction_rows,
+    fit_rows,
     *(partial(stop_rows, kind) for kind in (FIXED, FREE)),
-    *(partial(model_rows, pins) for pins in ("fixed", "free", "sleeved", "massless")),
 )
-"""Gives the rows of this rung, the quick ones first."""
+"""Give the rows that need no model, the quick ones first."""
+
+MODELS: tuple[Callable[[], list[Row]], ...] = tuple(
+    partial(model_rows, pins) for pins in ("fixed", "free", "sleeved", "massless")
+)
+"""Give those of the compiled model."""
 
 
 def rows(quick: bool) -> list[Row]:
     """Give the rows of this rung."""
-    return [row for part in PARTS for row in part()]
+    return [row for part in (*STATICS, *MODELS) for row in part()]
