@@ -17,7 +17,7 @@ from cycloid_mj.measure.conditions import DRAG, RPM, halved, require_motion
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.orders import causes
 from cycloid_mj.measure.pool import Progress, each, silent
-from cycloid_mj.measure.trace import ARCSEC, Case, Trace, own, trace
+from cycloid_mj.measure.trace import ARCSEC, Case, Errors, Trace, own, trace
 from cycloid_mj.mjcf import build
 from cycloid_mj.result import keyed
 
@@ -105,12 +105,12 @@ def _traces(
     return dict(zip(work, traces, strict=True))
 
 
-def _statics(design: Design, case: Case, turns: int) -> te_table.Static:
+def _statics(design: Design, case: Case, turns: int) -> Errors:
     """Solve a case in statics."""
     crank = np.linspace(0.0, 2.0 * np.pi * turns, SOLVED * design.ring.teeth * turns + 1)
     turning = design.but(drive={"speed": case.speed})
     found = ARCSEC * transmission_error(turning, crank, float(np.sign(case.speed)) * case.torque)
-    return te_table.Static(crank, found[:, 0], found[:, 1])
+    return Errors(crank, found[:, 0], found[:, 1])
 
 
 def _assumptions(design: Design, turns: int) -> tuple[str, ...]:

@@ -1,7 +1,6 @@
 """Numbers, curves and orders of a measured transmission error."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -9,7 +8,7 @@ import numpy as np
 from cycloid_mj.analysis.spectrum import Orders, periodic_orders
 from cycloid_mj.design import Design
 from cycloid_mj.measure.orders import causes
-from cycloid_mj.measure.trace import Case, Trace
+from cycloid_mj.measure.trace import Case, Errors, Trace
 from cycloid_mj.result import Curve, Quantity
 from cycloid_mj.types import Array
 
@@ -24,24 +23,10 @@ _PACES = {"slow": "slow", "speed": "at speed"}
 _PLACES = {"gear": "gear", "stage": "output against the gear"}
 
 
-@dataclass(frozen=True, eq=False)
-class Static:
-    """Errors of gear and output in statics [arcsec] at increasing crank angles [rad], shape (n,) each."""
-
-    crank: Array
-    gear: Array
-    output: Array
-
-    @property
-    def stage(self) -> Array:
-        """Turn of the output against the gear [arcsec], shape (n,)."""
-        return self.output - self.gear
-
-
 Found = Mapping[Case, Trace]
 Finer = Mapping[tuple[str, str], Trace]
 """Load and pace -> the start of the run forward, with half the step."""
-Statics = Mapping[Case, Static]
+Statics = Mapping[Case, Errors]
 
 
 def quantities(design: Design, found: Found, finer: Finer, statics: Statics) -> list[Quantity]:
@@ -164,7 +149,7 @@ def _bases(design: Design) -> dict[str, float]:
     return {cause.place: cause.base for cause in causes(design)}
 
 
-def _spectrum(design: Design, errors: Trace | Static, place: str, base: float) -> Orders:
+def _spectrum(design: Design, errors: Errors, place: str, base: float) -> Orders:
     return periodic_orders(errors.crank, getattr(errors, place), base, HIGHEST * design.ring.teeth)
 
 

@@ -54,18 +54,24 @@ class Case:
 
 
 @dataclass(frozen=True, eq=False)
-class Trace:
-    """Errors of gear and output [arcsec] at increasing crank angles [rad] from 0, shape (n,) each, and the run."""
+class Errors:
+    """Errors of gear and output [arcsec] at increasing crank angles [rad] from 0, shape (n,) each."""
 
     crank: Array
     gear: Array
     output: Array
-    run: Run
 
     @property
     def stage(self) -> Array:
         """Turn of the output against the gear [arcsec], shape (n,)."""
         return self.output - self.gear
+
+
+@dataclass(frozen=True, eq=False)
+class Trace(Errors):
+    """The errors of a run, and the run."""
+
+    run: Run
 
 
 def own(reducer: ReducerModel) -> ReducerModel:
