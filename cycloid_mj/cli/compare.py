@@ -2,12 +2,14 @@
 
 import os
 from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from cycloid_mj.cli.flags import (
+    FLAT,
     HOLD,
     LOAD,
     RAMP,
@@ -17,6 +19,7 @@ from cycloid_mj.cli.flags import (
     PointFlag,
     QuietFlag,
     SetFlag,
+    Values,
     designed,
     point,
     require_distinct,
@@ -58,78 +61,93 @@ DesignsOrLogs = Annotated[
         help="Two or more designs (pin, nonpin, TOML files), which are run; or logs of such runs, which are read.",
     ),
 ]
-LoadFlag = Annotated[
-    float | None,
-    LOAD.flag(
-        "Torque of the loaded runs",
-        "; with 0, there is no load only. Default: the first design's rated torque, drive.torque_nm times the ratio "
-        "(36.68 in the presets).",
-    ),
-]
-RampFlag = Annotated[
-    float | None, RAMP.flag("Duration of the linear ramp from rest", ". Default: 0, which starts at full speed.")
-]
-HoldFlag = Annotated[
-    float | None,
-    HOLD.flag(
-        "Duration at constant speed",
-        f". Default: {TURNS} crank turns after the load has come on and settled for a turn (0.2661 in the presets); "
-        f"{IDLE_TURNS} at no load (0.1198).",
-    ),
-]
-OutFlag = Annotated[
-    str | None,
-    Parameter(
-        metavar="DIR",
-        help="Folder of logs and figures, made if there is none. It must not hold any of the logs yet, unless --force; "
-        f"its figures are replaced. Default: {RUNS}, or the first new one of {RUNS}-2, ...; for logs, the first log's "
-        "path with -compare for .mcap.",
-    ),
-]
-ForceFlag = Annotated[bool, Parameter(help="Replace logs that exist.")]
-SweepFlag = Annotated[
-    bool,
-    Parameter(
-        help="Vary contact damping (ratio 0.1, 1), friction of teeth and sockets (0, 0.1) and the pins' "
-        "freedom (fixed) one at a time, to show what decides the rankings. Five times the runs."
-    ),
-]
-QuickFlag = Annotated[
-    bool,
-    Parameter(
-        help="Leave out how far the dynamic figures move with creep speed and contact damping, for which the loaded "
-        f"runs are repeated with each, and run {QUICK_STARTS} starts at no load: the order of the designs is then not "
-        "determined there."
-    ),
-]
-JobsFlag = Annotated[
-    int | None,
-    Parameter(
-        metavar="N",
-        converter=whole,
-        validator=within(1, 256),
-        help="Runs at a time, from 1 to 256. Default: one for each processor.",
-    ),
-]
 
 
-def compare(
-    *designs: DesignsOrLogs,
-    set_: SetFlag = (),
-    load_nm: LoadFlag = None,
-    timestep_us: Annotated[float | None, TIMESTEP.flag("Time step; the first design's holds for all")] = None,
-    speed_rpm: Annotated[float | None, SPEED.flag("Crank speed; the first design's holds for all")] = None,
-    ramp_s: RampFlag = None,
-    hold_s: HoldFlag = None,
-    q: PointFlag = None,
-    sweep: SweepFlag = False,
-    quick: QuickFlag = False,
-    out: OutFlag = None,
-    jobs: JobsFlag = None,
-    force: ForceFlag = False,
-    json: JsonFlag = False,
-    quiet: QuietFlag = False,
-) -> int:
+@dataclass(frozen=True)
+class Options:
+    """How designs are run, and what becomes of the comparison."""
+
+    set_: SetFlag = ()
+    load_nm: Annotated[
+        float | None,
+        LOAD.flag(
+            "Torque of the loaded runs",
+            "; with 0, there is no load only. Default: the first design's rated torque, drive.torque_nm times the "
+            "ratio (36.68 in the presets).",
+        ),
+    ] = None
+    timestep_us: Annotated[float | None, TIMESTEP.flag("Time step; the first design's holds for all")] = None
+    speed_rpm: Annotated[float | None, SPEED.flag("Crank speed; the first design's holds for all")] = None
+    ramp_s: Annotated[
+        float | None, RAMP.flag("Duration of the linear ramp from rest", ". Default: 0, which starts at full speed.")
+    ] = None
+    hold_s: Annotated[
+        float | None,
+        HOLD.flag(
+            "Duration at constant speed",
+            f". Default: {TURNS} crank turns after the load has come on and settled for a turn (0.2661 in the "
+            f"presets); {IDLE_TURNS} at no load (0.1198).",
+        ),
+    ] = None
+    q: PointFlag = None
+    sweep: Annotated[
+        bool,
+        Parameter(
+            help="Vary contact damping (ratio 0.1, 1), friction of teeth and sockets (0, 0.1) and the pins' "
+            "freedom (fixed) one at a time, to show what decides the rankings. Five times the runs."
+        ),
+    ] = False
+    quick: Annotated[
+        bool,
+        Parameter(
+            help="Leave out how far the dynamic figures move with creep speed and contact damping, for which the "
+            f"loaded runs are repeated with each, and run {QUICK_STARTS} starts at no load: the order of the designs "
+            "is then not determined there."
+        ),
+    ] = False
+    out: Annotated[
+        str | None,
+        Parameter(
+            metavar="DIR",
+            help="Folder of logs and figures, made if there is none. It must not hold any of the logs yet, unless "
+            f"--force; its figures are replaced. Default: {RUNS}, or the first new one of {RUNS}-2, ...; for logs, "
+            "the first log's path with -compare for .mcap.",
+        ),
+    ] = None
+    jobs: Annotated[
+        int | None,
+        Parameter(
+            metavar="N",
+            converter=whole,
+            validator=within(1, 256),
+            help="Runs at a time, from 1 to 256. Default: one for each processor.",
+        ),
+    ] = None
+    force: Annotated[bool, Parameter(help="Replace logs that exist.")] = False
+    json: JsonFlag = False
+    quiet: QuietFlag = False
+
+    @property
+    def for_runs(self) -> bool:
+        """Whether one of the options is given that only runs obey."""
+        logs_too = ("q", "out", "json", "quiet")
+        return any(getattr(self, each.name) != each.default for each in fields(self) if each.name not in logs_too)
+
+    @property
+    def first(self) -> Values:
+        """Values of the first design, which hold for all."""
+        return (TIMESTEP, self.timestep_us), (SPEED, self.speed_rpm), (RAMP, self.ramp_s), (HOLD, self.hold_s)
+
+    @property
+    def held(self) -> bool:
+        """Whether the user says how long the hold is."""
+        return self.hold_s is not None or any(change.strip().startswith(HOLD.key) for change in self.set_)
+
+
+DEFAULT = Options()
+
+
+def compare(*designs: DesignsOrLogs, options: Annotated[Options, FLAT] = DEFAULT) -> int:
     """Run designs at no load and under load and put them side by side.
 
     For each load a table: errors of gear speed, path and speed of q,
@@ -159,21 +177,20 @@ def compare(
     20 kHz (unless --set settings.log_rate_hz), so vibration is told up to
     10 kHz. With --json, one JSON object instead of the tables.
     """
-    place = point(q)
+    q = point(options.q)
     logs = [name for name in designs if name.endswith(".mcap")]
     if logs and len(logs) < len(designs):
         raise UsageError(f"{logs[0]} is a log, {_first_design(designs)} a design: give designs only, or logs only")
     if len(designs) < 2:
         raise UsageError("a comparison needs two designs or more, such as: cycloid-mj compare pin nonpin")
+    if logs and options.for_runs:
+        raise UsageError("logs are read as they are: give only --q, --out, --json and --quiet with them")
     if logs:
-        flags = (set_, load_nm, timestep_us, speed_rpm, ramp_s, hold_s, sweep, quick, jobs, force)
-        report(*_from_logs(logs, any(flag not in ((), None, False) for flag in flags), place, out), json)
+        report(*_from_logs(logs, q, options.out), options.json)
         return 0
-    values = [(TIMESTEP, timestep_us), (SPEED, speed_rpm), (RAMP, ramp_s), (HOLD, hold_s)]
-    first = designed(designs[0], (*DEFAULTS, *set_), values)
-    held = hold_s is not None or any(change.strip().startswith("drive.hold_s") for change in set_)
-    cases = _cases([designed(name, set_, ()) for name in designs], first, load_nm, held)
-    report(*_from_runs(cases, sweep, quick, place, out, jobs or os.cpu_count() or 1, force, quiet), json)
+    first = designed(designs[0], (*DEFAULTS, *options.set_), options.first)
+    cases = _cases([designed(name, options.set_, ()) for name in designs], first, options)
+    report(*_from_runs(cases, q, options), options.json)
     return 0
 
 
@@ -192,8 +209,8 @@ def _held_for_turns(design: Design) -> Design:
     return design.steady(settling(design), turns, samples=1.0, drive={"ramp": design.drive.ramp})
 
 
-def _cases(designs: Sequence[Design], first: Design, load_nm: float | None, held: bool) -> list[Design]:
-    """Give every design under the settings of `first`, at no load and under load, of its hold if that is `held` to.
+def _cases(designs: Sequence[Design], first: Design, options: Options) -> list[Design]:
+    """Give every design under the settings of `first`, at no load and under load.
 
     A pin and a nonpin design are joined by the nonpin design with the other's total play and series stiffness at that
     load: it tells the effect of the design from that of the clearance.
@@ -205,23 +222,19 @@ def _cases(designs: Sequence[Design], first: Design, load_nm: float | None, held
         require_pin_bodies(design, "the idle and dynamic figures of a comparison")
     require_distinct(designs)
     shared = conditions(first)
-    rated = round(first.drive.torque * first.lobes, 9) if load_nm is None else load_nm
+    rated = round(first.rated_torque, 9) if options.load_nm is None else options.load_nm
     compared = list(designs)
     if len(designs) == 2 and {design.ring.kind for design in designs} == {"pin", "nonpin"}:
         pin, nonpin = sorted(designs, key=lambda design: design.ring.kind, reverse=True)
         compared.append(with_play_of(nonpin, under(pin, shared, rated)))
     cases = [under(design, shared, load) for load in dict.fromkeys((0.0, rated)) for design in compared]
-    return cases if held else [_held_for_turns(design) for design in cases]
+    return cases if options.held else [_held_for_turns(design) for design in cases]
 
 
-def _from_logs(
-    names: Sequence[str], flagged: bool, place: tuple[float, float] | None, out: str | None
-) -> "tuple[Comparison, list[Path]]":
-    if flagged:
-        raise UsageError("logs are read as they are: give only --q, --out, --json and --quiet with them")
+def _from_logs(names: Sequence[str], q: tuple[float, float] | None, out: str | None) -> "tuple[Comparison, list[Path]]":
     from cycloid_mj.comparison import compare as compared
 
-    found = [_measured(Path(name), place) for name in names]
+    found = [_measured(Path(name), q) for name in names]
     comparison = compared([trial for _, trial in found], figures=vibration().figures)
     motions = {trial: motion for motion, trial in found}
     into = folder(f"{names[0].removesuffix('.mcap')}-compare" if out is None else out, "the figures")
@@ -229,23 +242,16 @@ def _from_logs(
 
 
 def _from_runs(
-    cases: Sequence[Design],
-    sweep: bool,
-    quick: bool,
-    q: tuple[float, float] | None,
-    out: str | None,
-    workers: int,
-    force: bool,
-    quiet: bool,
+    cases: Sequence[Design], q: tuple[float, float] | None, options: Options
 ) -> "tuple[Comparison, list[Path]]":
     from cycloid_mj.cli.batch import run_all
     from cycloid_mj.comparison import ASSUMPTIONS, STARTS, SWEEP, Trial, Variation, all_started, sensitivities, varied
     from cycloid_mj.comparison import compare as compared
 
-    count = QUICK_STARTS if quick else STARTS
+    count = QUICK_STARTS if options.quick else STARTS
     starts = {design: (design,) if design.load.torque else all_started(design, count) for design in cases}
     as_it_is = Variation("", "as it is", ())
-    variations, assumptions = SWEEP if sweep else (), () if quick else ASSUMPTIONS
+    variations, assumptions = SWEEP if options.sweep else (), () if options.quick else ASSUMPTIONS
     loaded = [design for design in cases if design.load.torque]
     names = {start: _log_name(start, place) for each in starts.values() for place, start in enumerate(each)}
     for variation, changed in [*((each, cases) for each in variations), *((each, loaded) for each in assumptions)]:
@@ -255,9 +261,9 @@ def _from_runs(
                 names.setdefault(variation.of(start), f"{_log_name(start, place)}-{words}")
     for design in names:
         require_possible(design)
-    into = logs_folder(RUNS, out, list(names.values()), force)
+    into = logs_folder(RUNS, options.out, list(names.values()), options.force)
     logs = {design: into / f"{name}.mcap" for design, name in names.items()}
-    run_all(logs, min(workers, len(logs)), force, quiet)
+    run_all(logs, min(options.jobs or os.cpu_count() or 1, len(logs)), options.force, options.quiet)
     motions, measured = {}, {}
     for design, log in logs.items():
         motion, trial = _measured(log, q)
@@ -283,14 +289,14 @@ def _log_name(design: Design, start: int = 0) -> str:
     return f"{case}-start-{start + 1}" if start else case
 
 
-def _measured(log: Path, place: tuple[float, float] | None) -> "tuple[Series, Trial]":
+def _measured(log: Path, q: tuple[float, float] | None) -> "tuple[Series, Trial]":
     from cycloid_mj.comparison import Trial, measure, settled
     from cycloid_mj.log import read
 
     run = read(log)
     if not run.complete:
         raise LogError(f"the run of {log} did not reach its end ({run.note}): run it again to compare it")
-    motion = settled(run, place)
+    motion = settled(run, q)
     return motion, Trial(motion.design, measure(motion, str(log)))
 
 
