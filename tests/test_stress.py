@@ -461,6 +461,7 @@ def test_only_the_papers_own_designs_are_judged_and_only_without_load():
 def test_a_preset_is_of_the_paper_under_any_load_and_another_design_is_not():
     assert is_ours(override(NONPIN, ["load.torque_nm=5.0", "settings.timestep_us=3.0"]))
     assert is_ours(PIN.model_copy(update={"name": "mine"}))
+    assert is_ours(PIN.but(material={"name": ""}))
     assert not is_ours(override(PIN, ["gear.face_width_mm=12.0"]))
     assert not is_ours(PIN.but(gear_material=PIN.material.model_dump() | {"density": 2700.0}))
 

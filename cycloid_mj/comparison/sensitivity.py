@@ -78,7 +78,7 @@ def sensitivities(base: Sequence[Trial], changed: Mapping[Variation, Sequence[Tr
 
 def sensitivity_table(found: Sequence[Sensitivity], condition: str) -> Table:
     """Give the changes of each figure with each assumption, a column for each design, or "not determined"."""
-    ends = " and ".join(f"{each.parameter} {each.value}" for each in ASSUMPTIONS)
+    ends = " and ".join(each.words for each in ASSUMPTIONS)
     designs = list(dict.fromkeys(each.design for each in found))
     rows = []
     for quantity in dict.fromkeys(each.quantity for each in found):

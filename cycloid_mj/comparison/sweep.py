@@ -19,6 +19,11 @@ class Variation:
     changes: tuple[str, ...]
     pins_only: bool = False
 
+    @property
+    def words(self) -> str:
+        """Parameter and value, as a case of a table is called."""
+        return f"{self.parameter} {self.value}"
+
     def of(self, design: Design) -> Design:
         """Give the design with the change, or as it is where it does not concern it."""
         return design if self.pins_only and design.ring.kind != "pin" else override(design, self.changes)

@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from cycloid_mj.analysis.series import design_of
 from cycloid_mj.analysis.window import in_hold
-from cycloid_mj.design import Design
+from cycloid_mj.design import PARTS, Design
 from cycloid_mj.errors import LogError, UsageError
 from cycloid_mj.names import CAM, FORCE_X, column
 from cycloid_mj.record import Run
@@ -22,8 +22,9 @@ FREE = {
     "environment": None,
     "settings": None,
     "drive": {"power", "torque", "speed", "ramp", "hold"},
+    **{table: {"name"} for table in ("material", *(f"{part}_material" for part in PARTS))},
 }
-"""What a log may have other than the design it is held against: under what it ran, not what ran."""
+"""What a log may have other than the design it is held against: under what it ran, not what ran, and names."""
 
 COARSEST = 1.5
 """Samples may lie this many wanted steps apart; then no sample stands for more than two of the wanted angles."""

@@ -72,8 +72,8 @@ class Erratum:
     def as_json(self) -> dict[str, Any]:
         """Give the erratum with its two errors."""
         printed, right = self.errors()
-        told = {"equation": self.equation, "printed": self.printed, "right": self.right, "proof": self.proof}
-        return {**told, "printed_error": printed, "right_error": right, "harmless": self.harmless}
+        texts = {"equation": self.equation, "printed": self.printed, "right": self.right, "proof": self.proof}
+        return {**texts, "printed_error": printed, "right_error": right, "harmless": self.harmless}
 
 
 def first(function: Callable[[Array], Array], at: npt.ArrayLike, step: float) -> Array:

@@ -45,11 +45,6 @@ def levels_of(starts: Mapping[str, Sequence[Run]]) -> Levels:
     }
 
 
-def label(variation: Variation) -> str:
-    """Name a variation in a row."""
-    return f"{variation.parameter} {variation.value}"
-
-
 NUDGE = 1e-9
 """By how much of itself gravity differs between two runs that begin all but alike."""
 

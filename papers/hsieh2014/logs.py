@@ -18,8 +18,8 @@ DIGITS = 12
 def log_name(design: Design, stands_on: Mapping[str, str]) -> str:
     """Give the file name of a design's log, with a hash of the design and of what a run of it stands on."""
     load = f"{design.load.torque:g}Nm" if design.load.torque else "no-load"
-    told = dump(design) + "".join(f"\n{key}={value}" for key, value in sorted(stands_on.items()))
-    return f"{design.name}-{load}-{hashlib.sha256(told.encode()).hexdigest()[:DIGITS]}.mcap"
+    stands_for = dump(design) + "".join(f"\n{key}={value}" for key, value in sorted(stands_on.items()))
+    return f"{design.name}-{load}-{hashlib.sha256(stands_for.encode()).hexdigest()[:DIGITS]}.mcap"
 
 
 def fits(run: Run, design: Design, stands_on: Mapping[str, str]) -> bool:

@@ -143,13 +143,13 @@ def _pin_cycle(findings: StressFindings) -> Claim:
     order = np.argsort(degrees)
     degrees, loaded = degrees[order], (pin.bulk > RELIEVED * pin.bulk.max())[order]
     changes = np.flatnonzero(loaded != np.roll(loaded, 1))
-    told = ", ".join(f"{'loaded' if loaded[i] else 'relieved'} from {degrees[i]:.0f} deg" for i in changes)
-    told = told or ("always loaded" if loaded.all() else "never loaded")
+    cycle = ", ".join(f"{'loaded' if loaded[i] else 'relieved'} from {degrees[i]:.0f} deg" for i in changes)
+    cycle = cycle or ("always loaded" if loaded.all() else "never loaded")
     begins, ends = (degrees[changes[loaded[changes] == wanted]] for wanted in (True, False))
     return _judged(
         PIN_1_CYCLE,
         findings.design,
-        f"{told}; {loaded.mean():.0%} of the turn under load, most at {_degrees(pin):.0f} deg",
+        f"{cycle}; {loaded.mean():.0%} of the turn under load, most at {_degrees(pin):.0f} deg",
         bool(loaded[0]) and _is_near(begins, PIN_1_LOADED[0]) and _is_near(ends, PIN_1_LOADED[1]),
         "load sharing: half of the pins carry at a time where clearances are as small as the deflections, so each "
         "carries for half a turn; 20 deg of 360 would mean two loaded pins, as with larger clearances or less load",

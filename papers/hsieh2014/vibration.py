@@ -15,7 +15,6 @@ from hsieh2014.idle import (
     Levels,
     divergence,
     idle,
-    label,
     levels_of,
     nudged,
     pin_over_nonpin,
@@ -63,7 +62,7 @@ def vibration(plan: Plan, runs: Runs, progress: Progress) -> Found:
     base, sweep = idle(plan, runs), swept(plan, runs)
     chaos = {one.name: divergence(*runs([one, other])) for one, other in pairs}
     rated = {"as it is": _rated(runs(rated_runs(plan)))} | _varied_rated(plan, runs)
-    cases = {"as it is": base} | {label(one): found for one, found in sweep.items()}
+    cases = {"as it is": base} | {one.words: found for one, found in sweep.items()}
     finer = {design.name: finer_idle_runs(plan, design) for design in designs()}
     halved = {"half the step": levels_of({name: runs(starts) for name, starts in finer.items()})}
     return Found(
@@ -108,7 +107,7 @@ def _plates(plan: Plan, runs: Runs, cases: Mapping[str, Levels]) -> Iterator[Pla
 def _claim(quantity: Ranked, base: Levels, sweep: Mapping[Variation, Levels], rated: Levels) -> Claim:
     """Judge which design fluctuates more at no load: by its starts, and by what the paper leaves open."""
     key = quantity.key
-    turned_by = {label(one): pin_over_nonpin(found, key) for one, found in sweep.items() if one.parameter in LEFT_OPEN}
+    turned_by = {one.words: pin_over_nonpin(found, key) for one, found in sweep.items() if one.parameter in LEFT_OPEN}
     verdict, turned = order_verdict(pin_over_nonpin(base, key), turned_by)
     pin, nonpin = base[key]["pin"], base[key]["nonpin"]
     ratio = pin.over(nonpin)
@@ -130,7 +129,7 @@ def _claim(quantity: Ranked, base: Levels, sweep: Mapping[Variation, Levels], ra
 def _decided(key: str, base: Levels, sweep: Mapping[Variation, Levels], turned: Sequence[str]) -> str:
     """Tell what turns the order round among all that is varied, and what of that the paper leaves open."""
     given = [
-        label(one)
+        one.words
         for one, found in sweep.items()
         if one.parameter not in LEFT_OPEN and pin_over_nonpin(found, key) not in (0, pin_over_nonpin(base, key))
     ]
@@ -156,7 +155,7 @@ def _varied_rated(plan: Plan, runs: Runs) -> dict[str, Levels]:
     """Give the rated levels with one parameter varied at a time, and with half the step; none if quick."""
     if plan.quick:
         return {}
-    cases = {label(one): varied_rated_runs(plan, one) for one in variations(plan)}
+    cases = {one.words: varied_rated_runs(plan, one) for one in variations(plan)}
     cases |= {"half the step": finer_rated_runs(plan)} if plan.finer_turns else {}
     runs([run for each in cases.values() for run in each])
     return {name: _rated(runs(each)) for name, each in cases.items()}
@@ -168,7 +167,7 @@ def _spin_table(plan: Plan, runs: Runs) -> Table:
     cases = {"as it is": (idle_runs(plan, design), rated_runs(plan)[:1])}
     for one in variations(plan):
         if one.of(design).ring.has_moving_pins:
-            cases[label(one)] = (
+            cases[one.words] = (
                 varied_idle_runs(plan, one, design),
                 [] if plan.quick else varied_rated_runs(plan, one)[:1],
             )
