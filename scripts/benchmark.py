@@ -68,7 +68,7 @@ EXUDYN = {FIXED: (5.0, 15.0), FREE: (247.0,)}
 
 Fixed pins: a contact of the user's own, compiled, least and most. Free pins: its own contact.
 """
-STEPS = {FIXED: ("settings.timestep_us=10",), FREE: ()}
+OWN_STEP = "settings.timestep_us=0"
 
 
 def in_turn(passes: int, **cases: Callable[[], float]) -> Row:
@@ -215,8 +215,8 @@ def exudyn_table(passes: int) -> Table:
     """
     table: Table = {}
     for kind, published in EXUDYN.items():
-        step = float(example(kind, 36.0, 0, *STEPS[kind])[1].model.opt.timestep)
-        case = example(kind, 36.0, 0, *STEPS[kind], *_lasting(20_000, step))
+        step = float(example(kind, 36.0, 0, OWN_STEP)[1].model.opt.timestep)
+        case = example(kind, 36.0, 0, OWN_STEP, *_lasting(20_000, step))
         here = [loop_cost(*case) / (1e6 * step) for _ in range(passes)]
         row = {"here": here, "Exudyn": list(published)}
         table[kind] = row | {"Exudyn / here": [cost / statistics.median(here) for cost in published]}

@@ -22,7 +22,6 @@ from numba import cfunc, njit, types
 from cycloid_mj.contact.collider import installed
 from cycloid_mj.contact.library import function_address, library
 from cycloid_mj.contact.memory import read_address, write_float
-from cycloid_mj.contact.timestep import timestep
 from cycloid_mj.course import initial_state, ramp_and_hold
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.log import LogWriter
@@ -87,11 +86,11 @@ def timers() -> Iterator[None]:
 
 
 def example(kind: str, load: float, steps: int, *changes: str) -> Case:
-    """Give a design with its model: at full speed, so many steps of its own long after the warm ones."""
+    """Give a design with its model: at full speed, `steps` of 1 us long after the warm ones."""
     preset, pins = KINDS[kind]
-    settings = ["drive.ramp_s=0.0", f"load.torque_nm={load}", f'ring.pins="{pins}"', *changes]
-    hold = (WARM + steps) * timestep(override(PRESETS[preset], settings))
-    design = override(PRESETS[preset], [f"drive.hold_s={hold!r}", *settings])
+    hold = (WARM + steps) * 1e-6
+    run = ["settings.timestep_us=1.0", "drive.ramp_s=0.0", f"drive.hold_s={hold!r}", f"load.torque_nm={load}"]
+    design = override(PRESETS[preset], [f'ring.pins="{pins}"', *run, *changes])
     return design, build(design)
 
 

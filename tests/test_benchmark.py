@@ -72,9 +72,9 @@ def test_a_ratio_to_exudyn_is_to_each_published_cost(monkeypatch) -> None:
 
     monkeypatch.setattr(benchmark, "loop_cost", cost)
     table = benchmark.exudyn_table(1)
-    step = 1e6 * benchmark.example("free pins", 36.0, 0)[1].model.opt.timestep
-    assert table["fixed pins"]["Exudyn / here"] == pytest.approx([5.0 / 2.0, 15.0 / 2.0])
-    assert table["free pins"]["Exudyn / here"] == pytest.approx([247.0 * step / 20.0])
+    for kind, published in (("fixed pins", [5.0, 15.0]), ("free pins", [247.0])):
+        step = 1e6 * benchmark.example(kind, 36.0, 0, benchmark.OWN_STEP)[1].model.opt.timestep
+        assert table[kind]["Exudyn / here"] == pytest.approx([cost * step / 20.0 for cost in published])
 
 
 def test_figures_of_two_trees_are_held_against_each_other_by_name(tmp_path) -> None:
