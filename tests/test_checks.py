@@ -384,7 +384,7 @@ def test_a_passing_counterweight_balances_the_gear_measured_by_its_polygon() -> 
 def test_check_never_crashes_on_what_the_model_accepts() -> None:
     rng = np.random.default_rng(11)
     outcomes: set[tuple[str, bool]] = set()
-    for _ in range(400):
+    for _ in range(200):
         for item in soundness(random_design(rng)):
             outcomes.add((item.name, item.passed))
             assert not re.search(r"\b(nan|inf|None)\b", f"{item.got} {item.limit}")
@@ -399,7 +399,7 @@ def test_check_never_crashes_on_what_the_model_accepts() -> None:
 def test_passing_designs_have_a_simple_outline_of_consistent_curvature() -> None:
     rng = np.random.default_rng(5)
     passing = 0
-    for _ in range(250):
+    for _ in range(150):
         teeth = int(rng.choice(TEETH))
         kind = str(rng.choice(["pin", "nonpin"]))
         bend, fill = rng.uniform(0.05, 0.99), rng.uniform(0.1, 1.2)
@@ -422,7 +422,7 @@ def test_passing_designs_have_a_simple_outline_of_consistent_curvature() -> None
         np.testing.assert_allclose(1 / of_profile[convex], 1 / of_path[convex] - offset, rtol=1e-6, atol=1e-9)
         if kind == "nonpin" and teeth <= 36:
             assert_simple_ring(gear)
-    assert passing > 60
+    assert passing > 30
 
 
 def assert_simple_ring(gear: CycloidGear) -> None:
@@ -447,7 +447,7 @@ def test_the_outline_crosses_itself_beyond_the_limit_and_not_before(teeth: int) 
 def test_remedies_help_on_random_designs() -> None:
     rng = np.random.default_rng(3)
     helped = set()
-    for _ in range(120):
+    for _ in range(60):
         changes = simple_changes(int(rng.choice(TEETH)), "pin", rng.uniform(0.2, 1.3), rng.uniform(0.2, 1.5), rng)
         design = override(PRESETS["pin"], changes)
         for name, item in failed(design).items():

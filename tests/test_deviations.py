@@ -1,5 +1,7 @@
 """Manufacturing errors and profile modification: drawn, listed, seen by the collider, and carried into load sharing."""
 
+from functools import cache
+
 import mujoco
 import numpy as np
 import pytest
@@ -136,6 +138,11 @@ def even_parameters(gear: CycloidGear, offset: float, samples: int) -> np.ndarra
     return np.interp(np.linspace(length[0], length[-1], samples, endpoint=False), length, t)
 
 
+@cache
+def polygons_of(design: Design) -> "Polygons":
+    return Polygons(design)
+
+
 class Polygons:
     """The gear by dense points of its profile turned to both sides, less those cut away: no theory of flanks."""
 
@@ -187,13 +194,13 @@ def test_pins_touch_the_polygons(name: str) -> None:
     A pin farther from its valley than the 48 um between their radii is beyond the valley's centre: no contact is near.
     """
     design = pin(*MODIFICATIONS[name])
-    reducer, polygons, rng = build(design), Polygons(design), np.random.default_rng(1)
+    reducer, polygons, rng = build(design), polygons_of(design), np.random.default_rng(1)
     flanks = Flanks(gear_profile(design), profile_offset(design), design.modification.rotation)
     nominal = CycloidGear(36, 1e-3, 40.75e-3, 2.25e-3)
     centres = nominal.pin_circle_radius * unit(profile.pin_angles(nominal))
-    unmodified = Polygons(pin())
+    unmodified = polygons_of(pin())
     difference, count = 0.0, 0
-    for _ in range(60):
+    for _ in range(30):
         crank, shift, turn = rng.uniform(0, 2 * np.pi), rng.uniform(-8e-6, 8e-6, 2), rng.uniform(-1e-4, 1e-4)
         pose = Pose(1e-3 * np.array([-np.sin(crank), np.cos(crank)]) + shift, -crank / 35 + turn)
         expected = polygons.distance(pose.to_gear(centres)) - nominal.pin_radius
@@ -205,7 +212,7 @@ def test_pins_touch_the_polygons(name: str) -> None:
         without = unmodified.distance(pose.to_gear(centres)) - nominal.pin_radius
         difference = max(difference, float(np.abs(expected - without)[near].max()))
         count += np.count_nonzero(near)
-    assert count > 600
+    assert count > 300
     assert difference > 1e-6
 
 
@@ -231,10 +238,10 @@ def gaps_of_pins(reducer, pose: Pose, crank: float) -> np.ndarray:
 def test_lobes_touch_the_polygons(name: str) -> None:
     """Every minimum of the gap along a lobe that the clearance lets touch is found, and nothing else."""
     design = nonpin(*MODIFICATIONS[name])
-    ring, brute, rng = Rig(design, margin=1e-4), Polygons(design), np.random.default_rng(3)
+    ring, brute, rng = Rig(design, margin=1e-4), polygons_of(design), np.random.default_rng(3)
     coarse = np.linspace(-2.0, 2.0, 321)
     flanks = 0
-    for _ in range(150):
+    for _ in range(75):
         crank, shift, turn = rng.uniform(0, 2 * np.pi), rng.uniform(-5e-6, 5e-6, 2), rng.uniform(-5e-5, 5e-5)
         lobe = round((-crank + rng.uniform(-0.7, 0.7)) * 36 / (2 * np.pi)) % 36
 
@@ -250,7 +257,7 @@ def test_lobes_touch_the_polygons(name: str) -> None:
         on_ring = mine[:, 2:4] + 0.5 * mine[:, 1:2] * mine[:, 4:6]
         seen = brute.gap(turned(on_ring - ring.centre(crank, shift), ring.angle(crank, turn)))
         assert np.abs(seen - mine[:, 1]).max(initial=0.0) < 2e-9
-    assert flanks > 10
+    assert flanks > 5
 
 
 @pytest.mark.parametrize("arcsec", [5.0, 150.0, 2000.0])

@@ -30,10 +30,10 @@ DESIGNS = {
 }
 
 
-def signed_distance(polygon: np.ndarray, points: np.ndarray) -> np.ndarray:
+def signed_distance(polygon: np.ndarray, tree: cKDTree, points: np.ndarray) -> np.ndarray:
     """Distance of points from a counter-clockwise polygon, positive outside: to the segments beside the next corner."""
     corners = len(polygon)
-    _, nearest = cKDTree(polygon).query(points)
+    _, nearest = tree.query(points)
     found = np.full(len(points), np.inf)
     for first in (nearest - 1, nearest):
         start, end = polygon[first % corners], polygon[(first + 1) % corners]
@@ -46,22 +46,25 @@ def signed_distance(polygon: np.ndarray, points: np.ndarray) -> np.ndarray:
     return found
 
 
-def deepest(design: Design, x: float, y: float, turn: float) -> float:
-    """How deep the ring's outline is in the gear's, the gear's centre at x, y and turned counter-clockwise [m]."""
-    polygon = gear_outline(design, CHORD_ERROR)
-    if area_moments(polygon).area < 0.0:
-        polygon = polygon[::-1]
-    cosine, sine = np.cos(turn), np.sin(turn)
+class Outlines:
+    """The outlines of gear and ring by dense points."""
 
-    def to_gear(points: np.ndarray) -> np.ndarray:
-        return (points - [x, y]) @ np.array([[cosine, -sine], [sine, cosine]])
+    def __init__(self, design: Design) -> None:
+        polygon = gear_outline(design, CHORD_ERROR)
+        self.polygon = polygon if area_moments(polygon).area > 0.0 else polygon[::-1]
+        self.tree = cKDTree(self.polygon)
+        if design.ring.kind == "nonpin":
+            self.ring, self.radius = envelope.sample_ring(tooth_profile(design), FINE).points, 0.0
+        else:
+            angle = 2.0 * np.pi * np.arange(design.ring.teeth) / design.ring.teeth
+            self.ring = design.ring.pin_circle_radius * np.stack([np.sin(angle), np.cos(angle)], axis=1)
+            self.radius = design.ring.pin_radius
 
-    if design.ring.kind == "nonpin":
-        ring = envelope.sample_ring(tooth_profile(design), FINE).points
-        return float(-signed_distance(polygon, to_gear(ring)).min())
-    angle = 2.0 * np.pi * np.arange(design.ring.teeth) / design.ring.teeth
-    centres = design.ring.pin_circle_radius * np.stack([np.sin(angle), np.cos(angle)], axis=1)
-    return float(design.ring.pin_radius - signed_distance(polygon, to_gear(centres)).min())
+    def deepest(self, x: float, y: float, turn: float) -> float:
+        """How deep they are in each other, the gear's centre at x, y and turned counter-clockwise [m]."""
+        cosine, sine = np.cos(turn), np.sin(turn)
+        points = (self.ring - [x, y]) @ np.array([[cosine, -sine], [sine, cosine]])
+        return float(self.radius - signed_distance(self.polygon, self.tree, points).min())
 
 
 @pytest.mark.parametrize("name", DESIGNS)
@@ -70,7 +73,7 @@ def test_penetration_is_how_deep_the_outlines_are_in_each_other(name: str) -> No
     design = override(DESIGNS[name], ["clearance.cam_um=100", "clearance.output_um=300"])
     reducer = build(design)
     index = pair_index(reducer.model, reducer.pairs)
-    rng, factors = np.random.default_rng(1), []
+    outlines, rng, factors = Outlines(design), np.random.default_rng(1), []
     play, c = getattr(design.clearance, design.tooth_pair), design.gear.eccentricity
     for crank in (0.0, 0.4, 2.0, 4.4):
         data = mujoco.MjData(reducer.model)
@@ -83,7 +86,7 @@ def test_penetration_is_how_deep_the_outlines_are_in_each_other(name: str) -> No
         with installed():
             mujoco.mj_forward(reducer.model, data)
         found = pair_forces(data, index).penetration
-        expected = deepest(design, x, y, turn)
+        expected = outlines.deepest(x, y, turn)
         assert expected > 2e-6
         assert found == pytest.approx(expected, abs=3e-9)
         factors.append(-data.contact.dist.min() / found)

@@ -239,9 +239,18 @@ def test_the_order_is_found_where_there_is_one():
 def test_a_step_up_to_the_default_is_judged(name, within, beyond):
     good = {1.0: FIGURES, 2.0: replace(FIGURES, **{name: within})}
     bad = {1.0: FIGURES, 2.0: replace(FIGURES, **{name: beyond})}
-    assert failed(steps.judged(FIXED, good, 2.0)) == []
-    assert len(failed(steps.judged(FIXED, bad, 2.0))) == 1
+    assert failed(steps.judged(FIXED, good, 4.0)) == []
+    assert len(failed(steps.judged(FIXED, bad, 4.0))) == 1
     assert failed(steps.judged(FIXED, bad, 1.0)) == []
+
+
+@pytest.mark.parametrize(("kind", "bound"), [(FIXED, 1.2), (FREE, 6.0)])
+def test_the_step_that_is_chosen_has_bounds_of_its_own(kind, bound):
+    def study(error):
+        return {1.0: FIGURES, 2.0: replace(FIGURES, peak_to_peak=FIGURES.peak_to_peak * (1.0 + error / 100.0))}
+
+    assert failed(steps.judged(kind, study(0.99 * bound), 2.0)) == []
+    assert len(failed(steps.judged(kind, study(1.01 * bound), 2.0))) == 1
 
 
 def test_a_run_that_fails_is_judged_by_its_step():

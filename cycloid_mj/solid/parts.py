@@ -10,7 +10,7 @@ from cycloid_mj.solid.prism import Solid
 from cycloid_mj.solid.shaft import balanced_shaft
 
 SHAPING_NOTHING = (
-    *("name", "friction", "drag", "contact", "stiffness", "damping", "working_force"),
+    *("name", "errors", "friction", "drag", "contact", "stiffness", "damping", "working_force"),
     *("drive", "load", "environment", "settings"),
 )
 """What of a design no part depends on: runs at other loads and speeds have the same parts, which are drawn once."""

@@ -41,7 +41,7 @@ class Balance:
 
 def rows(kind: str, quick: bool) -> list[Row]:
     """Give the row of one kind of ring."""
-    duration = 0.008 if quick else 0.02
+    duration = 0.008 if quick else 0.012
     design = reducer_of(
         kind,
         f"drive.ramp_s={duration!r}",

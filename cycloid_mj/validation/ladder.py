@@ -68,8 +68,7 @@ def _parts() -> Iterator[Part]:
     for kind, cost in ((FIXED, (0.7, 2.0)), (FREE, (2.0, 4.0)), (NONPIN, (1.0, 3.0))):
         yield Part("energy", partial(energy.rows, kind), cost)
     yield Part("energy", energy.jolt_rows, (2.0, 2.0))
-    moving = ((FREE, (10.0, 25.0)), (SLEEVED, (10.0, 25.0)))
-    for kind, cost in ((FIXED, (3.5, 6.0)), *moving, (NONPIN, (6.0, 12.0))):
+    for kind, cost in ((FIXED, (0.4, 2.0)), (FREE, (2.5, 7.0)), (SLEEVED, (2.0, 6.0)), (NONPIN, (0.5, 2.5))):
         yield Part("steps", partial(steps.rows, kind), cost)
     for kind, cost in ((FIXED, (1.0, 1.2)), (FREE, (2.5, 4.0)), (NONPIN, (1.3, 2.0))):
         yield Part("mirror", partial(symmetry.mirror_rows, kind), cost)
