@@ -19,8 +19,6 @@ PUBLIC_DESPITE_THE_UNDERSCORE = {
     # MuJoCo's bindings: the address of a structure
     "_address",
 }
-SPLIT_LATER = ("cycloid_mj/mjcf/folder.py", "cycloid_mj/mjcf/mesh.py")
-"""They still build on private functions of ``mjcf/model.py``."""
 JUDGED_BY_WORDS = {
     # a file of the Linux kernel, whose lines have no other key
     ("scripts/benchmark.py", "model name"),
@@ -98,7 +96,7 @@ def literals() -> set[str]:
 
 def test_modules_keep_their_private_names() -> None:
     found = {str(path.relative_to(ROOT)): list(private_names_of_others(tree(path))) for path in SOURCES}
-    assert {place: names for place, names in found.items() if names and place not in SPLIT_LATER} == {}
+    assert {place: names for place, names in found.items() if names} == {}
 
 
 def test_modules_decide_by_keys() -> None:
