@@ -10,6 +10,7 @@ radius of the output pins), and x, y of every free pin or sleeve.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.optimize import minimize, root
@@ -55,7 +56,7 @@ class Equilibrium:
     departures: Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Locked:
     """A reducer whose crank is locked.
 
@@ -230,6 +231,12 @@ def _solution(locked: Locked, z: Array) -> Equilibrium:
 
 
 def _springs(locked: Locked, z: Array, uniform: bool) -> dict[str, Springs]:
+    return _springs_at(locked, z.tobytes(), uniform)
+
+
+@lru_cache(maxsize=1)  # energy, balance and stiffness ask for them at the same pose
+def _springs_at(locked: Locked, pose: bytes, uniform: bool) -> dict[str, Springs]:
+    z = np.frombuffer(pose)
     springs = {"ring": _ring(locked, z, uniform), "cam": _cam(locked, z), "output": _output(locked, z)}
     return springs | {"socket": _sockets(locked, z)} if locked.has_moving_pins else springs
 
