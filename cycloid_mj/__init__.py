@@ -17,8 +17,10 @@ if TYPE_CHECKING:
     from cycloid_mj.checks import Check, check
     from cycloid_mj.design import PRESETS, Design
     from cycloid_mj.design import resolve as load
+    from cycloid_mj.explore import tolerance
     from cycloid_mj.log import read as read_log
     from cycloid_mj.mjcf import build
+    from cycloid_mj.rating import rate
     from cycloid_mj.record import Run
     from cycloid_mj.result import Curve, Quantity, Table
     from cycloid_mj.run import simulate
@@ -37,9 +39,11 @@ __all__ = [
     "check",
     "load",
     "measure",
+    "rate",
     "read_log",
     "simulate",
     "stress",
+    "tolerance",
 ]
 
 __version__ = "0.1.0"
@@ -58,9 +62,11 @@ _ORIGINS = {
     "check": "checks",
     "load": "design.resolve",
     "measure": "",
+    "rate": "rating",
     "read_log": "log.read",
     "simulate": "run",
     "stress": "",
+    "tolerance": "explore",
 }
 """Where each public name lives: a room, and the name there if it is another; a room itself has no origin."""
 

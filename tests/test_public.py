@@ -29,7 +29,7 @@ def test_the_import_alone_loads_nothing_heavy() -> None:
 def test_functions_stay_functions_after_every_module_is_imported() -> None:
     """A submodule of the same name would hide them."""
     code = "import cycloid_mj as cm, cycloid_mj.cli.app; assert all(callable(getattr(cm, n)) for n in names)"
-    names = ["analyze", "build", "check", "load", "read_log", "simulate"]
+    names = ["analyze", "build", "check", "load", "rate", "read_log", "simulate", "tolerance"]
     subprocess.run([sys.executable, "-c", f"names = {names}; {code}"], check=True)
 
 

@@ -17,8 +17,8 @@ from cycloid_mj.errors import UsageError
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.rating import Duty, DutyPoint, rate, read_duty, rolling
 from cycloid_mj.rating.fatigue import Fatigue, endurance_limit, notch_factor, size_factor
+from cycloid_mj.rating.items import output_pin, pitting_cycles, single
 from cycloid_mj.rating.loading import bending, loading
-from cycloid_mj.rating.rate import output_pin, pitting_cycles, single
 from cycloid_mj.result import plain
 
 PIN = PRESETS["pin"]
@@ -125,7 +125,7 @@ def test_the_rated_design_of_the_paper(found) -> None:
 
 def test_every_law_has_its_exponent(monkeypatch) -> None:
     """Forces twice as large: lives fall by 2^(10/3), 2^(1/(2 0.056)) and 2, safeties by 2, of pressures by sqrt 2."""
-    module = sys.modules["cycloid_mj.rating.rate"]
+    module = sys.modules["cycloid_mj.rating.items"]
     one = loading(PIN, single(PIN))
     double = replace(
         one,

@@ -2,6 +2,7 @@
 
 import re
 import shlex
+from dataclasses import fields, is_dataclass
 from pathlib import Path
 
 import pytest
@@ -35,7 +36,10 @@ def parsed(words: list[str]) -> dict[str, object]:
     """Values that a command would be called with: every flag is known, and its value read and tested."""
     _, bound, unknown = application().parse_args(words, exit_on_error=False, print_error=False)[:3]
     assert not unknown
-    return dict(bound.arguments)
+    values = dict(bound.arguments)
+    for options in [value for value in values.values() if is_dataclass(value)]:
+        values |= {field.name: getattr(options, field.name) for field in fields(options)}
+    return values
 
 
 def shortened(arguments: list[str]) -> list[str]:

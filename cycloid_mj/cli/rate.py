@@ -50,8 +50,8 @@ def rate(
     """
     from cycloid_mj.checks import require_sound
     from cycloid_mj.rating.duty import RPM, Duty, read_duty
-    from cycloid_mj.rating.rate import rate as rated
-    from cycloid_mj.rating.rate import single
+    from cycloid_mj.rating.items import rate as rated
+    from cycloid_mj.rating.items import single
 
     for flag, value in (("--life-h", life_h), ("--peak-nm", peak_nm)):
         if value is not None and not 0.0 < value < float("inf"):

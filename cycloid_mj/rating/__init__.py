@@ -2,6 +2,6 @@
 
 from cycloid_mj.rating.duty import Duty, DutyPoint, read_duty
 from cycloid_mj.rating.item import Item, Rating
-from cycloid_mj.rating.rate import rate
+from cycloid_mj.rating.items import rate
 
 __all__ = ["Duty", "DutyPoint", "Item", "Rating", "rate", "read_duty"]

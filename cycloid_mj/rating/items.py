@@ -12,7 +12,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.errors import CycloidError
 from cycloid_mj.modification import gear_profile, profile_offset
 from cycloid_mj.rating import rolling
-from cycloid_mj.rating.duty import Duty, DutyPoint
+from cycloid_mj.rating.duty import Duty, DutyPoint, steady
 from cycloid_mj.rating.fatigue import Fatigue, endurance_limit, notch_factor
 from cycloid_mj.rating.item import Item, Rating
 from cycloid_mj.rating.loading import Loading, bending, loading
@@ -45,14 +45,15 @@ ANGLES = np.linspace(0.0, math.pi, 36, endpoint=False)
 """Directions around the shaft in which fibres are looked at [rad]."""
 
 
-def rate(design: Design, duty: Duty, life: float = LIFE) -> Rating:
-    """Rate a sound design under a duty for a life [h].
+def rate(design: Design, duty: Duty | None = None, life: float = LIFE) -> Rating:
+    """Rate a sound design under a duty, by default its rated torque and speed, for a life [h].
 
     Raises
     ------
     RunError
         The drive cannot hold a torque of the duty.
     """
+    duty = duty or steady(design.rated_torque, abs(design.drive.speed))
     found = [loading(design, point) for point in duty.points]
     worst = max(found, key=lambda one: abs(one.point.torque))
     items = [
