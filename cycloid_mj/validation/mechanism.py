@@ -52,6 +52,9 @@ UNIFORM = 'contact.stiffness_law="uniform"'
 WAY = np.array([0.7e-6, -0.4e-6, 0.5e-6, -0.6e-6])
 """A pose that the parts are displaced to: the unknowns of ``mechanism.gaps`` [m]."""
 
+FAR_WAY = np.array([20e-6, -12e-6, 100e-6, -80e-6])
+"""A pose farther away, with turns that count to the second order [m]."""
+
 ASIDE = np.array([2e-6, 1e-6])
 """By how much pins are displaced [m]."""
 
@@ -83,6 +86,36 @@ def gap_rows(kind: str) -> list[Row]:
         deviation(f"gaps of displaced parts, {kind}", 1e6 * width, 1e6 * exact, "um", source, 0.08),
         deviation(f"gradient of these gaps, {kind}", ours.ravel(), slope.ravel(), "", source, 1.3),
     ]
+
+
+def hole_rows() -> list[Row]:
+    """Hold the gaps of output pins in holes, far displaced, against exact circles: finite turns show there."""
+    design = made(FIXED)
+    springs = springs_of(design, CRANK, friction=False).contacts
+    holes = range(design.ring.teeth, springs.disc.size)
+    found, z = [gap(springs, 0, i, FAR_WAY) for i in holes], FAR_WAY
+    sides = [[exact_gaps(design, CRANK, z + sign * _STEP * way) for way in np.eye(4)] for sign in (1.0, -1.0)]
+    slope = ((np.array(sides[0]) - np.array(sides[1])).T / (2.0 * _STEP))[design.ring.teeth :]
+    exact, source = exact_gaps(design, CRANK, z)[design.ring.teeth :], "exact circles"
+    width, ours = np.array([one.width for one in found]), np.array([one.ahead for one in found])
+    return [
+        deviation("gaps of far displaced output pins", 1e6 * width, 1e6 * exact, "um", source, 1e-3),
+        deviation("gradient of these gaps, output pins", ours.ravel(), slope.ravel(), "", source, 2.5e-3),
+    ]
+
+
+def curvature_rows(kind: str) -> list[Row]:
+    """Hold the relative curvature of ideal contacts against that of gear and mate."""
+    design = reducer_of(kind)
+    found, gear, output = gaps(design, CRANK), tooth_profile(design), design.output
+    mesh = pin_gaps(
+        gear, _pose(design, CRANK, np.zeros(4))[0], gear.pin_circle_radius * profile.unit(profile.pin_angles(gear))
+    )
+    teeth = 1.0 / gear.pin_radius + profile.curvature(gear, mesh.t)
+    holes = np.full(output.pins, 1.0 / output.pin_radius - 1.0 / output.hole_radius)
+    ours = found.relative_curvature[_arcs_and_output(design, found.kind)]
+    exact = np.concatenate([teeth, holes])
+    return [deviation(f"relative curvature, {kind}", 1e-3 * ours, 1e-3 * exact, "1/mm", "both surfaces", 1e-3)]
 
 
 def flank_rows() -> list[Row]:
@@ -200,7 +233,12 @@ def balance_rows(kind: str, turn: Sequence[float]) -> list[Row]:
     cam, output = (np.array([getattr(one, name) for one in solved]) for name in ("cam_force", "output_turn"))
     # An arc and a flank that close as one patch are one spring here, and up to two in the search.
     bounds = (3.0, 0.05) if kind == NONPIN else (0.01, 0.01)
+    forces = []
+    if kind != NONPIN:
+        exact = np.array([rig.sizes(one.ring_forces) for one in solved]).ravel()
+        forces = [deviation(f"teeth in statics, {kind}", found.teeth.ravel(), exact, "N", SEARCH, 0.08)]
     return [
+        *forces,
         deviation(f"cam in statics, {kind}", found.cam, cam, "N", SEARCH, bounds[0]),
         deviation(f"turn of the output, {kind}", 1e6 * found.output_turn, 1e6 * output, "urad", SEARCH, bounds[1]),
     ]
@@ -270,6 +308,8 @@ def stop_rows(kind: str) -> list[Row]:
 STATICS: tuple[Callable[[], list[Row]], ...] = (
     *(partial(gap_rows, kind) for kind in (FIXED, NONPIN)),
     *(partial(sliding_rows, kind) for kind in (FIXED, NONPIN)),
+    *(partial(curvature_rows, kind) for kind in (FIXED, NONPIN)),
+    hole_rows,
     flank_rows,
     *(partial(balance_rows, kind, turn) for kind, turn in ((FREE, TURN), (SLEEVED, TURN), (NONPIN, TURN[:1]))),
     friction_rows,
