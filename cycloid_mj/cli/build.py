@@ -68,12 +68,10 @@ def build(
     """
     from dataclasses import replace
 
-    from cycloid_mj.checks import require_sound
     from cycloid_mj.convex import ConvexSettings
     from cycloid_mj.mjcf.folder import MANIFEST, SCENE, model_files, write_folder
 
-    design = chosen.resolved([(TIMESTEP, timestep_us)])
-    require_sound(design)
+    design = chosen.sound([(TIMESTEP, timestep_us)])
     _require_room(out)
     settings = ConvexSettings(chord_error=chord_error_um * 1e-6)
     settings = replace(settings, coacd=replace(settings.coacd, seed=seed))

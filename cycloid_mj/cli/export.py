@@ -57,12 +57,10 @@ def export(
     they really contain is measured and told. A part that is not watertight, or
     has the wrong volume or clearance, is an error and writes nothing.
     """
-    from cycloid_mj.checks import require_sound
     from cycloid_mj.export import export as exported
     from cycloid_mj.whole import write_whole
 
-    design = chosen.resolved()
-    require_sound(design)
+    design = chosen.sound()
     made = exported(design, format_, chord_error_um * 1e-6)
     into = folder(f"{design.name}-{format_}" if out is None else out, "the parts")
     files = {into / name: content for name, content in made.files.items()}

@@ -147,6 +147,24 @@ class DesignOptions:
         """Give the design, with `values` of other flags; see `designed` for the errors."""
         return designed(self.design, self.set_, values)
 
+    def sound(self, values: Values = ()) -> Design:
+        """Give the same; raise DesignError if it fails a check."""
+        from cycloid_mj.checks import require_sound
+
+        design = self.resolved(values)
+        require_sound(design)
+        return design
+
+
+@dataclass(frozen=True)
+class PresetOptions(DesignOptions):
+    """The same; the preset pin, unless something else is chosen."""
+
+    design: DesignFlag = "pin"
+
+
+PRESET = PresetOptions()
+
 
 def require_distinct(designs: Iterable[Design]) -> None:
     """Raise UsageError where two designs have one name, and so would share their files."""

@@ -16,10 +16,10 @@ from cycloid_mj.cli.flags import (
     FLAT,
     LOAD,
     SPEED,
-    DesignFlag,
     DesignOptions,
     DesignValue,
     JsonFlag,
+    PresetOptions,
     QuietFlag,
     SetFlag,
     Values,
@@ -41,13 +41,6 @@ OUT = "runs/measure"
 BOTH = ("pin", "nonpin")
 TORQUE = DesignValue("drive", "torque")
 RATED = ". Default: the rated torque, drive.torque_nm times the ratio (36.68 in the presets)."
-
-
-@dataclass(frozen=True)
-class Chosen(DesignOptions):
-    """What is measured: the preset pin, unless something else is chosen."""
-
-    design: DesignFlag = "pin"
 
 
 @dataclass(frozen=True)
@@ -339,8 +332,8 @@ def commands(sort_key: int) -> App:
 def _command(name: str, options: type[Options]) -> Callable[..., int]:
     """Make the command of a measure: its design, its own options, and what all measures share."""
 
-    def one(*, chosen: Chosen, options: Options, delivered: Delivered) -> int:
-        return _measure(name, [chosen.resolved(options.values())], options, delivered)
+    def one(*, chosen: PresetOptions, options: Options, delivered: Delivered) -> int:
+        return _measure(name, [chosen.sound(options.values())], options, delivered)
 
     def many(
         *designs: Annotated[
@@ -354,11 +347,11 @@ def _command(name: str, options: type[Options]) -> Callable[..., int]:
         options: Options,
         delivered: Delivered,
     ) -> int:
-        found = [DesignOptions(one, set_).resolved(options.values()) for one in (*designs, *design) or BOTH]
+        found = [DesignOptions(one, set_).sound(options.values()) for one in (*designs, *design) or BOTH]
         return _measure(name, found, options, delivered)
 
     command: Any = many if options is Torque else one
-    shared: dict[str, type[Any]] = {"chosen": Chosen, "options": options, "delivered": Delivered}
+    shared: dict[str, type[Any]] = {"chosen": PresetOptions, "options": options, "delivered": Delivered}
     flat = {word: Annotated[kind, FLAT] for word, kind in shared.items() if word in command.__annotations__}
     command.__doc__ = options.__doc__
     command.__annotations__ |= flat
@@ -369,14 +362,11 @@ def _command(name: str, options: type[Options]) -> Callable[..., int]:
 
 def _measure(name: str, designs: Sequence[Design], options: Options, delivered: Delivered) -> int:
     """Measure designs, and print and write what was found."""
-    from cycloid_mj.checks import require_sound
     from cycloid_mj.cli.deliver import deliver
     from cycloid_mj.cli.progress import counted
     from cycloid_mj.measure import MEASURES
     from cycloid_mj.papers import published_torques
 
-    for design in designs:
-        require_sound(design)
     require_distinct(designs)
     into = _prepared(delivered.out)
     found = []

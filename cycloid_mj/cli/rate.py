@@ -6,7 +6,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import DesignFlag, JsonFlag, SetFlag, designed
+from cycloid_mj.cli.flags import FLAT, PRESET, DesignOptions, JsonFlag
 from cycloid_mj.cli.terminal import say, say_json, show
 from cycloid_mj.errors import UsageError
 
@@ -29,8 +29,7 @@ EXAMPLES = """Examples:
 
 def rate(
     *,
-    design: DesignFlag = "pin",
-    set_: SetFlag = (),
+    chosen: Annotated[DesignOptions, FLAT] = PRESET,
     load_nm: LoadFlag = None,
     speed_rpm: SpeedFlag = None,
     duty: DutyFlag = None,
@@ -48,7 +47,6 @@ def rate(
     file does not say is assumed, and said: [bearing] and [service] take ratings
     and limits. The exit code is 0 whatever the safeties are.
     """
-    from cycloid_mj.checks import require_sound
     from cycloid_mj.rating.duty import RPM, Duty, read_duty
     from cycloid_mj.rating.items import rate as rated
     from cycloid_mj.rating.items import single
@@ -61,14 +59,13 @@ def rate(
             raise UsageError(f"--duty has torques and speeds of its own: leave {flag} out")
         if value is not None and not (value != 0.0 and isfinite(value)):
             raise UsageError(f"{flag} {value:g}: give a number that is not 0")
-    chosen = designed(design, set_, ())
-    require_sound(chosen)
+    design = chosen.sound()
     if duty:
         cycle = read_duty(duty, peak_nm)
     else:
-        point = single(chosen, load_nm, None if speed_rpm is None else speed_rpm * RPM)
+        point = single(design, load_nm, None if speed_rpm is None else speed_rpm * RPM)
         cycle = Duty((point,), 2.0 * point.torque if peak_nm is None else peak_nm)
-    found = rated(chosen, cycle, life_h)
+    found = rated(design, cycle, life_h)
     if json:
         say_json(found.as_json())
         return 0

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import DesignFlag, JsonFlag, QuietFlag, SetFlag, designed
+from cycloid_mj.cli.flags import FLAT, PRESET, DesignOptions, JsonFlag, QuietFlag
 from cycloid_mj.cli.terminal import finite, say, say_json, show, tell
 from cycloid_mj.errors import UsageError
 from cycloid_mj.whole import write_whole
@@ -33,8 +33,7 @@ EXAMPLES = """Examples:
 
 def tolerance(
     *,
-    design: DesignFlag = "pin",
-    set_: SetFlag = (),
+    chosen: Annotated[DesignOptions, FLAT] = PRESET,
     samples: SamplesFlag = 10_000,
     seed: SeedFlag = 0,
     limit: LimitFlag = (),
@@ -52,7 +51,6 @@ def tolerance(
     indices: the one to tighten first comes first. The five worst samples are
     written as design files.
     """
-    from cycloid_mj.checks import require_sound
     from cycloid_mj.cli.outfile import folder
     from cycloid_mj.cli.progress import counted
     from cycloid_mj.design import dump
@@ -65,19 +63,18 @@ def tolerance(
     if seed < 0:
         raise UsageError(f"--seed {seed}: give 0 or more")
     limits = [read(text, FIGURES) for text in limit]
-    chosen = designed(design, set_, ())
-    require_sound(chosen)
+    design = chosen.sound()
     into = folder(str(out), "the samples")
-    found = found_in(chosen, samples, seed, limits, counted("tolerance", quiet))
+    found = found_in(design, samples, seed, limits, counted("tolerance", quiet))
     rows = zip(*found.figures.values(), strict=True)
     lines = [
         ",".join(("sample", *found.figures)),
         *(",".join(map(repr, (i, *map(float, row)))) for i, row in enumerate(rows, 1)),
     ]
     files = {
-        into / f"{chosen.name}-samples.csv": "\n".join(lines) + "\n",
-        into / f"{chosen.name}-tolerance.json": text_of.dumps(finite(found.as_json()), indent=2) + "\n",
-        **{into / f"{chosen.name}-worst-{i}.toml": dump(one) for i, one in enumerate(found.worst, 1)},
+        into / f"{design.name}-samples.csv": "\n".join(lines) + "\n",
+        into / f"{design.name}-tolerance.json": text_of.dumps(finite(found.as_json()), indent=2) + "\n",
+        **{into / f"{design.name}-worst-{i}.toml": dump(one) for i, one in enumerate(found.worst, 1)},
     }
     write_whole({path: text.encode() for path, text in files.items()})
     if not quiet:
