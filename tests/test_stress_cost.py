@@ -40,4 +40,6 @@ def test_the_cost_grows_with_grid_angles_and_supports() -> None:
 
 
 def test_parts_are_studied_one_after_the_other() -> None:
-    assert total([Cost(1.0, 3e9, 1e8), Cost(2.0, 1e9, 2e8)]) == Cost(3.0, 3.2e9, 3e8)
+    large, small = Cost(1.0, 3e9, 1e8), Cost(2.0, 1e9, 2e8)
+    assert total([large, small]) == Cost(3.0, 3e9, 3e8)
+    assert total([small, large]).memory == 3.2e9  # beside what is kept of the first

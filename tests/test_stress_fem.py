@@ -2,6 +2,7 @@
 
 import importlib
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -21,12 +22,10 @@ from cycloid_mj.stress import (
     as_vtu,
     elastic,
     part_grid,
-    shaft_stress,
     solve,
     stress_map,
 )
 from cycloid_mj.stress import shaft as shaft_loading
-from cycloid_mj.stress.bearing import bearing_pads
 from cycloid_mj.stress.grid import BULK_DISTANCE, Grid, planar_grid
 from cycloid_mj.stress.part import part_case
 from cycloid_mj.stress.patch import patches
@@ -94,7 +93,7 @@ def pressure(grid: Grid, loop: int, size: float) -> Array:
 
 
 def without_rigid_motion(part: elastic.Body, found: Array) -> Array:
-    motions, weighed = part.motions, part.inertia @ part.motions
+    motions, weighed = part.motions, elastic.weighed(part, part.motions)
     return found - motions @ np.linalg.solve(motions.T @ weighed, weighed.T @ found)
 
 
@@ -229,7 +228,7 @@ def test_disc_between_two_forces() -> None:
 
 
 def test_shear_below_a_resolved_patch_is_that_of_hertz() -> None:
-    """0.300 p0 at 0.786 b, within 3 %, on a grid with six edges to b; the grid says that it resolves the patch."""
+    """0.300 p0 at 0.786 b, within 3 %, on a grid with six edges to b."""
     radius, force, b = PIN.ring.pin_radius, 100.0, 20e-6
     grid = part_grid(PIN, "pin_1", focus=[[0.0, radius, b / 6], [0.0, -radius, b / 6]])
     place = [[[0.0, radius], [0.0, -radius]]]
@@ -245,8 +244,6 @@ def test_shear_below_a_resolved_patch_is_that_of_hertz() -> None:
     curve = np.polyval(np.polyfit(depth[around], shear[around], 5), fine)
     assert curve.max() == pytest.approx(statics.LARGEST_SHEAR, rel=0.03)
     assert fine[curve.argmax()] == pytest.approx(statics.SHEAR_DEPTH, rel=0.03)
-    assert solve(PIN, grid, loads).resolved[0]
-    assert not solve(PIN, part_grid(PIN, "pin_1"), loads).resolved[0]
 
 
 @pytest.mark.parametrize(("design", "part"), [(PIN, "ring"), (NONPIN, "ring"), (PIN, "output")])
@@ -303,19 +300,19 @@ def test_bulk_leaves_the_patches_out_and_does_not_hang_on_the_grid() -> None:
     """The bulk maximum changes by less than 3 % under refinement; the nodes at a patch's force run away."""
     radius = PIN.ring.pin_radius
     place, force = [[[0.0, radius], [0.0, -radius]]], [[[0.0, -100.0], [0.0, 100.0]]]
-    coarse, fine = (
-        solve(PIN, part_grid(PIN, "pin_1", GridSettings(refinement=r)), made_loads("pin_1", place, force, 1e-6))
-        for r in (1, 2)
-    )
+    loads = made_loads("pin_1", place, force, 1e-6)
+    grids = [part_grid(PIN, "pin_1", GridSettings(refinement=refinement)) for refinement in (1, 2)]
+    coarse, fine = (solve(PIN, grid, loads) for grid in grids)
     assert fine.bulk_stress[0] == pytest.approx(coarse.bulk_stress[0], rel=0.03)
-    assert fine.contact_stress[0] > 1.5 * coarse.contact_stress[0]
+    at_force = [stress_map(PIN, grid, loads, 0).von_mises.max() for grid in grids]
+    assert at_force[1] > 1.5 * at_force[0]
     assert np.linalg.norm(np.abs(fine.bulk_place[0]) - [0.0, radius]) >= fine.bulk_distance
 
 
 def test_torsion_of_the_shaft(shaft: Grid) -> None:
     """A couple between cam and input end shears the journal's surface by 2 T/(pi r^3), within 1 %."""
     measures = shaft_measures(PIN)
-    part = elastic.body(shaft, STEEL, springs=bearing_pads(shaft, measures, 1e8).springs, loose=(2, 5))
+    part = elastic.body(shaft, STEEL, springs=shaft_loading.bearing_pads(shaft, measures, 1e8).springs, loose=(2, 5))
     couples = shaft_loading._couples(shaft, measures, shaft_loading._pressures(shaft, measures))
     loads, imbalance = elastic.balanced(part, 10.0 * (couples[:, :1] - couples[:, 1:]))
     assert np.abs(imbalance).max() < 1e-9
@@ -350,8 +347,9 @@ def test_the_shaft_hands_its_load_to_the_bearings(shaft: Grid) -> None:
     np.testing.assert_allclose(still.reaction[:, 3:5], 0.0, atol=1e-3)  # the cam's middle is at z = 0
 
 
-def test_superposition_equals_a_direct_solve(shaft: Grid) -> None:
+def test_superposition_equals_a_direct_solve() -> None:
     """Sum of unit loads against one solve of the summed load by the other solver, and against a pressure by hand."""
+    shaft = part_grid(PIN, "shaft", GridSettings(refinement=0.4))
     loads = shaft_loads(3)
     case = shaft_loading.shaft_case(PIN, shaft, loads)
     answer = case.response(np.arange(3))
@@ -441,7 +439,7 @@ def test_mistakes_are_told() -> None:
     with pytest.raises(UsageError, match="refinement is 0"):
         GridSettings(refinement=0)
     with pytest.raises(CycloidError, match="takes the loads of its cam"):
-        shaft_stress(PIN, replace(outside, labels=("pin_1",)), GridSettings(refinement=0.5))
+        solve(PIN, part_grid(PIN, "shaft", GridSettings(refinement=0.5)), replace(outside, labels=("pin_1",)))
 
 
 def test_a_part_that_does_not_mesh_is_told() -> None:
@@ -497,6 +495,7 @@ def test_patch_test_of_a_solid() -> None:
     assert elastic.basis_of(grid, vector=False, order=4).dx.sum() == pytest.approx(volume, rel=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", ["ring", "gear"])
 def test_a_solid_under_plane_loads_is_in_plane_stress_on_average(part: str) -> None:
     """Averaged over its height, a plate with free faces has the plane's stress, within 2 % (rms) of its largest there.
@@ -536,6 +535,7 @@ def test_reactions_of_a_solid_are_the_loads() -> None:
     np.testing.assert_allclose(found, -np.array(applied), rtol=0, atol=1e-6 * np.abs(force).max())
 
 
+@pytest.mark.slow
 def test_an_output_pin_bends_as_a_cantilever() -> None:
     """Across the middle of the load, stress along z has the slope M/I, within 3 %: the load is even over the width."""
     slender, width, force = override(PIN, ["gear.face_width_mm=40.0", "output.rollers=false"]), 40e-3, 500.0
@@ -558,9 +558,10 @@ def test_bulk_does_not_hang_on_who_asks() -> None:
         assert grid.bulk_distance == pytest.approx(0.5 * PIN.ring.pin_radius)
 
 
-def plate(edge: float = 2.0) -> Grid:
-    """A wide plate with a hole, on grids with edges of some shares of a millimetre."""
-    settings = GridSettings(contact_edge=0.3, inner_edge=edge, turn=0.1)
+@cache
+def plate() -> Grid:
+    """A wide plate with a hole, on a grid with edges of some shares of a millimetre."""
+    settings = GridSettings(contact_edge=0.3, inner_edge=2.0, turn=0.1)
     grid = planar_grid(ring_region(5e-3, 40e-3), settings, 1e-3)
     return replace(grid, held=np.flatnonzero(np.hypot(*grid.points.T) > 40e-3 - 1e-9))
 

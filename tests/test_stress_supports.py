@@ -3,6 +3,7 @@
 import importlib
 import math
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import numpy.typing as npt
@@ -11,10 +12,9 @@ from designs import unlike
 
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.solid import shaft_solid
-from cycloid_mj.stress import GridSettings, PartLoads, part_grid, solve
-from cycloid_mj.stress.bearing import Pads, opened
+from cycloid_mj.stress import GridSettings, PartLoads, PartStress, part_grid, solve
 from cycloid_mj.stress.notch import BENDING, TORSION, output_roots, shaft_shoulders, shoulder_factor
-from cycloid_mj.stress.shaft import BEARING_STIFFNESS
+from cycloid_mj.stress.shaft import BEARING_STIFFNESS, Pads, opened
 from cycloid_mj.stress.shaftgrid import Shaft, shaft_measures
 
 Array = npt.NDArray[np.float64]
@@ -22,6 +22,7 @@ Array = npt.NDArray[np.float64]
 PIN = PRESETS["pin"]
 OVERHANG, STRADDLE = PIN, override(PIN, ['shaft.mounting="straddle"'])
 COARSE = GridSettings(refinement=0.55)
+CAM_FORCE = 1402.0
 
 
 def has_fem() -> bool:
@@ -65,6 +66,11 @@ def on_cam(force: float) -> PartLoads:
     return loads_of("shaft", place, [[[force, 0.0]]], ("cam",))
 
 
+@cache
+def under_a_cam_force(design: Design) -> PartStress:
+    return solve(design, part_grid(design, "shaft", COARSE), on_cam(CAM_FORCE))
+
+
 def beam_moment(design: Design, shaft: Shaft, force: float, bed: float, elements: int = 900) -> Array:
     """Bending moment [N m] along a Timoshenko beam in bearings that press on one side at each of its sections.
 
@@ -101,8 +107,8 @@ def test_the_shaft_bends_as_a_timoshenko_beam_on_one_sided_bearings(design: Desi
     Opposite the pressure of a bearing a stretch as short as the shaft is thick bears less than a beam (Timoshenko and
     Goodier, Theory of Elasticity, art. 40), so the second is less. Bearings that pull as well would leave 18 % less.
     """
-    shaft, force = shaft_measures(design), 1402.0
-    found = solve(design, part_grid(design, "shaft", COARSE), on_cam(force))
+    shaft, force = shaft_measures(design), CAM_FORCE
+    found = under_a_cam_force(design)
     bed = BEARING_STIFFNESS * design.material.youngs_modulus * shaft.radius
     beam = beam_moment(design, shaft, force, bed)
     z = beam[:, 0]
@@ -119,8 +125,8 @@ def test_the_shaft_bends_as_a_timoshenko_beam_on_one_sided_bearings(design: Desi
 @needs_fem
 def test_the_shoulders_have_the_moment_of_statics() -> None:
     """Before the counterweight the cam's force bends with its whole arm, and the crank's torque twists."""
-    shaft, force = shaft_measures(OVERHANG), 1000.0
-    found = solve(OVERHANG, part_grid(OVERHANG, "shaft", COARSE), on_cam(force))
+    shaft, force = shaft_measures(OVERHANG), CAM_FORCE
+    found = under_a_cam_force(OVERHANG)
     at_counterweight = shaft_shoulders(OVERHANG, shaft, found.moments, found.angle)[1]
     section = math.pi * shaft.radius**3
     assert at_counterweight.bending == pytest.approx(4 * force * -shaft.counterweight[0] / section, rel=0.01)

@@ -16,7 +16,6 @@ from cycloid_mj.stress.findings import BOUND, MEGAPASCAL, MILLIMETRE, StressFind
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.types import Array, Integers
 
-Indices = Integers
 Entries = list[tuple[str, dict[str, Any]]]
 
 TITLES = {"shaft": "eccentric shaft", "gear": "cycloid gear", "ring": "ring", "output": "output", "pin_1": "pin 1"}
@@ -191,17 +190,17 @@ def _magnify(axes: Axes, grid: Grid) -> None:
     axes.set_ylim((top - 2 * half) / MILLIMETRE, 1.01 * top / MILLIMETRE)
 
 
-def _flat(points: Array, cells: Indices) -> Triangulation:
+def _flat(points: Array, cells: Integers) -> Triangulation:
     x, y = points.T
     return Triangulation(x, y, _quarters(cells))
 
 
-def _quarters(cells: Indices) -> Indices:
+def _quarters(cells: Integers) -> Integers:
     """Cut quadratic triangles (m, 6) into four flat ones each, (4 m, 3): corners, then the middles 01, 12, 02."""
     return cells[:, [[0, 3, 5], [1, 4, 3], [2, 5, 4], [3, 4, 5]]].reshape(-1, 3)
 
 
-def _seen(points: Array, cells: Indices, part: str) -> tuple[Array, Indices, Array]:
+def _seen(points: Array, cells: Integers, part: str) -> tuple[Array, Integers, Array]:
     """Project a solid's surface onto the page [mm]: nodes (n, 2), faces that look at the reader, farthest first."""
     view = VIEWS.get(part, FRONT)
     right = view[0] / np.linalg.norm(view[0])
@@ -218,7 +217,7 @@ def _seen(points: Array, cells: Indices, part: str) -> tuple[Array, Indices, Arr
     return points @ np.stack([right, up], axis=1) / MILLIMETRE, faces[order], depth[order]
 
 
-def _surface(cells: Indices) -> tuple[Indices, Indices]:
+def _surface(cells: Integers) -> tuple[Integers, Integers]:
     """Give the outer faces (f, 6) of quadratic tetrahedra (m, 10), and the corner (f,) opposite to each.
 
     Middles of a tetrahedron lie on its edges 01, 12, 02, 03, 13, 23.

@@ -14,13 +14,10 @@ A part is meshed once and factorised once; every crank angle is one right-hand s
     ``focus`` refines around given contacts: rows (x, y, edge length) [m].
 ``solve(design, grid, loads)``
     ``bulk_stress`` (k,) [Pa] is the largest von Mises stress farther than ``bulk_distance`` [m] from every loaded
-    patch (and from the sharp inner corners of the shaft), ``bulk_place`` (k, d) where it sits; ``contact_stress`` and
-    ``contact_place`` are the same with the patches in, to be trusted only where ``resolved`` (k,) is true.
-``shaft_stress(design, loads, settings)``
-    The same for the eccentric shaft, by superposition of unit loads.
+    patch (and from the sharp inner corners of the shaft), ``bulk_place`` (k, d) where it sits.
 """
 
-from cycloid_mj.stress.field import PartStress, StressMap, shaft_stress, solve, stress_map
+from cycloid_mj.stress.field import PartStress, StressMap, solve, stress_map
 from cycloid_mj.stress.grid import Grid, GridSettings
 from cycloid_mj.stress.loads import PartLoads
 from cycloid_mj.stress.part import part_grid
@@ -34,7 +31,6 @@ __all__ = [
     "StressMap",
     "as_vtu",
     "part_grid",
-    "shaft_stress",
     "solve",
     "stress_map",
 ]

@@ -12,10 +12,7 @@ from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.loads import PartLoads
 from cycloid_mj.stress.patch import patches
 from cycloid_mj.stress.region import material_of
-from cycloid_mj.types import Array, Integers, Mask
-
-Flags = Mask
-Indices = Integers
+from cycloid_mj.types import Array, Integers
 
 
 @dataclass(frozen=True)
@@ -54,15 +51,12 @@ class Case:
     angle, points
         Centres (p, 2) [m] of narrow patches, about which stress falls as 1/distance, and the index of the angle (p,) of
         each.
-    resolved
-        Whether the grid resolves the stress at the patches, (k,).
     """
 
     body: Body
-    response: Callable[[Indices], Response]
-    angle: Indices
+    response: Callable[[Integers], Response]
+    angle: Integers
     points: Array
-    resolved: Flags
 
 
 def patch_case(design: Design, grid: Grid, loads: PartLoads) -> Case:
@@ -80,14 +74,13 @@ def patch_case(design: Design, grid: Grid, loads: PartLoads) -> Case:
     part = elastic.body(grid, material_of(design, grid.part))
     mass, shares = elastic.mass_loads(part, grid.points), mass_coefficients(loads)
 
-    def response(block: Indices) -> Response:
+    def response(block: Integers) -> Response:
         applied = pressed[:, block].toarray() + mass @ shares[:, block]
         forces, imbalance = elastic.balanced(part, applied)
         moved = elastic.displacements(part, forces)
         return Response(forces, moved, imbalance, elastic.reactions(part, moved, forces), np.zeros((len(block), 0, 3)))
 
-    resolved = put.resolved & (grid.section is None)
-    return Case(part, response, put.angle, put.points, resolved)
+    return Case(part, response, put.angle, put.points)
 
 
 def mass_coefficients(loads: PartLoads) -> Array:

@@ -11,7 +11,6 @@ import numpy.typing as npt
 from scipy.optimize import minimize_scalar
 
 from cycloid_mj.design import Design
-from cycloid_mj.statics import LARGEST_SHEAR, SHEAR_DEPTH
 from cycloid_mj.stress.loads import PartLoads
 from cycloid_mj.stress.region import material_of
 from cycloid_mj.types import Array
@@ -24,13 +23,10 @@ DEEPEST = 3.0
 class LineStress:
     """Stress of each contact at each crank angle, shape (k, m): zero without force, not a number where conformal.
 
-    `peak_pressure` p0 [Pa]; `largest_shear` [Pa], 0.300 p0, at the depth `shear_depth` [m], 0.786 b; and the largest
-    `von_mises` stress [Pa] below the surface.
+    `peak_pressure` p0 [Pa], and the largest `von_mises` stress [Pa] below the surface.
     """
 
     peak_pressure: Array
-    largest_shear: Array
-    shear_depth: Array
     von_mises: Array
 
 
@@ -42,9 +38,9 @@ def line_stress(loads: PartLoads, design: Design) -> LineStress:
     """
     worst = np.argmax(loads.pressure, axis=0)
     holds = loads.hertz & loads.hertz[worst, np.arange(len(loads.labels))]
-    pressure, strip = np.where(holds, loads.pressure, np.nan), np.where(holds, loads.strip, np.nan)
+    pressure = np.where(holds, loads.pressure, np.nan)
     share, _ = largest_von_mises(material_of(design, loads.part).poisson)
-    return LineStress(pressure, LARGEST_SHEAR * pressure, SHEAR_DEPTH * strip, share * pressure)
+    return LineStress(pressure, share * pressure)
 
 
 def von_mises_below(depth: npt.ArrayLike, poisson: float) -> Array:

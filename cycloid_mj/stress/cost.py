@@ -13,17 +13,17 @@ from cycloid_mj.stress.study import SUPPORTS, StudySettings
 BASE = 150e6
 """Memory of Python with its packages [B]."""
 
-PLANE, SPACE, SHAFT = (45e-6, 1.0), (3.5e-7, 1.6), (1.06e-6, 1.6)
+PLANE, SPACE, SHAFT = (26e-6, 1.0), (4.3e-6, 1.25), (1.2e-5, 1.25)
 """Time [s] of a grid of n unknowns, to mesh, factorise and recover, as a n^b: (a, b). The shaft has many unit loads."""
 
-PER_ANGLE = {2: 0.25e-6, 3: 0.6e-6}
+PER_ANGLE = {2: 0.22e-6, 3: 0.25e-6}
 """Time [s] of one unknown at one crank angle."""
 
-MEMORY = {2: 3.6e3, 3: 1.3e4}
+MEMORY = {2: 2.9e3, 3: 8.5e3}
 """Memory [B] of one unknown of the largest grid."""
 
-KEPT = 800.0
-"""Memory [B] of one unknown of a part that is done and waits for its map."""
+KEPT = 600.0
+"""Memory [B] of one unknown of a part that is done: its grid and its map."""
 
 GROWTH = {2: 1.16, 3: 1.9}
 """Unknowns of a grid go with this power of its refinement."""
@@ -51,7 +51,7 @@ def cost(grid: Grid, settings: StudySettings) -> Cost:
 
 def total(costs: Iterable[Cost]) -> Cost:
     """Add the costs of parts that are studied one after the other."""
-    several = list(costs)
-    kept = sum(one.kept for one in several)
-    largest = max((one.memory - one.kept for one in several), default=BASE)
-    return Cost(sum(one.seconds for one in several), largest + kept, kept)
+    seconds, memory, kept = 0.0, BASE, 0.0
+    for one in costs:
+        seconds, memory, kept = seconds + one.seconds, max(memory, kept + one.memory), kept + one.kept
+    return Cost(seconds, memory, kept)

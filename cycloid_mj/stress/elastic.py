@@ -22,7 +22,7 @@ from cycloid_mj.types import Array, Integers
 INDEPENDENT = 1e-6
 """Supports hold a rigid motion whose share at them is larger than this, relatively."""
 
-INERTIA_ORDER = 4
+MASS_ORDER = 4
 """Polynomials that the quadrature of the mass integrates exactly: products of two quadratic shape functions."""
 
 
@@ -38,8 +38,8 @@ class Body:
         Unknowns that are held at zero, and the others.
     motions
         Rigid motions (n, r): along each axis [m], then turning about each axis through the origin [m/rad].
-    inertia
-        Sparse (n, n) mass matrix [kg].
+    mass
+        Sparse mass matrix [kg] of the nodes, the same for each axis; see `weighed`.
     loose
         Columns of `motions` that no real support holds; out-of-balance loads along them are spread over the mass.
     factor
@@ -52,7 +52,7 @@ class Body:
     fixed: Integers
     free: Integers
     motions: Array
-    inertia: Any
+    mass: Any
     loose: tuple[int, ...]
     factor: Callable[[Array], Array]
     springs: Any = None
@@ -84,13 +84,16 @@ def body(grid: Grid, material: Material, springs: Any = None, loose: tuple[int, 
     fixed = np.union1d(unknowns(grid.held, grid.dimension), _pinned(motions, loose))
     _require_hold(grid, motions, fixed, springs)
     free = np.setdiff1d(np.arange(grid.unknowns), fixed)
-    hold, lower = _split(stiffness(grid, material), springs, fixed, free)
+    assembler = _Assembler(grid)
+    mass = _mass(grid, material.density, assembler)
+    hold, lower = _split(stiffness(grid, material, assembler), springs, fixed, free)
+    del assembler  # some hundred bytes an unknown, which the factor needs
     return Body(
         hold=hold,
         fixed=fixed,
         free=free,
         motions=motions,
-        inertia=_inertia(grid, material.density),
+        mass=mass,
         loose=loose,
         factor=_factor(lower, grid.part),
         springs=springs,
@@ -108,10 +111,15 @@ def balanced(part: Body, loads: Array) -> tuple[Array, Array]:
         return loads, imbalance
     loose = list(part.loose)
     motions = part.motions[:, loose]
-    carried = part.inertia @ motions
+    carried = weighed(part, motions)
     resultant = motions.T @ loads
     imbalance[:, loose] = resultant.T
     return loads - carried @ np.linalg.solve(motions.T @ carried, resultant), imbalance
+
+
+def weighed(part: Body, fields: Array) -> Array:
+    """Give the mass matrix times fields (n, c) of all unknowns."""
+    return np.asarray(part.mass @ fields.reshape(part.mass.shape[0], -1)).reshape(fields.shape)
 
 
 def displacements(part: Body, loads: Array) -> Array:
@@ -141,7 +149,7 @@ def mass_loads(part: Body, points: Array) -> Array:
     fields[:, 1, 1] = 1.0
     fields[:, 0, 2], fields[:, 1, 2] = x, y
     fields[:, 0, 3], fields[:, 1, 3] = y, -x
-    return np.asarray(part.inertia @ fields.reshape(-1, 4))
+    return weighed(part, fields.reshape(-1, 4))
 
 
 def rigid_motions(points: Array) -> Array:
@@ -176,7 +184,7 @@ def lame_parameters(material: Material, dimension: int) -> tuple[float, float]:
     return bulk, modulus / (2 * (1 + poisson))
 
 
-def stiffness(grid: Grid, material: Material) -> Any:
+def stiffness(grid: Grid, material: Material, assembler: "_Assembler | None" = None) -> Any:
     """Assemble the stiffness (n, n) [N/m]: lambda (div u)(div v) + 2 mu eps(u) : eps(v), all elements at once.
 
     In the plane three Gauss points suffice for the patch test on curved edges, in space the rule of order 3.
@@ -189,7 +197,7 @@ def stiffness(grid: Grid, material: Material) -> Any:
     along = [np.ascontiguousarray(slopes[:, axis].transpose(1, 2, 0)) for axis in range(dimension)]
     weighed = [(slope * measure[..., np.newaxis]).transpose(0, 2, 1) for slope in along]
     laplacian = shear * sum(weighed[axis] @ along[axis] for axis in range(dimension))
-    assembler = _Assembler(grid)
+    assembler = assembler or _Assembler(grid)
     blocks = np.empty((assembler.pairs, dimension, dimension))
     for i, j in zip(*np.triu_indices(dimension), strict=True):
         product = weighed[i] @ along[j]
@@ -207,13 +215,11 @@ def _split(matrix: Any, springs: Any, fixed: Integers, free: Integers) -> tuple[
     return matrix[fixed], sparse.tril(matrix[free][:, free], format="csc")
 
 
-def _inertia(grid: Grid, density: float) -> Any:
-    basis = basis_of(grid, vector=False, order=INERTIA_ORDER)
+def _mass(grid: Grid, density: float, assembler: "_Assembler") -> Any:
+    basis = basis_of(grid, vector=False, order=MASS_ORDER)
     shape = np.stack([np.broadcast_to(each[0], basis.dx.shape)[0] for each in basis.basis])
-    assembler = _Assembler(grid)
     mass = density * grid.thickness * np.tensordot(basis.dx, np.einsum("aq,bq->qab", shape, shape), 1)
-    scalar = assembler.matrix(assembler.summed(mass)[:, np.newaxis, np.newaxis])
-    return sparse.kron(scalar, sparse.eye(grid.dimension), format="csr")
+    return assembler.matrix(assembler.summed(mass)[:, np.newaxis, np.newaxis])
 
 
 class _Assembler:

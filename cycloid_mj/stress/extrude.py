@@ -19,9 +19,6 @@ from cycloid_mj.stress.grid import Grid, GridSettings, Section, planar_grid, qua
 from cycloid_mj.stress.region import part_region
 from cycloid_mj.types import Array, Integers, Mask
 
-Indices = Integers
-Flags = Mask
-
 COARSER = {"contact_edge": 3.0, "wide_edge": 2.0, "free_edge": 2.5, "inner_edge": 3.0, "turn": 2.0, "growth": 8.0}
 """Settings of a section over those of a planar grid: a solid has fifteen unknowns and more for two of the plane."""
 
@@ -75,7 +72,7 @@ def solid_grid(design: Design, part: str, settings: GridSettings) -> Grid:
     return replace(grid, keep_off=corners, corner_distance=distance)
 
 
-def extruded(section: Grid, levels: Array, filled: Flags, loaded: int) -> Grid:
+def extruded(section: Grid, levels: Array, filled: Mask, loaded: int) -> Grid:
     """Draw a planar grid out along z.
 
     Parameters
@@ -130,7 +127,7 @@ def extruded(section: Grid, levels: Array, filled: Flags, loaded: int) -> Grid:
     )
 
 
-def _lift(at: Indices, share: Array, unknowns: int) -> Any:
+def _lift(at: Integers, share: Array, unknowns: int) -> Any:
     """Give the operator (n, n2), sparse, that spreads loads on the section's nodes over heights in given shares."""
     everywhere = np.flatnonzero((at >= 0).all(axis=0))
     rows = 3 * at[:, everywhere, np.newaxis] + np.arange(2)
@@ -156,7 +153,7 @@ def _levels(z0: float, z1: float, layer: float) -> Array:
     return np.linspace(z0, z1, math.ceil((z1 - z0) / layer) + 1)
 
 
-def _within_pins(design: Design, section: Grid) -> Flags:
+def _within_pins(design: Design, section: Grid) -> Mask:
     """Tell the triangles (m,) of the output's section that lie in its pins."""
     middle = section.points[section.cells[:, :3]].mean(axis=1)
     apart = np.linalg.norm(middle[:, np.newaxis] - output_centres(design), axis=2)

@@ -1,8 +1,7 @@
 """Stress of a part: its maxima at every crank angle (``PartStress``), and whole fields at one (``StressMap``)."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -11,15 +10,12 @@ from cycloid_mj.design.model import Material
 from cycloid_mj.errors import UsageError
 from cycloid_mj.stress.bulk import OCTAVE, Distances, distances_of, ladder, largest, plateau
 from cycloid_mj.stress.case import Case
-from cycloid_mj.stress.grid import Grid, GridSettings
+from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.loads import PartLoads
-from cycloid_mj.stress.part import part_case, part_grid
+from cycloid_mj.stress.part import part_case
 from cycloid_mj.stress.recover import Recovery, principal, recovery, stresses, von_mises
 from cycloid_mj.stress.region import material_of
 from cycloid_mj.types import Array, Integers, Mask
-
-Flags = Mask
-Indices = Integers
 
 BLOCK = 12
 """Angles worked on together: enough for speed, few enough for memory."""
@@ -40,10 +36,6 @@ class PartStress:
         where [m] (k, d).
     distances, stress_by_distance
         Distances [m] (s,), and the largest von Mises stress beyond each of them [Pa] (s, k).
-    contact_stress, contact_place
-        The same over all nodes. It means something only where `resolved`.
-    resolved
-        Whether the grid resolves every loaded patch (two edges to a half width), (k,); never in 3-D.
     reaction
         Resultants of all supports on the part [N], [N m] (k, 3 or 6): forces, then moments about the origin. Those of
         the auxiliary supports of a free part are zero but for rounding.
@@ -55,8 +47,6 @@ class PartStress:
         The largest contact force [N], to hold the imbalance against, (k,).
     bulk_distance
         Where the largest stress stands on its plateau [m].
-    edge
-        Longest edge of the outlines that other parts touch [m].
     unknowns
         Displacements solved for.
     """
@@ -67,15 +57,11 @@ class PartStress:
     bulk_place: Array
     distances: Array
     stress_by_distance: Array
-    contact_stress: Array
-    contact_place: Array
-    resolved: Flags
     reaction: Array
     imbalance: Array
     moments: Array
     load: Array
     bulk_distance: float
-    edge: float
     unknowns: int
 
 
@@ -102,19 +88,18 @@ class StressMap:
     part: str
     angle: float
     points: Array
-    cells: Indices
+    cells: Integers
     displacement: Array
     stress: Array
     von_mises: Array
     principal: Array
-    bulk: Flags
+    bulk: Mask
 
 
 def solve(
     design: Design,
     grid: Grid,
     loads: PartLoads,
-    progress: Callable[[float], None] | None = None,
     distance: float | None = None,
 ) -> PartStress:
     """Give the maxima of stress on a part at each crank angle of its loads.
@@ -127,8 +112,6 @@ def solve(
         The part's grid.
     loads
         The loads on the same part.
-    progress
-        Told the share that is done, 0 to 1.
     distance
         Where bulk stress begins [m], as another solution found it; by default where the largest stress of all angles
         stands on a plateau, from the grid's distance on.
@@ -138,7 +121,7 @@ def solve(
     CycloidError
         The loads are not this part's, its support is singular, or a package of the extra ``fem`` is missing.
     """
-    return maxima(loaded(design, grid, loads), progress, distance)
+    return maxima(loaded(design, grid, loads), distance)
 
 
 @dataclass(frozen=True)
@@ -160,10 +143,12 @@ def loaded(design: Design, grid: Grid, loads: PartLoads) -> Loaded:
     """Factorise a part under its loads; raises as ``solve``."""
     operators = recovery(grid)  # first: beside the factor its own needs would be the peak of memory
     case = part_case(design, grid, loads)
-    return Loaded(grid, loads, material_of(design, grid.part), operators, case, distances_of(grid, case))
+    return Loaded(
+        grid, loads, material_of(design, grid.part), operators, case, distances_of(grid, case, len(loads.angle))
+    )
 
 
-def maxima(part: Loaded, progress: Callable[[float], None] | None = None, distance: float | None = None) -> PartStress:
+def maxima(part: Loaded, distance: float | None = None) -> PartStress:
     """Give the maxima of stress at each crank angle; see ``solve``."""
     grid, loads, apart = part.grid, part.loads, part.apart
     rungs = ladder(apart, grid.bulk_distance) if distance is None else np.array([distance])
@@ -173,13 +158,8 @@ def maxima(part: Loaded, progress: Callable[[float], None] | None = None, distan
         stress = von_mises(stresses(part.operators, answer.moved, part.material))
         found_here = [largest(apart, rungs, int(angle), stress[:, column]) for column, angle in enumerate(block)]
         sizes, nodes = map(np.array, zip(*found_here, strict=True))
-        contact = stress.max(axis=0), grid.points[stress.argmax(axis=0)]
-        found.append((sizes, nodes, *contact, answer.reaction, answer.imbalance, answer.moments))
-        if progress is not None:
-            progress(float(block[-1] + 1) / len(loads.angle))
-    sizes, nodes, contact_stress, contact_place, reaction, imbalance, moments = map(
-        np.concatenate, zip(*found, strict=True)
-    )
+        found.append((sizes, nodes, answer.reaction, answer.imbalance, answer.moments))
+    sizes, nodes, reaction, imbalance, moments = map(np.concatenate, zip(*found, strict=True))
     rung = plateau(sizes.max(axis=0), OCTAVE) if distance is None else 0
     return PartStress(
         part=grid.part,
@@ -188,33 +168,13 @@ def maxima(part: Loaded, progress: Callable[[float], None] | None = None, distan
         bulk_place=grid.points[nodes[:, rung]],
         distances=rungs,
         stress_by_distance=sizes.T,
-        contact_stress=contact_stress,
-        contact_place=contact_place,
-        resolved=part.case.resolved,
         reaction=reaction,
         imbalance=imbalance,
         moments=moments,
         load=np.nan_to_num(np.linalg.norm(loads.force, axis=2)).max(axis=1, initial=0.0),
         bulk_distance=float(rungs[rung]),
-        edge=_longest_edge(grid if grid.section is None else grid.section.grid),
         unknowns=grid.unknowns,
     )
-
-
-def shaft_stress(
-    design: Design,
-    loads: PartLoads,
-    settings: GridSettings | None = None,
-    progress: Callable[[float], None] | None = None,
-) -> PartStress:
-    """Give the maxima of stress in the shaft at each crank angle of its loads; see ``solve``.
-
-    Raises
-    ------
-    CycloidError
-        The loads are not on the cam, the shaft does not mesh, or a package of the extra ``fem`` is missing.
-    """
-    return solve(design, part_grid(design, "shaft", settings), loads, progress)
 
 
 def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int, distance: float | None = None) -> StressMap:
@@ -251,12 +211,6 @@ def mapped(part: Loaded, index: int, distance: float | None = None) -> StressMap
     )
 
 
-def _blocks(count: int) -> Iterator[Indices]:
+def _blocks(count: int) -> Iterator[Integers]:
     for start in range(0, count, BLOCK):
         yield np.arange(start, min(start + BLOCK, count))
-
-
-def _longest_edge(grid: Grid) -> float:
-    ends = np.concatenate([loop[:, [0, 2]] for loop in grid.loops]) if grid.loops else np.zeros((0, 2), np.int64)
-    pairs: Any = grid.points[ends]
-    return float(np.linalg.norm(pairs[:, 1] - pairs[:, 0], axis=1).max(initial=0.0))

@@ -12,8 +12,6 @@ from cycloid_mj.stress.packages import MILLIMETRES, mesher, package
 from cycloid_mj.stress.region import Region
 from cycloid_mj.types import Array, Integers
 
-Indices = Integers
-
 BULK_DISTANCE = 0.5
 """Where bulk begins: so far from every loaded patch, as a share of the ring's pin radius. The one definition."""
 
@@ -96,8 +94,8 @@ class Grid:
     part: str
     mesh: Any
     thickness: float
-    loops: tuple[Indices, ...]
-    held: Indices
+    loops: tuple[Integers, ...]
+    held: Integers
     bulk_distance: float
     keep_off: Array
     corner_distance: float = 0.0
@@ -114,7 +112,7 @@ class Grid:
         return int(self.mesh.dim())
 
     @property
-    def cells(self) -> Indices:
+    def cells(self) -> Integers:
         """Nodes (m, 6) of each triangle, or (m, 10) of each tetrahedron: corners, then middles."""
         middles = self.mesh.t2f if self.dimension == 2 else self.mesh.t2e
         return np.vstack([self.mesh.t, self.mesh.nvertices + middles]).T.astype(np.int64)
@@ -140,7 +138,7 @@ class Section:
     """
 
     grid: Grid
-    nodes: Indices
+    nodes: Integers
     lift: Any
 
 
@@ -187,7 +185,7 @@ def _clamped(region: Region) -> Array:
     return np.array(rows).reshape(-1, 3)
 
 
-def quadratic(points: Array, cells: Indices, ends: Indices, middles: Array, part: str) -> tuple[Any, Indices]:
+def quadratic(points: Array, cells: Integers, ends: Integers, middles: Array, part: str) -> tuple[Any, Integers]:
     """Make a quadratic scikit-fem mesh whose edges ``ends`` (e, 2) pass through ``middles`` (e, d) [m].
 
     Give the mesh and the node in the middle of each of these edges.
@@ -201,24 +199,28 @@ def quadratic(points: Array, cells: Indices, ends: Indices, middles: Array, part
     planar = points.shape[1] == 2
     straight = (skfem.MeshTri1 if planar else skfem.MeshTet1)(points.T.copy(), cells.T.copy())
     mesh = (skfem.MeshTri2 if planar else skfem.MeshTet2).from_mesh(straight)
-    known = np.sort(mesh.facets if planar else mesh.edges, axis=0).astype(np.int64)
-    key = known[0] * len(points) + known[1]
-    order = np.argsort(key)
-    low, high = np.sort(ends, axis=1).T
-    found = order[np.searchsorted(key[order], low * len(points) + high).clip(max=len(order) - 1)]
-    if not np.array_equal(key[found], low * len(points) + high):
+    nodes = middles_of(mesh, ends)
+    if nodes.min(initial=0) < 0:
         raise CycloidError(f"the {part} does not mesh: an edge of its outline is missing; change the refinement")
-    nodes = mesh.nvertices + found
     doflocs = np.array(mesh.doflocs)
     doflocs[:, nodes] = middles.T
     mesh = type(mesh)(doflocs, mesh.t)
     shape = mesh.mapping().detDF(np.eye(mesh.dim(), mesh.dim() + 1, 1))
     if np.any(shape * np.sign(shape[:, :1]) <= 0.0):
         raise CycloidError(f"the {part} does not mesh: a curved edge folds its element; raise the refinement")
-    return mesh, nodes.astype(np.int64)
+    return mesh, nodes
 
 
-def _triangulated(region: Region, loops: list[Loop], inner_edge: float, growth: float) -> tuple[Array, Indices]:
+def middles_of(mesh: Any, ends: Integers) -> Integers:
+    """Give the node in the middle of each edge (..., 2) of a quadratic mesh; -1 where there is no such edge."""
+    known = np.sort(mesh.facets if mesh.dim() == 2 else mesh.edges, axis=0).astype(np.int64)
+    key, wanted = known[0] * mesh.nvertices + known[1], np.sort(ends, axis=-1) @ np.array([mesh.nvertices, 1])
+    order = np.argsort(key)
+    found = order[np.searchsorted(key[order], wanted).clip(max=len(order) - 1)]
+    return np.where(key[found] == wanted, mesh.nvertices + found, -1)
+
+
+def _triangulated(region: Region, loops: list[Loop], inner_edge: float, growth: float) -> tuple[Array, Integers]:
     """Let gmsh fill the region; the loops' nodes come first, in order."""
     with mesher(region.part, inner_edge) as gmsh:
         geo = gmsh.model.geo

@@ -10,9 +10,10 @@ import numpy.typing as npt
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
 from cycloid_mj.record import Run
-from cycloid_mj.stress.contacts import contacts
-from cycloid_mj.stress.motion import motion
-from cycloid_mj.stress.turn import DEGREES, turn
+from cycloid_mj.solid import MassProperties, mass_properties, parts
+from cycloid_mj.stress.action import Action, turned
+from cycloid_mj.stress.contacts import contacts, frame, total
+from cycloid_mj.stress.turn import DEGREES, Turn, turn
 from cycloid_mj.types import Array, Mask
 
 PARTS = ("shaft", "gear", "ring", "output", "pin_1")
@@ -85,7 +86,6 @@ def part_loads(run: Run, design: Design, part: str, angles: npt.ArrayLike = DEGR
     require_part(design, part)
     sampled = turn(run, design, angles)
     found = contacts(sampled, part)
-    moved = motion(sampled, part, found)
     return PartLoads(
         part=part,
         angle=sampled.angle,
@@ -96,11 +96,39 @@ def part_loads(run: Run, design: Design, part: str, angles: npt.ArrayLike = DEGR
         strip=np.stack([contact.line.half_width for contact in found], axis=1),
         hertz=np.stack([contact.line.holds for contact in found], axis=1),
         labels=tuple(contact.name for contact in found),
-        body_force=moved.body_force,
-        spin=moved.spin,
-        spin_rate=moved.spin_rate,
-        torque=moved.torque,
+        **_motion(sampled, part, total(found)),
     )
+
+
+def _motion(turn: Turn, part: str, pushed: Action) -> dict[str, Array]:
+    """Give gravity, inertia and the moment that is carried elsewhere, as `PartLoads` has them.
+
+    `pushed` is the sum of the contacts' forces, which accelerate a part that is free to move.
+    """
+    still = np.zeros_like(turn.angle)
+    environment = turn.design.environment
+    world = np.broadcast_to([environment.gravity_x, environment.gravity_y], (turn.angle.size, 2))
+    moved = {"body_force": turned(world, -frame(turn, part).angle), "spin": still, "spin_rate": still, "torque": still}
+    if part == "ring":
+        return moved
+    body = mass_properties(parts(turn.design)[{"pin_1": "pin"}.get(part, part)])
+    if part in ("gear", "pin_1"):  # their centroid is the origin of their frame
+        moves = part == "gear" or turn.design.ring.has_pin_bodies
+        spin = turn[f"{part}_speed"] if moves else still
+        spin_rate = pushed.moment / float(body.inertia[2, 2])
+        return moved | {"body_force": -pushed.force / body.mass, "spin": spin, "spin_rate": spin_rate}
+    if part == "shaft":
+        rotor = turn.design.drive.rotor_inertia
+        spin_rate = (pushed.moment + turn["crank_torque"]) / (_inertia_about_axis(body) + rotor)
+        torque = turn["crank_torque"] - rotor * spin_rate
+        return moved | {"spin": turn["crank_speed"], "spin_rate": spin_rate, "torque": torque}
+    spin_rate = (pushed.moment + turn["load_torque"]) / _inertia_about_axis(body)
+    return moved | {"spin": turn["output_speed"], "spin_rate": spin_rate, "torque": turn["load_torque"]}
+
+
+def _inertia_about_axis(body: MassProperties) -> float:
+    """Moment of inertia about the reducer's axis [kg m2]."""
+    return float(body.inertia[2, 2] + body.mass * np.sum(body.centroid[:2] ** 2))
 
 
 def require_part(design: Design, part: str) -> None:

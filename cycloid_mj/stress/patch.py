@@ -16,9 +16,7 @@ from scipy.spatial import cKDTree
 from cycloid_mj.errors import CycloidError
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.loads import PartLoads
-from cycloid_mj.types import Array, Integers, Mask
-
-Indices = Integers
+from cycloid_mj.types import Array, Integers
 
 LEAST_POINTS = 8
 """Points of the narrowest patch."""
@@ -47,14 +45,11 @@ class Patches:
         Index of the angle (p,) that each narrow patch belongs to.
     points
         Centres (p, 2) [m] of narrow patches.
-    resolved
-        Whether the edges under every loaded patch are no longer than half its half width, (k,).
     """
 
     loads: Any
-    angle: Indices
+    angle: Integers
     points: Array
-    resolved: Mask
 
 
 @dataclass(frozen=True)
@@ -64,7 +59,7 @@ class _Edges:
     `start` runs on from outline to outline; `first`, `length_of_loop` (e,) are those of the edge's own outline.
     """
 
-    nodes: Indices
+    nodes: Integers
     places: Array
     start: Array
     length: Array
@@ -86,7 +81,6 @@ def patches(grid: Grid, loads: PartLoads) -> Patches:
     size = np.linalg.norm(loads.force, axis=2)
     active = np.isfinite(loads.place).all(axis=2) & (size > NO_FORCE * np.nanmax(size, initial=0.0))
     rows, columns, values, angle, points = [], [], [], [], []
-    resolved = np.ones(len(loads.angle), bool)
     for contact, name in enumerate(loads.labels):
         at = np.flatnonzero(active[:, contact])
         if not len(at):
@@ -102,7 +96,6 @@ def patches(grid: Grid, loads: PartLoads) -> Patches:
         centre = _foot(edges, edge, tree_xi[nearest], loads.place[at, contact])
         half_width = np.minimum(loads.half_width[at, contact], LARGEST_SHARE * edges.length_of_loop[edge])
         spread = _spread(edges, edge, centre, half_width, loads.force[at, contact])
-        resolved[at] &= edges.length[edge] <= half_width / 2
         rows.append(2 * spread.nodes[..., np.newaxis] + np.arange(2))
         columns.append(np.broadcast_to(at[:, np.newaxis, np.newaxis, np.newaxis], rows[-1].shape))
         values.append(spread.forces)
@@ -116,7 +109,6 @@ def patches(grid: Grid, loads: PartLoads) -> Patches:
         loads=matrix,
         angle=np.concatenate([np.zeros(0, np.int64), *angle]),
         points=np.concatenate([np.zeros((0, 2)), *points]),
-        resolved=resolved,
     )
 
 
@@ -125,11 +117,11 @@ class _Spread:
     """Patches of one contact: points (a, q, 2) [m], nodes (a, q, 3), and forces (a, q, 3, 2) [N] on them."""
 
     points: Array
-    nodes: Indices
+    nodes: Integers
     forces: Array
 
 
-def _spread(edges: _Edges, edge: Indices, centre: Array, half_width: Array, force: Array) -> _Spread:
+def _spread(edges: _Edges, edge: Integers, centre: Array, half_width: Array, force: Array) -> _Spread:
     """Spread forces (a, 2) [N] over patches about arc lengths ``centre`` (a,) [m] of their outlines.
 
     The direction of the pressure follows the outline's normal, as that of a bearing does; on a narrow patch it is that
@@ -157,14 +149,14 @@ def _spread(edges: _Edges, edge: Indices, centre: Array, half_width: Array, forc
     )
 
 
-def _shape_slope_at(edges: _Edges, edge: Indices, centre: Array) -> npt.NDArray[np.complex128]:
+def _shape_slope_at(edges: _Edges, edge: Integers, centre: Array) -> npt.NDArray[np.complex128]:
     """Give the unit tangent at an arc length of an edge, as a complex number."""
     xi = (centre - edges.start[edge]) / edges.length[edge]
     tangent = _complex(np.einsum("ai,aix->ax", _slope(xi), edges.places[edge]))
     return tangent / np.abs(tangent)
 
 
-def _foot(edges: _Edges, edge: Indices, xi: Array, place: Array) -> Array:
+def _foot(edges: _Edges, edge: Integers, xi: Array, place: Array) -> Array:
     """Give the arc length of the outline's point nearest to each place: from the nearest sample along the tangent."""
     here = np.einsum("ai,aix->ax", _shape(xi), edges.places[edge])
     tangent = np.einsum("ai,aix->ax", _slope(xi), edges.places[edge])
@@ -185,7 +177,7 @@ def _edges(grid: Grid) -> _Edges:
     return _Edges(nodes, places, start, length, np.repeat(start[heads], counts), np.repeat(totals, counts))
 
 
-def _sampled(edges: _Edges) -> tuple[cKDTree, Indices, Array]:
+def _sampled(edges: _Edges) -> tuple[cKDTree, Integers, Array]:
     """Give a tree of points along all edges, with the edge and the parameter of each."""
     xi = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
     points = np.einsum("si,eix->esx", _shape(xi), edges.places).reshape(-1, 2)

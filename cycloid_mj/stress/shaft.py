@@ -10,22 +10,21 @@ compliance between them). They hold nothing else, assumed; the crank's torque en
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from scipy import sparse
 
 from cycloid_mj.design import Design
 from cycloid_mj.errors import CycloidError
 from cycloid_mj.stress import elastic
-from cycloid_mj.stress.bearing import Pads, bearing_pads, on_cylinder, opened
 from cycloid_mj.stress.case import Case, Response, mass_coefficients
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.loads import PartLoads
 from cycloid_mj.stress.shaftgrid import Shaft, shaft_measures
 from cycloid_mj.stress.surface import surface, traction_loads
 from cycloid_mj.types import Array, Integers, Mask
-
-Indices = Integers
-Flags = Mask
 
 HARMONICS = (0, 1, 2, 4, 6, 8)
 """Orders of the pressure around the cam that are kept; what is left out is 0.4 % of the peak."""
@@ -35,8 +34,105 @@ BEARING_STIFFNESS = 0.1
 
 The softer they are, the more the two carry as statics says of point supports in their middles."""
 
+SECTORS, STRIPS = 16, 4
+"""Pads of a bearing round the journal and along it."""
+
+CHORD = 0.05
+"""Share of the radius by which the middle of a face's corners may lie below its cylinder."""
+
+ROUNDS = 60
+"""Rounds of the active set; it takes about five."""
+
 ROUNDING = 1e-6
 """Share of the shaft's radius by which a point may miss the end face."""
+
+
+@dataclass(frozen=True)
+class Pads:
+    """The pads of all bearings, p of them.
+
+    Attributes
+    ----------
+    press
+        Sparse (n, p): what a push of 1 N outwards, even over a pad, puts on the unknowns; transposed, it gives the mean
+        displacement of each pad along its normal.
+    stiffness
+        Of the spring under each pad (p,) [N/m].
+    """
+
+    press: Any
+    stiffness: Array
+
+    @property
+    def springs(self) -> Any:
+        """Sparse (n, n) [N/m] of all springs, as if they pulled as well."""
+        return (self.press @ sparse.diags(self.stiffness) @ self.press.T).tocsr()
+
+
+def bearing_pads(grid: Grid, shaft: Shaft, stiffness: float) -> Pads:
+    """Give the pads under a shaft, whose bearings have a radial stiffness [N/m] each.
+
+    Half of a bearing presses: a bed of k per area takes k R w pi/2 as its force per radial displacement.
+
+    Raises
+    ------
+    CycloidError
+        The grid has no face in a bearing: it is too coarse.
+    """
+    press, springs = [], []
+    for z0, z1 in shaft.bearings:
+        face = surface(grid, lambda x, z0=z0, z1=z1: _on_cylinder(x, shaft.radius, 0.0) & (z0 < x[2]) & (x[2] < z1))  # type: ignore[misc]
+        if not len(face.nodes):
+            raise CycloidError("the shaft's grid has no face in one of its bearings: raise the refinement")
+        bed = stiffness / (np.pi / 2 * shaft.radius * (z1 - z0))
+        x, y, z = face.points[..., 0], face.points[..., 1], face.points[..., 2]
+        sector = np.floor(np.arctan2(y, x) / (2 * np.pi) * SECTORS).astype(int) % SECTORS
+        strip = np.clip(((z - z0) / (z1 - z0) * STRIPS).astype(int), 0, STRIPS - 1)
+        outwards = face.points * np.array([1.0, 1.0, 0.0]) / np.hypot(x, y)[..., np.newaxis]  # no moment about the axis
+        for pad in range(SECTORS * STRIPS):
+            chosen = sector * STRIPS + strip == pad
+            area = float(face.area[chosen].sum())
+            if area > 0.0:
+                push = traction_loads(face, outwards * chosen[..., np.newaxis] / area)
+                press.append(sparse.csc_matrix(push[:, np.newaxis]))
+                springs.append(bed * area)
+    return Pads(sparse.hstack(press).tocsc(), np.array(springs))
+
+
+def opened(pads: Pads, compliance: Array, pressed: Array) -> Array:
+    """Give the forces (p,) [N] outwards on the pads that take back what springs that pull would do.
+
+    An open pad, whose mean displacement d is inwards, is pulled out by its spring with -k d: the force k d undoes it.
+    d depends on the forces on all open pads, so their set is corrected until it is that of the pads with d < 0.
+
+    Parameters
+    ----------
+    pads
+        The pads.
+    compliance
+        Displacement [m] of each pad under 1 N on each (p, p), with all springs.
+    pressed
+        Displacement of the pads [m] (p,) under the loads, with all springs.
+
+    Raises
+    ------
+    CycloidError
+        No set of open pads is right: the bearings do not hold the shaft.
+    """
+    freed, displaced = np.zeros_like(pressed), pressed
+    is_open: Mask = np.zeros(len(pressed), bool)
+    for _ in range(ROUNDS):
+        now = displaced < 0.0
+        if np.array_equal(now, is_open):
+            return freed
+        is_open = now
+        at = np.flatnonzero(is_open)
+        freed = np.zeros_like(pressed)
+        freed[at] = np.linalg.solve(np.diag(1.0 / pads.stiffness[at]) - compliance[np.ix_(at, at)], pressed[at])
+        displaced = pressed + compliance[:, at] @ freed[at]
+    raise CycloidError(
+        "the bearings do not hold the shaft: no pattern of pressed places is in balance; check the shaft"
+    )
 
 
 def shaft_case(design: Design, grid: Grid, loads: PartLoads) -> Case:
@@ -62,7 +158,7 @@ def shaft_case(design: Design, grid: Grid, loads: PartLoads) -> Case:
     shares = np.vstack([*_cam_shares(shaft, loads), mass_coefficients(loads)])
     relief, compliance = _relieved(part, pads)
 
-    def response(block: Indices) -> Response:
+    def response(block: Integers) -> Response:
         some = shares[:, block]
         freed = np.column_stack([opened(pads, compliance, pressed) for pressed in (pads.press.T @ (moved @ some)).T])
         forces, found = units @ some + pads.press @ freed, moved @ some + relief @ freed
@@ -75,7 +171,7 @@ def shaft_case(design: Design, grid: Grid, loads: PartLoads) -> Case:
             moments=section_moments(grid.points, units @ some + held, shaft.stations),
         )
 
-    return Case(part, response, np.zeros(0, np.int64), np.zeros((0, 2)), np.zeros(len(loads.angle), bool))
+    return Case(part, response, np.zeros(0, np.int64), np.zeros((0, 2)))
 
 
 def _cam_shares(shaft: Shaft, loads: PartLoads) -> Iterator[Array]:
@@ -149,11 +245,16 @@ def section_moments(points: Array, forces: Array, places: Array) -> Array:
     return np.stack(found, axis=1)
 
 
-def _on_cam(x: Array, shaft: Shaft) -> Flags:
-    return on_cylinder(x, shaft.cam_radius, shaft.eccentricity) & (x[2] > shaft.cam[0]) & (x[2] < shaft.cam[1])
+def _on_cylinder(x: Array, radius: float, height: float) -> Mask:
+    """Tell middles (3, f) [m] of faces on a cylinder, whose chords reach below it, from those on its end faces."""
+    return np.abs(np.hypot(x[0], x[1] - height) - radius) < CHORD * radius
 
 
-def _at_end(x: Array, shaft: Shaft) -> Flags:
+def _on_cam(x: Array, shaft: Shaft) -> Mask:
+    return _on_cylinder(x, shaft.cam_radius, shaft.eccentricity) & (x[2] > shaft.cam[0]) & (x[2] < shaft.cam[1])
+
+
+def _at_end(x: Array, shaft: Shaft) -> Mask:
     return x[2] - shaft.end < ROUNDING * shaft.radius
 
 

@@ -16,7 +16,7 @@ from cycloid_mj.stress.closed import LineStress, line_stress
 from cycloid_mj.stress.field import PartStress, StressMap, loaded, mapped, maxima, solve
 from cycloid_mj.stress.findings import PartFindings, Peak, Reference, Refinement, StressFindings
 from cycloid_mj.stress.grid import BULK_DISTANCE, Grid, GridSettings
-from cycloid_mj.stress.loads import PartLoads, part_loads, part_names, require_part
+from cycloid_mj.stress.loads import PARTS, PartLoads, part_loads, part_names, require_part
 from cycloid_mj.stress.notch import Notch, output_roots, shaft_shoulders
 from cycloid_mj.stress.part import part_grid
 from cycloid_mj.stress.region import material_of
@@ -95,12 +95,11 @@ QUICK = StudySettings(angles=36, refinement=0.5, checked=5)
 
 @dataclass(frozen=True, eq=False)
 class PartStudy:
-    """One part: its grid, its loads, its stress by finite elements and by Hertz, its map, and what is found."""
+    """One part: its grid, its loads, its stress by finite elements, its map, and what is found."""
 
     grid: Grid
     loads: PartLoads
     stress: PartStress
-    lines: LineStress
     map: StressMap
     findings: PartFindings
 
@@ -161,25 +160,31 @@ def stress_study(
     for part in names:
         require_part(design, part)
     start, found = time.perf_counter(), []
-    for number, part in enumerate(names):
+    for number, part in enumerate(in_order(names)):
         told(part, number, len(names))
         found.append(part_study(run, design, part, settings, (grids or {}).get(part)))
+    studies = tuple(sorted(found, key=lambda study: PARTS.index(study.findings.part)))
     findings = StressFindings(
         design=design.name,
         ring=design.ring.kind,
         load=float(np.mean(run["load_torque"][-1:])),
         log=log,
         yield_strength=design.material.yield_strength,
-        parts=tuple(study.findings for study in found),
+        parts=tuple(study.findings for study in studies),
         wall=time.perf_counter() - start,
         references=references or {},
     )
-    return StressStudy(design, tuple(found), findings)
+    return StressStudy(design, studies, findings)
 
 
 def study_grids(design: Design, parts: Sequence[str], settings: StudySettings) -> dict[str, Grid]:
-    """Mesh the parts of a study."""
-    return {part: part_grid(design, part, settings.grid(part)) for part in parts}
+    """Mesh the parts of a study, in the order in which it takes them."""
+    return {part: part_grid(design, part, settings.grid(part)) for part in in_order(parts)}
+
+
+def in_order(parts: Sequence[str]) -> list[str]:
+    """Give the order in which parts are studied: the output first, whose grids need the most memory."""
+    return sorted(parts, key=lambda part: part != "output")
 
 
 def part_study(run: Run, design: Design, part: str, settings: StudySettings, grid: Grid | None = None) -> PartStudy:
@@ -216,7 +221,7 @@ def part_study(run: Run, design: Design, part: str, settings: StudySettings, gri
         refinement=_refined(design, grid, settings, loads, stress),
         wall=time.perf_counter() - start,
     )
-    return PartStudy(grid, loads, stress, lines, drawn, findings)
+    return PartStudy(grid, loads, stress, drawn, findings)
 
 
 def _solved(design: Design, grid: Grid, loads: PartLoads, map_angle: float | None) -> tuple[PartStress, StressMap]:
