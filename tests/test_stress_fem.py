@@ -336,15 +336,16 @@ def shaft_loads(k: int) -> PartLoads:
 def test_the_shaft_hands_its_load_to_the_bearings(shaft: Grid) -> None:
     """Reactions balance force and moment of the cam, and the mass, to 1e-6; the torque is in balance."""
     loads = shaft_loads(4)
+    loads = replace(loads, spin=np.array([170.0, 170.0, 0.0, 0.0]))
     found = solve(PIN, shaft, loads)
     known = mass_properties(parts(PIN, 1e-8)["shaft"])
-    spun = known.mass * 170.0**2 * known.centroid
-    force = np.column_stack([loads.force[:, 0] + spun[:2], np.zeros(4)])
-    np.testing.assert_allclose(found.reaction[:, :3], -force, atol=0.1)  # cam and counterweight all but cancel
+    spun = known.mass * loads.spin[:, np.newaxis] ** 2 * known.centroid[:2]
+    np.testing.assert_allclose(found.reaction[:, :2], -loads.force[:, 0] - spun, atol=0.1)  # cam, counterweight cancel
+    np.testing.assert_allclose(found.reaction[:, 2], 0.0, atol=0.1)
     np.testing.assert_allclose(found.imbalance, 0.0, atol=1e-4)
-    still = solve(PIN, shaft, replace(loads, spin=np.zeros(4)))
-    np.testing.assert_allclose(still.reaction[:, :2], -loads.force[:, 0], rtol=0, atol=1e-6 * 1000.0)
-    np.testing.assert_allclose(still.reaction[:, 3:5], 0.0, atol=1e-3)  # the cam's middle is at z = 0
+    still = found.reaction[2:]
+    np.testing.assert_allclose(still[:, :2], -loads.force[2:, 0], rtol=0, atol=1e-6 * 1000.0)
+    np.testing.assert_allclose(still[:, 3:5], 0.0, atol=1e-3)  # the cam's middle is at z = 0
 
 
 def test_superposition_equals_a_direct_solve() -> None:
@@ -610,8 +611,9 @@ def radius_of(grid: Grid, centre: Array) -> float:
 
 def test_the_map_has_the_bulk_stress_of_the_table() -> None:
     """At any angle the largest nodal stress of the map beyond the bulk distance is the table's, to rounding."""
-    grid = plate()
-    loads = made_loads("ring", [[[0.0, 5e-3]]] * 2, [[[0.0, 100.0]], [[10.0, 70.0]]], 1e-6)
+    grid, radius = part_grid(PIN, "pin_1"), PIN.ring.pin_radius
+    place, force = np.array([[0.0, radius], [0.0, -radius]]), np.array([[0.0, -100.0], [0.0, 100.0]])
+    loads = made_loads("pin_1", [place, place[:, ::-1]], [force, 0.7 * force[:, ::-1]], 1e-6)
     found = solve(PIN, grid, loads)
     for row in range(2):
         drawn = stress_map(PIN, grid, loads, row, found.bulk_distance)

@@ -22,6 +22,9 @@ from cycloid_mj.types import Array, Integers
 INDEPENDENT = 1e-6
 """Supports hold a rigid motion whose share at them is larger than this, relatively."""
 
+CHUNK = 32
+"""Right-hand sides solved at once: with more, the solver's copies need more memory than they save time."""
+
 MASS_ORDER = 4
 """Polynomials that the quadrature of the mass integrates exactly: products of two quadratic shape functions."""
 
@@ -125,7 +128,9 @@ def weighed(part: Body, fields: Array) -> Array:
 def displacements(part: Body, loads: Array) -> Array:
     """Solve for the displacements (n, c) [m] under loads (n, c) [N]."""
     found = np.zeros(loads.shape)
-    found[part.free] = part.factor(np.ascontiguousarray(loads[part.free]))
+    for start in range(0, loads.shape[1], CHUNK):
+        some = slice(start, start + CHUNK)
+        found[part.free, some] = part.factor(np.ascontiguousarray(loads[part.free, some]))
     return found
 
 
