@@ -124,12 +124,12 @@ def exactly(design: Design, crank: float, torque: float, start: np.ndarray) -> n
     return unit * root(left, start / unit, method="hybr", tol=1e-13).x
 
 
-@pytest.mark.parametrize(("largest", "bound"), [(2e-6, 0.05), (10e-6, 1.0)])
+@pytest.mark.parametrize(("largest", "bound"), [(2e-6, 1e-4), (10e-6, 0.02)])
 @pytest.mark.parametrize("name", ["fixed", "nonpin"])
 def test_it_is_the_balance_of_the_exact_geometry(name: str, largest: float, bound: float) -> None:
-    """Observed, of 250 urad: 0.029 urad at errors of 2 um, 0.68 at 10 um; most by a pin that carries in a valley.
+    """Errors up to 2 um move the output to within 1e-4 urad of where the exact gaps have it, of 10 um to within 0.02.
 
-    Of holes and cam alone, 2e-5 urad at 2 um.
+    Observed: 2e-5 and 0.006 of some 250 urad.
     """
     design, worst = FIXED if name == "fixed" else PRESETS[name], 0.0
     draw = np.random.default_rng(11).uniform
@@ -140,7 +140,7 @@ def test_it_is_the_balance_of_the_exact_geometry(name: str, largest: float, boun
         one = design.but(errors={**made, "eccentricity": largest}, clearance={"cam": 1e-6 + largest})
         ours = loads(one, springs_of(one, crank, friction=False), 36.68).departures[0]
         worst = max(worst, abs(exactly(one, crank, 36.68, ours)[-1] - ours[-1]) / design.output.pin_circle_radius)
-    assert 1e6 * worst < bound, 1e6 * worst
+    assert 1e6 * worst < bound
 
 
 @pytest.mark.slow

@@ -5,9 +5,10 @@ R psi of the output; R is the radius of the circle of output pins, phi and psi a
 normal distance of two surfaces, positive where they are apart. At the ideal pose it is what clearances, manufacturing
 errors and profile modification leave; its gradient is the direction of the force that the contact puts on the parts.
 
-Along the surface a contact moves too: each curve then counts as its circle of curvature, so what is left is of third
-order in the displacement, once a balance counts how far the parts turn (`kernel.gap`). In the valleys of the paper's
-gear, where that circle has a radius of 18 um, that is good for displacements of some micrometres.
+Along the surface a contact moves too: each curve then counts as its circle of curvature with the rate at which that
+changes, so what is left is of fourth order in the displacement, once a balance counts how far the parts turn
+(`kernel.gap`). In the valleys of the paper's gear, where the circle has a radius of 18 um, the balance looks for the
+foot point.
 
 Angles as in ``kinematics``, tooth geometry as in ``envelope``. A disc at the phase beta on the crank meshes as the gear
 of a crank at theta + beta (Hsieh 2014, Eqs 7 and 11, for one disc); its holes turn with the output.
@@ -25,6 +26,9 @@ from cycloid_mj.kinematics import gear_centre
 from cycloid_mj.mechanism.reducer import phases
 from cycloid_mj.modification import profile_offset, tooth_profile
 from cycloid_mj.types import Array, Integers, Mask
+
+_STEP = 1e-6
+"""Step of a difference along the trochoid [rad]."""
 
 
 @dataclass(frozen=True)
@@ -53,6 +57,10 @@ class Gaps:
     bend
         Relative curvature [1/m] of the two curves, shape (n,): of the gear's trochoid, on which ideal pins have their
         centres; of the circle about the middle of a hole on which those of output pins are. Convex positive.
+    twist
+        Rate of `bend` along the surface [1/m2], shape (n,), towards the force turned counter-clockwise; of circles 0.
+    phase
+        N - 1 times the parameter of the gear's trochoid at the contact [rad], shape (n,); of round holes 0.
     relative_curvature
         Of the line contact [1/m]: gear's plus mate's surface, shape (n,).
     slip_slope
@@ -70,6 +78,8 @@ class Gaps:
     shift: Array
     shift_slope: Array
     bend: Array
+    twist: Array
+    phase: Array
     relative_curvature: Array
     slip_slope: Array
 
@@ -139,6 +149,7 @@ def _tooth_gaps(design: Design, disc: int, lines: envelope.RingContacts, middle:
     side = _quarter_turned(push)
     rubbed = np.sum(side * _quarter_turned(lines.points - middle), axis=-1)
     lever = rubbed - gear.pin_radius
+    ahead, behind = (profile.curvature(gear, lines.t + step, 0.0) for step in (_STEP, -_STEP))
     return Gaps(
         kind=np.full(lines.lobe.size, design.tooth_pair),
         owner=lines.lobe,
@@ -150,6 +161,8 @@ def _tooth_gaps(design: Design, disc: int, lines: envelope.RingContacts, middle:
         shift=np.sum(place * side, axis=-1) - turned * lever,
         shift_slope=_by_unknown(design, disc, -side, -lever, np.zeros(arm.shape)),
         bend=profile.curvature(gear, lines.t, 0.0),
+        twist=np.asarray((ahead - behind) / (2.0 * _STEP * profile.arc_rate(gear, lines.t, 0.0))),
+        phase=gear.lobes * lines.t,
         relative_curvature=lines.relative_curvature,
         slip_slope=_by_unknown(design, disc, side, rubbed, np.zeros(arm.shape)),
     )
@@ -181,6 +194,8 @@ def _output_gaps(design: Design, crank: Array, disc: int) -> Gaps:
         shift=-np.sum(hole * side, axis=-1),
         shift_slope=_by_unknown(design, disc, -side, -lever, lever),
         bend=np.full(arm.shape, -1.0 / gear.eccentricity),
+        twist=np.zeros(arm.shape),
+        phase=np.zeros(arm.shape),
         relative_curvature=np.full(arm.shape, 1.0 / output.pin_radius - 1.0 / output.hole_radius),
         slip_slope=_by_unknown(design, disc, side, lever + output.hole_radius, -(lever + output.pin_radius)),
     )

@@ -36,6 +36,15 @@ that carry on average; what no balance was found for."""
 _NEAR = 0.5
 """Longest step as a share of the least radius of a contact's curve: past its middle the circle pushes the other way."""
 
+_VALLEY = 6e-3
+"""Way along a curve, over its radius, from which its foot point is looked for: in the valleys it is no circle."""
+
+_FAR, _SMALL, _TILT = 0.7, 4e-4, 0.05
+"""Way along a curve, over its least radius and over E, and turn of its normal, beyond which it counts as its circle."""
+
+_SURELY = 1e-9
+"""Width [m] from which on a gap's third order does not matter to whether it is open."""
+
 _HALVINGS = 20
 _ROUNDING = 1e-12
 """By how much energy [1] may seem to grow: next to the balance it is flat, and its differences are rounding."""
@@ -45,13 +54,15 @@ class Springs(NamedTuple):
     """Springs at k crank angles, n at each, on the unknowns of D discs and an output, u = 3 D + 1.
 
     For the meaning of most of them see ``gaps.Gaps``; `room` [m] has the play of the pins in it. Shapes: `room` (n,)
-    [m]; `distance`, `shift`, `bend`, `stiffness` (k, n) [m, m, 1/m, N/m]; `slope`, `shift_slope` (k, n, u) [1].
+    [m]; `distance`, `shift`, `bend`, `twist`, `phase`, `stiffness` (k, n) [m, m, 1/m, 1/m2, rad, N/m]; `slope`,
+    `shift_slope` (k, n, u) [1].
 
-    `radius` [m] is that of the circle of output pins: an unknown of turning is the angle times that. `disc` (n,) is the
-    contact's disc, and `turning` (n,) tells whether its curve turns with the disc: the teeth do, round holes need not.
-    `cam_place` (k, D, 2) [m], `cam_clearance` [m] and `cam_stiffness` [N/m] are those of the cams. `rubbing` (k, n, u)
-    and `cam_rubbing` [1] are the generalised friction per normal force, of the cam on its disc's turn; k is 0 in
-    `rubbing` without friction.
+    `radius` [m] is that of the circle of output pins: an unknown of turning is the angle times that. `trochoid`, on
+    which ideal pins have their centres, is E u(t) - c u(N t): E and c [m], and N. `disc` (n,) is that of a contact, and
+    `turning` (n,) tells whether its curve turns with the disc: the teeth do, round holes need not. `cam_place`
+    (k, D, 2) [m], `cam_clearance` [m] and `cam_stiffness` [N/m] are those of the cams. `rubbing` (k, n, u) and
+    `cam_rubbing` [1] are the generalised friction per normal force, of the cam on its disc's turn; k is 0 in `rubbing`
+    without friction.
     """
 
     radius: float
@@ -63,6 +74,9 @@ class Springs(NamedTuple):
     shift: Array
     shift_slope: Array
     bend: Array
+    twist: Array
+    phase: Array
+    trochoid: tuple[float, float, float]
     stiffness: Array
     cam_place: Array
     cam_clearance: float
@@ -153,7 +167,7 @@ def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool)
         scale = _largest(load[k]) or 1.0
         longest = _NEAR / _largest(springs.bend[k])
         left = change = 0.0
-        for turn in range(ROUNDS):
+        for _ in range(ROUNDS):
             for j in range(number):
                 held[j] = load[k, j] + drag[j]
             energy = _assemble(springs, k, held, here, system)
@@ -178,17 +192,17 @@ def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool)
                 energy = found
                 system, trial = trial, system
                 left = _largest(system.residual) / scale
-            if turn and not left <= BALANCED:  # it is the friction that has grown beyond all bounds
+            if _largest(drag) > 0.0 and not left <= BALANCED:  # it is the friction that has grown beyond all bounds
                 left, change = 0.0, max(change, 1.0)
                 break
             if not (rough and left <= BALANCED):
                 break
-            change = _rub(springs, k, here, drag, step) / scale
+            _press(springs, k, here, force)
+            change = _rub(springs, k, here, force, drag, step) / scale
             if change <= BALANCED:
                 break
         worst, unsettled = max(worst, left), max(unsettled, change)
-        for i in range(springs.disc.size):
-            force[k, i] = springs.stiffness[k, i] * _depth(springs, k, i, here)
+        _press(springs, k, here, force)
     return Left(worst, unsettled)
 
 
@@ -225,6 +239,9 @@ def balance_samples(
             shift,
             ideal.shift_slope,
             ideal.bend,
+            ideal.twist,
+            ideal.phase,
+            ideal.trochoid,
             ideal.stiffness,
             cam_place,
             made.cam[s],
@@ -311,7 +328,8 @@ def _curved(springs: Springs, k: int, i: int, z: Array, q: float, p: float) -> C
     qt, pt = springs.slope[k, i, t], springs.shift_slope[k, i, t]
     qo, po = springs.slope[k, i, o], springs.shift_slope[k, i, o]
     q0, p0 = springs.distance[k, i], springs.shift[k, i]
-    bend, room = springs.bend[k, i], springs.room[i]
+    bend, twist, room = springs.bend[k, i], springs.twist[k, i], springs.room[i]
+    phase, trochoid = springs.phase[k, i], springs.trochoid
     if turning:
         # of w + i phi (w - v phi/2), with w linear in the turn phi at the rate v, the rate is v + i w: solved for w
         q0, p0 = q - 0.5 * phi * pt * z[t], p + 0.5 * phi * qt * z[t]
@@ -321,33 +339,94 @@ def _curved(springs: Springs, k: int, i: int, z: Array, q: float, p: float) -> C
     else:
         qt, pt = qt + p0 / radius + phi * pt, pt - q0 / radius - phi * qt
         qo, po = qo + psi * po, po - psi * qo
+    width, c, s, rate = _rounded(trochoid, phase, bend, twist, q, p, turning)
+    ahead = (c * qx + s * px, c * qy + s * py, c * qt + s * pt, c * qo + s * po)
+    aside = (c * px - s * qx, c * py - s * qy, c * pt - s * qt, c * po - s * qo)
+    return Curved(room + width, ahead, aside, rate)
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _rounded(
+    trochoid: tuple[float, float, float], phase: float, bend: float, twist: float, q: float, p: float, turning: bool
+) -> tuple[float, float, float, float]:
+    """Give the distance of two round curves [m], cosine and sine of their normal's turn, and the rate of that [1/m]."""
     along, across = 1.0 + bend * q, bend * p
-    # reach 0 for a gap that is open by more than the curve's radius
-    reach = math.sqrt(along * along + across * across) if along > 0.0 else 0.0
-    c, s = (along / reach, across / reach) if along > 0.0 else (1.0, 0.0)
-    # (reach - 1) / bend without its cancellation
-    width = room + q + (across * p / (reach + along) if along > 0.0 else 0.0)
-    return Curved(
-        width,
-        (c * qx + s * px, c * qy + s * py, c * qt + s * pt, c * qo + s * po),
-        (c * px - s * qx, c * py - s * qy, c * pt - s * qt, c * po - s * qo),
-        bend / reach if along > 0.0 else 0.0,
-    )
+    near = abs(_sharpest(trochoid) * p) < _FAR and abs(p) < _SMALL * trochoid[0]
+    if near and turning and abs(across) > _VALLEY:
+        return _foot(trochoid, phase, q, p)
+    if not near or abs(twist * p * p) > _TILT:
+        twist = 0.0
+    if along <= 0.0:  # open by more than the curve's radius
+        return q, 1.0, 0.0, 0.0
+    reach = math.sqrt(along * along + across * across)
+    # (reach - 1) / bend without its cancellation, and what makes the circle a curve of third order
+    width = q + across * p / (reach + along) + twist * p * p * p / 6.0
+    return width, along / reach, across / reach + 0.5 * twist * p * p, bend / reach + twist * p
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _sharpest(trochoid: tuple[float, float, float]) -> float:
+    """Give the curvature in the middle of a valley [1/m]: nowhere is the trochoid more concave."""
+    E, c, N = trochoid
+    return (E - c * N * N) / (E - c * N) ** 2
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _foot(trochoid: tuple[float, float, float], phase: float, q: float, p: float) -> tuple[float, float, float, float]:
+    """Give what `_rounded` does of a point near the trochoid, exactly.
+
+    The point is q across and p along from the curve's point at the `phase` (N - 1) t, where the normal is at the angle
+    t - alpha: tan(alpha) = c N sin(phase)/(E - c N cos(phase)). Its foot is found by Newton's method.
+    """
+    E, c, N = trochoid
+    sine, cosine = math.sin(phase), math.cos(phase)
+    sa, ca = c * N * sine, E - c * N * cosine
+    rate = math.sqrt(sa * sa + ca * ca)
+    sa, ca = sa / rate, ca / rate
+    sb, cb = sine * ca + cosine * sa, cosine * ca - sine * sa
+    t = p / (E * ca - c * N * cb)
+    for _ in range(20):
+        # sine, and cosine less 1, of t and N t
+        half, wide = math.sin(0.5 * t), math.sin(0.5 * N * t)
+        st, ct, sw, cw = 2.0 * half * math.cos(0.5 * t), -2.0 * half * half, math.sin(N * t), -2.0 * wide * wide
+        # how far the curve has come from its point, then its rate and the rate of that, by t; each across and along
+        uq, up = E * (ca * ct - sa * st), E * (sa * ct + ca * st)
+        wq, wp = c * (cb * cw - sb * sw), c * (sb * cw + cb * sw)
+        xq, xp = uq - wq, up - wp
+        vq, vp = -up - E * sa + N * (wp + c * sb), uq + E * ca - N * (wq + c * cb)
+        aq, ap = -uq - E * ca + N * N * (wq + c * cb), -up - E * sa + N * N * (wp + c * sb)
+        square = vq * vq + vp * vp
+        step = ((q - xq) * vq + (p - xp) * vp) / max(square - (q - xq) * aq - (p - xp) * ap, 0.1 * square)
+        t += step
+        if abs(step) < 1e-11:
+            break
+    speed = math.sqrt(square)
+    nq, np_ = vp / speed, -vq / speed
+    distance, curvature = (q - xq) * nq + (p - xp) * np_, -(aq * nq + ap * np_) / square
+    return distance, nq, np_, curvature / (1.0 + curvature * distance)
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _is_open(springs: Springs, k: int, i: int, q: float, p: float) -> bool:
     """Tell whether a gap is surely open, by what `_apart` gives: most are, and their roots need not be taken."""
-    bend, room = springs.bend[k, i], springs.room[i]
+    bend, width, turning = springs.bend[k, i], springs.room[i] + q - _SURELY, springs.turning[i]
+    sharpest = _sharpest(springs.trochoid)
+    if turning and abs(bend * p) > _VALLEY:
+        bend = sharpest
     along = 1.0 + bend * q
-    return room + q > 0.0 and (bend > 0.0 or along <= 0.0 or (room + q) * along > -0.5 * bend * p * p)
+    return width > 0.0 and (bend > 0.0 or along <= 0.0 or width * along > -0.5 * bend * p * p)
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _depth(springs: Springs, k: int, i: int, z: Array) -> float:
-    """Give how deep a contact is pressed [m]; 0 where it is open."""
-    q, p = _apart(springs, k, i, z)
-    return 0.0 if _is_open(springs, k, i, q, p) else max(-_curved(springs, k, i, z, q, p).width, 0.0)
+def _press(springs: Springs, k: int, z: Array, force: Array) -> None:
+    """Put the springs' forces at departures z into a row of `force` [N], shape (k, n)."""
+    for i in range(springs.disc.size):
+        force[k, i] = 0.0
+        q, p = _apart(springs, k, i, z)
+        if _is_open(springs, k, i, q, p):
+            continue
+        stiffness, found = springs.stiffness[k, i], _curved(springs, k, i, z, q, p)
+        force[k, i] = stiffness * max(-found.width, 0.0)
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
@@ -418,14 +497,13 @@ def _cam(springs: Springs, k: int, disc: int, z: Array) -> tuple[float, float, f
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _rub(springs: Springs, k: int, z: Array, drag: Array, new: Array) -> float:
-    """Put the friction of the normal forces at departures z into `drag` [N]; give by how much that changes it [N]."""
+def _rub(springs: Springs, k: int, z: Array, force: Array, drag: Array, new: Array) -> float:
+    """Put the friction of the springs' forces and of the cams into `drag` [N]; give by how much that changes it [N]."""
     for j in range(z.size):
         new[j] = 0.0
     for i in range(springs.disc.size):
-        force = springs.stiffness[k, i] * _depth(springs, k, i, z)
-        for j in range(z.size if force > 0.0 else 0):
-            new[j] += force * springs.rubbing[k, i, j]
+        for j in range(z.size if force[k, i] > 0.0 else 0):
+            new[j] += force[k, i] * springs.rubbing[k, i, j]
     for disc in range(springs.cam_place.shape[1]):
         depth = _cam(springs, k, disc, z)[2]
         new[3 * disc + 2] += springs.cam_rubbing * springs.cam_stiffness * max(depth, 0.0)
