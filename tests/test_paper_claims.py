@@ -21,6 +21,7 @@ from hsieh2014 import idle as chaos
 from hsieh2014 import motion, peaks, stated, stress_claims, torque, vibration
 from hsieh2014.page import reproduction_page
 from hsieh2014.plan import QUICK, at_speed, designs, idle_runs
+from hsieh2014.run import STEPS
 from hsieh2014.stage import Found, Stage, silent
 from hsieh2014.verdicts import order_verdict, range_verdict, share_verdict
 from ideal import ideal_run, ideal_runs
@@ -369,7 +370,7 @@ def test_a_claim_has_exactly_its_keys(calm):
 
 def test_the_page_names_the_load_of_every_claim(calm):
     claims = (*calm.claims, torque._order({"pin": measured(34.6, 0.03), "nonpin": measured(33.0, 0.01)}))
-    page = reproduction_page([Stage("motion", "Motion", "Figs 6-8", Found(claims=claims), 1.0)], [], {}, ())
+    page = reproduction_page([Stage(STEPS[0], Found(claims=claims), 1.0)], [], {}, ())
     assert page.count("<td>no load</td>") == len(calm.claims)
     assert page.count("<td>1.048 N m in</td>") == 1
     assert page.count('class="not-determined"') == sum(each.verdict == "not determined" for each in calm.claims) > 0

@@ -15,8 +15,8 @@ from cycloid_mj.errors import UsageError
 from cycloid_mj.whole import write_whole
 
 if TYPE_CHECKING:
-    from hsieh2014.run import Report, Step
-    from hsieh2014.stage import Stage
+    from hsieh2014.run import Report
+    from hsieh2014.stage import Stage, Step
 
 OUT = "runs/reproduce"
 PAGE, RESULT = "reproduce.html", "reproduce.json"
@@ -162,4 +162,4 @@ def _report(stages: "Sequence[Stage]", found: dict[str, Any], page: Path, json: 
         say(f"page: {page}")
     for stage in stages:
         if stage.error:
-            tell(f"error: stage {stage.key} ({stage.paper}) broke: {stage.error}")
+            tell(f"error: stage {stage.step.key} ({stage.step.paper}) broke: {stage.error}")

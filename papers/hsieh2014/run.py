@@ -1,35 +1,16 @@
 """All stages in order; one that breaks says so, and the others still run."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
 from time import monotonic
 
 from hsieh2014.geometry import equal, geometry
 from hsieh2014.motion import gear_speed, input_law, pin_1, q_path, q_velocity
 from hsieh2014.plan import Plan
-from hsieh2014.stage import Found, Progress, Runs, Stage, Work
+from hsieh2014.stage import Found, Progress, Runs, Stage, Step
 from hsieh2014.stress import stress
 from hsieh2014.torque import torque
 from hsieh2014.vibration import vibration
-
-
-@dataclass(frozen=True)
-class Step:
-    """A stage to run: its `key`, `title`, the `paper`'s figures, its `work`, and shares of the time, quick and full."""
-
-    key: str
-    title: str
-    paper: str
-    work: Work
-    quick: float
-    full: float
-
-    @property
-    def heading(self) -> str:
-        """Title, and the paper's figures."""
-        return f"{self.title} ({self.paper})"
-
 
 STEPS = (
     Step("geometry", "Generation of the profiles", "Figs 1-4", geometry, 4, 4),
@@ -94,4 +75,4 @@ def run_step(step: Step, plan: Plan, runs: Runs, progress: Progress) -> Stage:
         found, error = step.work(plan, runs, progress), ""
     except Exception as problem:  # whatever breaks a stage, the page shall have the others
         found, error = Found(), f"{type(problem).__name__}: {problem}"
-    return Stage(step.key, step.title, step.paper, found, monotonic() - start, error)
+    return Stage(step, found, monotonic() - start, error)

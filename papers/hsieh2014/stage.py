@@ -41,13 +41,31 @@ class Found:
     notes: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, eq=False)
-class Stage:
-    """A stage that was run: what it found, the `seconds` it took, and its `error`; "" if it came through."""
+Work = Callable[[Plan, Runs, Progress], Found]
+
+
+@dataclass(frozen=True)
+class Step:
+    """A stage to run: its `key`, `title`, the `paper`'s figures, its `work`, and shares of the time, quick and full."""
 
     key: str
     title: str
     paper: str
+    work: Work
+    quick: float
+    full: float
+
+    @property
+    def heading(self) -> str:
+        """Title, and the paper's figures."""
+        return f"{self.title} ({self.paper})"
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """A step that was run: what it found, the `seconds` it took, and its `error`; "" if it came through."""
+
+    step: Step
     found: Found
     seconds: float
     error: str = ""
@@ -55,9 +73,9 @@ class Stage:
     def as_json(self) -> dict[str, Any]:
         """Give the stage for a program; its claims stand apart."""
         return {
-            "key": self.key,
-            "title": self.title,
-            "paper": self.paper,
+            "key": self.step.key,
+            "title": self.step.title,
+            "paper": self.step.paper,
             "seconds": round(self.seconds, 1),
             "error": self.error,
             "figures": [plate.name for plate in self.found.plates],
@@ -65,6 +83,3 @@ class Stage:
             "tables": [table.as_json() for table in self.found.tables],
             "notes": list(self.found.notes),
         }
-
-
-Work = Callable[[Plan, Runs, Progress], Found]
