@@ -184,12 +184,12 @@ def brute_minima(gaps, coarse: np.ndarray) -> list[float]:
 
 
 def test_gap_equals_brute_force_in_random_poses(rig: Rig) -> None:
-    """1000 poses within 5 um and 5e-5 rad: every minimum of the gap along a lobe is found, and nothing else."""
+    """250 poses within 5 um and 5e-5 rad: every minimum of the gap along a lobe is found, and nothing else."""
     gear, rng = rig.gear, np.random.default_rng(3)
     brute = BruteForce(gear, gear.pin_radius + rig.design.clearance.tooth)
     coarse = np.linspace(-2.0, 2.0, 321)
     flanks = 0
-    for _ in range(1000):
+    for _ in range(250):
         crank, shift, turn = rng.uniform(0, 2 * np.pi), rng.uniform(-5e-6, 5e-6, 2), rng.uniform(-5e-5, 5e-5)
         lobe = round((-crank + rng.uniform(-0.7, 0.7)) * 36 / (2 * np.pi)) % 36
 
@@ -207,7 +207,7 @@ def test_gap_equals_brute_force_in_random_poses(rig: Rig) -> None:
         on_ring = mine[:, 2:4] + 0.5 * mine[:, 1:2] * mine[:, 4:6]
         seen = brute.gap(turned(on_ring - rig.centre(crank, shift), rig.angle(crank, turn)))
         assert np.abs(seen - mine[:, 1]).max(initial=0.0) < 1e-9
-    assert flanks > 100
+    assert flanks > 25
 
 
 @pytest.mark.parametrize("name", ["paper", "steep"])
