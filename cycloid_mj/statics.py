@@ -196,25 +196,6 @@ def line_contact_stiffness(
     return math.pi * modulus * length / (constant + np.log(np.asarray(relative_curvature, float)))
 
 
-def secant_error(
-    working_force: float,
-    length: float,
-    modulus: float,
-    depth: float,
-    relative_curvature: npt.ArrayLike,
-    share: npt.ArrayLike = (0.5, 2.0),
-) -> Array:
-    """Relative error of the force that the secant at the working force gives instead of the line contact's own.
-
-    Both bodies approach by what the line contact takes under `share` (n,) times the `working_force` F [N]: the line of
-    the secant stiffness K(F) then has the force K(F)/K(share F) share F. The other arguments are those of
-    `line_contact_stiffness`; the result has the shape of `share` and `relative_curvature` broadcast, by default half
-    and twice the working force.
-    """
-    at = line_contact_constant(working_force, length, modulus, depth) + np.log(np.asarray(relative_curvature, float))
-    return -np.log(np.asarray(share, float)) / at
-
-
 def conformal_stiffness(force: float, length: float, modulus: float, play: float) -> float:
     """Secant stiffness [N/m] of a plain bearing, a shaft in a bore of nearly its own radius R.
 

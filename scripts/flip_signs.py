@@ -40,6 +40,7 @@ EQUIVALENT: dict[tuple[str, str], str] = {
     ("gaps.py", "np.asarray(crank, dtype=np.float64)[..., np.newaxis] + np.array(phases(design))"): PHASE,
     ("gaps.py", "3 * disc + 2"): ONLY,
     ("kernel.py", "3 * disc + 2"): ONLY,
+    ("limits.py", "3 * disc + 2"): ONLY,
     ("kernel.py", "k - 1"): "of one before the first, the last of its array: " + SEARCH,
     ("kernel.py", "xy += stiffness * (1.0 - around) * u * v"): SEARCH,
     ("kernel.py", "stiffness * at * at + turning * bt * bt + alone * bt"): SEARCH,

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq, lsq_linear, minimize_scalar
+from scipy.optimize import lsq_linear, minimize_scalar
 
 from cycloid_mj import envelope, kinematics, profile, statics
 from cycloid_mj.errors import DesignError
@@ -206,25 +206,6 @@ def test_the_cam_of_the_paper_carries_more_than_the_ring_asks_for():
     assert np.all(full > 1.3 * alone)
     # Of 8 pins, sin^2 of the loaded ones sums to 2 at every angle, and their sines to 8/pi on average.
     assert output.sum(axis=-1).mean() == pytest.approx(4 * TORQUE / (np.pi * 26e-3), rel=1e-3)
-
-
-def test_the_secants_error_is_that_of_its_line_at_the_same_approach():
-    """At the approach that the line contact has at half and twice the force, found by bisection of its own law."""
-    modulus, depth, working = statics.contact_modulus(210e9, 0.3), 2.25e-3, 100.0
-    curvature = 1 / depth
-
-    def approach(force):
-        return force / float(statics.line_contact_stiffness(force, 10e-3, modulus, depth, curvature))
-
-    secant = working / approach(working)
-    for share, error in zip((0.5, 2.0), statics.secant_error(working, 10e-3, modulus, depth, curvature), strict=True):
-        reached = approach(share * working)
-        true = brentq(lambda force, reached=reached: approach(force) - reached, 1.0, 1e4, xtol=1e-12)
-        assert error == pytest.approx(secant * reached / true - 1, rel=1e-9)
-    # For the paper's pins: 6 % too much at half of the working force, 6 % too little at twice.
-    assert statics.secant_error(working, 10e-3, modulus, depth, curvature) == pytest.approx([0.0594, -0.0594], abs=4e-4)
-    # At the working force itself there is none, and it broadcasts over curvatures.
-    assert statics.secant_error(working, 10e-3, modulus, depth, [300.0, 500.0], 1.0) == pytest.approx([0, 0])
 
 
 @pytest.mark.parametrize(("force", "play"), [(900.0, 1e-6), (10.0, 1e-6), (5000.0, 20e-6), (900.0, 1e-12)])
