@@ -93,8 +93,8 @@ StressQuickFlag = Annotated[
     bool,
     Parameter(
         name="--quick",
-        help="Every tenth degree and coarser grids: the same files for about 70 s of processor time and 1 GB of memory "
-        "(the preset pin), not 330 s and 2.4 GB. What a design needs is said before it begins.",
+        help="Every tenth degree and coarser grids: the same files for about 35 s of processor time and 0.7 GB of "
+        "memory (the preset pin), not 120 s and 1.5 GB. What a design needs is said before it begins.",
     ),
 ]
 SolidFlag = Annotated[

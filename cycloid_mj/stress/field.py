@@ -17,8 +17,8 @@ from cycloid_mj.stress.recover import Recovery, principal, recovery, stresses, v
 from cycloid_mj.stress.region import material_of
 from cycloid_mj.types import Array, Integers, Mask
 
-BLOCK = 12
-"""Angles worked on together: enough for speed, few enough for memory."""
+BLOCK = {2: 12, 3: 6}
+"""Angles worked on together, by the dimension of the grid: enough for speed, few enough for memory."""
 
 
 @dataclass(frozen=True)
@@ -153,7 +153,7 @@ def maxima(part: Loaded, distance: float | None = None) -> PartStress:
     grid, loads, apart = part.grid, part.loads, part.apart
     rungs = ladder(apart, grid.bulk_distance) if distance is None else np.array([distance])
     found: list[tuple[Array, ...]] = []
-    for block in _blocks(len(loads.angle)):
+    for block in _blocks(len(loads.angle), BLOCK[grid.dimension]):
         answer = part.case.response(block)
         stress = von_mises(stresses(part.operators, answer.moved, part.material))
         found_here = [largest(apart, rungs, int(angle), stress[:, column]) for column, angle in enumerate(block)]
@@ -211,6 +211,6 @@ def mapped(part: Loaded, index: int, distance: float | None = None) -> StressMap
     )
 
 
-def _blocks(count: int) -> Iterator[Integers]:
-    for start in range(0, count, BLOCK):
-        yield np.arange(start, min(start + BLOCK, count))
+def _blocks(count: int, size: int) -> Iterator[Integers]:
+    for start in range(0, count, size):
+        yield np.arange(start, min(start + size, count))

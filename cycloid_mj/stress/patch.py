@@ -95,10 +95,10 @@ def patches(grid: Grid, loads: PartLoads) -> Patches:
         edge = tree_edge[nearest]
         centre = _foot(edges, edge, tree_xi[nearest], loads.place[at, contact])
         half_width = np.minimum(loads.half_width[at, contact], LARGEST_SHARE * edges.length_of_loop[edge])
-        spread = _spread(edges, edge, centre, half_width, loads.force[at, contact])
-        rows.append(2 * spread.nodes[..., np.newaxis] + np.arange(2))
+        nodes, forces = _spread(edges, edge, centre, half_width, loads.force[at, contact])
+        rows.append(2 * nodes[..., np.newaxis] + np.arange(2))
         columns.append(np.broadcast_to(at[:, np.newaxis, np.newaxis, np.newaxis], rows[-1].shape))
-        values.append(spread.forces)
+        values.append(forces)
         narrow = loads.narrow[at, contact]
         angle.append(at[narrow])
         points.append(loads.place[at, contact][narrow])
@@ -112,17 +112,10 @@ def patches(grid: Grid, loads: PartLoads) -> Patches:
     )
 
 
-@dataclass(frozen=True)
-class _Spread:
-    """Patches of one contact: points (a, q, 2) [m], nodes (a, q, 3), and forces (a, q, 3, 2) [N] on them."""
-
-    points: Array
-    nodes: Integers
-    forces: Array
-
-
-def _spread(edges: _Edges, edge: Integers, centre: Array, half_width: Array, force: Array) -> _Spread:
+def _spread(edges: _Edges, edge: Integers, centre: Array, half_width: Array, force: Array) -> tuple[Integers, Array]:
     """Spread forces (a, 2) [N] over patches about arc lengths ``centre`` (a,) [m] of their outlines.
+
+    Give the nodes (a, q, 3) of the edges under the q points of each patch, and the forces (a, q, 3, 2) [N] on them.
 
     The direction of the pressure follows the outline's normal, as that of a bearing does; on a narrow patch it is that
     of the force. Plane vectors are complex numbers here.
@@ -142,11 +135,7 @@ def _spread(edges: _Edges, edge: Integers, centre: Array, half_width: Array, for
     total_turn = turn @ weight
     pressure = weight * turn * (_complex(force) / total_turn)[:, np.newaxis]
     vector = np.stack([pressure.real, pressure.imag], axis=-1)
-    return _Spread(
-        points=np.einsum("aqi,aqix->aqx", shape, edges.places[at]),
-        nodes=edges.nodes[at],
-        forces=shape[..., np.newaxis] * vector[:, :, np.newaxis, :],
-    )
+    return edges.nodes[at], shape[..., np.newaxis] * vector[:, :, np.newaxis, :]
 
 
 def _shape_slope_at(edges: _Edges, edge: Integers, centre: Array) -> npt.NDArray[np.complex128]:

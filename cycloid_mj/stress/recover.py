@@ -4,6 +4,7 @@ Zienkiewicz and Zhu 1992: the stress of quadratic elements is better at their Ga
 quadratic polynomial fitted to those of the elements round a vertex keeps that.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -67,17 +68,18 @@ def stresses_at_points(operators: Recovery, found: Array, material: Material) ->
 
     By Hooke's law; in the plane this is plane stress.
     """
-    return np.stack(_at_points(operators, found, material))
+    return np.stack(list(_at_points(operators, found, material)))
 
 
-def _at_points(operators: Recovery, found: Array, material: Material) -> list[Array]:
+def _at_points(operators: Recovery, found: Array, material: Material) -> Iterator[Array]:
+    """Give one component (p, c) after the other: of a fine solid all of them take much memory."""
     dimension = len(operators.slopes)
     moved = [np.ascontiguousarray(found[axis::dimension]) for axis in range(dimension)]
     lame, shear = elastic.lame_parameters(material, dimension)
     slope = [[along @ each for along in operators.slopes] for each in moved]
     pressure = lame * sum(slope[axis][axis] for axis in range(dimension))
-    pairs = PLANE if dimension == 2 else SPACE
-    return [shear * (slope[i][j] + slope[j][i]) + (pressure if i == j else 0.0) for i, j in pairs]
+    for i, j in PLANE if dimension == 2 else SPACE:
+        yield shear * (slope[i][j] + slope[j][i]) + (pressure if i == j else 0.0)
 
 
 def stresses(operators: Recovery, found: Array, material: Material) -> Array:
