@@ -36,8 +36,8 @@ that carry on average; what no balance was found for."""
 _NEAR = 0.5
 """Longest step as a share of the least radius of a contact's curve: past its middle the circle pushes the other way."""
 
-_VALLEY = 6e-3
-"""Way along a curve, over its radius, from which its foot point is looked for: in the valleys it is no circle."""
+_VALLEY = 1e-3
+"""Twist of a curve, over the square of its largest curvature, from which it counts as a valley, which is no circle."""
 
 _FAR, _SMALL, _TILT = 0.7, 4e-4, 0.05
 """Way along a curve, over its least radius and over E, and turn of its normal, beyond which it counts as its circle."""
@@ -351,8 +351,9 @@ def _rounded(
 ) -> tuple[float, float, float, float]:
     """Give the distance of two round curves [m], cosine and sine of their normal's turn, and the rate of that [1/m]."""
     along, across = 1.0 + bend * q, bend * p
-    near = abs(_sharpest(trochoid) * p) < _FAR and abs(p) < _SMALL * trochoid[0]
-    if near and turning and abs(across) > _VALLEY:
+    sharpest = _sharpest(trochoid)
+    near = abs(sharpest * p) < _FAR and abs(p) < _SMALL * trochoid[0]
+    if near and turning and abs(twist) > _VALLEY * sharpest * sharpest:
         return _foot(trochoid, phase, q, p)
     if not near or abs(twist * p * p) > _TILT:
         twist = 0.0
@@ -410,8 +411,8 @@ def _foot(trochoid: tuple[float, float, float], phase: float, q: float, p: float
 def _is_open(springs: Springs, k: int, i: int, q: float, p: float) -> bool:
     """Tell whether a gap is surely open, by what `_apart` gives: most are, and their roots need not be taken."""
     bend, width, turning = springs.bend[k, i], springs.room[i] + q - _SURELY, springs.turning[i]
-    sharpest = _sharpest(springs.trochoid)
-    if turning and abs(bend * p) > _VALLEY:
+    twist, sharpest = springs.twist[k, i], _sharpest(springs.trochoid)
+    if turning and abs(twist) > _VALLEY * sharpest * sharpest:
         bend = sharpest
     along = 1.0 + bend * q
     return width > 0.0 and (bend > 0.0 or along <= 0.0 or width * along > -0.5 * bend * p * p)
