@@ -42,8 +42,12 @@ HELD_SHARE = 1.5
 MOST_HALVINGS = 3
 """How often the step of a run that goes wrong is halved."""
 
+STEADIER = 2.0
+"""Step that contacts are made for, over the step taken: the added mass of a run is the least that is stable, and light
+pins at a long step would ring on it; four times as much, which a slow torque does not feel, settles them."""
+
 HEAVIER = 3.0
-"""Step that contacts with friction are made for, over the step taken: their added mass, which slow motion does not
+"""The same of contacts with friction, once more: their added mass, which slow motion does not
 feel, is larger by the square of it, and their creep speed may be as much lower."""
 
 DAMPING_RATIO = 1.0
@@ -100,7 +104,7 @@ def benched(design: Design, torque: float, duration: float, samples: int, finer:
 def locked_run(benched: Design, crank: float, torque: Signal) -> Run:
     """Run a design on the bench: crank locked at an angle [rad], a torque [N m] over time [s] on the output."""
     timestep = benched.settings.timestep
-    made_for = timestep * (HEAVIER if _rubbing(benched) else 1.0)
+    made_for = timestep * STEADIER * (HEAVIER if _rubbing(benched) else 1.0)
     drive = Drive(rotor_inertia=benched.drive.rotor_inertia)
     same = {"drive": drive, "load": Load(), "settings": Settings(timestep=made_for)}
     reducer = _reducer(benched.model_copy(update=same), timestep)
