@@ -210,7 +210,8 @@ def injected_step(model, data, reducer, design) -> None:
 
 def test_collider_equals_injected_contacts() -> None:
     """Two hundred loaded steps by the collider and by ``mj_addContact`` move every joint alike."""
-    design = override(PRESETS["pin"], ["drive.ramp_s=0.0", "load.torque_nm=36.0", "load.rise_s=0.0005"])
+    changes = ["drive.ramp_s=0.0", "load.torque_nm=36.0", "load.rise_s=0.0005", "settings.timestep_us=1"]
+    design = override(PRESETS["pin"], changes)
     reducer = build(design)
     by_collider, by_injection = initial_state(reducer, design), initial_state(reducer, design)
     bare = without_pairs(reducer.spec)

@@ -242,8 +242,10 @@ def _validated(values: dict[str, Any], where: str) -> Design:
 
 def _nearest(key: str, known: list[str], prefix: str) -> str:
     """Name the key meant: with another unit, the same word in another table, else the most alike, here or anywhere."""
-    stem = key.rsplit("_", 1)[0]
-    other_unit = [prefix + name for name in known if name.rsplit("_", 1)[0] == stem]
+    stems = (key, key.rsplit("_", 1)[0])
+    other_unit = next(
+        filter(None, ([prefix + name for name in known if name.rsplit("_", 1)[0] == stem] for stem in stems)), []
+    )
     everywhere = [f"{table}.{name}" for table, keys in _tables(Design()) if isinstance(keys, dict) for name in keys]
     same = [name for name in everywhere if name.endswith(f".{key}")]
     here = [prefix + name for name in difflib.get_close_matches(key, known, n=1)]
