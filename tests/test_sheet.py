@@ -140,3 +140,12 @@ def test_efficiency_losses_and_error_are_those_of_the_dynamic_run(name: str, way
     error = run["output_angle"] + run["crank_angle"] / design.lobes
     ours = loads(design, springs_of(design, run["crank_angle"][::10]), torque).output_turn
     assert ours.mean() == pytest.approx(error.mean(), rel=0.002)
+
+
+def test_wide_play_is_balanced_where_no_angle_follows_from_the_one_before() -> None:
+    """A printed size whose contacts change at once under a hundredth of its load."""
+    from cycloid_mj.sizing import sized
+
+    found = sheet(sized("printed", 12, 0.08, 1.0, "printed").design)
+    assert 0.0 < found.quantities["efficiency"].value < 100.0
+    assert found.quantities["output_peak_to_peak_unloaded_forward_speed"].value > 0.0
