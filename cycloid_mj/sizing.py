@@ -11,6 +11,7 @@ from typing import Literal
 
 from cycloid_mj.checks import Check, check, soundness
 from cycloid_mj.design import PRESETS, Design
+from cycloid_mj.design.units import RPM
 from cycloid_mj.errors import DesignError, UsageError
 
 Process = Literal["steel", "printed"]
@@ -41,7 +42,7 @@ NARROWEST, WIDEST = 0.2, 1.2
 MARGIN = 1.1
 """On the pressures that a check allows."""
 
-SPEED = 1500.0 * math.pi / 30.0
+SPEED = RPM.to_si(1500.0)
 """Of the crank [rad/s]: a motor with four poles at 50 Hz."""
 
 STEPS = tuple(digit * 10.0**power for power in range(-3, -7, -1) for digit in (5.0, 2.5, 1.0))

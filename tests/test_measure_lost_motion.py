@@ -17,6 +17,7 @@ from cycloid_mj.measure.lost_motion import lost_motion
 from cycloid_mj.measure.lost_motion_table import loop_series
 from cycloid_mj.mechanism import limits
 from cycloid_mj.record import Run
+from cycloid_mj.units import ARCMINUTE
 from cycloid_mj.validation import equilibrium
 
 FIXED = at_rated_load(override(PRESETS["pin"], ['ring.pins="fixed"']))
@@ -84,7 +85,7 @@ def test_friction_makes_hysteresis_and_its_work_is_the_area():
     rated = FIXED.rated_torque
     period = hysteresis.slow_period(FIXED, rated)
     loop = hysteresis.loop(FIXED, CRANK, rated, period)
-    assert loop.width > 5.0 * bench.ARCMINUTE * 2e-3
+    assert loop.width > 5.0 * ARCMINUTE * 2e-3
     assert loop.work == pytest.approx(loop.dissipated, rel=0.1)
 
 

@@ -13,12 +13,13 @@ from cycloid_mj.errors import DesignError
 from cycloid_mj.loaded import transmission_error
 from cycloid_mj.measure.orders import Cause, causes
 from cycloid_mj.measure.te import te
-from cycloid_mj.measure.trace import ARCSEC, Case, trace
+from cycloid_mj.measure.trace import Case, trace
 from cycloid_mj.measure.vibration import vibration
 from cycloid_mj.mechanism.gaps import arc_gaps, cam_places
 from cycloid_mj.mjcf import build
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.statics import ideal_load_sharing
+from cycloid_mj.units import ARCSECONDS
 from cycloid_mj.validation import equilibrium
 
 N, LOBES, HOLES = 36, 35, 8
@@ -39,7 +40,7 @@ def cause(key: str) -> Cause:
 
 def shares(design: Design, place: str, base: float) -> dict[int, float]:
     """Amplitudes [arcsec] of the multiples of a base order in the elastic error under the rated load."""
-    gear, output = ARCSEC * transmission_error(design, TURN, 36.68).T
+    gear, output = ARCSECONDS * transmission_error(design, TURN, 36.68).T
     found = periodic_orders(TURN, gear if place == "gear" else output - gear, base, 80.0)
     return {round(order / base): float(size) for order, size in zip(found.order, found.amplitude, strict=True)}
 
@@ -117,7 +118,7 @@ def test_one_pin_in_error_shows_as_its_displacement_over_its_arm() -> None:
     tight = ["clearance.cam_um=0.01", "clearance.output_um=0.01", "clearance.pin_gear_um=8.0"]
     design = fixed(*tight, "errors.pin_y_um={1=-5.0}")
     found = trace(design, build(design), 1.0, Case("unloaded", "forward", "slow", 0.1, 30.0))
-    rigid = ARCSEC * kinematic_error(design, found.crank)
+    rigid = ARCSECONDS * kinematic_error(design, found.crank)
     assert np.ptp(found.gear) == pytest.approx(np.ptp(rigid), rel=0.05)
     assert np.std(found.gear) == pytest.approx(np.std(rigid), rel=0.05)
     seen, ideal = (periodic_orders(found.crank, error, 1.0, 40.0).amplitude for error in (found.gear, rigid))
@@ -125,7 +126,7 @@ def test_one_pin_in_error_shows_as_its_displacement_over_its_arm() -> None:
     assert cause("ring").strongest(periodic_orders(found.crank, found.gear, 1.0, 40.0))[0] == 1.0
     # The neighbouring pin would show a pitch earlier, a pin that is pulled out not at all.
     for spoiled in ("errors.pin_y_um={2=-5.0}", "errors.pin_y_um={1=5.0}"):
-        wrong = ARCSEC * kinematic_error(override(fixed(*tight), [spoiled]), found.crank)
+        wrong = ARCSECONDS * kinematic_error(override(fixed(*tight), [spoiled]), found.crank)
         assert np.std(found.gear - wrong) > 5.0 * np.std(found.gear - rigid)
 
 

@@ -12,17 +12,24 @@ from designs import UNLIKE, unlike
 
 from cycloid_mj import statics
 from cycloid_mj.cli import main
-from cycloid_mj.design import PRESETS, override
-from cycloid_mj.errors import UsageError
+from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.errors import DesignError, UsageError
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.rating import Duty, DutyPoint, rate, read_duty, rolling
+from cycloid_mj.rating.duty import steady
 from cycloid_mj.rating.fatigue import Fatigue, endurance_limit, notch_factor, size_factor
-from cycloid_mj.rating.items import output_pin, pitting_cycles, single
+from cycloid_mj.rating.items import output_pin, pitting_cycles
 from cycloid_mj.rating.loading import bending, loading
 from cycloid_mj.result import plain
 
 PIN = PRESETS["pin"]
 RPM = math.pi / 30.0
+
+
+def single(design: Design) -> DutyPoint:
+    """Rated torque and speed, all the time."""
+    return steady(design.rated_torque, design.drive.speed).points[0]
+
 
 KUBAKOS = PIN.but(
     ring={"teeth": 30, "pin_circle_radius": 52.5e-3, "pin_radius": 3.5e-3, "pins": "fixed"},
@@ -173,6 +180,13 @@ def test_a_duty_is_one_of_its_parts_where_they_are_alike() -> None:
         other = halves.items[key]
         assert other.value == pytest.approx(item.value, rel=1e-9)
         assert other.margin(1.0) == pytest.approx(item.margin(1.0), rel=1e-9)
+
+
+def test_a_crank_that_stands_still_has_no_life_to_rate(capsys) -> None:
+    with pytest.raises(DesignError, match="crank that turns"):
+        rate(override(PIN, {"drive.speed_rpm": 0.0}))
+    assert main(["rate", "--design", "pin", "--set", "drive.speed_rpm=0"]) == 1
+    assert "crank that turns" in capsys.readouterr().err
 
 
 def test_duty_files(tmp_path: Path) -> None:

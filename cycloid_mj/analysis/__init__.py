@@ -5,14 +5,13 @@ closed form of everything but the crank is evaluated at the *measured* crank ang
 is judged once, in the crank's own line.
 """
 
-from cycloid_mj.analysis.curves import ARCSEC, FIGURES, MICROMETRE, SIGNALS, Figure, Signal
+from cycloid_mj.analysis.curves import FIGURES, MICROMETRE, SIGNALS, Figure, Signal
 from cycloid_mj.analysis.findings import Findings, condition
 from cycloid_mj.analysis.judge import analyze, judge
 from cycloid_mj.analysis.series import Compared, PinPath, Series, series
 from cycloid_mj.analysis.table import GROUPS, Group, Row, groups, table
 
 __all__ = [
-    "ARCSEC",
     "FIGURES",
     "GROUPS",
     "MICROMETRE",

@@ -3,13 +3,11 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-
 from cycloid_mj.analysis.series import Compared, PinPath, Series
 from cycloid_mj.errors import LogError
 from cycloid_mj.types import Array
+from cycloid_mj.units import ARCSECONDS
 
-ARCSEC = 3600 * 180 / np.pi
 MICROMETRE = "\N{MICRO SIGN}m"
 
 
@@ -56,8 +54,8 @@ def _error(label: str, part: Callable[[Series], Compared], factor: float) -> Sig
 
 
 SIGNALS = {
-    "output_te": Signal("output [arcsec]", lambda m: ARCSEC * m.output_angle.error),
-    "gear_te": Signal("gear [arcsec]", lambda m: ARCSEC * m.gear_angle.error),
+    "output_te": Signal("output [arcsec]", lambda m: ARCSECONDS * m.output_angle.error),
+    "gear_te": Signal("gear [arcsec]", lambda m: ARCSECONDS * m.gear_angle.error),
     "output_speed": _beside_theory("output speed [rad/s]", lambda m: m.output_speed),
     "output_speed_error": _error("error [mrad/s]", lambda m: m.output_speed, 1e3),
     "gear_speed": _beside_theory("gear speed [rad/s]", lambda m: m.gear_speed),

@@ -34,8 +34,8 @@ from cycloid_mj.modification import tooth_profile
 from cycloid_mj.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.record import Run
 from cycloid_mj.types import Array, Mask
+from cycloid_mj.units import ARCSECONDS
 
-ARCSEC = 3600 * 180 / np.pi
 COARSEST_SAMPLING = np.radians(5.0)
 """Crank angle from sample to sample beyond which velocities give no acceleration: the error is its square / 24."""
 
@@ -140,7 +140,7 @@ def _acceleration(motion: Series, rows: Mask) -> AccelerationFindings | None:
 def _transmission_error(angle: Compared, motion: Series) -> TransmissionError:
     error = angle.error[motion.judged]
     swings = [np.ptp(error[turn]) for turn in turn_by_turn(motion.crank_angle[motion.judged])]
-    return TransmissionError(ARCSEC * float(np.mean(swings)), ARCSEC * _mean(angle.error, motion))
+    return TransmissionError(ARCSECONDS * float(np.mean(swings)), ARCSECONDS * _mean(angle.error, motion))
 
 
 def _contacts(motion: Series) -> ContactSummary:

@@ -235,9 +235,9 @@ class Wall:
     thickness: float
     share: float
 
-    def stress(self, state: Rated) -> float:
-        """Give the stress [Pa]: two planes of shear, or of tension, bear the largest force."""
-        return state.peak_force(self.kind) / (2.0 * self.thickness * state.design.gear.face_width)
+    def stress(self, force: float, face_width: float) -> float:
+        """Give the stress [Pa] under a force [N], which two planes of shear, or of tension, bear."""
+        return force / (2.0 * self.thickness * face_width)
 
 
 def walls(design: Design) -> tuple[Wall, ...]:
@@ -268,7 +268,12 @@ def walls(design: Design) -> tuple[Wall, ...]:
 
 def _wall(state: Rated, wall: Wall) -> Check:
     """Check that no pin tears out of its wall."""
-    design, stress = state.design, wall.stress(state)
+    design = state.design
+
+    def acting(state: Rated) -> float:
+        return wall.stress(state.peak_force(wall.kind), state.design.gear.face_width)
+
+    stress = acting(state)
     material = design.material_of(wall.part)
     strength = wall.share * material.yield_strength / SAFETY
     passed = stress <= strength
@@ -284,7 +289,7 @@ def _wall(state: Rated, wall: Wall) -> Check:
         limit=f"{limit} (the yield strength in {kind} over {SAFETY:g}, assumed)",
         why=f"the largest force there, {state.peak_force(wall.kind):.4g} N, must not tear the"
         f" {1e3 * wall.thickness:.4g} mm of wall",
-        remedy="" if passed else _alternatives(design, [_face_width(design, wall.stress, strength, 1.0), enough]),
+        remedy="" if passed else _alternatives(design, [_face_width(design, acting, strength, 1.0), enough]),
         severity="warning",
         key=f"the wall {wall.where}",
         **_numbers(stress, strength, MEGAPASCAL),

@@ -5,13 +5,10 @@ from dataclasses import dataclass
 from cycloid_mj.checks.rated import rated
 from cycloid_mj.contact.pressure import YIELD_PRESSURE, pair_strength
 from cycloid_mj.design import PARTS, Design, Material
-from cycloid_mj.design.materials import MATERIALS
+from cycloid_mj.design.materials import MATERIALS, SOFTEST_METAL
 from cycloid_mj.loaded.springs import turn_evenly
 from cycloid_mj.mechanism.limits import stops
 from cycloid_mj.solid import mass_properties, parts
-
-SOFTEST_METAL = 3e10
-"""Young's modulus [Pa] below which a material counts as a plastic: magnesium has 45 GPa."""
 
 POSES = 13
 """Crank angles over which the backlash is averaged."""
@@ -90,17 +87,14 @@ def summary(design: Design) -> Summary:
 
 
 def material_limits(design: Design) -> tuple[str, ...]:
-    """Tell up to which temperature the plastics of a design may be relied on, and that they creep; of metals nothing.
-
-    Numbers that are a design's own count as a plastic's below a Young's modulus of `SOFTEST_METAL`.
-    """
+    """Tell up to which temperature the plastics of a design may be used, and that they creep; of metals nothing."""
     made: dict[Material, list[str]] = {}
     for part in PARTS:
         made.setdefault(design.material_of(part), []).append(part)
     found = []
     for material, parts_of in made.items():
         entry = MATERIALS.get(material.name)
-        if entry.creeps if entry else material.youngs_modulus < SOFTEST_METAL:
+        if material.youngs_modulus < SOFTEST_METAL:
             what = f"{material.name or 'a plastic'} ({', '.join(parts_of)})"
             hottest = f" and holds up to {entry.hottest:g} °C ({entry.source})" if entry else ""
             found.append(f"{what} creeps{hottest}: stiffness and strength here are those of a short load at 23 °C")

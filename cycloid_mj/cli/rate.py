@@ -47,9 +47,9 @@ def rate(
     file does not say is assumed, and said: [bearing] and [service] take ratings
     and limits. The exit code is 0 whatever the safeties are.
     """
-    from cycloid_mj.rating.duty import RPM, Duty, read_duty
+    from cycloid_mj.rating.duty import read_duty, steady
     from cycloid_mj.rating.items import rate as rated
-    from cycloid_mj.rating.items import single
+    from cycloid_mj.units import RPM
 
     for flag, value in (("--life-h", life_h), ("--peak-nm", peak_nm)):
         if value is not None and not 0.0 < value < float("inf"):
@@ -63,8 +63,8 @@ def rate(
     if duty:
         cycle = read_duty(duty, peak_nm)
     else:
-        point = single(design, load_nm, None if speed_rpm is None else speed_rpm * RPM)
-        cycle = Duty((point,), 2.0 * point.torque if peak_nm is None else peak_nm)
+        torque = design.rated_torque if load_nm is None else load_nm
+        cycle = steady(torque, design.drive.speed if speed_rpm is None else speed_rpm * RPM, peak_nm)
     found = rated(design, cycle, life_h)
     if json:
         say_json(found.as_json())

@@ -28,8 +28,7 @@ Hertz takes b << R (Johnson 1985, 4.1); a strip of 0.3 R, 17 deg to each side, i
 def line_curvature(design: Design, kind: str) -> float:
     """Give the relative curvature [1/m] of a kind of contact but the teeth; of a rolling cam, that of its rollers."""
     if kind == "cam" and _has_rollers(design):
-        roller = design.gear.bore_radius * math.sin(math.pi / design.contact.cam_rollers)
-        return 1.0 / roller + 1.0 / design.gear.bore_radius
+        return 1.0 / roller_radius(design) + 1.0 / design.gear.bore_radius
     inner, outer = {
         "cam": (design.gear.bore_radius, design.gear.bore_radius + design.clearance.cam),
         "output": (design.output.pin_radius, design.output.hole_radius + design.clearance.output),
@@ -40,6 +39,11 @@ def line_curvature(design: Design, kind: str) -> float:
         ),
     }[kind]
     return 1.0 / inner - 1.0 / outer
+
+
+def roller_radius(design: Design) -> float:
+    """Give the radius of the cam's rollers [m], which fill its circle, one touching the next."""
+    return design.gear.bore_radius * math.sin(math.pi / design.contact.cam_rollers)
 
 
 def line_share(design: Design, kind: str) -> float:
@@ -82,8 +86,7 @@ def hertz_holds(design: Design, kind: str, force: npt.ArrayLike, curvature: npt.
 def _thinner_radius(design: Design, kind: str) -> float:
     """Radius [m] of the smaller body of a kind of contact."""
     if kind == "cam":
-        share = math.sin(math.pi / design.contact.cam_rollers) if _has_rollers(design) else 1.0
-        return design.gear.bore_radius * share
+        return roller_radius(design) if _has_rollers(design) else design.gear.bore_radius
     return {"output": design.output.pin_radius, "pin_sleeve": design.ring.sleeve_bore_radius}.get(
         kind, design.ring.pin_radius
     )

@@ -20,8 +20,6 @@ class Entry:
         [Pa]; of what breaks before it yields, both are the same.
     hottest
         Temperature up to which the values may be relied on in service [°C].
-    creeps
-        Whether it gives way under a load that stays.
     source
         Where the values are from.
     """
@@ -32,16 +30,18 @@ class Entry:
     tensile_strength: float
     yield_strength: float
     hottest: float
-    creeps: bool
     source: str
 
 
 def _entry(
     modulus: float, poisson: float, density: float, tensile: float, limit: float, hottest: float, source: str
 ) -> Entry:
-    """Give an entry from moduli and strengths in MPa; what serves below 130 °C is a plastic here, and creeps."""
-    return Entry(modulus * 1e6, poisson, density, tensile * 1e6, limit * 1e6, hottest, hottest < 130.0, source)
+    """Give an entry from moduli and strengths in MPa."""
+    return Entry(modulus * 1e6, poisson, density, tensile * 1e6, limit * 1e6, hottest, source)
 
+
+SOFTEST_METAL = 3e10
+"""Young's modulus [Pa] below which a material counts as a plastic, and creeps: magnesium has 45 GPa."""
 
 DEFAULT = "alloy steel"
 

@@ -13,8 +13,10 @@ from cycloid_mj.errors import UsageError
 from cycloid_mj.explore.limit import FigureLimit
 from cycloid_mj.explore.zone import Zone, zone
 from cycloid_mj.loaded.samples import Samples, alike, backlash, solve_samples
+from cycloid_mj.modification import tooth_profile
 from cycloid_mj.result import Table
 from cycloid_mj.types import Array, Integers, Mask
+from cycloid_mj.units import ARCMINUTE, ARCSECONDS
 
 ANGLES = 360
 """Crank angles at which every sample is balanced."""
@@ -267,7 +269,7 @@ def _drawn(key: str, one: Zone, same: Samples, count: int, seed: int, stream: in
 
 def _put(design: Design, same: Samples, changed: Mapping[str, Array]) -> Samples:
     """Add deviations to samples that are all alike."""
-    place, outwards = same.pin_place, profile.unit(profile.pin_angles(_gear(design)))
+    place, outwards = same.pin_place, profile.unit(profile.pin_angles(tooth_profile(design)))
     if "pin_position" in changed:
         place = place + changed["pin_position"]
     if "pin_circle" in changed:
@@ -280,12 +282,6 @@ def _put(design: Design, same: Samples, changed: Mapping[str, Array]) -> Samples
     if "hole_position" in changed:
         parts["hole_place"] = same.hole_place + changed["hole_position"]
     return replace(same, pin_place=place, **parts)
-
-
-def _gear(design: Design) -> profile.CycloidGear:
-    from cycloid_mj.modification import tooth_profile
-
-    return tooth_profile(design)
 
 
 def _figures(design: Design, made: Samples, threads: int, told: Callable[[int], None]) -> dict[str, Array]:
@@ -309,12 +305,11 @@ def _balanced(design: Design, made: Samples, threads: int) -> dict[str, Array]:
     bare = design.but(environment=still, drive={"speed": 1e-9 * design.drive.speed})
     touch, rated = TOUCH * design.rated_torque, design.rated_torque
     ahead, back, loaded = solve_samples(bare, made, [touch, -touch, rated], ANGLES, threads)
-    minutes, seconds = 60.0 * np.degrees(1.0), 3600.0 * np.degrees(1.0)
     return {
-        "backlash_arcmin": minutes * backlash(ahead, back),
-        "te_loaded_arcsec": seconds * loaded.output_range,
-        "te_unloaded_arcsec": seconds * ahead.output_range,
-        "wind_up_arcmin": minutes * (loaded.output_mean - ahead.output_mean),
+        "backlash_arcmin": backlash(ahead, back) / ARCMINUTE,
+        "te_loaded_arcsec": ARCSECONDS * loaded.output_range,
+        "te_unloaded_arcsec": ARCSECONDS * ahead.output_range,
+        "wind_up_arcmin": (loaded.output_mean - ahead.output_mean) / ARCMINUTE,
         "tooth_force_n": loaded.tooth,
         "output_pin_force_n": loaded.output_pin,
         "cam_force_n": loaded.cam,

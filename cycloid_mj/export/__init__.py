@@ -41,6 +41,7 @@ __all__ = [
 ]
 
 from cycloid_mj.types import Array
+from cycloid_mj.units import MILLIMETRES
 
 Format = Literal["stl", "obj", "dxf", "step"]
 FORMATS: tuple[Format, ...] = ("stl", "obj", "dxf", "step")
@@ -51,7 +52,6 @@ CHORD_ERROR = 1e-6
 VOLUME_TOLERANCE = 1e-3
 """Relative; OpenCASCADE integrates splines no better, and a lost hole or a filled valley is far more."""
 
-_MILLIMETRES = 1e3
 _POINTS_PER_CURVE = 200
 
 
@@ -99,9 +99,9 @@ def _meshes(design: Design, file_format: Format, chord_error: float) -> Export:
     clearances = measure(design, [gear.outline, *gear.holes], housing.holes[0])
     meshes = {name: mesh(solid) for name, solid in solids.items()}
     if file_format == "stl":
-        files = {f"{name}.stl": stl_bytes(shape, _MILLIMETRES) for name, shape in meshes.items()}
+        files = {f"{name}.stl": stl_bytes(shape, MILLIMETRES) for name, shape in meshes.items()}
     else:
-        files = {f"{name}.obj": obj_bytes(shape, name, _MILLIMETRES) for name, shape in meshes.items()}
+        files = {f"{name}.obj": obj_bytes(shape, name, MILLIMETRES) for name, shape in meshes.items()}
     return Export(files, clearances)
 
 

@@ -8,8 +8,8 @@ from typing import Any
 
 from cycloid_mj.export.curve import Arc, Circle, Curve, Line, Spline
 from cycloid_mj.export.section import Section
+from cycloid_mj.units import MILLIMETRES
 
-MILLIMETRES = 1e3
 _FORMAT = "R2000"
 
 

@@ -14,8 +14,8 @@ import numpy as np
 from cycloid_mj.errors import CycloidError
 from cycloid_mj.export.curve import Arc, Circle, Curve, Line, Spline
 from cycloid_mj.export.section import Section
+from cycloid_mj.units import MILLIMETRES
 
-MILLIMETRES = 1e3
 SPLINES = 6
 """Splines to a lobe or root: OpenCASCADE's integrals are coarse on long splines (0.6 % of the volume at one a lobe)."""
 

@@ -9,7 +9,7 @@ from cycloid_mj.compiling import announced
 from cycloid_mj.design import Design
 from cycloid_mj.errors import RunError
 from cycloid_mj.loaded.springs import Springs, springs_of
-from cycloid_mj.mechanism.kernel import BALANCED, Left, balance
+from cycloid_mj.mechanism.kernel import BALANCED, Left, balance, balance_along
 from cycloid_mj.types import Array
 
 
@@ -50,14 +50,10 @@ def loads(design: Design, springs: Springs, torque: float, follow: bool = False)
     contacts, lever = springs.contacts, design.output.pin_circle_radius
     load = springs.load(torque)
     z, force = np.zeros(load.shape), np.zeros(contacts.distance.shape)
+    z[:, :2] = contacts.cam_place[:, 0]
     with announced():
-        z[:, :2] = contacts.cam_place[:, 0]
-        left = balance(contacts, load, z, force, follow)
-        if follow and max(left) > BALANCED:  # contacts change at once: each angle by itself finds what none follows
-            z[:], force[:] = 0.0, 0.0
-            z[:, :2] = contacts.cam_place[:, 0]
-            left = balance(contacts, load, z, force, False)
-        require_balance(left)
+        search = balance_along(contacts, load, z, force) if follow else balance(contacts, load, z, force, False)
+    require_balance(search)
     away = z[:, :2] - contacts.cam_place[:, 0]
     distance = np.maximum(np.linalg.norm(away, axis=1), np.finfo(float).tiny)
     pressed = contacts.cam_stiffness * np.maximum(distance - contacts.cam_clearance, 0.0)

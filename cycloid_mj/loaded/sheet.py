@@ -18,10 +18,7 @@ from cycloid_mj.loaded.windup import SERIES, windups
 from cycloid_mj.mechanism.kernel import CARRIES
 from cycloid_mj.result import Quantity, keyed
 from cycloid_mj.types import Array
-
-ARCMINUTE = math.pi / 180.0 / 60.0
-ARCSECOND = ARCMINUTE / 60.0
-RPM = math.pi / 30.0
+from cycloid_mj.units import ARCMINUTE, ARCSECOND, RPM
 
 SMALL = 1e-4
 """Torque that presses the parts to their stops, as a share of the load; a line through twice that leads to zero."""

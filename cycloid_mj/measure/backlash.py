@@ -15,7 +15,6 @@ from cycloid_mj.contact.working import at_rated_load, working_forces_told
 from cycloid_mj.design import Design, Errors, Modification
 from cycloid_mj.errors import UsageError
 from cycloid_mj.measure import bench, play
-from cycloid_mj.measure.bench import ARCMINUTE
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
@@ -23,6 +22,7 @@ from cycloid_mj.mechanism import limits
 from cycloid_mj.record import Run
 from cycloid_mj.result import Curve, Quantity, keyed
 from cycloid_mj.types import Array
+from cycloid_mj.units import ARCMINUTE
 
 ANGLES, QUICK_ANGLES = 8, 2
 PRESS = 0.0025

@@ -27,7 +27,6 @@ from cycloid_mj.solid import mass_properties, parts
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.types import Array
 
-ARCMINUTE = math.pi / 180.0 / 60.0
 """One minute of arc [rad]."""
 
 LONGEST_STEP = 10e-6

@@ -1,12 +1,9 @@
 """What the measures that turn the crank set alike: time step, speed, load and rate of their runs."""
 
-import math
-
 from cycloid_mj.contact.timestep import timestep
 from cycloid_mj.design import Design
 from cycloid_mj.errors import DesignError
 
-RPM = math.pi / 30.0
 """One turn a minute [rad/s]."""
 LOG_RATE = 20e3
 """Samples per second."""

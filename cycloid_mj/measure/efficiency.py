@@ -11,7 +11,7 @@ from cycloid_mj.contact.working import at_rated_load, working_forces_told
 from cycloid_mj.design import Design
 from cycloid_mj.measure import build_up, spread
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency, wang_efficiency
-from cycloid_mj.measure.conditions import RPM, drag_told
+from cycloid_mj.measure.conditions import drag_told
 from cycloid_mj.measure.efficiency_map import Found, Point, run_map
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, silent
@@ -20,6 +20,7 @@ from cycloid_mj.measure.sensitivity import friction_for
 from cycloid_mj.measure.steady import steady_design, whole_periods
 from cycloid_mj.mechanism.reducer import mechanism
 from cycloid_mj.result import Curve, Quantity, Table, keyed
+from cycloid_mj.units import RPM
 
 TORQUES, SPEEDS = (0.25, 0.5, 1.0), (0.5, 1.0, 1.5)
 """Points of the map: shares of the rated output torque, without losses, and of the design's speed."""

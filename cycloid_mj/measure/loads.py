@@ -10,7 +10,7 @@ from cycloid_mj.contact.pressure import HERTZ_REACH, SHAKEDOWN_PRESSURE, YIELD_P
 from cycloid_mj.contact.working import STRIBECK, working_forces_told
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
-from cycloid_mj.measure.conditions import RPM, halved
+from cycloid_mj.measure.conditions import halved
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.pressed import CARRIES, Pressed, ideal_peak, pressed
@@ -18,6 +18,7 @@ from cycloid_mj.measure.steady import SETTLED, steady, steady_design
 from cycloid_mj.result import Curve, Quantity, keyed
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.types import Array
+from cycloid_mj.units import RPM
 
 CHECKED = 2
 """Mesh periods of the runs with half the step, and of those that find the capacity."""

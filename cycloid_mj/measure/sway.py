@@ -13,7 +13,7 @@ from cycloid_mj.analysis import series
 from cycloid_mj.analysis.spectrum import thinned
 from cycloid_mj.comparison.vibration import acceleration
 from cycloid_mj.design import Design
-from cycloid_mj.measure.conditions import LOG_RATE, RPM
+from cycloid_mj.measure.conditions import LOG_RATE
 from cycloid_mj.measure.reaction import masses, reaction, shaft_acceleration, without_counterweight
 from cycloid_mj.measure.trace import RISE, SETTLING, pressed
 from cycloid_mj.mjcf import ReducerModel
@@ -21,6 +21,7 @@ from cycloid_mj.names import GEAR, PEAK_FORCE, SHAFT, column
 from cycloid_mj.record import Run
 from cycloid_mj.run import simulate
 from cycloid_mj.types import Array
+from cycloid_mj.units import RPM
 
 FASTER = 10
 """Samples taken for each one that is kept, or as many as there are steps."""

@@ -13,13 +13,14 @@ from cycloid_mj.contact.working import working_at, working_forces_told
 from cycloid_mj.design import Design
 from cycloid_mj.loaded import transmission_error
 from cycloid_mj.measure import te_table
-from cycloid_mj.measure.conditions import DRAG, RPM, halved, require_motion
+from cycloid_mj.measure.conditions import DRAG, halved, require_motion
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.orders import causes
 from cycloid_mj.measure.pool import Progress, each, silent
-from cycloid_mj.measure.trace import ARCSEC, Case, Errors, Trace, own, trace
+from cycloid_mj.measure.trace import Case, Errors, Trace, own, trace
 from cycloid_mj.mjcf import build
 from cycloid_mj.result import keyed
+from cycloid_mj.units import ARCSECONDS, RPM
 
 CHECKED = 3
 """Mesh periods that are run again with half the step."""
@@ -109,7 +110,7 @@ def _statics(design: Design, case: Case, turns: int) -> Errors:
     """Solve a case in statics."""
     crank = np.linspace(0.0, 2.0 * np.pi * turns, SOLVED * design.ring.teeth * turns + 1)
     turning = design.but(drive={"speed": case.speed})
-    found = ARCSEC * transmission_error(turning, crank, float(np.sign(case.speed)) * case.torque)
+    found = ARCSECONDS * transmission_error(turning, crank, float(np.sign(case.speed)) * case.torque)
     return Errors(crank, found[:, 0], found[:, 1])
 
 

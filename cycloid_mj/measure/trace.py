@@ -11,8 +11,8 @@ from cycloid_mj.mjcf import ReducerModel
 from cycloid_mj.record import Run
 from cycloid_mj.run import simulate
 from cycloid_mj.types import Array
+from cycloid_mj.units import ARCSECONDS
 
-ARCSEC = np.degrees(1.0) * 3600.0
 """In a radian."""
 SETTLING, RISE = 0.020, 0.008
 """Time before the window, and time in which the load comes on [s]."""
@@ -125,7 +125,7 @@ def _read(run: Run, design: Design, turns: float, way: float) -> Trace:
     grid = first + swept * np.arange(points) / points
     # straight lines would take 2.6 % from what repeats three times in a mesh period
     gear, output = (
-        ARCSEC * CubicSpline(crank, (run[name] + run["crank_angle"] / design.lobes)[order])(grid)
+        ARCSECONDS * CubicSpline(crank, (run[name] + run["crank_angle"] / design.lobes)[order])(grid)
         for name in ("gear_angle", "output_angle")
     )
     return Trace(grid, gear, output, run)

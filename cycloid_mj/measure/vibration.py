@@ -10,7 +10,7 @@ from cycloid_mj.analysis.spectrum import BAND, tapered_orders
 from cycloid_mj.contact.massless import require_pin_bodies
 from cycloid_mj.contact.working import working_at, working_forces_told
 from cycloid_mj.design import Design
-from cycloid_mj.measure.conditions import DRAG, RPM, halved, require_motion
+from cycloid_mj.measure.conditions import DRAG, halved, require_motion
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.reaction import unbalance, weight
@@ -18,6 +18,7 @@ from cycloid_mj.measure.sway import Sway, sway
 from cycloid_mj.measure.trace import own
 from cycloid_mj.mjcf import build
 from cycloid_mj.result import Curve, Quantity, keyed
+from cycloid_mj.units import RPM
 
 SHARES = (0.5, 0.75, 1.0, 1.25, 1.5)
 """Crank speeds of the sweep as shares of the design's."""

@@ -207,6 +207,23 @@ def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool)
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
+def balance_along(springs: Springs, load: Array, z: Array, force: Array) -> Left:
+    """Balance crank angles that follow each other closely; where contacts change at once, each angle by itself.
+
+    As `balance`, but z starts with every disc where its cam is.
+    """
+    left = Left(np.inf, np.inf)
+    for follow in (True, False):
+        z[:] = 0.0
+        for disc in range(springs.cam_place.shape[1]):
+            z[:, 3 * disc : 3 * disc + 2] = springs.cam_place[:, disc]
+        left = balance(springs, load, z, force, follow)
+        if left.force <= BALANCED and left.friction <= BALANCED:
+            break
+    return left
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
 def balance_samples(
     ideal: Springs, effects: Effects, made: Made, load: Array, first: int, last: int, out: Array
 ) -> None:
@@ -249,13 +266,7 @@ def balance_samples(
             ideal.rubbing,
             ideal.cam_rubbing,
         )
-        for follow in (True, False):
-            z[:] = 0.0
-            for disc in range(discs):
-                z[:, 3 * disc : 3 * disc + 2] = cam_place[:, disc]
-            left = balance(springs, load, z, force, follow)
-            if left.force <= BALANCED and left.friction <= BALANCED:
-                break
+        left = balance_along(springs, load, z, force)
         _sum_up(springs, z, force, out[s])
         out[s, FIGURES - 1] = max(left.force, left.friction)
 

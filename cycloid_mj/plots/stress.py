@@ -12,9 +12,10 @@ from matplotlib.tri import Triangulation
 from cycloid_mj.plots.comparison import COLORS
 from cycloid_mj.plots.style import BLACK, GREY, crank_axis, keys, sheet, styled
 from cycloid_mj.stress.field import StressMap
-from cycloid_mj.stress.findings import BOUND, MEGAPASCAL, MILLIMETRE, StressFindings
+from cycloid_mj.stress.findings import BOUND, StressFindings
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.types import Array, Integers
+from cycloid_mj.units import MEGAPASCAL, MILLIMETRE
 
 Entries = list[tuple[str, dict[str, Any]]]
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cycloid_mj.errors import UsageError
+from cycloid_mj.units import RPM
 
 COLUMNS = ("torque_nm", "speed_rpm", "share")
-RPM = 3.141592653589793 / 30.0
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Duty:
 
 def steady(torque: float, speed: float, peak: float | None = None) -> Duty:
     """Give the duty of one torque [N m] and speed [rad/s] all the time; its peak is twice that unless it is given."""
-    return Duty((DutyPoint(torque, speed, 1.0),), 2.0 * abs(torque) if peak is None else peak)
+    return Duty((DutyPoint(abs(torque), abs(speed), 1.0),), 2.0 * abs(torque) if peak is None else peak)
 
 
 def read_duty(path: Path, peak: float | None = None) -> Duty:

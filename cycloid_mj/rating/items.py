@@ -7,12 +7,13 @@ import numpy as np
 
 from cycloid_mj import profile
 from cycloid_mj.checks.strength import SHEAR, TENSION, walls
-from cycloid_mj.contact.pressure import SHAKEDOWN_PRESSURE, YIELD_PRESSURE, pair_strength
-from cycloid_mj.design import Design
-from cycloid_mj.errors import CycloidError
+from cycloid_mj.contact.pressure import SHAKEDOWN_PRESSURE, YIELD_PRESSURE, pair_strength, roller_radius
+from cycloid_mj.design import PARTS, Design
+from cycloid_mj.design.materials import MATERIALS
+from cycloid_mj.errors import DesignError
 from cycloid_mj.modification import gear_profile, profile_offset
 from cycloid_mj.rating import rolling
-from cycloid_mj.rating.duty import Duty, DutyPoint, steady
+from cycloid_mj.rating.duty import Duty, steady
 from cycloid_mj.rating.fatigue import Fatigue, endurance_limit, notch_factor
 from cycloid_mj.rating.item import Item, Rating
 from cycloid_mj.rating.loading import Loading, bending, loading
@@ -50,10 +51,14 @@ def rate(design: Design, duty: Duty | None = None, life: float = LIFE) -> Rating
 
     Raises
     ------
+    DesignError
+        The crank does not turn.
     RunError
         The drive cannot hold a torque of the duty.
     """
-    duty = duty or steady(design.rated_torque, abs(design.drive.speed))
+    duty = duty or steady(design.rated_torque, design.drive.speed)
+    if not all(point.speed for point in duty.points):
+        raise DesignError("drive.speed_rpm is 0, but lives need a crank that turns: give another speed, such as 1640")
     found = [loading(design, point) for point in duty.points]
     worst = max(found, key=lambda one: abs(one.point.torque))
     items = [
@@ -117,8 +122,8 @@ def _bearings(design: Design, found: Sequence[Loading]) -> Iterator[Item]:
 
 
 def _cam_rollers(design: Design) -> tuple[int, float, float, float]:
-    count, radius = design.contact.cam_rollers, design.gear.bore_radius
-    return count, rolling.full_complement(count, radius), design.gear.face_width, 2.0 * radius
+    gear = design.gear
+    return design.contact.cam_rollers, 2.0 * roller_radius(design), gear.face_width, 2.0 * gear.bore_radius
 
 
 def _life(
@@ -192,7 +197,7 @@ def _fatigue(design: Design, worst: Loading) -> Iterator[Item]:
     for wall in walls(design):
         made = design.material_of(wall.part)
         force = worst.teeth if wall.kind == design.tooth_pair else float(worst.output.max())
-        half = 0.5 * force / (2.0 * wall.thickness * design.gear.face_width * wall.share)
+        half = 0.5 * wall.stress(force, design.gear.face_width) / wall.share
         safety = Fatigue(half, half, _endurance(design, made.tensile_strength, wall.thickness), made.tensile_strength)
         kind = {TENSION: "tension", SHEAR: "shear"}[wall.share]
         yield Item(
@@ -319,9 +324,7 @@ def _heat(design: Design, found: Sequence[Loading]) -> Item:
 
 def hottest(design: Design) -> Iterator[float]:
     """Give the temperature that each part may have in service [°C]; 120 where its material is not of the library."""
-    from cycloid_mj.design.materials import MATERIALS
-
-    for part in ("gear", "housing", "pin", "output", "shaft"):
+    for part in PARTS:
         entry = MATERIALS.get(design.material_of(part).name)
         yield entry.hottest if entry else 120.0
 
@@ -368,11 +371,3 @@ def _assumptions(design: Design) -> Iterator[str]:
         yield f"endurance limits by tensile strength, {service.surface} surface, size and reliability (Shigley)"
     yield f"wear coefficient {1e9 * service.wear_coefficient:g} mm3/(N m), mixed lubrication (assumed, within a decade)"
     yield f"air of {service.ambient_temperature:g} °C, h = {service.film_coefficient:g} W/(m2 K) (assumed, 8 to 15)"
-
-
-def single(design: Design, torque: float | None = None, speed: float | None = None) -> DutyPoint:
-    """Give a design's rated torque and speed, or others, as the whole of a duty."""
-    chosen = design.rated_torque if torque is None else torque
-    if chosen == 0.0:
-        raise CycloidError("a rating needs a torque: give --load-nm")
-    return DutyPoint(abs(chosen), abs(design.drive.speed if speed is None else speed), 1.0)

@@ -58,11 +58,6 @@ def life_hours(capacity: float, load: float, speed: float, reliability: float = 
     return float(turns * 2.0 * math.pi / abs(speed) / 3600.0)
 
 
-def full_complement(rollers: int, pitch_radius: float) -> float:
-    """Give the diameter of rollers that fill a pitch circle of a radius, one touching the next [m]."""
-    return 2.0 * pitch_radius * math.sin(math.pi / rollers)
-
-
 def magnitudes(force: Array) -> Array:
     """Give the sizes of forces, shape (..., 2) -> (...)."""
     return np.asarray(np.linalg.norm(force, axis=-1))

@@ -8,8 +8,7 @@ import numpy as np
 
 from cycloid_mj.stress.notch import Notch
 from cycloid_mj.types import Array
-
-MEGAPASCAL, MILLIMETRE = 1e6, 1e-3
+from cycloid_mj.units import MEGAPASCAL, MILLIMETRE
 
 BOUND = 0.03
 """Largest change of a maximum under one more refinement for which it counts as found."""

@@ -8,9 +8,10 @@ import numpy.typing as npt
 
 from cycloid_mj.errors import CycloidError, UsageError
 from cycloid_mj.stress.outline import Loop, Sizing, divide
-from cycloid_mj.stress.packages import MILLIMETRES, mesher, package
+from cycloid_mj.stress.packages import mesher, package
 from cycloid_mj.stress.region import Region
 from cycloid_mj.types import Array, Integers
+from cycloid_mj.units import MILLIMETRES
 
 BULK_DISTANCE = 0.5
 """Where bulk begins: so far from every loaded patch, as a share of the ring's pin radius. The one definition."""

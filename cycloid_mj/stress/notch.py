@@ -17,12 +17,11 @@ from cycloid_mj.solid.output import AXIAL_GAP
 from cycloid_mj.stress.loads import PartLoads
 from cycloid_mj.stress.shaftgrid import Shaft
 from cycloid_mj.types import Array
+from cycloid_mj.units import MEGAPASCAL, MILLIMETRE
 
 BENDING = (0.62, 5.8, 0.2, 3.0)
 TORSION = (3.4, 19.0, 1.0, 2.0)
 """A, B, C and z of a shoulder in DIN 743-2."""
-
-MEGAPASCAL, MILLIMETRE = 1e6, 1e-3
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ from contextlib import contextmanager
 from typing import Any
 
 from cycloid_mj.errors import CycloidError
+from cycloid_mj.units import MILLIMETRES
 
-MILLIMETRES = 1e3
 """gmsh works in mm: its tolerances are absolute."""
 
 _MESHER_OPTIONS = {

@@ -10,8 +10,9 @@ from cycloid_mj.errors import CycloidError
 from cycloid_mj.solid import shaft_solid
 from cycloid_mj.solid.shaft import bearing_width
 from cycloid_mj.stress.grid import Grid, GridSettings, quadratic
-from cycloid_mj.stress.packages import MILLIMETRES, mesher
+from cycloid_mj.stress.packages import mesher
 from cycloid_mj.types import Array
+from cycloid_mj.units import MILLIMETRES
 
 CORNER_DISTANCE = 0.15
 """Share of the shaft's radius by which the bulk keeps off sharp inner corners, which in truth have fillets."""

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from cycloid_mj.stress.findings import MEGAPASCAL, MILLIMETRE, PartFindings, Peak, StressFindings
+from cycloid_mj.stress.findings import PartFindings, Peak, StressFindings
+from cycloid_mj.units import MEGAPASCAL, MILLIMETRE
 
 BULK_HEADER = ("part", "bulk [MPa]", "from [mm]", "to 2d", "at [deg]", "x, y, z [mm]", "safety", "refined")
 CONTACT_HEADER = ("part", "contact [MPa]", "at [deg]", "below", "safety", "shakedown")

@@ -8,13 +8,13 @@ from cycloid_mj.design import Design
 from cycloid_mj.record import Run
 from cycloid_mj.solid import gear_solid, mass_properties
 from cycloid_mj.types import Array
+from cycloid_mj.units import ARCSECONDS
 from cycloid_mj.validation import rig
 from cycloid_mj.validation.published import efficiency
 from cycloid_mj.validation.rig import FREE, PERIODS, rated_run
 from cycloid_mj.validation.row import Row, absolute, deviation, relative
 
 SPEED, GRAVITY = 1640.0, 9.8
-ARCSEC = 3600.0 * 180.0 / np.pi
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,7 @@ def _bounds(kind: str) -> Bounds:
 
 def transmission_error(run: Run, design: Design) -> Array:
     """Give the gear's angle less the ideal one [arcsec], shape (n,)."""
-    return ARCSEC * (run["gear_angle"] + run["crank_angle"] / design.lobes)
+    return ARCSECONDS * (run["gear_angle"] + run["crank_angle"] / design.lobes)
 
 
 def ripple(run: Run, design: Design, way: float) -> Array:

@@ -9,6 +9,7 @@ import numpy as np
 from cycloid_mj.comparison import Spread
 from cycloid_mj.design import Design
 from cycloid_mj.record import Run
+from cycloid_mj.units import MEGAPASCAL
 from hsieh2014.peaks import at_peaks
 from hsieh2014.plan import LOGGED, SAMPLING
 from hsieh2014.stated import stress_references
@@ -17,8 +18,6 @@ if TYPE_CHECKING:
     from cycloid_mj.stress.loads import PartLoads
     from cycloid_mj.stress.study import StressStudy, StudySettings
 
-
-MEGAPASCAL = 1e6
 
 HEAVIEST = 4
 """Crank angles of each further start whose stress is solved for: two of the largest force, two of the largest sum."""

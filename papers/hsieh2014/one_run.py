@@ -7,8 +7,9 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.result import Claim, Value
-from cycloid_mj.stress.findings import MEGAPASCAL, PartFindings, StressFindings
+from cycloid_mj.stress.findings import PartFindings, StressFindings
 from cycloid_mj.types import Array
+from cycloid_mj.units import MEGAPASCAL
 from hsieh2014.plan import no_load
 from hsieh2014.stated import HEIGHTS, LEAST, MOST, NEAR, ORDER, PIN_1_LOADED, SHAFT_PEAKS
 from hsieh2014.statements import (

@@ -61,7 +61,8 @@ def is_ours(design: Design) -> bool:
 
 def stress_references(design: Design) -> "dict[str, Reference]":
     """Give the paper's figure, and the height that it stays below, of each part of its own designs."""
-    from cycloid_mj.stress.findings import MEGAPASCAL, Reference
+    from cycloid_mj.stress.findings import Reference
+    from cycloid_mj.units import MEGAPASCAL
 
     if not is_ours(design):
         return {}

@@ -8,8 +8,9 @@ from cycloid_mj.comparison import STARTS, settled
 from cycloid_mj.names import CAM, KINDS, LOBE, SHAFT, SOCKET
 from cycloid_mj.record import Run
 from cycloid_mj.result import Table
+from cycloid_mj.units import MEGAPASCAL
 from hsieh2014 import hypothesis
-from hsieh2014.idle_stress import MEGAPASCAL, IdleStress, idle_stress
+from hsieh2014.idle_stress import IdleStress, idle_stress
 from hsieh2014.peaks import peak
 from hsieh2014.plan import Plan, designs, idle_runs, rated_runs
 from hsieh2014.stage import Found, Plate, Progress, Runs
