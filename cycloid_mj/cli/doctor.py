@@ -16,6 +16,7 @@ from cycloid_mj.errors import CycloidError
 NEEDED = ("mujoco", "numpy", "scipy", "numba", "trimesh", "coacd", "mcap", "matplotlib", "pydantic", "cyclopts")
 EXTRAS = {
     "cad": ("gmsh",),
+    "cluster": ("distributed",),
     "fem": ("gmsh", "meshio", "skfem"),
     "parquet": ("duckdb",),
     "rerun": ("rerun",),

@@ -11,6 +11,7 @@ from pydantic.fields import FieldInfo
 
 from cycloid_mj.design import Design, override, resolve
 from cycloid_mj.design.units import Unit, file_key, unit_of
+from cycloid_mj.engine import Engine
 from cycloid_mj.errors import DesignError, UsageError
 
 SYMBOLS = {"nm": "N m"}
@@ -24,6 +25,7 @@ LARGEST_Q = 10_000.0
 """Bound on a coordinate of q [mm]: twice the largest pin circle."""
 
 MOST_ROWS = 1_000_000
+MOST_WORKERS = 4096
 
 DesignFlag = Annotated[
     str, Parameter(name="--design", metavar="NAME|FILE", help="Design: pin, nonpin, or a TOML file.")
@@ -50,6 +52,24 @@ QuietFlag = Annotated[bool, Parameter(help="No progress and no messages but erro
 
 FLAT = Parameter(name="*")
 """Of a dataclass: its fields are flags of the command."""
+
+
+def whole(_: Any, tokens: Sequence[Token]) -> int:
+    """Give a whole number as it was typed; cyclopts itself would round 1.5 to 2."""
+    try:
+        return int(tokens[0].value)
+    except ValueError:
+        raise ValueError(f"{tokens[0].value!r} is not a whole number") from None
+
+
+def within(low: float, high: float) -> Callable[[Any, Any], None]:
+    """Give a validator: the value must lie from `low` to `high`, both allowed."""
+
+    def require(_: Any, value: float | None) -> None:
+        if value is not None and not low <= value <= high:
+            raise ValueError(f"must be from {low:.10g} to {high:.10g}")
+
+    return require
 
 
 @dataclass(frozen=True)
@@ -166,6 +186,38 @@ class PresetOptions(DesignOptions):
 PRESET = PresetOptions()
 
 
+@dataclass(frozen=True)
+class EngineOptions:
+    """Where many pieces of work are done."""
+
+    workers: Annotated[
+        int | None,
+        Parameter(
+            metavar="N",
+            converter=whole,
+            validator=within(1, MOST_WORKERS),
+            help="Pieces of work at once on this machine. Default: one a core.",
+        ),
+    ] = None
+    scheduler: Annotated[
+        str | None,
+        Parameter(
+            metavar="HOST:PORT",
+            help="Scheduler of a running Dask cluster, whose workers do the work instead; they need the same versions "
+            "of the packages. pip install 'cycloid-mj[cluster]'.",
+        ),
+    ] = None
+
+    def engine(self) -> Engine:
+        """Give the engine; raise UsageError if it is to be here and elsewhere."""
+        if self.workers and self.scheduler is not None:
+            raise UsageError("--scheduler has workers of its own: leave --workers out")
+        return Engine(self.workers or 0, scheduler=self.scheduler or "")
+
+
+HERE = EngineOptions()
+
+
 def require_distinct(designs: Iterable[Design]) -> None:
     """Raise UsageError where two designs have one name, and so would share their files."""
     names = [design.name for design in designs]
@@ -184,21 +236,3 @@ def point(text: str | None) -> tuple[float, float] | None:
     if not (abs(x) <= LARGEST_Q and abs(y) <= LARGEST_Q):
         raise UsageError(f"--q {text}: each coordinate must be from {-LARGEST_Q:g} to {LARGEST_Q:g} mm")
     return x / 1e3, y / 1e3
-
-
-def whole(_: Any, tokens: Sequence[Token]) -> int:
-    """Give a whole number as it was typed; cyclopts itself would round 1.5 to 2."""
-    try:
-        return int(tokens[0].value)
-    except ValueError:
-        raise ValueError(f"{tokens[0].value!r} is not a whole number") from None
-
-
-def within(low: float, high: float) -> Callable[[Any, Any], None]:
-    """Give a validator: the value must lie from `low` to `high`, both allowed."""
-
-    def require(_: Any, value: float | None) -> None:
-        if value is not None and not low <= value <= high:
-            raise ValueError(f"must be from {low:.10g} to {high:.10g}")
-
-    return require

@@ -1,0 +1,76 @@
+"""Work in processes of this machine; a process that dies is replaced, and its work tried again."""
+
+import os
+import signal
+import threading
+import time
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, TypeVar
+
+from cycloid_mj.errors import RunError
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+TRIES = 3
+"""Times that an item may be under way when a process dies, before it is tried alone to tell whether it is the cause."""
+
+SECONDS_BETWEEN_LOOKS = 1.0
+"""Between two looks of a worker at whether its parent still lives."""
+
+
+def in_processes(
+    work: Callable[[T], R], items: Iterable[T], workers: int, lost: Callable[[int, str], R] | None = None
+) -> Iterator[tuple[int, R]]:
+    """Do a piece of work for each item; see `Engine.stream`."""
+    from joblib.externals.loky.process_executor import TerminatedWorkerError
+
+    waiting = dict(enumerate(items))
+    deaths: Counter[int] = Counter()
+    while waiting:
+        begun: set[int] = set()
+        alone = next((place for place in waiting if deaths[place] >= TRIES), None)
+        chosen = waiting if alone is None else {alone: waiting[alone]}
+        try:
+            for place, result in _parallel(work, dict(chosen), workers, begun):
+                del waiting[place]
+                yield place, result
+        except TerminatedWorkerError as death:
+            if alone is not None:
+                why = f"the process that worked on it died {deaths[alone] + 1} times, at last while it did nothing else"
+                if lost is None:
+                    raise RunError(f"item {alone + 1}: {why}; is there enough memory?") from death
+                del waiting[alone]
+                yield alone, lost(alone, why)
+            deaths.update(begun & waiting.keys())
+
+
+def _parallel(work: Callable[[T], R], items: dict[int, T], workers: int, begun: set[int]) -> Iterator[tuple[int, R]]:
+    """Do the work once, without tries; `begun` collects the places of the items that were handed to a process."""
+    from joblib import Parallel, delayed, parallel_config
+
+    def pieces() -> Iterator[Any]:
+        for place, item in items.items():
+            begun.add(place)
+            yield delayed(_piece)(work, place, item)
+
+    with parallel_config("loky", inner_max_num_threads=1, initializer=_begin):
+        pool = Parallel(max(2, workers), batch_size=1, return_as="generator_unordered")
+    yield from pool(pieces())
+
+
+def _piece(work: Callable[[T], R], place: int, item: T) -> tuple[int, R]:
+    return place, work(item)
+
+
+def _begin() -> None:
+    """Leave Ctrl-C to the parent, which ends its workers, and end where the parent was killed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
+
+
+def _end_with(parent: int) -> None:
+    while os.getppid() == parent:
+        time.sleep(SECONDS_BETWEEN_LOOKS)
+    os.kill(os.getpid(), signal.SIGTERM)
