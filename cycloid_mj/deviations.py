@@ -11,7 +11,7 @@ import numpy as np
 from cycloid_mj.design import Design
 from cycloid_mj.types import Array
 
-_STREAMS = {"pin_x": 0, "pin_y": 1, "pin_dr": 2, "hole_x": 3, "hole_y": 4}
+_STREAMS = {"pin_x": 0, "pin_y": 1, "pin_dr": 2, "hole_x": 3, "hole_y": 4, "disc_dr": 5, "cam_x": 6, "cam_y": 7}
 """Random stream of each list of errors; a number once given stays, or the same seed would give other parts."""
 
 
@@ -26,31 +26,40 @@ class Deviations:
     pin_radius
         Of each ring pin's radius, or its sleeve's [m], shape (N,).
     hole_place
-        Of each hole's place in the gear [m], gear frame, shape (output pins, 2).
+        Of each hole's place in its disc [m], disc's frame, shape (D, output pins, 2).
+    disc_radius
+        How far the flanks of each disc stand out beyond their drawing [m], shape (D,).
+    cam_place
+        Of each cam from its place on a crank of that eccentricity [m], as it is at the crank angle 0, shape (D, 2).
     eccentricity
-        Of the cam's eccentricity from that of the teeth [m].
+        Of all cams' eccentricity from that of the teeth [m].
     """
 
     pin_place: Array
     pin_radius: Array
     hole_place: Array
+    disc_radius: Array
+    cam_place: Array
     eccentricity: float
 
     @property
     def largest(self) -> float:
         """The largest size of any of them [m]."""
-        places = np.linalg.norm(np.concatenate([self.pin_place, self.hole_place]), axis=1)
-        return float(max(places.max(), np.abs(self.pin_radius).max(), abs(self.eccentricity)))
+        places = np.concatenate([self.pin_place, *self.hole_place, self.cam_place])
+        radii = np.concatenate([self.pin_radius, self.disc_radius])
+        return float(max(np.linalg.norm(places, axis=1).max(), np.abs(radii).max(), abs(self.eccentricity)))
 
 
 def deviations(design: Design) -> Deviations:
     """Give the departures of a design's parts; the same design gives the same ones."""
     errors, pins, holes = design.errors, design.ring.teeth, design.output.pins
-    place, radius, hole = errors.pin_position, errors.pin_radius, errors.hole_position
+    place, radius, hole, cam = errors.pin_position, errors.pin_radius, errors.hole_position, errors.cam_position
     return Deviations(
         pin_place=np.stack([_each(design, axis, place, pins) for axis in ("pin_x", "pin_y")], axis=1),
         pin_radius=_each(design, "pin_dr", radius, pins),
-        hole_place=np.stack([_each(design, axis, hole, holes) for axis in ("hole_x", "hole_y")], axis=1),
+        hole_place=np.stack([_of_discs(design, axis, hole, holes) for axis in ("hole_x", "hole_y")], axis=2),
+        disc_radius=_of_discs(design, "disc_dr", errors.disc_size, 1)[:, 0],
+        cam_place=np.stack([_of_discs(design, axis, cam, 1)[:, 0] for axis in ("cam_x", "cam_y")], axis=1),
         eccentricity=errors.eccentricity,
     )
 
@@ -62,11 +71,23 @@ def is_ideal(design: Design) -> bool:
     return not modified and deviations(design).largest == 0.0
 
 
+def _of_discs(design: Design, name: str, standard_deviation: float, count: int) -> Array:
+    """Give the error of each of `count` like parts of every disc [m], shape (D, count)."""
+    listed = getattr(design.errors, name)
+    if listed:
+        return np.reshape(listed, (design.gear.discs, count))
+    return np.stack([_drawn(design, name, standard_deviation, count, disc) for disc in range(design.gear.discs)])
+
+
 def _each(design: Design, name: str, standard_deviation: float, count: int) -> Array:
     """Give the error of each part [m]: its list, or normal deviates."""
     values = getattr(design.errors, name)
-    if values:
-        return np.array(values)
+    return np.array(values) if values else _drawn(design, name, standard_deviation, count)
+
+
+def _drawn(design: Design, name: str, standard_deviation: float, count: int, disc: int = 0) -> Array:
+    """Draw normal deviates [m]; every disc has a stream of its own, the first that of a drive with one."""
     if not standard_deviation:
         return np.zeros(count)
-    return standard_deviation * np.random.default_rng([design.errors.seed, _STREAMS[name]]).standard_normal(count)
+    key = [design.errors.seed, _STREAMS[name], *([disc] if disc else [])]
+    return standard_deviation * np.random.default_rng(key).standard_normal(count)

@@ -13,8 +13,9 @@ from cycloid_mj.errors import DesignError, UsageError
 
 # What the paper gives and what it leaves open (Hsieh 2014, section 3.1 and Table 1).
 FROM_PAPER = {
+    "": {"structure"},
     "ring": {"kind", "teeth", "pin_circle_radius_mm", "pin_radius_mm", "pins"},
-    "gear": {"eccentricity_mm"},
+    "gear": {"eccentricity_mm", "discs"},
     "clearance": {"pin_gear_um", "pin_socket_um", "tooth_um", "cam_um", "output_um"},
     "material": {"youngs_modulus_mpa", "tensile_strength_mpa", "yield_strength_mpa"},
     "drive": {"power_kw", "torque_nm", "speed_rpm"},
@@ -27,21 +28,23 @@ FROM_ELSEWHERE = {
 PAIRS = ("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output")
 ASSUMED_HERE = {
     "ring": {"sleeve_thickness_mm"},
-    "gear": {"face_width_mm", "bore_radius_mm", "bearing"},
+    "gear": {"disc_gap_mm", "face_width_mm", "bore_radius_mm", "bearing"},
     "clearance": {"pin_sleeve_um"},
     "output": {"rollers", "pins", "pin_radius_mm", "pin_circle_radius_mm", "hole_radius_mm", "disc_thickness_mm"}
-    | {"core_radius_mm", "fillet_radius_mm"},
+    | {"core_radius_mm", "fillet_radius_mm", "support"},
     "shaft": {"radius_mm", "length_mm", "counterweight_radius_mm", "mounting", "fillet_radius_mm"}
     | {"bearing_width_mm", "bearing_offset_mm", "bearing_spacing_mm"},
     "housing": {"outer_radius_mm", "support", "bolts", "bolt_circle_radius_mm", "bolt_radius_mm"},
     "errors": {
         *("seed", "pin_position_um", "pin_radius_um", "hole_position_um", "eccentricity_um"),
         *("pin_x_um", "pin_y_um", "pin_dr_um", "hole_x_um", "hole_y_um"),
+        *("disc_size_um", "disc_dr_um", "cam_position_um", "cam_x_um", "cam_y_um"),
     },
     "modification": {"equidistant_um", "pin_circle_um", "rotation_arcsec"},
     "friction": set(PAIRS),
     "drag": {"crank_nm", "output_nm"},
     "stiffness": {f"{pair}_n_m" for pair in PAIRS},
+    "springs": {"carrier_nm_arcmin", "shaft_nm_arcmin", "housing_nm_arcmin"},
     "damping": set(PAIRS),
     "working_force": {f"{pair}_n" for pair in PAIRS},
     "contact": {
@@ -187,9 +190,10 @@ def test_the_file_has_every_key_and_says_what_is_assumed() -> None:
         {"tolerance": set(Tolerance.model_fields)},
         {"material": {"name"}},
     )  # of an entry of the library, which says where each is from
-    assert tables == {t: set().union(*(kind.get(t, set()) for kind in kinds)) for t in set().union(*kinds)}
+    told = set().union(*kinds) - {""}
+    assert tables == {t: set().union(*(kind.get(t, set()) for kind in kinds)) for t in told}
     # Nothing of the model is missing in the file but parts that are made of what all are.
-    assert set(Design.model_fields) - {f"{part}_material" for part in PARTS} == {"name", *tables}
+    assert set(Design.model_fields) - {f"{part}_material" for part in PARTS} == {"name", "structure", *tables}
     for table, keys in tables.items():
         assert len(type(getattr(PRESETS["pin"], table)).model_fields) == len(keys)
 
@@ -197,7 +201,7 @@ def test_the_file_has_every_key_and_says_what_is_assumed() -> None:
 def test_a_key_states_its_unit() -> None:
     # Numbers without a unit in their key are counts, ratios and friction coefficients, and nothing else.
     bare = {"teeth", "pins", "bolts", "seed", "cam_rollers", "damping_ratio", "poisson", "reliability"}
-    bare |= {"service_factor", "notch_factor"}
+    bare |= {"service_factor", "notch_factor", "discs"}
     for table, field in Design.model_fields.items():
         for name, inner in getattr(field.annotation, "model_fields", {}).items():
             if inner.annotation in (int, float) and table not in ("friction", "damping"):
@@ -206,9 +210,9 @@ def test_a_key_states_its_unit() -> None:
 
 def test_a_changed_value_is_no_longer_called_assumed_or_the_papers() -> None:
     text = dump(override(PRESETS["pin"], ["gear.face_width_mm=12", "gear.eccentricity_mm=0.9"]))
-    assert "face_width_mm = 12.0  # face width of gear, pins and ring\n" in text
-    assert lines_noted(text, "assumed")["gear"] == {"bore_radius_mm", "bearing"}
-    assert "gear" not in lines_noted(text, "Hsieh 2014")
+    assert "face_width_mm = 12.0  # face width of each disc; pins and ring span all of them\n" in text
+    assert lines_noted(text, "assumed")["gear"] == {"disc_gap_mm", "bore_radius_mm", "bearing"}
+    assert lines_noted(text, "Hsieh 2014")["gear"] == {"discs"}
 
 
 def test_keys_left_out_keep_the_preset_pin() -> None:
@@ -233,7 +237,7 @@ def test_a_design_is_a_frozen_value() -> None:
         ("[gear]\npin_radius_mm = 1", r"did you mean ring\.pin_radius_mm or output\.pin_radius_mm\?"),
         ("[load]\nspeed_rpm = 1", r"unknown key load\.speed_rpm; did you mean drive\.speed_rpm\?"),
         ("[environment]\nqqqq = 1", r"known keys here: environment\.gravity_x_m_s2, environment\.gravity_y_m_s2$"),
-        ("zzzz = 1", r"known keys here: name, ring, gear, "),
+        ("zzzz = 1", r"known keys here: name, structure, ring, gear, "),
     ],
 )
 def test_an_unknown_key_is_told_with_the_right_one(text: str, hint: str) -> None:

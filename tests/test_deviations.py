@@ -341,7 +341,7 @@ def test_parts_of_the_model_stand_where_they_were_made() -> None:
         assert model.geom(f"pin_{k + 1}").size[0] == pytest.approx(2.25e-3 + made.pin_radius[k], abs=1e-17)
         assert model.geom(f"socket_{k + 1}").size[0] == ideal.geom(f"socket_{k + 1}").size[0]
     for k in range(8):
-        assert moved(f"hole_{k + 1}") == pytest.approx(made.hole_place[k], abs=1e-15)
+        assert moved(f"hole_{k + 1}") == pytest.approx(made.hole_place[0, k], abs=1e-15)
     assert moved("cam") == pytest.approx([0.0, 4e-6], abs=1e-15)
     assert model.geom("teeth").size[0] > ideal.geom("teeth").size[0]
 
@@ -447,3 +447,26 @@ def test_load_sharing_is_the_independent_solution(name: str) -> None:
     # The control: the ideal reducer shares the load otherwise.
     ideal = rig.reducer_of(kind, "load.torque_nm=36.0")
     assert rig.sizes(ours - equilibrium.solve(ideal, stiffness, crank).ring_forces).max() > 0.04 * largest
+
+
+def test_every_disc_has_errors_of_its_own_and_the_first_those_of_a_single_one() -> None:
+    drawn = [
+        *("errors.hole_position_um=1.0", "errors.disc_size_um=2.0", "errors.cam_position_um=0.5"),
+        *("errors.pin_position_um=1.0", "errors.seed=7"),
+    ]
+    one, three = (deviations(override(PRESETS["pin"], [*drawn, f"gear.discs={count}"])) for count in (1, 3))
+    assert three.hole_place.shape == (3, 8, 2)
+    for name in ("hole_place", "disc_radius", "cam_place"):
+        assert np.array_equal(getattr(three, name)[0], getattr(one, name)[0])
+        assert len(np.unique(np.ravel(getattr(three, name)))) == getattr(three, name).size
+    assert np.array_equal(three.pin_place, one.pin_place)
+
+
+def test_listed_errors_go_on_disc_after_disc() -> None:
+    design = override(PRESETS["pin"], ["gear.discs=2", "errors.hole_x_um={10 = 3.0}", "errors.disc_dr_um=[0, 1]"])
+    made = deviations(design)
+    assert made.hole_place[1, 1, 0] == pytest.approx(3e-6)
+    assert np.count_nonzero(made.hole_place) == 1
+    np.testing.assert_allclose(made.disc_radius, [0.0, 1e-6])
+    with pytest.raises(DesignError, match=r"has 8 values, but output\.pins times gear\.discs is 16"):
+        override(PRESETS["pin"], ["gear.discs=2", f"errors.hole_x_um={[0.0] * 8}"])

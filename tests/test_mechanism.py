@@ -35,7 +35,7 @@ def exact(design: Design, crank: float, z: np.ndarray) -> tuple[np.ndarray, np.n
     mesh = pin_gaps(gear, Pose(centre, angle), pins, flanks)
     teeth = mesh.distance + profile_offset(design) - gear.pin_radius - made.pin_radius
     around = output.pin_circle_radius * profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins)
-    between = rotate(around, out) - centre - rotate(around + made.hole_place, angle)
+    between = rotate(around, out) - centre - rotate(around + made.hole_place[0], angle)
     room = output.hole_radius + design.clearance.output - output.pin_radius
     return teeth, room - np.linalg.norm(between, axis=1)
 

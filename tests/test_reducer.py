@@ -143,6 +143,6 @@ def test_clearances_and_errors_are_in_places_and_radii(pins: str) -> None:
     np.testing.assert_allclose([cam.by.radius[0], cam.on.radius[0]], [15e-3, 15.002e-3], rtol=1e-14)
     turned = 2.0 * np.pi * np.arange(design.output.pins) / design.output.pins
     circle = design.output.pin_circle_radius * np.stack([np.sin(turned), np.cos(turned)], axis=1)
-    np.testing.assert_allclose(holes.on.place, circle + wrong.hole_place, rtol=0.0, atol=1e-17)
+    np.testing.assert_allclose(holes.on.place, circle + wrong.hole_place[0], rtol=0.0, atol=1e-17)
     np.testing.assert_allclose(holes.by.place, circle, rtol=0.0, atol=1e-17)
     np.testing.assert_allclose([holes.on.radius[0], holes.by.radius[0]], [5.003e-3, 4e-3], rtol=1e-14)

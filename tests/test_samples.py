@@ -21,7 +21,7 @@ FIXED = override(PRESETS["pin"], ['ring.pins="fixed"'])
 
 def as_made(design: Design, made: Samples, number: int) -> Design:
     """Give the design of one sample, part by part."""
-    parts = {"hole_x": made.hole_place[number, :, 0], "hole_y": made.hole_place[number, :, 1]}
+    parts = {f"hole_{axis}": made.hole_place[number, ..., i].ravel() for i, axis in enumerate("xy")}
     if design.ring.kind == "pin":
         parts |= {"pin_x": made.pin_place[number, :, 0], "pin_y": made.pin_place[number, :, 1]}
         parts |= {"pin_dr": made.pin_radius[number]}

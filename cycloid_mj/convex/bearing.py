@@ -42,12 +42,12 @@ def gear_bore(design: Design, settings: ConvexSettings) -> Surface:
     return _facets(hole, gear_depth(design, settings), design, settings)
 
 
-def gear_holes(design: Design, settings: ConvexSettings) -> Surface:
-    """Give the gear's holes, as made, for the output pins, gear frame: `member` is the hole, 1 on +y, clockwise."""
+def gear_holes(design: Design, settings: ConvexSettings, disc: int = 0) -> Surface:
+    """Give the holes of a disc, as made, for the output pins, its frame: `member` is the hole, 1 on +y, clockwise."""
     output = design.output
     angles = 2.0 * math.pi * np.arange(output.pins) / output.pins
     radius = output.hole_radius + design.clearance.output
-    centres = output.pin_circle_radius * unit(angles) + deviations(design).hole_place
+    centres = output.pin_circle_radius * unit(angles) + deviations(design).hole_place[disc]
     hole = Hole("hole", radius, output.pin_radius, math.pi, angles, centres)
     return _facets(hole, gear_depth(design, settings), design, settings)
 

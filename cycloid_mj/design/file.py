@@ -213,19 +213,23 @@ def _filled(values: dict[str, Any], where: str) -> dict[str, Any]:
         inner = section_of(Design.model_fields[table])
         fields = inner.model_fields if inner else {}
         for name in [key for key, value in section.items() if isinstance(value, Mapping)] if fields else ():
-            count_table, _, count = counted_by(fields[name]).partition(".")
-            if count:
-                default = getattr(getattr(Design(), count_table), count)
-                number = values.get(count_table, {}).get(count, default)
+            counts = [_count(values, *key) for key in counted_by(fields[name])]
+            if counts:
                 key = f"{table}.{file_key(name, fields[name])}"
-                section[name] = _full_list(section[name], number, f"{where}: {key}")
+                section[name] = _full_list(section[name], counts, f"{where}: {key}")
     return values
 
 
-def _full_list(sparse: Mapping[str, Any], number: Any, where: str) -> tuple[Any, ...]:
+def _count(values: Mapping[str, Any], table: str, name: str) -> Any:
+    """Give an integer of the file, or its default."""
+    return values.get(table, {}).get(name, getattr(getattr(Design(), table), name))
+
+
+def _full_list(sparse: Mapping[str, Any], counts: Sequence[Any], where: str) -> tuple[Any, ...]:
     """Give as many values as there are parts, 0 but for those named by their number from 1 on."""
-    if not isinstance(number, int) or number > LONGEST_LIST:
+    if not all(isinstance(count, int) and count <= LONGEST_LIST for count in counts):
         return tuple(sparse.values())  # their number is none that is allowed: that is what will be told
+    number = math.prod(counts)
     parts = [str(part) for part in range(1, number + 1)]
     for part in sparse:
         if part not in parts:

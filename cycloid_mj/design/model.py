@@ -105,13 +105,40 @@ class Gear(Section):
     """The cycloid gear."""
 
     eccentricity: float = quantity(1.0, "eccentricity c of the cam", u.MILLIMETRE, PAPER, ge=0.001, le=500.0)
-    face_width: float = quantity(10.0, "face width of gear, pins and ring", u.MILLIMETRE, ge=0.001, le=1000.0)
+    discs: int = quantity(
+        1,
+        "discs on the crank, each with its own cam, spaced evenly round it; disc 1 is next to the motor",
+        source=PAPER,
+        ge=1,
+        le=4,
+    )
+    disc_gap: float = quantity(
+        2.0, "gap between neighbouring discs, where there are several", u.MILLIMETRE, ge=0.001, le=1000.0
+    )
+    face_width: float = quantity(
+        10.0, "face width of each disc; pins and ring span all of them", u.MILLIMETRE, ge=0.001, le=1000.0
+    )
     bore_radius: float = quantity(
         15.0, "radius of the cam (the gear's bore adds the clearance)", u.MILLIMETRE, ge=0.001, le=5000.0
     )
     bearing: Literal["rolling", "plain"] = choice(
         "rolling", "bearing of the cam in the bore: rolling (its rollers share the load), or plain (it slides)"
     )
+
+    @property
+    def disc_spacing(self) -> float:
+        """Distance between the middles of neighbouring discs [m]."""
+        return self.face_width + self.disc_gap
+
+    @property
+    def stack_width(self) -> float:
+        """Width of all discs with the gaps between them [m]: that of pins and ring."""
+        return self.face_width + (self.discs - 1) * self.disc_spacing
+
+    @property
+    def disc_planes(self) -> tuple[float, ...]:
+        """Where the middle of each disc is along z [m]: 0 is the middle of all, the output is beyond their +z end."""
+        return tuple((disc - (self.discs - 1) / 2.0) * self.disc_spacing for disc in range(self.discs))
 
 
 class Output(Section):
@@ -137,6 +164,10 @@ class Output(Section):
         0.0, "fillet at the root of a pin; 0: a tenth of the core's radius", u.MILLIMETRE, ge=0.0, le=1000.0
     )
     disc_thickness: float = quantity(8.0, "thickness of the output disc", u.MILLIMETRE, ge=0.001, le=5000.0)
+    support: Literal["cantilever", "both_ends"] = choice(
+        "cantilever",
+        "what holds the output pins: cantilever, the output disc alone; both_ends, a second disc beyond the gear, too",
+    )
 
     @property
     def root_radius(self) -> float:
@@ -228,14 +259,31 @@ class Errors(Section):
     hole_position: float = quantity(
         0.0, "standard deviation of a gear hole's place, along x and along y", u.MICROMETRE, ge=0.0, le=1000.0
     )
+    disc_size: float = quantity(
+        0.0,
+        "standard deviation of how far a disc's flanks stand out beyond their drawing",
+        u.MICROMETRE,
+        ge=0.0,
+        le=1000.0,
+    )
+    cam_position: float = quantity(
+        0.0, "standard deviation of a cam's place on the crank, along x and along y", u.MICROMETRE, ge=0.0, le=1000.0
+    )
     eccentricity: float = quantity(
         0.0, "by how much the cam is more eccentric than the teeth are cut for", u.MICROMETRE, ge=-1000.0, le=1000.0
     )
     pin_x: Offsets = listed("each ring pin's place along x, pin 1 on +y, clockwise", u.MICROMETRE, "ring.teeth")
     pin_y: Offsets = listed("each ring pin's place along y", u.MICROMETRE, "ring.teeth")
     pin_dr: Offsets = listed("each ring pin's radius", u.MICROMETRE, "ring.teeth")
-    hole_x: Offsets = listed("each gear hole's place along x, hole 1 on +y, clockwise", u.MICROMETRE, "output.pins")
-    hole_y: Offsets = listed("each gear hole's place along y", u.MICROMETRE, "output.pins")
+    hole_x: Offsets = listed(
+        "each gear hole's place along x, hole 1 on +y, clockwise, disc after disc",
+        u.MICROMETRE,
+        "output.pins gear.discs",
+    )
+    hole_y: Offsets = listed("each gear hole's place along y, disc after disc", u.MICROMETRE, "output.pins gear.discs")
+    disc_dr: Offsets = listed("how far each disc's flanks stand out beyond their drawing", u.MICROMETRE, "gear.discs")
+    cam_x: Offsets = listed("each cam's place along x, at the crank angle 0", u.MICROMETRE, "gear.discs")
+    cam_y: Offsets = listed("each cam's place along y, at the crank angle 0", u.MICROMETRE, "gear.discs")
 
 
 def _zone(what: str) -> Any:
@@ -351,6 +399,21 @@ class Stiffness(Section):
     tooth: float = _of_flat("gear on internal gear, as a pin on a flat (it follows contact.stiffness_law)")
     cam: float = _of_flat("cam in the gear's bore")
     output: float = _of_flat("output pin in its hole")
+
+
+def _of_structure(part: str) -> Any:
+    return quantity(0.0, f"{part}; 0: from its shape and material", u.TORSION, ge=0.0, le=1e9)
+
+
+class StructureSprings(Section):
+    """Torsional stiffness of what stands between contacts and foundation, where structure is springs; see `structure`.
+
+    What the output pins bend by follows from their shape.
+    """
+
+    carrier: float = _of_structure("of the output disc, from its pins to the driven machine")
+    shaft: float = _of_structure("of the crank, from the motor to its cams")
+    housing: float = _of_structure("of the ring, from its pins or lobes to the foundation")
 
 
 def _ratio(pair: str) -> Any:
@@ -505,6 +568,11 @@ class Design(Section):
     name: str = choice(
         "pin", "name of the design and its runs: letters, digits, space . _ -", source="", pattern=r"^\w[\w .-]{0,63}$"
     )
+    structure: Literal["rigid", "springs"] = choice(
+        "rigid",
+        "what carries the contacts: rigid; springs: output pins bend, and carrier, shaft and housing twist",
+        PAPER,
+    )
     ring: Ring = Ring()
     gear: Gear = Gear()
     output: Output = Output()
@@ -518,6 +586,7 @@ class Design(Section):
     drag: Drag = Drag()
     contact: ContactLaw = ContactLaw()
     stiffness: Stiffness = Stiffness()
+    springs: StructureSprings = StructureSprings()
     damping: Damping = Damping()
     working_force: WorkingForce = WorkingForce()
     material: Material = Material()
@@ -704,14 +773,17 @@ class Design(Section):
     def _errors_fit_the_parts(self) -> Self:
         """Refuse a list of errors that is too long or too short, and errors of pins where the ring has none."""
         for name, field in Errors.model_fields.items():
-            table, _, count = counted_by(field).partition(".")
+            counts = {key: getattr(getattr(self, key[0]), key[1]) for key in counted_by(field)}
             value, key = getattr(self.errors, name), f"errors.{file_key(name, field)}"
-            if table and value and len(value) != (number := getattr(getattr(self, table), count)):
+            number = math.prod(counts.values())
+            if counts and value and len(value) != number:
+                several = {part: count for part, count in counts.items() if count > 1} or counts
+                of = " times ".join(".".join(part) for part in several)
                 raise ValueError(
-                    f"{key} has {len(value)} values, but {table}.{count} is {number}: "
+                    f"{key} has {len(value)} values, but {of} is {number}: "
                     "give one for each, or only those that are not 0, as in {1 = 5.0}"
                 )
-            if self.ring.kind == "nonpin" and name.startswith("pin_") and (any(value) if table else value):
+            if self.ring.kind == "nonpin" and name.startswith("pin_") and (any(value) if counts else value):
                 raise ValueError(
                     f"{key} is set, but an internal gear (ring.kind = 'nonpin') has no pins: "
                     "leave it out, or take ring.kind = 'pin'"

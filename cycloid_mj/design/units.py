@@ -54,6 +54,7 @@ MICROSECOND = Unit("us", divisor=1e6)
 NEWTON = Unit("n")
 NEWTON_METRE = Unit("nm")
 NEWTON_PER_METRE = Unit("n_m")
+TORSION = Unit("nm_arcmin", multiplier=10800.0 / math.pi)
 MEGAPASCAL = Unit("mpa", multiplier=1e6)
 DENSITY = Unit("kg_m3")
 INERTIA = Unit("kg_m2")
@@ -102,7 +103,7 @@ def switch(default: bool, text: str, source: str = ASSUMED) -> Any:
 def listed(text: str, unit: Unit, per: str, source: str = ASSUMED) -> Any:
     """Declare a list of the design, empty by default: one value for each of the parts that ``per`` counts.
 
-    ``per`` is the ``table.name`` of an integer of the model.
+    ``per`` is the ``table.name`` of an integer of the model, or of several that are multiplied, with a space between.
     """
     return Field(default=(), description=text, json_schema_extra={"unit": unit.suffix, "source": source, "per": per})
 
@@ -121,6 +122,7 @@ UNITS = {
         NEWTON,
         NEWTON_METRE,
         NEWTON_PER_METRE,
+        TORSION,
         MEGAPASCAL,
         DENSITY,
         INERTIA,
@@ -147,10 +149,11 @@ def source_of(field: FieldInfo) -> str:
     return str(extra["source"]) if isinstance(extra, dict) else ASSUMED
 
 
-def counted_by(field: FieldInfo) -> str:
-    """Give the ``table.name`` of the integer that a declared list has one value for each of; empty if it is no list."""
+def counted_by(field: FieldInfo) -> tuple[tuple[str, str], ...]:
+    """Give table and name of the integers whose product is the length of a declared list; none if it is no list."""
     extra = field.json_schema_extra
-    return str(extra.get("per", "")) if isinstance(extra, dict) else ""
+    per = str(extra.get("per", "")) if isinstance(extra, dict) else ""
+    return tuple((table, name) for table, _, name in (key.partition(".") for key in per.split()))
 
 
 def section_of(field: FieldInfo) -> Any:

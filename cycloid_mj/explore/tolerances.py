@@ -359,7 +359,7 @@ def _budget(
 
 def sample_design(design: Design, made: Samples, row: int) -> Design:
     """Give one sample as a design: its errors listed part by part, its clearances as they came out."""
-    place, holes = made.pin_place[row], made.hole_place[row]
+    place, holes = made.pin_place[row], made.hole_place[row].reshape(-1, 2)
     clearance = {design.tooth_pair: made.mesh[row], "cam": made.cam[row], "output": made.output[row]}
     if design.seat_pair:
         clearance[design.seat_pair] = made.seat[row]
@@ -368,7 +368,9 @@ def sample_design(design: Design, made: Samples, row: int) -> Design:
         if design.ring.kind == "pin"
         else {}
     )
-    errors = {**pins, "hole_x": holes[:, 0], "hole_y": holes[:, 1]}
+    cams = made.cam_place[row]
+    discs = {"disc_dr": made.disc_radius[row], "cam_x": cams[:, 0], "cam_y": cams[:, 1]}
+    errors = {**pins, **discs, "hole_x": holes[:, 0], "hole_y": holes[:, 1]}
     listed = {key: tuple(map(float, values)) if np.any(values) else () for key, values in errors.items()}
     return design.but(
         name=f"{design.name}-{row + 1}"[:64],

@@ -7,7 +7,7 @@ disc; flanks that are turned, as a disc that has turned.
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from cycloid_mj.deviations import deviations
 from cycloid_mj.errors import RunError
 from cycloid_mj.kinematics import gear_rotation
 from cycloid_mj.loaded.springs import Springs, springs_of
+from cycloid_mj.mechanism import kernel
 from cycloid_mj.mechanism.gaps import cam_places
 from cycloid_mj.mechanism.kernel import BALANCED, FIGURES, Effects, Made, balance_samples
 from cycloid_mj.modification import tooth_profile
@@ -39,9 +40,13 @@ class Samples:
     pin_place, pin_radius
         Departures of each ring pin's (or lobe's) place, shape (s, N, 2), and radius, shape (s, N).
     hole_place
-        Of each hole's place in the gear, shape (s, output pins, 2).
+        Of each hole's place in its disc, shape (s, D, output pins, 2).
+    disc_radius
+        How far each disc's flanks stand out, shape (s, D).
+    cam_place
+        Of each cam's place on the crank, at the crank angle 0, shape (s, D, 2).
     eccentricity
-        Of the cam's, shape (s,).
+        Of all cams', shape (s,).
     mesh, seat, cam, output
         Clearances, shape (s,): of the gear on its ring, of pins or sleeves that move in their seats (0 where none
         does), of the cam and of the output pins.
@@ -52,6 +57,8 @@ class Samples:
     pin_place: Array
     pin_radius: Array
     hole_place: Array
+    disc_radius: Array
+    cam_place: Array
     eccentricity: Array
     mesh: Array
     seat: Array
@@ -70,7 +77,7 @@ def alike(design: Design, count: int) -> Samples:
     """Give samples that are all made as the design is, with its own errors; `replace` what they differ in."""
     made, clearance, change = deviations(design), design.clearance, design.modification
     one = {
-        **{name: getattr(made, name) for name in ("pin_place", "pin_radius", "hole_place", "eccentricity")},
+        **{field.name: getattr(made, field.name) for field in fields(made)},
         **{name: getattr(change, name) for name in ("equidistant", "pin_circle", "rotation")},
         "mesh": getattr(clearance, design.tooth_pair),
         "seat": design.pin_play,
@@ -86,23 +93,22 @@ def drawn(design: Design, count: int, seed: int) -> Samples:
     What the design lists, part by part, and its eccentricity are the same in all samples.
     """
     errors, same = design.errors, alike(design, count)
-    pins, holes = (count, design.ring.teeth), (count, design.output.pins)
 
-    def normal(stream: int, sigma: float, listed: Sequence[float], own: Array, shape: tuple[int, int]) -> Array:
-        draws = np.random.default_rng([seed, stream]).standard_normal(shape)
+    def normal(stream: int, sigma: float, listed: Sequence[float], own: Array) -> Array:
+        draws = np.random.default_rng([seed, stream]).standard_normal(own.shape)
         return own if listed else sigma * draws
 
-    def places(
-        stream: int, sigma: float, lists: Sequence[Sequence[float]], own: Array, shape: tuple[int, int]
-    ) -> Array:
-        axes = [normal(stream + axis, sigma, lists[axis], own[..., axis], shape) for axis in (0, 1)]
+    def places(stream: int, sigma: float, lists: Sequence[Sequence[float]], own: Array) -> Array:
+        axes = [normal(stream + axis, sigma, lists[axis], own[..., axis]) for axis in (0, 1)]
         return np.stack(axes, axis=-1)
 
     return replace(
         same,
-        pin_place=places(0, errors.pin_position, (errors.pin_x, errors.pin_y), same.pin_place, pins),
-        pin_radius=normal(2, errors.pin_radius, errors.pin_dr, same.pin_radius, pins),
-        hole_place=places(3, errors.hole_position, (errors.hole_x, errors.hole_y), same.hole_place, holes),
+        pin_place=places(0, errors.pin_position, (errors.pin_x, errors.pin_y), same.pin_place),
+        pin_radius=normal(2, errors.pin_radius, errors.pin_dr, same.pin_radius),
+        hole_place=places(3, errors.hole_position, (errors.hole_x, errors.hole_y), same.hole_place),
+        disc_radius=normal(5, errors.disc_size, errors.disc_dr, same.disc_radius),
+        cam_place=places(6, errors.cam_position, (errors.cam_x, errors.cam_y), same.cam_place),
     )
 
 
@@ -196,12 +202,14 @@ def backlash(counter_clockwise: Figures, clockwise: Figures) -> Array:
 
 def _effects(design: Design, springs: Springs) -> Effects:
     """Give the effects of errors on the contacts of ideal parts: they move as their disc's place or turn moves them."""
-    contacts, teeth, gear = springs.contacts, springs.teeth, tooth_profile(design)
+    contacts, teeth, gear, discs = springs.contacts, springs.teeth, tooth_profile(design), design.gear.discs
     turned = gear_rotation(gear, springs.crank)
     along = np.stack([np.cos(turned), np.sin(turned)], axis=-1), np.stack([-np.sin(turned), np.cos(turned)], axis=-1)
-    outwards, side = profile.unit(profile.pin_angles(gear)), np.sign(contacts.slope[:, :teeth, 2])
+    outwards = np.tile(profile.unit(profile.pin_angles(gear)), (discs, 1))
+    side = np.sign(_of_own_disc(contacts, contacts.slope)[:, :teeth, 2])
 
-    def effect(slope: Array) -> Array:
+    def effect(slopes: Array) -> Array:
+        slope = _of_own_disc(contacts, slopes)
         moved = np.zeros((*slope.shape[:2], 4))
         moved[:, :teeth, :2] = -slope[:, :teeth, :2]
         for axis in (0, 1):
@@ -211,17 +219,30 @@ def _effects(design: Design, springs: Springs) -> Effects:
         return moved
 
     unit = design.but(errors={"eccentricity": 1e-6})
-    return Effects(effect(contacts.slope), effect(contacts.shift_slope), cam_places(unit, springs.crank) / 1e-6)
+    return Effects(
+        effect(contacts.slope),
+        effect(contacts.shift_slope),
+        cam_places(unit, springs.crank) / 1e-6,
+        np.stack([np.cos(springs.crank), np.sin(springs.crank)], axis=-1),
+    )
+
+
+def _of_own_disc(contacts: kernel.Springs, slopes: Array) -> Array:
+    """Give the gradients of contacts by place and turn of their own disc, shape (k, n, 3), of those by all unknowns."""
+    return np.stack([slopes[:, np.arange(contacts.disc.size), 3 * contacts.disc + way] for way in range(3)], axis=-1)
 
 
 def _made(design: Design, springs: Springs, samples: Samples) -> Made:
     """Give what the samples put into the contacts; the springs are those of the design's own clearances."""
+    discs, count = design.gear.discs, len(samples)
     wider = samples.mesh - getattr(design.clearance, design.tooth_pair) + samples.seat - design.pin_play
     radii = (2.0 if design.ring.has_sockets else 1.0) * samples.pin_radius
     teeth = (wider + samples.equidistant)[:, np.newaxis] - radii
-    output = np.broadcast_to((samples.output - design.clearance.output)[:, np.newaxis], samples.hole_place.shape[:2])
+    on_discs = (teeth[:, np.newaxis] - samples.disc_radius[..., np.newaxis]).reshape(count, -1)
+    holes = samples.hole_place.reshape(count, -1, 2)
+    output = np.broadcast_to((samples.output - design.clearance.output)[:, np.newaxis], holes.shape[:2])
     return Made(
-        room=springs.contacts.room + np.concatenate([teeth, output], axis=1),
-        place=np.concatenate([samples.pin_place, samples.hole_place], axis=1),
+        room=springs.contacts.room + np.concatenate([on_discs, output], axis=1),
+        place=np.concatenate([np.tile(samples.pin_place, (1, discs, 1)), holes], axis=1),
         **{name: np.ascontiguousarray(getattr(samples, name)) for name in Made._fields[2:]},
     )

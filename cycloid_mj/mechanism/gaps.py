@@ -112,11 +112,11 @@ def gaps(design: Design, crank: float) -> Gaps:
 def arc_gaps(design: Design, crank: npt.ArrayLike) -> Gaps:
     """Give the gaps at crank angles [rad] of shape (k,), or at one, without those of an internal gear's flanks.
 
-    The same pairs in the same order at every crank angle: all teeth, then all output pins, disc by disc.
+    The same pairs in the same order at every crank angle: the teeth of all discs, then their output pins.
     """
     angles = np.asarray(crank, dtype=np.float64)
     discs = range(len(phases(design)))
-    return _joined([side(design, angles, disc) for disc in discs for side in (_arc_gaps, _output_gaps)])
+    return _joined([side(design, angles, disc) for side in (_arc_gaps, _output_gaps) for disc in discs])
 
 
 def _arc_gaps(design: Design, crank: Array, disc: int) -> Gaps:
@@ -135,15 +135,16 @@ def flank_gaps(design: Design, crank: float, disc: int = 0) -> Gaps:
 def _tooth_gaps(design: Design, disc: int, lines: envelope.RingContacts, middle: Array) -> Gaps:
     """Give the gaps between a disc and the ring, pins in their places.
 
-    A pin displaced by d opens its gap by d . n, n the gear's outward normal. A radius larger by r closes it by r, and a
-    socket leaves the pin so much less play. To a gear whose pin circle is larger by x a pin is x nearer to the middle;
-    flanks turned by a retreat by a times the arm of their normal, as those of a gear that has turned. The gear's curve
-    is its trochoid, its mate a pin's centre; the disc's `middle` [m] is where the ideal one is.
+    A pin displaced by d opens its gap by d . n, n the gear's outward normal. A radius larger by r closes it by r, as
+    flanks do that stand out by r, and a socket leaves the pin so much less play. To a gear whose pin circle is larger
+    by x a pin is x nearer to the middle; flanks turned by a retreat by a times the arm of their normal, as those of a
+    gear that has turned. The gear's curve is its trochoid, its mate a pin's centre; the disc's `middle` [m] is where
+    the ideal one is.
     """
     gear, made, change = tooth_profile(design), deviations(design), design.modification
     push, arm = lines.normals, profile.moment_arm(gear, lines.B)
     place = made.pin_place[lines.lobe] - change.pin_circle * profile.unit(profile.pin_angles(gear)[lines.lobe])
-    room = profile_offset(design) - gear.pin_radius - made.pin_radius[lines.lobe]
+    room = profile_offset(design) - made.disc_radius[disc] - gear.pin_radius - made.pin_radius[lines.lobe]
     play = design.pin_play - (made.pin_radius[lines.lobe] if design.ring.has_sockets else 0.0)
     turned = change.rotation * np.sign(arm)
     side = _quarter_turned(push)
@@ -180,7 +181,7 @@ def _output_gaps(design: Design, crank: Array, disc: int) -> Gaps:
     middle = gear_centre(gear, crank[..., np.newaxis] + phases(design)[disc])
     push = -middle / gear.eccentricity
     place = profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins + turned) * output.pin_circle_radius
-    side, hole = _quarter_turned(push), _turned(made.hole_place, -turned)
+    side, hole = _quarter_turned(push), _turned(made.hole_place[disc], -turned)
     arm, lever = np.sum(place * -_quarter_turned(push), axis=-1), np.sum(place * push, axis=-1)
     room = design.clearance.output + output.hole_radius - output.pin_radius - gear.eccentricity
     return Gaps(
@@ -217,11 +218,14 @@ def ideal_motion(design: Design, crank: npt.ArrayLike) -> Array:
 def cam_places(design: Design, crank: npt.ArrayLike) -> Array:
     """Give where each disc's cam is, from where its teeth would have it [m], shape (..., D, 2), at angles (...) [rad].
 
-    The disc's own centre departs from there by the cam's clearance at most; errors of the eccentricity carry it along.
+    The disc's own centre departs from there by the cam's clearance at most; errors of the crank carry it along.
     """
     gear, made = tooth_profile(design), deviations(design)
-    angles = np.asarray(crank, dtype=np.float64)[..., np.newaxis] + np.array(phases(design))
-    return np.asarray(made.eccentricity * gear_centre(gear, angles) / gear.eccentricity)
+    turned = np.asarray(crank, dtype=np.float64)[..., np.newaxis]
+    angles = turned + np.array(phases(design))
+    return np.asarray(
+        made.eccentricity * gear_centre(gear, angles) / gear.eccentricity + _turned(made.cam_place, turned)
+    )
 
 
 def _by_unknown(design: Design, disc: int, by_place: Array, by_turn: Array, by_output: Array) -> Array:

@@ -109,22 +109,25 @@ class Effects(NamedTuple):
     """How far the curves of a contact are moved by errors of the parts, per error [1], [1], [1], [m/rad].
 
     `distance` and `shift`, shape (k, n, 4), as in ``kernel.Springs``: by the place of its pin or hole in x and y, the
-    gear's pin circle, and the turn of its flanks. `cam_place` (k, D, 2) [1] is that of the cams by the eccentricity.
+    gear's pin circle, and the turn of its flanks. `cam_place` (k, D, 2) [1] is that of the cams by the eccentricity,
+    `turned` (k, 2) cosine and sine of the crank angle.
     """
 
     distance: Array
     shift: Array
     cam_place: Array
+    turned: Array
 
 
 class Made(NamedTuple):
-    """How s samples were made: `room` (s, n) and `place` (s, n, 2) of each contact [m]; the rest has the shape (s,).
+    """How s samples were made: `room` (s, n) and `place` (s, n, 2) of each contact [m], and that of cams (s, D, 2).
 
-    `pin_circle` [m], `rotation` [rad], `eccentricity` [m], and the `cam`'s clearance [m].
+    The rest has the shape (s,): `pin_circle` [m], `rotation` [rad], `eccentricity` [m], and the `cam`'s clearance [m].
     """
 
     room: Array
     place: Array
+    cam_place: Array
     pin_circle: Array
     rotation: Array
     eccentricity: Array
@@ -243,9 +246,12 @@ def balance_samples(
                     across += effects.distance[k, i, j] * size
                     along += effects.shift[k, i, j] * size
                 distance[k, i], shift[k, i] = across, along
+            cosine, sine = effects.turned[k, 0], effects.turned[k, 1]
             for disc in range(discs):
-                for j in range(2):
-                    cam_place[k, disc, j] = made.eccentricity[s] * effects.cam_place[k, disc, j]
+                x, y = made.cam_place[s, disc, 0], made.cam_place[s, disc, 1]
+                out_x, out_y = effects.cam_place[k, disc, 0], effects.cam_place[k, disc, 1]
+                cam_place[k, disc, 0] = made.eccentricity[s] * out_x + (cosine * x - sine * y)
+                cam_place[k, disc, 1] = made.eccentricity[s] * out_y + (sine * x + cosine * y)
         springs = Springs(
             ideal.radius,
             ideal.disc,

@@ -5,6 +5,7 @@ in the places and radii of its surfaces, nowhere else; the modification is in th
 contact laws stand on solids and are attached above. Written for D discs at phases on the one crank.
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import IntEnum
@@ -192,8 +193,9 @@ class Mechanism:
 
 
 def phases(design: Design) -> tuple[float, ...]:
-    """Give the phase of each disc on the crank [rad], counter-clockwise: one disc, in phase with the crank."""
-    return (0.0,)
+    """Give the phase of each disc on the crank [rad], counter-clockwise: evenly spaced, the first with the crank."""
+    discs = design.gear.discs
+    return tuple(2.0 * math.pi * disc / discs for disc in range(discs))
 
 
 def mechanism(design: Design) -> Mechanism:
@@ -281,7 +283,7 @@ def _cam(design: Design, made: Deviations, disc: int) -> Mating:
         "cam",
         (cam,),
         _around((bore,), gear, Role.OUTER, 0.0, radius + design.clearance.cam),
-        _around((cam,), names.SHAFT, Role.INNER, orbit, radius, first=-ahead),
+        _around((cam,), names.SHAFT, Role.INNER, orbit, radius, made.cam_place[disc], first=-ahead),
         disc,
     )
 
@@ -290,7 +292,7 @@ def _holes(design: Design, made: Deviations, disc: int, pins: Surfaces) -> Matin
     output = design.output
     numbered = tuple(_of_disc(design, name, disc) for name in names.all_numbered(names.HOLE, output.pins))
     radius, gear = output.hole_radius + design.clearance.output, _of_disc(design, names.GEAR, disc)
-    holes = _around(numbered, gear, Role.OUTER, output.pin_circle_radius, radius, made.hole_place)
+    holes = _around(numbered, gear, Role.OUTER, output.pin_circle_radius, radius, made.hole_place[disc])
     return Mating("output", tuple(_of_disc(design, name, disc) for name in pins.names), holes, pins, disc)
 
 

@@ -197,7 +197,7 @@ def _holes(turn: Turn) -> list[Contact]:
     output, seat = turn.design.output, frame(turn, "gear")
     radius = output.hole_radius + turn.design.clearance.output
     found = []
-    centres = output_centres(turn.design) + deviations(turn.design).hole_place
+    centres = output_centres(turn.design) + deviations(turn.design).hole_place[0]
     for number, centre in enumerate(centres, start=1):
         action = _in(seat, _on_gear(turn, numbered(OUTPUT_PIN, number)))
         width = _hole_width(turn, action)

@@ -293,7 +293,7 @@ def _output(locked: Locked, z: Array) -> Springs:
     """Output pins in the gear's holes; a pin pushes its hole outwards, along the line of centres."""
     output, pose = locked.design.output, locked.pose(z)
     start = output.pin_circle_radius * unit(2 * np.pi * np.arange(output.pins) / output.pins)
-    on_gear, pins = rotate(start + locked.made.hole_place, pose.angle), rotate(start, locked.angle(z[3]))
+    on_gear, pins = rotate(start + locked.made.hole_place[0], pose.angle), rotate(start, locked.angle(z[3]))
     between = pins - pose.centre - on_gear
     distance = np.linalg.norm(between, axis=1)
     push = between / distance[:, np.newaxis]

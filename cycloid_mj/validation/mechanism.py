@@ -146,7 +146,7 @@ def exact_gaps(design: Design, crank: float, z: Array, aside: Array | float = 0.
     pins = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear)) + made.pin_place + aside
     teeth = pin_gaps(gear, pose, pins, flanks).distance + profile_offset(design) - gear.pin_radius - made.pin_radius
     around = output.pin_circle_radius * profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins)
-    between = rotate(around, out) - pose.centre - rotate(around + made.hole_place, pose.angle)
+    between = rotate(around, out) - pose.centre - rotate(around + made.hole_place[0], pose.angle)
     room = output.hole_radius + design.clearance.output - output.pin_radius
     return np.concatenate([teeth, room - np.linalg.norm(between, axis=1)])
 
