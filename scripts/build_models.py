@@ -21,9 +21,13 @@ STEP = "settings.timestep_us=5.0"
 """At half of it, means of transmission error, torque and cam force differ by less than 1 %."""
 
 
+MODELLED = ("pin", "nonpin")
+"""Presets that have a folder in models/."""
+
+
 def designs() -> dict[str, Design]:
     """Give the designs that models are made of."""
-    return {name: override(design, [STEP]) for name, design in PRESETS.items()}
+    return {name: override(PRESETS[name], [STEP]) for name in MODELLED}
 
 
 def files(name: str, design: Design, plain: dict[str, dict[str, Any]]) -> dict[str, bytes]:
@@ -109,7 +113,7 @@ def _free_row(name: str, found: dict[str, float]) -> str:
 def _ratios(rows: list[dict[str, Any]]) -> str:
     """Tell how much slower mesh contact is, by the step and by what is simulated."""
     told = []
-    for name in PRESETS:
+    for name in MODELLED:
         mesh, exact = (
             [row["us_per_step"] for row in rows if (row["design"], row["contact"]) == (name, contact)]
             for contact in ("mesh", "profile")

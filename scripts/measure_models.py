@@ -12,6 +12,7 @@ from typing import Any
 
 import mujoco
 import numpy as np
+from build_models import MODELLED
 
 from cycloid_mj.analysis import analyze
 from cycloid_mj.convex import CoacdSettings, plain_gear, plain_ring
@@ -44,7 +45,7 @@ def plain() -> dict[str, dict[str, Any]]:
 
 def agreement() -> list[dict[str, Any]]:
     """Run both designs at both loads by each kind of contact; give means over the last turn of the crank."""
-    return [_run(name, load, *how) for name in PRESETS for load in LOADS for how in RUNS]
+    return [_run(name, load, *how) for name in MODELLED for load in LOADS for how in RUNS]
 
 
 def _run(name: str, load: float, contact: Contact, step: float) -> dict[str, Any]:
@@ -74,7 +75,7 @@ def _run(name: str, load: float, contact: Contact, step: float) -> dict[str, Any
 
 def free_running() -> dict[str, dict[str, float]]:
     """Let the models of both folders run without load from a keyframe at full speed; compare the gear's speed."""
-    return {name: _free_run(MODELS / name / SCENE, design) for name, design in PRESETS.items()}
+    return {name: _free_run(MODELS / name / SCENE, PRESETS[name]) for name in MODELLED}
 
 
 def _free_run(scene: Path, design: Design) -> dict[str, float]:

@@ -12,6 +12,7 @@ from cycloid_mj.cli.flags import (
     FLAT,
     HOLD,
     LOAD,
+    NAMES,
     RAMP,
     SPEED,
     TIMESTEP,
@@ -58,7 +59,7 @@ DesignsOrLogs = Annotated[
     str,
     Parameter(
         metavar="DESIGN|RUN.mcap",
-        help="Two or more designs (pin, nonpin, TOML files), which are run; or logs of such runs, which are read.",
+        help=f"Two or more designs ({NAMES}, TOML files), which are run; or logs of such runs, which are read.",
     ),
 ]
 

@@ -8,21 +8,21 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import App, Parameter
 
-from cycloid_mj.cli.flags import JsonFlag, SetFlag, designed
+from cycloid_mj.cli.flags import NAMES, JsonFlag, SetFlag, designed
 from cycloid_mj.cli.terminal import say, say_json
-from cycloid_mj.design import PRESETS, Design, dump, override, resolve
+from cycloid_mj.design import PRESETS, Design, dump, override, reasons, resolve
 from cycloid_mj.errors import CycloidError, UsageError
 from cycloid_mj.whole import write_whole
 
 if TYPE_CHECKING:
     from cycloid_mj.checks import Check, Summary
 
-DesignName = Annotated[str, Parameter(metavar="NAME|FILE", help="Design: pin, nonpin, or a TOML file.")]
+DesignName = Annotated[str, Parameter(metavar="NAME|FILE", help=f"Design: {NAMES}, or a TOML file.")]
 NewName = Annotated[
     str, Parameter(metavar="NAME", help="Name of the new design and of its runs; the file is NAME.toml.")
 ]
 FromFlag = Annotated[
-    str, Parameter(name="--from", metavar="NAME|FILE", help="Design to start from: pin, nonpin, or a TOML file.")
+    str, Parameter(name="--from", metavar="NAME|FILE", help=f"Design to start from: {NAMES}, or a TOML file.")
 ]
 
 RatioFlag = Annotated[int | None, Parameter(help="Reduction ratio of a new size: one pin more than that.")]
@@ -79,7 +79,9 @@ def new(
         raise CycloidError(f"{file} exists already: give another NAME, or delete it")
     asked = {"--ratio": ratio, "--diameter-mm": diameter_mm, "--torque-nm": torque_nm}
     if all(value is None for value in asked.values()):
-        write_whole({file: dump(designed(source or "pin", set_, ()).but(name=stem)).encode()})
+        source = source or "pin"
+        started = designed(source, set_, ()).but(name=stem)
+        write_whole({file: dump(started, reasons(source, started)).encode()})
         say(str(file))
         return 0
     if ratio is None or diameter_mm is None or torque_nm is None:
@@ -113,7 +115,8 @@ def show(design: DesignName, /) -> int:
     Each value that the paper (Hsieh 2014) does not give is marked as
     assumed. A file may leave keys out: they keep the values of the preset pin.
     """
-    say(dump(resolve(design)).rstrip("\n"))
+    found = resolve(design)
+    say(dump(found, reasons(design, found)).rstrip("\n"))
     return 0
 
 

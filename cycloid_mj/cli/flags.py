@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter, Token
 from pydantic.fields import FieldInfo
 
-from cycloid_mj.design import Design, override, resolve
+from cycloid_mj.design import PRESETS, Design, override, resolve
 from cycloid_mj.design.units import Unit, file_key, unit_of
 from cycloid_mj.engine import Engine
 from cycloid_mj.errors import DesignError, UsageError
@@ -27,9 +27,10 @@ LARGEST_Q = 10_000.0
 MOST_ROWS = 1_000_000
 MOST_WORKERS = 4096
 
-DesignFlag = Annotated[
-    str, Parameter(name="--design", metavar="NAME|FILE", help="Design: pin, nonpin, or a TOML file.")
-]
+NAMES = ", ".join(PRESETS)
+"""The presets, for help."""
+
+DesignFlag = Annotated[str, Parameter(name="--design", metavar="NAME|FILE", help=f"Design: {NAMES}, or a TOML file.")]
 SetFlag = Annotated[
     tuple[str, ...],
     Parameter(

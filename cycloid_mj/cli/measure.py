@@ -15,6 +15,7 @@ from cyclopts import App, Parameter
 from cycloid_mj.cli.flags import (
     FLAT,
     LOAD,
+    NAMES,
     SPEED,
     DesignOptions,
     DesignValue,
@@ -337,7 +338,7 @@ def _command(name: str, options: type[Options]) -> Callable[..., int]:
 
     def many(
         *designs: Annotated[
-            str, Parameter(metavar="DESIGN", help="Designs: pin, nonpin, or TOML files. Default: pin and nonpin.")
+            str, Parameter(metavar="DESIGN", help=f"Designs: {NAMES}, or TOML files. Default: pin and nonpin.")
         ],
         design: Annotated[
             tuple[str, ...],

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import LOAD, JsonFlag, QuietFlag, SetFlag, designed, require_distinct, within
+from cycloid_mj.cli.flags import LOAD, NAMES, JsonFlag, QuietFlag, SetFlag, designed, require_distinct, within
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.simulate import logs_folder, require_possible
 from cycloid_mj.cli.stressfiles import report
@@ -42,7 +42,7 @@ DesignsFlag = Annotated[
         name="--design",
         metavar="NAME|FILE",
         consume_multiple=True,
-        help="Designs: pin, nonpin, or TOML files. With --log, what must have run; may then be left out.",
+        help=f"Designs: {NAMES}, or TOML files. With --log, what must have run; may then be left out.",
     ),
 ]
 PartsFlag = Annotated[

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import SetFlag, designed, within
+from cycloid_mj.cli.flags import NAMES, SetFlag, designed, within
 from cycloid_mj.cli.terminal import tell
 
 EXAMPLES = """Examples:
@@ -13,7 +13,7 @@ EXAMPLES = """Examples:
 
 SLOW = 100.0
 
-WhatName = Annotated[str, Parameter(metavar="DESIGN|RUN.mcap", help="Design (pin, nonpin, or a TOML file), or a log.")]
+WhatName = Annotated[str, Parameter(metavar="DESIGN|RUN.mcap", help=f"Design ({NAMES}, or a TOML file), or a log.")]
 SlowFlag = Annotated[
     float,
     Parameter(

@@ -31,7 +31,7 @@ from cycloid_mj.design.model import (
     Tolerance,
     WorkingForce,
 )
-from cycloid_mj.design.presets import PRESETS
+from cycloid_mj.design.presets import PRESETS, reasons
 
 __all__ = [
     "PARTNERS",
@@ -64,5 +64,6 @@ __all__ = [
     "load",
     "loads",
     "override",
+    "reasons",
     "resolve",
 ]

@@ -55,6 +55,9 @@ MATERIALS = {
     "bronze": _entry(95000.0, 0.34, 8700.0, 260.0, 140.0, 200.0, "CuSn12-C (CC483K), sand cast, EN 1982"),
     "POM": _entry(2850.0, 0.37, 1410.0, 64.0, 64.0, 90.0, "Hostaform C 9021, ISO 527; UL 746B"),
     "PA6": _entry(3300.0, 0.39, 1140.0, 79.0, 78.0, 80.0, "Ensinger TECAMID 6, dry; moist it has about a third of it"),
+    "Onyx": _entry(
+        1400.0, 0.39, 1200.0, 36.0, 36.0, 80.0, "Markforged Composites data sheet, ASTM D638; nu, limit as PA6"
+    ),
     "PLA": _entry(2539.0, 0.36, 1264.0, 26.0, 26.0, 50.0, "Stratasys PLA, printed, the weaker direction, ASTM D638"),
     "resin": _entry(2800.0, 0.41, 1180.0, 65.0, 65.0, 50.0, "Formlabs Clear, post-cured, ASTM D638"),
 }

@@ -1,8 +1,85 @@
-"""The two designs of the paper by name."""
+"""The designs that have a name: the paper's two, and drives that other people have built and published."""
+
+from collections.abc import Mapping
+from operator import attrgetter
 
 from cycloid_mj.design.model import Design, Ring
+from cycloid_mj.design.units import MICROMETRE, MILLIMETRE, RPM
+
+
+def _printed() -> Design:
+    """Give the baseline drive of JelmerV's thesis, as drawn.
+
+    Source: github.com/JelmerV/Anti-Backlash-Cycloidal-Actuator (CC BY-SA 4.0), ``CAD source/parameters.txt``, and the
+    parts that its drawings name: HK0509 needle rollers on 5 mm output pins, HK1522 with an inner ring 12 x 15 x 22.5 on
+    the shaft. What it does not give is assumed, each value with its `reasons`.
+    """
+    mm, um = MILLIMETRE.to_si, MICROMETRE.to_si
+    return Design(name="printed").but(
+        ring={"teeth": 14, "pin_circle_radius": mm(34.0), "pin_radius": mm(3.5), "pins": "fixed"},
+        gear={"eccentricity": mm(1.5), "face_width": mm(25.0), "bore_radius": mm(10.5)},
+        output={
+            "pins": 8,
+            "pin_radius": mm(4.5),
+            "pin_circle_radius": mm(20.0),
+            "hole_radius": mm(6.0),
+            "core_radius": mm(2.5),
+        },
+        shaft={"radius": mm(6.0), "length": mm(40.0), "counterweight_radius": mm(24.0)},
+        housing={"outer_radius": mm(45.0)},
+        clearance={"pin_gear": um(50.0), "cam": um(10.0), "output": um(50.0)},
+        friction={"pin_gear": 0.12},
+        material={"name": "Onyx"},
+        pin_material={"name": "bearing steel"},
+        output_material={"name": "bearing steel"},
+        shaft_material={"name": "tempered steel"},
+        drive={"power": 50.0, "torque": 0.8, "speed": RPM.to_si(100.0), "ramp": 0.1, "hold": 1.5},
+        load={"torque": 10.0},
+    )
+
 
 PRESETS = {
     "pin": Design(),
     "nonpin": Design(name="nonpin", ring=Ring(kind="nonpin")),
+    "printed": _printed(),
 }
+"""Designs by name."""
+
+_DRAWN = "parameters.txt"
+_BEARING = "of a drawn cup in its seat (assumed; 5 um more or less are 2 arcmin of backlash)"
+
+_REASONS: Mapping[str, Mapping[str, str]] = {
+    "printed": {
+        "ring.teeth": _DRAWN,
+        "ring.pin_circle_radius": _DRAWN,
+        "ring.pin_radius": _DRAWN,
+        "ring.pins": "steel, held at both ends (assumed)",
+        "gear.eccentricity": _DRAWN,
+        "gear.face_width": _DRAWN,
+        "gear.bore_radius": "outside of the needle bearing HK1522",
+        "output.pins": _DRAWN,
+        "output.pin_radius": "outside of the needle roller HK0509",
+        "output.pin_circle_radius": _DRAWN,
+        "output.hole_radius": "output pin + eccentricity",
+        "output.core_radius": "the pin in the needle roller HK0509",
+        "shaft.radius": "bore of the inner ring 12 x 15 x 22.5",
+        "clearance.pin_gear": "parameters.txt: cycloid_clearance",
+        "clearance.cam": _BEARING,
+        "clearance.output": "as the teeth (assumed)",
+        "friction.pin_gear": "greased plastic on steel, assumed",
+        "material.name": "what housing and gear were printed of in one of its builds; dry, in the layers' plane",
+        "drive.torque": "for the load of the run; the thesis names 52 N m at the output, beyond first yield here",
+        "drive.speed": "assumed",
+        "load.torque": "assumed: below the first yield of the teeth",
+    },
+}
+"""Why a preset's values are as they are; those of the paper's designs have their sources in the model itself."""
+
+
+def reasons(name: str, design: Design) -> dict[str, str]:
+    """Give why values of a design from the preset `name` are as they are, by ``table.name``; not of changed ones."""
+    return {
+        key: reason
+        for key, reason in _REASONS.get(name, {}).items()
+        if attrgetter(key)(design) == attrgetter(key)(PRESETS[name])
+    }

@@ -52,11 +52,15 @@ NEAR = 10.0
 """Crank angles this near each other agree [deg]: a mesh period."""
 
 
+OURS = ("pin", "nonpin")
+"""The paper's two designs, by their kinds of ring, are the presets of these names."""
+
+
 def is_ours(design: Design) -> bool:
-    """Whether a design is one of the paper's two, the presets, but for load, speed, environment and settings."""
+    """Whether a design is one of the paper's two but for load, speed, environment and settings."""
     from cycloid_mj.stress.turn import differences
 
-    return not all(differences(design, preset) for preset in PRESETS.values())
+    return not all(differences(design, PRESETS[kind]) for kind in OURS)
 
 
 def stress_references(design: Design) -> "dict[str, Reference]":
