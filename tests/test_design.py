@@ -353,7 +353,9 @@ def test_a_missing_file_names_the_nearest(tmp_path) -> None:
     assert resolve(str(tmp_path / "krol_variant_1.toml")) == PRESETS["pin"]
     with pytest.raises(UsageError, match=r"did you mean .*krol_variant_1\.toml\?"):
         resolve(str(tmp_path / "krol_varaint_1.toml"))
-    with pytest.raises(UsageError, match=r"neither a preset \(pin, nonpin\) nor a file; did you mean nonpin\?"):
+    with pytest.raises(
+        UsageError, match=r"neither a preset \(pin, nonpin, printed.*\) nor a file; did you mean nonpin\?"
+    ):
         resolve("nopin")
     with pytest.raises(UsageError, match="makes a file to start from"):
         resolve("0123456789")

@@ -18,7 +18,7 @@ from cycloid_mj.solid import mass_properties, parts
 from cycloid_mj.stress.region import material_of
 
 PIN = PRESETS["pin"]
-PLASTICS = {"POM", "PA6", "PLA", "resin"}
+PLASTICS = {"POM", "PA6", "Onyx", "PLA", "resin"}
 
 
 def test_the_library_is_plausible_and_says_where_it_is_from() -> None:

@@ -15,8 +15,10 @@ import pytest
 
 from cycloid_mj import envelope, kinematics, profile, statics
 from cycloid_mj.cli import main
+from cycloid_mj.design import PRESETS
 from cycloid_mj.errors import RunError, UsageError
 from cycloid_mj.loaded.friction import ideal_losses
+from cycloid_mj.mechanism import limits
 from cycloid_mj.profile import CycloidGear, unit
 from cycloid_mj.solid import mass_properties
 from cycloid_mj.solid.gear import tooth_profile
@@ -388,6 +390,17 @@ def test_cam_load(remembered, monkeypatch):
     honest = cam_load.body_force
     monkeypatch.setattr(cam_load, "body_force", lambda *given: -honest(*given))
     assert len(failed(cam_load.rows(True))) == 3
+
+
+def test_the_printed_drive_reaches_its_stops_and_fails_when_spoiled(monkeypatch):
+    drawn, bench = published.printed_rows(True)
+    assert (drawn.verdict, bench.verdict) == ("pass", "told")
+    # the authors' play is about twice what their drawing gives
+    assert bench.measured.reference / bench.measured.value == pytest.approx(1.24 / 0.669, rel=0.01)
+    spoiled = PRESETS["printed"].but(clearance={"cam": 11e-6})
+    programme = limits.stops
+    monkeypatch.setattr(published.limits, "stops", lambda _, *rest, **sides: programme(spoiled, *rest, **sides))
+    assert failed(published.printed_rows(True)) == ["backlash of a printed drive"]
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ from cycloid_mj.design.units import MICROMETRE, MILLIMETRE, RPM
 
 
 def _printed() -> Design:
-    """Give the baseline drive of JelmerV's thesis, as drawn.
+    """Give the baseline drive of a master thesis (JelmerV, Twente 2024), as drawn.
 
     Source: github.com/JelmerV/Anti-Backlash-Cycloidal-Actuator (CC BY-SA 4.0), ``CAD source/parameters.txt``, and the
     parts that its drawings name: HK0509 needle rollers on 5 mm output pins, HK1522 with an inner ring 12 x 15 x 22.5 on

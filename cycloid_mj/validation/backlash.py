@@ -48,16 +48,16 @@ def expected(design: Design, kind: str) -> float:
 def stops(design: Design) -> tuple[float, float]:
     """Give the gear's angles [rad] at its stops, clockwise and counter-clockwise."""
     reducer = build(design)
-    return _stop(reducer, -TORQUE), _stop(reducer, TORQUE)
+    return stop(reducer, -TORQUE), stop(reducer, TORQUE)
 
 
-def _stop(reducer: ReducerModel, torque: float) -> float:
-    """Turn the gear to its stop by a torque [N m]; it settles by being halted now and then."""
+def stop(reducer: ReducerModel, torque: float, joint: str = "gear_angle") -> float:
+    """Turn gear or output to its stop by a torque [N m] and give its angle; it settles by being halted now and then."""
     data = mujoco.MjData(reducer.model)
-    data.joint("gear_angle").qfrc_applied[0] = torque
+    data.joint(joint).qfrc_applied[0] = torque
     with installed():
         mujoco.mj_step(reducer.model, data, _TRAVEL)
         for _ in range(_STOPS):
             data.qvel[:] = 0.0
             mujoco.mj_step(reducer.model, data, _SETTLE)
-    return float(data.joint("gear_angle").qpos[0])
+    return float(data.joint(joint).qpos[0])

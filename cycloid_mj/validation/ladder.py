@@ -65,6 +65,7 @@ def _parts() -> Iterator[Part]:
     yield Part("cam", cam_load.rows, (6.0, 7.0))
     yield Part("published", published.hertz_rows, (0.1, 0.1))
     yield Part("published", published.efficiency_rows, (1.0, 2.0))
+    yield Part("published", published.printed_rows, (3.0, 3.0))
     for kind, cost in ((FIXED, (0.7, 2.0)), (FREE, (2.0, 4.0)), (NONPIN, (1.0, 3.0))):
         yield Part("energy", partial(energy.rows, kind), cost)
     yield Part("energy", energy.jolt_rows, (2.0, 2.0))

@@ -1,7 +1,8 @@
-"""Rung 6, published cases: Hertz stresses of Krol et al. 2019, and the efficiency of Wang, Luo and Su 2016.
+"""Rung 6, published cases: stresses of Krol et al. 2019, the efficiency of Wang, Luo and Su 2016, a printed drive.
 
 Wang's formula is held against its printed results and against the simulated reducer with the same proportions and
 friction; where the two differ, the closed form with what the formula leaves out is held against the simulation too.
+The printed drive is the preset ``printed``, whose play on the bench its authors give.
 """
 
 import math
@@ -9,15 +10,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj import profile, statics
-from cycloid_mj.design import Design
+from cycloid_mj import names, profile, statics
+from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.loaded.friction import ideal_losses
+from cycloid_mj.mechanism import limits
 from cycloid_mj.mjcf import build
 from cycloid_mj.profile import CycloidGear
 from cycloid_mj.record import Run
 from cycloid_mj.run import simulate
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.validation import rig
+from cycloid_mj.validation.backlash import stop
 from cycloid_mj.validation.rig import FIXED, reducer_of
 from cycloid_mj.validation.row import Row, absolute, relative
 
@@ -77,6 +80,11 @@ WANG_LOAD = 200.0
 """Load torque [N m] of the simulated case; 0.75 kW gives 214 N m."""
 WANG_CAM = 5e11
 
+PRINTED_PLAY = 1.24
+"""Play of the printed drive's output before it is run in [deg], as measured."""
+PRINTED_TORQUES = (0.02, 0.04)
+"""They press its output to a stop [N m]; the line through both turns is drawn on to zero."""
+
 
 def hertz_rows(quick: bool) -> list[Row]:
     """Hold the Hertz stresses of case A."""
@@ -88,6 +96,26 @@ def hertz_rows(quick: bool) -> list[Row]:
         ):
             rows.append(absolute(f"Hertz stress, {name}", ours / 1e6, printed, unit, source, ROUNDED_MPA))
     return rows
+
+
+def printed_rows(quick: bool) -> list[Row]:
+    """Hold the printed drive's play, as drawn: simulated against the linear programme, and that against the bench's."""
+    design = rig.changed(PRESETS["printed"], *rig.without_friction(), *rig.without_gravity())
+    reducer, (small, large) = build(design), PRINTED_TORQUES
+    near, far = (
+        stop(reducer, torque, names.OUTPUT_JOINT) - stop(reducer, -torque, names.OUTPUT_JOINT)
+        for torque in (small, large)
+    )
+    simulated = near - (far - near) * small / (large - small)
+    low, high = limits.stops(design, 0.0)
+    period = 2.0 * np.pi / design.ring.teeth * np.arange(8) / 8
+    drawn = np.mean([np.ptp(limits.stops(design, float(crank), sides=180)) for crank in period])
+    name = "backlash of a printed drive"
+    clearances = "drawn clearances; parts come out of a printer with about twice as much"
+    return [
+        relative(name, math.degrees(simulated), math.degrees(high - low), "deg", "rigid parts: linear programme", 0.5),
+        relative(name, math.degrees(drawn), PRINTED_PLAY, "deg", "JelmerV, bench", None, clearances),
+    ]
 
 
 def krol_stresses(case: KrolVariant) -> tuple[float, float, float]:

@@ -1,0 +1,103 @@
+"""The designs with a name: their checks pass, their energy balances, and the printed drive is the published one."""
+
+import math
+
+import pytest
+from designs import unlike
+
+from cycloid_mj.analysis import Findings, analyze
+from cycloid_mj.checks import check, summary
+from cycloid_mj.comparison.forces import forces
+from cycloid_mj.comparison.measures import settled
+from cycloid_mj.contact.timestep import timestep
+from cycloid_mj.design import PRESETS, dump, load, loads, reasons
+from cycloid_mj.measure import bench, play
+from cycloid_mj.measure.backlash import press
+from cycloid_mj.record import Run
+from cycloid_mj.run import simulate
+from cycloid_mj.validation.energy import balance
+
+PRINTED = PRESETS["printed"]
+PLAY = 0.669
+"""Backlash of the printed drive by its drawn clearances [deg]."""
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_a_preset_passes_its_checks_and_comes_back_from_its_file(name: str) -> None:
+    design = PRESETS[name]
+    assert design.name == name
+    assert [one.name for one in check(design) if not one.passed and one.severity == "error"] == []
+    assert loads(dump(design, reasons(name, design))) == design
+
+
+def test_the_printed_drive_has_no_warnings_and_is_not_the_test_design_of_that_name() -> None:
+    assert [one.name for one in check(PRINTED) if not one.passed] == []
+    assert unlike("printed").lobes == 11
+    assert PRINTED.lobes == 13
+
+
+def test_values_of_a_preset_have_reasons_until_they_are_changed(tmp_path) -> None:
+    assert reasons("printed", PRINTED)["output.core_radius"] == "the pin in the needle roller HK0509"
+    changed = PRINTED.but(output={"core_radius": 0.002})
+    assert "output.core_radius" not in reasons("printed", changed)
+    assert "gear.face_width" in reasons("printed", changed)
+    assert reasons("pin", PRESETS["pin"]) == {}
+    file = tmp_path / "mine.toml"
+    file.write_text(dump(PRINTED, reasons("printed", PRINTED)))
+    assert "the needle roller HK0509" in file.read_text()
+    assert load(file) == PRINTED
+
+
+def test_the_printed_drive_has_the_backlash_of_its_drawing() -> None:
+    assert math.degrees(summary(PRINTED).backlash) == pytest.approx(PLAY, rel=0.01)
+    _, turn = play.over_a_turn(PRINTED)
+    assert math.degrees(turn.mean()) == pytest.approx(PLAY, rel=0.01)
+    angles = [float(angle) for angle in bench.crank_angles(PRINTED, 2)]
+    found = [press(bench.ideal(PRINTED), angle, longer=2.0).backlash for angle in angles]
+    assert found == pytest.approx(play.total(PRINTED, angles).tolist(), rel=0.005)
+
+
+@pytest.fixture(scope="module")
+def at_speed() -> dict[float, Run]:
+    """Run the printed drive at 100 rpm and 10 N m, at its own step and at half of it, over four mesh periods."""
+    period = 2.0 * math.pi / (PRINTED.ring.teeth * PRINTED.drive.speed)
+    design = PRINTED.but(drive={"ramp": 0.0, "hold": 0.08 + 4.0 * period})
+    assert (design.load.torque, design.drive.speed) == (10.0, pytest.approx(100.0 * math.pi / 30.0))
+    step = timestep(design)
+    return {share: simulate(design.but(settings={"timestep": share * step})) for share in (1.0, 0.5)}
+
+
+def figures(run: Run) -> dict[str, float]:
+    """Give what anyone would report of a run."""
+    found: Findings = analyze(run, settle=0.08)
+    pressed = forces(settled(run))
+    return {
+        "transmission error, p-p": found.output_transmission_error.peak_to_peak_arcsec,
+        "transmission error, mean": found.output_transmission_error.mean_arcsec,
+        "transmission error of the gear, p-p": found.gear_transmission_error.peak_to_peak_arcsec,
+        "gear speed, rms": found.gear_speed.rms_error_rad_s,
+        "gear speed, peak": found.gear_speed.peak_error_rad_s,
+        "output speed, rms": found.output_speed.rms_error_rad_s,
+        "efficiency": found.efficiency,
+        "tooth, peak": pressed.tooth_peak_n,
+        "cam, peak": pressed.cam_peak_n,
+        "output pin, peak": pressed.output_pin_peak_n,
+        "q path, rms": found.q_path.rms_error_um,
+        "penetration": found.contact_summary.max_penetration_um,
+    }
+
+
+def test_the_printed_drives_figures_hold_at_half_the_step(at_speed) -> None:
+    own, half = (figures(at_speed[share]) for share in (1.0, 0.5))
+    assert own == pytest.approx(half, rel=0.03)
+    assert 0.80 < own["efficiency"] < 0.86
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_what_goes_into_a_preset_comes_out_is_lost_or_is_stored(name: str, at_speed) -> None:
+    design = PRESETS[name]
+    loaded = design.but(drive={"ramp": 0.01, "hold": 0.01}, load={"torque": design.rated_torque})
+    found = balance(at_speed[1.0] if name == "printed" else simulate(loaded))
+    assert found.supplied == pytest.approx(found.accounted, rel=0.01)
+    assert found.friction > 0.01 * found.supplied
+    assert found.supplied - found.friction != pytest.approx(found.accounted, rel=0.01)
