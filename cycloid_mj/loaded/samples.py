@@ -15,7 +15,6 @@ from cycloid_mj import profile
 from cycloid_mj.compiling import announced
 from cycloid_mj.design import Design, Errors, Modification
 from cycloid_mj.deviations import deviations
-from cycloid_mj.errors import RunError
 from cycloid_mj.kinematics import gear_rotation
 from cycloid_mj.loaded.springs import Springs, springs_of
 from cycloid_mj.mechanism import kernel
@@ -125,6 +124,8 @@ class Figures:
         Largest forces [N].
     carrying
         Teeth that carry at least 1 % of the largest force, on average.
+
+    A sample without a balance has no numbers: NaN in all of them.
     """
 
     gear_mean: Array
@@ -166,12 +167,7 @@ def solve_samples(
 
     Returns
     -------
-    The figures under each torque.
-
-    Raises
-    ------
-    RunError
-        A sample has no balance.
+    The figures under each torque. A sample without a balance, as where errors jam the parts, has none.
     """
     bare = design.model_copy(update={"errors": Errors(), "modification": Modification()})
     crank = np.linspace(0.0, 2.0 * np.pi, angles, endpoint=False)
@@ -188,9 +184,7 @@ def solve_samples(
 
         with announced(), ThreadPoolExecutor(threads) as pool:
             list(pool.map(balanced, bounds[:-1], bounds[1:]))
-        lost = np.flatnonzero(~(out[:, -1] <= BALANCED))
-        if lost.size:
-            raise RunError(f"no static balance of {lost.size} of {len(samples)} samples, the first being {lost[0] + 1}")
+        out[~(out[:, -1] <= BALANCED)] = np.nan
         found.append(Figures(*out[:, :-1].T.copy()))
     return found
 

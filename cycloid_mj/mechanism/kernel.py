@@ -146,17 +146,18 @@ def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool)
     """Solve for the departures z (k, u) [m] at every crank angle under a load (k, u) [N], and the springs' forces.
 
     z and force (k, n) [N] are filled in. Each row of z is where its search starts; with `follow`, the first row is, and
-    the others start from the balances before them.
+    the others start where the balances before them lead, with the same contacts: most angles have no others, and parts
+    that a small load presses do not float.
 
     Returns
     -------
-    The worst of all angles: where one of them is above ``BALANCED``, no balance was found.
+    The worst of all angles: where one of them is above ``BALANCED``, no balance was found, and that angle is the last.
     """
     count, number = load.shape
     system = _System(np.zeros(number), np.zeros((number, number)))
     trial = _System(np.zeros(number), np.zeros((number, number)))
     step, there, held, drag = np.zeros(number), np.zeros(number), np.zeros(number), np.zeros(number)
-    rough = springs.rubbing.shape[0] > 0
+    rough, kept = springs.rubbing.shape[0] > 0, np.zeros(springs.disc.size + springs.cam_place.shape[1], np.bool_)
     worst = unsettled = 0.0
     for k in range(count):
         here = z[k]
@@ -169,24 +170,33 @@ def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool)
                 here[j] = z[k - 1, j]
         scale = _largest(load[k]) or 1.0
         longest = _NEAR / _largest(springs.bend[k])
+        if follow and k:
+            for j in range(number):
+                held[j] = load[k, j] + drag[j]
+            _keep(springs, k - 1, z, force, kept)
+            _assemble(springs, k, held, here, kept, system)
+            near = _solve(system.tangent, system.residual, step, FLOATING * springs.cam_stiffness)
+            for j in range(number):
+                here[j] += step[j] if near and _largest(step) < longest else 0.0
+        kept[:] = False
         left = change = 0.0
         for _ in range(ROUNDS):
             for j in range(number):
                 held[j] = load[k, j] + drag[j]
-            energy = _assemble(springs, k, held, here, system)
+            energy = _assemble(springs, k, held, here, kept, system)
             left = _largest(system.residual) / scale
             for _ in range(ROUNDS):
                 if left <= BALANCED:
                     break
                 floating = FLOATING * springs.cam_stiffness
                 if not _solve(system.tangent, system.residual, step, floating):
-                    _assemble(springs, k, held, here, system)
+                    _assemble(springs, k, held, here, kept, system)
                     _roll_off(system.tangent, system.residual, step, floating)
                 share, found = min(1.0, longest / _largest(step)), energy
                 for _ in range(_HALVINGS):
                     for j in range(number):
                         there[j] = here[j] + share * step[j]
-                    found = _assemble(springs, k, held, there, trial)
+                    found = _assemble(springs, k, held, there, kept, trial)
                     if found <= energy + _ROUNDING * abs(energy):
                         break
                     share *= 0.5
@@ -206,6 +216,8 @@ def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool)
                 break
         worst, unsettled = max(worst, left), max(unsettled, change)
         _press(springs, k, here, force)
+        if not (left <= BALANCED and change <= BALANCED):
+            break
     return Left(worst, unsettled)
 
 
@@ -448,8 +460,20 @@ def _press(springs: Springs, k: int, z: Array, force: Array) -> None:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _assemble(springs: Springs, k: int, load: Array, z: Array, system: _System) -> float:
-    """Put together the system at departures z; give the energy of the springs less the work of the load [J]."""
+def _keep(springs: Springs, k: int, z: Array, force: Array, kept: Mask) -> None:
+    """Mark the contacts, and then the cams, that carry in the balance at an angle."""
+    for i in range(springs.disc.size):
+        kept[i] = force[k, i] > 0.0
+    for disc in range(springs.cam_place.shape[1]):
+        kept[springs.disc.size + disc] = _cam(springs, k, disc, z[k])[2] > 0.0
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _assemble(springs: Springs, k: int, load: Array, z: Array, kept: Mask, system: _System) -> float:
+    """Put together the system at departures z; give the energy of the springs less the work of the load [J].
+
+    Contacts and then cams that are `kept` (n + D,) count where they are open, too, as springs that also pull.
+    """
     number = z.size
     residual, tangent = system.residual, system.tangent
     energy = 0.0
@@ -464,11 +488,11 @@ def _assemble(springs: Springs, k: int, load: Array, z: Array, system: _System) 
         for i in range(springs.disc.size):
             if springs.disc[i] != disc:
                 continue
-            q, p = _apart(springs, k, i, z)
-            if _is_open(springs, k, i, q, p):
+            (q, p), holds = _apart(springs, k, i, z), kept[i]
+            if not holds and _is_open(springs, k, i, q, p):
                 continue
             stiffness, found = springs.stiffness[k, i], _curved(springs, k, i, z, q, p)
-            if found.width >= 0.0:
+            if not holds and found.width >= 0.0:
                 continue
             force = -stiffness * found.width
             energy -= 0.5 * force * found.width
@@ -488,7 +512,7 @@ def _assemble(springs: Springs, k: int, load: Array, z: Array, system: _System) 
             to += stiffness * at * ao + turning * bt * bo
             oo += stiffness * ao * ao + turning * bo * bo + alone * bo
         u, v, depth, around = _cam(springs, k, disc, z)
-        if depth > 0.0:
+        if depth > 0.0 or kept[springs.disc.size + disc]:
             stiffness = springs.cam_stiffness
             energy += 0.5 * stiffness * depth * depth
             rx, ry = rx - stiffness * depth * u, ry - stiffness * depth * v
