@@ -152,3 +152,22 @@ def test_ten_thousand_samples_take_less_than_twenty_seconds(name: str) -> None:
     found = solve_samples(design, drawn(design, 10_000, 1), [36.68], threads=2)[0]
     assert time.process_time() - start < 20.0
     assert found.output_range.std() > 0.0
+
+
+def test_a_sample_that_jams_has_no_numbers_and_leaves_its_neighbours_alone() -> None:
+    """The first of drawn samples of an internal gear that has no balance, between two that are as designed."""
+    still, draw = {"gravity_x": 0.0, "gravity_y": 0.0}, np.random.default_rng(1).standard_normal
+    design = PRESETS["nonpin"].but(environment=still, drive={"speed": 1e-7}, clearance={"cam": 12e-6})
+    many, ideal = alike(design, 40), alike(design, 3)
+    errors = {
+        name: getattr(many, name) + 1e-6 * draw(getattr(many, name).shape)
+        for name in ("pin_place", "hole_place", "eccentricity")
+    }
+    jams = np.flatnonzero(np.isnan(solve_samples(design, replace(many, **errors), [4e-3])[0].output_mean))
+    assert 0 < jams.size < len(many)
+    places = {name: np.array(getattr(ideal, name)) for name in errors}
+    for name, place in places.items():
+        place[1] = errors[name][jams[0]]
+    sound, found = (solve_samples(design, made, [4e-3])[0] for made in (ideal, replace(ideal, **places)))
+    assert np.isnan([getattr(found, field.name)[1] for field in fields(found)]).all()
+    assert found.output_mean[[0, 2]].tolist() == sound.output_mean[[0, 2]].tolist()
