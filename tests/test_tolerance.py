@@ -9,6 +9,7 @@ from designs import UNLIKE, unlike
 
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, load, override
+from cycloid_mj.engine import Engine
 from cycloid_mj.errors import DesignError, UsageError
 from cycloid_mj.explore import tolerance, tolerances
 from cycloid_mj.explore.limit import limit
@@ -93,13 +94,23 @@ def test_small_tolerances_add_up_as_their_gradients(design: Design, monkeypatch)
         assert share.ci95[0] - 0.02 <= exact <= share.ci95[1] + 0.02
 
 
-def test_the_same_seed_gives_the_same_bits_whatever_the_threads() -> None:
+def test_the_same_seed_gives_the_same_bits_whatever_the_workers() -> None:
     design = override(PIN, ['tolerance.pin_position="normal 0.2"', 'tolerance.cam="uniform 0.3"'])
-    one, two, other = (tolerance(design, 40, seed, threads=n) for seed, n in ((1, 1), (1, 2), (2, 1)))
+    cases = ((1, Engine(1)), (1, Engine(2, "threads")), (1, Engine(2)), (2, Engine(1)))
+    one, two, apart, other = (tolerance(design, 40, seed, engine=engine) for seed, engine in cases)
     for key, values in one.figures.items():
         assert np.array_equal(values, two.figures[key])
+        assert np.array_equal(values, apart.figures[key])
         assert not np.array_equal(values, other.figures[key])
-    assert one.budget == two.budget
+    assert one.budget == two.budget == apart.budget
+
+
+def test_the_first_samples_are_the_same_however_many_there_are(monkeypatch) -> None:
+    monkeypatch.setattr(tolerances, "BLOCK", 8)
+    design = override(PIN, ['tolerance.cam="uniform 0.3"'])
+    few, many = (tolerance(design, count, 1).figures["backlash_arcmin"] for count in (16, 30))
+    assert np.array_equal(few, many[:16])
+    assert len(np.unique(many)) == 30
 
 
 def test_the_worst_samples_are_designs_that_have_that_play() -> None:

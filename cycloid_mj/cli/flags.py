@@ -4,7 +4,7 @@ import math
 import operator
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter, Token
 from pydantic.fields import FieldInfo
@@ -209,11 +209,11 @@ class EngineOptions:
         ),
     ] = None
 
-    def engine(self) -> Engine:
-        """Give the engine; raise UsageError if it is to be here and elsewhere."""
+    def engine(self, kind: Literal["processes", "threads"] = "processes") -> Engine:
+        """Give the engine; `kind` is that of workers here. Raise UsageError for workers both here and elsewhere."""
         if self.workers and self.scheduler is not None:
             raise UsageError("--scheduler has workers of its own: leave --workers out")
-        return Engine(self.workers or 0, scheduler=self.scheduler or "")
+        return Engine(self.workers or 0, kind, self.scheduler or "")
 
 
 HERE = EngineOptions()

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import FLAT, PRESET, DesignOptions, JsonFlag, QuietFlag
+from cycloid_mj.cli.flags import FLAT, HERE, PRESET, DesignOptions, EngineOptions, JsonFlag, QuietFlag
 from cycloid_mj.cli.terminal import finite, say, say_json, show, tell
 from cycloid_mj.errors import UsageError
 from cycloid_mj.whole import write_whole
@@ -38,6 +38,7 @@ def tolerance(
     seed: SeedFlag = 0,
     limit: LimitFlag = (),
     out: OutFlag = Path(OUT),
+    where: Annotated[EngineOptions, FLAT] = HERE,
     json: JsonFlag = False,
     quiet: QuietFlag = False,
 ) -> int:
@@ -62,10 +63,11 @@ def tolerance(
         raise UsageError(f"--samples {samples}: give from 2 to {MOST_SAMPLES}")
     if seed < 0:
         raise UsageError(f"--seed {seed}: give 0 or more")
+    engine = where.engine("threads")
     limits = [read(text, FIGURES) for text in limit]
     design = chosen.sound()
     into = folder(str(out), "the samples")
-    found = found_in(design, samples, seed, limits, counted("tolerance", quiet))
+    found = found_in(design, samples, seed, limits, counted("tolerance", quiet), engine)
     rows = zip(*found.figures.values(), strict=True)
     lines = [
         ",".join(("sample", *found.figures)),

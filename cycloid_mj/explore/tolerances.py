@@ -1,14 +1,15 @@
 """Samples of a design within its tolerances: distributions, yield, jams, and an error budget by Sobol indices."""
 
-import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
 
 from cycloid_mj import profile
 from cycloid_mj.design import Design
+from cycloid_mj.engine import Engine, Progress, silent
 from cycloid_mj.errors import UsageError
 from cycloid_mj.explore.limit import FigureLimit
 from cycloid_mj.explore.zone import Zone, zone
@@ -30,8 +31,8 @@ BUDGET_SAMPLES = 512
 RESAMPLES = 200
 """Of the budget's samples, for the confidence of its shares."""
 
-BLOCK = 500
-"""Samples between two reports of progress."""
+BLOCK = 512
+"""Samples that are drawn and balanced together: a piece of work. The draws are those of a block of this size."""
 
 FIGURES = {
     "backlash_arcmin": "arcmin",
@@ -46,6 +47,12 @@ FIGURES = {
 }
 """Key of each figure -> its unit. Transmission errors are from peak to peak, of the output; the preload is the largest
 tooth force where nothing but `TOUCH` loads the drive."""
+
+FIRST, SECOND = "first set", "second set"
+"""Names of the sets of samples that the indices compare; others are named by the tolerance that is swapped."""
+
+THREADS = Engine(kind="threads")
+"""Samples are balanced by compiled code that releases Python's lock."""
 
 JAM_SHARE = 0.01
 """A sample jams where its preload is more than this share of its largest tooth force under the rated torque."""
@@ -62,8 +69,6 @@ SOURCES = (
     "eccentricity",
 )
 """Tolerances, as in the design file; the place of each is that of its stream of random numbers."""
-
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
@@ -186,12 +191,12 @@ def tolerance(
     samples: int,
     seed: int,
     limits: Sequence[FigureLimit] = (),
-    progress: Progress | None = None,
-    threads: int | None = None,
+    progress: Progress = silent,
+    engine: Engine = THREADS,
 ) -> Tolerances:
     """Draw samples within the design's tolerances, balance them all round, and share out the variance.
 
-    The same seed gives the same bits, whatever the threads.
+    The same seed gives the same bits, wherever and by however many workers.
 
     Raises
     ------
@@ -208,21 +213,13 @@ def tolerance(
             f"the design {design.name!r} has no tolerances: give some in its table [tolerance], "
             "e.g. --set 'tolerance.cam=\"uniform 2\"'"
         )
-    threads = threads or os.cpu_count() or 1
-    report = progress or (lambda done, whole: None)
-    whole = samples + (BUDGET_SAMPLES * (len(zones) + 2) if len(zones) > 1 else 0)
-    done = [0]
-
-    def told(count: int) -> None:
-        done[0] += count
-        report(done[0], whole)
-
-    made = drawn(design, zones, samples, seed)
-    figures = _figures(design, made, threads, told)
+    sets = {"": blocks(0, samples), **(_budget_blocks(zones) if len(zones) > 1 else {})}
+    found = _balanced_sets(design, zones, seed, sets, progress, engine)
+    figures = found.pop("")
     of = limits[0].key if limits else "backlash_arcmin"
-    budget = _budget(design, zones, seed, of, threads, told)
+    budget = _budget(zones, {name: values[of] for name, values in found.items()}, seed)
     bad = np.argsort(-figures[of] if not limits or limits[0].at_most else figures[of], kind="stable")[:5]
-    worst = tuple(sample_design(design, made, int(row)) for row in bad)
+    worst = tuple(_sample(design, zones, seed, int(number)) for number in bad)
     jams = figures["preload_n"] > JAM_SHARE * figures["tooth_force_n"]
     return Tolerances(design.name, samples, seed, figures, jams, tuple(limits), of, budget, worst)
 
@@ -250,21 +247,55 @@ def tolerances(design: Design) -> dict[str, Zone]:
     return {key: one for key, one in found.items() if one is not None and (one.width or one.middle)}
 
 
-def drawn(design: Design, zones: Mapping[str, Zone], count: int, seed: int, stream: int = 0) -> Samples:
-    """Draw samples, each tolerance from a stream of random numbers of its own."""
-    same = alike(design, count)
-    changed = {key: _drawn(key, one, same, count, seed, stream) for key, one in zones.items()}
-    return _put(design, same, changed)
+@dataclass(frozen=True)
+class Block:
+    """Samples that are drawn and balanced together.
+
+    Attributes
+    ----------
+    stream, number
+        Which stream of random numbers they are from, and which block of it.
+    count
+        How many they are.
+    swapped
+        The tolerance that is drawn from the next stream instead, if any.
+    """
+
+    stream: int
+    number: int
+    count: int
+    swapped: str = ""
 
 
-def _drawn(key: str, one: Zone, same: Samples, count: int, seed: int, stream: int) -> Array:
-    generator = np.random.default_rng([seed, stream, SOURCES.index(key)])
+def blocks(stream: int, samples: int, swapped: str = "") -> list[Block]:
+    """Give the blocks of so many samples."""
+    return [
+        Block(stream, number, min(BLOCK, samples - first), swapped)
+        for number, first in enumerate(range(0, samples, BLOCK))
+    ]
+
+
+def drawn(design: Design, zones: Mapping[str, Zone], seed: int, block: Block) -> Samples:
+    """Draw the samples of a block, each tolerance from random numbers of its own."""
+    same = alike(design, block.count)
     shapes = {
         "pin_position": same.pin_place.shape,
         "pin_radius": same.pin_radius.shape,
         "hole_position": same.hole_place.shape,
     }
-    return one.draws(generator, shapes.get(key, (count,)))
+    changed = {}
+    for key, one in zones.items():
+        stream = block.stream + (key == block.swapped)
+        generator = np.random.default_rng([seed, stream, SOURCES.index(key), block.number])
+        changed[key] = one.draws(generator, shapes.get(key, (block.count,)))
+    return _put(design, same, changed)
+
+
+def _sample(design: Design, zones: Mapping[str, Zone], seed: int, number: int) -> Design:
+    """Give a sample, counted from 0, as a design."""
+    block, row = divmod(number, BLOCK)
+    made = drawn(design, zones, seed, Block(0, block, BLOCK))
+    return sample_design(design, made, row, number)
 
 
 def _put(design: Design, same: Samples, changed: Mapping[str, Array]) -> Samples:
@@ -284,27 +315,37 @@ def _put(design: Design, same: Samples, changed: Mapping[str, Array]) -> Samples
     return replace(same, pin_place=place, **parts)
 
 
-def _figures(design: Design, made: Samples, threads: int, told: Callable[[int], None]) -> dict[str, Array]:
-    """Balance samples block by block: to both stops without weight or friction, and under the rated torque."""
-    blocks = [_balanced(design, _rows(made, first), threads) for first in _told_blocks(len(made), told)]
-    return {key: np.concatenate([block[key] for block in blocks]) for key in FIGURES}
+def _balanced_sets(
+    design: Design,
+    zones: Mapping[str, Zone],
+    seed: int,
+    sets: Mapping[str, Sequence[Block]],
+    progress: Progress,
+    engine: Engine,
+) -> dict[str, dict[str, Array]]:
+    """Balance sets of blocks, one after the other; give the figures of each set."""
+    all_blocks = [block for of_set in sets.values() for block in of_set]
+    whole, done = sum(block.count for block in all_blocks), 0
+    rows: dict[int, dict[str, Array]] = {}
+    for place, figures in engine.stream(partial(balanced, design, zones, seed, ANGLES), all_blocks):
+        rows[place] = figures
+        done += all_blocks[place].count
+        progress(done, whole)
+    in_order = iter([rows[place] for place in range(len(all_blocks))])
+    found = {}
+    for name, of_set in sets.items():
+        parts = [next(in_order) for _ in of_set]
+        found[name] = {key: np.concatenate([part[key] for part in parts]) for key in FIGURES}
+    return found
 
 
-def _told_blocks(count: int, told: Callable[[int], None]) -> Any:
-    for first in range(0, count, BLOCK):
-        yield slice(first, min(first + BLOCK, count))
-        told(min(BLOCK, count - first))
-
-
-def _rows(made: Samples, rows: slice) -> Samples:
-    return Samples(**{name: np.asarray(getattr(made, name))[rows] for name in Samples.__dataclass_fields__})
-
-
-def _balanced(design: Design, made: Samples, threads: int) -> dict[str, Array]:
+def balanced(design: Design, zones: Mapping[str, Zone], seed: int, angles: int, block: Block) -> dict[str, Array]:
+    """Balance a block: to both stops without weight or friction, and under the rated torque; give its figures."""
+    made = drawn(design, zones, seed, block)
     still = {"gravity_x": 0.0, "gravity_y": 0.0}
     bare = design.but(environment=still, drive={"speed": 1e-9 * design.drive.speed})
     touch, rated = TOUCH * design.rated_torque, design.rated_torque
-    ahead, back, loaded = solve_samples(bare, made, [touch, -touch, rated], ANGLES, threads)
+    ahead, back, loaded = solve_samples(bare, made, [touch, -touch, rated], angles)
     return {
         "backlash_arcmin": backlash(ahead, back) / ARCMINUTE,
         "te_loaded_arcsec": ARCSECONDS * loaded.output_range,
@@ -318,10 +359,14 @@ def _balanced(design: Design, made: Samples, threads: int) -> dict[str, Array]:
     }
 
 
-def _budget(
-    design: Design, zones: Mapping[str, Zone], seed: int, of: str, threads: int, told: Callable[[int], None]
-) -> tuple[Share, ...]:
-    """Share out the variance of a figure: two sets of samples, and the first with one tolerance at a time of the other.
+def _budget_blocks(zones: Mapping[str, Zone]) -> dict[str, list[Block]]:
+    """Give the sets that the indices compare: two, and the first with one tolerance at a time of the other."""
+    swapped = {key: blocks(1, BUDGET_SAMPLES, key) for key in zones}
+    return {FIRST: blocks(1, BUDGET_SAMPLES), SECOND: blocks(2, BUDGET_SAMPLES), **swapped}
+
+
+def _budget(zones: Mapping[str, Zone], values: Mapping[str, Array], seed: int) -> tuple[Share, ...]:
+    """Share out the variance of a figure, given its values in the sets of `_budget_blocks`.
 
     Saltelli et al. 2010, Comput. Phys. Commun. 181, 259-270, as scipy computes it.
     """
@@ -329,16 +374,8 @@ def _budget(
 
     if len(zones) == 1:
         return tuple(Share(key, 1.0, 1.0, (1.0, 1.0)) for key in zones)
-    same = alike(design, BUDGET_SAMPLES)
-    one, other = (
-        {key: _drawn(key, each, same, BUDGET_SAMPLES, seed, stream) for key, each in zones.items()} for stream in (1, 2)
-    )
-
-    def values(changed: Mapping[str, Array]) -> Array:
-        return _figures(design, _put(design, same, changed), threads, told)[of]
-
-    first, second = values(one), values(other)
-    mixed = np.array([values({**one, key: other[key]}) for key in zones])
+    first, second = values[FIRST], values[SECOND]
+    mixed = np.array([values[key] for key in zones])
     if np.ptp(first) == 0.0:
         return tuple(Share(key, 0.0, 0.0, (0.0, 0.0)) for key in zones)
 
@@ -357,8 +394,11 @@ def _budget(
     return tuple(sorted(shares, key=lambda share: -share.total))
 
 
-def sample_design(design: Design, made: Samples, row: int) -> Design:
-    """Give one sample as a design: its errors listed part by part, its clearances as they came out."""
+def sample_design(design: Design, made: Samples, row: int, number: int) -> Design:
+    """Give a sample as a design, with its number in its name.
+
+    Its errors are listed part by part, its clearances are as they came out.
+    """
     place, holes = made.pin_place[row], made.hole_place[row].reshape(-1, 2)
     clearance = {design.tooth_pair: made.mesh[row], "cam": made.cam[row], "output": made.output[row]}
     if design.seat_pair:
@@ -373,7 +413,7 @@ def sample_design(design: Design, made: Samples, row: int) -> Design:
     errors = {**pins, **discs, "hole_x": holes[:, 0], "hole_y": holes[:, 1]}
     listed = {key: tuple(map(float, values)) if np.any(values) else () for key, values in errors.items()}
     return design.but(
-        name=f"{design.name}-{row + 1}"[:64],
+        name=f"{design.name}-{number + 1}"[:64],
         clearance={key: max(float(value), 1e-12) for key, value in clearance.items()},
         errors={**listed, "eccentricity": float(made.eccentricity[row])},
         tolerance=dict.fromkeys(type(design.tolerance).model_fields, ""),
