@@ -4,9 +4,10 @@ This module owns `Run`, time with named columns, their units and where they come
 computed nor how it is stored.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
+from functools import cache
 from html import escape
 from types import MappingProxyType
 from typing import Any
@@ -20,6 +21,25 @@ from cycloid_mj.types import Array, Mask
 
 LARGEST = 1e30
 """No quantity of a reducer comes near, in SI units; double precision still holds its square, and single itself."""
+
+
+class Deferred(Mapping[str, bytes]):
+    """Files by name whose contents are made when they are first read: a run in memory seldom shows its model."""
+
+    def __init__(self, made: Mapping[str, Callable[[], bytes]]) -> None:
+        self._made = {name: cache(content) for name, content in made.items()}
+
+    def __getitem__(self, name: str) -> bytes:
+        """Give the content of a file."""
+        return self._made[name]()
+
+    def __iter__(self) -> Iterator[str]:
+        """Go through the names."""
+        return iter(self._made)
+
+    def __len__(self) -> int:
+        """Count the files."""
+        return len(self._made)
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +88,8 @@ class Run:
         object.__setattr__(self, "time", _locked(self.time))
         object.__setattr__(self, "columns", MappingProxyType(columns))
         for name in ("units", "provenance", "attachments"):
-            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
+            given = getattr(self, name)
+            object.__setattr__(self, name, given if isinstance(given, Deferred) else MappingProxyType(dict(given)))
         _check_time(self.time)
         _check_columns(self.time.size, self.columns, self.units)
         object.__setattr__(self, "topics", MappingProxyType(_topics(self.topics, self.columns)))

@@ -1,24 +1,25 @@
 """The step loop: ``Design`` -> blocks of samples, or a whole ``Run``.
 
-The loop is plain ``mj_step``. It checks itself at every sample and ends with a ``RunError`` that says what went
-wrong; the samples up to then have been given out already.
+The loop is plain ``mj_step``, from sample to sample. It checks itself at every sample and ends with a ``RunError``
+that says what went wrong; the samples up to then have been given out already.
 """
 
 import math
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal, NamedTuple
 
 import mujoco
 import numpy as np
 
 from cycloid_mj.compiling import announced
-from cycloid_mj.contact.collider import installed
+from cycloid_mj.contact import collider, each_step
 from cycloid_mj.contact.drag import drag_powers, dragged_joints
+from cycloid_mj.contact.each_step import EachStep
 from cycloid_mj.contact.forces import PairForces, pair_forces, pair_index
 from cycloid_mj.contact.massless import idle
-from cycloid_mj.contact.peaks import Peaks
 from cycloid_mj.contact.regime import pace
 from cycloid_mj.contact.shared import Shared
 from cycloid_mj.contact.timestep import Step, chosen, timestep
@@ -41,7 +42,7 @@ from cycloid_mj.names import (
     REDUCER,
     column,
 )
-from cycloid_mj.record import Run
+from cycloid_mj.record import Deferred, Run
 from cycloid_mj.types import Array
 
 Groups = dict[str, dict[str, str]]
@@ -206,9 +207,11 @@ def warned(texts: Sequence[str]) -> dict[str, str]:
     return {"warnings": "\n".join(texts)} if texts else {}
 
 
-def attachments(reducer: ReducerModel, design: Design) -> dict[str, bytes]:
+def attachments(reducer: ReducerModel, design: Design) -> Mapping[str, bytes]:
     """Give the files that make a log complete: the design file and the model, with the meshes that it refers to."""
-    return {"design.toml": dump(design).encode(), "model.xml": xml(reducer.spec).encode(), **reducer.spec.assets}
+    assets = {name: partial(bytes, content) for name, content in reducer.spec.assets.items()}
+    own = {"design.toml": lambda: dump(design).encode(), "model.xml": lambda: xml(reducer.spec).encode()}
+    return Deferred(own | assets)
 
 
 def blocks(reducer: ReducerModel, design: Design, course: Course | None = None) -> Generator[Block, None, None]:
@@ -230,8 +233,9 @@ def blocks(reducer: ReducerModel, design: Design, course: Course | None = None) 
     course = course or ramp_and_hold(reducer, design)
     data = initial_state(reducer, design, course)
     recorder = _Recorder(reducer, design, data)
-    collider = installed(design.ring.kind == "nonpin") if contact_of(reducer) == "profile" else nullcontext()
-    with collider, _no_log_file.made():
+    profile = contact_of(reducer) == "profile"
+    exact = collider.installed(design.ring.kind == "nonpin") if profile else nullcontext()
+    with exact, each_step.installed(), _no_log_file.made():
         with announced():
             recorder.warm()
         for first in range(0, plan.samples, _BLOCK):
@@ -252,23 +256,22 @@ def _advance(
     samples: range,
     recorder: "_Recorder",
 ) -> tuple[Block, str]:
-    """Take the steps of some samples; a sample is what the solver found at the start of its first step."""
-    model, ctrl, step, note = reducer.model, data.ctrl, mujoco.mj_step, recorder.peaks.note
-    begin, end = samples.start * plan.stride, min(samples.stop * plan.stride, plan.steps)
-    time = plan.timestep * np.arange(begin, end, dtype=np.float64)
+    """Take the steps up to some samples; a sample is what the solver found at the start of its last step."""
+    begin = (samples.start - 1) * plan.stride + 1 if samples.start else 0
+    time = plan.timestep * np.arange(begin, (samples.stop - 1) * plan.stride + 1, dtype=np.float64)
+    recorder.each_step.command(course.commands(time))
     taken: list[_Sample] = []
     problem = ""
-    for number, command in enumerate(course.commands(time)):
-        ctrl[:] = command
-        step(model, data)
-        note()
-        if number % plan.stride == 0:
-            sample, problem = recorder.sample()
-            taken.append(sample)
-            if problem:
-                problem = f"at t = {time[number]:.6f} s {problem}"
-                break
-    return Block(time[:: plan.stride][: len(taken)], recorder.tables(taken)), problem
+    for number in samples:
+        mujoco.mj_step(reducer.model, data, nstep=plan.stride if number else 1)
+        sample, problem = recorder.sample()
+        taken.append(sample)
+        if problem:
+            problem = f"at t = {plan.timestep * number * plan.stride:.6f} s {problem}"
+            break
+    return Block(
+        time[-1 - (len(samples) - 1) * plan.stride :: plan.stride][: len(taken)], recorder.tables(taken)
+    ), problem
 
 
 class _Sample(NamedTuple):
@@ -292,21 +295,21 @@ class _Recorder:
         groups = sensors(design)
         self._first_pin = len(groups[REDUCER]) if PINS in groups else None
         self._index = pair_index(reducer.model, reducer.pairs)
-        self.peaks = Peaks(data, self._index)
+        self.each_step = EachStep(data, self._index)
         self._dragged = dragged_joints(reducer.model, DRAGS)
         kinds = sorted(reducer.laws)
         self._kinds = [np.array([pair.kind == kind for pair in reducer.pairs]) for kind in kinds]
         self._deepest, self._lobes = design.contact.max_penetration, design.lobes
         self._most_iterations = reducer.model.opt.iterations
         self._data = data
-        self._sensors, self._acceleration, self._energy = data.sensordata, data.qacc, data.energy
+        self._sensors = data.sensordata[: sum(len(columns) for columns in groups.values())]
+        self._acceleration, self._energy = data.qacc, data.energy
         self._warnings, self._iterations = data.warning.number, data.solver_niter
         self._gear, self._crank = data.joint("gear_angle").qpos, data.joint("crank").qpos
 
     def warm(self) -> None:
         """Have what reads contacts compiled."""
         pair_forces(self._data, self._index)
-        self.peaks.note()
 
     def sample(self) -> tuple[_Sample, str]:
         """Give one sample, and what is wrong with it."""
@@ -314,7 +317,7 @@ class _Recorder:
         iterations = max(self._iterations.tolist())
         summary = [found.active, found.penetration, found.peak_force, iterations, *self._energy.tolist()]
         drag = drag_powers(self._data, self._dragged)
-        sample = _Sample(self._sensors.copy(), summary, found, self.peaks.taken(), drag)
+        sample = _Sample(self._sensors.copy(), summary, found, self.each_step.peaks(), drag)
         return sample, self._problem(sample, iterations)
 
     def tables(self, samples: Sequence[_Sample]) -> dict[str, Array]:

@@ -464,7 +464,7 @@ def test_a_mesh_run_installs_no_collider(monkeypatch: pytest.MonkeyPatch) -> Non
     def refuse(*_: object) -> None:
         raise AssertionError("a collider was installed")
 
-    monkeypatch.setattr("cycloid_mj.run.installed", refuse)
+    monkeypatch.setattr("cycloid_mj.run.collider.installed", refuse)
     run = mesh_run("nonpin")
     assert run["contacts"].max() > 0
     with pytest.raises(AssertionError, match="a collider was installed"):

@@ -4,6 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from cycloid_mj.contact import each_step
 from cycloid_mj.contact.collider import installed
 from cycloid_mj.contact.library import exact_xml
 from cycloid_mj.course import initial_state
@@ -46,7 +47,8 @@ def test_masses_are_the_solids(reducer, design) -> None:
 
 
 def test_sensors_are_named_as_the_columns(reducer, design) -> None:
-    named = [reducer.model.sensor(i).name for i in range(reducer.model.nsensor)]
+    *named, kept = [reducer.model.sensor(i).name for i in range(reducer.model.nsensor)]
+    assert kept == each_step.SENSOR
     assert named == [name for group in sensors(design).values() for name in group]
     logged = [name for group in columns(reducer, design).values() for name in group]
     assert set(named) < set(logged)

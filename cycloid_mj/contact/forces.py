@@ -10,9 +10,12 @@ from numba import njit
 
 from cycloid_mj.compiling import cacheable
 from cycloid_mj.contact.gap import Flank, flank_distance
-from cycloid_mj.contact.teeth import USER_DATA, teeth_of
+from cycloid_mj.contact.teeth import PLAY, USER_DATA, teeth_of
 from cycloid_mj.mechanism.reducer import Role
 from cycloid_mj.types import Array
+
+_ROUND = 1e-9
+"""Angle [rad] by which the normal of a contact on a round mate may miss the mate's middle: that of rounding."""
 
 
 @dataclass(frozen=True)
@@ -56,8 +59,9 @@ class PairIndex:
         surfaces + 1).
     origin
         Body of each pair's ``on`` surface, shape (pairs,).
-    teeth
-        The geom that stands for the gear's exact teeth; -1 where they are meshes.
+    reach
+        Radius of a geom that meets exact teeth, less the play that it gives way by [m], shape (ngeom,); -1 of exact
+        teeth, 0 of any other.
     flank
         The flanks of these teeth.
     """
@@ -65,7 +69,7 @@ class PairIndex:
     surface: npt.NDArray[np.int32]
     pair: npt.NDArray[np.int32]
     origin: npt.NDArray[np.int32]
-    teeth: int
+    reach: Array
     flank: Flank
 
 
@@ -83,12 +87,16 @@ def pair_index(model: Any, pairs: Sequence[Any]) -> PairIndex:
     return PairIndex(surface, index, origin, *_exact_teeth(model))
 
 
-def _exact_teeth(model: Any) -> tuple[int, Flank]:
-    """Give the geom that the collider takes for the gear's teeth, and its flanks; -1 and none where there is none."""
-    found = np.flatnonzero(model.geom_priority == int(Role.TEETH))
+def _exact_teeth(model: Any) -> tuple[Array, Flank]:
+    """Give the reach of each geom, see `PairIndex`, and the flanks of the teeth; none where there are none."""
+    priority, user = model.geom_priority, model.geom_user
+    found = np.flatnonzero(priority == int(Role.TEETH))
+    reach = np.where(priority == int(Role.TEETH), -1.0, 0.0)
     if not found.size:
-        return -1, teeth_of([0.0] * USER_DATA).flank
-    return int(found[0]), teeth_of(model.geom_user[found[0]].tolist()).flank
+        return reach, teeth_of([0.0] * USER_DATA).flank
+    for role, play in ((Role.PIN, user[:, PLAY]), (Role.LOBE, 0.0)):
+        reach = np.where(priority == int(role), model.geom_size[:, 0] - play, reach)
+    return reach, teeth_of(user[found[0]].tolist()).flank
 
 
 def surface_name(model: Any, geom: int) -> str:
@@ -126,7 +134,7 @@ def pair_forces(data: Any, index: PairIndex) -> PairForces:
         index.pair,
         data.xpos,
         index.origin,
-        index.teeth,
+        index.reach,
         index.flank,
         data.geom_xpos,
         data.geom_xmat,
@@ -151,7 +159,7 @@ def _gather(
     pairs: Any,
     xpos: Any,
     origin: Any,
-    teeth: Any,
+    reach: Any,
     flank: Any,
     geom_xpos: Any,
     geom_xmat: Any,
@@ -162,8 +170,15 @@ def _gather(
     active, depth, peak = 0, 0.0, 0.0
     for k in range(len(dist)):
         overlap = -dist[k]
-        if overlap > 0.0 and (geom[k, 0] == teeth or geom[k, 1] == teeth):
-            overlap = _overlap(pos[k, 0], pos[k, 1], flank, geom_xpos[teeth], geom_xmat[teeth])
+        teeth, mate = (geom[k, 0], geom[k, 1]) if reach[geom[k, 0]] < 0.0 else (geom[k, 1], geom[k, 0])
+        if overlap > 0.0 and reach[teeth] < 0.0:
+            # MuJoCo's own distance is scaled: it makes the stiffness follow the local curvature (``mating``).
+            dx, dy = geom_xpos[mate, 0] - pos[k, 0], geom_xpos[mate, 1] - pos[k, 1]
+            away = np.sqrt(dx * dx + dy * dy)
+            if abs(dx * frame[k, 1] - dy * frame[k, 0]) < _ROUND * away:
+                overlap = 2.0 * (reach[mate] - away)
+            else:
+                overlap = _overlap(pos[k, 0], pos[k, 1], flank, geom_xpos[teeth], geom_xmat[teeth])
         depth = max(depth, overlap)
         number = pairs[surface[geom[k, 0]], surface[geom[k, 1]]]
         row = address[k]
@@ -188,10 +203,7 @@ def _gather(
 
 @njit(inline="always")
 def _overlap(x: Any, y: Any, flank: Any, centre: Any, frame: Any) -> Any:
-    """Give how deep a part is in the gear's teeth [m], from the contact point, which lies half-way.
-
-    MuJoCo's own distance there is scaled: it makes the stiffness follow the local curvature (``mating``).
-    """
+    """Give how deep a root of the ring is in the gear's teeth [m], from the contact point, which lies half-way."""
     dx, dy, cosine, sine = x - centre[0], y - centre[1], frame[0], frame[3]
     distance = flank_distance(cosine * dx + sine * dy, cosine * dy - sine * dx, flank)[1]
     return -2.0 * (distance + flank.offset)

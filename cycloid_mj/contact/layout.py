@@ -14,8 +14,9 @@ import mujoco
 from cycloid_mj.errors import ContactError
 
 _WORD = ctypes.sizeof(ctypes.c_void_p)
-_SPAN, _DATA_SPAN = 8192, 2048
-"""Bytes in which pointers are looked for: of ``mjModel`` from its start, of ``mjData`` after its energies."""
+_SPAN, _DATA_SPAN, _SIZES = 8192, 2048, 1024
+"""Bytes in which pointers are looked for: of ``mjModel`` from its start, of ``mjData`` after its energies; and bytes in
+which sizes are: at the start of ``mjModel``, and before the energies of ``mjData``."""
 
 _PROBE = """
 <mujoco><size nuser_geom="{user}"/><worldbody>
@@ -23,7 +24,10 @@ _PROBE = """
 <body><joint type="slide"/><geom type="cylinder" size="1 1" user="2"/></body>{more}
 </worldbody></mujoco>
 """
-_PROBE_OF_CONTACTS = '<mujoco><worldbody><geom type="plane" size="1 1 1"/>{more}</worldbody></mujoco>'
+_PROBE_OF_STEPS = """
+<mujoco><option><flag island="disable"/></option><size nuserdata="{user}"/>
+<worldbody><geom type="plane" size="1 1 1"/>{more}</worldbody></mujoco>
+"""
 _BALL = '<body pos="0 0 0.9"><joint type="slide" axis="0 0 1"/><geom type="sphere" size="1" contype="2"/></body>'
 
 
@@ -40,11 +44,19 @@ class Layout:
 
 
 @dataclass(frozen=True)
-class ContactLayout:
-    """Byte offsets of two pointers in ``mjData``, size of an ``mjContact``, and byte offsets of two fields in it."""
+class StepLayout:
+    """What a step leaves: where it stands in ``mjData``, in an ``mjContact``, and the size of user data in ``mjModel``.
+
+    `contact`, `efc_force` and `userdata` are byte offsets of pointers in ``mjData``, `ncon` that of a number there,
+    `nuserdata` that of one in ``mjModel``; `stride` is the size of an ``mjContact``, `geom` and `efc_address` are
+    offsets in it.
+    """
 
     contact: int
     efc_force: int
+    userdata: int
+    ncon: int
+    nuserdata: int
     stride: int
     geom: int
     efc_address: int
@@ -68,8 +80,8 @@ def discover() -> Layout:
 
 
 @cache
-def discover_contacts() -> ContactLayout:
-    """Find where the MuJoCo release that is installed keeps its contacts and their forces.
+def discover_steps() -> StepLayout:
+    """Find where the MuJoCo release that is installed keeps what a step leaves.
 
     Raises
     ------
@@ -77,37 +89,48 @@ def discover_contacts() -> ContactLayout:
         The structures are not as expected; the message names the field and the release.
     """
     # What lies behind the structure may hold an address by chance, but not for both models at the same place.
-    first, second = (_ContactPlaces.of(_PROBE_OF_CONTACTS.format(more=_BALL * balls)) for balls in (1, 5))
-    forces = sorted(first.efc_force & second.efc_force)
+    first, second = _StepPlaces.of(balls=1, user=7919), _StepPlaces.of(balls=5, user=6101)
+    forces, numbers = sorted(first.efc_force & second.efc_force), sorted(first.ncon & second.ncon)
     # The contacts begin the arena, whose own pointer comes before theirs; their forces come after them.
     contacts = sorted(place for place in first.contact & second.contact if forces and place < forces[0])
-    if not contacts or first.fields != second.fields:
-        raise ContactError(_strange("mjData.contact or mjData.efc_force was not found"))
-    return ContactLayout(contacts[-1], forces[0], *first.fields)
+    data, sizes = sorted(first.userdata & second.userdata), sorted(first.nuserdata & second.nuserdata)
+    if not (contacts and numbers and data and sizes) or first.fields != second.fields:
+        raise ContactError(_strange("the contacts, their forces or the user data were not found"))
+    return StepLayout(contacts[-1], forces[0], data[-1], numbers[0], sizes[0], *first.fields)
 
 
 @dataclass(frozen=True)
-class _ContactPlaces:
-    """Where the addresses of contacts and their forces stand in one ``mjData``; stride and offsets of the fields."""
+class _StepPlaces:
+    """Where what a step leaves stands in one ``mjData``, by candidates; stride and offsets of the contacts' fields."""
 
     contact: frozenset[int]
     efc_force: frozenset[int]
+    userdata: frozenset[int]
+    ncon: frozenset[int]
+    nuserdata: frozenset[int]
     fields: tuple[int, int, int]
 
     @classmethod
-    def of(cls, probe: str) -> "_ContactPlaces":
-        model = mujoco.MjModel.from_xml_string(probe)
+    def of(cls, balls: int, user: int) -> "_StepPlaces":
+        model = mujoco.MjModel.from_xml_string(_PROBE_OF_STEPS.format(more=_BALL * balls, user=user))
         data = mujoco.MjData(model)
         mujoco.mj_forward(model, data)
         contact, start = data.contact, data.energy.ctypes.data - data._address
         # The distance is the first field of a contact.
         first = contact.dist.ctypes.data
         offsets = (contact.geom.ctypes.data - first, contact.efc_address.ctypes.data - first)
-        return cls(
-            contact=frozenset(_places(data._address, start, first, _DATA_SPAN)),
-            efc_force=frozenset(_places(data._address, start, data.efc_force.ctypes.data, _DATA_SPAN)),
-            fields=(contact.dist.strides[0], *offsets),
-        )
+        places = {
+            "contact": frozenset(_places(data._address, start, first, _DATA_SPAN)),
+            "efc_force": frozenset(_places(data._address, start, data.efc_force.ctypes.data, _DATA_SPAN)),
+            "userdata": frozenset(_places(data._address, start, data.userdata.ctypes.data, _DATA_SPAN)),
+            "nuserdata": frozenset(_numbers(model._address, _SIZES, user)),
+        }
+        touching = _numbers(data._address, start, data.ncon)
+        data.qpos[0] = 1.0
+        mujoco.mj_forward(model, data)
+        # One ball is lifted: the number of contacts falls, that of balls and the most contacts so far stay.
+        fewer = _numbers(data._address, start, data.ncon)
+        return cls(**places, ncon=frozenset(touching) & frozenset(fewer), fields=(contact.dist.strides[0], *offsets))
 
 
 def _layout(model: Any) -> Layout:
@@ -137,6 +160,12 @@ def _places(structure: int, start: int, address: int, span: int) -> list[int]:
     """Give the offsets at which an address stands in a structure."""
     words = (ctypes.c_size_t * (span // _WORD)).from_address(structure + start)
     return [start + _WORD * i for i, word in enumerate(words) if word == address]
+
+
+def _numbers(structure: int, span: int, number: int) -> list[int]:
+    """Give the offsets at which a number stands in the first bytes of a structure."""
+    words = (ctypes.c_int32 * (span // 4)).from_address(structure)
+    return [4 * i for i, word in enumerate(words) if word == number]
 
 
 def _strange(what: str) -> str:

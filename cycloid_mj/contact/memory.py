@@ -2,7 +2,6 @@
 
 from typing import Any
 
-from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
@@ -24,12 +23,17 @@ read_int = _reader(types.int32, "read_int")
 read_address = _reader(types.intp, "read_address")
 
 
-@intrinsic
-def write_float(typing_context: Any, address: types.Integer, value: types.Float) -> Any:
-    """Store a double at an address."""
+def _writer(number: types.Number, name: str) -> Any:
+    def write(typing_context: Any, address: types.Integer, value: types.Number) -> Any:
+        def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+            pointer = builder.inttoptr(args[0], context.get_data_type(number).as_pointer())
+            builder.store(args[1], pointer, align=1)
 
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        pointer = builder.inttoptr(args[0], ir.DoubleType().as_pointer())
-        builder.store(args[1], pointer, align=1)
+        return types.void(types.intp, number), codegen
 
-    return types.void(types.intp, types.float64), codegen
+    write.__name__ = write.__qualname__ = name
+    return intrinsic(write)
+
+
+write_float = _writer(types.float64, "write_float")
+write_address = _writer(types.intp, "write_address")

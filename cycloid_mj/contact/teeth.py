@@ -37,6 +37,9 @@ clockwise from +y, and of a massless one its play [m] and the stiffness of a pin
 DEFLECTION = 6
 """Which of the teeth's is the deflection."""
 
+PLAY = 2
+"""Which of a pin's is its play."""
+
 
 def user_data(teeth: Teeth) -> tuple[float, ...]:
     """Give teeth as ``geom user``, shape (``USER_DATA``,)."""

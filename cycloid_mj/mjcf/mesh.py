@@ -17,6 +17,7 @@ import mujoco
 import numpy as np
 
 from cycloid_mj import names, profile
+from cycloid_mj.contact import each_step
 from cycloid_mj.contact.law import ContactLaw, SolverParameters, curvature_law, solver_parameters
 from cycloid_mj.contact.working import for_slices, working_force
 from cycloid_mj.convex import ConvexSettings, Place, Rest, Surface, prism, surfaces
@@ -76,6 +77,7 @@ def build_mesh(design: Design, settings: ConvexSettings | None = None) -> Reduce
     made = mesh_spec(design, settings or ConvexSettings())
     gains = add_actuators(made.spec, made.crank_inertia)
     add_sensors(made.spec, design)
+    each_step.add_sensor(made.spec)
     return reducer_model(made, design, gains)
 
 

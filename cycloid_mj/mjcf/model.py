@@ -11,6 +11,7 @@ from typing import Any, Literal
 import mujoco
 
 from cycloid_mj import names
+from cycloid_mj.contact import each_step
 from cycloid_mj.contact.law import IMPRATIO, ContactLaw, solver_parameters
 from cycloid_mj.contact.library import exact_xml
 from cycloid_mj.contact.regime import warnings
@@ -94,6 +95,7 @@ def build(design: Design, held: Held = "crank") -> ReducerModel:
     inertias = {"crank": crank, "output": float(masses[names.OUTPUT].inertia[2, 2]), "": 0.0}
     gains = add_actuators(spec, inertias[held], held)
     add_sensors(spec, design)
+    each_step.add_sensor(spec)
     laws = contact_laws(design)
     set_solver(spec, laws, design.ring.has_pin_bodies)
     model = _add_pairs(spec, reducer.pairs, laws)

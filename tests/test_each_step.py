@@ -1,4 +1,4 @@
-"""The largest normal force of each pair since the last sample is the largest of a run that is logged at every step."""
+"""Between samples the largest normal force of each pair is noted, and every step has its own command."""
 
 from dataclasses import astuple, replace
 
@@ -8,16 +8,17 @@ import pytest
 from designs import UNLIKE, unlike
 
 from cycloid_mj.analysis import analyze
-from cycloid_mj.contact.collider import installed
+from cycloid_mj.contact import collider, each_step
+from cycloid_mj.contact.each_step import EachStep
 from cycloid_mj.contact.forces import pair_index, surface_name
-from cycloid_mj.contact.layout import discover_contacts
-from cycloid_mj.contact.peaks import Peaks
+from cycloid_mj.contact.layout import discover_steps
 from cycloid_mj.contact.timestep import timestep
 from cycloid_mj.course import initial_state, ramp_and_hold
 from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.errors import ContactError
 from cycloid_mj.log import read, write
 from cycloid_mj.mjcf import build
-from cycloid_mj.run import Contact, reducer_model, schedule, simulate
+from cycloid_mj.run import Contact, blocks, reducer_model, schedule, simulate
 
 STEPS, STRIDE = 300, 15
 
@@ -61,18 +62,19 @@ def test_peaks_are_the_largest_of_mujocos_own_forces_at_every_step(
     design = short(preset, *changes)
     reducer = reducer_model(design, contact)
     data, course = initial_state(reducer, design), ramp_and_hold(reducer, design)
-    peaks = Peaks(data, pair_index(reducer.model, reducer.pairs))
+    kept = EachStep(data, pair_index(reducer.model, reducer.pairs))
     largest = dict.fromkeys((pair.name for pair in reducer.pairs), 0.0)
     plan = schedule(design)
-    with installed():
-        for command in course.commands(plan.timestep * np.arange(min(plan.steps, STEPS))):
-            data.ctrl[:] = command
+    commands = course.commands(plan.timestep * np.arange(min(plan.steps, STEPS)))
+    kept.command(commands)
+    with collider.installed(), each_step.installed():
+        for command in commands:
+            np.testing.assert_array_equal(data.ctrl, command)
             mujoco.mj_step(reducer.model, data)
-            peaks.note()
             largest = {name: max(largest[name], force) for name, force in normal_forces(data, reducer).items()}
-    assert peaks.taken() == pytest.approx(list(largest.values()), rel=1e-12)
+    assert kept.peaks() == pytest.approx(list(largest.values()), rel=1e-12)
     assert any(force > 0.0 for force in largest.values())
-    assert not peaks.taken().any(), "it begins anew"
+    assert not kept.peaks().any(), "it begins anew"
 
 
 @pytest.mark.parametrize("preset", ["pin", "nonpin"])
@@ -98,8 +100,8 @@ def test_frictionless_pairs_peak_at_the_size_of_their_force() -> None:
 
 
 def test_the_places_in_mujocos_structures_are_found() -> None:
-    found = discover_contacts()
-    assert len({found.contact, found.efc_force}) == 2
+    found = discover_steps()
+    assert len({found.contact, found.efc_force, found.userdata, found.ncon}) == 4
     assert found.stride > max(found.geom, found.efc_address) > 0
     assert all(place % 4 == 0 for place in astuple(found))
 
@@ -119,3 +121,46 @@ def test_peaks_stand_with_the_forces() -> None:
     run = simulate(sampled(short("pin"), STRIDE))
     assert {"cam_peak_force", "pin_1_peak_force", "socket_36_peak_force"} <= set(run.topics["/forces"])
     assert "peak_force" in run.topics["/reducer"]
+
+
+def test_a_model_of_ours_goes_its_way_without_a_run() -> None:
+    reducer = build(short("nonpin"))
+    data = mujoco.MjData(reducer.model)
+    data.ctrl[:] = 1e-3
+    with collider.installed(), each_step.installed():
+        mujoco.mj_step(reducer.model, data, 3)
+    assert data.ctrl.tolist() == [1e-3, 1e-3]
+    assert data.sensor(each_step.SENSOR).data == [0.0]
+
+
+def test_a_foreign_model_keeps_its_user_sensors_and_user_data() -> None:
+    text = '<mujoco><size nuserdata="{}"/><worldbody/><sensor><user dim="1" needstage="acc"/></sensor></mujoco>'
+    with each_step.installed():
+        for count in (0, 1, 2):
+            model = mujoco.MjModel.from_xml_string(text.format(count))
+            data = mujoco.MjData(model)
+            mujoco.mj_step(model, data, 3)
+            assert not data.userdata.any()
+
+
+def test_a_callback_of_somebody_else_is_not_replaced() -> None:
+    design = short("nonpin")
+    reducer = build(design)
+    mujoco.set_mjcb_sensor(lambda model, data, stage: None)
+    try:
+        with pytest.raises(ContactError, match="set_mjcb_sensor"):
+            list(blocks(reducer, design))
+    finally:
+        mujoco.set_mjcb_sensor(None)
+    assert len(simulate(sampled(short("nonpin"), STRIDE)))
+
+
+def test_the_model_of_a_run_is_written_when_it_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[str] = []
+    monkeypatch.setattr("cycloid_mj.run.xml", lambda spec: asked.append("model") or "<mujoco/>")
+    run = simulate(sampled(short("nonpin"), STRIDE))
+    late = run.select(run.time > 1e-4)
+    assert set(late.attachments) == {"design.toml", "model.xml"}
+    assert not asked
+    assert [late.attachments["model.xml"] for _ in range(2)] == [b"<mujoco/>"] * 2
+    assert asked == ["model"]
