@@ -32,6 +32,9 @@ SHAFT, GEAR, OUTPUT, HOUSING, PIN = "shaft", "gear", "output", "housing", "pin"
 CRANK_JOINT, OUTPUT_JOINT = "crank", "output"
 DRIVE, LOAD = "drive", "load"
 
+SPACER = "spacer"
+"""The ring on the crank between two discs, a part of the shaft."""
+
 TEETH, BORE, CAM, HOLE, OUTPUT_PIN = "teeth", "bore", "cam", "hole", "output_pin"
 LOBE, SOCKET, SLEEVE, CORE = "lobe", "socket", "sleeve", "core"
 """Surfaces, with those of ``PIN``; a mating pair is named after one of its two."""
@@ -40,7 +43,7 @@ DRAGS = {"crank_drag": CRANK_JOINT, "output_drag": OUTPUT_JOINT}
 """Loss of seals and lubricant -> the joint that it brakes; a design without has neither."""
 
 
-_OF_DISC = re.compile(r"^gear_\d+_")
+_OF_DISC = re.compile(r"^gear_(\d+)_")
 
 
 def column(stem: str, quantity: str) -> str:
@@ -56,6 +59,17 @@ def kind_of(pair: str) -> str | None:
 def number_of(pair: str) -> int:
     """Give the number of a pin, lobe or mating pair by its name: 1, 2, ...; 1 of the cam, which has none."""
     return int(pair.rpartition("_")[2]) if pair[-1].isdigit() else 1
+
+
+def disc_of(pair: str) -> int:
+    """Give the index of the disc that a mating pair is of, by its name: 0, 1, ...; 0 where it is of none."""
+    found = _OF_DISC.match(pair)
+    return int(found.group(1)) - 1 if found else 0
+
+
+def family(part: str) -> str:
+    """Give what a part is, by its name: ``gear_2`` is a ``gear``, ``cam_1`` a ``cam``."""
+    return part.rstrip("0123456789").rstrip("_")
 
 
 def pin(number: int) -> str:
@@ -79,6 +93,11 @@ def of_disc(name: str, disc: int, discs: int) -> str:
         return name
     gear = numbered(GEAR, disc + 1)
     return gear if name == GEAR else column(gear, name)
+
+
+def gears(discs: int) -> tuple[str, ...]:
+    """Name the bodies of all discs: ``gear_1``, ``gear_2``, ...; a single one is the ``gear``."""
+    return tuple(of_disc(GEAR, disc, discs) for disc in range(discs))
 
 
 def planar_joints(body: str) -> tuple[str, str, str]:

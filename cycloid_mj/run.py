@@ -30,6 +30,7 @@ from cycloid_mj.errors import RunError, warn
 from cycloid_mj.mechanism.reducer import mechanism
 from cycloid_mj.mjcf import ReducerModel, build, sensors, xml
 from cycloid_mj.names import (
+    CRANK_JOINT,
     DRAGS,
     FORCE_X,
     FORCE_Y,
@@ -305,7 +306,8 @@ class _Recorder:
         self._sensors = data.sensordata[: sum(len(columns) for columns in groups.values())]
         self._acceleration, self._energy = data.qacc, data.energy
         self._warnings, self._iterations = data.warning.number, data.solver_niter
-        self._gear, self._crank = data.joint("gear_angle").qpos, data.joint("crank").qpos
+        self._gears = [data.joint(disc.joints[-1]).qpos for disc in mechanism(design).discs]
+        self._crank = data.joint(CRANK_JOINT).qpos
 
     def warm(self) -> None:
         """Have what reads contacts compiled."""
@@ -356,10 +358,12 @@ class _Recorder:
             )
         if iterations >= self._most_iterations:
             return f"the constraint solver did not converge in {iterations} iterations; shorten settings.timestep_us"
-        error = self._gear[0] + self._crank[0] / self._lobes
-        if abs(error) > 0.25 * 2.0 * math.pi / self._lobes:
-            return (
-                f"the gear jumped a tooth: it is {math.degrees(error):.3f} deg from where the crank puts it; "
-                "check clearances and load"
-            )
+        for number, gear in enumerate(self._gears, start=1):
+            error = gear[0] + self._crank[0] / self._lobes
+            if abs(error) > 0.25 * 2.0 * math.pi / self._lobes:
+                which = f"gear {number}" if len(self._gears) > 1 else "the gear"
+                return (
+                    f"{which} jumped a tooth: it is {math.degrees(error):.3f} deg from where the crank puts it; "
+                    "check clearances and load"
+                )
         return ""

@@ -20,6 +20,7 @@ from cycloid_mj.errors import CycloidError, DesignError
 from cycloid_mj.export import Spline, export, part_sections, read_stl, read_volume, step_part, stl_bytes
 from cycloid_mj.export import clearance as measured
 from cycloid_mj.export.curve import SPLINE_ERROR, Arc, Circle, Flank, Line, fit_splines, turned_curve
+from cycloid_mj.names import gears
 from cycloid_mj.solid import mass_properties, mesh, parts
 from cycloid_mj.solid.gear import gear_outline, profile_offset, tooth_profile
 from cycloid_mj.solid.mesh import _walls
@@ -27,7 +28,9 @@ from cycloid_mj.solid.polygon import area_moments
 
 PIN, NONPIN = PRESETS["pin"], PRESETS["nonpin"]
 LOOSE = override(NONPIN, ["clearance.tooth_um=20.0", "clearance.cam_um=7.0", "clearance.output_um=3.0"])
-DESIGNS = {"pin": PIN, "nonpin": NONPIN, "loose": LOOSE}
+SEVERAL = ["gear.discs=3", "gear.disc_gap_mm=1.5", "output.support=both_ends", "shaft.mounting=straddle"]
+THREE = override(LOOSE, SEVERAL)
+DESIGNS = {"pin": PIN, "nonpin": NONPIN, "loose": LOOSE, "three": THREE}
 CHORD_ERROR = 5e-6
 
 
@@ -110,7 +113,7 @@ def read_dxf(content: bytes) -> Any:
 
 
 def test_dxf_gear_has_one_spline_a_lobe_and_the_exact_area(design: Design) -> None:
-    space = read_dxf(export(design, "dxf").files["gear.dxf"])
+    space = read_dxf(export(design, "dxf").files[f"{gears(design.gear.discs)[0]}.dxf"])
     splines, circles = space.query("SPLINE"), space.query("CIRCLE")
     assert (len(splines), len(circles), len(space)) == (35, 9, 44)
     outline = np.concatenate([curve_points(spline)[:-1] for spline in splines])
@@ -250,6 +253,20 @@ def test_step_solids_have_the_parts_volumes() -> None:
         true = mass_properties(solids[name.partition(".")[0]]).volume
         # OpenCASCADE's integral over splines is right to some 1e-5, the reference polygons to 1e-6
         assert read_volume(content) == pytest.approx(true, rel=5e-5)
+
+
+def test_the_crank_of_several_discs_comes_apart_in_named_parts() -> None:
+    """Its cams and its spacer fit on the shaft; in STEP they have the volumes of their solids."""
+    pytest.importorskip("gmsh")
+    sections, solids = part_sections(THREE), parts(THREE)
+    gears, cams = {"gear_1", "gear_2", "gear_3"}, {"cam_1", "cam_2", "cam_3"}
+    assert set(sections) == set(solids) == {"housing", "shaft", "spacer", "output"} | gears | cams
+    for name in ("shaft", "spacer", "cam_2", "output"):
+        true = mass_properties(solids[name]).volume
+        assert read_volume(step_part(name, sections[name])) == pytest.approx(true, rel=5e-6)
+    for name in ("spacer", "cam_2"):
+        hole = sections[name][0].loops[1][0]
+        assert hole == Circle((0.0, 0.0), THREE.shaft.radius)
 
 
 def test_step_of_a_sleeved_pinwheel_holds_its_pins() -> None:

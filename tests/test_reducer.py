@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from designs import UNLIKE, unlike
 
+from cycloid_mj import names
 from cycloid_mj.contact.collider import installed
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.deviations import deviations
@@ -24,10 +25,9 @@ VARIANTS = {
 }
 
 
-def two_discs(monkeypatch: pytest.MonkeyPatch, apart: float = 2.0) -> None:
-    """Put two discs on the crank; no multiple of a pitch apart, so that no sign can hide."""
-    for module in (reducer, gaps):
-        monkeypatch.setattr(module, "phases", lambda design: (0.0, apart))
+def three_discs(design: Design) -> Design:
+    """Put three discs on the crank: unlike two, no multiple of half a pitch apart, so that no sign can hide."""
+    return override(design, ["gear.discs=3"])
 
 
 def contacts(design: Design, crank: float) -> tuple[mujoco.MjModel, int]:
@@ -60,24 +60,42 @@ def test_names_are_unique_and_mates_are_surfaces(name: str) -> None:
 
 
 @pytest.mark.parametrize("kind", ["pin", "nonpin"])
-def test_a_second_disc_is_more_bodies_and_more_pairs(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its teeth, its holes and its cam are where the ring, the output and the crank have room for them."""
+def test_more_discs_are_more_bodies_and_more_pairs(kind: str) -> None:
+    """Their teeth, holes and cams are where the ring, the output and the crank have room for them."""
     single, _ = contacts(PRESETS[kind], 0.7)
-    two_discs(monkeypatch)
-    model, touching = contacts(PRESETS[kind], 0.7)
+    design = three_discs(PRESETS[kind])
+    model, touching = contacts(design, 0.7)
     assert touching == 0
-    teeth, pins = PRESETS[kind].ring.teeth, PRESETS[kind].output.pins
-    assert model.nbody == single.nbody + 1
-    assert model.npair == single.npair + teeth + 1 + pins
-    assert {"gear_1", "gear_2"} <= {model.body(i).name for i in range(model.nbody)}
+    assert model.nbody == single.nbody + 2
+    assert model.npair == single.npair + 2 * (design.ring.teeth + 1 + design.output.pins)
+    assert {"gear_1", "gear_2", "gear_3"} <= {model.body(i).name for i in range(model.nbody)}
     assert model.pair("gear_2_cam") is not None
 
 
+@pytest.mark.parametrize("discs", [1, 2, 3, 4])
+def test_discs_stand_beside_each_other_between_the_ends_of_pins_and_ring(discs: int) -> None:
+    """Along z each disc is as wide as its own surfaces; what spans all discs reaches from the first to the last."""
+    design = override(PRESETS["pin"], [f"gear.discs={discs}", "gear.disc_gap_mm=3.0"])
+    model = build(design).model
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    width = discs * 10e-3 + (discs - 1) * 3e-3
+    for disc, gear in enumerate(names.gears(discs)):
+        for surface in ("teeth", "bore", "cam", "hole_5"):
+            geom = model.geom(names.of_disc(surface, disc, discs)).id
+            assert data.geom_xpos[geom, 2] == pytest.approx(disc * 13e-3 + 5e-3 - width / 2, abs=1e-15)
+            assert model.geom_size[geom, 1] == pytest.approx(5e-3, rel=1e-12)
+        assert data.body(gear).xpos[2] == pytest.approx(disc * 13e-3 + 5e-3 - width / 2, abs=1e-15)
+    for surface in ("pin_3", "socket_3", "output_pin_2"):
+        geom = model.geom(surface).id
+        assert data.geom_xpos[geom, 2] == 0.0
+        assert 2.0 * model.geom_size[geom, 1] == pytest.approx(width, rel=1e-12)
+
+
 def test_a_disc_on_the_wrong_phase_is_in_the_ring(monkeypatch: pytest.MonkeyPatch) -> None:
-    two_discs(monkeypatch)
-    made = mechanism(PRESETS["pin"])
-    turned = made.mating("pin_gear", 1).on.angle[0]
-    assert turned == pytest.approx(2.0 / PRESETS["pin"].lobes)
+    design = three_discs(PRESETS["pin"])
+    turned = mechanism(design).mating("pin_gear", 1).on.angle[0]
+    assert turned == pytest.approx(2.0 * math.pi / 3.0 / design.lobes)
     original = reducer._mesh
 
     def spoiled(*args: object) -> reducer.Mating:
@@ -86,25 +104,25 @@ def test_a_disc_on_the_wrong_phase_is_in_the_ring(monkeypatch: pytest.MonkeyPatc
         return reducer.Mating(mating.kind, mating.names, teeth, mating.by, mating.disc)
 
     monkeypatch.setattr(reducer, "_mesh", spoiled)
-    _, touching = contacts(PRESETS["pin"], 0.7)
+    _, touching = contacts(design, 0.7)
     assert touching > 0
 
 
-def test_the_gaps_of_two_discs_are_those_of_each(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_gaps_of_several_discs_are_those_of_each() -> None:
     """A disc ahead on the crank has the teeth's gaps of a single one at a crank that is as far ahead."""
     design = override(PRESETS["pin"], ["errors.pin_position_um=1.0", "errors.seed=4"])
-    alone = [gaps.gaps(design, angle) for angle in (0.7, 2.7)]
-    two_discs(monkeypatch)
-    both = gaps.gaps(design, 0.7)
-    for disc in (0, 1):
-        teeth = both.select((both.kind == "pin_gear") & (both.disc == disc))
+    alone = [gaps.gaps(design, 0.7 + disc * 2.0 * math.pi / 3.0) for disc in range(3)]
+    design = three_discs(design)
+    every = gaps.gaps(design, 0.7)
+    for disc in range(3):
+        teeth = every.select((every.kind == "pin_gear") & (every.disc == disc))
         single = alone[disc].select(alone[disc].kind == "pin_gear")
         np.testing.assert_allclose(teeth.distance, single.distance, rtol=0.0, atol=1e-18)
         np.testing.assert_allclose(teeth.slope[:, 3 * disc : 3 * disc + 3], single.slope[:, :3], rtol=0.0, atol=1e-15)
-        assert not teeth.slope[:, 3 * (1 - disc) : 3 * (1 - disc) + 3].any()
-    assert both.slope.shape[1] == 7
+        assert not np.delete(teeth.slope, range(3 * disc, 3 * disc + 3), axis=1).any()
+    assert every.slope.shape[1] == 10
     motion = gaps.ideal_motion(design, 0.7)
-    np.testing.assert_allclose(both.slope @ motion, 0.0, rtol=0.0, atol=1e-17)
+    np.testing.assert_allclose(every.slope @ motion, 0.0, rtol=0.0, atol=1e-17)
     assert math.isclose(np.hypot(*motion[3:5]), design.gear.eccentricity, rel_tol=1e-12)
 
 

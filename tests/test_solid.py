@@ -16,6 +16,7 @@ from cycloid_mj.solid import (
     VISUAL_CHORD_ERROR,
     Prism,
     Solid,
+    body_solids,
     circle,
     gear_solid,
     housing_solid,
@@ -284,6 +285,49 @@ def test_the_counterweight_has_the_closed_thickness() -> None:
     assert [low for low, _ in stack[1:]] == [high for _, high in stack[:-1]]
     assert stack[0][0] == pytest.approx(-0.036)
     assert stack[-1] == (-0.005, 0.005)
+
+
+@pytest.mark.parametrize("discs", [2, 3, 4])
+def test_several_discs_balance_each_other(discs: int) -> None:
+    """No counterweight: the static moments of discs and cams add up to nothing, and each disc lies on its own cam."""
+    design = override(PIN, [f"gear.discs={discs}", "gear.disc_gap_mm=1.5"])
+    whole, found = mass_properties(body_solids(design)["shaft"]), parts(design)
+    assert abs(whole.centroid[:2]).max() < 1e-9
+    planes, angles = design.gear.disc_planes, 2.0 * math.pi * np.arange(discs) / discs
+    for disc, (plane, angle) in enumerate(zip(planes, angles, strict=True)):
+        (cam,) = found[f"cam_{disc + 1}"].prisms
+        assert (cam.z0, cam.z1) == pytest.approx((plane - 5e-3, plane + 5e-3), abs=1e-15)
+        np.testing.assert_allclose(cam.outline.mean(axis=0), [-1e-3 * np.sin(angle), 1e-3 * np.cos(angle)], atol=1e-9)
+    apart = sum(mass_properties(found[name]).mass for name in found if name.startswith(("shaft", "cam_")))
+    apart += (discs - 1) * mass_properties(found["spacer"]).mass
+    assert whole.mass == pytest.approx(apart, rel=1e-9)
+
+
+def test_the_teeth_of_a_disc_ahead_on_the_crank_are_turned_against_its_holes() -> None:
+    design = override(PIN, ["gear.discs=3"])
+    first, second = (gear_solid(design, 1e-6, disc).prisms[0] for disc in (0, 1))
+    turn = -2.0 * math.pi / 3.0 / design.lobes
+    cos, sin = math.cos(turn), math.sin(turn)
+    np.testing.assert_allclose(second.outline, first.outline @ [[cos, sin], [-sin, cos]], atol=1e-15)
+    for hole, same in zip(first.holes, second.holes, strict=True):
+        np.testing.assert_array_equal(hole, same)
+
+
+def test_a_second_output_disc_holds_the_pins_and_lets_the_crank_through() -> None:
+    design = override(PIN, ["output.support=both_ends", "gear.discs=2"])
+    disc, *pins, second = output_solid(design, 1e-6).prisms
+    assert all((pin.z0, pin.z1) == (second.z1, disc.z0) for pin in pins)
+    assert second.z1 < design.gear.disc_planes[0] - 5e-3
+    eye, crank = np.linalg.norm(second.holes[0], axis=1).max(), body_solids(design)["shaft"]
+    for prism in crank.prisms:
+        if prism.z0 < second.z1 and prism.z1 > second.z0:
+            assert np.linalg.norm(prism.outline, axis=1).max() < eye
+    assert np.linalg.norm(parts(design, 1e-6)["cam_1"].prisms[0].outline, axis=1).max() <= eye * (1.0 + 1e-12)
+
+
+def test_cams_need_a_wall_around_the_shaft() -> None:
+    with pytest.raises(DesignError, match=r"shaft.radius_mm = 14.5 .* cams leave no wall"):
+        parts(override(PIN, ["gear.discs=2", "shaft.radius_mm=14.5"]), 1e-5)
 
 
 def test_holes_and_output_pins_are_numbered_clockwise_from_y() -> None:

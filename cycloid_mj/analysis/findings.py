@@ -69,6 +69,17 @@ class TransmissionError:
 
 
 @dataclass(frozen=True)
+class Disc:
+    """One of several discs, by its name: its speed, its transmission error, and its point q."""
+
+    name: str
+    speed: SpeedFindings
+    transmission_error: TransmissionError
+    q_path: PathFindings
+    q_speed: VelocityFindings
+
+
+@dataclass(frozen=True)
 class ContactSummary:
     """Contacts that carry a force, on average; the deepest penetration; the largest force of one contact."""
 
@@ -132,7 +143,8 @@ class Findings:
 
     All that is not of the `ramp` is of the `window`, under the `condition`. `transmission_error` is the output's, which
     a user of the drive feels; `output_transmission_error` is the same under its full name. `warnings` say what a reader
-    should know before he trusts the figures.
+    should know before he trusts the figures. Of several discs, what is said of the gear and of q holds for the first;
+    `discs` has each of them, and nothing where there is one.
     """
 
     design: str
@@ -155,6 +167,7 @@ class Findings:
     output_speed: SpeedFindings
     output_transmission_error: TransmissionError
     gear_transmission_error: TransmissionError
+    discs: tuple[Disc, ...]
     efficiency: float | None
     power: Power
     losses: tuple[Loss, ...]

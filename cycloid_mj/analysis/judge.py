@@ -9,12 +9,12 @@ of it; then there is no efficiency, as the input also speeds up the drive.
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj import kinematics
 from cycloid_mj.analysis.doubts import warnings
 from cycloid_mj.analysis.findings import (
     AccelerationFindings,
     ContactSummary,
     Crank,
+    Disc,
     Findings,
     Loss,
     PathFindings,
@@ -27,10 +27,9 @@ from cycloid_mj.analysis.findings import (
     Window,
     condition,
 )
-from cycloid_mj.analysis.series import Compared, Series, series
+from cycloid_mj.analysis.series import Compared, Series, point_path, series
 from cycloid_mj.analysis.window import turn_by_turn
 from cycloid_mj.contact.timestep import timestep
-from cycloid_mj.modification import tooth_profile
 from cycloid_mj.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.record import Run
 from cycloid_mj.types import Array, Mask
@@ -86,6 +85,7 @@ def judge(motion: Series, log: str | None = None) -> Findings:
         output_speed=_speed(motion.output_speed, motion),
         output_transmission_error=output,
         gear_transmission_error=_transmission_error(motion.gear_angle, motion),
+        discs=_discs(motion),
         efficiency=_efficiency(power, motion),
         power=power,
         losses=_losses(motion),
@@ -101,6 +101,22 @@ def _crank(motion: Series) -> Crank:
     nominal = abs(motion.design.drive.speed)
     mean = _mean(motion.crank_speed.simulated, motion)
     return Crank(mean, _peak(motion.crank_speed.error) / nominal if nominal else None)
+
+
+def _discs(motion: Series) -> tuple[Disc, ...]:
+    """Judge each of several discs."""
+    count = motion.design.gear.discs
+    each = [motion.of_disc(disc) for disc in range(count)] if count > 1 else []
+    return tuple(
+        Disc(
+            name=one.gear,
+            speed=_speed(one.gear_speed, one),
+            transmission_error=_transmission_error(one.gear_angle, one),
+            q_path=_path(one, one.judged),
+            q_speed=_velocity(one.q_velocity, one.judged),
+        )
+        for one in each
+    )
 
 
 def _speed(speed: Compared, motion: Series) -> SpeedFindings:
@@ -131,7 +147,7 @@ def _acceleration(motion: Series, rows: Mask) -> AccelerationFindings | None:
     step = np.diff(motion.time)
     angle, speed = (_middle(values) for values in (motion.crank_angle, motion.crank_speed.simulated))
     crank_acceleration = np.diff(motion.crank_speed.simulated) / step
-    path = kinematics.point_path(tooth_profile(motion.design), motion.q, angle, speed, crank_acceleration)
+    path = point_path(motion.design, motion.q, motion.disc, angle, speed, crank_acceleration)
     simulated = np.diff(motion.q_velocity.simulated, axis=0) / step[:, np.newaxis]
     error = Compared(simulated, path.acceleration).error_size[inner]
     return AccelerationFindings(_rms(error), _peak(error))

@@ -2,26 +2,25 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj import kinematics
+from cycloid_mj import kinematics, names
 from cycloid_mj.analysis import window
 from cycloid_mj.analysis.findings import Phase
 from cycloid_mj.design import Design, loads
 from cycloid_mj.errors import LogError, UsageError
 from cycloid_mj.kinematics import CrankLaw
-from cycloid_mj.mechanism.reducer import mechanism
+from cycloid_mj.mechanism.reducer import mechanism, phases
 from cycloid_mj.modification import tooth_profile
-from cycloid_mj.profile import CycloidGear
 from cycloid_mj.record import LARGEST, Run
 from cycloid_mj.types import Array, Mask
 
 DESIGN_FILE = "design.toml"
 MOTION = (
     *("crank_angle", "crank_speed", "crank_torque", "load_torque", "output_angle", "output_speed"),
-    *("gear_x", "gear_y", "gear_angle", "gear_vx", "gear_vy", "gear_speed"),
     *("contacts", "penetration", "peak_force"),
 )
 PIN_1 = ("pin_1_x", "pin_1_y", "pin_1_speed")
@@ -90,6 +89,8 @@ class Series:
         The run, up to the first sample that holds something else than numbers.
     design
         Its design.
+    disc
+        Index of the disc that `gear_angle`, `gear_speed` and the motion of q are of; `of_disc` gives those of another.
     q
         The point of the gear that is followed, gear frame [m], shape (2,).
     ramp, hold
@@ -99,13 +100,14 @@ class Series:
     gear_angle, gear_speed, output_angle, output_speed
         Against Eq. 12 at the measured crank [rad], [rad/s]. The errors of the angles are the transmission errors.
     q_position, q_velocity
-        Against Eqs 16 and 17 at the measured crank; from the initial gear centre [m], [m/s], (n, 2).
+        Against Eqs 16 and 17 at the measured crank; from the initial centre of the first disc [m], [m/s], (n, 2).
     pin_1
         Ring pin 1; None if the ring has no free pins.
     """
 
     run: Run
     design: Design
+    disc: int
     q: Array
     ramp: Mask
     hold: Mask
@@ -127,6 +129,16 @@ class Series:
     def crank_angle(self) -> Array:
         """Measured crank angle [rad], shape (n,)."""
         return self.run["crank_angle"]
+
+    @property
+    def gear(self) -> str:
+        """Name of the disc: ``gear``, or of several ``gear_1``."""
+        return names.gears(self.design.gear.discs)[self.disc]
+
+    def of_disc(self, disc: int) -> "Series":
+        """Give the same with the motion of another disc, by its index."""
+        motion: dict[str, Any] = _disc_motion(self.run, self.design, self.q, disc)
+        return replace(self, disc=disc, **motion)
 
     @property
     def phase(self) -> Phase:
@@ -160,7 +172,7 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
     Parameters
     ----------
     run
-        From memory or from a log, with its ``design.toml``.
+        From memory or from a log, with its ``design.toml``. Of several discs the first is followed, see `Series.disc`.
     q
         Point of the gear, gear frame [m]; by default the centre of hole 1, on +y.
     settle
@@ -175,7 +187,8 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
     """
     design = design_of(run)
     moving = design.ring.has_pin_bodies
-    run = _usable(run, (*MOTION, *PIN_1) if moving else MOTION)
+    planar = [name for gear in names.gears(design.gear.discs) for name in _planar(gear)]
+    run = _usable(run, (*MOTION, *planar, *PIN_1) if moving else (*MOTION, *planar))
     if len(run) < window.FEWEST_SAMPLES:
         raise LogError(f"the run has {len(run)} usable samples: there is nothing to judge; simulate it again")
     if window.reaches_hold(design, run.time):
@@ -186,23 +199,38 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
     q = _point(q, design)
     crank_angle, crank_speed = run["crank_angle"], run["crank_speed"]
     angle, speed = kinematics.gear_rotation(gear, crank_angle), kinematics.gear_speed(crank_speed, gear.lobes)
-    path = kinematics.point_path(gear, q, crank_angle, crank_speed)
-    position, velocity = _point_motion(run, gear, q)
     return Series(
         run=run,
         design=design,
+        disc=0,
         q=q,
         ramp=window.in_ramp(design, run.time),
         hold=hold,
         crank_speed=Compared(crank_speed, CrankLaw(design.drive.speed, design.drive.ramp).speed_at(run.time)),
-        gear_angle=Compared(run["gear_angle"], angle),
-        gear_speed=Compared(run["gear_speed"], speed),
         output_angle=Compared(run["output_angle"], angle),
         output_speed=Compared(run["output_speed"], speed),
-        q_position=Compared(position, path.position),
-        q_velocity=Compared(velocity, path.velocity),
         pin_1=_pin_1(run, design) if moving else None,
+        **_disc_motion(run, design, q, 0),
     )
+
+
+def point_path(
+    design: Design, q: Array, disc: int, crank_angle: Array, speed: Array, acceleration: npt.ArrayLike = 0.0
+) -> kinematics.PointPath:
+    """Give the closed form of the motion of a disc's point q: Eqs 16 to 19 for a disc that is ahead on the crank.
+
+    Parameters
+    ----------
+    design, q, disc
+        The design, the point in the disc's frame [m], shape (2,), and the index of the disc.
+    crank_angle, speed, acceleration
+        Of the crank [rad], [rad/s], [rad/s2], shape (n,).
+    """
+    gear, ahead = tooth_profile(design), phases(design)[disc]
+    # the disc is turned as the first one is, not as a single disc whose crank is that far ahead
+    cos, sin = np.cos(ahead / gear.lobes), np.sin(ahead / gear.lobes)
+    turned = np.array([q[0] * cos - q[1] * sin, q[0] * sin + q[1] * cos]) if ahead else q
+    return kinematics.point_path(gear, turned, crank_angle + ahead, speed, acceleration)
 
 
 def design_of(run: Run) -> Design:
@@ -240,12 +268,12 @@ def _require_fit(run: Run, design: Design) -> None:
             )
 
 
-def _usable(run: Run, names: tuple[str, ...]) -> Run:
+def _usable(run: Run, needed: tuple[str, ...]) -> Run:
     """Give the run up to its first sample that is not all usable numbers; a run that went wrong may end with some."""
-    missing = [name for name in names if name not in run.columns]
+    missing = [name for name in needed if name not in run.columns]
     if missing:
         raise LogError(
-            f"the run lacks {len(missing)} of the {len(names)} columns that an analysis needs:"
+            f"the run lacks {len(missing)} of the {len(needed)} columns that an analysis needs:"
             f" {', '.join(missing)}; simulate it again"
         )
     sane = np.ones(len(run), dtype=np.bool_)
@@ -266,14 +294,33 @@ def _point(q: npt.ArrayLike | None, design: Design) -> Array:
     return point
 
 
-def _point_motion(run: Run, gear: CycloidGear, q: Array) -> tuple[Array, Array]:
-    """Position from the initial gear centre [m] and velocity [m/s] of the gear point q, each (n, 2)."""
-    cos, sin = np.cos(run["gear_angle"]), np.sin(run["gear_angle"])
+def _planar(gear: str) -> tuple[str, ...]:
+    """Name the columns of a disc's motion: x, y, angle, and their speeds."""
+    return (*names.planar_joints(gear), *names.planar_speeds(gear))
+
+
+def _disc_motion(run: Run, design: Design, q: Array, disc: int) -> dict[str, Compared]:
+    """Give what a `Series` has of one disc."""
+    *_, turn, _, _, spin = _planar(names.gears(design.gear.discs)[disc])
+    crank_angle, crank_speed, gear = run["crank_angle"], run["crank_speed"], tooth_profile(design)
+    path = point_path(design, q, disc, crank_angle, crank_speed)
+    position, velocity = _point_motion(run, design, q, disc)
+    return {
+        "gear_angle": Compared(run[turn], kinematics.gear_rotation(gear, crank_angle)),
+        "gear_speed": Compared(run[spin], kinematics.gear_speed(crank_speed, gear.lobes)),
+        "q_position": Compared(position, path.position),
+        "q_velocity": Compared(velocity, path.velocity),
+    }
+
+
+def _point_motion(run: Run, design: Design, q: Array, disc: int) -> tuple[Array, Array]:
+    """Position from the initial centre of the first disc [m] and velocity [m/s] of a disc's point q, each (n, 2)."""
+    x, y, turn, vx, vy, spin = _planar(names.gears(design.gear.discs)[disc])
+    cos, sin = np.cos(run[turn]), np.sin(run[turn])
     arm = np.stack([q[0] * cos - q[1] * sin, q[0] * sin + q[1] * cos], axis=1)
     arm_turned = np.stack([-arm[:, 1], arm[:, 0]], axis=1)
-    centre = run.block(["gear_x", "gear_y"]) - kinematics.gear_centre(gear, 0.0)
-    centre_velocity = run.block(["gear_vx", "gear_vy"])
-    return centre + arm, centre_velocity + run["gear_speed"][:, np.newaxis] * arm_turned
+    centre = run.block([x, y]) - kinematics.gear_centre(tooth_profile(design), 0.0)
+    return centre + arm, run.block([vx, vy]) + run[spin][:, np.newaxis] * arm_turned
 
 
 def _pin_1(run: Run, design: Design) -> PinPath:

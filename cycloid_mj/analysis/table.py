@@ -44,12 +44,13 @@ def groups(findings: Findings) -> list[Group]:
     """Give the rows of `table` by what they are about; a group without rows is left out."""
     rows = (
         _part("output", findings.output_speed, findings.output_transmission_error),
-        _part("gear", findings.gear_speed, findings.gear_transmission_error),
+        _gears(findings),
         _point(findings),
         *(about(findings) for about in (_contacts, _pin_1, _torques, _energy, _crank)),
     )
     x, y = findings.q_path.q_mm
-    details = {"path of q": f"= ({x:.6g}, {y:.6g}) mm"}
+    on = f" of {findings.discs[0].name.replace('_', ' ')}" if findings.discs else ""
+    details = {"path of q": f"= ({x:.6g}, {y:.6g}) mm{on}"}
     found = [Group(name, tuple(part), details.get(name, "")) for name, part in zip(GROUPS, rows, strict=True)]
     return [group for group in found if group.rows]
 
@@ -63,6 +64,13 @@ def _part(part: str, speed: SpeedFindings, error: TransmissionError) -> Iterator
     yield _row(f"{part} speed, mean", "rad/s", mean, theory, off)
     yield _row(f"{part} speed, rms error", "rad/s", error=speed.rms_error_rad_s)
     yield _row(f"{part} speed, peak error", "rad/s", error=speed.peak_error_rad_s)
+
+
+def _gears(findings: Findings) -> Iterator[Row]:
+    if not findings.discs:
+        yield from _part("gear", findings.gear_speed, findings.gear_transmission_error)
+    for disc in findings.discs:
+        yield from _part(disc.name.replace("_", " "), disc.speed, disc.transmission_error)
 
 
 def _point(findings: Findings) -> Iterator[Row]:

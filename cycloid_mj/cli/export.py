@@ -53,7 +53,8 @@ def export(
     """Write every part of a design for CAD or printing.
 
     Parts: housing, shaft, gear, output, and pin (one of N) where the ring has
-    pins. The outlines contain the clearances that the design asks for; what
+    pins. Several discs are gear_1, gear_2, ..., on a crank built up of the
+    shaft, cam_1, cam_2, ... and spacer. The outlines contain the clearances that the design asks for; what
     they really contain is measured and told. A part that is not watertight, or
     has the wrong volume or clearance, is an error and writes nothing.
     """

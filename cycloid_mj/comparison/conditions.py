@@ -21,7 +21,9 @@ NO_CONDITIONS = ("load.torque_nm", "drive.power_kw", "drive.torque_nm")
 def values(design: Design) -> dict[str, Any]:
     """Give every value of a design by its key in the file, ``table.key``, but for its name."""
     tables = tomllib.loads(dump(design))
-    return {f"{table}.{key}": value for table, keys in tables.items() if table != "name" for key, value in keys.items()}
+    single = {table: value for table, value in tables.items() if not isinstance(value, dict) and table != "name"}
+    keyed = {table: keys for table, keys in tables.items() if isinstance(keys, dict)}
+    return single | {f"{table}.{key}": value for table, keys in keyed.items() for key, value in keys.items()}
 
 
 def conditions(design: Design) -> dict[str, Any]:

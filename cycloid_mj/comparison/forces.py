@@ -14,7 +14,8 @@ class Forces:
     """Teeth that carry force, and forces [N], over whole crank turns.
 
     A tooth is a ring pin, or a lobe of the internal gear with all its contact lines. `tooth_mean_n` is the mean over
-    time of the force on the most loaded tooth; peaks are the largest of any sample.
+    time of the force on the most loaded tooth; peaks are the largest of any sample. Of several discs teeth are counted
+    on all, and the forces are those of the contact, the cam and the pin that bear most on any of them.
     """
 
     teeth_mean: float
@@ -28,13 +29,13 @@ class Forces:
 
 
 def tooth_forces(motion: Series) -> Array:
-    """Size of the force of each tooth of the ring on the gear [N], shape (n, N)."""
+    """Size of the force of each tooth of the ring on each of D discs [N], shape (n, D N)."""
     return _sizes(motion, motion.design.tooth_pair)
 
 
 def cam_force(motion: Series) -> Array:
-    """Size of the force of the cam on the gear [N], shape (n,)."""
-    return _sizes(motion, "cam")[:, 0]
+    """Size of the force of the cam on the gear that the series follows [N], shape (n,)."""
+    return _sizes(motion, "cam")[:, motion.disc]
 
 
 def forces(motion: Series) -> Forces:
@@ -47,7 +48,7 @@ def forces(motion: Series) -> Forces:
     """
     parts = turns(motion)
     rows = slice(parts[0].start, parts[-1].stop)
-    teeth, cam = tooth_forces(motion)[rows], cam_force(motion)[rows]
+    teeth, cam = tooth_forces(motion)[rows], _sizes(motion, "cam")[rows]
     output = _sizes(motion, "output")[rows]
     loaded, largest = np.count_nonzero(teeth, axis=1), teeth.max(axis=1)
     return Forces(
@@ -56,7 +57,7 @@ def forces(motion: Series) -> Forces:
         teeth_most=int(loaded.max()),
         tooth_mean_n=float(largest.mean()),
         tooth_peak_n=float(largest.max()),
-        cam_mean_n=float(cam.mean()),
+        cam_mean_n=float(cam.max(axis=1).mean()),
         cam_peak_n=float(cam.max()),
         output_pin_peak_n=float(output.max()),
     )

@@ -8,7 +8,9 @@ from cycloid_mj import kinematics
 from cycloid_mj.analysis import Series
 from cycloid_mj.analysis.spectrum import density
 from cycloid_mj.comparison.fluctuation import Level, level, turns
+from cycloid_mj.mechanism.reducer import phases
 from cycloid_mj.modification import tooth_profile
+from cycloid_mj.names import planar_speeds
 from cycloid_mj.types import Array
 
 OCTAVES = 1e3 * 2.0 ** np.arange(-5, 7)
@@ -65,10 +67,14 @@ class Vibration:
 
 
 def acceleration(motion: Series) -> Acceleration:
-    """Give the accelerations of a run about their closed form: differences of the velocities' errors."""
+    """Give the accelerations of a run about their closed form: differences of the velocities' errors.
+
+    The centre is that of the disc which the series follows.
+    """
     run = motion.run
-    theory = kinematics.gear_centre_velocity(tooth_profile(motion.design), run["crank_angle"], run["crank_speed"])
-    centre = run.block(["gear_vx", "gear_vy"]) - theory
+    angle = run["crank_angle"] + phases(motion.design)[motion.disc]
+    theory = kinematics.gear_centre_velocity(tooth_profile(motion.design), angle, run["crank_speed"])
+    centre = run.block(planar_speeds(motion.gear)[:2]) - theory
     step = np.diff(motion.time)
     return Acceleration(np.diff(centre, axis=0) / step[:, np.newaxis], np.diff(motion.output_speed.error) / step)
 

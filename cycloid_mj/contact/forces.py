@@ -60,9 +60,10 @@ class PairIndex:
     origin
         Body of each pair's ``on`` surface, shape (pairs,).
     reach
-        Radius of a geom that meets exact teeth, less the play that it gives way by [m], shape (ngeom,); -1 of exact
-        teeth, 0 of any other.
-    flank
+        Radius of a geom that meets exact teeth, less the play that it gives way by [m], shape (ngeom,); 0 of any other.
+    teeth
+        Number of the exact teeth that a geom stands for, one of each disc, -1 for none, shape (ngeom,).
+    flanks
         The flanks of these teeth.
     """
 
@@ -70,7 +71,8 @@ class PairIndex:
     pair: npt.NDArray[np.int32]
     origin: npt.NDArray[np.int32]
     reach: Array
-    flank: Flank
+    teeth: npt.NDArray[np.int32]
+    flanks: tuple[Flank, ...]
 
 
 def pair_index(model: Any, pairs: Sequence[Any]) -> PairIndex:
@@ -87,16 +89,17 @@ def pair_index(model: Any, pairs: Sequence[Any]) -> PairIndex:
     return PairIndex(surface, index, origin, *_exact_teeth(model))
 
 
-def _exact_teeth(model: Any) -> tuple[Array, Flank]:
-    """Give the reach of each geom, see `PairIndex`, and the flanks of the teeth; none where there are none."""
-    priority, user = model.geom_priority, model.geom_user
+def _exact_teeth(model: Any) -> tuple[Array, npt.NDArray[np.int32], tuple[Flank, ...]]:
+    """Give reach and number of teeth of each geom, see `PairIndex`, and flanks; of nothing where there are none."""
+    priority, user, reach = model.geom_priority, model.geom_user, np.zeros(model.ngeom)
     found = np.flatnonzero(priority == int(Role.TEETH))
-    reach = np.where(priority == int(Role.TEETH), -1.0, 0.0)
+    number = np.full(model.ngeom, -1, dtype=np.int32)
+    number[found] = np.arange(found.size)
     if not found.size:
-        return reach, teeth_of([0.0] * USER_DATA).flank
+        return reach, number, (teeth_of([0.0] * USER_DATA).flank,)
     for role, play in ((Role.PIN, user[:, PLAY]), (Role.LOBE, 0.0)):
         reach = np.where(priority == int(role), model.geom_size[:, 0] - play, reach)
-    return reach, teeth_of(user[found[0]].tolist()).flank
+    return reach, number, tuple(teeth_of(user[geom].tolist()).flank for geom in found)
 
 
 def surface_name(model: Any, geom: int) -> str:
@@ -135,7 +138,8 @@ def pair_forces(data: Any, index: PairIndex) -> PairForces:
         data.xpos,
         index.origin,
         index.reach,
-        index.flank,
+        index.teeth,
+        index.flanks,
         data.geom_xpos,
         data.geom_xmat,
         wrench,
@@ -160,7 +164,8 @@ def _gather(
     xpos: Any,
     origin: Any,
     reach: Any,
-    flank: Any,
+    teeth_number: Any,
+    flanks: Any,
     geom_xpos: Any,
     geom_xmat: Any,
     wrench: Any,
@@ -170,15 +175,17 @@ def _gather(
     active, depth, peak = 0, 0.0, 0.0
     for k in range(len(dist)):
         overlap = -dist[k]
-        teeth, mate = (geom[k, 0], geom[k, 1]) if reach[geom[k, 0]] < 0.0 else (geom[k, 1], geom[k, 0])
-        if overlap > 0.0 and reach[teeth] < 0.0:
+        teeth, mate = (geom[k, 0], geom[k, 1]) if teeth_number[geom[k, 0]] >= 0 else (geom[k, 1], geom[k, 0])
+        if overlap > 0.0 and teeth_number[teeth] >= 0:
             # MuJoCo's own distance is scaled: it makes the stiffness follow the local curvature (``mating``).
             dx, dy = geom_xpos[mate, 0] - pos[k, 0], geom_xpos[mate, 1] - pos[k, 1]
             away = np.sqrt(dx * dx + dy * dy)
             if abs(dx * frame[k, 1] - dy * frame[k, 0]) < _ROUND * away:
                 overlap = 2.0 * (reach[mate] - away)
             else:
-                overlap = _overlap(pos[k, 0], pos[k, 1], flank, geom_xpos[teeth], geom_xmat[teeth])
+                overlap = _overlap(
+                    pos[k, 0], pos[k, 1], flanks[teeth_number[teeth]], geom_xpos[teeth], geom_xmat[teeth]
+                )
         depth = max(depth, overlap)
         number = pairs[surface[geom[k, 0]], surface[geom[k, 1]]]
         row = address[k]

@@ -270,7 +270,8 @@ def inner_in_outer(
 ) -> int:
     """Bring a circle and the circle around it in contact."""
     inner_radius, outer_radius = _radius(model, at, inner), _radius(model, at, outer)
-    (x, y, z), (outer_x, outer_y, _) = _place(data, at, inner), _place(data, at, outer)
+    # a pin through all discs meets the hole of one where that disc is
+    (x, y, _), (outer_x, outer_y, z) = _place(data, at, inner), _place(data, at, outer)
     dx, dy = x - outer_x, y - outer_y
     # Most circles are apart: their gap need not be known for that.
     play = outer_radius - inner_radius - margin

@@ -109,11 +109,12 @@ def passing_limit(design: Design) -> float:
 def effective_masses(design: Design) -> dict[str, float]:
     """Give the mass [kg] that moves on a contact of each kind of pair.
 
-    Half of the ring's and of the output's contacts carry at a time; a free pin, or a sleeve, lies between two.
+    Half of the ring's and of the output's contacts carry at a time, on each disc; a free pin, or a sleeve, lies between
+    two.
     """
     gear, output, pin = _masses(design)
     turning = design.output.pin_circle_radius**2 / output
-    mobility = {"cam": 1.0 / gear, "output": (1.0 / gear + turning) * design.output.pins / 2.0}
+    mobility = {"cam": 1.0 / gear, "output": (1.0 / gear + turning * design.gear.discs) * design.output.pins / 2.0}
     if design.ring.has_pin_bodies:
         mobility |= {"pin_gear": 2.0 * (1.0 / gear + 1.0 / pin), design.seat_pair: 2.0 / pin}
     else:

@@ -1,6 +1,6 @@
 """Parts as files for CAD and printing: STL and OBJ meshes, DXF outlines, STEP solids; in millimetres.
 
-Each part lies in its own frame: housing, shaft and output in that of the reducer axis, gear and pin about their own.
+Each part lies in its own frame: housing, shaft, cams and output in that of the reducer's axis, others about their own.
 """
 
 from dataclasses import dataclass
@@ -10,13 +10,14 @@ import numpy as np
 
 from cycloid_mj.design import Design
 from cycloid_mj.errors import DesignError
-from cycloid_mj.export.clearance import Clearance, measure
+from cycloid_mj.export.clearance import Clearance, measure_all
 from cycloid_mj.export.curve import Arc, Circle, Curve, Line, Spline
 from cycloid_mj.export.dxf import dxf_bytes
 from cycloid_mj.export.obj import obj_bytes
 from cycloid_mj.export.section import Section, part_sections
 from cycloid_mj.export.step import SPLINES, read_volume, step_part
 from cycloid_mj.export.stl import read_stl, stl_bytes
+from cycloid_mj.names import gears
 from cycloid_mj.solid import mass_properties, mesh, parts
 
 __all__ = [
@@ -86,8 +87,8 @@ def export(design: Design, file_format: Format, chord_error: float = CHORD_ERROR
     if file_format in ("stl", "obj"):
         return _meshes(design, file_format, chord_error)
     sections = part_sections(design, SPLINES if file_format == "step" else 1)
-    gear_loops = [_loop_points(loop) for loop in sections["gear"][0].loops]
-    clearances = measure(design, gear_loops, _loop_points(sections["housing"][0].loops[1]))
+    discs = [[_loop_points(loop) for loop in sections[gear][0].loops] for gear in gears(design.gear.discs)]
+    clearances = measure_all(design, discs, _loop_points(sections["housing"][0].loops[1]))
     if file_format == "dxf":
         return Export({f"{name}.dxf": dxf_bytes(stretches) for name, stretches in sections.items()}, clearances)
     return Export({f"{name}.step": _step(design, name, stretches) for name, stretches in sections.items()}, clearances)
@@ -95,8 +96,9 @@ def export(design: Design, file_format: Format, chord_error: float = CHORD_ERROR
 
 def _meshes(design: Design, file_format: Format, chord_error: float) -> Export:
     solids = parts(design, chord_error)
-    (gear,), (housing, *_) = solids["gear"].prisms, solids["housing"].prisms
-    clearances = measure(design, [gear.outline, *gear.holes], housing.holes[0])
+    discs = [solids[gear].prisms[0] for gear in gears(design.gear.discs)]
+    loops = [[disc.outline, *disc.holes] for disc in discs]
+    clearances = measure_all(design, loops, solids["housing"].prisms[0].holes[0])
     meshes = {name: mesh(solid) for name, solid in solids.items()}
     if file_format == "stl":
         files = {f"{name}.stl": stl_bytes(shape, MILLIMETRES) for name, shape in meshes.items()}

@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 from cycloid_mj import profile
 from cycloid_mj.design import Design
 from cycloid_mj.errors import DesignError
+from cycloid_mj.mechanism.reducer import phases
 from cycloid_mj.modification import gear_profile
 from cycloid_mj.solid import output_centres
 from cycloid_mj.types import Array
@@ -46,17 +47,34 @@ def flank_distance(gear: profile.CycloidGear, points: Array) -> Array:
     return np.asarray(np.sum((profile.trochoid(gear, t) - points) * profile.normals(gear, t), axis=1))
 
 
-def measure(design: Design, gear_loops: Sequence[Array], ring_loop: Array) -> tuple[Clearance, ...]:
-    """Measure the clearances cut into gear and housing.
+def measure_all(design: Design, discs: Sequence[Sequence[Array]], ring_loop: Array) -> tuple[Clearance, ...]:
+    """Measure the clearances of every disc, each as `measure` does: the least and the most of all.
+
+    Raises
+    ------
+    DesignError
+        A clearance is not what was asked for.
+    """
+    found = [measure(design, loops, ring_loop, disc) for disc, loops in enumerate(discs)]
+    return tuple(
+        Clearance(pair[0].pair, pair[0].asked, min(one.least for one in pair), max(one.most for one in pair))
+        for pair in zip(*found, strict=True)
+    )
+
+
+def measure(design: Design, gear_loops: Sequence[Array], ring_loop: Array, disc: int = 0) -> tuple[Clearance, ...]:
+    """Measure the clearances cut into a disc and the housing.
 
     Parameters
     ----------
     design
         The design that asks for them.
     gear_loops
-        Points (n, 2) [m] of the gear's outline, its bore, and its holes in the order of ``output_centres``.
+        Points (n, 2) [m] of the disc's outline, its bore, and its holes in the order of ``output_centres``.
     ring_loop
         Points (n, 2) [m] of the housing's inner outline.
+    disc
+        Index of the disc.
 
     Raises
     ------
@@ -68,7 +86,7 @@ def measure(design: Design, gear_loops: Sequence[Array], ring_loop: Array) -> tu
     hole_points = [hole - centre for hole, centre in zip(holes, output_centres(design), strict=True)]
     teeth = "pin_gear" if design.ring.kind == "pin" else "tooth"
     found: Mapping[str, Array] = {
-        teeth: _flank_clearance(design, outline),
+        teeth: _flank_clearance(design, _turned(outline, -phases(design)[disc] / design.lobes)),
         "cam": np.linalg.norm(bore, axis=1) - design.gear.bore_radius,
         "output": np.linalg.norm(np.concatenate(hole_points), axis=1) - design.output.hole_radius,
     }

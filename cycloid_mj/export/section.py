@@ -5,9 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj import envelope, profile
+from cycloid_mj import envelope, names, profile
 from cycloid_mj.design import Design
 from cycloid_mj.export.curve import Arc, Circle, Curve, Flank, Line, fit_splines, turned_curve
+from cycloid_mj.mechanism.reducer import phases
 from cycloid_mj.modification import flank_ends, gear_profile, profile_offset, tooth_profile
 from cycloid_mj.solid import (
     VISUAL_CHORD_ERROR,
@@ -15,8 +16,9 @@ from cycloid_mj.solid import (
     output_centres,
     output_solid,
     parts,
-    shaft_solid,
     sleeve_core_radius,
+    spacer_radius,
+    stretches,
 )
 from cycloid_mj.types import Array
 
@@ -50,15 +52,15 @@ def part_sections(design: Design, splines: int = 1) -> dict[str, tuple[Section, 
         A part cannot be made.
     """
     parts(design, VISUAL_CHORD_ERROR)  # refuses what does not fit together
-    half = design.gear.face_width / 2.0
+    half, width = design.gear.stack_width / 2.0, design.gear.face_width / 2.0
     ring = _internal_gear(design, splines) if design.ring.kind == "nonpin" else _pinwheel(design)
     wheel = Section("housing", ((_circle(design.housing.outer_radius),), ring), -half, half)
-    found = {
-        "housing": (wheel, *_cores(design, half)),
-        "shaft": _shaft(design),
-        "gear": (Section("gear", (_gear_outline(design, splines), *_gear_holes(design)), -half, half),),
-        "output": _output(design),
+    teeth = _gear_outline(design, splines)
+    gears = {
+        name: (Section("gear", (_ahead(design, teeth, phase), *_gear_holes(design)), -width, width),)
+        for name, phase in zip(names.gears(design.gear.discs), phases(design), strict=True)
     }
+    found = {"housing": (wheel, *_cores(design, half)), **_crank(design), **gears, "output": _output(design)}
     if design.ring.kind == "pin":
         bore = ((_circle(design.ring.sleeve_bore_radius),),) if design.ring.has_sleeves else ()
         found["pin"] = (Section("pin", ((_circle(design.ring.pin_radius),), *bore), -half, half),)
@@ -105,6 +107,11 @@ def _gear_outline(design: Design, splines: int) -> tuple[Curve, ...]:
     return tuple(turned_curve(curve, -i * pitch) for i in range(gear.lobes) for curve in lobe)
 
 
+def _ahead(design: Design, teeth: tuple[Curve, ...], phase: float) -> tuple[Curve, ...]:
+    """Turn the teeth of a disc that is ahead on the crank by a phase [rad] back against its holes."""
+    return tuple(turned_curve(curve, phase / design.lobes) for curve in teeth) if phase else teeth
+
+
 def _gear_holes(design: Design) -> list[tuple[Curve, ...]]:
     hole = design.output.hole_radius + design.clearance.output
     bore = _circle(design.gear.bore_radius + design.clearance.cam)
@@ -144,10 +151,27 @@ def _pinwheel(design: Design) -> tuple[Curve, ...]:
     return tuple(turned_curve(curve, -i * pitch) for i in range(ring.teeth) for curve in (socket, land))
 
 
+def _crank(design: Design) -> dict[str, tuple[Section, ...]]:
+    """Give the crank with the faces of its solids: one part, or shaft, spacer and cams."""
+    solids, radius = parts(design, VISUAL_CHORD_ERROR), design.shaft.radius
+    if design.gear.discs == 1:
+        return {names.SHAFT: _shaft(design)}
+    (shaft,), (spacer,) = solids[names.SHAFT].prisms, solids[names.SPACER].prisms
+    rings = {names.SPACER: (spacer, _circle(spacer_radius(design)))}
+    for name, phase in zip(names.all_numbered(names.CAM, design.gear.discs), phases(design), strict=True):
+        (cam,) = solids[name].prisms
+        rings[name] = (cam, _circle(design.gear.bore_radius, design.gear.eccentricity * profile.unit(-phase)))
+    found: dict[str, tuple[Section, ...]] = {
+        names.SHAFT: (Section("journal", ((_circle(radius),),), shaft.z0, shaft.z1),)
+    }
+    for name, (ring, outline) in rings.items():
+        found[name] = (Section(names.family(name), ((outline,), (_circle(radius),)), ring.z0, ring.z1),)
+    return found
+
+
 def _shaft(design: Design) -> tuple[Section, ...]:
     """Give journal, counterweight, journal and cam, with the faces of the balanced solid."""
     shaft, cam = design.shaft, design.gear.bore_radius
-    journal = ((_circle(shaft.radius),),)
     outer, inner = shaft.counterweight_radius, shaft.radius
     counterweight = (
         Arc((0.0, 0.0), outer, math.pi, 2.0 * math.pi),
@@ -155,23 +179,25 @@ def _shaft(design: Design) -> tuple[Section, ...]:
         Arc((0.0, 0.0), inner, 0.0, math.pi),
         Line((-inner, 0.0), (-outer, 0.0)),
     )
-    loops = (journal, (counterweight,), journal, ((_circle(cam, (0.0, design.gear.eccentricity)),),), journal)
-    names = ("journal", "counterweight", "inner_journal", "cam", "far_journal")
-    stretches = shaft_solid(design).prisms  # the last only where the shaft straddles the gear
+    special = {"counterweight": (counterweight,), "cam": ((_circle(cam, (0.0, design.gear.eccentricity)),),)}
     return tuple(
-        Section(name, loop, stretch.z0, stretch.z1)
-        for name, loop, stretch in zip(names, loops, stretches, strict=False)
+        Section(name, special.get(name, ((_circle(inner),),)), stretch.z0, stretch.z1)
+        for name, stretch in stretches(design).items()
     )
 
 
 def _output(design: Design) -> tuple[Section, ...]:
-    """Give the disc and its pins."""
-    disc, *pins = output_solid(design, VISUAL_CHORD_ERROR).prisms
+    """Give the disc and its pins, and the second disc where it holds them, too."""
+    disc, *others = output_solid(design, VISUAL_CHORD_ERROR).prisms
     rim = float(np.linalg.norm(disc.outline, axis=1).max())
     centres = output_centres(design)
-    pin = design.output.pin_radius
-    stretches = zip(pins, centres, strict=True)
+    pins, second = others[: len(centres)], others[len(centres) :]
+    pin, eye = design.output.pin_radius, design.gear.bore_radius + design.gear.eccentricity
     return (
         Section("disc", ((_circle(rim),),), disc.z0, disc.z1),
-        *(Section("pins", ((_circle(pin, centre),),), stretch.z0, stretch.z1) for stretch, centre in stretches),
+        *(
+            Section("pins", ((_circle(pin, centre),),), one.z0, one.z1)
+            for one, centre in zip(pins, centres, strict=True)
+        ),
+        *(Section("second_disc", ((_circle(rim),), (_circle(eye),)), one.z0, one.z1) for one in second),
     )

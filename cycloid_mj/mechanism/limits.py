@@ -33,16 +33,18 @@ class Fit:
     room
         Smallest gap of any pair in this pose [m]; negative where the parts only go together pressed into each other.
     shift
-        Of the gear's centre from the ideal one [m], shape (2,).
-    gear_turn, output_turn
-        Angles of gear and output less the ideal ones [rad].
+        Of each disc's centre from the ideal one [m], shape (D, 2).
+    gear_turn
+        Angle of each disc less the ideal one [rad], shape (D,).
+    output_turn
+        Angle of the output less the ideal one [rad].
     pin_shift
         Of each pin or sleeve that moves, out of the gear's way [m], shape (N, 2); zero for pins that do not.
     """
 
     room: float
     shift: Array
-    gear_turn: float
+    gear_turn: Array
     output_turn: float
     pin_shift: Array
 
@@ -58,8 +60,9 @@ def best_fit(design: Design, crank: float) -> Fit:
     best = linprog([0.0] * count + [-1.0], A_ub=matrix, b_ub=room / _SCALE, bounds=[(None, None)] * (count + 1))
     *free, least = np.asarray(best.x, dtype=np.float64)
     pose = _SCALE * np.array(free)
-    turn = pose[[2, -1]] / design.output.pin_circle_radius
-    return Fit(float(least) * _SCALE, pose[:2], float(turn[0]), float(turn[1]), _aside(design, found, pose))
+    radius, discs = design.output.pin_circle_radius, pose[:-1].reshape(-1, 3)
+    turn = float(pose[-1]) / radius
+    return Fit(float(least) * _SCALE, discs[:, :2], discs[:, 2] / radius, turn, _aside(design, found, pose))
 
 
 def stops(design: Design, crank: float, sides: int = CAM_SIDES) -> tuple[float, float]:
@@ -105,5 +108,6 @@ def _aside(design: Design, found: Gaps, pose: Array) -> Array:
         teeth = found.select(found.kind == design.tooth_pair)
         gap = teeth.width + teeth.slope @ pose
         outwards = np.where(gap < 0.0, (teeth.play - gap) / 2.0, 0.0)
-        moved[teeth.owner] = outwards[:, np.newaxis] * -teeth.slope[:, :2]
+        by_place = teeth.slope[:, :-1].reshape(len(gap), -1, 3)[np.arange(len(gap)), teeth.disc, :2]
+        np.add.at(moved, teeth.owner, outwards[:, np.newaxis] * -by_place)
     return moved

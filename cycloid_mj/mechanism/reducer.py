@@ -39,13 +39,15 @@ class Body:
     name
         Its own.
     part
-        The solid that it is, a key of ``solid.parts``.
+        The solid that it is, a key of ``solid.body_solids``.
     joints
         Its degrees of freedom by name: none, its turn about the reducer's axis, or x, y and turn in the plane.
     place
         Of its frame at the crank angle 0 [m], shape (2,).
     origin
         What x and y of its joints read there [m], shape (2,).
+    plane
+        Of its frame along z [m]: a disc's is in its middle, 0 in the middle of all discs.
     """
 
     name: str
@@ -53,6 +55,7 @@ class Body:
     joints: tuple[str, ...]
     place: Array
     origin: Array
+    plane: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +76,8 @@ class Surfaces:
         As made, clearance counted in [m], shape (n,); of teeth, a radius that reaches every mate.
     play
         How far each gives way before it carries [m], shape (n,): of massless pins; else 0.
+    disc
+        Index of the disc that is as wide as they are; None: they span all discs.
     """
 
     names: tuple[str, ...]
@@ -82,6 +87,7 @@ class Surfaces:
     place: Array
     radius: Array
     play: Array
+    disc: int | None = None
 
 
 @dataclass(frozen=True)
@@ -170,7 +176,7 @@ class Mechanism:
     @property
     def discs(self) -> tuple[Body, ...]:
         """The bodies of the discs."""
-        return tuple(body for body in self.bodies if body.part == names.GEAR)
+        return tuple(body for body in self.bodies if names.family(body.part) == names.GEAR)
 
     @property
     def pins(self) -> tuple[Body, ...]:
@@ -224,7 +230,7 @@ def _bodies(design: Design, made: Deviations) -> Iterator[Body]:
     yield Body(names.SHAFT, names.SHAFT, (names.CRANK_JOINT,), axis, axis)
     for disc, phase in enumerate(phases(design)):
         name, place = _of_disc(design, names.GEAR, disc), gear_centre(gear, phase)
-        yield Body(name, names.GEAR, names.planar_joints(name), place, place)
+        yield Body(name, name, names.planar_joints(name), place, place, design.gear.disc_planes[disc])
     yield Body(names.OUTPUT, names.OUTPUT, (names.OUTPUT_JOINT,), axis, axis)
     if ring.has_pin_bodies:
         places = ring.pin_circle_radius * profile.unit(_angles(ring.teeth)) + made.pin_place
@@ -270,6 +276,7 @@ def _mesh(design: Design, made: Deviations, disc: int, ring: Surfaces) -> Mating
         place=np.zeros((1, 2)),
         radius=np.array([reach]),
         play=np.zeros(1),
+        disc=disc,
     )
     pairs = tuple(_of_disc(design, name, disc) for name in ring.names)
     return Mating(design.tooth_pair, pairs, teeth, ring, disc)
@@ -282,8 +289,8 @@ def _cam(design: Design, made: Deviations, disc: int) -> Mating:
     return Mating(
         "cam",
         (cam,),
-        _around((bore,), gear, Role.OUTER, 0.0, radius + design.clearance.cam),
-        _around((cam,), names.SHAFT, Role.INNER, orbit, radius, made.cam_place[disc], first=-ahead),
+        _around((bore,), gear, Role.OUTER, 0.0, radius + design.clearance.cam, disc=disc),
+        _around((cam,), names.SHAFT, Role.INNER, orbit, radius, made.cam_place[disc], first=-ahead, disc=disc),
         disc,
     )
 
@@ -292,7 +299,7 @@ def _holes(design: Design, made: Deviations, disc: int, pins: Surfaces) -> Matin
     output = design.output
     numbered = tuple(_of_disc(design, name, disc) for name in names.all_numbered(names.HOLE, output.pins))
     radius, gear = output.hole_radius + design.clearance.output, _of_disc(design, names.GEAR, disc)
-    holes = _around(numbered, gear, Role.OUTER, output.pin_circle_radius, radius, made.hole_place[disc])
+    holes = _around(numbered, gear, Role.OUTER, output.pin_circle_radius, radius, made.hole_place[disc], disc=disc)
     return Mating("output", tuple(_of_disc(design, name, disc) for name in pins.names), holes, pins, disc)
 
 
@@ -309,12 +316,13 @@ def _around(
     departure: Array | float = 0.0,
     first: float = 0.0,
     play: float | Array = 0.0,
+    disc: int | None = None,
 ) -> Surfaces:
     """Give like surfaces around the axis on a `circle` [m], beside their places by a `departure` [m], shape (n, 2)."""
     angle, count = first + _angles(len(numbered)), len(numbered)
     bodies = (body,) * count if isinstance(body, str) else body
     place = circle * profile.unit(angle) + departure
-    return Surfaces(numbered, bodies, role, angle, place, *(np.zeros(count) + each for each in (radius, play)))
+    return Surfaces(numbered, bodies, role, angle, place, np.zeros(count) + radius, np.zeros(count) + play, disc)
 
 
 def _angles(count: int) -> Array:

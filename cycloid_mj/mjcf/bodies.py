@@ -11,10 +11,11 @@ from cycloid_mj.contact.gap import Flank, Trochoid
 from cycloid_mj.contact.law import curvature_law, pair_stiffness
 from cycloid_mj.contact.teeth import Teeth, user_data
 from cycloid_mj.design import Design
+from cycloid_mj.deviations import deviations
 from cycloid_mj.digits import on_grid, significant
 from cycloid_mj.mechanism.reducer import Body, Mechanism, Role, Surfaces
 from cycloid_mj.modification import FlankEnds, flank_ends, gear_profile, profile_offset
-from cycloid_mj.solid import MassProperties
+from cycloid_mj.solid import MassProperties, carried
 from cycloid_mj.types import Array
 
 VISUAL_GROUP, CONTACT_GROUP = 2, 3
@@ -24,7 +25,13 @@ COLOURS = {
     names.GEAR: (0.25, 0.47, 0.70, 1.0),
     names.PIN: (0.83, 0.84, 0.86, 1.0),
     names.OUTPUT: (0.36, 0.62, 0.42, 1.0),
+    names.CAM: (0.90, 0.72, 0.36, 1.0),
+    names.SPACER: (0.62, 0.52, 0.34, 1.0),
 }
+"""Of what a part is; the discs after the first are lighter, see `colour`."""
+
+LIGHTER = 0.25
+"""Share of the way to white that each disc is lighter than the one before."""
 
 SEAL_TIME, SEAL_IMPEDANCE = 1e-4, [0.99, 0.99, 1.0, 0.5, 1.0]
 """Time [s] in which the drag of seals stops a shaft that it can hold, and how firmly: a shaft that turns feels all of
@@ -38,7 +45,7 @@ def add_bodies(spec: Any, reducer: Mechanism, masses: Mapping[str, MassPropertie
     # MuJoCo factorises from the last degree of freedom backwards: each pin meets the gear alone, so with the pins
     # last an elimination fills in nothing between pins; before the gear each would couple all of them.
     for body in reducer.bodies:
-        made = spec.worldbody.add_body(name=body.name, pos=point(body.place))
+        made = spec.worldbody.add_body(name=body.name, pos=point(body.place, body.plane))
         _add_joints(made, body, reducer.design)
         if body.joints:
             set_inertia(made, masses[body.part])
@@ -46,24 +53,27 @@ def add_bodies(spec: Any, reducer: Mechanism, masses: Mapping[str, MassPropertie
 
 def add_shapes(spec: Any, reducer: Mechanism) -> None:
     """Add to the bodies what is seen, by meshes named as the parts, and the cylinders for the exact collider."""
-    half_width = 0.5 * reducer.design.gear.face_width
+    planes = {body.name: body.plane for body in reducer.bodies}
     for body in reducer.bodies:
-        spec.body(body.name).add_geom(
-            type=mujoco.mjtGeom.mjGEOM_MESH,
-            meshname=body.part,
-            group=VISUAL_GROUP,
-            contype=0,
-            conaffinity=0,
-            mass=0.0,
-            rgba=list(COLOURS[body.part]),
-        )
+        for part, z in seen(reducer.design, body):
+            spec.body(body.name).add_geom(
+                type=mujoco.mjtGeom.mjGEOM_MESH,
+                meshname=part,
+                group=VISUAL_GROUP,
+                contype=0,
+                conaffinity=0,
+                mass=0.0,
+                rgba=list(colour(part)),
+                pos=[0.0, 0.0, z],
+            )
     for surfaces in reducer.surfaces:
+        middle, half_width = span(reducer.design, surfaces)
         for i, name in enumerate(surfaces.names):
             spec.body(surfaces.bodies[i]).add_geom(
                 name=name,
                 type=mujoco.mjtGeom.mjGEOM_CYLINDER,
                 size=[surfaces.radius[i], half_width, 0.0],
-                pos=point(surfaces.place[i]),
+                pos=point(surfaces.place[i], middle - planes[surfaces.bodies[i]]),
                 priority=int(surfaces.role),
                 group=CONTACT_GROUP,
                 contype=0,
@@ -79,9 +89,29 @@ def crank_inertia(design: Design, shaft: MassProperties) -> float:
     return float(shaft.inertia[2, 2] + shaft.mass * np.sum(shaft.centroid[:2] ** 2) + design.drive.rotor_inertia)
 
 
-def point(place: Array) -> list[float]:
-    """Give a place in the plane [m], shape (2,), as MuJoCo takes it."""
-    return [*on_grid(place).tolist(), 0.0]
+def seen(design: Design, body: Body) -> list[tuple[str, float]]:
+    """Give the parts that a body is seen by, and how far up z each is in its frame [m]."""
+    return [(body.part, 0.0), *(carried(design).values() if body.part == names.SHAFT else ())]
+
+
+def colour(part: str) -> tuple[float, float, float, float]:
+    """Give the colour of a part by its name."""
+    red, green, blue, opacity = COLOURS[names.family(part)]
+    lighter = LIGHTER * (names.number_of(part) - 1 if names.family(part) == names.GEAR else 0)
+    return red + lighter * (1.0 - red), green + lighter * (1.0 - green), blue + lighter * (1.0 - blue), opacity
+
+
+def span(design: Design, surfaces: Surfaces) -> tuple[float, float]:
+    """Give the middle of surfaces along z, and half their width [m]."""
+    gear = design.gear
+    if surfaces.disc is None:
+        return 0.0, 0.5 * gear.stack_width
+    return gear.disc_planes[surfaces.disc], 0.5 * gear.face_width
+
+
+def point(place: Array, z: float = 0.0) -> list[float]:
+    """Give a place in the plane [m], shape (2,), and its z [m] as MuJoCo takes it."""
+    return [*on_grid(place).tolist(), float(on_grid(np.array(z)))]
 
 
 def turn(angle: float) -> list[float]:
@@ -120,7 +150,8 @@ def _attributes(design: Design, surfaces: Surfaces, i: int) -> dict[str, Any]:
     """Give what the collider must know of a surface besides its place and its radius."""
     angle = float(surfaces.angle[i])
     if surfaces.role == Role.TEETH:
-        return {"quat": turn(angle), "userdata": [significant(one) for one in user_data(_teeth(design))]}
+        teeth = _teeth(design, surfaces.disc or 0)
+        return {"quat": turn(angle), "userdata": [significant(one) for one in user_data(teeth)]}
     if surfaces.role == Role.LOBE:
         return {"quat": turn(angle)}
     if surfaces.role != Role.PIN:
@@ -132,8 +163,9 @@ def _attributes(design: Design, surfaces: Surfaces, i: int) -> dict[str, Any]:
     return {"userdata": [*home, significant(float(surfaces.play[i])), significant(softness)]}
 
 
-def _teeth(design: Design) -> Teeth:
-    law, gear, offset = curvature_law(design), gear_profile(design), profile_offset(design)
+def _teeth(design: Design, disc: int) -> Teeth:
+    law, gear = curvature_law(design), gear_profile(design)
+    offset = profile_offset(design) - float(deviations(design).disc_radius[disc])
     rotation = design.modification.rotation
     ends = flank_ends(gear, offset, rotation) if rotation else FlankEnds(0.0, 0.0, 0.0, 0.0)
     curve = Trochoid(gear.pin_circle_radius, gear.eccentricity, float(gear.ring_teeth))

@@ -40,7 +40,7 @@ def add_keyframes(spec: Any, design: Design) -> None:
 
 
 def joint_state(design: Design, crank: float, speed: float) -> tuple[dict[str, float], dict[str, float]]:
-    """Give positions and velocities of the joints of crank, gear and output at a crank angle [rad] and speed [rad/s].
+    """Give positions and velocities of the joints of crank, discs and output at a crank angle [rad] and speed [rad/s].
 
     Hsieh 2014, Eqs 12 and 13 (corrected): the gear's centre runs on a circle, gear and output turn at -speed/(N-1).
     Parts with errors or modified flanks, and the pins among them that move, are where they fit best.
@@ -63,7 +63,9 @@ def joint_state(design: Design, crank: float, speed: float) -> tuple[dict[str, f
 def _room(reducer: Mechanism, crank: float) -> dict[str, float]:
     """Give how far joints are from the ideal mesh in the pose that leaves the most room."""
     fit = best_fit(reducer.design, crank)
-    joints = dict(zip(reducer.discs[0].joints, (*fit.shift.tolist(), fit.gear_turn), strict=True))
+    joints: dict[str, float] = {}
+    for disc, shift, turn in zip(reducer.discs, fit.shift.tolist(), fit.gear_turn.tolist(), strict=True):
+        joints |= dict(zip(disc.joints, (*shift, turn), strict=True))
     for pin, place in zip(reducer.pins, fit.pin_shift, strict=False):
         joints |= dict(zip(pin.joints[:2], place.tolist(), strict=True))
     return joints | {names.OUTPUT_JOINT: fit.output_turn}

@@ -9,10 +9,10 @@ from cycloid_mj.solid.housing import housing_solid, pin_solid, sleeve_core_radiu
 from cycloid_mj.solid.inertia import MassProperties, mass_properties
 from cycloid_mj.solid.mesh import Mesh, mesh
 from cycloid_mj.solid.output import output_centres, output_solid
-from cycloid_mj.solid.parts import parts
+from cycloid_mj.solid.parts import body_solids, carried, parts
 from cycloid_mj.solid.polygon import circle
 from cycloid_mj.solid.prism import Prism, Solid
-from cycloid_mj.solid.shaft import shaft_solid
+from cycloid_mj.solid.shaft import shaft_solid, spacer_radius, stretches
 
 __all__ = [
     "VISUAL_CHORD_ERROR",
@@ -20,6 +20,8 @@ __all__ = [
     "Mesh",
     "Prism",
     "Solid",
+    "body_solids",
+    "carried",
     "circle",
     "gear_solid",
     "housing_solid",
@@ -32,4 +34,6 @@ __all__ = [
     "pin_solid",
     "shaft_solid",
     "sleeve_core_radius",
+    "spacer_radius",
+    "stretches",
 ]

@@ -1,14 +1,15 @@
-"""The cycloid gear as a solid: its profile, its bore and the holes of the output pins."""
+"""A cycloid gear as a solid: its profile, its bore and the holes of the output pins."""
 
 import math
 
-from cycloid_mj import profile
+from cycloid_mj import names, profile
 from cycloid_mj.design import Design
+from cycloid_mj.mechanism.reducer import phases
 from cycloid_mj.modification import gear_profile, profile_offset, sample_turned, tooth_profile
 from cycloid_mj.solid.accuracy import drawing_error
 from cycloid_mj.solid.fit import require_above, require_below
 from cycloid_mj.solid.output import output_centres
-from cycloid_mj.solid.polygon import circle
+from cycloid_mj.solid.polygon import circle, turned
 from cycloid_mj.solid.prism import Prism, Solid
 
 __all__ = ["gear_outline", "gear_profile", "gear_solid", "profile_offset", "tooth_profile"]
@@ -19,10 +20,11 @@ ROUNDING = 1e-9
 """Relative; a hole of exactly output pin + eccentricity passes."""
 
 
-def gear_solid(design: Design, chord_error: float | None = None) -> Solid:
-    """Give the cycloid gear in its own frame: valley 1 and hole 1 on +y, holes numbered clockwise.
+def gear_solid(design: Design, chord_error: float | None = None, disc: int = 0) -> Solid:
+    """Give a cycloid gear in its own frame: valley 1 and hole 1 on +y, holes numbered clockwise.
 
-    Its profile is the modified one; its holes are where the design has them, without errors.
+    The teeth of a disc that is ahead on the crank are turned back, clockwise, against its holes. Its profile is the
+    modified one; its holes are where the design has them, without errors.
 
     Parameters
     ----------
@@ -30,6 +32,8 @@ def gear_solid(design: Design, chord_error: float | None = None) -> Solid:
         The design; each clearance is taken from the gear (profile and holes) or added to its bore.
     chord_error
         Largest distance of a chord from its curve [m]; right for mass properties when left out.
+    disc
+        Index of the disc, 0 next to the motor.
 
     Raises
     ------
@@ -38,12 +42,13 @@ def gear_solid(design: Design, chord_error: float | None = None) -> Solid:
     """
     _require_room(design)
     chord_error = drawing_error(design, chord_error)
-    outline = gear_outline(design, chord_error)[::-1]
+    outline = turned(gear_outline(design, chord_error)[::-1], -phases(design)[disc] / design.lobes)
     bore = circle(design.gear.bore_radius + design.clearance.cam, chord_error)
     hole = circle(design.output.hole_radius + design.clearance.output, chord_error)
     holes = [hole + centre for centre in output_centres(design)]
     half = design.gear.face_width / 2
-    return Solid("gear", (Prism(outline, (bore, *holes), -half, half),), design.material_of("gear").density)
+    name = names.of_disc(names.GEAR, disc, design.gear.discs)
+    return Solid(name, (Prism(outline, (bore, *holes), -half, half),), design.material_of("gear").density)
 
 
 def gear_outline(design: Design, chord_error: float) -> Array:

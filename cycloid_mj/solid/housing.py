@@ -10,7 +10,7 @@ from cycloid_mj.profile import unit
 from cycloid_mj.solid.accuracy import drawing_error
 from cycloid_mj.solid.fit import require_above, require_below
 from cycloid_mj.solid.gear import tooth_profile
-from cycloid_mj.solid.polygon import arc, circle
+from cycloid_mj.solid.polygon import arc, circle, turned
 from cycloid_mj.solid.prism import Prism, Solid
 from cycloid_mj.types import Array
 
@@ -19,7 +19,7 @@ WALL_GAP = 0.1
 
 
 def pin_solid(design: Design, chord_error: float | None = None) -> Solid:
-    """Give one pin of the pinwheel, its centre at the origin: a cylinder of the face width, or the sleeve on it.
+    """Give one pin of the pinwheel, its centre at the origin: a cylinder through all discs, or the sleeve on it.
 
     Raises
     ------
@@ -29,7 +29,7 @@ def pin_solid(design: Design, chord_error: float | None = None) -> Solid:
     chord_error = drawing_error(design, chord_error)
     outline = circle(design.ring.pin_radius, chord_error)
     bore = (_sleeve_bore(design, chord_error),) if design.ring.has_sleeves else ()
-    half = design.gear.face_width / 2
+    half = design.gear.stack_width / 2
     return Solid("pin", (Prism(outline, bore, -half, half),), design.material_of("pin").density)
 
 
@@ -66,7 +66,7 @@ def housing_solid(design: Design, chord_error: float | None = None) -> Solid:
     chord_error = drawing_error(design, chord_error)
     hole = _pinwheel(design, chord_error) if design.ring.kind == "pin" else _internal_gear(design, chord_error)
     outline = circle(design.housing.outer_radius, chord_error)
-    half = design.gear.face_width / 2
+    half = design.gear.stack_width / 2
     ring = Prism(outline, (hole,), -half, half)
     return Solid("housing", (ring, *_cores(design, chord_error)), design.material_of("housing").density)
 
@@ -75,7 +75,7 @@ def _cores(design: Design, chord_error: float) -> list[Prism]:
     """Give the pressed-in pins inside the sleeves, pin 1 on +y, clockwise; none elsewhere."""
     if not design.ring.has_sleeves:
         return []
-    core, half = circle(sleeve_core_radius(design), chord_error), design.gear.face_width / 2
+    core, half = circle(sleeve_core_radius(design), chord_error), design.gear.stack_width / 2
     angles = 2 * np.pi * np.arange(design.ring.teeth) / design.ring.teeth
     return [Prism(core + centre, (), -half, half) for centre in design.ring.pin_circle_radius * unit(angles)]
 
@@ -97,7 +97,7 @@ def _pinwheel(design: Design, chord_error: float) -> Array:
     edge = math.atan2(socket[-1, 1], socket[-1, 0])
     land = arc(wall, edge, 2 * math.pi / teeth - edge, chord_error)[1:-1]
     pitch = np.concatenate([socket, land])
-    return np.concatenate([_turned(pitch, math.pi / 2 + 2 * math.pi * i / teeth) for i in range(teeth)])
+    return np.concatenate([turned(pitch, math.pi / 2 + 2 * math.pi * i / teeth) for i in range(teeth)])
 
 
 def _internal_gear(design: Design, chord_error: float) -> Array:
@@ -116,9 +116,3 @@ def _wall_radius(design: Design) -> float:
     centre, pin, eccentricity = design.ring.pin_circle_radius, design.ring.pin_radius, design.gear.eccentricity
     require_above("ring.pin_radius", pin, eccentricity, "the gear's tips reach beyond the sockets")
     return max(centre, centre - pin + 2 * eccentricity + WALL_GAP * (pin - eccentricity))
-
-
-def _turned(points: Array, angle: float) -> Array:
-    """Turn points (n, 2) counter-clockwise about the origin by an angle [rad]."""
-    cos, sin = math.cos(angle), math.sin(angle)
-    return points @ np.array([[cos, sin], [-sin, cos]])

@@ -2,12 +2,13 @@
 
 from functools import lru_cache
 
+from cycloid_mj import names
 from cycloid_mj.design import Design
 from cycloid_mj.solid.gear import gear_solid
 from cycloid_mj.solid.housing import housing_solid, pin_solid
 from cycloid_mj.solid.output import output_solid
 from cycloid_mj.solid.prism import Solid
-from cycloid_mj.solid.shaft import balanced_shaft
+from cycloid_mj.solid.shaft import crank_parts, shaft_solid, stretches
 
 SHAPING_NOTHING = (
     *("name", "errors", "friction", "drag", "contact", "stiffness", "damping", "working_force"),
@@ -19,7 +20,8 @@ SHAPING_NOTHING = (
 def parts(design: Design, chord_error: float | None = None) -> dict[str, Solid]:
     """Give housing, shaft, gear, pin (one of N; only where the ring has pins) and output, each in its own frame.
 
-    The pin of a sleeved ring is the sleeve; the pressed-in pins are the housing's.
+    The pin of a sleeved ring is the sleeve; the pressed-in pins are the housing's. With D discs there are ``gear_1`` to
+    ``gear_D``, each in the frame of its disc, ``cam_1`` to ``cam_D`` in that of the shaft, and one ``spacer`` of D - 1.
 
     Parameters
     ----------
@@ -33,15 +35,57 @@ def parts(design: Design, chord_error: float | None = None) -> dict[str, Solid]:
     DesignError
         A part cannot be made, or the parts do not fit into each other.
     """
-    unshaped = {name: Design.model_fields[name].default for name in SHAPING_NOTHING}
-    return dict(_parts(design.model_copy(update=unshaped), chord_error))
+    return dict(_parts(_shape(design), chord_error))
+
+
+def body_solids(design: Design) -> dict[str, Solid]:
+    """Give what moves together as one solid each, by the part that names it: as `parts`, but the whole crank as shaft.
+
+    Raises
+    ------
+    DesignError
+        As `parts`.
+    """
+    found = parts(design)
+    if design.gear.discs == 1:
+        return found
+    whole = _whole_crank(_shape(design))
+    on_crank = {part for part, _ in carried(design).values()}
+    return {name: whole if name == names.SHAFT else solid for name, solid in found.items() if name not in on_crank}
+
+
+def carried(design: Design) -> dict[str, tuple[str, float]]:
+    """Give what a built-up crank carries on its shaft: name of each copy -> its part, and how far up z it is [m]."""
+    gear = design.gear
+    if gear.discs == 1:
+        return {}
+    cams = {name: (name, 0.0) for name in names.all_numbered(names.CAM, gear.discs)}
+    middles = [plane + gear.disc_spacing / 2 for plane in gear.disc_planes[:-1]]
+    spacers = zip(names.all_numbered(names.SPACER, len(middles)), middles, strict=True)
+    return cams | {name: (names.SPACER, middle) for name, middle in spacers}
+
+
+def _shape(design: Design) -> Design:
+    """Give a design without what no part depends on."""
+    return design.model_copy(update={name: Design.model_fields[name].default for name in SHAPING_NOTHING})
+
+
+@lru_cache(maxsize=32)
+def _whole_crank(design: Design) -> Solid:
+    return shaft_solid(design)
 
 
 @lru_cache(maxsize=32)
 def _parts(design: Design, chord_error: float | None) -> dict[str, Solid]:
-    gear = gear_solid(design, chord_error)
-    solids = [housing_solid(design, chord_error), balanced_shaft(design, gear, chord_error), gear]
+    gears = [gear_solid(design, chord_error, disc) for disc in range(design.gear.discs)]
+    crank = crank_parts(design, chord_error) if len(gears) > 1 else (_crank(design, chord_error, gears[0]),)
+    solids = [housing_solid(design, chord_error), *crank, *gears]
     if design.ring.kind == "pin":
         solids.append(pin_solid(design, chord_error))
     solids.append(output_solid(design, chord_error))
     return {solid.name: solid for solid in solids}
+
+
+def _crank(design: Design, chord_error: float | None, gear: Solid) -> Solid:
+    found = stretches(design, chord_error, gear)
+    return Solid(names.SHAFT, tuple(found.values()), design.material_of("shaft").density)

@@ -70,6 +70,14 @@ def circle(radius: float, chord_error: float, centre: tuple[float, float] = (0.0
     return np.array(centre) + arc(radius, 0.0, 2 * math.pi, chord_error)[:-1]
 
 
+def turned(points: Array, angle: float) -> Array:
+    """Turn points (n, 2) counter-clockwise about the origin by an angle [rad]."""
+    if not angle:
+        return points
+    cos, sin = math.cos(angle), math.sin(angle)
+    return points @ np.array([[cos, sin], [-sin, cos]])
+
+
 def crossing(rings: Sequence[Array]) -> Array | None:
     """Give a point (2,) [m] near which two edges of closed polygons touch or cross, or None.
 

@@ -1,25 +1,31 @@
-"""The eccentric input shaft: input journal, balancing counterweight and cam."""
+"""The crank: input journal, the cams of all discs, and the counterweight of a single one."""
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
+from cycloid_mj import names
 from cycloid_mj.design import Design
+from cycloid_mj.mechanism.reducer import phases
 from cycloid_mj.solid.accuracy import drawing_error
-from cycloid_mj.solid.fit import require_above, too_small
+from cycloid_mj.solid.fit import require_above, require_below, too_small
 from cycloid_mj.solid.gear import gear_solid
 from cycloid_mj.solid.inertia import mass_properties
-from cycloid_mj.solid.output import AXIAL_GAP
-from cycloid_mj.solid.polygon import arc, area_moments, circle
+from cycloid_mj.solid.output import AXIAL_GAP, near_face
+from cycloid_mj.solid.polygon import arc, area_moments, circle, turned
 from cycloid_mj.solid.prism import Prism, Solid
 from cycloid_mj.types import Array
 
+JOURNAL, COUNTERWEIGHT, INNER, NECK, FAR = "journal", "counterweight", "inner_journal", "neck", "far_journal"
+"""Stretches of the crank, with those of ``names.CAM`` and ``names.SPACER``; what lies between discs is numbered."""
+
 
 def shaft_solid(design: Design, chord_error: float | None = None) -> Solid:
-    """Give the input shaft with its counterweight and cam, frame of the reducer axis, crank at 0 (cam towards +y).
+    """Give the whole crank, all that turns with the input, frame of the reducer axis, crank at 0 (cam 1 towards +y).
 
-    Along z: journal, counterweight (with the shaft in its middle), journal across the gap, cam within the gear; and,
-    where the shaft straddles the gear, a journal beyond it, for the bearing in the output's hub.
+    Of one disc it is a single part with a counterweight. Several discs, evenly spaced around it, balance each other;
+    their crank is built up of a plain shaft, a cam for each disc and a spacer in each gap, which guides the discs.
 
     Parameters
     ----------
@@ -31,28 +37,89 @@ def shaft_solid(design: Design, chord_error: float | None = None) -> Solid:
     Raises
     ------
     DesignError
-        No counterweight of this radius balances the gear within the shaft's length.
+        No counterweight of this radius balances the gear within the shaft's length, or the shaft is too thick for cams.
     """
-    return balanced_shaft(design, gear_solid(design, chord_error), chord_error)
+    return Solid(names.SHAFT, tuple(stretches(design, chord_error).values()), design.material_of("shaft").density)
 
 
-def balanced_shaft(design: Design, gear: Solid, chord_error: float | None = None) -> Solid:
-    """Give the input shaft that balances a given gear; see ``shaft_solid``."""
+def stretches(design: Design, chord_error: float | None = None, gear: Solid | None = None) -> Mapping[str, Prism]:
+    """Give the stretches of the crank by name; see `shaft_solid`.
+
+    Along z: journal, counterweight (with the shaft in its middle), journal across the gap, cam within the gear; or
+    journal, cam 1, neck with the spacer around it, cam 2, ...; and where the shaft straddles the discs, a journal
+    beyond them, for the bearing in the output's hub. `gear` is what the counterweight balances, if it is drawn already.
+    """
     chord_error = drawing_error(design, chord_error)
+    if design.gear.discs == 1:
+        return _with_counterweight(design, gear or gear_solid(design, chord_error), chord_error)
+    return _of_several(design, chord_error)
+
+
+def crank_parts(design: Design, chord_error: float | None = None) -> tuple[Solid, ...]:
+    """Give the parts that the crank of several discs is built up of: shaft, spacer (in its own frame), and the cams.
+
+    Raises
+    ------
+    DesignError
+        The shaft is too thick for its cams.
+    """
+    found = stretches(design, chord_error)
+    density, hole = design.material_of("shaft").density, found[names.numbered(NECK, 1)].outline
+    ends = found.get(FAR, found[names.numbered(names.CAM, design.gear.discs)]).z1
+    shaft = Prism(found[JOURNAL].outline, (), found[JOURNAL].z0, ends)
+    ring, half = found[names.numbered(names.SPACER, 1)], design.gear.disc_gap / 2
+    spacer = Prism(ring.outline, ring.holes, -half, half)
+    cams = {name: found[name] for name in names.all_numbered(names.CAM, design.gear.discs)}
+    return (
+        Solid(names.SHAFT, (shaft,), density),
+        Solid(names.SPACER, (spacer,), density),
+        *(Solid(name, (Prism(cam.outline, (hole,), cam.z0, cam.z1),), density) for name, cam in cams.items()),
+    )
+
+
+def _with_counterweight(design: Design, gear: Solid, chord_error: float) -> dict[str, Prism]:
+    """Give the crank of one disc."""
     shaft, half = design.shaft, design.gear.face_width / 2
     journal = circle(shaft.radius, chord_error)
     cam = Prism(circle(design.gear.bore_radius, chord_error, (0.0, design.gear.eccentricity)), (), -half, half)
     counterweight = _counterweight(design, chord_error)
-    end = -half - AXIAL_GAP
+    end = near_face(design)
     start = end - _balancing_thickness(design, gear, cam, counterweight)
-    prisms = (
-        Prism(journal, (), end - shaft.length, start),
-        Prism(counterweight, (), start, end),
-        Prism(journal, (), end, -half),
-        cam,
-        *_far_journal(design, journal, start - (end - shaft.length)),
-    )
-    return Solid("shaft", prisms, design.material_of("shaft").density)
+    found = {
+        JOURNAL: Prism(journal, (), end - shaft.length, start),
+        COUNTERWEIGHT: Prism(counterweight, (), start, end),
+        INNER: Prism(journal, (), end, -half),
+        names.CAM: cam,
+    }
+    return found | _far_journal(design, journal, start - (end - shaft.length))
+
+
+def _of_several(design: Design, chord_error: float) -> dict[str, Prism]:
+    """Give the crank of several discs, which needs no counterweight: their static moments add up to nothing."""
+    gear, shaft, half = design.gear, design.shaft, design.gear.face_width / 2
+    room = gear.bore_radius - gear.eccentricity
+    require_below("shaft.radius", shaft.radius, room, "the cams leave no wall around the shaft")
+    journal, cam = circle(shaft.radius, chord_error), circle(gear.bore_radius, chord_error, (0.0, gear.eccentricity))
+    ring = circle(spacer_radius(design), chord_error)
+    planes, end = gear.disc_planes, near_face(design)
+    found = {JOURNAL: Prism(journal, (), end - shaft.length, planes[0] - half)}
+    for number, (plane, phase) in enumerate(zip(planes, phases(design), strict=True), start=1):
+        if number > 1:
+            z0, z1 = planes[number - 2] + half, plane - half
+            found[names.numbered(NECK, number - 1)] = Prism(journal, (), z0, z1)
+            found[names.numbered(names.SPACER, number - 1)] = Prism(ring, (journal,), z0, z1)
+        found[names.numbered(names.CAM, number)] = Prism(turned(cam, phase), (), plane - half, plane + half)
+    return found | _far_journal(design, journal, shaft.length)
+
+
+def spacer_radius(design: Design) -> float:
+    """Give the outer radius of the spacer between two discs [m]: midway from what their bores reach to the output pins.
+
+    Both discs then run on it all round, wherever the crank is.
+    """
+    gear, output = design.gear, design.output
+    reach = gear.bore_radius + design.clearance.cam + gear.eccentricity
+    return 0.5 * (reach + output.pin_circle_radius - output.pin_radius)
 
 
 def bearing_width(design: Design, journal: float) -> float:
@@ -63,12 +130,12 @@ def bearing_width(design: Design, journal: float) -> float:
     return design.shaft.bearing_width or min(design.shaft.radius, journal / 3.0)
 
 
-def _far_journal(design: Design, outline: Array, journal: float) -> list[Prism]:
-    """Give the journal beyond the gear, as far as the bearing in the output's hub; none on an overhung shaft."""
+def _far_journal(design: Design, outline: Array, journal: float) -> dict[str, Prism]:
+    """Give the journal beyond the discs, as far as the bearing in the output's hub; none on an overhung shaft."""
     if design.shaft.mounting == "overhang":
-        return []
-    half = design.gear.face_width / 2
-    return [Prism(outline, (), half, half + AXIAL_GAP + bearing_width(design, journal))]
+        return {}
+    half = design.gear.stack_width / 2
+    return {FAR: Prism(outline, (), half, half + AXIAL_GAP + bearing_width(design, journal))}
 
 
 def _counterweight(design: Design, chord_error: float) -> Array:

@@ -108,10 +108,12 @@ def differences(design: Design, ran: Design) -> list[str]:
 
 
 def _values(design: Design) -> dict[str, Any]:
-    """Give the values of a design's tables by ``table.key``, but for those that it may run under; none of no table."""
+    """Give the values of a design by ``table.key``, but for those that it may run under; none of no table."""
     free = {"name": True} | {table: keys or True for table, keys in FREE.items()}
-    tables = design.model_dump(exclude=free)
-    return {f"{table}.{key}": value for table, values in tables.items() for key, value in (values or {}).items()}
+    tables = {table: value for table, value in design.model_dump(exclude=free).items() if value is not None}
+    single = {table: value for table, value in tables.items() if not isinstance(value, dict)}
+    keyed = {table: keys for table, keys in tables.items() if isinstance(keys, dict)}
+    return single | {f"{table}.{key}": value for table, keys in keyed.items() for key, value in keys.items()}
 
 
 def _last_turn(run: Run, hold: Mask) -> npt.NDArray[np.intp]:

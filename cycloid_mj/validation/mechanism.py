@@ -270,13 +270,13 @@ def fit_rows() -> list[Row]:
     """Hold the pose with the most room against exact gaps: the least of them, and both sides of pins that give way."""
     design = made(FIXED, *ROOM)
     fit, crank = best_fit(design, CRANK), design.output.pin_circle_radius
-    z = np.array([*fit.shift, fit.gear_turn * crank, fit.output_turn * crank])
+    z = np.array([*fit.shift[0], fit.gear_turn[0] * crank, fit.output_turn * crank])
     away = kinematics.gear_centre(tooth_profile(design), CRANK) / design.gear.eccentricity
-    cam = design.clearance.cam - np.linalg.norm(fit.shift - deviations(design).eccentricity * away)
+    cam = design.clearance.cam - np.linalg.norm(fit.shift[0] - deviations(design).eccentricity * away)
     least = np.array([min(cam, *exact_gaps(design, CRANK, z))])
     loose = made(FREE, "clearance.pin_gear_um=0.5", "clearance.pin_socket_um=4.0")
     found = best_fit(loose, CRANK)
-    z = np.array([*found.shift, found.gear_turn * crank, found.output_turn * crank])
+    z = np.array([*found.shift[0], found.gear_turn[0] * crank, found.output_turn * crank])
     moved = np.any(found.pin_shift, axis=1)
     ahead = exact_gaps(loose, CRANK, z, found.pin_shift)[: loose.ring.teeth][moved]
     behind = loose.pin_play - deviations(loose).pin_radius - np.linalg.norm(found.pin_shift, axis=1)
