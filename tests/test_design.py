@@ -23,7 +23,7 @@ FROM_PAPER = {
 }
 FROM_ELSEWHERE = {
     "friction": {"cam_rolling", "output_rolling"},
-    "material": {"poisson", "density_kg_m3"},
+    "material": {"poisson", "density_kg_m3", "expansion_um_m_k"},
 }
 PAIRS = ("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output")
 ASSUMED_HERE = {
@@ -58,7 +58,7 @@ ASSUMED_HERE = {
         "max_penetration_um",
     },
     "bearing": {"dynamic_capacity_n", "static_capacity_n", "shaft_dynamic_capacity_n", "output_dynamic_capacity_n"}
-    | {"reliability", "service_factor"},
+    | {"shaft_static_capacity_n", "output_static_capacity_n", "reliability", "service_factor"},
     "service": {"surface", "endurance_limit_mpa", "notch_factor", "wear_coefficient_mm3_nm", "ambient_temperature_c"}
     | {"film_coefficient_w_m2_k"},
     "drive": {"ramp_s", "hold_s", "rotor_inertia_kg_m2"},

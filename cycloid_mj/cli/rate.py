@@ -2,13 +2,20 @@
 
 from math import isfinite
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from cycloid_mj.cli.flags import FLAT, PRESET, DesignOptions, JsonFlag
-from cycloid_mj.cli.terminal import say, say_json, show
+from cycloid_mj.cli.outfile import folder
+from cycloid_mj.cli.terminal import say, say_json, say_table
+from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
+
+if TYPE_CHECKING:
+    from cycloid_mj.rating import Duty, Rating
+
+RUNS = "runs"
 
 LoadFlag = Annotated[float | None, Parameter(help="Torque on the output [N m]. Default: the rated torque.")]
 SpeedFlag = Annotated[float | None, Parameter(help="Speed of the crank [rpm]. Default: drive.speed_rpm.")]
@@ -20,11 +27,29 @@ LifeFlag = Annotated[float, Parameter(help="Life that is asked for [h].")]
 PeakFlag = Annotated[
     float | None, Parameter(help="Torque of an emergency stop [N m]. Default: twice the largest of the duty.")
 ]
+StressFlag = Annotated[
+    Path | None,
+    Parameter(
+        metavar="DIR",
+        help="Folder, or stress.json, that `cycloid-mj stress` wrote for this design: gear and ring are rated by the "
+        "stress range of each node, not by beam formulas.",
+    ),
+]
+HtmlFlag = Annotated[
+    tuple[str, ...] | None,
+    Parameter(
+        name="--html",
+        metavar="[FILE]",
+        consume_multiple=True,
+        help=f"Write the table as one HTML page; replaced if it exists. FILE may be left out: {RUNS}/NAME-rating.html.",
+    ),
+]
 
 EXAMPLES = """Examples:
   cycloid-mj rate --design pin
   cycloid-mj rate --design my.toml --load-nm 20 --speed-rpm 1000 --life-h 6000
-  cycloid-mj rate --design my.toml --duty duty.csv --json"""
+  cycloid-mj rate --design my.toml --duty duty.csv --json
+  cycloid-mj stress --design pin --out s && cycloid-mj rate --design pin --stress s --html"""
 
 
 def rate(
@@ -35,21 +60,23 @@ def rate(
     duty: DutyFlag = None,
     life_h: LifeFlag = 10_000.0,
     peak_nm: PeakFlag = None,
+    stress: StressFlag = None,
+    html: HtmlFlag = None,
     json: JsonFlag = False,
 ) -> int:
     """Rate life, fatigue, wear and heat of a reducer, the weakest item first.
 
     Loads are those of statics with the real clearances and friction, at the rated
-    torque and speed, at others, or over a duty cycle (Miner's rule). Bearings by
-    ISO 281 and ISO 76, surfaces by shakedown and pitting, shaft, output pins and
-    walls by Goodman with notch, surface, size and reliability, wear by Archard,
-    the housing's temperature in still air, and an emergency stop. What the design
-    file does not say is assumed, and said: [bearing] and [service] take ratings
-    and limits. The exit code is 0 whatever the safeties are.
+    torque and speed, at others, or over a duty cycle (Miner's rule; a rest has the
+    speed 0). Bearings by ISO 281 and ISO 76; surfaces by first yield, shakedown
+    and pitting; shaft, output pins, gear and ring by Goodman with notch, surface,
+    size and reliability; wear by Archard; the housing's temperature in still air
+    and the clearance that it costs; an emergency stop. What the design file does
+    not say is assumed, and said beside the number: [bearing] and [service] take
+    ratings and limits. The exit code is 0 whatever the safeties are.
     """
-    from cycloid_mj.rating.duty import read_duty, steady
     from cycloid_mj.rating.items import rate as rated
-    from cycloid_mj.units import RPM
+    from cycloid_mj.rating.ranges import read_ranges
 
     for flag, value in (("--life-h", life_h), ("--peak-nm", peak_nm)):
         if value is not None and not 0.0 < value < float("inf"):
@@ -59,21 +86,42 @@ def rate(
             raise UsageError(f"--duty has torques and speeds of its own: leave {flag} out")
         if value is not None and not (value != 0.0 and isfinite(value)):
             raise UsageError(f"{flag} {value:g}: give a number that is not 0")
+    if html and len(html) > 1:
+        raise UsageError(f"--html takes one file, got {', '.join(html)}")
     design = chosen.sound()
-    if duty:
-        cycle = read_duty(duty, peak_nm)
-    else:
-        torque = design.rated_torque if load_nm is None else load_nm
-        cycle = steady(torque, design.drive.speed if speed_rpm is None else speed_rpm * RPM, peak_nm)
-    found = rated(design, cycle, life_h)
+    cycle = _duty(design, load_nm, speed_rpm, duty, peak_nm)
+    found = rated(design, cycle, life_h, read_ranges(stress, design) if stress else None)
+    page = None if html is None else _written(found, html)
     if json:
         say_json(found.as_json())
         return 0
-    show(found.table())
-    for item in found.items.values():
-        if item.note:
-            say(f"{item.name}: {item.note}")
+    table = found.table()
+    say_table(table.title, table.header, table.cells, words=(4, 5))
     for sentence in found.assumptions:
         say(f"assumed: {sentence}")
-    say(f"weakest: {found.weakest.name}")
+    say(f"weakest: {found.told_weakest()}")
+    if page:
+        say(str(page))
     return 0
+
+
+def _duty(
+    design: Design, load_nm: float | None, speed_rpm: float | None, duty: Path | None, peak_nm: float | None
+) -> "Duty":
+    from cycloid_mj.rating.duty import read_duty, steady
+    from cycloid_mj.units import RPM
+
+    if duty:
+        return read_duty(duty, peak_nm)
+    torque = design.rated_torque if load_nm is None else load_nm
+    return steady(torque, design.drive.speed if speed_rpm is None else speed_rpm * RPM, peak_nm)
+
+
+def _written(found: "Rating", html: tuple[str, ...]) -> Path:
+    """Write the page of a rating, and give its path."""
+    from cycloid_mj.report.rating import rating_page
+    from cycloid_mj.whole import write_whole
+
+    path = Path(html[0]) if html else folder(RUNS, "the page") / f"{found.design}-rating.html"
+    write_whole({path: rating_page(found).encode()})
+    return path

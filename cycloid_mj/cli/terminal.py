@@ -5,7 +5,7 @@ import logging
 import math
 import sys
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import TYPE_CHECKING, Any
@@ -53,19 +53,26 @@ def show(table: "Table") -> None:
     say_table(table.title, table.header, table.cells)
 
 
-def say_table(title: str, header: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """Write a table: the first column names the row, the others are set flush right."""
-    say_groups(title, header, [("", rows)])
+def say_table(title: str, header: Sequence[str], rows: Sequence[Sequence[str]], words: Container[int] = ()) -> None:
+    """Write a table: the first column names the row, the others are set flush right, but for those of `words`."""
+    say_groups(title, header, [("", rows)], words)
 
 
-def say_groups(title: str, header: Sequence[str], groups: Sequence[tuple[str, Sequence[Sequence[str]]]]) -> None:
+def say_groups(
+    title: str,
+    header: Sequence[str],
+    groups: Sequence[tuple[str, Sequence[Sequence[str]]]],
+    words: Container[int] = (),
+) -> None:
     """Write a table whose rows stand in groups, each under its name; a group without a name has no heading."""
     from rich.console import Console
     from rich.table import Table
 
     table = Table(title=printable(title), title_justify="left")
     for number, name in enumerate(header):
-        table.add_column(printable(name), justify="right" if number else "left", overflow="fold")
+        table.add_column(
+            printable(name), justify="right" if number and number not in words else "left", overflow="fold"
+        )
     for name, rows in groups:
         if name:
             table.add_section()

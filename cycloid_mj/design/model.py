@@ -460,6 +460,7 @@ class Material(Section):
     density: float = quantity(7700.0, "density", u.DENSITY, u.ALLOY_STEEL, gt=100.0, le=25000.0)
     tensile_strength: float = quantity(723.1, "tensile strength", u.MEGAPASCAL, PAPER, gt=0.0, le=1e5)
     yield_strength: float = quantity(620.4, "yield strength", u.MEGAPASCAL, PAPER, gt=0.0, le=1e5)
+    expansion: float = quantity(13.0, "linear thermal expansion", u.EXPANSION, u.ALLOY_STEEL, ge=0.0, le=500.0)
 
     @model_validator(mode="before")
     @classmethod
@@ -499,9 +500,11 @@ class Bearing(Section):
     shaft_dynamic_capacity: float = quantity(
         0.0, "of each bearing of the shaft; 0: ISO 281 with rollers of a usual size", u.NEWTON, ge=0.0, le=1e9
     )
+    shaft_static_capacity: float = quantity(0.0, "of the same; 0: ISO 76, the same", u.NEWTON, ge=0.0, le=1e9)
     output_dynamic_capacity: float = quantity(
         0.0, "of the roller of an output pin; 0: ISO 281 with needles that fill it", u.NEWTON, ge=0.0, le=1e9
     )
+    output_static_capacity: float = quantity(0.0, "of the same; 0: ISO 76, the same", u.NEWTON, ge=0.0, le=1e9)
     reliability: float = quantity(0.9, "share of bearings, and of parts, that last", ge=0.5, le=0.9999)
     service_factor: float = quantity(1.0, "on the loads of bearings, for shocks", ge=0.1, le=10.0)
 

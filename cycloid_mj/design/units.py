@@ -57,6 +57,7 @@ NEWTON_PER_METRE = Unit("n_m")
 TORSION = Unit("nm_arcmin", multiplier=10800.0 / math.pi)
 MEGAPASCAL = Unit("mpa", multiplier=1e6)
 DENSITY = Unit("kg_m3")
+EXPANSION = Unit("um_m_k", divisor=1e6)
 INERTIA = Unit("kg_m2")
 ACCELERATION = Unit("m_s2")
 MILLIMETRE_PER_SECOND = Unit("mm_s", divisor=1e3)
@@ -125,6 +126,7 @@ UNITS = {
         TORSION,
         MEGAPASCAL,
         DENSITY,
+        EXPANSION,
         INERTIA,
         ACCELERATION,
         MILLIMETRE_PER_SECOND,

@@ -10,18 +10,18 @@ from cycloid_mj.result import Table, plain
 
 @dataclass(frozen=True)
 class Item:
-    """One thing that can fail.
+    """One thing that can fail, or a figure that a designer asks for beside it.
 
     Attributes
     ----------
     key, name
         For programs, and in words.
     value, limit, unit
-        What acts, and what is borne.
+        What acts, and what is borne: not a number where there is no standard limit.
     safety
         Limit over value as its law counts it; None where a life stands instead.
     life
-        Hours until it fails, by its law; None where a safety stands instead.
+        Hours until it fails, by its law; None where a safety stands instead. Neither stands beside a mere figure.
     source
         Formula and where it is from.
     note
@@ -40,7 +40,33 @@ class Item:
 
     def margin(self, life: float) -> float:
         """Give how far it is from failing: its safety, or its life over a required one [h]; 1 is just enough."""
-        return self.safety if self.safety is not None else (self.life or 0.0) / life
+        if self.safety is not None:
+            return self.safety
+        return math.inf if self.life is None else self.life / life
+
+    @property
+    def load(self) -> str:
+        """What acts, with its unit."""
+        return f"{_written(self.value)} {self.unit}"
+
+    @property
+    def borne(self) -> str:
+        """What is borne, with its unit; nothing where there is no standard limit."""
+        return "" if math.isnan(self.limit) else f"{_written(self.limit)} {self.unit}"
+
+    @property
+    def verdict(self) -> str:
+        """Its safety, or its hours, in words; nothing for a mere figure."""
+        if self.safety is not None:
+            return f"{self.safety:.3g}" if math.isfinite(self.safety) else "no load"
+        if self.life is not None:
+            return f"{_written(self.life)} h" if math.isfinite(self.life) else "endless"
+        return ""
+
+
+def _written(value: float) -> str:
+    """Write a number with four digits, large ones without a power of ten."""
+    return f"{value:.4g}" if abs(value) < 1e4 else f"{float(f'{value:.4g}'):,.0f}".replace(",", "\N{NO-BREAK SPACE}")
 
 
 @dataclass(frozen=True)
@@ -72,22 +98,19 @@ class Rating:
         """The item nearest to failing."""
         return next(iter(self.items.values()))
 
+    def told_weakest(self) -> str:
+        """Give the weakest item in one line."""
+        item = self.weakest
+        what = "safety " + item.verdict if item.safety is not None else f"{item.verdict} of {self.life:g} h asked for"
+        return f"{item.name}: {what} at {self.duty}"
+
     def table(self) -> Table:
         """Give the items as a table of text."""
-        header = ("item", "acts", "borne", "unit", "safety", "life [h]", "by")
+        header = ("item", "load", "limit", "safety or hours", "formula and source", "assumption")
         rows = tuple(
-            (
-                item.name,
-                f"{item.value:.4g}",
-                f"{item.limit:.4g}",
-                item.unit,
-                "" if item.safety is None else f"{item.safety:.3g}",
-                "" if item.life is None else f"{item.life:.4g}" if math.isfinite(item.life) else "endless",
-                item.source,
-            )
-            for item in self.items.values()
+            (item.name, item.load, item.borne, item.verdict, item.source, item.note) for item in self.items.values()
         )
-        return Table(f"rating: {self.design}, {self.duty}", header, rows)
+        return Table(f"rating: {self.design}, {self.duty}, for {self.life:g} h", header, rows)
 
     def as_json(self) -> dict[str, Any]:
         """Give the rating for a program."""

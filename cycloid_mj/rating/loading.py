@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.design import Design
-from cycloid_mj.loaded import loads, peak_pressure, powers, springs_of
+from cycloid_mj.loaded import Loads, Springs, loads, peak_pressure, powers, springs_of
 from cycloid_mj.loaded.springs import turn_evenly
 from cycloid_mj.rating.duty import DutyPoint
 from cycloid_mj.rating.rolling import magnitudes
@@ -16,6 +16,18 @@ from cycloid_mj.types import Array
 
 POSES = 181
 """Crank angles of a loading."""
+
+UNWOUND = 0.01
+"""Torque that takes up the play, as a share of the load: the wind-up is counted from there."""
+
+
+@dataclass(frozen=True)
+class Rub:
+    """How one kind of contact slides: mean of the sum F v [W], largest p v on the projected face [Pa m/s], mean v."""
+
+    power: float
+    pressure_speed: float
+    speed: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,20 +41,24 @@ class Loading:
     crank
         Angles [rad], shape (m,).
     cam
-        Size of the cam's force on the gear [N], shape (m,).
+        Size of each cam's force on its disc [N], shape (m, discs).
     shaft
-        Forces on the shaft in its own frame [N], shape (m, places, 2), at `places` along z [m]: cam and counterweight,
-        then what the two bearings answer with.
+        Forces on the shaft in its own frame [N], shape (m, places, 2), at `places` along z [m]: cams and counterweight,
+        then what the two bearings answer with, the one far from the gear first.
     output
-        Force of each output pin [N], shape (m, pins).
+        Force of each disc on each output pin [N], shape (m, discs, pins).
     teeth
         Largest force on a tooth [N].
     pressures
         Largest Hertz pressure by kind of pair [Pa].
+    rubs
+        How the contacts that slide do so, by kind of pair.
     losses
         Friction of teeth, cam, output pins and seals [W].
     crank_torque
         On the crank [N m].
+    wind_up
+        Turn of the gear by the load, without the play [rad].
     """
 
     point: DutyPoint
@@ -53,8 +69,15 @@ class Loading:
     output: Array
     teeth: float
     pressures: dict[str, float]
+    rubs: dict[str, Rub]
     losses: dict[str, float]
     crank_torque: float
+    wind_up: float
+
+
+def relative_speed(design: Design, speed: float) -> float:
+    """Give the speed of crank and gear against each other [rad/s]: the gear turns back by one in N - 1."""
+    return abs(speed) * (1.0 + 1.0 / design.lobes)
 
 
 def loading(design: Design, point: DutyPoint) -> Loading:
@@ -69,34 +92,66 @@ def loading(design: Design, point: DutyPoint) -> Loading:
     at = design.but(drive={"speed": speed})
     springs, torque = springs_of(at, design.lobes * turn_evenly(POSES)), math.copysign(abs(point.torque), speed)
     found, power = loads(at, springs, torque), powers(at, abs(point.torque))
+    unwound = loads(at, springs, UNWOUND * torque)
+    cam = found.cam.reshape(POSES, -1, 2)
     shaft = shaft_measures(design)
-    places, forces = _shaft_forces(at, shaft, springs.crank, found.cam)
+    places, forces = _shaft_forces(at, shaft, springs.crank, cam)
     return Loading(
         point=point,
         crank=springs.crank,
-        cam=magnitudes(found.cam),
+        cam=magnitudes(cam),
         shaft=forces,
         places=places,
-        output=found.output,
+        output=found.output.reshape(POSES, cam.shape[1], -1),
         teeth=float(found.teeth.max()),
-        pressures={kind: peak_pressure(at, springs, found, kind) for kind in design.pair_kinds if kind != "pin_sleeve"},
+        pressures={kind: peak_pressure(at, springs, found, kind) for kind in design.pair_kinds},
+        rubs=_rubs(at, springs, found),
         losses=power.losses,
         crank_torque=power.crank / abs(speed),
+        wind_up=abs(float((found.gear_turn - unwound.gear_turn).mean())) / (1.0 - UNWOUND),
+    )
+
+
+def _rubs(design: Design, springs: Springs, found: Loads) -> dict[str, Rub]:
+    """Give how teeth, output pins without rollers and a plain cam slide; a pin slips where it is the easier."""
+    slip, count = np.abs(springs.slip), springs.teeth
+    seat = design.seat_pair
+    in_seat = seat and design.mesh_friction < design.friction_of(design.tooth_pair)
+    kind, radius = (seat, design.ring.pin_radius) if in_seat else (design.tooth_pair, design.ring.pin_radius)
+    rubs = {kind: _rub(design, found.teeth, slip[:, :count], radius)}
+    if not design.output.rollers:
+        rubs["output"] = _rub(design, found.output, slip[:, count:], design.output.pin_radius)
+    if design.gear.bearing == "plain":
+        force = magnitudes(found.cam).reshape(len(slip), -1)
+        speed = np.full_like(force, design.gear.bore_radius * relative_speed(design, design.drive.speed))
+        rubs["cam"] = _rub(design, force, speed, design.gear.bore_radius)
+    return rubs
+
+
+def _rub(design: Design, force: Array, speed: Array, radius: float) -> Rub:
+    """Give how contacts under forces [N] slide at speeds [m/s], shapes (m, n), on pins of a radius [m]."""
+    rubbed, carries = force * speed, force > 0.0
+    return Rub(
+        power=float(rubbed.sum(axis=1).mean()),
+        pressure_speed=float(rubbed.max()) / (2.0 * radius * design.gear.face_width),
+        speed=float(speed[carries].mean()) if carries.any() else 0.0,
     )
 
 
 def _shaft_forces(design: Design, shaft: Shaft, crank: Array, cam: Array) -> tuple[Array, Array]:
-    """Give places along the shaft (4,) [m] and the forces there in its frame, shape (m, 4, 2) [N].
+    """Give places along the shaft (p,) [m] and the forces there in its frame, shape (m, p, 2) [N].
 
-    Two loads, the gear on the cam and the unbalance of the shaft itself, and two bearings that hold it as a beam.
+    The loads are each disc on its cam (m, discs, 2) and the unbalance of the shaft itself; two bearings hold it as a
+    beam.
     """
-    cosine, sine = np.cos(crank), np.sin(crank)
-    turned = np.stack([-(cosine * cam[:, 0] + sine * cam[:, 1]), -(cosine * cam[:, 1] - sine * cam[:, 0])], axis=1)
+    cosine, sine = np.cos(crank)[:, np.newaxis], np.sin(crank)[:, np.newaxis]
+    x, y = cam[..., 0], cam[..., 1]
+    turned = np.stack([-(cosine * x + sine * y), -(cosine * y - sine * x)], axis=-1)
     own = mass_properties(parts(design)["shaft"])
-    flung = np.broadcast_to(own.mass * own.centroid[:2] * design.drive.speed**2, turned.shape)
+    flung = np.broadcast_to(own.mass * own.centroid[:2] * design.drive.speed**2, (len(crank), 1, 2))
     far, near = (0.5 * sum(ends) for ends in shaft.bearings)
-    acting = np.array([0.5 * sum(shaft.cam), 0.5 * sum(shaft.counterweight)])
-    applied = np.stack([turned, flung], axis=1)
+    acting = np.array([*design.gear.disc_planes, 0.5 * sum(shaft.counterweight)])
+    applied = np.concatenate([turned, flung], axis=1)
     at_near = -np.einsum("p,mpx->mx", (acting - far) / (near - far), applied)
     at_far = -applied.sum(axis=1) - at_near
     return np.array([*acting, far, near]), np.concatenate([applied, at_far[:, None], at_near[:, None]], axis=1)

@@ -20,10 +20,11 @@ WEIBULL, SAFE_SHARE = 1.5, 0.05
 """Slope of the spread of lives, and the share of L10 that no bearing falls short of (ISO 281:2007, Table 12)."""
 
 
-def dynamic_capacity(rollers: int, diameter: float, length: float, pitch_diameter: float) -> float:
+def dynamic_capacity(rollers: float, diameter: float, length: float, pitch_diameter: float) -> float:
     """Give the basic dynamic load rating of a row of radial rollers [N]: C = b_m f_c L^(7/9) Z^(3/4) D^(29/27).
 
-    ISO 281:2007, 7.2, with f_c by the formula from which its table is made (ISO/TR 1281-1): lengths [m].
+    ISO 281:2007, 7.2, with f_c by the formula from which its table is made (ISO/TR 1281-1): lengths [m]. `rollers` need
+    not be a whole number.
     """
     gamma = diameter / pitch_diameter
     ratio = 1.04 * ((1.0 - gamma) / (1.0 + gamma)) ** (143.0 / 108.0)
@@ -33,7 +34,7 @@ def dynamic_capacity(rollers: int, diameter: float, length: float, pitch_diamete
     return MACHINED * factor * rollers**0.75 * millimetres
 
 
-def static_capacity(rollers: int, diameter: float, length: float, pitch_diameter: float) -> float:
+def static_capacity(rollers: float, diameter: float, length: float, pitch_diameter: float) -> float:
     """Give the basic static load rating of a row of radial rollers [N]: C0 = 44 (1 - D/D_pw) Z L D (ISO 76), in [m]."""
     return 44.0 * (1.0 - diameter / pitch_diameter) * rollers * (1e3 * length) * (1e3 * diameter)
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from cycloid_mj.design import Design
 from cycloid_mj.errors import CycloidError
-from cycloid_mj.solid import shaft_solid
+from cycloid_mj.solid import parts
 from cycloid_mj.solid.shaft import bearing_width
 from cycloid_mj.stress.grid import Grid, GridSettings, quadratic
 from cycloid_mj.stress.packages import mesher
@@ -69,7 +69,7 @@ class Shaft:
 
 def shaft_measures(design: Design) -> Shaft:
     """Give the measures of a design's balanced shaft."""
-    journal, counterweight, _, cam, *beyond = shaft_solid(design).prisms
+    journal, counterweight, _, cam, *beyond = parts(design)["shaft"].prisms
     shaft, z0, z1 = design.shaft, journal.z0, counterweight.z0
     width = bearing_width(design, z1 - z0)
     near = z1 - shaft.bearing_offset

@@ -14,6 +14,7 @@ from cycloid_mj.validation import (
     cam_load,
     energy,
     incline,
+    lasting,
     mechanism,
     published,
     sharing,
@@ -66,6 +67,8 @@ def _parts() -> Iterator[Part]:
     yield Part("published", published.hertz_rows, (0.1, 0.1))
     yield Part("published", published.efficiency_rows, (1.0, 2.0))
     yield Part("published", published.printed_rows, (3.0, 3.0))
+    for rows in (lasting.bearing_rows, lasting.fatigue_rows, lasting.shakedown_rows):
+        yield Part("published", rows, (0.1, 0.1))
     for kind, cost in ((FIXED, (0.7, 2.0)), (FREE, (2.0, 4.0)), (NONPIN, (1.0, 3.0))):
         yield Part("energy", partial(energy.rows, kind), cost)
     yield Part("energy", energy.jolt_rows, (2.0, 2.0))

@@ -1,0 +1,93 @@
+"""Heat: how warm the housing gets, what that does to the clearances, and what the materials bear."""
+
+import math
+from collections.abc import Iterator, Sequence
+
+from cycloid_mj.design import PARTNERS, PARTS, Design
+from cycloid_mj.design.materials import MATERIALS
+from cycloid_mj.rating.item import Item
+from cycloid_mj.rating.loading import Loading
+
+HOTTEST = 120.0
+"""Service temperature [°C] of a material that is not of the library (assumed)."""
+
+REFERENCE = 20.0
+"""Temperature [°C] at which clearances are as drawn (ISO 1)."""
+
+
+def heat(design: Design, found: Sequence[Loading]) -> Iterator[Item]:
+    """Rate the housing's temperature in still air, and the clearance that each kind of pair loses by it."""
+    service = design.service
+    lost = sum(sum(one.losses.values()) * one.point.share for one in found)
+    area = outside(design)
+    hot = service.ambient_temperature + lost / (service.film_coefficient * area)
+    part, limit = min(hottest(design), key=lambda one: one[1])
+    rise, room = hot - service.ambient_temperature, limit - service.ambient_temperature
+    yield Item(
+        "temperature",
+        "housing temperature",
+        hot,
+        limit,
+        "°C",
+        room / rise if rise else math.inf,
+        None,
+        "dT = losses/(h A); safety of the rise",
+        f"{lost:.3g} W at h {service.film_coefficient:g} W/(m2 K) (assumed, 8 to 15) from {1e4 * area:.3g} cm2, "
+        f"the outside of ring and output disc; {service.ambient_temperature:g} °C around it; limit by the {part}, "
+        f"{design.material_of(part).name or 'a material without a name'}",
+    )
+    for kind in design.pair_kinds:
+        grown = clearance_growth(design, kind) * (hot - REFERENCE)
+        clearance = getattr(design.clearance, kind)
+        made = " on ".join(design.material_of(one).name or "unnamed" for one in PARTNERS[kind])
+        yield Item(
+            f"{kind}_hot_clearance",
+            f"clearance of {kind.replace('_', ' ')} lost by heat",
+            -1e6 * grown,
+            1e6 * clearance,
+            "um",
+            clearance / -grown if grown < 0.0 else math.inf,
+            None,
+            "both parts' thermal expansion from 20 °C; safety of the clearance",
+            f"all parts at the housing's {hot:.3g} °C (assumed); {made}; less than nothing: it grows",
+        )
+
+
+def outside(design: Design) -> float:
+    """Give the outside of a cylinder round ring and output disc [m2], both ends included."""
+    radius = design.housing.outer_radius
+    return 2.0 * math.pi * radius * (radius + design.gear.stack_width + design.output.disc_thickness)
+
+
+def clearance_growth(design: Design, kind: str) -> float:
+    """Give how much the clearance of a kind of pair grows per kelvin [m/K]; the tightest place counts.
+
+    Pins stand on the housing's circle, output pins on the output disc's, the gear grows from its centre:
+    mesh a_h E - a_p rho - a_g (E - rho), output a_g r_h - a_o r_o - |a_g - a_o| R_o, others a_bore r - a_pin r.
+    """
+    ring, output = design.ring, design.output
+    alpha = {part: design.material_of(part).expansion for part in PARTS}
+    if kind == "pin_gear":
+        tips = ring.pin_circle_radius - ring.pin_radius
+        return alpha["housing"] * ring.pin_circle_radius - alpha["pin"] * ring.pin_radius - alpha["gear"] * tips
+    if kind == "tooth":
+        return (alpha["housing"] - alpha["gear"]) * (ring.pin_circle_radius - ring.pin_radius)
+    if kind == "output":
+        apart = abs(alpha["gear"] - alpha["output"]) * output.pin_circle_radius
+        return (
+            alpha["gear"] * output.hole_radius
+            - alpha["output"] * (output.pin_radius + design.gear.eccentricity)
+            - apart
+        )
+    inner, outer = {"cam": ("shaft", "gear"), "pin_socket": ("pin", "housing"), "pin_sleeve": ("pin", "pin")}[kind]
+    radius = {"cam": design.gear.bore_radius, "pin_socket": ring.pin_radius, "pin_sleeve": ring.sleeve_bore_radius}[
+        kind
+    ]
+    return (alpha[outer] - alpha[inner]) * radius
+
+
+def hottest(design: Design) -> Iterator[tuple[str, float]]:
+    """Give each part and the temperature that it may have in service [°C]; `HOTTEST` where its material is unknown."""
+    for part in PARTS:
+        entry = MATERIALS.get(design.material_of(part).name)
+        yield part, entry.hottest if entry else HOTTEST

@@ -1,0 +1,174 @@
+"""Fatigue of parts: roots of output pins, shoulders of the shaft, walls of gear and ring."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from cycloid_mj.checks.strength import Wall, walls
+from cycloid_mj.design import Design
+from cycloid_mj.rating.fatigue import Fatigue, endurance_limit, notch_factor
+from cycloid_mj.rating.item import Item
+from cycloid_mj.rating.loading import Loading, bending
+from cycloid_mj.rating.ranges import StressRange
+from cycloid_mj.solid.output import AXIAL_GAP
+from cycloid_mj.stress.notch import BENDING, TORSION, shoulder_factor
+from cycloid_mj.stress.shaftgrid import shaft_measures
+from cycloid_mj.types import Array
+
+ANGLES = np.linspace(0.0, math.pi, 36, endpoint=False)
+"""Directions around the shaft in which fibres are looked at [rad]."""
+
+STUDIED = {"gear": "gear web", "ring": "ring and its ligaments"}
+"""Parts whose stress range comes from a study by finite elements where there is one: its name there -> in words."""
+
+HOLED = {"gear": "gear", "housing": "ring"}
+"""Part of a wall -> its name in that study."""
+
+
+def strength(design: Design, worst: Loading, ranges: dict[str, StressRange] | None = None) -> Iterator[Item]:
+    """Rate every part against endless repetition of the largest load; `ranges` are those of a study, by part."""
+    yield output_pin(design, worst.output)
+    yield _shoulder(design, worst)
+    torque = abs(worst.point.torque)
+    studied = {part: found for part, found in (ranges or {}).items() if part in STUDIED}
+    for part, found in studied.items():
+        yield _studied(design, part, found, torque)
+    for wall in walls(design):
+        if HOLED[wall.part] not in studied:
+            yield _wall(design, wall, worst)
+
+
+def output_pin(design: Design, force: Array) -> Item:
+    """Rate the root of an output pin under the forces of the discs on it [N], shape (..., discs, pins), which pulsate.
+
+    A cantilever of the output disc, or a beam clamped at both ends; under a roller it is the core that bends.
+    """
+    made, radius, fillet = design.material_of("output"), design.output.root_radius, design.output.root_fillet
+    moment = float(pin_moment(design, force).max())
+    nominal = 4.0 * moment / (math.pi * radius**3)
+    shape = shoulder_factor(radius, fillet, math.inf, BENDING)
+    notch = design.service.notch_factor or notch_factor(shape, fillet, made.tensile_strength)
+    half = 0.5 * notch * nominal
+    fatigue = Fatigue(half, half, _endurance(design, made.tensile_strength, 2.0 * radius), made.tensile_strength)
+    held = "a cantilever" if design.output.support == "cantilever" else "a beam clamped at both ends"
+    given = "of the design file" if design.service.notch_factor else f"from its fillet of {1e3 * fillet:.3g} mm"
+    return Item(
+        "output_pin_fatigue",
+        "output pin at its root, fatigue",
+        1e-6 * nominal,
+        1e-6 * fatigue.endurance,
+        "MPa",
+        fatigue.safety,
+        None,
+        f"Goodman, pulsating bending of {held}, 4 M/(pi r^3)",
+        f"core of {1e3 * radius:.3g} mm radius, notch factor {notch:.3g} {given}; {_limit_told(design)}",
+    )
+
+
+def pin_moment(design: Design, force: Array) -> Array:
+    """Give the bending moment at the root of each pin [N m], shape (..., pins), of forces [N] (..., discs, pins).
+
+    Each disc presses in its middle: F a on a cantilever, F a b^2/l^2 on a beam clamped at both ends, whose near end is
+    a away (Roark 8.1, 1d).
+    """
+    gear = design.gear
+    end = 0.5 * gear.stack_width + AXIAL_GAP
+    near = end - np.array(gear.disc_planes)
+    if design.output.support == "cantilever":
+        return np.asarray(np.einsum("d,...dp->...p", near, force))
+    far = 2.0 * end - near
+    roots = [np.einsum("d,...dp->...p", a * b**2 / (a + b) ** 2, force) for a, b in ((near, far), (far, near))]
+    return np.asarray(np.maximum(*roots))
+
+
+def _shoulder(design: Design, worst: Loading) -> Item:
+    """Rate the shaft's weakest shoulder; in its own frame the load stands nearly still: its ripple is the amplitude."""
+    shaft, made, fillet = shaft_measures(design), design.material_of("shaft"), design.shaft.shoulder_fillet
+    around = np.stack([np.cos(ANGLES), np.sin(ANGLES)], axis=1)
+    section = 4.0 / (math.pi * shaft.radius**3)
+    endurance = _endurance(design, made.tensile_strength, 2.0 * shaft.radius)
+    found: list[tuple[float, Item]] = []
+    for shoulder in shaft.shoulders:
+        factors = [
+            notch_factor(shoulder_factor(shaft.radius, fillet, shoulder.outer, terms), fillet, made.tensile_strength)
+            for terms in (BENDING, TORSION)
+        ]
+        stress = factors[0] * section * bending(worst, shoulder.z) @ around.T
+        shear = factors[1] * 0.5 * section * worst.crank_torque
+        high, low = stress.max(axis=0), stress.min(axis=0)
+        amplitude = 0.5 * (high - low)
+        mean = np.hypot(0.5 * (high + low), math.sqrt(3.0) * shear)
+        used = int(np.argmax(amplitude / endurance + mean / made.tensile_strength))
+        fatigue = Fatigue(float(amplitude[used]), float(mean[used]), endurance, made.tensile_strength)
+        item = Item(
+            "shaft_fatigue",
+            f"shaft, {shoulder.name}, fatigue",
+            1e-6 * float(mean[used] + amplitude[used]),
+            1e-6 * endurance,
+            "MPa",
+            fatigue.safety,
+            None,
+            "Goodman, notch factors of DIN 743-2, a ripple on a load that turns with the shaft",
+            f"fillet of {1e3 * fillet:.3g} mm, notch factors {factors[0]:.3g} in bending, {factors[1]:.3g} in torsion; "
+            f"{_limit_told(design)}",
+        )
+        found.append((fatigue.safety, item))
+    return min(found, key=lambda one: one[0])[1]
+
+
+def _studied(design: Design, part: str, found: StressRange, torque: float) -> Item:
+    """Rate a part by the range of stress at its worst node, which a study by finite elements found over a turn."""
+    made = design.material_of("gear" if part == "gear" else "housing")
+    scale = torque / found.load
+    endurance = _endurance(design, made.tensile_strength, 0.0)
+    fatigue = Fatigue(scale * found.amplitude, scale * found.mean, endurance, made.tensile_strength)
+    scaled = "" if math.isclose(scale, 1.0, rel_tol=1e-3) else f", times {scale:.3g} for this torque"
+    return Item(
+        f"{part}_fatigue",
+        f"{STUDIED[part]}, fatigue",
+        1e-6 * scale * (found.amplitude + max(found.mean, 0.0)),
+        1e-6 * endurance,
+        "MPa",
+        fatigue.safety,
+        None,
+        "Goodman, range of stress of the worst node over a turn, by finite elements",
+        f"stress study at {found.load:.4g} N m{scaled}; {_limit_told(design)}",
+    )
+
+
+def _wall(design: Design, wall: Wall, worst: Loading) -> Item:
+    """Rate a wall as a beam clamped at both ends of the hole beside it, with the pin's force in the middle."""
+    made = design.material_of(wall.part)
+    by_tooth = wall.kind == design.tooth_pair
+    force = worst.teeth if by_tooth else float(worst.output.max())
+    span = 2.0 * (design.ring.pin_radius if by_tooth else design.output.hole_radius)
+    width = design.gear.face_width
+    bent = 0.75 * force * span / (width * wall.thickness**2)
+    sheared = math.sqrt(3.0) * 0.75 * force / (width * wall.thickness)
+    half = 0.5 * max(bent, sheared)
+    safety = Fatigue(half, half, _endurance(design, made.tensile_strength, wall.thickness), made.tensile_strength)
+    return Item(
+        f"{wall.name}_fatigue",
+        f"wall {wall.where}, fatigue",
+        2e-6 * half,
+        1e-6 * safety.endurance,
+        "MPa",
+        safety.safety,
+        None,
+        "Goodman, pulsating; clamped beam, 6 (F l/8)/(w t^2), or its shear, sqrt(3) 1.5 F/(2 w t)",
+        f"assumed: l {1e3 * span:.3g} mm, the hole, t {1e3 * wall.thickness:.3g} mm; or --stress; "
+        f"{_limit_told(design)}",
+    )
+
+
+def _endurance(design: Design, tensile: float, thickness: float) -> float:
+    service, bearing = design.service, design.bearing
+    return service.endurance_limit or endurance_limit(tensile, thickness, service.surface, bearing.reliability)
+
+
+def _limit_told(design: Design) -> str:
+    service = design.service
+    if service.endurance_limit:
+        return "endurance limit of the design file"
+    return f"endurance limit by strength, {service.surface}, size, {design.bearing.reliability:.0%} (Shigley 6-7)"

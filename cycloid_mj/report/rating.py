@@ -1,0 +1,29 @@
+"""The page of a rating: what the template ``assets/rating.html`` is filled with."""
+
+from cycloid_mj.rating import Item, Rating
+from cycloid_mj.report.page import environment
+
+NEAR = 1.5
+"""Margin below which an item that holds is shown as near its limit."""
+
+
+def rating_page(found: Rating) -> str:
+    """Give a rating as one page that needs no other file."""
+
+    def state(item: Item) -> str:
+        margin = item.margin(found.life)
+        return "figure" if item.verdict == "" else "fails" if margin < 1.0 else "near" if margin < NEAR else "holds"
+
+    table = found.table()
+    failing = sum(state(item) == "fails" for item in found.items.values())
+    return (
+        environment()
+        .get_template("rating.html")
+        .render(
+            title=f"cycloid_mj: rating of {found.design}",
+            found=found,
+            header=table.header,
+            rows=list(zip(map(state, found.items.values()), table.cells, strict=True)),
+            failing=failing,
+        )
+    )
