@@ -67,8 +67,8 @@ def braked_output(reducer: ReducerModel, design: Design, torque: Signal, angle: 
     The model holds the output: ``build(design, held="output")``. The crank starts at `angle` [rad], at full speed.
     """
     speed = design.drive.speed
-    law = CrankLaw(-speed / design.lobes, 0.0)
-    return Course(angle, speed, torque, lambda time: servo_target(reducer, law, time) - angle / design.lobes)
+    law = CrankLaw(speed / design.ratio, 0.0)
+    return Course(angle, speed, torque, lambda time: servo_target(reducer, law, time) + angle / design.ratio)
 
 
 def rising(torque: float, rise: float) -> Signal:
@@ -90,7 +90,7 @@ def initial_state(reducer: ReducerModel, design: Design, course: Course | None =
 
 def load_torque(design: Design, time: npt.ArrayLike) -> Array:
     """Torque of the load on the output [N m], against its rotation; it rises as a half cosine from zero."""
-    direction = math.copysign(1.0, design.drive.speed)
+    direction = math.copysign(1.0, -design.drive.speed * design.ratio)
     return direction * rising(design.load.torque, design.load.rise)(np.asarray(time, dtype=np.float64))
 
 

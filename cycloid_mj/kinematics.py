@@ -106,13 +106,21 @@ def point_path(
     crank_angle: npt.ArrayLike,
     crank_speed: npt.ArrayLike = 0.0,
     crank_acceleration: npt.ArrayLike = 0.0,
+    turning: bool = True,
 ) -> PointPath:
     """Motion of the gear point q = (q_x, q_y) [m], given in the gear frame (Eqs 16, 17, 19 corrected).
 
-    The origin is that of Eq. 16, the *initial* gear centre: add (0, c) for positions from the reducer's axis.
+    A gear that is not `turning`, as its carrier is held, has all its points on circles of the radius c. The origin is
+    that of Eq. 16, the *initial* gear centre: add (0, c) for positions from the reducer's axis.
     `crank_angle` [rad], `crank_speed` [rad/s] and `crank_acceleration` [rad/s^2] broadcast to the shape (...).
     """
     theta, speed, acceleration = np.broadcast_arrays(crank_angle, crank_speed, crank_acceleration)
+    if not turning:
+        return PointPath(
+            position=gear_centre(gear, theta) - gear_centre(gear, 0.0) + np.asarray(q, float),
+            velocity=gear_centre_velocity(gear, theta, speed),
+            acceleration=gear_centre_acceleration(gear, theta, speed, acceleration),
+        )
     zeta, zeta_dot, zeta_ddot = theta / gear.lobes, _column(speed) / gear.lobes, _column(acceleration) / gear.lobes
     q_x, q_y = np.asarray(q, float)
     turned = np.stack([q_x * np.cos(zeta) + q_y * np.sin(zeta), q_y * np.cos(zeta) - q_x * np.sin(zeta)], axis=-1)

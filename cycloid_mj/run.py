@@ -38,6 +38,7 @@ from cycloid_mj.names import (
     FRICTION_POWER,
     MOMENT,
     NORMAL_POWER,
+    OUTPUT_JOINT,
     PEAK_FORCE,
     PINS,
     REDUCER,
@@ -300,14 +301,14 @@ class _Recorder:
         self._dragged = dragged_joints(reducer.model, DRAGS)
         kinds = sorted(reducer.laws)
         self._kinds = [np.array([pair.kind == kind for pair in reducer.pairs]) for kind in kinds]
-        self._deepest, self._lobes = design.contact.max_penetration, design.lobes
+        self._deepest, self._design = design.contact.max_penetration, design
         self._most_iterations = reducer.model.opt.iterations
         self._data = data
         self._sensors = data.sensordata[: sum(len(columns) for columns in groups.values())]
         self._acceleration, self._energy = data.qacc, data.energy
         self._warnings, self._iterations = data.warning.number, data.solver_niter
         self._gears = [data.joint(disc.joints[-1]).qpos for disc in mechanism(design).discs]
-        self._crank = data.joint(CRANK_JOINT).qpos
+        self._crank, self._output = (data.joint(name).qpos for name in (CRANK_JOINT, OUTPUT_JOINT))
 
     def warm(self) -> None:
         """Have what reads contacts compiled."""
@@ -358,9 +359,11 @@ class _Recorder:
             )
         if iterations >= self._most_iterations:
             return f"the constraint solver did not converge in {iterations} iterations; shorten settings.timestep_us"
+        lobes = self._design.lobes
+        ring = self._output[0] if self._design.output.turns_ring else 0.0
         for number, gear in enumerate(self._gears, start=1):
-            error = gear[0] + self._crank[0] / self._lobes
-            if abs(error) > 0.25 * 2.0 * math.pi / self._lobes:
+            error = gear[0] - ring + (self._crank[0] - ring) / lobes
+            if abs(error) > 0.25 * 2.0 * math.pi / lobes:
                 which = f"gear {number}" if len(self._gears) > 1 else "the gear"
                 return (
                     f"{which} jumped a tooth: it is {math.degrees(error):.3f} deg from where the crank puts it; "

@@ -98,7 +98,7 @@ def test_steady_shifts_are_no_fluctuation_but_waves_are():
     shifts = 2 + 1j - 3j * np.exp(1j * theta) + 0.5 * np.exp(-1j * theta / LOBES)
     wave = 0.01 * np.exp(36j * theta)
     for found, left, tolerance in ((shifts, 0 * wave, 1e-12), (shifts + wave, wave, 0.01 / 36)):
-        result = unshifted(np.stack([found.real, found.imag], axis=1), theta, LOBES)
+        result = unshifted(np.stack([found.real, found.imag], axis=1), theta, -theta / LOBES)
         assert result == pytest.approx(np.stack([left.real, left.imag], axis=1), abs=tolerance)
 
 

@@ -75,7 +75,7 @@ SIGNALS = {
     "crank_torque": Signal(
         "crank torque [N m]",
         lambda m: m.run["crank_torque"],
-        lambda m: m.run["load_torque"] / m.design.lobes,
+        lambda m: -m.run["load_torque"] / m.design.ratio,
         "without losses",
     ),
     "load_torque": Signal("load torque [N m]", lambda m: m.run["load_torque"]),
@@ -102,7 +102,7 @@ FIGURES = (
     Figure(
         "transmission_error",
         "Transmission error",
-        "Angle of output and gear less \N{MINUS SIGN}θ/(N\N{MINUS SIGN}1) at the measured crank angle θ: its swing is "
+        "Angle of output and gear less the ideal one at the measured crank angle: its swing is "
         "what the drive errs by, its mean is play that is taken up and, under load, wind-up.",
         ("output_te", "gear_te"),
     ),
@@ -147,7 +147,7 @@ FIGURES = (
     Figure(
         "torque",
         "Torques",
-        "The crank torque that the load would take without losses is load/(N\N{MINUS SIGN}1).",
+        "The crank torque that the load would take without losses is load/ratio.",
         ("crank_torque", "load_torque"),
     ),
     Figure(

@@ -188,7 +188,7 @@ def _power(motion: Series) -> Power:
         input_w=_mean(run["crank_torque"] * run["crank_speed"], motion),
         output_w=_mean(-run["load_torque"] * run["output_speed"], motion),
         crank_torque_nm=_mean(run["crank_torque"], motion),
-        ideal_crank_torque_nm=load_torque / motion.design.lobes,
+        ideal_crank_torque_nm=-load_torque / motion.design.ratio,
         load_torque_nm=load_torque,
     )
 

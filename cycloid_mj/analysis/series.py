@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj import kinematics, names
+from cycloid_mj import kinematics, member, names
 from cycloid_mj.analysis import window
 from cycloid_mj.analysis.findings import Phase
 from cycloid_mj.design import Design, loads
@@ -98,7 +98,8 @@ class Series:
     crank_speed
         Against the law of the drive [rad/s].
     gear_angle, gear_speed, output_angle, output_speed
-        Against Eq. 12 at the measured crank [rad], [rad/s]. The errors of the angles are the transmission errors.
+        Against Eq. 12 at the measured crank [rad], [rad/s], or against theta/N and a gear that does not turn, where the
+        ring does. The errors of the angles are the transmission errors.
     q_position, q_velocity
         Against Eqs 16 and 17 at the measured crank; from the initial centre of the first disc [m], [m/s], (n, 2).
     pin_1
@@ -154,7 +155,7 @@ class Series:
     def whole_periods(self) -> slice:
         """Samples over which means are taken: whole crank turns of what is judged, or else whole mesh periods."""
         first = int(np.argmax(self.judged))
-        part = window.whole_periods(self.crank_angle[first:], 2 * np.pi / self.design.ring.teeth)
+        part = window.whole_periods(self.crank_angle[first:], 2 * np.pi / self.design.mesh_periods)
         return slice(first, first + part.stop)
 
     @property
@@ -195,10 +196,8 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
         hold = window.in_hold(design, run.time, settle)
     else:
         hold = np.zeros(len(run), dtype=np.bool_)
-    gear = tooth_profile(design)
     q = _point(q, design)
     crank_angle, crank_speed = run["crank_angle"], run["crank_speed"]
-    angle, speed = kinematics.gear_rotation(gear, crank_angle), kinematics.gear_speed(crank_speed, gear.lobes)
     return Series(
         run=run,
         design=design,
@@ -207,8 +206,8 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
         ramp=window.in_ramp(design, run.time),
         hold=hold,
         crank_speed=Compared(crank_speed, CrankLaw(design.drive.speed, design.drive.ramp).speed_at(run.time)),
-        output_angle=Compared(run["output_angle"], angle),
-        output_speed=Compared(run["output_speed"], speed),
+        output_angle=Compared(run["output_angle"], member.output_angle(design, crank_angle)),
+        output_speed=Compared(run["output_speed"], member.output_angle(design, crank_speed)),
         pin_1=_pin_1(run, design) if moving else None,
         **_disc_motion(run, design, q, 0),
     )
@@ -219,6 +218,8 @@ def point_path(
 ) -> kinematics.PointPath:
     """Give the closed form of the motion of a disc's point q: Eqs 16 to 19 for a disc that is ahead on the crank.
 
+    Where the ring turns, the discs do not.
+
     Parameters
     ----------
     design, q, disc
@@ -227,6 +228,8 @@ def point_path(
         Of the crank [rad], [rad/s], [rad/s2], shape (n,).
     """
     gear, ahead = tooth_profile(design), phases(design)[disc]
+    if design.output.turns_ring:
+        return kinematics.point_path(gear, q, crank_angle + ahead, speed, acceleration, turning=False)
     # the disc is turned as the first one is, not as a single disc whose crank is that far ahead
     cos, sin = np.cos(ahead / gear.lobes), np.sin(ahead / gear.lobes)
     turned = np.array([q[0] * cos - q[1] * sin, q[0] * sin + q[1] * cos]) if ahead else q
@@ -302,12 +305,12 @@ def _planar(gear: str) -> tuple[str, ...]:
 def _disc_motion(run: Run, design: Design, q: Array, disc: int) -> dict[str, Compared]:
     """Give what a `Series` has of one disc."""
     *_, turn, _, _, spin = _planar(names.gears(design.gear.discs)[disc])
-    crank_angle, crank_speed, gear = run["crank_angle"], run["crank_speed"], tooth_profile(design)
+    crank_angle, crank_speed = run["crank_angle"], run["crank_speed"]
     path = point_path(design, q, disc, crank_angle, crank_speed)
     position, velocity = _point_motion(run, design, q, disc)
     return {
-        "gear_angle": Compared(run[turn], kinematics.gear_rotation(gear, crank_angle)),
-        "gear_speed": Compared(run[spin], kinematics.gear_speed(crank_speed, gear.lobes)),
+        "gear_angle": Compared(run[turn], member.gear_angle(design, crank_angle)),
+        "gear_speed": Compared(run[spin], member.gear_angle(design, crank_speed)),
         "q_position": Compared(position, path.position),
         "q_velocity": Compared(velocity, path.velocity),
     }

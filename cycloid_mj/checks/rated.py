@@ -10,6 +10,7 @@ from cycloid_mj import profile, statics
 from cycloid_mj.design import Design
 from cycloid_mj.errors import RunError
 from cycloid_mj.loaded import Loads, Springs, loads, peak_force, peak_pressure, springs_of, torque_at_pressure
+from cycloid_mj.member import share
 from cycloid_mj.modification import tooth_profile
 
 CARRIES = 0.01
@@ -25,7 +26,7 @@ class Rated:
     design
         The design.
     torque
-        On the output, that of the drive times the ratio [N m], with the sign that opposes the output's turning.
+        On the output, that of the drive times the ratio [N m], in the sense of `member.share`.
     springs, found
         The statics and their solution.
     """
@@ -53,7 +54,8 @@ class Rated:
     @property
     def concentration(self) -> float:
         """Largest force on a tooth over that of ideal sharing [1]."""
-        ideal = statics.ideal_load_sharing(tooth_profile(self.design), self.torque, self.springs.crank)
+        carried = share(self.design) * self.torque
+        ideal = statics.ideal_load_sharing(tooth_profile(self.design), carried, self.springs.crank)
         return float(self.found.teeth.max() / ideal.forces.max())
 
     @property

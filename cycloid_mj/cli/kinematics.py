@@ -52,7 +52,8 @@ def kinematics(
     """Write the ideal motion of a point q of the gear as CSV.
 
     Columns: t_s, crank_rad, x_mm, y_mm, vx_mm_s, vy_mm_s, ax_mm_s2, ay_mm_s2
-    (Hsieh 2014, Eqs 16, 17, 19, corrected), with x to the right, y up and the
+    (Hsieh 2014, Eqs 16, 17, 19, corrected; where the ring turns and the carrier
+    is held, the gear does not turn), with x to the right, y up and the
     crank counter-clockwise. The origin is that of Eq. 16, the initial gear
     centre: add the eccentricity to y_mm for positions from the reducer's axis.
     Samples are at the times k DT, k = 0, 1, ..., up to T. Numbers have every
@@ -76,8 +77,8 @@ def _motion(design: Design, q: tuple[float, float], until: float | None, step: f
     until = design.drive.ramp + design.drive.hold if until is None else until
     step = _step(design, step)
     t = step * np.arange(_rows(until, step))
-    crank = law.angle_at(t)
-    path = point_path(tooth_profile(design), q, crank, law.speed_at(t), law.acceleration_at(t))
+    crank, turning = law.angle_at(t), not design.output.turns_ring
+    path = point_path(tooth_profile(design), q, crank, law.speed_at(t), law.acceleration_at(t), turning)
     (x, y), (vx, vy), (ax, ay) = (1e3 * v.T for v in (path.position, path.velocity, path.acceleration))
     names = ("t_s", "crank_rad", "x_mm", "y_mm", "vx_mm_s", "vy_mm_s", "ax_mm_s2", "ay_mm_s2")
     return dict(zip(names, (t, crank, x, y, vx, vy, ax, ay), strict=True))

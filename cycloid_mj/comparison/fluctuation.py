@@ -30,14 +30,14 @@ def level(values: Array, parts: Sequence[slice]) -> Level:
     return Level(_rms(np.concatenate([size[part] for part in parts])), tuple(_rms(size[part]) for part in parts))
 
 
-def unshifted(error: Array, crank_angle: Array, lobes: int) -> Array:
+def unshifted(error: Array, crank_angle: Array, gear_angle: Array) -> Array:
     """Take from the errors (n, 2) of a path or a velocity what a steady shift explains, by least squares.
 
     A shift that is constant in the frame of the housing, of the crank or of the gear is play taken up or elastic
-    deflection, not vibration: with x + i y, the terms a + b e^(i theta) + d e^(-i theta/(N-1)) at `crank_angle` theta
-    [rad], shape (n,).
+    deflection, not vibration: with x + i y, the terms a + b e^(i theta) + d e^(i phi) at `crank_angle` theta and ideal
+    `gear_angle` phi = -theta/(N-1) [rad], shape (n,); the last drops out of a gear that does not turn.
     """
-    shifts = np.exp(1j * crank_angle[:, np.newaxis] * np.array([0.0, 1.0, -1.0 / lobes]))
+    shifts = np.exp(1j * np.stack([np.zeros_like(crank_angle), crank_angle, gear_angle], axis=1))
     together = error[:, 0] + 1j * error[:, 1]
     left = together - shifts @ np.linalg.lstsq(shifts, together, rcond=None)[0]
     return np.stack([left.real, left.imag], axis=1)

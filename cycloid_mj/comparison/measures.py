@@ -12,6 +12,7 @@ from cycloid_mj.comparison.fluctuation import Level, level, turns, unshifted
 from cycloid_mj.comparison.forces import Forces, forces
 from cycloid_mj.comparison.vibration import Vibration, vibration
 from cycloid_mj.design import Design
+from cycloid_mj.member import gear_angle
 from cycloid_mj.record import Run
 
 
@@ -71,8 +72,9 @@ def _fluctuation(motion: Series) -> Fluctuation:
     parts = turns(motion)
     rows = slice(parts[0].start, parts[-1].stop)
     within = [slice(part.start - rows.start, part.stop - rows.start) for part in parts]
-    angle, lobes = motion.crank_angle[rows], motion.design.lobes
-    path, velocity = (unshifted(q.error[rows], angle, lobes) for q in (motion.q_position, motion.q_velocity))
+    angle = motion.crank_angle[rows]
+    turned = gear_angle(motion.design, angle)
+    path, velocity = (unshifted(q.error[rows], angle, turned) for q in (motion.q_position, motion.q_velocity))
     return Fluctuation(
         gear_speed_rad_s=level(motion.gear_speed.error, parts),
         q_path_um=level(1e6 * path, within),

@@ -102,7 +102,8 @@ def pin_on_teeth(at: Places, model: int, data: int, out: int, teeth: int, pin: i
 
     A massless pin is a two-force body: it gives way by its play, then both of its contacts carry the same force, and
     their compliances add up. With the stiffness K f of a pin on the gear, f = 1 on a flat, and K/x of the seat, the
-    pair's stiffness K/(1 + x) acts f (1 + x)/(1 + x f) times as much.
+    pair's stiffness K/(1 + x) acts f (1 + x)/(1 + x f) times as much. A pin that has no home is carried by a ring that
+    turns about the world's origin.
     """
     users = read_address(model + at[USER])
     profile = read_teeth(users + 8 * USER_DATA * teeth)
@@ -113,8 +114,14 @@ def pin_on_teeth(at: Places, model: int, data: int, out: int, teeth: int, pin: i
     gear, (px, py, _) = _pose(data, at, teeth), _place(data, at, pin)
     x, y = inwards(gear, px - gear.x, py - gear.y)
     hs, hc = read_float(own), read_float(own + 8)
-    sn, cn = turned_times(gear.sine, gear.cosine, int(profile.ring.teeth))
-    start = Start(hs * gear.cosine + hc * gear.sine, hc * gear.cosine - hs * gear.sine, sn, cn)
+    carried = hs == 0.0 and hc == 0.0
+    if carried:
+        away = 1.0 / math.sqrt(px * px + py * py)
+        hs, hc = px * away, py * away
+    st, ct = hs * gear.cosine + hc * gear.sine, hc * gear.cosine - hs * gear.sine
+    times = int(profile.ring.teeth)
+    sn, cn = turned_times(st, ct, times) if carried else turned_times(gear.sine, gear.cosine, times)
+    start = Start(st, ct, sn, cn)
     distance, nx, ny, bend = pin_distance(x, y, profile.flank, start, margin + reach - offset)
     gap = distance + offset - reach
     if not gap < margin:

@@ -10,6 +10,7 @@ from typing import Any, Protocol
 from cycloid_mj.contact.law import LEAST_IMPEDANCE, ContactLaw
 from cycloid_mj.contact.timestep import RESOLVED, passing_limit, rolling_limits, timestep
 from cycloid_mj.design import Design, Friction
+from cycloid_mj.member import against_ring
 
 NOISE = 1e4 * 2.0**-52
 """Least clearance as a share of E. Gaps are right to some ten roundings of E: to a thousandth of it."""
@@ -54,7 +55,7 @@ def at_rest(design: Design, kinds: Iterable[str]) -> tuple[str, ...]:
 
 def pace(design: Design) -> tuple[str, ...]:
     """Tell where a run at the design's crank speed has too few steps or samples from tooth to tooth."""
-    passing = design.ring.teeth * abs(design.drive.speed) / (2.0 * math.pi)
+    passing = design.ring.teeth * abs(float(against_ring(design, design.drive.speed))) / (2.0 * math.pi)
     return (*_few_steps(design, passing), *_few_samples(design, passing)) if passing else ()
 
 

@@ -13,7 +13,8 @@ from functools import lru_cache
 from cycloid_mj.contact.law import contact_stiffness
 from cycloid_mj.contact.working import working_force
 from cycloid_mj.design import Design, Drive, Friction, Load, Settings
-from cycloid_mj.solid import gear_solid, mass_properties, output_solid
+from cycloid_mj.member import against_ring
+from cycloid_mj.solid import gear_solid, mass_properties, output_inertia
 from cycloid_mj.solid.housing import pin_solid
 
 RESOLVED = 6.4
@@ -103,22 +104,25 @@ def _rolling_limit(design: Design, kind: str, mass: float, play: float) -> float
 
 def passing_limit(design: Design) -> float:
     """Give the longest step [s] for the teeth that pass at the design's crank speed."""
-    return 2.0 * math.pi / (FEWEST_STEPS * design.ring.teeth * abs(design.drive.speed))
+    return 2.0 * math.pi / (FEWEST_STEPS * design.ring.teeth * abs(float(against_ring(design, design.drive.speed))))
 
 
 def effective_masses(design: Design) -> dict[str, float]:
     """Give the mass [kg] that moves on a contact of each kind of pair.
 
     Half of the ring's and of the output's contacts carry at a time, on each disc; a free pin, or a sleeve, lies between
-    two.
+    two. What the load is on gives way by its turning: forces on the ring pass its axis at c N at most.
     """
     gear, output, pin = _masses(design)
-    turning = design.output.pin_circle_radius**2 / output
-    mobility = {"cam": 1.0 / gear, "output": (1.0 / gear + turning * design.gear.discs) * design.output.pins / 2.0}
+    arms = {"carrier": design.output.pin_circle_radius, "ring": design.gear.eccentricity * design.ring.teeth}
+    turning = {
+        member: design.gear.discs * (member == design.output.member) * arms[member] ** 2 / output for member in arms
+    }
+    mobility = {"cam": 1.0 / gear, "output": (1.0 / gear + turning["carrier"]) * design.output.pins / 2.0}
     if design.ring.has_pin_bodies:
         mobility |= {"pin_gear": 2.0 * (1.0 / gear + 1.0 / pin), design.seat_pair: 2.0 / pin}
     else:
-        mobility[design.tooth_pair] = design.ring.teeth / (2.0 * gear)
+        mobility[design.tooth_pair] = (1.0 / gear + turning["ring"]) * design.ring.teeth / 2.0
     return {kind: 1.0 / mobile for kind, mobile in mobility.items()}
 
 
@@ -131,5 +135,4 @@ def _masses(design: Design) -> tuple[float, float, float]:
 @lru_cache(maxsize=64)
 def _masses_of(design: Design) -> tuple[float, float, float]:
     pin = mass_properties(pin_solid(design)).mass if design.ring.has_pin_bodies else 0.0
-    output = float(mass_properties(output_solid(design)).inertia[2, 2])
-    return mass_properties(gear_solid(design)).mass, output, pin
+    return mass_properties(gear_solid(design)).mass, output_inertia(design), pin

@@ -13,6 +13,7 @@ import numpy as np
 
 from cycloid_mj import statics
 from cycloid_mj.design import Design, override
+from cycloid_mj.member import share
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.profile import CycloidGear
 
@@ -59,8 +60,8 @@ def own_load(design: Design) -> float:
     """Give the torque on the output [N m] that presses an idle reducer's contacts as its own forces do.
 
     The gear's weight and its inertia force on the eccentric, W = m (g + c w^2), act on the cam; a load torque T presses
-    the teeth sideways against the cam by T/(c (N-1)): that of W has the torque W c (N-1). The gear's mass is that of a
-    disc of its mean radius E - rho.
+    the teeth sideways against the cam by T/(c (N-1)): that of W has the torque W c (N-1), or W c N on a ring. The
+    gear's mass is that of a disc of its mean radius E - rho.
     """
     gear, ring, output = design.gear, design.ring, design.output
     squares = (ring.pin_circle_radius - ring.pin_radius) ** 2 - gear.bore_radius**2
@@ -68,7 +69,7 @@ def own_load(design: Design) -> float:
     weight = math.hypot(design.environment.gravity_x, design.environment.gravity_y)
     flung = gear.eccentricity * design.drive.speed**2
     force = design.material_of("gear").density * gear.face_width * area * (weight + flung)
-    return force * gear.eccentricity * design.lobes
+    return force * gear.eccentricity * design.reduction
 
 
 def working_source(design: Design, kind: str) -> Source:
@@ -95,7 +96,7 @@ def at_rated_load(design: Design) -> Design:
 
     For what is made for no load in particular: a folder with a model, springs for any torque, a figure.
     """
-    return working_at(design, design.load.torque or design.drive.torque * design.lobes)
+    return working_at(design, design.load.torque or design.rated_torque)
 
 
 def for_slices(design: Design) -> Design:
@@ -103,7 +104,7 @@ def for_slices(design: Design) -> Design:
 
     A bed of slices softens by itself where it is pressed less deep: the stiffness at a small load is not set again.
     """
-    return working_at(design, max(abs(design.load.torque), design.drive.torque * design.lobes))
+    return working_at(design, max(abs(design.load.torque), design.rated_torque))
 
 
 def working_forces_told(design: Design, kinds: Iterable[str]) -> str:
@@ -123,7 +124,7 @@ def _source_told(design: Design, kind: str) -> str:
 
 
 def _shared(design: Design, kind: str, torque: float) -> float:
-    gear, output = design.gear, design.output
+    gear, output, torque = design.gear, design.output, share(design) * torque
     if kind == "output":
         return 4.0 * torque / (output.pins * output.pin_circle_radius)
     if kind == "cam":

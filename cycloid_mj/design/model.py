@@ -142,8 +142,14 @@ class Gear(Section):
 
 
 class Output(Section):
-    """The output disc, its pins and the holes of the gear that they run in."""
+    """The output disc, its pins and the holes of the gear that they run in; or what holds them, if the ring turns."""
 
+    member: Literal["carrier", "ring"] = choice(
+        "carrier",
+        "what the load is on: carrier, the disc with the output pins, and the ring is held (ratio N - 1, against the "
+        "crank); ring, the ring with its housing, and that disc is held (ratio N, with the crank)",
+        PAPER,
+    )
     pins: int = quantity(8, "number of output pins and holes", ge=2, le=100)
     pin_radius: float = quantity(4.0, "radius of an output pin", u.MILLIMETRE, ge=0.001, le=5000.0)
     pin_circle_radius: float = quantity(
@@ -168,6 +174,11 @@ class Output(Section):
         "cantilever",
         "what holds the output pins: cantilever, the output disc alone; both_ends, a second disc beyond the gear, too",
     )
+
+    @property
+    def turns_ring(self) -> bool:
+        """Whether the ring turns, and the carrier of the output pins is held."""
+        return self.member == "ring"
 
     @property
     def root_radius(self) -> float:
@@ -621,7 +632,7 @@ class Design(Section):
         kind = "internal gear" if ring.kind == "nonpin" else f"{ring.pins.replace('_', ' ')} pins"
         return (
             ("name", repr(self.name)),
-            ("ratio", f"{self.lobes}:1"),
+            ("ratio", f"{self.reduction}:1"),
             ("ring", f"{ring.teeth} teeth, {kind}, E {1e3 * ring.pin_circle_radius:g} mm"),
             ("eccentricity", f"{1e3 * self.gear.eccentricity:g} mm"),
             ("speed", f"{self.drive.speed * 30.0 / math.pi:.6g} rpm"),
@@ -695,12 +706,27 @@ class Design(Section):
     @property
     def rated_torque(self) -> float:
         """Torque at the output that the rated input torque holds without loss [N m]."""
-        return self.drive.torque * self.lobes
+        return self.drive.torque * self.reduction
 
     @property
     def lobes(self) -> int:
-        """Lobes of the cycloid gear, N - 1: the reduction ratio."""
+        """Lobes of the cycloid gear, N - 1."""
         return self.ring.teeth - 1
+
+    @property
+    def ratio(self) -> int:
+        """Turns of the crank for one of the output: -(N - 1) of the carrier, which turns against it, N of the ring."""
+        return self.ring.teeth if self.output.turns_ring else -self.lobes
+
+    @property
+    def reduction(self) -> int:
+        """Its size: N - 1, or N."""
+        return abs(self.ratio)
+
+    @property
+    def mesh_periods(self) -> int:
+        """Times that the mesh repeats in a turn of the crank: N, or N - 1 where the ring runs ahead of the crank."""
+        return self.ring.teeth - self.output.turns_ring
 
     @property
     def tooth_pair(self) -> str:

@@ -1,6 +1,6 @@
 """The balance of a reducer's springs under a load, and the powers of a crank that turns slowly through it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -10,12 +10,16 @@ from cycloid_mj.design import Design
 from cycloid_mj.errors import RunError
 from cycloid_mj.loaded.springs import Springs, springs_of
 from cycloid_mj.mechanism.kernel import BALANCED, Left, balance, balance_along
+from cycloid_mj.member import seen_from_ring, share
 from cycloid_mj.types import Array
+
+REPEATS = 2
+"""Corrections of the carrier's torque for the losses: each leaves the share 1/N of the error before."""
 
 
 @dataclass(frozen=True)
 class Loads:
-    """Forces at m crank angles under one load.
+    """Forces at m crank angles under one load, seen from the ring.
 
     Attributes
     ----------
@@ -26,7 +30,7 @@ class Loads:
     departures
         Of gear and output from their ideal places, as in ``mechanism.gaps``, shape (m, 4) [m].
     gear_turn, output_turn
-        Of gear and output from their ideal angles, shape (m,) [rad].
+        Of gear and output from their ideal angles, shape (m,) [rad], in the sense of `member.share`.
     """
 
     teeth: Array
@@ -38,15 +42,30 @@ class Loads:
 
 
 def loads(design: Design, springs: Springs, torque: float, follow: bool = False) -> Loads:
-    """Give what the contacts carry under a torque on the output [N m], counter-clockwise, not 0.
+    """Give what the contacts carry under a torque on the output [N m], not 0; its sense is that of `member.share`.
 
-    `follow` tells that the crank angles follow each other closely: each search then starts from the balances before.
+    A ring that turns under friction leaves the carrier its torque less the crank's, which the losses raise. `follow`
+    tells that the crank angles follow each other closely: each search then starts from the balances before.
 
     Raises
     ------
     RunError
         No balance was found.
     """
+    if not design.output.turns_ring:
+        return _balanced(design, springs, torque, follow)
+    seen, of = seen_from_ring(design), share(design)
+    carried, speed = of * torque, seen.drive.speed
+    found = _balanced(seen, springs, carried, follow)
+    for _ in range(REPEATS if springs.contacts.rubbing.size and speed else 0):
+        lost = sum(float(np.mean(power)) for power in _friction_losses(seen, springs, found).values())
+        carried *= torque / (carried + carried / design.lobes + lost / speed)
+        found = _balanced(seen, springs, carried, follow)
+    return replace(found, gear_turn=found.output_turn - found.gear_turn, output_turn=of * found.output_turn)
+
+
+def _balanced(design: Design, springs: Springs, torque: float, follow: bool) -> Loads:
+    """Give what the contacts carry under a torque on the carrier [N m], all seen from the ring."""
     contacts, lever = springs.contacts, design.output.pin_circle_radius
     load = springs.load(torque)
     z, force = np.zeros(load.shape), np.zeros(contacts.distance.shape)
@@ -79,7 +98,7 @@ def transmission_error(design: Design, crank: npt.ArrayLike, torque: float) -> A
     """Give the turn of gear and output from the ideal one [rad], shape (k, 2), at crank angles [rad], shape (k,).
 
     Without friction, and without inertia but the gear's centrifugal force at the speed of the design; the angles follow
-    each other. The `torque` [N m] is on the output, counter-clockwise: against a crank that turns counter-clockwise.
+    each other. The `torque` [N m] is on the output, in the sense of `member.share`.
 
     Raises
     ------
@@ -125,14 +144,19 @@ def powers(design: Design, torque: float) -> Powers:
     """
     springs, way, speed = springs_of(design), np.sign(design.drive.speed), abs(design.drive.speed)
     found = loads(design, springs, float(way) * (torque + design.drag.output))
+    losses = _friction_losses(seen_from_ring(design), springs, found)
+    seals = np.array(design.drag.crank * speed + design.drag.output * speed / design.reduction)
+    mean = {part: float(np.mean(lost)) for part, lost in {**losses, "seals": seals}.items()}
+    given = torque * speed / design.reduction
+    return Powers(given + sum(mean.values()), -given, mean)
+
+
+def _friction_losses(design: Design, springs: Springs, found: Loads) -> dict[str, Array]:
+    """Give the powers that friction takes at each crank angle [W], shape (m,), of a drive seen from its ring."""
     slip, count = np.abs(springs.slip), springs.teeth
-    turning = speed * design.ring.teeth / design.lobes
-    losses = {
+    turning = abs(design.drive.speed) * design.ring.teeth / design.lobes
+    return {
         "teeth": design.mesh_friction * np.sum(found.teeth * slip[:, :count], axis=1),
         "cam": design.friction_of("cam") * design.gear.bore_radius * turning * np.linalg.norm(found.cam, axis=1),
         "output": design.friction_of("output") * np.sum(found.output * slip[:, count:], axis=1),
-        "seals": np.array(design.drag.crank * speed + design.drag.output * speed / design.lobes),
     }
-    mean = {part: float(np.mean(lost)) for part, lost in losses.items()}
-    given = torque * speed / design.lobes
-    return Powers(given + sum(mean.values()), -given, mean)

@@ -20,6 +20,7 @@ from cycloid_mj.loaded.springs import Springs, springs_of
 from cycloid_mj.mechanism import kernel
 from cycloid_mj.mechanism.gaps import cam_places
 from cycloid_mj.mechanism.kernel import BALANCED, FIGURES, Effects, Made, balance_samples
+from cycloid_mj.member import share
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.types import Array
 
@@ -118,8 +119,8 @@ class Figures:
     Attributes
     ----------
     gear_mean, gear_range, output_mean, output_range
-        Turn of gear and output from the ideal one [rad]: its mean, and from its least to its largest, the peak to peak
-        of the transmission error.
+        Turn of the gear, seen from the ring, and of the output from the ideal one [rad]: its mean, and from its least
+        to its largest, the peak to peak of the transmission error.
     tooth, output_pin, cam
         Largest forces [N].
     carrying
@@ -157,7 +158,8 @@ def solve_samples(
     samples
         How they were made.
     torques
-        On the output [N m], counter-clockwise, not 0. Between a small one and its opposite lies the backlash.
+        On the output [N m], in the sense of `member.share`, not 0. Between a small one and its opposite lies the
+        backlash.
     angles
         Crank angles, evenly in a turn.
     threads
@@ -172,11 +174,11 @@ def solve_samples(
     bare = design.model_copy(update={"errors": Errors(), "modification": Modification()})
     crank = np.linspace(0.0, 2.0 * np.pi, angles, endpoint=False)
     springs = springs_of(bare, crank, friction)
-    effects, made = _effects(bare, springs), _made(bare, springs, samples)
+    effects, made, of = _effects(bare, springs), _made(bare, springs, samples), share(design)
     bounds = np.linspace(0, len(samples), min(CHUNKS * threads, len(samples)) + 1).astype(int).tolist()
     found = []
     for torque in torques:
-        load = springs.load(torque)
+        load = springs.load(of * torque)
         out = np.zeros((len(samples), FIGURES))
 
         def balanced(first: int, last: int, load: Array = load, out: Array = out) -> None:
@@ -185,7 +187,9 @@ def solve_samples(
         with announced(), ThreadPoolExecutor(threads) as pool:
             list(pool.map(balanced, bounds[:-1], bounds[1:]))
         out[~(out[:, -1] <= BALANCED)] = np.nan
-        found.append(Figures(*out[:, :-1].T.copy()))
+        seen = Figures(*out[:, :-1].T.copy())
+        turned = {"output_mean": of * seen.output_mean, "output_range": of * seen.output_range}
+        found.append(replace(seen, **turned))
     return found
 
 

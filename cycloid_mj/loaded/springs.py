@@ -13,6 +13,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.loaded.friction import rubbing
 from cycloid_mj.mechanism import kernel
 from cycloid_mj.mechanism.gaps import arc_gaps, cam_places, ideal_motion
+from cycloid_mj.member import against_ring, ring_angle, seen_from_ring, turns_of_crank
 from cycloid_mj.modification import gear_profile, profile_offset, tooth_profile
 from cycloid_mj.types import Array
 
@@ -31,7 +32,7 @@ class Springs:
     Attributes
     ----------
     crank
-        Angles [rad], shape (m,).
+        Angles from the ring [rad], shape (m,).
     teeth
         Contact lines with the ring; those after the first are output pins.
     contacts
@@ -52,7 +53,7 @@ class Springs:
     slip: Array
 
     def load(self, torque: float) -> Array:
-        """Give the generalised force on each unknown [N], shape (m, 3 D + 1), of a torque on the output [N m]."""
+        """Give the generalised force on each unknown [N], shape (m, 3 D + 1), of a torque on the carrier [N m]."""
         load = np.zeros((self.crank.size, self.contacts.slope.shape[2]))
         load[:, :2], load[:, -1] = self.body_force, torque / self.contacts.radius
         return load
@@ -73,8 +74,11 @@ def springs_of(design: Design, crank: npt.ArrayLike | None = None, friction: boo
     ContactError
         The working force flattens a pin beyond a line contact.
     """
-    design = at_rated_load(design)
-    crank = turn_evenly() if crank is None else np.ravel(np.asarray(crank, dtype=np.float64))
+    if crank is None:
+        crank = turns_of_crank(design, turn_evenly())
+    crank = np.ravel(np.asarray(crank, dtype=np.float64))
+    own_force, crank = body_force(design, crank), against_ring(design, crank)
+    design = at_rated_load(seen_from_ring(design))
     found = arc_gaps(design, crank)
     teeth = int(np.sum(found.kind == design.tooth_pair))
     curvature = found.relative_curvature[:, :teeth]
@@ -106,7 +110,7 @@ def springs_of(design: Design, crank: npt.ArrayLike | None = None, friction: boo
             cam_rubbing=drag if friction else 0.0,
         ),
         curvature=curvature,
-        body_force=body_force(design, crank),
+        body_force=own_force,
         slip=np.einsum("mnu,mu->mn", found.slip_slope, motion),
     )
 
@@ -120,7 +124,7 @@ def tooth_stiffness(design: Design, curvature: Array) -> Array:
 
 
 def body_force(design: Design, crank: Array) -> Array:
-    """Give weight and centrifugal force of the gear [N], shape (m, 2), at crank angles [rad], shape (m,).
+    """Give weight and centrifugal force of the gear [N], shape (m, 2), seen from the ring, at crank angles [rad] (m,).
 
     Its mass is that of its outline less bore and holes, each with its clearance; of turned flanks not the corners.
     """
@@ -128,6 +132,7 @@ def body_force(design: Design, crank: Array) -> Array:
     holes = output.pins * (output.hole_radius + clearance.output) ** 2
     bored = math.pi * ((gear.bore_radius + clearance.cam) ** 2 + holes)
     area = profile.area(gear_profile(design), profile_offset(design)) - bored
-    gravity = np.array([design.environment.gravity_x, design.environment.gravity_y])
-    flung = design.drive.speed**2 * kinematics.gear_centre(tooth_profile(design), crank)
+    x, y, turned = design.environment.gravity_x, design.environment.gravity_y, ring_angle(design, crank)
+    gravity = np.stack([x * np.cos(turned) + y * np.sin(turned), y * np.cos(turned) - x * np.sin(turned)], axis=-1)
+    flung = design.drive.speed**2 * kinematics.gear_centre(tooth_profile(design), against_ring(design, crank))
     return np.asarray(design.material_of("gear").density * gear.face_width * area * (gravity + flung))

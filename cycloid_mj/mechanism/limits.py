@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj import profile
+from cycloid_mj import member, profile
 from cycloid_mj.design import Design
 from cycloid_mj.errors import RunError
 from cycloid_mj.mechanism.gaps import Gaps, cam_places, gaps, unknowns
@@ -33,7 +33,7 @@ class Fit:
     room
         Smallest gap of any pair in this pose [m]; negative where the parts only go together pressed into each other.
     shift
-        Of each disc's centre from the ideal one [m], shape (D, 2).
+        Of each disc's centre from the ideal one, seen from the ring [m], shape (D, 2).
     gear_turn
         Angle of each disc less the ideal one [rad], shape (D,).
     output_turn
@@ -53,6 +53,7 @@ def best_fit(design: Design, crank: float) -> Fit:
     """Find the pose at a crank angle [rad] that leaves the most room in all pairs."""
     from scipy.optimize import linprog
 
+    crank = float(member.against_ring(design, crank))
     found = gaps(design, crank)
     slope, room = _limits(design, crank, found, _FIT_SIDES)
     count = unknowns(design)
@@ -61,8 +62,11 @@ def best_fit(design: Design, crank: float) -> Fit:
     *free, least = np.asarray(best.x, dtype=np.float64)
     pose = _SCALE * np.array(free)
     radius, discs = design.output.pin_circle_radius, pose[:-1].reshape(-1, 3)
-    turn = float(pose[-1]) / radius
-    return Fit(float(least) * _SCALE, discs[:, :2], discs[:, 2] / radius, turn, _aside(design, found, pose))
+    turned, carrier = discs[:, 2] / radius, float(pose[-1]) / radius
+    if design.output.turns_ring:
+        turned = turned - carrier
+    output = member.sense(design) * member.share(design) * carrier
+    return Fit(float(least) * _SCALE, discs[:, :2], turned, output, _aside(design, found, pose))
 
 
 def stops(design: Design, crank: float, sides: int = CAM_SIDES) -> tuple[float, float]:
@@ -77,7 +81,8 @@ def stops(design: Design, crank: float, sides: int = CAM_SIDES) -> tuple[float, 
     """
     from scipy.optimize import linprog
 
-    slope, room = _limits(design, crank, gaps(design, crank), sides)
+    seen = float(member.against_ring(design, crank))
+    slope, room = _limits(design, seen, gaps(design, seen), sides)
     found = []
     for direction in (-1.0, 1.0):
         goal = np.zeros(unknowns(design))
@@ -86,7 +91,8 @@ def stops(design: Design, crank: float, sides: int = CAM_SIDES) -> tuple[float, 
         if ends.x is None:
             raise RunError(f"the gear jams at crank angle {crank:.4f} rad: its errors are larger than its clearances")
         found.append(float(ends.x[-1]) * _SCALE / design.output.pin_circle_radius)
-    return found[0], found[1]
+    low, high = sorted(member.sense(design) * member.share(design) * turn for turn in found)
+    return low, high
 
 
 def _limits(design: Design, crank: float, found: Gaps, sides: int) -> tuple[Array, Array]:

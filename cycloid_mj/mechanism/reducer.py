@@ -48,6 +48,9 @@ class Body:
         What x and y of its joints read there [m], shape (2,).
     plane
         Of its frame along z [m]: a disc's is in its middle, 0 in the middle of all discs.
+    carrier
+        Name of the body that carries it along, from which its joints read: of the pins of a ring that turns, the
+        housing; empty: none.
     """
 
     name: str
@@ -56,6 +59,7 @@ class Body:
     place: Array
     origin: Array
     plane: float = 0.0
+    carrier: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +152,8 @@ class Mechanism:
     phases
         Of each disc on the crank [rad], counter-clockwise.
     bodies
-        Housing, shaft, discs, output, and pins or sleeves that move.
+        What is held (the housing, or the output where the ring turns), shaft, discs, what the load is on, and pins or
+        sleeves that move.
     matings
         Teeth of every disc, then what carries the pins, then cams, then output pins.
     """
@@ -226,16 +231,19 @@ def mechanism(design: Design) -> Mechanism:
 
 def _bodies(design: Design, made: Deviations) -> Iterator[Body]:
     axis, gear, ring = np.zeros(2), tooth_profile(design), design.ring
-    yield Body(names.HOUSING, names.HOUSING, (), axis, axis)
+    held, turning, carrier = names.HOUSING, names.OUTPUT, ""
+    if design.output.turns_ring:
+        held, turning, carrier = names.OUTPUT, names.HOUSING, names.HOUSING
+    yield Body(held, held, (), axis, axis)
     yield Body(names.SHAFT, names.SHAFT, (names.CRANK_JOINT,), axis, axis)
     for disc, phase in enumerate(phases(design)):
         name, place = _of_disc(design, names.GEAR, disc), gear_centre(gear, phase)
         yield Body(name, name, names.planar_joints(name), place, place, design.gear.disc_planes[disc])
-    yield Body(names.OUTPUT, names.OUTPUT, (names.OUTPUT_JOINT,), axis, axis)
+    yield Body(turning, turning, (names.OUTPUT_JOINT,), axis, axis)
     if ring.has_pin_bodies:
         places = ring.pin_circle_radius * profile.unit(_angles(ring.teeth)) + made.pin_place
         for name, place in zip(names.all_numbered(names.PIN, ring.teeth), places, strict=True):
-            yield Body(name, names.PIN, names.planar_joints(name), place, axis)
+            yield Body(name, names.PIN, names.planar_joints(name), place, axis, carrier=carrier)
 
 
 def _ring(design: Design, made: Deviations) -> tuple[Surfaces, list[Mating]]:

@@ -41,11 +41,12 @@ _X, _Y, _Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
 def add_bodies(spec: Any, reducer: Mechanism, masses: Mapping[str, MassProperties]) -> None:
-    """Add every body with its joints and its mass; the housing does not move and needs none."""
+    """Add every body with its joints and its mass; what is held needs none."""
     # MuJoCo factorises from the last degree of freedom backwards: each pin meets the gear alone, so with the pins
     # last an elimination fills in nothing between pins; before the gear each would couple all of them.
     for body in reducer.bodies:
-        made = spec.worldbody.add_body(name=body.name, pos=point(body.place, body.plane))
+        carrier = spec.body(body.carrier) if body.carrier else spec.worldbody
+        made = carrier.add_body(name=body.name, pos=point(body.place, body.plane))
         _add_joints(made, body, reducer.design)
         if body.joints:
             set_inertia(made, masses[body.part])
@@ -156,7 +157,8 @@ def _attributes(design: Design, surfaces: Surfaces, i: int) -> dict[str, Any]:
         return {"quat": turn(angle)}
     if surfaces.role != Role.PIN:
         return {}
-    home = on_grid([np.sin(angle), np.cos(angle)]).tolist()
+    # A pin that its ring carries round has no home: the collider takes where it is.
+    home = [0.0, 0.0] if design.output.turns_ring else on_grid([np.sin(angle), np.cos(angle)]).tolist()
     if not design.ring.has_massless_pins:
         return {"userdata": home}
     softness = pair_stiffness(design, design.tooth_pair) / pair_stiffness(design, design.seat_pair)

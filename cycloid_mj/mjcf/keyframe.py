@@ -3,10 +3,10 @@
 import math
 from typing import Any
 
-from cycloid_mj import names
+from cycloid_mj import member, names
 from cycloid_mj.design import Design
 from cycloid_mj.deviations import is_ideal
-from cycloid_mj.kinematics import gear_centre, gear_rotation, gear_speed
+from cycloid_mj.kinematics import gear_centre
 from cycloid_mj.mechanism.limits import best_fit
 from cycloid_mj.mechanism.reducer import Mechanism, mechanism
 from cycloid_mj.modification import tooth_profile
@@ -42,13 +42,14 @@ def add_keyframes(spec: Any, design: Design) -> None:
 def joint_state(design: Design, crank: float, speed: float) -> tuple[dict[str, float], dict[str, float]]:
     """Give positions and velocities of the joints of crank, discs and output at a crank angle [rad] and speed [rad/s].
 
-    Hsieh 2014, Eqs 12 and 13 (corrected): the gear's centre runs on a circle, gear and output turn at -speed/(N-1).
+    Hsieh 2014, Eqs 12 and 13 (corrected): the gear's centre runs on a circle, gear and output turn at -speed/(N-1); or
+    the gear does not turn, and the ring does, at speed/N.
     Parts with errors or modified flanks, and the pins among them that move, are where they fit best.
     """
     gear = tooth_profile(design)
-    turned, slow = float(gear_rotation(gear, crank)), float(gear_speed(speed, gear.lobes))
-    position = {names.CRANK_JOINT: crank, names.OUTPUT_JOINT: turned}
-    velocity = {names.CRANK_JOINT: speed, names.OUTPUT_JOINT: slow}
+    turned, slow = float(member.gear_angle(design, crank)), float(member.gear_angle(design, speed))
+    position = {names.CRANK_JOINT: crank, names.OUTPUT_JOINT: float(member.output_angle(design, crank))}
+    velocity = {names.CRANK_JOINT: speed, names.OUTPUT_JOINT: float(member.output_angle(design, speed))}
     reducer = mechanism(design)
     for disc, phase in zip(reducer.discs, reducer.phases, strict=True):
         x, y = (float(value) for value in gear_centre(gear, crank + phase))
@@ -62,10 +63,11 @@ def joint_state(design: Design, crank: float, speed: float) -> tuple[dict[str, f
 
 def _room(reducer: Mechanism, crank: float) -> dict[str, float]:
     """Give how far joints are from the ideal mesh in the pose that leaves the most room."""
-    fit = best_fit(reducer.design, crank)
+    fit, angle = best_fit(reducer.design, crank), float(member.ring_angle(reducer.design, crank))
+    cos, sin = math.cos(angle), math.sin(angle)
     joints: dict[str, float] = {}
-    for disc, shift, turn in zip(reducer.discs, fit.shift.tolist(), fit.gear_turn.tolist(), strict=True):
-        joints |= dict(zip(disc.joints, (*shift, turn), strict=True))
+    for disc, (x, y), turn in zip(reducer.discs, fit.shift.tolist(), fit.gear_turn.tolist(), strict=True):
+        joints |= dict(zip(disc.joints, (x * cos - y * sin, x * sin + y * cos, turn), strict=True))
     for pin, place in zip(reducer.pins, fit.pin_shift, strict=False):
         joints |= dict(zip(pin.joints[:2], place.tolist(), strict=True))
     return joints | {names.OUTPUT_JOINT: fit.output_turn}

@@ -31,7 +31,7 @@ from cycloid_mj.mjcf.laws import contact_laws
 from cycloid_mj.mjcf.model import ReducerModel, add_actuators, empty_spec, judged
 from cycloid_mj.mjcf.sensors import add_sensors
 from cycloid_mj.modification import tooth_profile
-from cycloid_mj.solid import VISUAL_CHORD_ERROR, mass_properties, mesh, parts
+from cycloid_mj.solid import VISUAL_CHORD_ERROR, mesh, moving_masses, parts
 
 VISUAL, COLLISION = "visual", "collision"
 """Default classes, in groups 2 and 3."""
@@ -99,7 +99,7 @@ def mesh_spec(design: Design, settings: ConvexSettings) -> MeshSpec:
             f'ring.pins = "{design.ring.pins}" has no meshes for stock collision: {what} by exact contact only; '
             'choose ring.pins = "free" or "fixed", or the contact profile'
         )
-    masses = {name: mass_properties(solid) for name, solid in parts(design).items()}
+    masses = moving_masses(design)
     reducer, spec = mechanism(design), empty_spec(design)
     spec.nuser_geom = 0
     for item in (*spec.lights, *spec.cameras):

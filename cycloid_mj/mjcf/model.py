@@ -24,7 +24,7 @@ from cycloid_mj.mjcf.bodies import add_bodies, add_shapes, crank_inertia
 from cycloid_mj.mjcf.laws import contact_laws
 from cycloid_mj.mjcf.sensors import add_sensors
 from cycloid_mj.mjcf.solver import set_solver
-from cycloid_mj.solid import VISUAL_CHORD_ERROR, body_solids, mass_properties, mesh, parts
+from cycloid_mj.solid import VISUAL_CHORD_ERROR, mesh, moving_masses, output_inertia, parts
 
 Held = Literal["crank", "output", ""]
 """The shaft that a servo holds; none: both feel a torque alone."""
@@ -79,7 +79,7 @@ def build(design: Design, held: Held = "crank") -> ReducerModel:
     ContactError
         MuJoCo cannot represent a contact's stiffness at this time step.
     """
-    masses = {name: mass_properties(solid) for name, solid in body_solids(design).items()}
+    masses = moving_masses(design)
     reducer, spec = mechanism(design), empty_spec(design)
     for name, solid in parts(design, VISUAL_CHORD_ERROR).items():
         shape = mesh(solid)
@@ -92,7 +92,7 @@ def build(design: Design, held: Held = "crank") -> ReducerModel:
     add_bodies(spec, reducer, masses)
     add_shapes(spec, reducer)
     crank = crank_inertia(design, masses[names.SHAFT])
-    inertias = {"crank": crank, "output": float(masses[names.OUTPUT].inertia[2, 2]), "": 0.0}
+    inertias = {"crank": crank, "output": output_inertia(design), "": 0.0}
     gains = add_actuators(spec, inertias[held], held)
     add_sensors(spec, design)
     each_step.add_sensor(spec)

@@ -46,7 +46,7 @@ def _sensors(design: Design) -> Iterator[_Sensor]:
     for body in mechanism(design).bodies:
         if body.part == names.SHAFT:
             yield from _of_shaft("crank", names.CRANK_JOINT, "crank_torque", names.DRIVE)
-        elif body.part == names.OUTPUT:
+        elif names.OUTPUT_JOINT in body.joints:
             yield from _of_shaft("output", names.OUTPUT_JOINT, "load_torque", names.LOAD)
         elif body.joints:
             yield from _of_planar(body)

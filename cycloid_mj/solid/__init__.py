@@ -8,6 +8,7 @@ from cycloid_mj.solid.gear import gear_solid
 from cycloid_mj.solid.housing import housing_solid, pin_solid, sleeve_core_radius
 from cycloid_mj.solid.inertia import MassProperties, mass_properties
 from cycloid_mj.solid.mesh import Mesh, mesh
+from cycloid_mj.solid.moving import moving_masses, output_inertia
 from cycloid_mj.solid.output import output_centres, output_solid
 from cycloid_mj.solid.parts import body_solids, carried, parts
 from cycloid_mj.solid.polygon import circle
@@ -28,7 +29,9 @@ __all__ = [
     "mass_chord_error",
     "mass_properties",
     "mesh",
+    "moving_masses",
     "output_centres",
+    "output_inertia",
     "output_solid",
     "parts",
     "pin_solid",

@@ -1,0 +1,41 @@
+"""What moves how heavily: the masses of the bodies of a simulation, and the inertia of what the load is on."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from cycloid_mj.design import Design
+from cycloid_mj.digits import significant, significant_tensor
+from cycloid_mj.solid.inertia import MassProperties, mass_properties
+from cycloid_mj.solid.parts import body_solids
+
+
+def moving_masses(design: Design) -> dict[str, MassProperties]:
+    """Give part -> its mass properties; a ring that turns has those of its pins too, where they are no bodies.
+
+    Raises
+    ------
+    DesignError
+        A part cannot be made.
+    """
+    found = {name: mass_properties(solid) for name, solid in body_solids(design).items()}
+    if design.output.turns_ring and design.ring.kind == "pin" and not design.ring.has_pin_bodies:
+        found["housing"] = _with_pins(found["housing"], found["pin"], design)
+    return found
+
+
+def output_inertia(design: Design) -> float:
+    """Give the inertia of what the load is on about the reducer's axis [kg m2]: of the carrier, or of the ring."""
+    return float(moving_masses(design)["housing" if design.output.turns_ring else "output"].inertia[2, 2])
+
+
+def _with_pins(housing: MassProperties, pin: MassProperties, design: Design) -> MassProperties:
+    """Add all pins, which stand evenly around the axis: each adds its own inertia, and its mass on the pin circle."""
+    count, orbit = design.ring.teeth, pin.mass * design.ring.pin_circle_radius**2
+    around = np.diag([0.5 * orbit, 0.5 * orbit, orbit])
+    return replace(
+        housing,
+        mass=significant(housing.mass + count * pin.mass),
+        volume=significant(housing.volume + count * pin.volume),
+        inertia=significant_tensor(housing.inertia + count * (pin.inertia + around)),
+    )

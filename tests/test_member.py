@@ -1,0 +1,182 @@
+"""The ring as the output: the same drive seen from another frame, in closed forms, statics and dynamics."""
+
+import math
+
+import numpy as np
+import pytest
+
+from cycloid_mj import member
+from cycloid_mj.analysis import analyze
+from cycloid_mj.checks import check
+from cycloid_mj.contact.working import working_force
+from cycloid_mj.design import PRESETS, Design, Friction
+from cycloid_mj.kinematics import point_path
+from cycloid_mj.loaded import loads, powers, springs_of
+from cycloid_mj.loaded.windup import windups
+from cycloid_mj.mechanism.limits import best_fit, stops
+from cycloid_mj.modification import tooth_profile
+from cycloid_mj.names import FORCE_X, FORCE_Y
+from cycloid_mj.record import Run
+from cycloid_mj.run import simulate
+
+PIN, PRINTED = PRESETS["pin"], PRESETS["printed"]
+RING = {"member": "ring"}
+FREE_OF_LOSSES = {
+    "friction": dict.fromkeys(Friction.model_fields, 0.0),
+    "environment": {"gravity_x": 0.0, "gravity_y": 0.0},
+}
+
+
+def turned_over(design: Design) -> Design:
+    """Give the design with its ring as the output, at the same speeds and, without losses, torques in the mesh."""
+    more = design.ring.teeth / design.lobes
+    return design.but(
+        output=RING, drive={"speed": more * design.drive.speed}, load={"torque": more * design.load.torque}
+    )
+
+
+def rotated(vectors, angle):
+    """Turn vectors (n, 2) by angles (n,), counter-clockwise."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    x, y = vectors.T
+    return np.stack([cos * x - sin * y, sin * x + cos * y], axis=1)
+
+
+# --- closed forms -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("design", [PIN, PRINTED, PRESETS["nonpin"]])
+def test_willis(design: Design) -> None:
+    ring, theta = design.but(output=RING), np.linspace(-7.0, 9.0, 5)
+    assert (design.ratio, ring.ratio) == (-design.lobes, design.ring.teeth)
+    assert ring.rated_torque == pytest.approx(design.drive.torque * design.ring.teeth)
+    assert (design.mesh_periods, ring.mesh_periods) == (design.ring.teeth, design.ring.teeth - 1)
+    for one in (design, ring):
+        # of both: seen from the ring the carrier turns by -1/(N - 1) of the crank
+        about = member.ring_angle(one, theta)
+        assert member.gear_angle(one, theta) - about == pytest.approx(-(theta - about) / one.lobes, abs=1e-14)
+        assert member.against_ring(one, theta) == pytest.approx(theta - about, abs=1e-14)
+    assert member.output_angle(ring, theta) == pytest.approx(theta / design.ring.teeth)
+    seen = member.seen_from_ring(turned_over(design))
+    assert seen.drive.speed == pytest.approx(design.drive.speed)
+    assert seen == design.but(drive={"speed": seen.drive.speed}, load={"torque": seen.load.torque})
+
+
+def test_the_points_of_a_gear_that_does_not_turn_run_on_circles() -> None:
+    gear, theta, speed, rise = tooth_profile(PIN), np.array([0.3, 2.0]), 5.0, 2.0
+    found = point_path(gear, (0.01, 0.02), theta, speed, rise, turning=False)
+    middle = np.array([0.01, 0.02 - gear.eccentricity])
+    assert np.linalg.norm(found.position - middle, axis=1) == pytest.approx(gear.eccentricity)
+    h = 1e-4
+    at = [point_path(gear, (0.01, 0.02), theta + s * h, turning=False).position for s in (-1, 1)]
+    assert found.velocity == pytest.approx(speed * (at[1] - at[0]) / (2 * h), rel=1e-6)
+    size = gear.eccentricity * math.hypot(speed**2, rise)
+    assert np.linalg.norm(found.acceleration, axis=1) == pytest.approx(size)
+
+
+# --- statics ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("design", [PIN, PRINTED])
+def test_the_ring_has_the_carriers_stops_by_the_ratio_of_the_ratios(design: Design) -> None:
+    errors = design.but(errors={"pin_position": 5e-7, "hole_position": 5e-7})
+    ring, of = errors.but(output=RING), errors.lobes / errors.ring.teeth
+    for theta in (0.0, 1.0):
+        low, high = stops(errors, float(member.against_ring(ring, theta)))
+        assert stops(ring, theta) == pytest.approx((-of * high, -of * low), rel=1e-9)
+        assert best_fit(ring, theta).room == pytest.approx(best_fit(errors, theta / (1 + 1 / errors.lobes)).room)
+
+
+def test_forces_stiffness_and_working_forces_are_those_of_the_mesh() -> None:
+    ring = turned_over(PIN.but(load={"torque": 30.0}, drive={"speed": 1.0}, **FREE_OF_LOSSES))
+    carrier, more = member.seen_from_ring(ring), PIN.ring.teeth / PIN.lobes
+    for kind in PIN.pair_kinds:
+        assert working_force(ring, kind) == pytest.approx(working_force(carrier, kind))
+    theta = np.linspace(0.0, 6.0, 7)
+    own = loads(ring, springs_of(ring, theta), 30.0 * more)
+    same = loads(carrier, springs_of(carrier, member.against_ring(ring, theta)), 30.0)
+    for name in ("teeth", "output"):
+        assert getattr(own, name) == pytest.approx(getattr(same, name), rel=2e-4, abs=0.02), name
+    assert own.output_turn == pytest.approx(same.output_turn / more, rel=1e-3)
+    assert own.gear_turn == pytest.approx(same.output_turn - same.gear_turn, rel=1e-3)
+    theta = float(member.against_ring(ring, 0.5))
+    wound = windups(ring, [0.5], 30.0 * more)[0], windups(carrier, [theta], 30.0)[0]
+    stiff = [1.0 / one.compliance(one.turn) for one in wound]
+    assert stiff[0] == pytest.approx(more**2 * stiff[1], rel=1e-6)
+
+
+@pytest.mark.parametrize("torque", [30.0, -30.0])
+def test_efficiency_follows_from_the_carriers_by_the_balance_of_power(torque: float) -> None:
+    slowly = {"gravity_x": 0.0, "gravity_y": 0.0}
+    level = PIN.but(environment=slowly, ring={"pins": "fixed"}, drive={"speed": 1.0})
+    ring = level.but(output=RING, load={"torque": abs(torque)})
+    own = powers(ring, torque)
+    crank, slow = own.crank / ring.drive.speed, ring.drive.speed / ring.ring.teeth
+    held = torque - crank
+    assert own.output == pytest.approx(-torque * slow)
+    assert own.crank + own.output == pytest.approx(sum(own.losses.values()))
+    # the carrier's drive at the same speeds, under what holds the carrier here, takes the same torque on its crank
+    seen = member.seen_from_ring(ring)
+    same = powers(seen, held)
+    assert same.crank / seen.drive.speed == pytest.approx(crank, rel=1e-4)
+    if torque > 0.0:
+        known = (1.0 + level.lobes * same.efficiency) / level.ring.teeth
+        assert own.efficiency == pytest.approx(known, rel=1e-5)
+        assert own.efficiency > same.efficiency
+    else:
+        assert own.efficiency < 1.0
+
+
+def test_weight_turns_round_the_ring() -> None:
+    ring = PIN.but(output=RING, drive={"speed": 0.0})
+    # a quarter of a turn of the ring, seen from which the weight has turned back
+    force = springs_of(ring, [0.0, 9.0 * 2.0 * math.pi], friction=False).body_force
+    assert force[0, 1] < 0.0
+    assert force == pytest.approx(np.array([[0.0, force[0, 1]], [force[0, 1], 0.0]]), abs=1e-9)
+
+
+def test_checks_judge_the_same_mesh() -> None:
+    failed = [[one.name for one in check(design) if not one.passed] for design in (PIN, PIN.but(output=RING))]
+    assert failed[0] == failed[1]
+    assert [one.name for one in check(PRINTED.but(output=RING)) if not one.passed] == []
+
+
+# --- dynamics ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", ["fixed pins", "free pins", "internal gear"])
+def test_a_superposed_rotation_leaves_the_forces_in_the_mesh(kind: str) -> None:
+    changes = {"internal gear": {"kind": "nonpin"}}.get(kind, {"pins": kind.partition(" ")[0]})
+    step = 2e-6 if kind == "free pins" else 10e-6
+    carrier = PIN.but(
+        ring=changes,
+        load={"torque": PIN.rated_torque},
+        drive={"ramp": 0.0, "hold": 0.018},
+        settings={"timestep": step},
+        **FREE_OF_LOSSES,
+    )
+    ring = turned_over(carrier)
+    held, turning = simulate(carrier), simulate(ring)
+    judged = held.time > 0.01
+    assert turning["crank_angle"] - turning["output_angle"] == pytest.approx(held["crank_angle"], abs=5e-4)
+    for pair_kind in carrier.pair_kinds:
+        if pair_kind == "pin_socket":  # its force is that of the pin's inertia as well
+            continue
+        ones, others = (_forces(run, pair_kind) for run in (held, turning))
+        seen = {name: rotated(force, -turning["output_angle"]) for name, force in others.items()}
+        apart = np.concatenate([(ones[name] - seen[name])[judged] for name in ones])
+        size = np.concatenate([ones[name][judged] for name in ones])
+        assert np.linalg.norm(apart) < 0.004 * np.linalg.norm(size), pair_kind
+        plain = np.concatenate([(ones[name] - others[name])[judged] for name in ones])
+        assert np.linalg.norm(plain) > 0.01 * np.linalg.norm(size), pair_kind
+    found = analyze(turning, settle=0.01)
+    assert found.output_speed.mean_rad_s == pytest.approx(ring.drive.speed / ring.ring.teeth, rel=1e-3)
+    assert found.gear_speed.theory_rad_s == 0.0
+    assert found.efficiency == pytest.approx(1.0, abs=0.002)
+    assert found.power.crank_torque_nm == pytest.approx(found.power.ideal_crank_torque_nm, rel=0.002)
+    assert found.q_path.rms_error_um < 20.0
+
+
+def _forces(run: Run, kind: str):
+    """Give pair -> force (n, 2) of a kind."""
+    return {name: run.block([f"{name}_{FORCE_X}", f"{name}_{FORCE_Y}"]) for name in run.pairs(kind)}
