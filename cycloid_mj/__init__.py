@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from cycloid_mj.checks import Check, check
     from cycloid_mj.design import PRESETS, Design
     from cycloid_mj.design import resolve as load
-    from cycloid_mj.explore import tolerance
+    from cycloid_mj.explore import sweep, tolerance
     from cycloid_mj.log import read as read_log
     from cycloid_mj.mjcf import build
     from cycloid_mj.rating import rate
@@ -43,6 +43,7 @@ __all__ = [
     "read_log",
     "simulate",
     "stress",
+    "sweep",
     "tolerance",
 ]
 
@@ -66,6 +67,7 @@ _ORIGINS = {
     "read_log": "log.read",
     "simulate": "run",
     "stress": "",
+    "sweep": "explore",
     "tolerance": "explore",
 }
 """Where each public name lives: a room, and the name there if it is another; a room itself has no origin."""

@@ -1,6 +1,7 @@
 """Units that people read, as numbers: those of the design file are in ``design.units``."""
 
 import math
+import re
 
 RPM = math.pi / 30.0
 """One turn a minute [rad/s]."""
@@ -17,3 +18,17 @@ MILLIMETRES = 1e3
 
 MILLIMETRE, MEGAPASCAL = 1e-3, 1e6
 """[m], [Pa]."""
+
+
+def unit_suffix(unit: str) -> str:
+    """Give a unit as it ends a key or the name of a column: ``nm_arcmin`` for "N m/arcmin"; of a number nothing."""
+    if unit in ("", "1"):
+        return ""
+    spelt = unit.replace("N m", "nm").replace("%", "percent").lower()
+    return "_".join(re.findall(r"[a-z0-9]+", spelt))
+
+
+def with_unit(key: str, unit: str) -> str:
+    """Give a key that ends in its unit, once."""
+    suffix = unit_suffix(unit)
+    return key if not suffix or key.endswith(f"_{suffix}") else f"{key}_{suffix}"

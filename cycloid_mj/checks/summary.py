@@ -75,7 +75,7 @@ def summary(design: Design) -> Summary:
     return Summary(
         ratio=design.lobes,
         outer_diameter=2.0 * design.housing.outer_radius,
-        mass=_mass(design),
+        mass=sum(masses(design).values()),
         rated_torque=design.rated_torque,
         loaded_teeth=state.loaded_teeth,
         pressure_angle=state.pressure_angle,
@@ -107,9 +107,9 @@ def _backlash(design: Design) -> float:
     return sum(high - low for low, high in ends) / len(ends)
 
 
-def _mass(design: Design) -> float:
-    """Mass of all parts [kg], each ring pin or sleeve counted."""
-    return sum(
-        mass_properties(solid).mass * (design.ring.teeth if name == "pin" else 1)
+def masses(design: Design) -> dict[str, float]:
+    """Give the masses of the parts [kg] by their names, every ring pin (or sleeve) counted."""
+    return {
+        name: mass_properties(solid).mass * (design.ring.teeth if name == "pin" else 1)
         for name, solid in parts(design, CHORD_ERROR).items()
-    )
+    }

@@ -3,7 +3,7 @@
 This room owns every input of the project and is the only place where mm, rpm, degrees and micrometres become SI.
 """
 
-from cycloid_mj.design.file import dump, load, loads, override, resolve
+from cycloid_mj.design.file import declared, dump, load, loads, override, resolve
 from cycloid_mj.design.model import (
     PARTNERS,
     PARTS,
@@ -60,6 +60,7 @@ __all__ = [
     "Stiffness",
     "Tolerance",
     "WorkingForce",
+    "declared",
     "dump",
     "load",
     "loads",

@@ -93,6 +93,28 @@ def override(design: Design, changes: Sequence[str] | Mapping[str, Any]) -> Desi
     return _validated(_to_si(Design, tables, where), where) if pairs else design
 
 
+def declared(path: str) -> FieldInfo:
+    """Give the declaration of a key of the design file, such as ``load.torque_nm``.
+
+    Raises
+    ------
+    UsageError
+        There is no such key; it names the one that may be meant.
+    """
+    section, prefix = Design, ""
+    *tables, last = _keys(path) or [path]
+    for table in tables:
+        section, prefix = section_of(_declared(section, table, path, prefix)), f"{table}."
+    return _declared(section, last, path, prefix)
+
+
+def _declared(section: type[Section] | None, key: str, path: str, prefix: str) -> FieldInfo:
+    known = {file_key(name, field): field for name, field in section.model_fields.items()} if section else {}
+    if key not in known:
+        raise UsageError(f"unknown key {path:.80}; {_nearest(key, list(known), prefix)}")
+    return known[key]
+
+
 def _pair(change: str) -> tuple[str, Any]:
     """Take a ``table.key=value`` apart."""
     path, equals, value = change.partition("=")

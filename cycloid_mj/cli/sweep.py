@@ -1,0 +1,192 @@
+"""``cycloid-mj sweep``: a design measured at many points, a row each."""
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from cyclopts import Parameter
+
+from cycloid_mj.cli.flags import (
+    FLAT,
+    HERE,
+    PRESET,
+    DesignOptions,
+    EngineOptions,
+    JsonFlag,
+    QuietFlag,
+    within,
+)
+from cycloid_mj.cli.flags import whole as whole_number
+from cycloid_mj.cli.terminal import say, say_json, show, tell
+from cycloid_mj.errors import CycloidError, RunError, UsageError
+from cycloid_mj.interrupt import cause
+
+if TYPE_CHECKING:
+    from cycloid_mj.explore.points import Points
+    from cycloid_mj.explore.sweeps import Sweep
+
+OUT = "runs/sweep"
+POINTS = 64
+FAILURE = 1
+
+EXAMPLES = """Examples:
+  cycloid-mj sweep --design pin --vary clearance.cam_um=1:5:5 --measure statics
+  cycloid-mj sweep --design my.toml --vary load.torque_nm=5:40:8 --vary ring.kind=pin,nonpin --measure simulate,mass
+  cycloid-mj sweep --design pin --vary clearance.cam_um=1:5 --vary errors.pin_position_um=0:2 --sample sobol --points 64
+  cycloid-mj sweep --design pin --table points.csv --measure backlash --quick --scheduler 10.0.0.1:8786"""
+
+VaryFlag = Annotated[
+    tuple[str, ...],
+    Parameter(
+        name="--vary",
+        metavar="KEY=VALUES",
+        help="A key of the design file and its values: a,b,c, or LO:HI:N, or with --sample LO:HI. Several make a grid; "
+        "repeatable.",
+    ),
+]
+TableFlag = Annotated[
+    Path | None,
+    Parameter(metavar="POINTS.csv", help="The points instead: a CSV file with keys of the design file as its header."),
+]
+SampleFlag = Annotated[
+    Literal["sobol", "lhs", "random"] | None,
+    Parameter(
+        help="Draw points from the ranges: a scrambled Sobol sequence, a Latin hypercube, or each for itself. Words "
+        "and switches are drawn from their values."
+    ),
+]
+PointsFlag = Annotated[
+    int | None,
+    Parameter(metavar="N", converter=whole_number, help=f"How many are drawn, with --sample. Default: {POINTS}."),
+]
+SeedFlag = Annotated[
+    int, Parameter(converter=whole_number, validator=within(0, 2**63), help="Of the draws. Default: 0.")
+]
+MeasureFlag = Annotated[
+    tuple[str, ...],
+    Parameter(
+        name="--measure",
+        metavar="NAME[,NAME]",
+        help="statics, te, backlash, lost-motion, loads, torque, efficiency, vibration, simulate, mass, checks; with "
+        "several, columns begin with the measure's name. Default: statics.",
+    ),
+]
+QuickFlag = Annotated[bool, Parameter(help="Measures take fewer angles and runs, as with their own --quick.")]
+RealPinsFlag = Annotated[
+    bool,
+    Parameter(
+        name="--real-pins",
+        help="Keep the inertia of moving pins in loaded runs of `simulate`. They take 30 to 60 times as long; mean "
+        "values and forces change by 0.2 %, the speeds' sway by up to a fifth.",
+    ),
+]
+ShowFlag = Annotated[
+    str, Parameter(metavar="COLUMN[,COLUMN]", help="Quantities to draw. Default: up to six that change.")
+]
+OutFlag = Annotated[
+    str, Parameter(metavar="DIR", help=f"Folder of the rows, the tables, the figure and the page. Default: {OUT}.")
+]
+
+
+def sweep(
+    *,
+    chosen: Annotated[DesignOptions, FLAT] = PRESET,
+    vary: VaryFlag = (),
+    table: TableFlag = None,
+    sample: SampleFlag = None,
+    points: PointsFlag = None,
+    seed: SeedFlag = 0,
+    measure: MeasureFlag = ("statics",),
+    quick: QuickFlag = False,
+    real_pins: RealPinsFlag = False,
+    show_: Annotated[ShowFlag, Parameter(name="--show")] = "",
+    out: OutFlag = OUT,
+    where: Annotated[EngineOptions, FLAT] = HERE,
+    json: JsonFlag = False,
+    quiet: QuietFlag = False,
+) -> int:
+    """Measure a design at many points: a grid, samples of ranges, or a table of points.
+
+    Any key of the design file can be varied: numbers, words and switches. Each point
+    is a row of DIR/sweep.csv and DIR/sweep.parquet: its inputs, every quantity with
+    its unit in the column's name, the error where it failed, CPU time and versions.
+    Rows are on disk as they come: a sweep that was stopped, even killed, goes on
+    where it was when the same command is given again.
+
+    Loaded runs (`simulate`) have massless pins where pins move, unless --real-pins or
+    ring.pins is varied. The exit code is 1 if every point failed.
+    """
+    from cycloid_mj.cli.outfile import folder
+    from cycloid_mj.cli.progress import counted
+    from cycloid_mj.explore.measured import Options, require_measures
+    from cycloid_mj.explore.ranks import shown
+    from cycloid_mj.explore.row import Task
+    from cycloid_mj.explore.sweeps import in_folder
+
+    wanted = _points(vary, table, sample, points, seed)
+    names = require_measures(name.strip() for words in measure for name in words.split(","))
+    engine = where.engine()
+    task = Task(chosen.resolved(), wanted.keys, names, Options(quick, real_pins or "ring.pins" in wanted.keys))
+    into = folder(out, "the sweep")
+    if not os.access(into, os.W_OK | os.X_OK):
+        raise CycloidError(f"cannot write the sweep to {out}: no permission; choose another folder with --out")
+    try:
+        found = in_folder(task, wanted, into, engine, counted("sweep", quiet))
+    except KeyboardInterrupt as stop:
+        raise RunError(
+            f"stopped by {cause(stop)}; the rows so far are in {into}: the same command goes on from there"
+        ) from stop
+    quantities = shown(found, tuple(name for name in show_.split(",") if name))
+    return _delivered(found, quantities, into, json, quiet)
+
+
+def _points(vary: tuple[str, ...], table: Path | None, sample: str | None, points: int | None, seed: int) -> "Points":
+    """Give the points that the flags ask for."""
+    from cycloid_mj.explore.points import read_table
+    from cycloid_mj.explore.sweeps import chosen
+
+    ranges: dict[str, str] = {}
+    for text in vary:
+        key, equals, values = text.partition("=")
+        if not equals or not key.strip() or not values.strip():
+            raise UsageError(f"--vary {text!r}: expected KEY=VALUES, e.g. --vary clearance.cam_um=1:5:5")
+        if key.strip() in ranges:
+            raise UsageError(f"--vary {key.strip()} is there twice: give all its values in one")
+        ranges[key.strip()] = values.strip()
+    if table is not None and not (vary or sample or points):
+        return read_table(table)
+    drawn = (POINTS if points is None else points) if sample else (points or 0)
+    return chosen(ranges, None if table is None else [], sample, drawn, seed)  # type: ignore[arg-type]  # cyclopts checks
+
+
+def _delivered(found: "Sweep", quantities: tuple[str, ...], into: Path, json: bool, quiet: bool) -> int:
+    """Write figure and page, and tell what was found; give the exit code."""
+    from cycloid_mj.explore.ranks import tables
+    from cycloid_mj.explore.sweeps import PARQUET, TABLE
+
+    parquet = into / PARQUET
+    files = [into / TABLE, *([parquet] if parquet.exists() else [])]
+    if not quiet:
+        if not parquet.exists():
+            tell("no sweep.parquet: it needs DuckDB, pip install 'cycloid-mj[parquet]'")
+        tell(f"wrote {', '.join(map(str, files))}")
+    if json:
+        say_json(
+            {
+                "points": len(found.points),
+                "failed": found.failed,
+                "table": str(files[0]),
+                "parquet": str(parquet) if parquet.exists() else None,
+                "quantities": {name: found.frame.units.get(name, "1") for name in found.quantities},
+                "assumptions": list(found.assumptions),
+            }
+        )
+    else:
+        for one in tables(found, quantities):
+            show(one)
+        for sentence in found.assumptions:
+            say(f"assumed: {sentence}")
+        say(f"{len(found.points)} points, {found.failed} failed")
+    if errors := found.errors:
+        tell("\n".join(f"{count} of {len(found.points)} failed: {error}" for error, count in errors.items()))
+    return FAILURE if found.failed == len(found.points) else 0

@@ -1,0 +1,120 @@
+"""The folder of a sweep: each row as soon as it is there, so that a sweep that was stopped goes on where it was."""
+
+import errno
+import json
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import asdict
+from importlib.util import find_spec
+from pathlib import Path
+from typing import IO, Any
+
+from cycloid_mj.errors import CycloidError, UsageError
+from cycloid_mj.explore.row import Row
+from cycloid_mj.interrupt import unbroken
+from cycloid_mj.whole import write_whole
+
+PLAN, ROWS = "sweep.json", "sweep.rows.jsonl"
+
+
+class Journal:
+    """Rows in a file, a line each, in the order they came."""
+
+    def __init__(self, path: Path, stream: IO[bytes], rows: dict[int, Row]) -> None:
+        self.path = path
+        self.rows = rows
+        self._stream = stream
+
+    def add(self, place: int, row: Row) -> None:
+        """Keep the row of a point, counted from 0.
+
+        Raises
+        ------
+        CycloidError
+            It cannot be written; the rows before it are kept.
+        """
+        line = json.dumps({"point": place + 1, **asdict(row)}).encode() + b"\n"
+        try:
+            with unbroken():
+                if self._stream.write(line) != len(line):
+                    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        except OSError as problem:
+            raise CycloidError(
+                f"cannot write {self.path}: {problem.strerror or problem}; its {len(self.rows)} rows are kept: make "
+                "room and give the same command again"
+            ) from problem
+        self.rows[place] = row
+
+
+@contextmanager
+def journal(into: Path, plan: Mapping[str, Any]) -> Iterator[Journal]:
+    """Open the folder of a sweep, new or begun, and give the rows that it has.
+
+    Raises
+    ------
+    UsageError
+        The folder is of another sweep, or another process is at work in it.
+    CycloidError
+        It cannot be read or written.
+    """
+    _require_same(into, plan)
+    path = into / ROWS
+    try:
+        stream = path.open("ab+", buffering=0)
+    except OSError as problem:
+        raise CycloidError(
+            f"cannot write {path}: {problem.strerror or problem}; choose another folder with --out"
+        ) from problem
+    with stream:
+        _lock(stream, into)
+        if not (into / PLAN).exists():
+            write_whole({into / PLAN: json.dumps(plan, indent=2).encode() + b"\n"})
+        yield Journal(path, stream, _read(stream))
+
+
+def _require_same(into: Path, plan: Mapping[str, Any]) -> None:
+    """Raise UsageError where a folder is of a sweep with another plan."""
+    try:
+        begun = json.loads((into / PLAN).read_bytes())
+    except FileNotFoundError:
+        if (into / ROWS).exists() and (into / ROWS).stat().st_size:
+            raise UsageError(f"{into} has rows of a sweep, but no {PLAN}: choose another folder with --out") from None
+        return
+    except (OSError, ValueError) as problem:
+        raise CycloidError(f"cannot read {into / PLAN}: {problem}; choose another folder with --out") from problem
+    other = [key for key in plan if not isinstance(begun, dict) or begun.get(key) != json.loads(json.dumps(plan[key]))]
+    if other:
+        raise UsageError(
+            f"{into} is of another sweep (another {', another '.join(other)}): choose another folder with --out, or "
+            "delete this one"
+        )
+
+
+def _lock(stream: IO[bytes], into: Path) -> None:
+    """Keep other processes off; the system lets go where this one ends, however it ends."""
+    if not find_spec("fcntl"):
+        return  # Windows
+    import fcntl
+
+    try:
+        fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as problem:
+        raise UsageError(f"another process is at work on the sweep in {into}: wait for it, or end it") from problem
+
+
+def _read(stream: IO[bytes]) -> dict[int, Row]:
+    """Give the rows that are whole; half a line at the end, of a process that was killed or a full disk, is cut off."""
+    stream.seek(0)
+    rows: dict[int, Row] = {}
+    end = 0
+    for line in stream.read().split(b"\n")[:-1]:
+        try:
+            fields: dict[str, Any] = json.loads(line)
+            place = fields.pop("point") - 1
+            rows[place] = Row(**{**fields, **{key: tuple(fields[key]) for key in ("warnings", "assumptions")}})
+        except (ValueError, AttributeError, KeyError, TypeError):
+            break
+        end += len(line) + 1
+    stream.truncate(end)
+    return rows

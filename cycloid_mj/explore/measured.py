@@ -1,0 +1,160 @@
+"""What a sweep can ask of a design: each measure as named numbers with their units."""
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
+
+from cycloid_mj.contact.massless import assumptions as massless_assumptions
+from cycloid_mj.contact.massless import massless
+from cycloid_mj.contact.working import own_load
+from cycloid_mj.design import Design
+from cycloid_mj.errors import UsageError
+from cycloid_mj.frame import Cell
+from cycloid_mj.measure import MEASURES
+from cycloid_mj.result import Quantity
+from cycloid_mj.units import ARCMINUTE, MILLIMETRES, with_unit
+
+
+@dataclass(frozen=True)
+class Options:
+    """How measures are taken: `quick` as their flag of that name; whether runs keep `real_pins` under a load."""
+
+    quick: bool = False
+    real_pins: bool = False
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What one measure found of one design.
+
+    Attributes
+    ----------
+    values
+        Column -> number, word or switch; a column of a number ends in its unit.
+    units
+        Column -> unit, of numbers that have one.
+    assumptions, warnings
+        What the numbers stand on, and what speaks against them; a sentence each.
+    """
+
+    values: Mapping[str, Cell]
+    units: Mapping[str, str] = field(default_factory=dict)
+    assumptions: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+
+def _of_quantities(quantities: Iterable[Quantity], **more: Any) -> Measured:
+    """Give quantities by their keys, each ending in its unit."""
+    named = {with_unit(one.key, one.unit): one for one in quantities}
+    units = {name: one.unit for name, one in named.items() if one.unit not in ("", "1")}
+    return Measured({name: one.value for name, one in named.items()}, units, **more)
+
+
+def _statics(design: Design, _: Options) -> Measured:
+    from cycloid_mj.loaded.sheet import sheet
+
+    found = sheet(design)
+    return _of_quantities(found.quantities.values(), assumptions=found.assumptions)
+
+
+def _measure(name: str, design: Design, options: Options) -> Measured:
+    found = MEASURES[name](design, quick=options.quick)
+    warned = {text: None for run in found.runs.values() for text in run.warnings}
+    return _of_quantities(found.quantities.values(), assumptions=found.assumptions, warnings=tuple(warned))
+
+
+def _simulate(design: Design, options: Options) -> Measured:
+    """Run a design over its own course; under a load, without the inertia of its pins, unless they are to stay real."""
+    from cycloid_mj.analysis import analyze
+    from cycloid_mj.run import simulate
+
+    light = not options.real_pins and abs(design.load.torque) > own_load(design)
+    ran = massless(design) if light else design
+    found = analyze(simulate(ran))
+    values = {"pins": ran.ring.pins if ran.ring.kind == "pin" else "none", **dict(_flat(found.as_json()))}
+    told = massless_assumptions(design, "loaded runs (mean values; speeds sway up to a fifth less)") if light else ()
+    return Measured(values, assumptions=told, warnings=found.warnings)
+
+
+def _flat(found: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Cell]]:
+    """Give the numbers and switches of nested findings by their whole keys, whose last part has the unit."""
+    for key, value in found.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{prefix}{key}_")
+        elif isinstance(value, (bool, int, float)):
+            yield f"{prefix}{key}", value
+        elif isinstance(value, (list, tuple)):
+            for one in value:
+                if isinstance(one, Mapping) and "pair" in one:
+                    yield from _flat({name: part for name, part in one.items() if name != "pair"}, f"{one['pair']}_")
+
+
+def _mass(design: Design, _: Options) -> Measured:
+    from cycloid_mj.checks import masses
+
+    parts = masses(design)
+    values = {"mass_kg": sum(parts.values()), **{f"{name}_mass_kg": mass for name, mass in parts.items()}}
+    return Measured(dict(values), dict.fromkeys(values, "kg"))
+
+
+def _checks(design: Design, _: Options) -> Measured:
+    """Give the verdicts of `design check`, the values that they judge, and what the design is, if it can be built."""
+    from cycloid_mj.checks import check
+
+    found = check(design)
+    failed = [one for one in found if not one.passed]
+    values: dict[str, Cell] = {
+        "failed_errors": sum(one.severity == "error" for one in failed),
+        "failed_warnings": sum(one.severity == "warning" for one in failed),
+        "failed_checks": "; ".join(one.name for one in failed),
+    }
+    units: dict[str, str] = {}
+    for one in found:
+        if one.value is not None:
+            column = with_unit("_".join(one.name.split()).replace("-", "_"), one.unit)
+            values[column] = one.value
+            units |= {column: one.unit} if one.unit else {}
+    if not values["failed_errors"]:
+        more = _summed_up(design)
+        values, units = {**values, **more.values}, {**units, **more.units}
+    return Measured(values, units)
+
+
+def _summed_up(design: Design) -> Measured:
+    from cycloid_mj.checks import summary
+
+    found = summary(design)
+    numbers = (
+        Quantity("ratio", "", found.ratio, "1"),
+        Quantity("outer_diameter", "", MILLIMETRES * found.outer_diameter, "mm"),
+        Quantity("mass", "", found.mass, "kg"),
+        Quantity("rated_torque", "", found.rated_torque, "N m"),
+        Quantity("loaded_teeth", "", found.loaded_teeth, "1"),
+        Quantity("pressure_angle", "", math.degrees(found.pressure_angle), "deg"),
+        Quantity("backlash", "", found.backlash / ARCMINUTE, "arcmin"),
+        Quantity("capacity", "", found.capacity, "N m"),
+    )
+    measured = _of_quantities(numbers)
+    return Measured({**measured.values, "weakest": found.weakest}, measured.units)
+
+
+MEASURED: Mapping[str, Callable[[Design, Options], Measured]] = {
+    "statics": _statics,
+    **{name: partial(_measure, name) for name in MEASURES},
+    "simulate": _simulate,
+    "mass": _mass,
+    "checks": _checks,
+}
+"""Name -> measure; `checks` alone takes a design that cannot be built."""
+
+
+def require_measures(names: Iterable[str]) -> tuple[str, ...]:
+    """Give the names of measures, each once; raise UsageError where one is none."""
+    chosen = tuple(dict.fromkeys(names))
+    if unknown := [name for name in chosen if name not in MEASURED]:
+        raise UsageError(f"there is no measure {unknown[0]!r:.80}; there are {', '.join(MEASURED)}")
+    if not chosen:
+        raise UsageError(f"name a measure: {', '.join(MEASURED)}")
+    return chosen

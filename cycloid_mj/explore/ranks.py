@@ -1,0 +1,111 @@
+"""What a sweep says at a glance: the range of each quantity, and how its rank goes with that of each input."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.errors import UsageError
+from cycloid_mj.explore.sweeps import Sweep
+from cycloid_mj.result import Table
+from cycloid_mj.types import Array
+
+FEWEST = 3
+"""Points of which a rank correlation says anything."""
+
+HEADLINES = (
+    "backlash_arcmin",
+    "stiffness_ideal_nm_arcmin",
+    "output_peak_to_peak_loaded_forward_speed_arcsec",
+    "efficiency_percent",
+    "capacity_nm",
+    "cam_peak_force_n",
+    "transmission_error_peak_to_peak_arcsec",
+    "efficiency",
+    "contact_summary_peak_force_n",
+    "mass_kg",
+    "failed_errors",
+)
+"""What one looks for first, in this order; other quantities come after, as the measure has them."""
+
+MOST_SHOWN = 6
+
+
+@dataclass(frozen=True)
+class Ranks:
+    """Spearman's rank correlations.
+
+    Attributes
+    ----------
+    inputs, quantities
+        Names of the columns.
+    rho
+        Correlation of each quantity with each input, shape (quantities, inputs); NaN where one of them never changes.
+    """
+
+    inputs: tuple[str, ...]
+    quantities: tuple[str, ...]
+    rho: Array
+
+
+def number_inputs(found: Sweep) -> tuple[str, ...]:
+    """Give the inputs that are numbers."""
+    numbers = found.frame.numbers
+    return tuple(key for key in found.task.keys if key in numbers)
+
+
+def shown(found: Sweep, wanted: tuple[str, ...] = ()) -> tuple[str, ...]:
+    """Give the quantities to show: those wanted, else some that change, the headlines first.
+
+    Raises
+    ------
+    UsageError
+        There is no such quantity, or it is no number.
+    """
+    numbers = found.frame.numbers
+    there = [name for name in found.quantities if name in numbers]
+    if unknown := [name for name in wanted if name not in there]:
+        raise UsageError(f"--show {unknown[0]}: there is no such number; there are {', '.join(there) or 'none'}")
+    if wanted:
+        return wanted
+    changing = [name for name in there if np.unique(_finite(numbers[name])).size > 1]
+    first = {name: place for place, name in enumerate(HEADLINES)}
+    ranked = sorted(changing, key=lambda name: first.get(name.rpartition(".")[2], len(first)))
+    return tuple(ranked[:MOST_SHOWN])
+
+
+def ranks(found: Sweep, quantities: tuple[str, ...]) -> Ranks:
+    """Correlate the ranks of quantities with those of the inputs that are numbers, over the points that have both."""
+    numbers, inputs = found.frame.numbers, number_inputs(found)
+    rho = np.array([[_rho(numbers[key], numbers[name]) for key in inputs] for name in quantities])
+    return Ranks(inputs, quantities, rho.reshape(len(quantities), len(inputs)))
+
+
+def tables(found: Sweep, quantities: tuple[str, ...]) -> tuple[Table, ...]:
+    """Give the ranges of quantities, and their rank correlations where there are several inputs, as tables of text."""
+    numbers = found.frame.numbers
+    rows = []
+    for name in quantities:
+        values = _finite(numbers[name])
+        low, middle, high = np.percentile(values, [0.0, 50.0, 100.0]).tolist() if values.size else [np.nan] * 3
+        rows.append((name, low, middle, high, str(values.size)))
+    made = [Table("quantities", ("quantity", "least", "median", "largest", "points"), tuple(rows))]
+    one = ranks(found, quantities)
+    if len(one.inputs) > 1 and quantities:
+        cells = (["-" if np.isnan(rho) else f"{rho:+.2f}" for rho in row] for row in one.rho.tolist())
+        lines = tuple((name, *row) for name, row in zip(quantities, cells, strict=True))
+        made.append(Table("rank correlations (Spearman)", ("quantity", *one.inputs), lines))
+    return tuple(made)
+
+
+def _finite(values: Array) -> Array:
+    return values[np.isfinite(values)]
+
+
+def _rho(one: Array, other: Array) -> float:
+    from scipy.stats import rankdata
+
+    both = np.isfinite(one) & np.isfinite(other)
+    x, y = rankdata(one[both]), rankdata(other[both])
+    if both.sum() < FEWEST or np.ptp(x) == 0.0 or np.ptp(y) == 0.0:
+        return float("nan")
+    return float(np.corrcoef(x, y)[0, 1])

@@ -1,0 +1,103 @@
+"""One point of a sweep: the design changed to it, measured, and what came of it or why nothing did."""
+
+import time
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from cycloid_mj.design import Design, override
+from cycloid_mj.errors import CycloidError, CycloidWarning
+from cycloid_mj.explore.measured import MEASURED, Measured, Options
+from cycloid_mj.explore.points import Value
+from cycloid_mj.frame import Cell
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is done at each point.
+
+    Attributes
+    ----------
+    design
+        What is changed at the points.
+    keys
+        Keys of the design file that the points have values of.
+    measures
+        What is measured.
+    options
+        How.
+    """
+
+    design: Design
+    keys: tuple[str, ...]
+    measures: tuple[str, ...]
+    options: Options
+
+    def column(self, measure: str, name: str) -> str:
+        """Give the column of a measure's number: it says which measure, where there are several."""
+        return name if len(self.measures) == 1 else f"{measure}.{name}"
+
+
+@dataclass(frozen=True)
+class Row:
+    """What came of a point.
+
+    Attributes
+    ----------
+    values, units
+        By column.
+    error
+        Why the point, or one of its measures, failed; empty where all went well.
+    warnings, assumptions
+        Of all its measures, a sentence each.
+    cpu
+        CPU time that it took [s].
+    """
+
+    values: dict[str, Cell] = field(default_factory=dict)
+    units: dict[str, str] = field(default_factory=dict)
+    error: str = ""
+    warnings: tuple[str, ...] = ()
+    assumptions: tuple[str, ...] = ()
+    cpu: float = 0.0
+
+
+def measured_row(task: Task, values: Sequence[Value]) -> Row:
+    """Measure the design at a point; whatever goes wrong is told in its row, since other points may go well."""
+    start = time.thread_time()
+    try:
+        design = override(task.design, dict(zip(task.keys, values, strict=True)))
+    except CycloidError as error:
+        return Row(error=one_line(error), cpu=time.thread_time() - start)
+    found: dict[str, Measured] = {}
+    errors = []
+    for name in task.measures:
+        try:
+            found[name] = _measured(name, design, task.options)
+        except Exception as error:
+            words = one_line(error) if isinstance(error, CycloidError) else f"{type(error).__name__}: {one_line(error)}"
+            errors.append(words if len(task.measures) == 1 else f"{name}: {words}")
+    return Row(
+        values={task.column(name, key): cell for name, one in found.items() for key, cell in one.values.items()},
+        units={task.column(name, key): unit for name, one in found.items() for key, unit in one.units.items()},
+        error="; ".join(errors),
+        warnings=tuple(dict.fromkeys(text for one in found.values() for text in one.warnings)),
+        assumptions=tuple(dict.fromkeys(text for one in found.values() for text in one.assumptions)),
+        cpu=time.thread_time() - start,
+    )
+
+
+def _measured(name: str, design: Design, options: Options) -> Measured:
+    from cycloid_mj.checks import require_sound
+
+    if name != "checks":
+        require_sound(design)
+    with warnings.catch_warnings():
+        # they are in the row
+        warnings.simplefilter("ignore", CycloidWarning)
+        return MEASURED[name](design, options)
+
+
+def one_line(error: BaseException) -> str:
+    """Give the text of an error in one line."""
+    return " ".join(str(error).split()) or type(error).__name__
