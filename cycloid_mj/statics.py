@@ -96,16 +96,22 @@ def ideal_ring_load_sharing(gear: CycloidGear, torque: float, crank_angle: float
 
 
 def ideal_output_forces(
-    gear: CycloidGear, pins: int, pin_circle_radius: float, torque: npt.ArrayLike, crank_angle: npt.ArrayLike
+    gear: CycloidGear,
+    pins: int,
+    pin_circle_radius: float,
+    torque: npt.ArrayLike,
+    crank_angle: npt.ArrayLike,
+    phase: float = 0.0,
 ) -> Array:
     """Share the load between the output pins; each force [N] (..., pins) pushes the gear inwards along the eccentric.
 
     A pin lies in its hole at -c along the eccentric, so all push the same way, with the arm r sin(angle from the
     eccentric to the hole) about the gear centre. `pins` on `pin_circle_radius` r [m], the first on +y at crank angle 0,
-    clockwise; `torque` [N m] and `crank_angle` [rad], counter-clockwise, broadcast to the shape (...).
+    clockwise; `torque` [N m] and `crank_angle` [rad], counter-clockwise, broadcast to the shape (...). The eccentric is
+    ahead of the crank by its `phase` [rad].
     """
     torque, theta = np.broadcast_arrays(torque, crank_angle)
-    turned = theta * gear.ring_teeth / gear.lobes
+    turned = theta * gear.ring_teeth / gear.lobes + phase
     clockwise = 2 * np.pi * np.arange(pins) / pins + turned[..., np.newaxis]
     # The pins hand on the load itself, where the ring holds against it: the other sign than in `share_load`.
     return share_load(-pin_circle_radius * np.sin(clockwise), -torque)

@@ -70,8 +70,8 @@ def test_losses_are_what_the_crank_gives_more_than_the_output_takes() -> None:
     design, torque = PRESETS["nonpin"], 36.68
     springs = springs_of(design, np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False))
     found, ahead = loads(design, springs, torque), np.stack([-np.cos(springs.crank), -np.sin(springs.crank)], axis=1)
-    held = np.sum(found.cam * ahead, axis=1).mean() * design.gear.eccentricity
-    rubbed = design.friction_of("cam") * design.gear.bore_radius * np.linalg.norm(found.cam, axis=1).mean()
+    held = np.sum(found.cam[:, 0] * ahead, axis=1).mean() * design.gear.eccentricity
+    rubbed = design.friction_of("cam") * design.gear.bore_radius * np.linalg.norm(found.cam[:, 0], axis=1).mean()
     assert powers(design, torque).crank == pytest.approx((held + rubbed) * design.drive.speed, rel=3e-4)
 
 

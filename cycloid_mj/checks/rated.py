@@ -10,6 +10,7 @@ from cycloid_mj import profile, statics
 from cycloid_mj.design import Design
 from cycloid_mj.errors import RunError
 from cycloid_mj.loaded import Loads, Springs, loads, peak_force, peak_pressure, springs_of, torque_at_pressure
+from cycloid_mj.mechanism.reducer import phases
 from cycloid_mj.member import share
 from cycloid_mj.modification import tooth_profile
 
@@ -54,20 +55,22 @@ class Rated:
     @property
     def concentration(self) -> float:
         """Largest force on a tooth over that of ideal sharing [1]."""
-        carried = share(self.design) * self.torque
+        carried = share(self.design) * self.torque / self.design.gear.discs
         ideal = statics.ideal_load_sharing(tooth_profile(self.design), carried, self.springs.crank)
         return float(self.found.teeth.max() / ideal.forces.max())
 
     @property
     def loaded_teeth(self) -> float:
-        """Contact lines with the ring that carry, on average [1]."""
-        return float((self.found.teeth > CARRIES * self.found.teeth.max()).sum(axis=1).mean())
+        """Contact lines of a disc with the ring that carry, on average [1]."""
+        carrying = (self.found.teeth > CARRIES * self.found.teeth.max()).sum(axis=1).mean()
+        return float(carrying) / self.design.gear.discs
 
     @property
     def pressure_angle(self) -> float:
         """Angle of the tooth forces to the way that they turn the gear, averaged by force [rad]."""
-        gear, forces = tooth_profile(self.design), self.found.teeth
-        B = profile.pin_angles(gear) + self.springs.crank[:, np.newaxis]
+        gear, forces = tooth_profile(self.design), self.found.by_disc(self.found.teeth)
+        ahead = self.springs.crank[:, np.newaxis] + np.array(phases(self.design))
+        B = profile.pin_angles(gear) + ahead[..., np.newaxis]
         return float(np.sum(profile.pressure_angle(gear, B) * forces) / forces.sum())
 
 

@@ -14,6 +14,7 @@ from cycloid_mj.contact.working import STRIBECK, working_force, working_load, wo
 from cycloid_mj.design import Design
 from cycloid_mj.digits import significant
 from cycloid_mj.errors import ContactError
+from cycloid_mj.structure import pin_flexibility
 
 IMPRATIO = 10.0
 """MuJoCo's ``impratio``: the ratio of the normal to the frictional regularisation R.
@@ -126,10 +127,15 @@ def series_stiffness(design: Design) -> float:
     return 1.0 / sum(1.0 / pair_stiffness(design, kind) for kind in kinds)
 
 
-def contact_stiffness(design: Design, kind: str) -> float:
-    """Give the stiffness of a kind of pair as the simulation has it [N/m]: of a massless pin, its seat in series."""
+def contact_stiffness(design: Design, kind: str, disc: int = 0) -> float:
+    """Give the stiffness of a kind of pair as the simulation has it [N/m].
+
+    Of a massless pin, its seat is in series; of an output pin, its bending at a `disc` in a structure of springs.
+    """
     through = kind == design.tooth_pair and design.ring.has_massless_pins
-    return series_stiffness(design) if through else pair_stiffness(design, kind)
+    own = series_stiffness(design) if through else pair_stiffness(design, kind)
+    bent = float(pin_flexibility(design)[disc, disc]) if kind == "output" else 0.0
+    return 1.0 / (1.0 / own + bent) if bent else own
 
 
 def _roller_on_cam(design: Design) -> float:

@@ -34,14 +34,14 @@ def working_force(design: Design, kind: str) -> float:
     bears that, and a plain cam N/4 times that, which ideal sharing asks of it when the ring's most loaded contact bears
     its working force. Where neither is given, it follows from `working_load` T by ideal sharing: 4 T/(N c (N-1)) on the
     most loaded tooth, 4 T/(n R) on the most loaded of n output pins on the radius R, and the cam's mean force over a
-    turn, which holds both.
+    turn, which holds both; of several discs, each has its share of T.
     """
     given: float = getattr(design.working_force, kind)
     force = design.contact.working_force
     if given:
         return given
     if not force:
-        return _shared(design, kind, working_load(design))
+        return _shared(design, kind, working_load(design) / design.gear.discs)
     if kind != "cam":
         return force
     rolling = design.gear.bearing == "rolling"
@@ -59,9 +59,9 @@ def working_load(design: Design) -> float:
 def own_load(design: Design) -> float:
     """Give the torque on the output [N m] that presses an idle reducer's contacts as its own forces do.
 
-    The gear's weight and its inertia force on the eccentric, W = m (g + c w^2), act on the cam; a load torque T presses
-    the teeth sideways against the cam by T/(c (N-1)): that of W has the torque W c (N-1), or W c N on a ring. The
-    gear's mass is that of a disc of its mean radius E - rho.
+    A disc's weight and its inertia force on the eccentric, W = m (g + c w^2), act on the cam; a load torque T presses
+    the teeth sideways against the cam by T/(c (N-1)): that of W has the torque W c (N-1), or W c N on a ring, for each
+    disc. Its mass is that of a plain disc of its mean radius E - rho.
     """
     gear, ring, output = design.gear, design.ring, design.output
     squares = (ring.pin_circle_radius - ring.pin_radius) ** 2 - gear.bore_radius**2
@@ -69,7 +69,7 @@ def own_load(design: Design) -> float:
     weight = math.hypot(design.environment.gravity_x, design.environment.gravity_y)
     flung = gear.eccentricity * design.drive.speed**2
     force = design.material_of("gear").density * gear.face_width * area * (weight + flung)
-    return force * gear.eccentricity * design.reduction
+    return gear.discs * force * gear.eccentricity * design.reduction
 
 
 def working_source(design: Design, kind: str) -> Source:

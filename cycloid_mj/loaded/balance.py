@@ -11,6 +11,7 @@ from cycloid_mj.errors import RunError
 from cycloid_mj.loaded.springs import Springs, springs_of
 from cycloid_mj.mechanism.kernel import BALANCED, Left, balance, balance_along
 from cycloid_mj.member import seen_from_ring, share
+from cycloid_mj.structure import wind_up
 from cycloid_mj.types import Array
 
 REPEATS = 2
@@ -19,18 +20,21 @@ REPEATS = 2
 
 @dataclass(frozen=True)
 class Loads:
-    """Forces at m crank angles under one load, seen from the ring.
+    """Forces at m crank angles under one load, and motions, seen from the ring; those of each contact disc after disc.
 
     Attributes
     ----------
     teeth, output
-        On each contact line with the ring, shape (m, lines), and each output pin [N], shape (m, pins).
+        On each contact line with the ring, shape (m, D lines), and of each disc on each output pin [N], (m, D pins).
     cam
-        Of the cam on the gear [N], shape (m, 2).
+        Of each cam on its disc [N], shape (m, D, 2).
     departures
-        Of gear and output from their ideal places, as in ``mechanism.gaps``, shape (m, 4) [m].
+        Of discs and output from their ideal places, as in ``mechanism.gaps``, shape (m, 3 D + 1) [m].
     gear_turn, output_turn
-        Of gear and output from their ideal angles, shape (m,) [rad], in the sense of `member.share`.
+        Of the discs, in the mean, and of the output from their ideal angles, shape (m,) [rad], in the sense of
+        `member.share`; the output's with the twist of carrier, shaft and housing.
+    share
+        Of each disc in the torque on the output, shape (m, D) [1].
     """
 
     teeth: Array
@@ -39,6 +43,16 @@ class Loads:
     departures: Array
     gear_turn: Array
     output_turn: Array
+    share: Array
+
+    @property
+    def discs(self) -> int:
+        """Number of discs."""
+        return self.cam.shape[1]
+
+    def by_disc(self, forces: Array) -> Array:
+        """Give forces on teeth or output pins with an axis for the discs, shape (m, D, n)."""
+        return forces.reshape(len(forces), self.discs, -1)
 
 
 def loads(design: Design, springs: Springs, torque: float, follow: bool = False) -> Loads:
@@ -69,20 +83,24 @@ def _balanced(design: Design, springs: Springs, torque: float, follow: bool) -> 
     contacts, lever = springs.contacts, design.output.pin_circle_radius
     load = springs.load(torque)
     z, force = np.zeros(load.shape), np.zeros(contacts.distance.shape)
-    z[:, :2] = contacts.cam_place[:, 0]
+    of_discs = z[:, :-1].reshape(len(z), -1, 3)
+    of_discs[..., :2] = contacts.cam_place
     with announced():
         search = balance_along(contacts, load, z, force) if follow else balance(contacts, load, z, force, False)
     require_balance(search)
-    away = z[:, :2] - contacts.cam_place[:, 0]
-    distance = np.maximum(np.linalg.norm(away, axis=1), np.finfo(float).tiny)
+    away = of_discs[..., :2] - contacts.cam_place
+    distance = np.maximum(np.linalg.norm(away, axis=-1), np.finfo(float).tiny)
     pressed = contacts.cam_stiffness * np.maximum(distance - contacts.cam_clearance, 0.0)
+    output = force[:, springs.teeth :]
+    moments = (-output * contacts.slope[:, springs.teeth :, -1]).reshape(len(z), of_discs.shape[1], -1).sum(axis=-1)
     return Loads(
         teeth=force[:, : springs.teeth],
-        output=force[:, springs.teeth :],
-        cam=-(pressed / distance)[:, np.newaxis] * away,
+        output=output,
+        cam=-(pressed / distance)[..., np.newaxis] * away,
         departures=z,
-        gear_turn=z[:, 2] / lever,
-        output_turn=z[:, -1] / lever,
+        gear_turn=of_discs[..., 2].mean(axis=1) / lever,
+        output_turn=z[:, -1] / lever + wind_up(design) * torque,
+        share=moments / moments.sum(axis=1, keepdims=True),
     )
 
 
@@ -155,8 +173,9 @@ def _friction_losses(design: Design, springs: Springs, found: Loads) -> dict[str
     """Give the powers that friction takes at each crank angle [W], shape (m,), of a drive seen from its ring."""
     slip, count = np.abs(springs.slip), springs.teeth
     turning = abs(design.drive.speed) * design.ring.teeth / design.lobes
+    pressed = np.linalg.norm(found.cam, axis=-1).sum(axis=1)
     return {
         "teeth": design.mesh_friction * np.sum(found.teeth * slip[:, :count], axis=1),
-        "cam": design.friction_of("cam") * design.gear.bore_radius * turning * np.linalg.norm(found.cam, axis=1),
+        "cam": design.friction_of("cam") * design.gear.bore_radius * turning * pressed,
         "output": design.friction_of("output") * np.sum(found.output * slip[:, count:], axis=1),
     }

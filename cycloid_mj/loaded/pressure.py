@@ -61,6 +61,6 @@ def is_narrow(design: Design, springs: Springs, found: Loads, kind: str) -> bool
 
 
 def forces(found: Loads, kind: str) -> Array:
-    """Give the forces on the contacts of a kind [N], shape (m, contacts), or (m,) of the cam."""
-    other = {"cam": np.linalg.norm(found.cam, axis=1), "output": found.output}
+    """Give the forces on the contacts of a kind [N], shape (m, contacts): of cams one a disc."""
+    other = {"cam": np.linalg.norm(found.cam, axis=-1), "output": found.output}
     return other.get(kind, found.teeth)

@@ -22,6 +22,7 @@ from cycloid_mj.mechanism.gaps import cam_places
 from cycloid_mj.mechanism.kernel import BALANCED, FIGURES, Effects, Made, balance_samples
 from cycloid_mj.member import share
 from cycloid_mj.modification import tooth_profile
+from cycloid_mj.structure import wind_up
 from cycloid_mj.types import Array
 
 ANGLES = 360
@@ -176,7 +177,7 @@ def solve_samples(
     springs = springs_of(bare, crank, friction)
     effects, made, of = _effects(bare, springs), _made(bare, springs, samples), share(design)
     bounds = np.linspace(0, len(samples), min(CHUNKS * threads, len(samples)) + 1).astype(int).tolist()
-    found = []
+    found, twist = [], wind_up(design)
     for torque in torques:
         load = springs.load(of * torque)
         out = np.zeros((len(samples), FIGURES))
@@ -187,6 +188,7 @@ def solve_samples(
         with announced(), ThreadPoolExecutor(threads) as pool:
             list(pool.map(balanced, bounds[:-1], bounds[1:]))
         out[~(out[:, -1] <= BALANCED)] = np.nan
+        out[:, 2] += twist * of * torque
         seen = Figures(*out[:, :-1].T.copy())
         turned = {"output_mean": of * seen.output_mean, "output_range": of * seen.output_range}
         found.append(replace(seen, **turned))

@@ -7,14 +7,16 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj import kinematics, profile
-from cycloid_mj.contact.law import curvature_law, pair_stiffness
+from cycloid_mj.contact.law import contact_stiffness, curvature_law, pair_stiffness
 from cycloid_mj.contact.working import at_rated_load
 from cycloid_mj.design import Design
 from cycloid_mj.loaded.friction import rubbing
 from cycloid_mj.mechanism import kernel
 from cycloid_mj.mechanism.gaps import arc_gaps, cam_places, ideal_motion
+from cycloid_mj.mechanism.reducer import phases
 from cycloid_mj.member import against_ring, ring_angle, seen_from_ring, turns_of_crank
 from cycloid_mj.modification import gear_profile, profile_offset, tooth_profile
+from cycloid_mj.structure import pin_flexibility
 from cycloid_mj.types import Array
 
 POSES = 61
@@ -40,7 +42,7 @@ class Springs:
     curvature
         Relative curvature of the contact lines with the ring [1/m], shape (m, teeth).
     body_force
-        Weight and centrifugal force of the gear [N], shape (m, 2).
+        Weight and centrifugal force of each disc [N], shape (m, D, 2).
     slip
         Speed at which the gear slides on each contact line and output pin [m/s], shape (m, n), and in the cam [m/s].
     """
@@ -55,7 +57,9 @@ class Springs:
     def load(self, torque: float) -> Array:
         """Give the generalised force on each unknown [N], shape (m, 3 D + 1), of a torque on the carrier [N m]."""
         load = np.zeros((self.crank.size, self.contacts.slope.shape[2]))
-        load[:, :2], load[:, -1] = self.body_force, torque / self.contacts.radius
+        for disc in range(self.body_force.shape[1]):
+            load[:, 3 * disc : 3 * disc + 2] = self.body_force[:, disc]
+        load[:, -1] = torque / self.contacts.radius
         return load
 
 
@@ -77,12 +81,15 @@ def springs_of(design: Design, crank: npt.ArrayLike | None = None, friction: boo
     if crank is None:
         crank = turns_of_crank(design, turn_evenly())
     crank = np.ravel(np.asarray(crank, dtype=np.float64))
-    own_force, crank = body_force(design, crank), against_ring(design, crank)
+    own_force = np.stack([body_force(design, crank, phase) for phase in phases(design)], axis=1)
+    crank = against_ring(design, crank)
     design = at_rated_load(seen_from_ring(design))
     found = arc_gaps(design, crank)
     teeth = int(np.sum(found.kind == design.tooth_pair))
     curvature = found.relative_curvature[:, :teeth]
-    output = np.full((crank.size, found.kind.size - teeth), pair_stiffness(design, "output"))
+    discs = range(design.gear.discs)
+    holding = np.array([contact_stiffness(design, "output", disc) for disc in discs])
+    output = np.broadcast_to(np.repeat(holding, design.output.pins), (crank.size, found.kind.size - teeth))
     motion = ideal_motion(design, crank) * design.drive.speed
     radius = design.output.pin_circle_radius
     drag = math.copysign(design.friction_of("cam"), design.drive.speed) * design.gear.bore_radius / radius
@@ -108,6 +115,8 @@ def springs_of(design: Design, crank: npt.ArrayLike | None = None, friction: boo
             cam_stiffness=pair_stiffness(design, "cam"),
             rubbing=rubbing(design, found, motion) if friction else np.zeros((0, *found.slope.shape[1:])),
             cam_rubbing=drag if friction else 0.0,
+            bending=_bending(design),
+            pins=design.output.pins,
         ),
         curvature=curvature,
         body_force=own_force,
@@ -123,8 +132,21 @@ def tooth_stiffness(design: Design, curvature: Array) -> Array:
     return np.asarray(1.0 / (1.0 / own + 1.0 / pair_stiffness(design, kind)) if kind else own)
 
 
-def body_force(design: Design, crank: Array) -> Array:
-    """Give weight and centrifugal force of the gear [N], shape (m, 2), seen from the ring, at crank angles [rad] (m,).
+def _bending(design: Design) -> Array:
+    """Give by how much a disc's force on an output pin opens the other discs' contacts with it [m/N], (D, D) or none.
+
+    At phases b and b' their pushes have the angle b - b' between them: of the pin's deflection cos(b - b') is along a
+    push, and what is across it moves the contact along its circle alone.
+    """
+    at, flexibility = np.array(phases(design)), pin_flexibility(design)
+    np.fill_diagonal(flexibility, 0.0)
+    return flexibility * np.cos(np.subtract.outer(at, at)) if flexibility.any() else np.zeros((0, 0))
+
+
+def body_force(design: Design, crank: Array, phase: float = 0.0) -> Array:
+    """Give weight and centrifugal force of a disc [N], shape (m, 2), seen from the ring, at crank angles [rad] (m,).
+
+    The disc is ahead of the crank by its `phase` [rad].
 
     Its mass is that of its outline less bore and holes, each with its clearance; of turned flanks not the corners.
     """
@@ -134,5 +156,5 @@ def body_force(design: Design, crank: Array) -> Array:
     area = profile.area(gear_profile(design), profile_offset(design)) - bored
     x, y, turned = design.environment.gravity_x, design.environment.gravity_y, ring_angle(design, crank)
     gravity = np.stack([x * np.cos(turned) + y * np.sin(turned), y * np.cos(turned) - x * np.sin(turned)], axis=-1)
-    flung = design.drive.speed**2 * kinematics.gear_centre(tooth_profile(design), against_ring(design, crank))
+    flung = design.drive.speed**2 * kinematics.gear_centre(tooth_profile(design), against_ring(design, crank) + phase)
     return np.asarray(design.material_of("gear").density * gear.face_width * area * (gravity + flung))

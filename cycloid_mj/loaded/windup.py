@@ -13,6 +13,7 @@ import numpy as np
 from cycloid_mj.design import Design
 from cycloid_mj.loaded.balance import loads
 from cycloid_mj.loaded.springs import springs_of
+from cycloid_mj.mechanism.reducer import phases
 from cycloid_mj.types import Array
 
 LOST_MOTION_SHARE = 0.03
@@ -76,14 +77,18 @@ def windups(design: Design, cranks: Sequence[float] | Array, rated: float) -> li
     still = design.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
     springs = springs_of(still, cranks, friction=False)
     found = {side * share: loads(still, springs, side * share * rated) for side in (-1, 1) for share in SHARES}
-    along = -np.stack([np.cos(springs.crank), np.sin(springs.crank)], axis=1)
+    ahead = springs.crank[:, np.newaxis] + np.array(phases(design))
+    along = -np.stack([np.cos(ahead), np.sin(ahead)], axis=-1)
+
+    def lead(departures: Array, along: Array) -> float:
+        return float(np.mean([departures[3 * disc : 3 * disc + 2] @ way for disc, way in enumerate(along)]))
 
     def at(place: int) -> Windup:
         return Windup(
             rated,
             {share: float(one.output_turn[place]) for share, one in found.items()},
             {share: float(one.gear_turn[place]) for share, one in found.items()},
-            {share: float(one.departures[place, :2] @ along[place]) for share, one in found.items()},
+            {share: lead(one.departures[place], along[place]) for share, one in found.items()},
         )
 
     return [at(place) for place in range(len(cranks))]

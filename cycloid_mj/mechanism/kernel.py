@@ -63,6 +63,10 @@ class Springs(NamedTuple):
     (k, D, 2) [m], `cam_clearance` [m] and `cam_stiffness` [N/m] are those of the cams. `rubbing` (k, n, u) and
     `cam_rubbing` [1] are the generalised friction per normal force, of the cam on its disc's turn; k is 0 in `rubbing`
     without friction.
+
+    `bending` (D, D) [m/N] is by how much an output pin that carries several discs gives way to each along its own push,
+    for the force of each: off the diagonal alone, which is in `stiffness`. Its size is 0 where no disc's force moves
+    another's contact; else the last D `pins` contacts are those of the output pins, disc after disc.
     """
 
     radius: float
@@ -83,6 +87,8 @@ class Springs(NamedTuple):
     cam_stiffness: float
     rubbing: Array
     cam_rubbing: float
+    bending: Array
+    pins: int
 
 
 class Curved(NamedTuple):
@@ -283,6 +289,8 @@ def balance_samples(
             ideal.cam_stiffness,
             ideal.rubbing,
             ideal.cam_rubbing,
+            ideal.bending,
+            ideal.pins,
         )
         left = balance_along(springs, load, z, force)
         _sum_up(springs, z, force, out[s])
@@ -292,9 +300,14 @@ def balance_samples(
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _sum_up(springs: Springs, z: Array, force: Array, out: Array) -> None:
     """Give the figures of one sample, but the last."""
-    count, last = len(z), z[0].size - 1
-    for place, turn in enumerate((2, last)):
-        out[2 * place], out[2 * place + 1] = z[:, turn].mean() / springs.radius, np.ptp(z[:, turn]) / springs.radius
+    count, discs = len(z), springs.cam_place.shape[1]
+    turned = np.zeros((2, count))
+    for disc in range(discs):
+        turned[0] += z[:, 3 * disc + 2] / discs
+    turned[1] = z[:, 3 * discs]
+    for part in range(2):
+        mean, width = turned[part].mean() / springs.radius, np.ptp(turned[part]) / springs.radius
+        out[2 * part], out[2 * part + 1] = mean, width
     tooth = pin = cam = 0.0
     for k in range(count):
         for i in range(force.shape[1]):
@@ -450,7 +463,11 @@ def _is_open(springs: Springs, k: int, i: int, q: float, p: float) -> bool:
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _press(springs: Springs, k: int, z: Array, force: Array) -> None:
     """Put the springs' forces at departures z into a row of `force` [N], shape (k, n)."""
-    for i in range(springs.disc.size):
+    straight = _straight(springs)
+    if straight < springs.disc.size:
+        none = np.zeros(springs.disc.size, np.bool_)
+        _bend(springs, k, z, force[k], none, _System(np.zeros(0), np.zeros((0, 0))))
+    for i in range(straight):
         force[k, i] = 0.0
         q, p = _apart(springs, k, i, z)
         if _is_open(springs, k, i, q, p):
@@ -482,10 +499,11 @@ def _assemble(springs: Springs, k: int, load: Array, z: Array, kept: Mask, syste
         residual[j] = load[j]
         for m in range(j + 1):
             tangent[j, m] = 0.0
+    straight = _straight(springs)
     for disc in range(springs.cam_place.shape[1]):
         # Sums stand in names, not in the arrays, which the compiler would write at every contact.
         rx = ry = rt = ro = xx = xy = yy = xt = yt = tt = xo = yo = to = oo = 0.0
-        for i in range(springs.disc.size):
+        for i in range(straight):
             if springs.disc[i] != disc:
                 continue
             (q, p), holds = _apart(springs, k, i, z), kept[i]
@@ -526,7 +544,125 @@ def _assemble(springs: Springs, k: int, load: Array, z: Array, kept: Mask, syste
         tangent[t, x], tangent[t, y], tangent[t, t] = xt, yt, tt
         tangent[o, x], tangent[o, y], tangent[o, t] = xo, yo, to
         tangent[o, o] += oo
+    if straight < springs.disc.size:
+        energy += _bend(springs, k, z, np.empty(springs.disc.size), kept, system)
     return energy
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _straight(springs: Springs) -> int:
+    """Count the contacts that no other moves: all, or all but those of output pins that bend under several discs."""
+    return springs.disc.size - springs.pins * springs.bending.shape[0]
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _bend(springs: Springs, k: int, z: Array, force: Array, kept: Mask, system: _System) -> float:
+    """Press output pins that bend at departures z: put their forces [N] into `force`, shape (n,), add to a system.
+
+    Forces f on one pin in contacts of stiffness K, at widths w of the straight pin, hold where K^-1 f + B f + w = 0 and
+    are 0 where that is positive, B the `bending`; those of contacts that are `kept` hold where they pull, too. A system
+    without unknowns is left alone.
+
+    Returns
+    -------
+    The energy of contacts and pins [J].
+    """
+    discs, wanted, energy = springs.bending.shape[0], system.residual.size > 0, 0.0
+    first, o = _straight(springs), z.size - 1
+    width, pressed = np.empty(discs), np.empty(discs)
+    ahead, aside, rate = np.empty((discs, 4)), np.empty((discs, 4)), np.empty(discs)
+    carries, held = np.empty(discs, np.bool_), np.empty(discs, np.bool_)
+    flexible, stiff = np.empty((discs, discs)), np.empty((discs, discs))
+    for pin in range(springs.pins):
+        for d in range(discs):
+            i = first + d * springs.pins + pin
+            q, p = _apart(springs, k, i, z)
+            found = _curved(springs, k, i, z, q, p)
+            width[d], rate[d], held[d] = found.width, found.rate, kept[i]
+            for j in range(4):
+                ahead[d, j], aside[d, j] = found.ahead[j], found.aside[j]
+            for e in range(discs):
+                flexible[d, e] = springs.bending[d, e]
+            flexible[d, d] += 1.0 / springs.stiffness[k, i]
+        _hold(flexible, width, held, carries, pressed, stiff)
+        for d in range(discs):
+            force[first + d * springs.pins + pin] = pressed[d]
+            energy -= 0.5 * pressed[d] * width[d]
+        if not (wanted and carries.any()):
+            continue
+        for d in range(discs):
+            if not carries[d]:
+                continue
+            turning, alone = -pressed[d] * rate[d], -pressed[d] / springs.radius
+            for a in range(4):
+                row = 3 * d + a if a < 3 else o
+                system.residual[row] += pressed[d] * ahead[d, a]
+                for e in range(discs):
+                    for b in range(4):
+                        column = 3 * e + b if b < 3 else o
+                        if column > row:
+                            continue
+                        own = turning * aside[d, a] * aside[d, b] if d == e else 0.0
+                        system.tangent[row, column] += stiff[d, e] * ahead[d, a] * ahead[e, b] + own
+            # the turns of disc and output stiffen as in `_assemble`
+            system.tangent[3 * d + 2, 3 * d + 2] += alone * aside[d, 2]
+            system.tangent[o, o] += alone * aside[d, 3]
+    return energy
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _hold(flexible: Array, width: Array, held: Mask, carries: Mask, pressed: Array, stiff: Array) -> None:
+    """Find the forces on one pin [N] and which contacts carry, from widths [m] and flexibility [m/N]; and stiffness.
+
+    Contacts that would pull open, the strongest first, but those that are `held`.
+    """
+    discs = width.size
+    for d in range(discs):
+        carries[d] = held[d] or width[d] < 0.0
+    for _ in range(4 * discs):
+        _stiffen(flexible, carries, stiff)
+        changes, most = -1, 0.0
+        for d in range(discs):
+            pressed[d] = 0.0
+            for e in range(discs):
+                pressed[d] -= stiff[d, e] * width[e]
+            if not held[d] and pressed[d] < most:
+                changes, most = d, pressed[d]
+        for d in range(discs if changes < 0 else 0):  # none pulls: does one that is open close?
+            left = width[d]
+            for e in range(discs):
+                left += flexible[d, e] * pressed[e]
+            if not carries[d] and left < most:
+                changes, most = d, left
+        if changes < 0:
+            break
+        carries[changes] = not carries[changes]
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _stiffen(flexible: Array, carries: Mask, stiff: Array) -> None:
+    """Put the stiffness of the contacts of a pin that carry [N/m] into `stiff`, 0 for the others.
+
+    It is the inverse of their flexibility, by Gauss and Jordan, in place.
+    """
+    discs = carries.size
+    for d in range(discs):
+        for e in range(discs):
+            stiff[d, e] = flexible[d, e] if carries[d] and carries[e] else 0.0
+    for pivot in range(discs):
+        if not carries[pivot]:
+            continue
+        inverse = 1.0 / stiff[pivot, pivot]
+        stiff[pivot, pivot] = 1.0
+        for e in range(discs):
+            stiff[pivot, e] *= inverse
+        for d in range(discs):
+            factor = stiff[d, pivot]
+            if d == pivot or factor == 0.0:
+                continue
+            stiff[d, pivot] = 0.0
+            for e in range(discs):
+                stiff[d, e] -= factor * stiff[pivot, e]
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")

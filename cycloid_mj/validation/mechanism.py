@@ -239,7 +239,7 @@ def balance_rows(kind: str, turn: Sequence[float]) -> list[Row]:
         forces = [deviation(f"teeth in statics, {kind}", found.teeth.ravel(), exact, "N", SEARCH, 0.08)]
     return [
         *forces,
-        deviation(f"cam in statics, {kind}", found.cam, cam, "N", SEARCH, bounds[0]),
+        deviation(f"cam in statics, {kind}", found.cam[:, 0], cam, "N", SEARCH, bounds[0]),
         deviation(f"turn of the output, {kind}", 1e6 * found.output_turn, 1e6 * output, "urad", SEARCH, bounds[1]),
     ]
 
@@ -251,8 +251,8 @@ def friction_rows() -> list[Row]:
     gear, springs = tooth_profile(design), springs_of(design, TURN)
     found, speed = loads(design, springs, rig.RATED_LOAD), design.drive.speed
     going = speed * rotate(kinematics.gear_centre(gear, np.array(TURN)), np.pi / 2)
-    slow, pressed = speed / gear.lobes, np.linalg.norm(found.cam, axis=1)
-    driven = np.sum(found.cam * going, axis=1) - FRICTION * design.gear.bore_radius * pressed * slow
+    slow, pressed = speed / gear.lobes, np.linalg.norm(found.cam[:, 0], axis=1)
+    driven = np.sum(found.cam[:, 0] * going, axis=1) - FRICTION * design.gear.bore_radius * pressed * slow
     rubbed = FRICTION * np.sum(np.concatenate([found.teeth, found.output], axis=1) * np.abs(springs.slip), axis=1)
     return [
         deviation(
