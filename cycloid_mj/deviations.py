@@ -33,6 +33,9 @@ class Deviations:
         Of each cam from its place on a crank of that eccentricity [m], as it is at the crank angle 0, shape (D, 2).
     eccentricity
         Of all cams' eccentricity from that of the teeth [m].
+    waves
+        How far the flanks of all discs stand back: of each order from 1 on the amplitude of its cosine and of its sine
+        [m], shape (N, 2); see `profile_error`.
     """
 
     pin_place: Array
@@ -41,12 +44,13 @@ class Deviations:
     disc_radius: Array
     cam_place: Array
     eccentricity: float
+    waves: Array
 
     @property
     def largest(self) -> float:
         """The largest size of any of them [m]."""
         places = np.concatenate([self.pin_place, *self.hole_place, self.cam_place])
-        radii = np.concatenate([self.pin_radius, self.disc_radius])
+        radii = np.concatenate([self.pin_radius, self.disc_radius, self.waves.ravel()])
         return float(max(np.linalg.norm(places, axis=1).max(), np.abs(radii).max(), abs(self.eccentricity)))
 
 
@@ -61,7 +65,21 @@ def deviations(design: Design) -> Deviations:
         disc_radius=_of_discs(design, "disc_dr", errors.disc_size, 1)[:, 0],
         cam_place=np.stack([_of_discs(design, axis, cam, 1)[:, 0] for axis in ("cam_x", "cam_y")], axis=1),
         eccentricity=errors.eccentricity,
+        waves=np.stack([_each(design, name, 0.0, pins) for name in ("profile_cos", "profile_sin")], axis=1),
     )
+
+
+def profile_error(waves: Array, t: Array) -> Array:
+    """Give how far the flanks stand back [m] at parameters t [rad] of the gear's trochoid, in the shape of t.
+
+    It is the sum of a_k cos(k t) + b_k sin(k t) over the orders k = 1, 2, ..., with the `waves` (a_k, b_k) of
+    `Deviations`: cycles in a turn of the gear, as measuring machines give a profile's error by order.
+    """
+    error = np.zeros(np.shape(t))
+    for place in np.flatnonzero(np.any(waves != 0.0, axis=1)):
+        cosine, sine = waves[place]
+        error += cosine * np.cos((place + 1) * t) + sine * np.sin((place + 1) * t)
+    return error
 
 
 def is_ideal(design: Design) -> bool:

@@ -12,9 +12,11 @@ from cycloid_mj import profile
 from cycloid_mj.checks import check
 from cycloid_mj.contact.collider import installed
 from cycloid_mj.design import PRESETS, Design, dump, loads, override
-from cycloid_mj.deviations import deviations, is_ideal
+from cycloid_mj.deviations import deviations, is_ideal, profile_error
 from cycloid_mj.errors import DesignError
+from cycloid_mj.kinematics import gear_centre, gear_rotation
 from cycloid_mj.mechanism import limits
+from cycloid_mj.mechanism.gaps import arc_gaps
 from cycloid_mj.mjcf import build
 from cycloid_mj.modification import flank_ends, gear_profile, profile_offset, sample_turned
 from cycloid_mj.profile import CycloidGear, unit
@@ -470,3 +472,39 @@ def test_listed_errors_go_on_disc_after_disc() -> None:
     np.testing.assert_allclose(made.disc_radius, [0.0, 1e-6])
     with pytest.raises(DesignError, match=r"has 8 values, but output\.pins times gear\.discs is 16"):
         override(PRESETS["pin"], ["gear.discs=2", f"errors.hole_x_um={[0.0] * 8}"])
+
+
+# --- waves of the profile
+
+
+@pytest.mark.parametrize("base", [pin, nonpin], ids=["pin", "nonpin"])
+def test_waves_of_the_profile_widen_gaps_as_the_exact_outline_does(base) -> None:
+    """Places of the ring's pins, or the middles of its arcs, against a fine polygon of the wavy outline."""
+    lobes = PRESETS["pin"].lobes
+    design = base("errors.profile_cos_um={2 = 1.5, 3 = -0.7}", f"errors.profile_sin_um={{2 = 0.4, {lobes} = 0.8}}")
+    crank, gear, made = 0.7, gear_profile(design), deviations(design)
+    t = np.linspace(0.0, 2.0 * np.pi, 400_001)[:-1]
+    back = profile_offset(design) + profile_error(made.waves, t)
+    outline = profile.trochoid(gear, t) - back[:, np.newaxis] * profile.normals(gear, t)
+    turned = rotate(outline, float(gear_rotation(gear, crank))) + gear_centre(gear, crank)
+    pins = gear.pin_circle_radius * unit(profile.pin_angles(gear))
+    near, _ = cKDTree(turned).query(pins)
+    found = arc_gaps(design, crank)
+    count = design.ring.teeth
+    # in the valleys the nearest point of a polygon lies beside the foot: there nothing carries
+    flat = np.abs(found.bend[:count]) < 500.0
+    assert flat.sum() > 0.7 * count
+    # what is left is of second order in the waves: their slope turns the normal
+    np.testing.assert_allclose((near - gear.pin_radius)[flat], found.width[:count][flat], atol=6e-9)
+    assert np.ptp(found.width[:count]) > 2e-6
+
+
+def test_a_simulation_refuses_waves_of_the_profile() -> None:
+    with pytest.raises(DesignError, match="profile_cos_um"):
+        build(override(PRESETS["pin"], ["errors.profile_cos_um={2 = 1.0}"]))
+
+
+def test_waves_are_no_ideal_parts_and_survive_the_file() -> None:
+    design = override(PRESETS["pin"], ["errors.profile_sin_um={35 = 1.0}"])
+    assert not is_ideal(design)
+    assert loads(dump(design)) == design

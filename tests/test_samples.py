@@ -25,10 +25,11 @@ def as_made(design: Design, made: Samples, number: int) -> Design:
     if design.ring.kind == "pin":
         parts |= {"pin_x": made.pin_place[number, :, 0], "pin_y": made.pin_place[number, :, 1]}
         parts |= {"pin_dr": made.pin_radius[number]}
+    waves = {f"profile_{name}": made.waves[number, :, i] for i, name in enumerate(("cos", "sin"))}
     seat = {design.seat_pair: made.seat[number]} if design.seat_pair else {}
     clearance = {design.tooth_pair: made.mesh[number], "cam": made.cam[number], "output": made.output[number]}
     return design.but(
-        errors={name: tuple(of.tolist()) for name, of in parts.items()}
+        errors={name: tuple(of.tolist()) for name, of in (parts | waves).items()}
         | {"eccentricity": float(made.eccentricity[number])},
         clearance={kind: float(width) for kind, width in (clearance | seat).items()},
         modification={name: float(getattr(made, name)[number]) for name in ("equidistant", "pin_circle", "rotation")},
@@ -41,7 +42,9 @@ def varied(design: Design, count: int, seed: int = 3) -> Samples:
     made = drawn(design, count, seed)
     wider = {name: getattr(made, name) * draw(0.6, 1.5, count) for name in ("mesh", "seat", "cam", "output")}
     shaped = {name: draw(-1e-6, 1e-6, count) for name in ("eccentricity", "equidistant", "pin_circle")}
-    return replace(made, **wider, **shaped, rotation=draw(0.0, 1e-5, count))
+    waves = np.zeros(made.waves.shape)
+    waves[:, [1, design.lobes - 1]] = draw(-5e-7, 5e-7, (count, 2, 2))
+    return replace(made, **wider, **shaped, rotation=draw(0.0, 1e-5, count), waves=waves)
 
 
 @pytest.mark.parametrize("name", ["pin", "nonpin", "large", "printed"])

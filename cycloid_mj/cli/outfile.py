@@ -49,6 +49,11 @@ def write_csv(file: str, columns: Columns) -> None:
         stream.writelines(_lines(columns))
 
 
+def csv_bytes(columns: Columns) -> bytes:
+    """Give what `write_csv` writes, for files that are written together."""
+    return "".join(_lines(columns)).encode()
+
+
 def folder(name: str, what: str) -> Path:
     """Give the folder `name`, made if there is none; raise CycloidError if that cannot be."""
     path = Path(name)
@@ -81,7 +86,8 @@ def _lines(columns: Columns) -> Iterator[str]:
 
 def _words(values: "npt.NDArray[Any]") -> list[str]:
     # the sum turns -0.0 into 0.0
-    return [repr(value) for value in (values + 0.0).tolist()] if values.dtype.kind == "f" else values.tolist()
+    numbers = (values + 0.0).tolist() if values.dtype.kind == "f" else values.tolist()
+    return [repr(value) if isinstance(value, float) else str(value) for value in numbers]
 
 
 @contextmanager

@@ -2,20 +2,23 @@
 
 import json as text_of
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import FLAT, HERE, PRESET, DesignOptions, EngineOptions, JsonFlag, QuietFlag
+from cycloid_mj.cli.flags import FLAT, HERE, PRESET, DesignOptions, EngineOptions, JsonFlag, QuietFlag, whole
 from cycloid_mj.cli.terminal import finite, say, say_json, show, tell
 from cycloid_mj.errors import UsageError
 from cycloid_mj.whole import write_whole
 
+if TYPE_CHECKING:
+    from cycloid_mj.explore.tolerances import Tolerances
+
 OUT = "runs/tolerance"
 MOST_SAMPLES = 1_000_000
 
-SamplesFlag = Annotated[int, Parameter(help="How many are drawn.")]
-SeedFlag = Annotated[int, Parameter(help="Of the random draws: the same seed gives the same samples.")]
+SamplesFlag = Annotated[int, Parameter(converter=whole, help="How many are drawn.")]
+SeedFlag = Annotated[int, Parameter(converter=whole, help="Of the random draws: the same seed gives the same samples.")]
 LimitFlag = Annotated[
     tuple[str, ...],
     Parameter(
@@ -24,11 +27,17 @@ LimitFlag = Annotated[
         help="A figure is to be at most, or at least (>=), a number; repeatable.",
     ),
 ]
-OutFlag = Annotated[Path, Parameter(metavar="DIR", help="Folder of the samples, the JSON file and the worst designs.")]
+VerifyFlag = Annotated[
+    int, Parameter(metavar="K", converter=whole, help="Run so many of the five worst samples in full dynamics.")
+]
+OutFlag = Annotated[
+    Path, Parameter(metavar="DIR", help="Folder of the samples, the JSON file, the page and the worst designs.")
+]
 
 EXAMPLES = """Examples:
   cycloid-mj tolerance --design pin --set 'tolerance.cam="H7/g6"' --set 'tolerance.pin_position="normal 2"'
-  cycloid-mj tolerance --design my.toml --samples 10000 --seed 1 --limit 'backlash_arcmin<=1' --out made"""
+  cycloid-mj tolerance --design my.toml --samples 10000 --seed 1 --limit 'backlash_arcmin<=1' --out made
+  cycloid-mj tolerance --design nonpin --set 'tolerance.profile="2: normal 0.2, 35: uniform 0.3"' --verify 1"""
 
 
 def tolerance(
@@ -37,6 +46,7 @@ def tolerance(
     samples: SamplesFlag = 10_000,
     seed: SeedFlag = 0,
     limit: LimitFlag = (),
+    verify: VerifyFlag = 0,
     out: OutFlag = Path(OUT),
     where: Annotated[EngineOptions, FLAT] = HERE,
     json: JsonFlag = False,
@@ -46,17 +56,18 @@ def tolerance(
 
     Tolerances stand in the table [tolerance] of the design file, as "normal 2",
     "uniform 5", "between -1 4" (um), as a grade "IT6", or for clearances as a fit
-    "H7/g6". Every sample is balanced at 360 crank angles: to both stops, and
-    under the rated torque without friction. The budget shares the variance of the
-    first limit's figure (else of the backlash) out to the tolerances, by Sobol
-    indices: the one to tighten first comes first. The five worst samples are
-    written as design files.
+    "H7/g6"; waves of the gear's profile by order, "2: normal 1, 35: uniform 2".
+    Every sample is balanced at 360 crank angles: to both stops, and under the
+    rated torque without friction. The budget shares the variance of the first
+    limit's figure (else of the backlash) out to the tolerances, by Sobol indices:
+    the one to tighten first comes first. The five worst samples are written as
+    design files; --verify runs them at speed under the rated torque, with
+    friction and inertia, and tells how far statics are from that.
     """
     from cycloid_mj.cli.outfile import folder
     from cycloid_mj.cli.progress import counted
-    from cycloid_mj.design import dump
+    from cycloid_mj.explore.figures import FIGURES
     from cycloid_mj.explore.limit import limit as read
-    from cycloid_mj.explore.tolerances import FIGURES
     from cycloid_mj.explore.tolerances import tolerance as found_in
 
     if not 2 <= samples <= MOST_SAMPLES:
@@ -67,18 +78,9 @@ def tolerance(
     limits = [read(text, FIGURES) for text in limit]
     design = chosen.sound()
     into = folder(str(out), "the samples")
-    found = found_in(design, samples, seed, limits, counted("tolerance", quiet), engine)
-    rows = zip(*found.figures.values(), strict=True)
-    lines = [
-        ",".join(("sample", *found.figures)),
-        *(",".join(map(repr, (i, *map(float, row)))) for i, row in enumerate(rows, 1)),
-    ]
-    files = {
-        into / f"{design.name}-samples.csv": "\n".join(lines) + "\n",
-        into / f"{design.name}-tolerance.json": text_of.dumps(finite(found.as_json()), indent=2) + "\n",
-        **{into / f"{design.name}-worst-{i}.toml": dump(one) for i, one in enumerate(found.worst, 1)},
-    }
-    write_whole({path: text.encode() for path, text in files.items()})
+    found = found_in(design, samples, seed, limits, counted("tolerance", quiet), engine, verify)
+    files = _files(found, into)
+    write_whole(files)
     if not quiet:
         tell(f"wrote {', '.join(map(str, files))}")
     if json:
@@ -86,7 +88,46 @@ def tolerance(
         return 0
     for table in found.tables():
         show(table)
-    low, high = found.yield_interval
-    asked = " and ".join(map(str, limits)) or "no limit but that the parts go together"
-    say(f"yield {found.good.mean():.2%} (95 %: {low:.2%} to {high:.2%}), {asked}; {found.jams.mean():.2%} jam")
+    for note in found.notes:
+        say(note)
+    say(found.words)
     return 0
+
+
+def _files(found: "Tolerances", into: Path) -> dict[Path, bytes]:
+    """Give what is written, by path: the worst designs first, the page last."""
+    import numpy as np
+
+    from cycloid_mj.cli.outfile import csv_bytes
+    from cycloid_mj.design import dump
+    from cycloid_mj.plots.tolerance import tolerance_figures
+    from cycloid_mj.report.study import Part, study_page
+
+    columns = {"sample": np.arange(1, found.samples + 1), **found.figures}
+    figures = tolerance_figures(found)
+    shared = {
+        "Shares of the variance, alone and with all that a tolerance acts together with (Sobol indices).": "budget"
+    }
+    ranked = {caption: figures[name] for caption, name in shared.items() if name in figures}
+    spread, tighten, *checked = found.tables()
+    low, high = found.yield_interval
+    numbers = {
+        "yield": f"{found.good.mean():.2%}",
+        "95 % confidence": f"{low:.2%} to {high:.2%}",
+        "jam": f"{found.jams.mean():.2%}",
+        "tighten first": found.budget[0].source,
+    }
+    parts = [
+        Part("Tighten this first", figures=ranked, tables=[tighten]),
+        Part("Distributions", figures={"Over the samples that do not jam.": figures["distributions"]}, tables=[spread]),
+        *(Part("In full dynamics", tables=[table]) for table in checked),
+        Part("What the numbers stand on", notes=[found.condition, *found.notes]),
+    ]
+    page = study_page(f"cycloid_mj: tolerances of {found.design}", [found.words, found.condition], numbers, parts)
+    name = found.design
+    return {
+        **{into / f"{name}-worst-{i}.toml": dump(one).encode() for i, one in enumerate(found.worst, 1)},
+        into / f"{name}-samples.csv": csv_bytes(columns),
+        into / f"{name}-tolerance.json": (text_of.dumps(finite(found.as_json()), indent=2) + "\n").encode(),
+        into / f"{name}-tolerance.html": page.encode(),
+    }

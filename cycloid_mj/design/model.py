@@ -293,6 +293,13 @@ class Errors(Section):
     )
     hole_y: Offsets = listed("each gear hole's place along y, disc after disc", u.MICROMETRE, "output.pins gear.discs")
     disc_dr: Offsets = listed("how far each disc's flanks stand out beyond their drawing", u.MICROMETRE, "gear.discs")
+    profile_cos: Offsets = listed(
+        "waves of the gear's profile, orders 1, 2, ... in a turn: how far its flanks stand back, times cos(k t) at the "
+        "angle t clockwise from the valley on +y",
+        u.MICROMETRE,
+        "ring.teeth",
+    )
+    profile_sin: Offsets = listed("the same, times sin(k t)", u.MICROMETRE, "ring.teeth")
     cam_x: Offsets = listed("each cam's place along x, at the crank angle 0", u.MICROMETRE, "gear.discs")
     cam_y: Offsets = listed("each cam's place along y, at the crank angle 0", u.MICROMETRE, "gear.discs")
 
@@ -317,6 +324,12 @@ class Tolerance(Section):
     pin_circle: str = _zone("the radius on which all pins stand")
     hole_position: str = _zone("each gear hole's place, along x and along y")
     eccentricity: str = _zone("the cam's eccentricity")
+    disc_size: str = _zone("how far each disc's flanks stand out beyond their drawing")
+    cam_position: str = _zone("each cam's place on the crank, along x and along y")
+    profile: str = _zone(
+        'amplitudes of waves of the gear\'s profile by order, in a turn of the gear, "2: normal 1, 35: uniform 2"; '
+        "each begins anywhere"
+    )
 
 
 class Modification(Section):

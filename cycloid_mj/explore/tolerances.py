@@ -1,74 +1,37 @@
 """Samples of a design within its tolerances: distributions, yield, jams, and an error budget by Sobol indices."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
-from cycloid_mj import profile
 from cycloid_mj.design import Design
 from cycloid_mj.engine import Engine, Progress, silent
 from cycloid_mj.errors import UsageError
-from cycloid_mj.explore.limit import FigureLimit
-from cycloid_mj.explore.zone import Zone, zone
-from cycloid_mj.loaded.samples import Samples, alike, backlash, solve_samples
-from cycloid_mj.modification import tooth_profile
+from cycloid_mj.explore.budget import SAMPLES as BUDGET_SAMPLES
+from cycloid_mj.explore.budget import Share, budget_blocks, shares
+from cycloid_mj.explore.draw import SOURCES, Block, blocks, departures, drawn, left_out, sample_design, tolerances
+from cycloid_mj.explore.figures import ANGLES, FIGURES, condition, figures_of
+from cycloid_mj.explore.limit import FigureLimit, limit
+from cycloid_mj.explore.verify import Verified, table_rows, verified
+from cycloid_mj.explore.zone import Zone
 from cycloid_mj.result import Table
-from cycloid_mj.types import Array, Integers, Mask
-from cycloid_mj.units import ARCMINUTE, ARCSECONDS
-
-ANGLES = 360
-"""Crank angles at which every sample is balanced."""
-
-TOUCH = 1e-4
-"""Torque that brings the parts to a stop, as a share of the rated one: it winds up 0.2 % of the backlash at most."""
-
-BUDGET_SAMPLES = 512
-"""Samples of each of the two sets that the indices compare; a power of two."""
-
-RESAMPLES = 200
-"""Of the budget's samples, for the confidence of its shares."""
-
-BLOCK = 512
-"""Samples that are drawn and balanced together: a piece of work. The draws are those of a block of this size."""
-
-FIGURES = {
-    "backlash_arcmin": "arcmin",
-    "te_loaded_arcsec": "arcsec",
-    "te_unloaded_arcsec": "arcsec",
-    "wind_up_arcmin": "arcmin",
-    "tooth_force_n": "N",
-    "output_pin_force_n": "N",
-    "cam_force_n": "N",
-    "loaded_teeth": "1",
-    "preload_n": "N",
-}
-"""Key of each figure -> its unit. Transmission errors are from peak to peak, of the output; the preload is the largest
-tooth force where nothing but `TOUCH` loads the drive."""
-
-FIRST, SECOND = "first set", "second set"
-"""Names of the sets of samples that the indices compare; others are named by the tolerance that is swapped."""
+from cycloid_mj.types import Array, Mask
 
 THREADS = Engine(kind="threads")
 """Samples are balanced by compiled code that releases Python's lock."""
 
 JAM_SHARE = 0.01
-"""A sample jams where its preload is more than this share of its largest tooth force under the rated torque."""
+"""A sample jams where its preload is more than this share of its largest tooth force under the rated torque, or where
+it has no balance at all."""
 
-SOURCES = (
-    "mesh",
-    "seat",
-    "cam",
-    "output",
-    "pin_position",
-    "pin_radius",
-    "pin_circle",
-    "hole_position",
-    "eccentricity",
-)
-"""Tolerances, as in the design file; the place of each is that of its stream of random numbers."""
+WORST = 5
+"""Samples that are kept as designs."""
+
+BUDGET_HEADER = ("tolerance", "first order", "total", "95 %")
+VERIFIED_HEADER = ("sample", "figure", "statics", "dynamics", "difference", "unit")
 
 
 @dataclass(frozen=True)
@@ -83,34 +46,14 @@ class Distribution:
     unit: str
 
 
-@dataclass(frozen=True)
-class Share:
-    """What one tolerance does to the variance of a figure.
-
-    Attributes
-    ----------
-    source
-        Its key in the design file's table.
-    first_order, total
-        Share of the variance that it has alone, and with all it acts together with (Sobol).
-    ci95
-        Lowest and highest of `total`, 95 % confidence.
-    """
-
-    source: str
-    first_order: float
-    total: float
-    ci95: tuple[float, float]
-
-
 @dataclass(frozen=True, eq=False)
 class Tolerances:
     """What came of the samples of one design.
 
     Attributes
     ----------
-    design
-        Its name.
+    design, condition
+        Its name, and under what the figures hold.
     samples, seed
         How many, and from which seed.
     figures
@@ -123,9 +66,14 @@ class Tolerances:
         Of the figure `budget_of`, the largest share first.
     worst
         Designs of the samples that are furthest out in `budget_of`, the worst first.
+    left_out
+        What the design files of these lack, a sentence each.
+    verified
+        Some of them in full dynamics.
     """
 
     design: str
+    condition: str
     samples: int
     seed: int
     figures: Mapping[str, Array]
@@ -134,6 +82,8 @@ class Tolerances:
     budget_of: str
     budget: tuple[Share, ...]
     worst: tuple[Design, ...]
+    left_out: tuple[str, ...]
+    verified: tuple[Verified, ...] = ()
 
     @property
     def good(self) -> Mask:
@@ -150,9 +100,25 @@ class Tolerances:
         return float(interval.low), float(interval.high)
 
     @property
+    def words(self) -> str:
+        """The yield and the chance of a jam, in a sentence."""
+        low, high = self.yield_interval
+        asked = " and ".join(map(str, self.limits)) or "no limit but that the parts go together"
+        return (
+            f"yield {self.good.mean():.2%} (95 %: {low:.2%} to {high:.2%}), {asked}; {self.jams.mean():.2%} jam; "
+            f"{self.samples} samples, seed {self.seed}"
+        )
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader should know of the samples, a sentence each."""
+        lost = [f"{one.design}: not run in full dynamics: {one.note}" for one in self.verified if one.note]
+        return (*self.left_out, *lost)
+
+    @property
     def distributions(self) -> dict[str, Distribution]:
         """The distribution of every figure over the samples that do not jam; no number where all do."""
-        return {key: _distribution(values[~self.jams], FIGURES[key]) for key, values in self.figures.items()}
+        return {key: _distribution(values[~self.jams], FIGURES[key].unit) for key, values in self.figures.items()}
 
     def tables(self) -> tuple[Table, ...]:
         """Give distributions and budget as tables of text."""
@@ -165,15 +131,20 @@ class Tolerances:
             (one.source, f"{one.first_order:.3f}", f"{one.total:.3f}", f"{one.ci95[0]:.3f} to {one.ci95[1]:.3f}")
             for one in self.budget
         )
-        return (
+        found = (
             Table(f"{self.design}: {self.samples} samples", header, rows),
-            Table(f"variance of {self.budget_of}", ("tolerance", "first order", "total", "95 %"), shares),
+            Table(f"tighten this first: variance of {self.budget_of}", BUDGET_HEADER, shares),
         )
+        compared = tuple(row for one in self.verified for row in table_rows(one))
+        if not compared:
+            return found
+        return (*found, Table("the worst samples in full dynamics, at speed, with friction", VERIFIED_HEADER, compared))
 
     def as_json(self) -> dict[str, Any]:
         """Give all of it for a program."""
         return {
             "design": self.design,
+            "condition": self.condition,
             "samples": self.samples,
             "seed": self.seed,
             "limits": [str(limit) for limit in self.limits],
@@ -183,29 +154,44 @@ class Tolerances:
             "quantities": {key: vars(one) for key, one in self.distributions.items()},
             "budget_of": self.budget_of,
             "budget": [{**vars(one), "ci95": list(one.ci95)} for one in self.budget],
+            "verified": [{**vars(one), "differences": one.differences} for one in self.verified],
         }
 
 
 def tolerance(
     design: Design,
-    samples: int,
-    seed: int,
-    limits: Sequence[FigureLimit] = (),
+    samples: int = 10_000,
+    seed: int = 0,
+    limits: Sequence[FigureLimit | str] = (),
     progress: Progress = silent,
     engine: Engine = THREADS,
+    verify: int = 0,
 ) -> Tolerances:
     """Draw samples within the design's tolerances, balance them all round, and share out the variance.
 
     The same seed gives the same bits, wherever and by however many workers.
 
+    Parameters
+    ----------
+    design
+        What has tolerances, in its table of that name.
+    samples, seed
+        How many are drawn, and from which seed.
+    limits
+        On `FIGURES`, such as ``"backlash_arcmin<=1"``; the first one's figure is that of the budget.
+    progress
+        Called with how many samples are balanced, and how many there are, those of the budget included.
+    engine
+        Where the work is done.
+    verify
+        How many of the worst samples are run in full dynamics.
+
     Raises
     ------
     UsageError
-        The design has no tolerances.
+        The design has no tolerances, or a limit is none.
     DesignError
         A tolerance is not of a known form.
-    RunError
-        A sample has no static balance.
     """
     zones = tolerances(design)
     if not zones:
@@ -213,211 +199,64 @@ def tolerance(
             f"the design {design.name!r} has no tolerances: give some in its table [tolerance], "
             "e.g. --set 'tolerance.cam=\"uniform 2\"'"
         )
-    sets = {"": blocks(0, samples), **(_budget_blocks(zones) if len(zones) > 1 else {})}
-    found = _balanced_sets(design, zones, seed, sets, progress, engine)
-    figures = found.pop("")
-    of = limits[0].key if limits else "backlash_arcmin"
-    budget = _budget(zones, {name: values[of] for name, values in found.items()}, seed)
-    bad = np.argsort(-figures[of] if not limits or limits[0].at_most else figures[of], kind="stable")[:5]
-    worst = tuple(_sample(design, zones, seed, int(number)) for number in bad)
-    jams = figures["preload_n"] > JAM_SHARE * figures["tooth_force_n"]
-    return Tolerances(design.name, samples, seed, figures, jams, tuple(limits), of, budget, worst)
+    if not 0 <= verify <= WORST:
+        raise UsageError(f"cannot verify {verify} samples: give from 0 to {WORST}, the worst that are kept")
+    asked = [limit(one, FIGURES) if isinstance(one, str) else one for one in limits]
+    of = asked[0].key if asked else "backlash_arcmin"
+    compared = budget_blocks(zones, BUDGET_SAMPLES) if len(zones) > 1 else {}
+    figures, values = _balanced_all(design, zones, seed, blocks(samples), compared, of, progress, engine)
+    sets = [departures(design, zones, seed, compared[name]) for name in ("A", "B") if compared]
+    budget = shares(zones, sets, values, np.random.default_rng([seed, len(SOURCES), 1]))
+    towards = -1.0 if not asked or asked[0].at_most else 1.0
+    bad = [int(number) for number in np.argsort(towards * figures[of], kind="stable")[:WORST]]
+    worst = tuple(sample_design(design, zones, seed, number) for number in bad)
+    jams = ~(figures["preload_n"] <= JAM_SHARE * figures["tooth_force_n"])
+    checked = engine.each(verified, worst[:verify])
+    return Tolerances(
+        design=design.name,
+        condition=condition(design),
+        samples=samples,
+        seed=seed,
+        figures=figures,
+        jams=jams,
+        limits=tuple(asked),
+        budget_of=of,
+        budget=budget,
+        worst=worst,
+        left_out=left_out(design, zones),
+        verified=tuple(checked),
+    )
 
 
-def tolerances(design: Design) -> dict[str, Zone]:
-    """Give the zones of a design's tolerances, by their keys; those of 0 are left out."""
-    given, clearance, ring = design.tolerance, design.clearance, design.ring
-    fits = {
-        "cam": (2.0 * design.gear.bore_radius, clearance.cam),
-        "output": (2.0 * design.output.pin_radius, clearance.output),
-        "seat": (2.0 * ring.pin_radius, design.pin_play),
-        "mesh": (2.0 * ring.pin_circle_radius, getattr(clearance, design.tooth_pair)),
-    }
-    sizes = {
-        "pin_position": 2.0 * ring.pin_circle_radius,
-        "pin_radius": 2.0 * ring.pin_radius,
-        "pin_circle": 2.0 * ring.pin_circle_radius,
-        "hole_position": 2.0 * design.output.pin_circle_radius,
-        "eccentricity": 2.0 * design.gear.eccentricity,
-    }
-    found = {key: zone(getattr(given, key), key, size, own) for key, (size, own) in fits.items()}
-    found |= {key: zone(getattr(given, key), key, size) for key, size in sizes.items()}
-    if not design.pin_play:
-        found["seat"] = None
-    return {key: one for key, one in found.items() if one is not None and (one.width or one.middle)}
-
-
-@dataclass(frozen=True)
-class Block:
-    """Samples that are drawn and balanced together.
-
-    Attributes
-    ----------
-    stream, number
-        Which stream of random numbers they are from, and which block of it.
-    count
-        How many they are.
-    swapped
-        The tolerance that is drawn from the next stream instead, if any.
-    """
-
-    stream: int
-    number: int
-    count: int
-    swapped: str = ""
-
-
-def blocks(stream: int, samples: int, swapped: str = "") -> list[Block]:
-    """Give the blocks of so many samples."""
-    return [
-        Block(stream, number, min(BLOCK, samples - first), swapped)
-        for number, first in enumerate(range(0, samples, BLOCK))
-    ]
-
-
-def drawn(design: Design, zones: Mapping[str, Zone], seed: int, block: Block) -> Samples:
-    """Draw the samples of a block, each tolerance from random numbers of its own."""
-    same = alike(design, block.count)
-    shapes = {
-        "pin_position": same.pin_place.shape,
-        "pin_radius": same.pin_radius.shape,
-        "hole_position": same.hole_place.shape,
-    }
-    changed = {}
-    for key, one in zones.items():
-        stream = block.stream + (key == block.swapped)
-        generator = np.random.default_rng([seed, stream, SOURCES.index(key), block.number])
-        changed[key] = one.draws(generator, shapes.get(key, (block.count,)))
-    return _put(design, same, changed)
-
-
-def _sample(design: Design, zones: Mapping[str, Zone], seed: int, number: int) -> Design:
-    """Give a sample, counted from 0, as a design."""
-    block, row = divmod(number, BLOCK)
-    made = drawn(design, zones, seed, Block(0, block, BLOCK))
-    return sample_design(design, made, row, number)
-
-
-def _put(design: Design, same: Samples, changed: Mapping[str, Array]) -> Samples:
-    """Add deviations to samples that are all alike."""
-    place, outwards = same.pin_place, profile.unit(profile.pin_angles(tooth_profile(design)))
-    if "pin_position" in changed:
-        place = place + changed["pin_position"]
-    if "pin_circle" in changed:
-        place = place + changed["pin_circle"][:, np.newaxis, np.newaxis] * outwards
-    parts = {
-        key: getattr(same, key) + changed[key]
-        for key in ("cam", "output", "mesh", "seat", "pin_radius", "eccentricity")
-        if key in changed
-    }
-    if "hole_position" in changed:
-        parts["hole_place"] = same.hole_place + changed["hole_position"]
-    return replace(same, pin_place=place, **parts)
-
-
-def _balanced_sets(
+def _balanced_all(
     design: Design,
     zones: Mapping[str, Zone],
     seed: int,
-    sets: Mapping[str, Sequence[Block]],
+    main: Sequence[Block],
+    compared: Mapping[str, Block],
+    of: str,
     progress: Progress,
     engine: Engine,
-) -> dict[str, dict[str, Array]]:
-    """Balance sets of blocks, one after the other; give the figures of each set."""
-    all_blocks = [block for of_set in sets.values() for block in of_set]
-    whole, done = sum(block.count for block in all_blocks), 0
-    rows: dict[int, dict[str, Array]] = {}
-    for place, figures in engine.stream(partial(balanced, design, zones, seed, ANGLES), all_blocks):
-        rows[place] = figures
-        done += all_blocks[place].count
+) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Balance the samples, and the sets of the budget; give all figures of the former, one of the latter."""
+    work = [*((block, tuple(FIGURES)) for block in main), *((block, (of,)) for block in compared.values())]
+    whole, done = sum(block.count for block, _ in work), 0
+    found: dict[int, dict[str, Array]] = {}
+    for place, figures in engine.stream(partial(balanced, design, zones, seed, ANGLES), work):
+        found[place] = figures
+        done += work[place][0].count
         progress(done, whole)
-    in_order = iter([rows[place] for place in range(len(all_blocks))])
-    found = {}
-    for name, of_set in sets.items():
-        parts = [next(in_order) for _ in of_set]
-        found[name] = {key: np.concatenate([part[key] for part in parts]) for key in FIGURES}
-    return found
+    in_order = [found[place] for place in range(len(work))]
+    figures = {key: np.concatenate([part[key] for part in in_order[: len(main)]]) for key in FIGURES}
+    return figures, {name: part[of] for name, part in zip(compared, in_order[len(main) :], strict=True)}
 
 
-def balanced(design: Design, zones: Mapping[str, Zone], seed: int, angles: int, block: Block) -> dict[str, Array]:
-    """Balance a block: to both stops without weight or friction, and under the rated torque; give its figures."""
-    made = drawn(design, zones, seed, block)
-    still = {"gravity_x": 0.0, "gravity_y": 0.0}
-    bare = design.but(environment=still, drive={"speed": 1e-9 * design.drive.speed})
-    touch, rated = TOUCH * design.rated_torque, design.rated_torque
-    ahead, back, loaded = solve_samples(bare, made, [touch, -touch, rated], angles)
-    return {
-        "backlash_arcmin": backlash(ahead, back) / ARCMINUTE,
-        "te_loaded_arcsec": ARCSECONDS * loaded.output_range,
-        "te_unloaded_arcsec": ARCSECONDS * ahead.output_range,
-        "wind_up_arcmin": (loaded.output_mean - ahead.output_mean) / ARCMINUTE,
-        "tooth_force_n": loaded.tooth,
-        "output_pin_force_n": loaded.output_pin,
-        "cam_force_n": loaded.cam,
-        "loaded_teeth": loaded.carrying,
-        "preload_n": np.maximum(ahead.tooth, back.tooth),
-    }
-
-
-def _budget_blocks(zones: Mapping[str, Zone]) -> dict[str, list[Block]]:
-    """Give the sets that the indices compare: two, and the first with one tolerance at a time of the other."""
-    swapped = {key: blocks(1, BUDGET_SAMPLES, key) for key in zones}
-    return {FIRST: blocks(1, BUDGET_SAMPLES), SECOND: blocks(2, BUDGET_SAMPLES), **swapped}
-
-
-def _budget(zones: Mapping[str, Zone], values: Mapping[str, Array], seed: int) -> tuple[Share, ...]:
-    """Share out the variance of a figure, given its values in the sets of `_budget_blocks`.
-
-    Saltelli et al. 2010, Comput. Phys. Commun. 181, 259-270, as scipy computes it.
-    """
-    from scipy.stats import sobol_indices
-
-    if len(zones) == 1:
-        return tuple(Share(key, 1.0, 1.0, (1.0, 1.0)) for key in zones)
-    first, second = values[FIRST], values[SECOND]
-    mixed = np.array([values[key] for key in zones])
-    if np.ptp(first) == 0.0:
-        return tuple(Share(key, 0.0, 0.0, (0.0, 0.0)) for key in zones)
-
-    def indices(rows: Integers) -> Any:
-        chosen: dict[Literal["f_A", "f_B", "f_AB"], Array]
-        chosen = {"f_A": first[None, rows], "f_B": second[None, rows], "f_AB": mixed[:, None, rows]}
-        return sobol_indices(func=chosen, n=len(rows))
-
-    generator = np.random.default_rng([seed, 3])
-    resampled = [generator.integers(0, BUDGET_SAMPLES, BUDGET_SAMPLES) for _ in range(RESAMPLES)]
-    spread = np.array([np.ravel(indices(rows).total_order) for rows in resampled])
-    ends = np.percentile(spread, [2.5, 97.5], axis=0).T.tolist()
-    found = indices(np.arange(BUDGET_SAMPLES))
-    first_order, total = np.ravel(found.first_order).tolist(), np.ravel(found.total_order).tolist()
-    shares = [Share(key, first_order[i], total[i], (ends[i][0], ends[i][1])) for i, key in enumerate(zones)]
-    return tuple(sorted(shares, key=lambda share: -share.total))
-
-
-def sample_design(design: Design, made: Samples, row: int, number: int) -> Design:
-    """Give a sample as a design, with its number in its name.
-
-    Its errors are listed part by part, its clearances are as they came out.
-    """
-    place, holes = made.pin_place[row], made.hole_place[row].reshape(-1, 2)
-    clearance = {design.tooth_pair: made.mesh[row], "cam": made.cam[row], "output": made.output[row]}
-    if design.seat_pair:
-        clearance[design.seat_pair] = made.seat[row]
-    pins = (
-        {"pin_x": place[:, 0], "pin_y": place[:, 1], "pin_dr": made.pin_radius[row]}
-        if design.ring.kind == "pin"
-        else {}
-    )
-    cams = made.cam_place[row]
-    discs = {"disc_dr": made.disc_radius[row], "cam_x": cams[:, 0], "cam_y": cams[:, 1]}
-    errors = {**pins, **discs, "hole_x": holes[:, 0], "hole_y": holes[:, 1]}
-    listed = {key: tuple(map(float, values)) if np.any(values) else () for key, values in errors.items()}
-    return design.but(
-        name=f"{design.name}-{number + 1}"[:64],
-        clearance={key: max(float(value), 1e-12) for key, value in clearance.items()},
-        errors={**listed, "eccentricity": float(made.eccentricity[row])},
-        tolerance=dict.fromkeys(type(design.tolerance).model_fields, ""),
-    )
+def balanced(
+    design: Design, zones: Mapping[str, Zone], seed: int, angles: int, work: tuple[Block, Sequence[str]]
+) -> dict[str, Array]:
+    """Balance the samples of a block; give the figures that are asked for by key, shape (samples,) each."""
+    block, keys = work
+    return figures_of(design, drawn(design, zones, seed, block), keys, angles)
 
 
 def _distribution(values: Array, unit: str) -> Distribution:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from scipy.special import ndtri
 
 from cycloid_mj.errors import DesignError
 from cycloid_mj.types import Array
@@ -27,10 +28,9 @@ class Zone:
     middle: float
     width: float
 
-    def draws(self, generator: np.random.Generator, shape: tuple[int, ...]) -> Array:
-        """Draw deviations [m]."""
-        unit = generator.standard_normal(shape) if self.kind == "normal" else generator.uniform(-1.0, 1.0, shape)
-        return np.asarray(self.middle + self.width * unit)
+    def quantiles(self, share: Array) -> Array:
+        """Give the deviations [m] below which shares of the parts lie, between 0 and 1, of any shape."""
+        return np.asarray(self.middle + self.width * (ndtri(share) if self.kind == "normal" else 2.0 * share - 1.0))
 
     @property
     def deviation(self) -> float:
@@ -73,6 +73,28 @@ def zone(text: str, key: str, size: float, clearance: float | None = None) -> Zo
     except ValueError as error:
         raise DesignError(f"tolerance.{key} = {text!r}: {error}; write {FORMS}") from error
     raise DesignError(f"tolerance.{key} = {text!r} is no tolerance; write {FORMS}")
+
+
+def wave_zones(text: str, highest: int, size: float) -> dict[int, Zone]:
+    """Read the zones of the amplitudes of waves by order, from 1 to the highest, as in ``2: normal 1, 35: uniform 2``.
+
+    Raises
+    ------
+    DesignError
+        An order is none, or stands there twice, or its zone is not of one of `FORMS`.
+    """
+    found: dict[int, Zone] = {}
+    for part in filter(str.strip, text.split(",")):
+        order, colon, words = part.partition(":")
+        number = int(order) if order.strip().isdecimal() else 0
+        if not colon or not 1 <= number <= highest or number in found:
+            raise DesignError(
+                f"tolerance.profile = {text!r}: {part.strip()!r} is no order with its tolerance; write orders from "
+                f'1 to {highest}, each once, as in "2: normal 1, {highest - 1}: uniform 2" (in um)'
+            )
+        if one := zone(words, "profile", size):
+            found[number] = one
+    return found
 
 
 def _grade(grade: int, size: float) -> float:

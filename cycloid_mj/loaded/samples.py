@@ -23,7 +23,7 @@ from cycloid_mj.mechanism.kernel import BALANCED, FIGURES, Effects, Made, balanc
 from cycloid_mj.member import share
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.structure import wind_up
-from cycloid_mj.types import Array
+from cycloid_mj.types import Array, Integers
 
 ANGLES = 360
 """Crank angles in a turn."""
@@ -48,6 +48,8 @@ class Samples:
         Of each cam's place on the crank, at the crank angle 0, shape (s, D, 2).
     eccentricity
         Of all cams', shape (s,).
+    waves
+        Of the gear's profile, shape (s, N, 2).
     mesh, seat, cam, output
         Clearances, shape (s,): of the gear on its ring, of pins or sleeves that move in their seats (0 where none
         does), of the cam and of the output pins.
@@ -61,6 +63,7 @@ class Samples:
     disc_radius: Array
     cam_place: Array
     eccentricity: Array
+    waves: Array
     mesh: Array
     seat: Array
     cam: Array
@@ -175,7 +178,8 @@ def solve_samples(
     bare = design.model_copy(update={"errors": Errors(), "modification": Modification()})
     crank = np.linspace(0.0, 2.0 * np.pi, angles, endpoint=False)
     springs = springs_of(bare, crank, friction)
-    effects, made, of = _effects(bare, springs), _made(bare, springs, samples), share(design)
+    orders = np.flatnonzero(np.any(samples.waves != 0.0, axis=(0, 2))) + 1
+    effects, made, of = _effects(bare, springs, orders), _made(bare, springs, samples, orders), share(design)
     bounds = np.linspace(0, len(samples), min(CHUNKS * threads, len(samples)) + 1).astype(int).tolist()
     found, twist = [], wind_up(design)
     for torque in torques:
@@ -200,7 +204,7 @@ def backlash(counter_clockwise: Figures, clockwise: Figures) -> Array:
     return counter_clockwise.output_mean - clockwise.output_mean
 
 
-def _effects(design: Design, springs: Springs) -> Effects:
+def _effects(design: Design, springs: Springs, orders: Integers) -> Effects:
     """Give the effects of errors on the contacts of ideal parts: they move as their disc's place or turn moves them."""
     contacts, teeth, gear, discs = springs.contacts, springs.teeth, tooth_profile(design), design.gear.discs
     turned = gear_rotation(gear, springs.crank)
@@ -218,12 +222,16 @@ def _effects(design: Design, springs: Springs) -> Effects:
         moved[:, :teeth, 3] = slope[:, :teeth, 2] * side * contacts.radius
         return moved
 
+    turns = contacts.phase[:, :teeth, np.newaxis] / gear.lobes * orders
+    waves = np.zeros((*contacts.phase.shape, 2 * orders.size))
+    waves[:, :teeth] = np.concatenate([np.cos(turns), np.sin(turns)], axis=2)
     unit = design.but(errors={"eccentricity": 1e-6})
     return Effects(
         effect(contacts.slope),
         effect(contacts.shift_slope),
         cam_places(unit, springs.crank) / 1e-6,
         np.stack([np.cos(springs.crank), np.sin(springs.crank)], axis=-1),
+        waves,
     )
 
 
@@ -232,7 +240,7 @@ def _of_own_disc(contacts: kernel.Springs, slopes: Array) -> Array:
     return np.stack([slopes[:, np.arange(contacts.disc.size), 3 * contacts.disc + way] for way in range(3)], axis=-1)
 
 
-def _made(design: Design, springs: Springs, samples: Samples) -> Made:
+def _made(design: Design, springs: Springs, samples: Samples, orders: Integers) -> Made:
     """Give what the samples put into the contacts; the springs are those of the design's own clearances."""
     discs, count = design.gear.discs, len(samples)
     wider = samples.mesh - getattr(design.clearance, design.tooth_pair) + samples.seat - design.pin_play
@@ -244,5 +252,6 @@ def _made(design: Design, springs: Springs, samples: Samples) -> Made:
     return Made(
         room=springs.contacts.room + np.concatenate([on_discs, output], axis=1),
         place=np.concatenate([np.tile(samples.pin_place, (1, discs, 1)), holes], axis=1),
-        **{name: np.ascontiguousarray(getattr(samples, name)) for name in Made._fields[2:]},
+        waves=np.concatenate([samples.waves[:, orders - 1, 0], samples.waves[:, orders - 1, 1]], axis=1),
+        **{name: np.ascontiguousarray(getattr(samples, name)) for name in Made._fields[3:]},
     )

@@ -21,7 +21,7 @@ import numpy.typing as npt
 
 from cycloid_mj import envelope, profile
 from cycloid_mj.design import Design
-from cycloid_mj.deviations import deviations
+from cycloid_mj.deviations import deviations, profile_error
 from cycloid_mj.kinematics import gear_centre
 from cycloid_mj.mechanism.reducer import phases
 from cycloid_mj.modification import profile_offset, tooth_profile
@@ -157,7 +157,7 @@ def _tooth_gaps(design: Design, disc: int, lines: envelope.RingContacts, middle:
         disc=np.full(lines.lobe.size, disc),
         room=np.broadcast_to(room, arm.shape),
         play=np.broadcast_to(play, arm.shape),
-        distance=turned * arm - np.sum(place * push, axis=-1),
+        distance=turned * arm - np.sum(place * push, axis=-1) + profile_error(made.waves, lines.t),
         slope=_by_unknown(design, disc, push, arm, np.zeros(arm.shape)),
         shift=np.sum(place * side, axis=-1) - turned * lever,
         shift_slope=_by_unknown(design, disc, -side, -lever, np.zeros(arm.shape)),

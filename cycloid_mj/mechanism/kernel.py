@@ -116,23 +116,27 @@ class Effects(NamedTuple):
 
     `distance` and `shift`, shape (k, n, 4), as in ``kernel.Springs``: by the place of its pin or hole in x and y, the
     gear's pin circle, and the turn of its flanks. `cam_place` (k, D, 2) [1] is that of the cams by the eccentricity,
-    `turned` (k, 2) cosine and sine of the crank angle.
+    `turned` (k, 2) cosine and sine of the crank angle. `waves` (k, n, w) [1] is that of `distance` by the waves of the
+    gear's profile.
     """
 
     distance: Array
     shift: Array
     cam_place: Array
     turned: Array
+    waves: Array
 
 
 class Made(NamedTuple):
     """How s samples were made: `room` (s, n) and `place` (s, n, 2) of each contact [m], and that of cams (s, D, 2).
 
-    The rest has the shape (s,): `pin_circle` [m], `rotation` [rad], `eccentricity` [m], and the `cam`'s clearance [m].
+    `waves` (s, w) [m] are those of the profile. The rest has the shape (s,): `pin_circle` [m], `rotation` [rad],
+    `eccentricity` [m], and the `cam`'s clearance [m].
     """
 
     room: Array
     place: Array
+    waves: Array
     cam_place: Array
     pin_circle: Array
     rotation: Array
@@ -263,6 +267,8 @@ def balance_samples(
                 for j, size in enumerate((made.place[s, i, 0], made.place[s, i, 1], circle, rotation)):
                     across += effects.distance[k, i, j] * size
                     along += effects.shift[k, i, j] * size
+                for j in range(made.waves.shape[1]):
+                    across += effects.waves[k, i, j] * made.waves[s, j]
                 distance[k, i], shift[k, i] = across, along
             cosine, sine = effects.turned[k, 0], effects.turned[k, 1]
             for disc in range(discs):

@@ -58,7 +58,7 @@ def save(figures: Mapping[str, Figure], folder: Path | str, formats: Sequence[st
         reason = problem.strerror or problem
         raise FigureError(f"cannot write figures to {folder}: {reason}; give a folder that can be written") from problem
     files = {
-        folder / f"{name}.{form}": _drawn(figure, form)
+        folder / f"{name}.{form}": drawn(figure, form)
         for name, figure in figures.items()
         for form in dict.fromkeys(formats)
     }
@@ -66,7 +66,9 @@ def save(figures: Mapping[str, Figure], folder: Path | str, formats: Sequence[st
     return list(files)
 
 
-def _drawn(figure: Figure, form: str) -> bytes:
+@styled
+def drawn(figure: Figure, form: str) -> bytes:
+    """Give a figure as the bytes of a file of a format."""
     content = BytesIO()
     figure.savefig(content, format=form, dpi=RESOLUTION, metadata=METADATA[form])
     return content.getvalue()

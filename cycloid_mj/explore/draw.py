@@ -1,0 +1,228 @@
+"""Samples of a design within its tolerances, block by block: the same numbers wherever a block is drawn."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cycloid_mj import profile
+from cycloid_mj.design import Design
+from cycloid_mj.explore.zone import Zone, wave_zones, zone
+from cycloid_mj.loaded.samples import Samples, alike
+from cycloid_mj.modification import tooth_profile
+from cycloid_mj.types import Array
+
+BLOCK = 512
+"""Samples that are drawn and balanced together: a piece of work. The draws are those of a block of this size."""
+
+SOURCES = (
+    "mesh",
+    "seat",
+    "cam",
+    "output",
+    "pin_position",
+    "pin_radius",
+    "pin_circle",
+    "hole_position",
+    "eccentricity",
+    "disc_size",
+    "cam_position",
+)
+"""Tolerances, as in the design file; the place of each is that of its stream of random numbers."""
+
+WAVE = "profile_"
+"""Start of the name of a wave of the profile; its order follows."""
+
+_INSIDE = 2.0**-54
+"""How near to 0 and 1 a share may be: a normal zone has no ends."""
+
+
+def tolerances(design: Design) -> dict[str, Zone]:
+    """Give the zones of a design's tolerances by their keys, those of waves by `WAVE` and order; none that is 0.
+
+    Raises
+    ------
+    DesignError
+        A tolerance is not of a known form.
+    """
+    given, clearance, ring = design.tolerance, design.clearance, design.ring
+    circle = 2.0 * ring.pin_circle_radius
+    fits = {
+        "mesh": (circle, getattr(clearance, design.tooth_pair)),
+        "seat": (2.0 * ring.pin_radius, design.pin_play),
+        "cam": (2.0 * design.gear.bore_radius, clearance.cam),
+        "output": (2.0 * design.output.pin_radius, clearance.output),
+    }
+    sizes = {
+        "pin_position": circle,
+        "pin_radius": 2.0 * ring.pin_radius,
+        "pin_circle": circle,
+        "hole_position": 2.0 * design.output.pin_circle_radius,
+        "eccentricity": 2.0 * design.gear.eccentricity,
+        "disc_size": circle,
+        "cam_position": 2.0 * design.gear.eccentricity,
+    }
+    found = {key: zone(getattr(given, key), key, size, own) for key, (size, own) in fits.items()}
+    found |= {key: zone(getattr(given, key), key, size) for key, size in sizes.items()}
+    if not design.pin_play:
+        found["seat"] = None
+    waves = wave_zones(given.profile, ring.teeth, circle)
+    found |= {f"{WAVE}{order}": one for order, one in waves.items()}
+    return {key: one for key, one in found.items() if one is not None and (one.width or one.middle)}
+
+
+@dataclass(frozen=True)
+class Block:
+    """Samples that are drawn and balanced together.
+
+    Attributes
+    ----------
+    number
+        Which block of a set it is.
+    count
+        How many samples.
+    compared
+        Whether they are a set that the error budget compares: from a Sobol sequence, by the first half of its axes.
+    second
+        Tolerances that are drawn from the second half instead: all of them in the second set, else one or none.
+    """
+
+    number: int
+    count: int
+    compared: bool = False
+    second: tuple[str, ...] = ()
+
+
+def blocks(samples: int) -> list[Block]:
+    """Give the blocks of so many samples."""
+    return [Block(number, min(BLOCK, samples - first)) for number, first in enumerate(range(0, samples, BLOCK))]
+
+
+def drawn(design: Design, zones: Mapping[str, Zone], seed: int, block: Block) -> Samples:
+    """Draw the samples of a block."""
+    return put(design, alike(design, block.count), departures(design, zones, seed, block))
+
+
+def departures(design: Design, zones: Mapping[str, Zone], seed: int, block: Block) -> dict[str, Array]:
+    """Draw by how much the samples of a block depart from the design [m], by tolerance, shape (samples, ...).
+
+    A wave has the amplitudes of its cosine and sine, see `Samples.waves`.
+    """
+    shares = _shares(design, zones, seed, block)
+    found = {key: one.quantiles(shares[key]) for key, one in zones.items()}
+    for key in (key for key in zones if key.startswith(WAVE)):
+        amplitude, begin = zones[key].quantiles(shares[key][:, 0]), 2.0 * np.pi * shares[key][:, 1]
+        found[key] = np.stack([amplitude * np.cos(begin), -amplitude * np.sin(begin)], axis=1)
+    return found
+
+
+def _shares(design: Design, zones: Mapping[str, Zone], seed: int, block: Block) -> dict[str, Array]:
+    """Give for each number that is drawn the share of parts that lie below it, by tolerance."""
+    shapes = {key: _shape(design, key) for key in zones}
+    if not block.compared:
+        return {
+            key: _inside(np.random.default_rng([seed, _stream(key), block.number]).random((block.count, *shape)))
+            for key, shape in shapes.items()
+        }
+    from scipy.stats.qmc import Sobol
+
+    axes = int(sum(np.prod(shape, dtype=int) for shape in shapes.values()))
+    points = _inside(Sobol(2 * axes, rng=np.random.default_rng([seed, len(SOURCES)])).random(block.count))
+    found, first = {}, 0
+    for key, shape in shapes.items():
+        start = first + (axes if key in block.second else 0)
+        wide = int(np.prod(shape, dtype=int))
+        found[key] = points[:, start : start + wide].reshape(block.count, *shape)
+        first += wide
+    return found
+
+
+def _stream(key: str) -> int:
+    return len(SOURCES) + int(key.removeprefix(WAVE)) if key.startswith(WAVE) else SOURCES.index(key)
+
+
+def _inside(shares: Array) -> Array:
+    return np.clip(shares, _INSIDE, 1.0 - _INSIDE)
+
+
+def _shape(design: Design, key: str) -> tuple[int, ...]:
+    """Give the shape of the numbers that a tolerance takes for one sample."""
+    pins, discs = design.ring.teeth, design.gear.discs
+    shapes = {
+        "pin_position": (pins, 2),
+        "pin_radius": (pins,),
+        "hole_position": (discs, design.output.pins, 2),
+        "disc_size": (discs,),
+        "cam_position": (discs, 2),
+    }
+    return (2,) if key.startswith(WAVE) else shapes.get(key, ())
+
+
+def put(design: Design, same: Samples, changed: Mapping[str, Array]) -> Samples:
+    """Add departures to samples that are all alike."""
+    fields = {
+        "pin_position": "pin_place",
+        "hole_position": "hole_place",
+        "disc_size": "disc_radius",
+        "cam_position": "cam_place",
+    }
+    parts = {
+        fields.get(key, key): getattr(same, fields.get(key, key)) + changed[key]
+        for key in SOURCES
+        if key in changed and key != "pin_circle"
+    }
+    if "pin_circle" in changed:
+        outwards = profile.unit(profile.pin_angles(tooth_profile(design)))
+        place = parts.get("pin_place", same.pin_place)
+        parts["pin_place"] = place + changed["pin_circle"][:, np.newaxis, np.newaxis] * outwards
+    if waves := [key for key in changed if key.startswith(WAVE)]:
+        parts["waves"] = np.array(same.waves)
+        for key in waves:
+            parts["waves"][:, int(key.removeprefix(WAVE)) - 1] += changed[key]
+    return replace(same, **parts)
+
+
+def sample_design(design: Design, zones: Mapping[str, Zone], seed: int, number: int) -> Design:
+    """Give a sample, counted from 0, as a design with its number in its name.
+
+    Its errors are listed part by part, its clearances are as they came out.
+    """
+    block, row = divmod(number, BLOCK)
+    return as_design(design, drawn(design, zones, seed, Block(block, BLOCK)), row, f"{design.name}-{number + 1}")
+
+
+def left_out(design: Design, zones: Mapping[str, Zone]) -> tuple[str, ...]:
+    """Tell which tolerances the design file of a sample cannot have: an internal gear's lobes are cut together."""
+    lobes = [key for key in ("pin_position", "pin_radius", "pin_circle") if key in zones]
+    if design.ring.kind == "pin" or not lobes:
+        return ()
+    return (
+        f"the design files of the worst samples lack {', '.join(lobes)}: an internal gear's file has no such errors",
+    )
+
+
+def as_design(design: Design, made: Samples, row: int, name: str) -> Design:
+    """Give one of some samples as a design of its own, with every error listed."""
+    place, holes = made.pin_place[row], made.hole_place[row].reshape(-1, 2)
+    cams, waves = made.cam_place[row], made.waves[row]
+    clearance = {design.tooth_pair: made.mesh[row], "cam": made.cam[row], "output": made.output[row]}
+    if design.seat_pair:
+        clearance[design.seat_pair] = made.seat[row]
+    pins = {"pin_x": place[:, 0], "pin_y": place[:, 1], "pin_dr": made.pin_radius[row]}
+    errors = {
+        **(pins if design.ring.kind == "pin" else {}),
+        "hole_x": holes[:, 0],
+        "hole_y": holes[:, 1],
+        "disc_dr": made.disc_radius[row],
+        "cam_x": cams[:, 0],
+        "cam_y": cams[:, 1],
+        "profile_cos": waves[:, 0],
+        "profile_sin": waves[:, 1],
+    }
+    listed = {key: tuple(map(float, values)) if np.any(values) else () for key, values in errors.items()}
+    return design.but(
+        name=name[:64],
+        clearance={key: max(float(value), 1e-12) for key, value in clearance.items()},
+        errors={**listed, "eccentricity": float(made.eccentricity[row])},
+        tolerance=dict.fromkeys(type(design.tolerance).model_fields, ""),
+    )

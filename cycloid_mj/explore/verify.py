@@ -1,0 +1,81 @@
+"""Samples in full dynamics beside their statics: what friction, inertia and moving pins make of the worst of them."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.design import Design
+from cycloid_mj.errors import CycloidError
+from cycloid_mj.explore.figures import FIGURES, figures_of
+from cycloid_mj.loaded.samples import alike
+from cycloid_mj.measure.pressed import pressed
+from cycloid_mj.measure.steady import SETTLED, steady, steady_design
+from cycloid_mj.units import ARCSECONDS
+
+KINDS = {"output_pin_force_n": "output", "cam_force_n": "cam"}
+
+
+@dataclass(frozen=True)
+class Verified:
+    """A design run over a turn of the crank, at its own speed and under its rated torque, beside its statics.
+
+    Attributes
+    ----------
+    design
+        Its name.
+    statics, dynamics
+        Figures by their keys in `FIGURES`; `dynamics` are fewer, and none where the run went wrong.
+    note
+        Why there are none.
+    """
+
+    design: str
+    statics: Mapping[str, float]
+    dynamics: Mapping[str, float]
+    note: str = ""
+
+    @property
+    def differences(self) -> dict[str, float]:
+        """Dynamics less statics, as a share of the statics."""
+        return {
+            key: value / self.statics[key] - 1.0 if self.statics[key] else math.nan
+            for key, value in self.dynamics.items()
+        }
+
+
+def verified(design: Design) -> Verified:
+    """Run a design and give its figures beside those of its statics; a run that goes wrong is told in the note."""
+    statics = {key: float(values[0]) for key, values in figures_of(design, alike(design, 1)).items()}
+    try:
+        return Verified(design.name, statics, _dynamics(design))
+    except CycloidError as error:
+        return Verified(design.name, statics, {}, str(error))
+
+
+def _dynamics(design: Design) -> dict[str, float]:
+    loaded = steady_design(design).but(load={"torque": design.rated_torque})
+    run = steady(loaded, SETTLED, design.ring.teeth)
+    error = run["output_angle"] + run["crank_angle"] / design.lobes
+    found = pressed(run, loaded)
+    kinds = {"tooth_force_n": design.tooth_pair, **KINDS}
+    return {
+        "te_loaded_arcsec": ARCSECONDS * float(np.ptp(error)),
+        **{key: found[kind].peak_force for key, kind in kinds.items()},
+    }
+
+
+def table_rows(found: Verified) -> list[tuple[str, ...]]:
+    """Give statics, dynamics and their difference as rows of text, a figure each."""
+    return [
+        (
+            found.design,
+            key,
+            f"{found.statics[key]:.5g}",
+            f"{value:.5g}",
+            f"{100.0 * found.differences[key]:+.2f} %",
+            FIGURES[key].unit,
+        )
+        for key, value in found.dynamics.items()
+    ]

@@ -1,0 +1,81 @@
+"""What tolerances do: which of them to tighten first, and how the figures of the samples are distributed."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from cycloid_mj.explore.figures import FIGURES
+from cycloid_mj.explore.limit import FigureLimit
+from cycloid_mj.explore.tolerances import Tolerances
+from cycloid_mj.plots.style import BLACK, BLUE, SKY, VERMILION, keys, sheet, state, styled
+from cycloid_mj.types import Array
+
+MOST_BINS = 60
+REACH = 0.001
+"""Share of the samples at either end that a histogram may leave out: jams and outliers are far away."""
+
+
+def tolerance_figures(found: Tolerances) -> Mapping[str, Figure]:
+    """Give the figures of a study by name: the error budget where there is one, and the distributions."""
+    drawn = {"distributions": distributions_figure(found)}
+    if any(np.isfinite(share.total) for share in found.budget):
+        drawn = {"budget": budget_figure(found), **drawn}
+    return drawn
+
+
+@styled
+def budget_figure(found: Tolerances) -> Figure:
+    """Draw the shares of the tolerances in the variance, the one to tighten first on top."""
+    figure = sheet(1.1 + 0.26 * len(found.budget))
+    axes = figure.subplots()
+    place = np.arange(len(found.budget))
+    total = np.array([share.total for share in found.budget])
+    ends = np.array([share.ci95 for share in found.budget])
+    axes.barh(place, total, height=0.66, color=SKY)
+    axes.barh(place, [max(share.first_order, 0.0) for share in found.budget], height=0.3, color=BLUE)
+    reach = np.maximum(np.abs(ends - total[:, np.newaxis]).T, 0.0)
+    axes.errorbar(total, place, xerr=reach, fmt="none", ecolor=BLACK, elinewidth=0.8, capsize=2.0)
+    axes.set_yticks(place, [share.source for share in found.budget])
+    axes.invert_yaxis()
+    axes.set_xlim(0.0, max(1.0, 1.05 * float(np.nanmax(ends))))
+    axes.grid(visible=False, axis="y")
+    axes.set(xlabel="share of the variance [1]", title=f"Tighten this first: {FIGURES[found.budget_of].name}")
+    looks = (
+        ("total, with 95 % confidence", {"color": SKY, "linewidth": 6}),
+        ("alone", {"color": BLUE, "linewidth": 3}),
+    )
+    axes.legend(handles=keys(*looks), loc="lower right")
+    state(figure, f"{found.design}, {found.budget_of} over the samples that do not jam")
+    return figure
+
+
+@styled
+def distributions_figure(found: Tolerances) -> Figure:
+    """Draw a histogram of every figure over the samples that do not jam, with what was asked of it."""
+    keys_of = list(FIGURES)
+    rows = -(-len(keys_of) // 3)
+    figure = sheet(1.75 * rows + 0.4)
+    for axes, key in zip(np.ravel(figure.subplots(rows, 3)), keys_of, strict=False):
+        _histogram(axes, key, found.figures[key][~found.jams], [one for one in found.limits if one.key == key])
+    state(figure, f"{found.design}, {found.samples} samples, seed {found.seed}; jams left out")
+    return figure
+
+
+def _histogram(axes: Axes, key: str, values: Array, limits: list[FigureLimit]) -> None:
+    axes.set_title(key, fontsize=8.0)
+    axes.set_yticks([])
+    axes.grid(visible=False, axis="y")
+    axes.set_xlabel(f"[{FIGURES[key].unit}]")
+    axes.locator_params(axis="x", nbins=4)
+    if values.size < 2:
+        axes.text(0.5, 0.5, "no sample", ha="center", va="center", transform=axes.transAxes)
+        return
+    low, high = np.quantile(values, [REACH, 1.0 - REACH])
+    if not high > low:
+        low, high = low - 0.5 * abs(low) - 1e-9, high + 0.5 * abs(high) + 1e-9
+    axes.hist(values, bins=min(MOST_BINS, round(values.size**0.5) + 1), range=(float(low), float(high)), color=BLUE)
+    for one in limits:
+        axes.axvline(one.bound, color=VERMILION, linewidth=1.2)
+        axes.set_title(str(one), fontsize=8.0, color=VERMILION)
