@@ -16,6 +16,7 @@ from cycloid_mj.errors import DesignError, UsageError
 from cycloid_mj.explore import budget, draw, tolerance, tolerances
 from cycloid_mj.explore.figures import FIGURES
 from cycloid_mj.explore.limit import limit
+from cycloid_mj.explore.verify import verified
 from cycloid_mj.explore.zone import Zone, zone
 from cycloid_mj.mechanism.limits import stops
 
@@ -157,6 +158,20 @@ def test_samples_without_a_balance_jam_and_the_others_keep_their_figures(monkeyp
     assert np.isfinite([share.total for share in found.budget]).all()
     assert "lack pin_position" in found.notes[0]
     json.dumps(finite(found.as_json()), allow_nan=False)
+
+
+def test_dynamics_of_a_sample_stand_beside_its_statics() -> None:
+    """Without friction a slow run is the statics; a load that no contact bears is told, and no error."""
+    design = override(unlike("light"), {"drive.speed_rpm": 300, "errors.hole_x_um": {"1": 2.0}})
+    smooth = design.but(friction=dict.fromkeys(type(design.friction).model_fields, 0.0))
+    found = verified(smooth)
+    assert set(found.dynamics) == {"te_loaded_arcsec", "tooth_force_n", "output_pin_force_n", "cam_force_n"}
+    for key, difference in found.differences.items():
+        assert abs(difference) < (0.2 if key == "te_loaded_arcsec" else 0.03), (key, difference)
+    assert found.statics["tooth_force_n"] > 10.0
+    torn = verified(design.but(contact={"max_penetration": 1e-9}))
+    assert not torn.dynamics
+    assert "max_penetration_um" in torn.note
 
 
 # --- the error budget

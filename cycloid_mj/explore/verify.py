@@ -12,6 +12,7 @@ from cycloid_mj.explore.figures import FIGURES, figures_of
 from cycloid_mj.loaded.samples import alike
 from cycloid_mj.measure.pressed import pressed
 from cycloid_mj.measure.steady import SETTLED, steady, steady_design
+from cycloid_mj.member import output_angle
 from cycloid_mj.units import ARCSECONDS
 
 KINDS = {"output_pin_force_n": "output", "cam_force_n": "cam"}
@@ -57,7 +58,7 @@ def verified(design: Design) -> Verified:
 def _dynamics(design: Design) -> dict[str, float]:
     loaded = steady_design(design).but(load={"torque": design.rated_torque})
     run = steady(loaded, SETTLED, design.ring.teeth)
-    error = run["output_angle"] + run["crank_angle"] / design.lobes
+    error = run["output_angle"] - output_angle(design, run["crank_angle"])
     found = pressed(run, loaded)
     kinds = {"tooth_force_n": design.tooth_pair, **KINDS}
     return {
