@@ -101,7 +101,7 @@ def _facets(hole: Hole, depth: float, design: Design, settings: ConvexSettings) 
         name=hole.name,
         slices=(facet,),
         places=tuple(places),
-        half_width=0.5 * design.gear.face_width,
+        half_width=0.5 * (design.gear.stack_width if hole.name == "socket" else design.gear.face_width),
         points=hole.centres[0] + hole.radius * seen,
         normals=-seen,
         strip_area=len(hole.turns) * (base_area - hole.half_angle * hole.radius**2),

@@ -14,8 +14,9 @@ from cycloid_mj.convex.teeth import gear_base, ring_base
 from cycloid_mj.convex.walls import gear_depth, housing_depth, wall_radius
 from cycloid_mj.design import Design
 from cycloid_mj.errors import DesignError
+from cycloid_mj.names import SPACER, family
 from cycloid_mj.profile import unit
-from cycloid_mj.solid import Mesh, Prism, circle, mesh, output_solid, shaft_solid
+from cycloid_mj.solid import Mesh, Prism, circle, mesh, output_solid, stretches
 from cycloid_mj.solid.polygon import arc
 from cycloid_mj.types import Array
 
@@ -24,13 +25,15 @@ from cycloid_mj.types import Array
 class Sector:
     """A part's region, or a `count`-th of it that is turned about z for the others; in the part's frame, on +y.
 
-    Its pieces may leave it by `bound` [m]: the depth of the slices before it, so that they do not come through.
+    Its pieces may leave it by `bound` [m]: the depth of the slices before it, so that they do not come through. All
+    discs have the gear's sectors, those `of_teeth` as their teeth are turned.
     """
 
     part: str
     region: Prism
     bound: float
     count: int = 1
+    of_teeth: bool = False
 
 
 @dataclass(frozen=True)
@@ -43,11 +46,13 @@ class Rest:
 
 
 def sectors(design: Design, settings: ConvexSettings) -> tuple[Sector, ...]:
-    """Give what is left of gear, housing, shaft and output without their sliced surfaces."""
+    """Give what is left of gear, housing, shaft and output without their sliced surfaces; a spacer lies within."""
     error = settings.rest_chord_error
     bound = settings.depth * design.ring.pin_radius
-    shaft = [Sector("shaft", region, bound) for region in shaft_solid(design, error).prisms]
-    output = [Sector("output", output_solid(design, error).prisms[0], bound)]
+    crank = {name: region for name, region in stretches(design, error).items() if family(name) != SPACER}
+    shaft = [Sector("shaft", region, bound) for region in crank.values()]
+    disc, *others = output_solid(design, error).prisms
+    output = [Sector("output", plate, bound) for plate in (disc, *others[design.output.pins :])]
     return (*_gear(design, settings), _housing(design, settings), *shaft, *output)
 
 
@@ -86,12 +91,12 @@ def _gear(design: Design, settings: ConvexSettings) -> tuple[Sector, Sector]:
     outer = np.concatenate([edge * unit([-pitch]), base, edge * unit([pitch])])
     inner_arc = _arc(waist, -pitch, pitch, error)
     band = Prism(np.concatenate([outer, inner_arc[::-1]])[::-1], (), -half, half)
-    return Sector("gear", hub, depth, output.pins), Sector("gear", band, depth, design.lobes)
+    return Sector("gear", hub, depth, output.pins), Sector("gear", band, depth, design.lobes, of_teeth=True)
 
 
 def _housing(design: Design, settings: ConvexSettings) -> Sector:
     """Give the housing behind one lobe, or around one pin."""
-    ring, error, half = design.ring, settings.rest_chord_error, design.gear.face_width / 2.0
+    ring, error, half = design.ring, settings.rest_chord_error, design.gear.stack_width / 2.0
     pitch = math.pi / ring.teeth
     depth = housing_depth(design, settings)
     if ring.kind == "nonpin":

@@ -48,7 +48,7 @@ class Place:
 
 @dataclass(frozen=True)
 class Surface:
-    """One working surface of a part, as convex slices of the whole face width.
+    """One working surface of a part, as convex slices of its whole width: a disc's own, or that of ring and pins.
 
     Attributes
     ----------

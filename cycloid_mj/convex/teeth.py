@@ -15,6 +15,7 @@ from cycloid_mj.convex.settings import OVERLAP, TOLERANCE, ConvexSettings
 from cycloid_mj.convex.surface import Place, Slice, Surface, convex_slice, turned
 from cycloid_mj.convex.walls import gear_depth, housing_depth
 from cycloid_mj.design import Design
+from cycloid_mj.deviations import deviations
 from cycloid_mj.errors import DesignError
 from cycloid_mj.modification import gear_profile, profile_offset, tooth_profile
 from cycloid_mj.profile import CycloidGear, SmoothArc
@@ -33,12 +34,17 @@ def gear_teeth(design: Design, settings: ConvexSettings) -> Surface:
     Raises
     ------
     DesignError
-        The gear is undercut, its flanks are turned, or a slice is not convex.
+        The gear is undercut, its flanks are turned, its size is not as drawn, or a slice is not convex.
     """
     if design.modification.rotation:
         raise DesignError(
             "modification.rotation_arcsec has no convex slices: turned flanks meet by their exact profiles only; "
             "set it to 0, or use the contact profile"
+        )
+    if deviations(design).disc_radius.any():
+        raise DesignError(
+            "errors.disc_dr_um and errors.disc_size_um have no convex slices: discs of unlike size meet by their exact "
+            "profiles only; set them to 0, or use the contact profile"
         )
     gear, offset, depth = gear_profile(design), profile_offset(design), gear_depth(design, settings)
     half = _gear_nodes(gear, offset, 2.0 * settings.chord_error)
@@ -83,7 +89,7 @@ def ring_lobes(design: Design, settings: ConvexSettings) -> Surface:
         name="lobe",
         slices=tuple(slices),
         places=_all_places(len(slices), gear.ring_teeth),
-        half_width=0.5 * design.gear.face_width,
+        half_width=0.5 * design.gear.stack_width,
         points=seen.points,
         normals=seen.normals,
         strip_area=base_area - envelope.area(gear),

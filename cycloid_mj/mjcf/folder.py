@@ -68,7 +68,7 @@ def model_files(design: Design, settings: ConvexSettings | None = None) -> dict[
     measured = {surface.name: _checked(surface, settings) for surface in made.surfaces}
     rests = [decompose(sector, settings) for sector in sectors(design, settings)]
     for number, rest in enumerate(rests, start=1):
-        add_rest(made.spec, number, rest)
+        add_rest(made.spec, design, number, rest)
     gains = _add_drive(made, design)
     add_sensors(made.spec, design)
     add_keyframes(made.spec, design)
@@ -140,7 +140,7 @@ def _manifest(
 ) -> str:
     moving = [
         names.SHAFT,
-        names.GEAR,
+        *names.gears(design.gear.discs),
         names.OUTPUT,
         *([names.numbered(names.PIN, 1)] if design.ring.has_pin_bodies else []),
     ]

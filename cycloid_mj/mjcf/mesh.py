@@ -9,7 +9,7 @@ then pushes the surfaces apart, with friction times damping times speed. The fac
 meet it by explicit pairs where they rub, and have none of it.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,12 +20,12 @@ from cycloid_mj import names, profile
 from cycloid_mj.contact import each_step
 from cycloid_mj.contact.law import ContactLaw, SolverParameters, curvature_law, solver_parameters
 from cycloid_mj.contact.working import for_slices, working_force
-from cycloid_mj.convex import ConvexSettings, Place, Rest, Surface, prism, surfaces
+from cycloid_mj.convex import ConvexSettings, Place, Rest, Surface, gear_holes, prism, surfaces
 from cycloid_mj.design import Design
 from cycloid_mj.errors import DesignError
 from cycloid_mj.export.stl import stl_bytes
-from cycloid_mj.mechanism.reducer import Mechanism, mechanism
-from cycloid_mj.mjcf.bodies import COLOURS, add_bodies, crank_inertia, point, set_inertia, turn
+from cycloid_mj.mechanism.reducer import Mechanism, mechanism, phases
+from cycloid_mj.mjcf.bodies import add_bodies, colour, crank_inertia, point, seen, set_inertia, span, turn
 from cycloid_mj.mjcf.foundation import slice_law
 from cycloid_mj.mjcf.laws import contact_laws
 from cycloid_mj.mjcf.model import ReducerModel, add_actuators, empty_spec, judged
@@ -36,19 +36,25 @@ from cycloid_mj.solid import VISUAL_CHORD_ERROR, mesh, moving_masses, parts
 VISUAL, COLLISION = "visual", "collision"
 """Default classes, in groups 2 and 3."""
 
-OUTSIDE, TEETH, ROOTS, SOCKETS, BORE, HOLES = (1 << bit for bit in range(6))
+OUTSIDE, TEETH, ROOTS, SOCKETS, HOLES, BORE = (1 << bit for bit in (0, 1, 2, 3, 5, 4))
 """Bits of contype and conaffinity; 1 is what every object has by default."""
+
+BORES = (BORE, *(1 << bit for bit in (6, 7, 8)))
+"""The same of the bore of each disc: the caps of its cam reach into the next one's."""
 
 CCD_TOLERANCE, CCD_ITERATIONS = 1e-9, 60
 
 CAP = 0.1
-"""How far the cylinder of a capsule reaches beyond the faces, as a share of the face width."""
+"""How far the cylinder of a capsule reaches beyond the faces, as a share of its width."""
 
 OUTPUT_OPACITY = 0.4
 """The output disc covers the gear: it is drawn translucent."""
 
 _STEMS = {"lobe": names.LOBE, "socket": names.SOCKET, "hole": names.HOLE}
 """Surfaces of which a part has several, numbered."""
+
+_OF_DISCS = (names.TEETH, names.BORE, names.HOLE)
+"""Surfaces that every disc has; the ring's span all of them."""
 
 _KINDS = {"lobe": "tooth", "socket": "pin_socket", "bore": "cam", "hole": "output"}
 _SLICE_PRIORITY, _HULL_PRIORITY = 2, 1
@@ -114,22 +120,25 @@ def mesh_spec(design: Design, settings: ConvexSettings) -> MeshSpec:
     collision = spec.add_default(COLLISION, spec.default)
     collision.geom.group, collision.geom.contype, collision.geom.conaffinity = 3, 0, 0
     for surface in working:
-        _add_surface(spec, reducer, surface, laws, weights)
+        _add_surface(spec, reducer, surface, laws, weights, settings)
     _add_round_parts(spec, reducer)
     return MeshSpec(spec, working, laws, crank_inertia(design, masses[names.SHAFT]))
 
 
-def add_rest(spec: Any, number: int, rest: Rest) -> None:
+def add_rest(spec: Any, design: Design, number: int, rest: Rest) -> None:
     """Add the convex pieces behind the working surfaces of a part, which meet objects from outside."""
-    sector = rest.sector
+    sector, ahead = rest.sector, phases(design)
+    bodies = names.gears(design.gear.discs) if sector.part == names.GEAR else (sector.part,)
     for index, piece in enumerate(rest.pieces, start=1):
         name = f"{sector.part}_rest_{number}_{index}"
         _add_stl(spec, name, stl_bytes(piece))
         part = _sub_default(spec, name)
         part.geom.type, part.geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, name
         part.geom.conaffinity = OUTSIDE
-        for copy in range(sector.count):
-            spec.body(sector.part).add_geom(part, quat=turn(2.0 * np.pi * copy / sector.count))
+        for body, phase in zip(bodies, ahead, strict=False):
+            first = phase / design.lobes if sector.of_teeth else 0.0
+            for copy in range(sector.count):
+                spec.body(body).add_geom(part, quat=turn(first + 2.0 * np.pi * copy / sector.count))
 
 
 def stem(surface: str, member: int) -> str:
@@ -156,14 +165,20 @@ def _add_visuals(spec: Any, reducer: Mechanism) -> None:
     for part, solid in parts(reducer.design, VISUAL_CHORD_ERROR).items():
         _add_stl(spec, part, stl_bytes(mesh(solid)), mujoco.mjtMeshInertia.mjMESH_INERTIA_EXACT)
         opacity = OUTPUT_OPACITY if part == names.OUTPUT else 1.0
-        spec.add_material(name=part, rgba=[*COLOURS[part][:3], opacity], specular=0.4, shininess=0.4)
-        bodies, places = [body.name for body in reducer.bodies if body.part == part], [np.zeros(2)]
-        if not bodies:  # pins that do not move belong to the housing
-            ring = tooth_profile(reducer.design)
-            bodies, places = [names.HOUSING], list(ring.pin_circle_radius * profile.unit(profile.pin_angles(ring)))
-        for body in bodies:
-            for place in places:
-                spec.body(body).add_geom(visual, meshname=part, material=part, pos=point(place))
+        spec.add_material(name=part, rgba=[*colour(part)[:3], opacity], specular=0.4, shininess=0.4)
+        for body, place in _homes(reducer, part):
+            spec.body(body).add_geom(visual, meshname=part, material=part, pos=place)
+
+
+def _homes(reducer: Mechanism, part: str) -> Iterator[tuple[str, list[float]]]:
+    """Give the body that each copy of a part belongs to, and its place in it [m]."""
+    shown = [(body.name, z) for body in reducer.bodies for one, z in seen(reducer.design, body) if one == part]
+    for body, z in shown:
+        yield body, point(np.zeros(2), z)
+    if not shown:  # pins that do not move belong to the housing
+        ring = tooth_profile(reducer.design)
+        for place in ring.pin_circle_radius * profile.unit(profile.pin_angles(ring)):
+            yield names.HOUSING, point(place)
 
 
 def _add_stl(spec: Any, name: str, content: bytes, inertia: Any = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX) -> None:
@@ -177,44 +192,67 @@ def _sub_default(spec: Any, name: str) -> Any:
 
 
 def _add_surface(
-    spec: Any, reducer: Mechanism, surface: Surface, laws: Mapping[str, ContactLaw], weights: Mapping[str, float]
+    spec: Any,
+    reducer: Mechanism,
+    surface: Surface,
+    laws: Mapping[str, ContactLaw],
+    weights: Mapping[str, float],
+    settings: ConvexSettings,
 ) -> None:
-    """Add one class for each slice of a surface, with mesh and contact physics, and its geoms at every place."""
-    design, carriers = reducer.design, reducer.carriers
+    """Add the meshes of a surface's slices, and its geoms: on every disc, or on the housing."""
+    design = reducer.design
+    for number, _ in enumerate(surface.slices):
+        _add_stl(spec, f"{surface.name}_{number + 1}", stl_bytes(mesh(prism(surface, number))))
+    for disc in range(design.gear.discs if surface.name in _OF_DISCS else 1):
+        # the holes of each disc have errors of their own
+        own = gear_holes(design, settings, disc) if surface.name == "hole" and disc else surface
+        _add_slices(spec, reducer, own, disc, laws, weights)
+
+
+def _add_slices(
+    spec: Any,
+    reducer: Mechanism,
+    surface: Surface,
+    disc: int,
+    laws: Mapping[str, ContactLaw],
+    weights: Mapping[str, float],
+) -> None:
+    """Add one class for each slice of a surface on a disc, with its contact physics, and its geoms at every place."""
+    design, carriers, discs = reducer.design, reducer.carriers, reducer.design.gear.discs
     kind = _KINDS.get(surface.name, design.tooth_pair)
+    own = discs if surface.name in _OF_DISCS else 1
     curve, force = curvature_law(design), working_force(design, kind)
-    mates = {
-        name: mate for pair in reducer.mating(kind).pairs for name, mate in ((pair.on, pair.by), (pair.by, pair.on))
-    }
-    first = next(reducer.mating(kind).pairs)
+    mating = reducer.mating(kind, disc)
+    mates = {name: mate for pair in mating.pairs for name, mate in ((pair.on, pair.by), (pair.by, pair.on))}
+    first = next(mating.pairs)
     weight = weights[carriers[first.on]] + weights[carriers[first.by]]
     rubs = kind != design.tooth_pair and laws[kind].friction > 0.0
     classes = []
     for number, part in enumerate(surface.slices):
         name = f"{surface.name}_{number + 1}"
-        _add_stl(spec, name, stl_bytes(mesh(prism(surface, number))))
         factor = curve.factor(part.curvature) if kind == design.tooth_pair else 1.0
         parameters = solver_parameters(slice_law(laws[kind], factor, part, force), weight)
-        default = _sub_default(spec, name)
+        default = _sub_default(spec, names.of_disc(name, disc, own))
         default.geom.type, default.geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, name
         if rubs:
             _meet_by_pair(default.pair, parameters)
         else:
-            _meet_by_bits(default.geom, parameters, surface.name, part.width)
+            _meet_by_bits(default.geom, parameters, surface.name, part.width, disc)
         classes.append(default)
+    ahead = reducer.phases[disc] / design.lobes if surface.name == names.TEETH else 0.0
     counts: dict[int, int] = {}
     for place in surface.places:
         counts[place.member] = counts.get(place.member, 0) + 1
-        called = stem(surface.name, place.member)
+        called = names.of_disc(stem(surface.name, place.member), disc, own)
         name = f"{called}/{place.member}/{counts[place.member]}"
-        pose = {"pos": [*place.centre, 0.0], "quat": _pose(place)}
+        pose = {"pos": [*place.centre, 0.0], "quat": _pose(place, ahead)}
         spec.body(carriers[called]).add_geom(classes[place.slice], name=name, **pose)
         if rubs:
             spec.add_pair(classes[place.slice], geomname1=name, geomname2=mates[called])
 
 
-def _meet_by_bits(geom: Any, parameters: SolverParameters, surface: str, width: float) -> None:
-    geom.contype, geom.conaffinity = _bits(surface, width)
+def _meet_by_bits(geom: Any, parameters: SolverParameters, surface: str, width: float, disc: int) -> None:
+    geom.contype, geom.conaffinity = _bits(surface, width, disc)
     geom.priority = _SLICE_PRIORITY if np.isfinite(width) else _HULL_PRIORITY
     geom.condim, geom.solref, geom.solimp = parameters.condim, parameters.solref, parameters.solimp
     geom.friction = [parameters.friction[0], 0.0, 0.0]
@@ -226,7 +264,7 @@ def _meet_by_pair(pair: Any, parameters: SolverParameters) -> None:
     pair.margin, pair.gap = 0.0, 0.0
 
 
-def _bits(surface: str, width: float) -> tuple[int, int]:
+def _bits(surface: str, width: float, disc: int) -> tuple[int, int]:
     """Give contype and conaffinity of a slice, or of the hull that is a convex tip.
 
     Tips of the gear meet the roots of an internal gear, its valleys do not. The arc of an internal gear's lobe meets
@@ -237,15 +275,17 @@ def _bits(surface: str, width: float) -> tuple[int, int]:
         return (0, OUTSIDE) if hull else (0, ROOTS)
     if surface == "teeth":
         return (ROOTS if hull else 0, TEETH)
-    return 0, {"socket": SOCKETS, "bore": BORE, "hole": HOLES}[surface]
+    return 0, {"socket": SOCKETS, "bore": BORES[disc], "hole": HOLES}[surface]
 
 
 def _add_round_parts(spec: Any, reducer: Mechanism) -> None:
-    """Add pins, or the arcs of an internal gear's lobes (the same circles), cam and output pins as capsules."""
+    """Add pins, or the arcs of an internal gear's lobes (the same circles), cams and output pins as capsules."""
     design, collision = reducer.design, spec.find_default(COLLISION)
-    half = 0.5 * design.gear.face_width * (1.0 + 2.0 * CAP)
-    for kind, bits in ((design.tooth_pair, TEETH | SOCKETS), ("cam", BORE), ("output", HOLES)):
-        round_parts = reducer.mating(kind).by
+    cams = [("cam", BORES[disc], disc) for disc in range(design.gear.discs)]
+    for kind, bits, disc in ((design.tooth_pair, TEETH | SOCKETS, 0), *cams, ("output", HOLES, 0)):
+        round_parts = reducer.mating(kind, disc).by
+        middle, half_width = span(design, round_parts)
+        half = half_width * (1.0 + 2.0 * CAP)
         for i, name in enumerate(round_parts.names):
             spec.body(round_parts.bodies[i]).add_geom(
                 collision,
@@ -253,11 +293,11 @@ def _add_round_parts(spec: Any, reducer: Mechanism) -> None:
                 type=mujoco.mjtGeom.mjGEOM_CAPSULE,
                 size=[round_parts.radius[i], half, 0.0],
                 contype=bits,
-                pos=point(round_parts.place[i]),
+                pos=point(round_parts.place[i], middle),
             )
 
 
-def _pose(place: Place) -> list[float]:
-    """Quaternion of a place; the mirror image of a prism is half a turn about its own y axis."""
-    w, _, _, z = turn(place.angle)
+def _pose(place: Place, ahead: float) -> list[float]:
+    """Quaternion of a place on teeth that are turned back; a prism's mirror image is half a turn about its y axis."""
+    w, _, _, z = turn(place.angle + ahead)
     return [0.0, -z, w, 0.0] if place.mirrored else [w, 0.0, 0.0, z]
