@@ -1,19 +1,34 @@
 """Two and more discs in motion: contact by profiles and by meshes, logs, figures, pictures, files of each disc."""
 
+import io
 from collections import Counter
 from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
+import trimesh
+from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 
 from cycloid_mj import names
+from cycloid_mj.analysis import analyze, series
+from cycloid_mj.analysis.series import design_of
 from cycloid_mj.course import initial_state, load_torque, servo_target
 from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.errors import UsageError
 from cycloid_mj.kinematics import CrankLaw
+from cycloid_mj.mechanism.reducer import phases
 from cycloid_mj.mjcf import build
 from cycloid_mj.mjcf.mesh import build_mesh
+from cycloid_mj.plots.animation import film, take
+from cycloid_mj.record import Run
 from cycloid_mj.run import simulate
+from cycloid_mj.scene import contact_forces, poses
+from cycloid_mj.scene.drawing import gaps
+from cycloid_mj.scene.force import arrow_heights
+from cycloid_mj.scene.glb import glb
+from cycloid_mj.scene.messages import Scene
+from cycloid_mj.scene.shape import shapes
 
 CASE_K = [
     *("ring.teeth=30", "ring.pin_circle_radius_mm=52.5", "ring.pin_radius_mm=3.5", "ring.pins=fixed"),
@@ -36,12 +51,12 @@ def stems(model: Any) -> list[str]:
 
 def test_meshes_of_two_discs_meet_their_own_mates_and_press_as_profiles_do() -> None:
     """No cap of a cam reaches the next disc's bore; forces of every disc are within 5 % of those of profile contact."""
-    design = case_k("drive.hold_s=0.006")
+    design = case_k("drive.hold_s=0.004", "load.rise_s=0.001")
     mesh = build_mesh(design)
     data, surfaces, met = mujoco.MjData(mesh.model), stems(mesh.model), Counter[frozenset[str]]()
     data.qvel[:] = initial_state(mesh, design).qvel
     law = CrankLaw(design.drive.speed, 0.0)
-    for step in range(500):
+    for step in range(250):
         now = np.array([step * mesh.model.opt.timestep])
         data.ctrl[0], data.ctrl[1] = servo_target(mesh, law, now)[0], load_torque(design, now)[0]
         mujoco.mj_step(mesh.model, data)
@@ -55,3 +70,90 @@ def test_meshes_of_two_discs_meet_their_own_mates_and_press_as_profiles_do() -> 
         sliced, exact = (np.linalg.norm(run.forces(kind)[-8:], axis=2).max(axis=0) for run in runs)
         pressed = exact > 100.0
         np.testing.assert_allclose(sliced[pressed], exact[pressed], rtol=0.05)
+
+
+@pytest.fixture(scope="module")
+def run() -> Run:
+    """A little more than a turn of the crank, without friction."""
+    frictionless = [f"friction.{kind}=0" for kind in ("pin_gear", "cam", "cam_rolling", "output", "output_rolling")]
+    stiff = [f"clearance.{kind}_um=0.1" for kind in ("pin_gear", "cam", "output")]
+    turn = ["drive.speed_rpm=600", "drive.hold_s=0.12", "load.rise_s=0.01", "settings.timestep_us=10"]
+    return simulate(case_k(*frictionless, *stiff, *turn, "settings.log_rate_hz=4000"))
+
+
+def test_a_log_has_columns_of_each_disc_and_figures_of_each(run: Run) -> None:
+    for disc in (1, 2):
+        assert set(names.planar_joints(f"gear_{disc}")) < set(run.columns)
+        assert {f"gear_{disc}_cam_moment", f"gear_{disc}_pin_30_force_x", f"gear_{disc}_output_pin_4_peak_force"} < set(
+            run.columns
+        )
+    found = analyze(run)
+    assert [disc.name for disc in found.discs] == ["gear_1", "gear_2"]
+    assert found.discs[0].speed == found.gear_speed
+    for disc in found.discs:
+        assert disc.speed.mean_rad_s == pytest.approx(-run["crank_speed"].mean() / 29.0, rel=1e-3)
+        assert disc.q_path.max_error_um < 15.0
+    assert found.efficiency == pytest.approx(1.0, abs=0.002)
+
+
+def test_half_a_turn_later_the_second_disc_does_what_the_first_does(run: Run) -> None:
+    """Its forces are those of the first, half a turn round: 30 ring teeth and 4 output pins are even numbers."""
+    design, half = design_of(run), np.pi
+    settled = run.select(run.time > 0.02)
+    for kind, count in ((design.tooth_pair, 30), ("output", 4), ("cam", 1)):
+        forces = settled.forces(kind).reshape(len(settled), 2, count, 2)
+        first, second = forces[:, 0], np.roll(forces[:, 1], -count // 2 if count > 1 else 0, axis=1)
+        np.testing.assert_allclose(-second, first, atol=0.02 * np.abs(first).max())
+    motion = series(run)
+    assert half == phases(design)[1]
+    for disc in (0, 1):
+        assert np.abs(motion.of_disc(disc).q_position.error).max() < 20e-6
+
+
+def test_a_disc_is_drawn_where_it_is(run: Run) -> None:
+    """Arrows of each disc act on that disc: their points lie in it, on its pins, and on its cam."""
+    design = design_of(run)
+    columns = {name: values[300:303] for name, values in run.columns.items()}
+    place, acting = poses(design, columns), contact_forces(design, columns)
+    mass = np.zeros((3, 2, 2))
+    for row, (kind, disc) in enumerate(zip(acting.kinds, acting.discs, strict=True)):
+        away = acting.point[:, row] - place[f"gear_{disc + 1}"][:, :2]
+        if kind == "cam":
+            np.testing.assert_allclose(np.linalg.norm(away, axis=1), design.gear.bore_radius, rtol=1e-4)
+        mass[:, disc] += acting.force[:, row]
+    np.testing.assert_allclose(mass, 0.0, atol=0.05 * acting.size.max())
+    for disc in (0, 1):
+        measured = gaps(design, columns, disc)
+        assert np.abs(measured.deviation[:, :2]).max() < 20e-6
+        touching = acting.of_disc(disc).of("pin_gear").size > 50.0
+        assert touching.any()
+        opened = measured.opening - design.ring.pin_radius + design.clearance.pin_gear
+        assert np.abs(measured.opening[touching]).max() < 4e-6
+        assert opened.shape == (3, 30)
+
+
+def test_viewers_get_every_disc_in_its_plane(run: Run) -> None:
+    design = design_of(run)
+    heights = {}
+    for gear in ("gear_1", "gear_2"):
+        (piece,) = shapes(design)[gear]
+        heights[gear] = [piece.mesh.vertices[:, 2].min(), piece.mesh.vertices[:, 2].max()]
+        # a GLB has y up
+        assert np.ptp(trimesh.load(io.BytesIO(glb([piece])), file_type="glb").bounds, axis=0).min() > 13e-3
+    np.testing.assert_allclose(heights["gear_1"], [-15e-3, -1.5e-3], atol=1e-8)
+    np.testing.assert_allclose(heights["gear_2"], [1.5e-3, 15e-3], atol=1e-8)
+    assert [piece.name for piece in shapes(design)["shaft"]] == ["shaft", "cam_1", "cam_2", "spacer_1"]
+    first, second = arrow_heights(design)
+    assert first < -15e-3
+    assert second > 15e-3
+    messages = list(Scene(design).frames(run.time[:2], {name: values[:2] for name, values in run.columns.items()}))
+    frames = FrameTransforms.FromString(messages[0][2])
+    assert {"gear_1", "gear_2", "shaft", "output", "housing"} <= {one.child_frame_id for one in frames.transforms}
+
+
+def test_an_animation_follows_the_disc_that_is_asked_for(run: Run) -> None:
+    first, second = (next(film(take(run, frames=1, disc=disc), 320)) for disc in (0, 1))
+    assert first.shape == second.shape
+    assert np.any(first != second)
+    with pytest.raises(UsageError, match="no gear 3: give 1 to 2"):
+        take(run, disc=2)

@@ -55,12 +55,12 @@ def groups(findings: Findings) -> list[Group]:
     return [group for group in found if group.rows]
 
 
-def _part(part: str, speed: SpeedFindings, error: TransmissionError) -> Iterator[Row]:
+def _part(part: str, speed: SpeedFindings, error: TransmissionError, article: str = "the ") -> Iterator[Row]:
     mean, theory = speed.mean_rad_s, speed.theory_rad_s
     # a difference that is rounding beside its reference is none
     off = 0.0 if abs(mean - theory) <= ROUNDING * abs(theory) else mean - theory
-    yield _row(f"transmission error of the {part}, peak to peak", "arcsec", error=error.peak_to_peak_arcsec)
-    yield _row(f"transmission error of the {part}, mean (play and wind-up)", "arcsec", error.mean_arcsec)
+    yield _row(f"transmission error of {article}{part}, peak to peak", "arcsec", error=error.peak_to_peak_arcsec)
+    yield _row(f"transmission error of {article}{part}, mean (play and wind-up)", "arcsec", error.mean_arcsec)
     yield _row(f"{part} speed, mean", "rad/s", mean, theory, off)
     yield _row(f"{part} speed, rms error", "rad/s", error=speed.rms_error_rad_s)
     yield _row(f"{part} speed, peak error", "rad/s", error=speed.peak_error_rad_s)
@@ -70,7 +70,7 @@ def _gears(findings: Findings) -> Iterator[Row]:
     if not findings.discs:
         yield from _part("gear", findings.gear_speed, findings.gear_transmission_error)
     for disc in findings.discs:
-        yield from _part(disc.name.replace("_", " "), disc.speed, disc.transmission_error)
+        yield from _part(disc.name.replace("_", " "), disc.speed, disc.transmission_error, "")
 
 
 def _point(findings: Findings) -> Iterator[Row]:

@@ -37,6 +37,16 @@ TurnsFlag = Annotated[
 RateFlag = Annotated[
     int, Parameter(name="--fps", metavar="N", converter=whole, help=f"Frames per second, 1 to 50. Default: {RATE}.")
 ]
+DiscFlag = Annotated[
+    int,
+    Parameter(
+        name="--disc",
+        metavar="N",
+        converter=whole,
+        validator=within(1, 4),
+        help="Which of several discs is shown with its forces; the others are outlines. Default: 1.",
+    ),
+]
 WidthFlag = Annotated[
     int, Parameter(metavar="N", converter=whole, help=f"Width [pixels], 200 to 4000. Default: {WIDTH}.")
 ]
@@ -52,6 +62,7 @@ def animate(
     turns: TurnsFlag = 1.0,
     fps: RateFlag = RATE,
     width: WidthFlag = WIDTH,
+    disc: DiscFlag = 1,
 ) -> int:
     """Draw a logged run in motion, with the forces on the gear and the load on each pin or lobe.
 
@@ -63,6 +74,6 @@ def animate(
     from cycloid_mj.plots.animation import film, take
     from cycloid_mj.plots.movie import write_movie
 
-    write_movie(film(take(read(log), magnify, frames, turns), width), out, fps)
+    write_movie(film(take(read(log), magnify, frames, turns, disc - 1), width), out, fps)
     say(out)
     return 0

@@ -17,6 +17,7 @@ from cycloid_mj.errors import DesignError
 from cycloid_mj.mechanism.reducer import Body, Mechanism, Role, Surfaces
 from cycloid_mj.modification import FlankEnds, flank_ends, gear_profile, profile_offset
 from cycloid_mj.solid import MassProperties, carried
+from cycloid_mj.solid.tint import Colour, tinted
 from cycloid_mj.types import Array
 
 VISUAL_GROUP, CONTACT_GROUP = 2, 3
@@ -29,10 +30,7 @@ COLOURS = {
     names.CAM: (0.90, 0.72, 0.36, 1.0),
     names.SPACER: (0.62, 0.52, 0.34, 1.0),
 }
-"""Of what a part is; the discs after the first are lighter, see `colour`."""
-
-LIGHTER = 0.25
-"""Share of the way to white that each disc is lighter than the one before."""
+"""Of what a part is; see `colour`."""
 
 SEAL_TIME, SEAL_IMPEDANCE = 1e-4, [0.99, 0.99, 1.0, 0.5, 1.0]
 """Time [s] in which the drag of seals stops a shaft that it can hold, and how firmly: a shaft that turns feels all of
@@ -96,11 +94,9 @@ def seen(design: Design, body: Body) -> list[tuple[str, float]]:
     return [(body.part, 0.0), *(carried(design).values() if body.part == names.SHAFT else ())]
 
 
-def colour(part: str) -> tuple[float, float, float, float]:
+def colour(part: str) -> Colour:
     """Give the colour of a part by its name."""
-    red, green, blue, opacity = COLOURS[names.family(part)]
-    lighter = LIGHTER * (names.number_of(part) - 1 if names.family(part) == names.GEAR else 0)
-    return red + lighter * (1.0 - red), green + lighter * (1.0 - green), blue + lighter * (1.0 - blue), opacity
+    return tinted(COLOURS[names.family(part)], part)
 
 
 def span(design: Design, surfaces: Surfaces) -> tuple[float, float]:

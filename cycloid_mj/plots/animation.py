@@ -25,14 +25,14 @@ LEAST_WIDTH, LARGEST_WIDTH = 200, 4000
 
 @dataclass(frozen=True, eq=False)
 class Take:
-    """What is filmed: samples of a run, in order, and how many times as wide gaps are drawn."""
+    """What is filmed: samples of a run, in order, and how many times as wide gaps to the disc of `motion` are drawn."""
 
     motion: Series
     rows: npt.NDArray[np.intp]
     magnification: float
 
 
-def take(run: Run, magnification: float = 1.0, frames: int = FRAMES, turns: float = 1.0) -> Take:
+def take(run: Run, magnification: float = 1.0, frames: int = FRAMES, turns: float = 1.0, disc: int = 0) -> Take:
     """Choose the samples to film: settled crank turns, or a ramp's last, as evenly as the samples allow.
 
     Parameters
@@ -45,17 +45,22 @@ def take(run: Run, magnification: float = 1.0, frames: int = FRAMES, turns: floa
         Number of frames; there are fewer if the run has not as many samples.
     turns
         Crank turns, also parts of one; there are fewer if the run has not as many.
+    disc
+        Index of the disc that is followed; the others are outlines.
 
     Raises
     ------
     LogError
         The run has no design, lacks a column, or has fewer than two samples.
     UsageError
-        `frames` or `turns` is not positive, or gaps cannot be drawn that wide.
+        `frames` or `turns` is not positive, gaps cannot be drawn that wide, or there is no such disc.
     """
     if frames < 1 or not turns > 0.0:
         raise UsageError(f"an animation of {frames} frames over {turns:g} crank turns: give at least 1 and more than 0")
     motion = series(run)
+    if not 0 <= disc < motion.design.gear.discs:
+        raise UsageError(f"{motion.design.name} has no gear {disc + 1}: give 1 to {motion.design.gear.discs}")
+    motion = motion.of_disc(disc)
     drawn_radii(motion.design, magnification)
     start = motion.one_turn.start
     swept = np.abs(motion.crank_angle[start:] - motion.crank_angle[start]) / (2 * np.pi)
@@ -78,12 +83,13 @@ def film(scene: Take, width: int = WIDTH) -> Iterator[Image]:
         raise UsageError(f"an animation {width} pixels wide: give {LEAST_WIDTH} to {LARGEST_WIDTH}")
     motion = scene.motion
     columns = {name: values[scene.rows] for name, values in motion.run.columns.items()}
-    drawn = drawing(motion.design, gaps(motion.design, columns), scene.magnification)
+    drawn = drawing(motion.design, gaps(motion.design, columns, motion.disc), scene.magnification)
+    ideal = ideal_forces(motion.design, columns)
     script = Script(
         design=motion.design,
         drawn=drawn,
-        acting=contact_forces(motion.design, columns, drawn),
-        ideal=ideal_forces(motion.design, columns),
+        acting=contact_forces(motion.design, columns, drawn).of_disc(motion.disc),
+        ideal=None if ideal is None else ideal[:, motion.disc],
     )
     return _frames(script, set_stage(script, width), columns["crank_angle"], motion.time[scene.rows])
 

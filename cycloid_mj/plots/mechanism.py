@@ -12,11 +12,12 @@ from matplotlib.path import Path
 
 from cycloid_mj import kinematics
 from cycloid_mj.design import Design
+from cycloid_mj.mechanism.reducer import phases
 from cycloid_mj.modification import tooth_profile
-from cycloid_mj.names import GEAR, HOUSING, OUTPUT, SHAFT
-from cycloid_mj.plots.style import BLACK, VERMILION, styled
+from cycloid_mj.names import HOUSING, OUTPUT, SHAFT, gears, planar_joints
+from cycloid_mj.plots.style import BLACK, BLUE, GREEN, PURPLE, VERMILION, styled
 from cycloid_mj.record import Run
-from cycloid_mj.scene import ContactForces, contact_forces, moved, poses, ring_places
+from cycloid_mj.scene import ContactForces, cams, contact_forces, moved, poses, ring_places
 from cycloid_mj.solid import VISUAL_CHORD_ERROR, Prism, output_centres, parts, sleeve_core_radius
 from cycloid_mj.types import Array
 
@@ -32,7 +33,13 @@ LOOKS: dict[str, dict[str, Any]] = {
     "cam": {"facecolor": "#EDA77C", "edgecolor": "#8A3B00"},
     "shaft": {"facecolor": "#8B9199", "edgecolor": "#3B4046"},
 }
-FORCE: dict[str, Any] = {"color": VERMILION, "width": 0.0032, "angles": "xy", "scale_units": "xy", "zorder": 5}
+BEFORE_OTHERS = 0.55
+"""Opacity of discs and cams that stand before others."""
+
+DISC_COLOURS = (VERMILION, BLUE, GREEN, PURPLE)
+"""Of the forces on each disc."""
+
+FORCE: dict[str, Any] = {"width": 0.0032, "angles": "xy", "scale_units": "xy", "zorder": 5}
 LONGEST = 0.3
 """Length of the largest force on a pin, as a share of the housing's radius."""
 
@@ -73,16 +80,21 @@ def mechanism(design: Design, run: Run | None = None, crank_angle: float | None 
     reach = 1.02e3 * design.housing.outer_radius
     axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
     axes.axis("off")
-    figure.legend(handles=_legend(design), loc="outside lower center", ncols=6, handlelength=1.2, columnspacing=1.4)
+    several = run is not None and design.gear.discs > 1
+    figure.legend(
+        handles=_legend(design, several), loc="outside lower center", ncols=6, handlelength=1.2, columnspacing=1.4
+    )
     return figure
 
 
 def _ideal(design: Design, crank_angle: float) -> dict[str, Array]:
     """Give the columns of the ideal mechanism's motion at one crank angle."""
     gear, crank = tooth_profile(design), np.array([crank_angle])
-    (x,), (y,) = kinematics.gear_centre(gear, crank).T[:, np.newaxis]
     turn = kinematics.gear_rotation(gear, crank)
-    return {"crank_angle": crank, "gear_x": x, "gear_y": y, "gear_angle": turn, "output_angle": turn}
+    columns = {"crank_angle": crank, "output_angle": turn}
+    for name, phase in zip(gears(design.gear.discs), phases(design), strict=True):
+        columns |= dict(zip(planar_joints(name), (*kinematics.gear_centre(gear, crank + phase).T, turn), strict=True))
+    return columns
 
 
 def _sample(run: Run, crank_angle: float | None) -> int:
@@ -96,7 +108,7 @@ def _sample(run: Run, crank_angle: float | None) -> int:
 
 
 def _draw_parts(axes: Axes, design: Design, place: Mapping[str, Array]) -> None:
-    """Draw from the back to the front; the output disc shows through the holes of the gear."""
+    """Draw from the back to the front; a gear shows through those before it, the output disc through their holes."""
     solids = parts(design, VISUAL_CHORD_ERROR)
     axis, pins = np.zeros(3), ring_places(design) if design.ring.kind == "pin" else np.empty((0, 2))
     disc = float(np.linalg.norm(solids[OUTPUT].prisms[0].outline, axis=1).max())
@@ -106,20 +118,23 @@ def _draw_parts(axes: Axes, design: Design, place: Mapping[str, Array]) -> None:
         if design.ring.has_sleeves:
             _disc(axes, centre, sleeve_core_radius(design), "ring")
     _disc(axes, axis, disc, "disc")
-    _region(axes, solids[GEAR].prisms[0], "gear", place[GEAR])
+    for disc, gear in enumerate(gears(design.gear.discs)):
+        _region(axes, solids[gear].prisms[0], "gear", place[gear], 1.0 if disc == 0 else BEFORE_OTHERS)
     for centre in moved(place[OUTPUT], output_centres(design)):
         _disc(axes, centre, design.output.pin_radius, "output")
-    cam = moved(place[SHAFT], np.array([[0.0, design.gear.eccentricity]]))[0]
-    _disc(axes, cam, design.gear.bore_radius, "cam")
+    for disc, cam in enumerate(cams(design, place[SHAFT][np.newaxis])[0]):
+        _disc(axes, cam, design.gear.bore_radius, "cam", 1.0 if disc == 0 else BEFORE_OTHERS)
     _disc(axes, axis, design.shaft.radius, "shaft")
 
 
 def _draw_motion(axes: Axes, design: Design, place: Mapping[str, Array]) -> None:
-    """Mark the axis and the gear's centre, and show which way crank and gear turn."""
+    """Mark the axis and the gears' centres, and show which way the crank and the gear in front turn."""
     direction = math.copysign(1.0, design.drive.speed)
-    centre = 1e3 * place[GEAR][:2]
+    centres = [1e3 * place[gear][:2] for gear in gears(design.gear.discs)]
+    centre = centres[-1]
     axes.plot(0.0, 0.0, marker="+", markersize=9, color="white", markeredgewidth=1.0)
-    axes.plot(*centre, marker="o", markersize=2.5, color="white")
+    for middle in centres:
+        axes.plot(*middle, marker="o", markersize=2.5, color="white")
     ring, output = design.ring, design.output
     between = (ring.pin_circle_radius - ring.pin_radius + output.pin_circle_radius + output.hole_radius) / 2
     start = math.pi / 2 + place[SHAFT][2]
@@ -128,27 +143,37 @@ def _draw_motion(axes: Axes, design: Design, place: Mapping[str, Array]) -> None
 
 
 def _draw_forces(axes: Axes, design: Design, acting: ContactForces) -> None:
-    """Draw the forces of ring and output pins on the gear to one scale; the cam's balances them."""
+    """Draw the forces of ring and output pins on the gears to one scale; the cams' balance them."""
     loaded = acting.size[0] > 0.0
     if not loaded.any():
         return
-    largest = float(acting.size.max())
+    largest, discs = float(acting.size.max()), np.array(acting.discs)
     scale = largest / (LONGEST * 1e3 * design.housing.outer_radius)
-    arrows = axes.quiver(*(1e3 * acting.point[0, loaded].T), *acting.force[0, loaded].T, scale=scale, **FORCE)
+    for disc in range(design.gear.discs):
+        rows, colour = loaded & (discs == disc), DISC_COLOURS[disc]
+        points, forces = 1e3 * acting.point[0, rows].T, acting.force[0, rows].T
+        arrows = axes.quiver(*points, *forces, scale=scale, color=colour, **FORCE)
     power = 10.0 ** math.floor(math.log10(largest))
     reference = power * max(step for step in (1.0, 2.0, 5.0) if step * power <= largest)
-    axes.quiverkey(arrows, 0.1, 0.05, reference, f"{reference:g} N", labelpos="N", labelcolor=VERMILION)
+    axes.quiverkey(arrows, 0.1, 0.05, reference, f"{reference:g} N", labelpos="N", labelcolor=DISC_COLOURS[disc])
 
 
-def _region(axes: Axes, prism: Prism, part: str, pose: Array) -> None:
+def _region(axes: Axes, prism: Prism, part: str, pose: Array, opacity: float = 1.0) -> None:
     """Draw a region with its holes, turned and moved."""
     rings = [1e3 * moved(pose, ring) for ring in (prism.outline, *(hole[::-1] for hole in prism.holes))]
     path = Path.make_compound_path(*(Path(np.vstack([ring, ring[:1]]), closed=True) for ring in rings))
-    axes.add_patch(PathPatch(path, linewidth=0.7, joinstyle="round", **LOOKS[part]))
+    axes.add_patch(PathPatch(path, linewidth=0.7, joinstyle="round", **_look(part, opacity)))
 
 
-def _disc(axes: Axes, centre: Array, radius: float, part: str) -> None:
-    axes.add_patch(Circle((1e3 * centre[0], 1e3 * centre[1]), 1e3 * radius, linewidth=0.7, **LOOKS[part]))
+def _disc(axes: Axes, centre: Array, radius: float, part: str, opacity: float = 1.0) -> None:
+    look = _look(part, opacity)
+    axes.add_patch(Circle((1e3 * centre[0], 1e3 * centre[1]), 1e3 * radius, linewidth=0.7, **look))
+
+
+def _look(part: str, opacity: float) -> dict[str, Any]:
+    """Give the look of a part with a fill that lets what is behind show through."""
+    look = LOOKS[part]
+    return look if opacity == 1.0 else look | {"facecolor": (look["facecolor"], opacity)}
 
 
 def _turning(axes: Axes, centre: Array, radius: float, start: float, sweep: float) -> None:
@@ -159,8 +184,10 @@ def _turning(axes: Axes, centre: Array, radius: float, start: float, sweep: floa
     axes.add_patch(FancyArrowPatch(path=Path(arc), **look))
 
 
-def _legend(design: Design) -> list[Patch]:
+def _legend(design: Design, forces: bool) -> list[Patch]:
     pinned = design.ring.kind == "pin"
     names = {"ring": "pinwheel" if pinned else "internal gear", "pins": "ring pins" if pinned else ""}
     names |= {"gear": "cycloid gear", "output": "output pins", "cam": "cam", "shaft": "input shaft"}
-    return [Patch(label=name, linewidth=0.7, **LOOKS[part]) for part, name in names.items() if name]
+    parts = [Patch(label=name, linewidth=0.7, **LOOKS[part]) for part, name in names.items() if name]
+    discs = design.gear.discs if forces else 0
+    return parts + [Patch(label=f"force on gear {disc + 1}", color=DISC_COLOURS[disc]) for disc in range(discs)]

@@ -16,11 +16,12 @@ from matplotlib.transforms import Affine2D
 from cycloid_mj.analysis import condition
 from cycloid_mj.design import Design
 from cycloid_mj.envelope import sample_ring_by_sagitta
+from cycloid_mj.kinematics import gear_centre
+from cycloid_mj.mechanism.reducer import phases
 from cycloid_mj.names import GEAR, OUTPUT, SHAFT
 from cycloid_mj.plots.mechanism import LOOKS
 from cycloid_mj.plots.style import BLACK, BLUE, VERMILION
 from cycloid_mj.scene import ContactForces, Drawing, ring_outline
-from cycloid_mj.scene.drawing import Radii
 from cycloid_mj.scene.pose import ring_places
 from cycloid_mj.solid import circle, gear_solid, housing_solid
 from cycloid_mj.solid.gear import tooth_profile
@@ -43,7 +44,7 @@ FORCES = {
     "output": ("output pins", BLUE),
 }
 RING = ("pin_gear", "tooth")
-PIN, SOCKET = "pin", "socket"
+PIN, SOCKET, OTHERS = "pin", "socket", "others"
 DARK = {"color": "#3B4046"}
 SOCKET_LOOK = {"facecolor": "white", "edgecolor": LOOKS["ring"]["edgecolor"], "zorder": 1.2}
 SPAN = math.radians(95.0)
@@ -95,10 +96,10 @@ def set_stage(script: Script, width: int) -> Stage:
     axes.set(xlim=(-reach, reach), ylim=(-reach, reach))
     axes.axis("off")
     wall = _wall(axes, design)
-    parts = _parts(axes, design, script.drawn.radii)
+    parts = _parts(axes, design, script.drawn)
     arrows = {kind: _arrows(axes, design, acting.of(kind)) for kind in FORCES if kind in acting.kinds}
-    figure.text(0.025, 0.972, _title(design, script.drawn.magnification), fontsize=9.5, weight="bold")
-    figure.text(0.025, 0.945, str(condition(design)), fontsize=8.5)
+    figure.text(0.025, 0.972, _title(design, script.drawn), fontsize=9.5, weight="bold")
+    figure.text(0.025, 0.945, str(condition(design)) + _followed(script.drawn, design), fontsize=8.5)
     clock = figure.text(0.975, 0.972, "", fontsize=9.5, ha="right", family="DejaVu Sans Mono")
     _legend(figure, acting)
     bars, steps = _load_axes(figure, acting.of(*RING), script.ideal)
@@ -109,6 +110,7 @@ def show(stage: Stage, script: Script, row: int) -> None:
     """Set the stage for a frame."""
     drawn = script.drawn
     _move(stage, GEAR, [drawn.gear[row]])
+    _move(stage, OTHERS, _others(script, row))
     _move(stage, SHAFT, [drawn.shaft[row]])
     _move(stage, OUTPUT, drawn.output_pins[row])
     outwards = np.arctan2(*ring_places(script.design).T[::-1])
@@ -141,8 +143,26 @@ def _show_forces(stage: Stage, script: Script, row: int) -> None:
         stage.ideal_steps.set_data(script.ideal[row])
 
 
-def _title(design: Design, magnification: float) -> str:
-    return design.name + (f",  gaps drawn {magnification:g} times as wide" if magnification > 1 else "")
+def _title(design: Design, drawn: Drawing) -> str:
+    return design.name + (f",  gaps drawn {drawn.magnification:g} times as wide" if drawn.magnification > 1 else "")
+
+
+def _followed(drawn: Drawing, design: Design) -> str:
+    """Say which of several discs is shown with its forces."""
+    return f"; gear {drawn.gaps.disc + 1}, the others dashed" if design.gear.discs > 1 else ""
+
+
+def _other_discs(design: Design, disc: int) -> list[int]:
+    return [other for other in range(design.gear.discs) if other != disc]
+
+
+def _others(script: Script, row: int) -> list[Array]:
+    """Give the ideal poses of the discs that are not followed, shape (3,) each."""
+    gaps, mesh, ahead = script.drawn.gaps, tooth_profile(script.design), phases(script.design)
+    crank, turn = gaps.crank_angle[row], gaps.gear[row, 2]
+    return [
+        np.array([*gear_centre(mesh, crank + ahead[other]), turn]) for other in _other_discs(script.design, gaps.disc)
+    ]
 
 
 def _wall(axes: Axes, design: Design) -> Any:
@@ -161,11 +181,12 @@ def _set_ring(wall: Any, script: Script, row: int) -> None:
     wall.set_path(_path([outline, hole]))
 
 
-def _parts(axes: Axes, design: Design, radii: Radii) -> dict[str, list[Any]]:
+def _parts(axes: Axes, design: Design, drawn: Drawing) -> dict[str, list[Any]]:
     """Draw the parts from the back to the front, each copy in its own frame, as lists of what moves together."""
-    ring, output, gear = design.ring, design.output, design.gear
+    ring, output, gear, radii, disc = design.ring, design.output, design.gear, drawn.radii, drawn.gaps.disc
     pinned = design.ring.kind == "pin"
-    prism = gear_solid(design, CHORD_ERROR).prisms[0]
+    prism = gear_solid(design, CHORD_ERROR, disc).prisms[0]
+    cam_x, cam_y = gear_centre(tooth_profile(design), phases(design)[disc])
     valley = ring.pin_circle_radius - ring.pin_radius - gear.eccentricity
     between = 0.5 * (valley + output.pin_circle_radius + output.hole_radius)
     mark = (0.0, between, 0.2 * output.pin_radius)
@@ -175,15 +196,23 @@ def _parts(axes: Axes, design: Design, radii: Radii) -> dict[str, list[Any]]:
         GEAR: [
             [_region(axes, [prism.outline, *(h[::-1] for h in prism.holes)], "gear", 1.5), _disc(axes, mark, DARK, 3)]
         ],
+        OTHERS: [[_dashed(axes, design, other)] for other in _other_discs(design, disc)],
         OUTPUT: [[_disc(axes, (0.0, 0.0, radii.output_pin), LOOKS["output"], 3)] for _ in range(output.pins)],
         SHAFT: [
             [
-                _disc(axes, (0.0, gear.eccentricity, radii.cam), LOOKS["cam"], 3),
+                _disc(axes, (float(cam_x), float(cam_y), radii.cam), LOOKS["cam"], 3),
                 _disc(axes, (0.0, 0.0, design.shaft.radius), LOOKS["shaft"], 3),
                 _disc(axes, (0.0, 0.8 * gear.bore_radius, 0.06 * gear.bore_radius), DARK, 3),
             ]
         ],
     }
+
+
+def _dashed(axes: Axes, design: Design, disc: int) -> Any:
+    """Draw the outline of a disc that is not followed."""
+    outline = gear_solid(design, CHORD_ERROR, disc).prisms[0].outline
+    look = {"facecolor": "none", "edgecolor": LOOKS["gear"]["edgecolor"], "linestyle": (0, (4, 2)), "zorder": 1.6}
+    return axes.add_patch(PathPatch(_path([outline]), linewidth=0.5, **look))
 
 
 def _socket(axes: Axes, radius: float) -> Any:

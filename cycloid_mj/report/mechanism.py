@@ -1,4 +1,4 @@
-"""The moving mechanism of the page: what is drawn, and one crank turn of gaps and forces."""
+"""The moving mechanism of the page: what is drawn, and one crank turn of gaps and forces, of the first disc."""
 
 from typing import Any
 
@@ -8,6 +8,7 @@ import numpy.typing as npt
 from cycloid_mj.analysis import Series
 from cycloid_mj.design import Design
 from cycloid_mj.envelope import sample_ring_by_sagitta
+from cycloid_mj.mechanism.reducer import phases
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.report.encode import encoded
 from cycloid_mj.scene import contact_forces, drawn_radii, gaps, ideal_forces, largest_magnification
@@ -53,6 +54,10 @@ def _shape(design: Design) -> dict[str, Any]:
         "wall": 1e3 * float(np.linalg.norm(hole, axis=1).min()),
         "clearance": 1e3 * tooth_clearance(design),
         "gear": encoded(1e3 * gear_solid(design, CHORD_ERROR).prisms[0].outline),
+        "others": [
+            {"phase": phase, "gear": encoded(1e3 * gear_solid(design, CHORD_ERROR, disc).prisms[0].outline)}
+            for disc, phase in list(enumerate(phases(design)))[1:]
+        ],
         "magnifications": [
             {"times": times, **{name: 1e3 * radius for name, radius in vars(drawn_radii(design, times)).items()}}
             for times in MAGNIFICATIONS
@@ -69,7 +74,7 @@ def _shape(design: Design) -> dict[str, Any]:
 def _frames(motion: Series, columns: dict[str, Array], time: Array) -> dict[str, Any]:
     """Give what changes, in mm, rad and N."""
     design = motion.design
-    measured, acting = gaps(design, columns), contact_forces(design, columns)
+    measured, acting = gaps(design, columns), contact_forces(design, columns).of_disc(0)
     deviation = measured.deviation * [1e3, 1e3, 1.0]
     frames = {
         "time": encoded(time - time[0]),
@@ -84,7 +89,7 @@ def _frames(motion: Series, columns: dict[str, Array], time: Array) -> dict[str,
         frames |= {
             "away": encoded(1e3 * measured.away),
             "pinAngle": encoded(np.mod(measured.pin_angle, 2 * np.pi)),
-            "ideal": encoded(ideal),
+            "ideal": encoded(ideal[:, 0]),
         }
     return frames
 

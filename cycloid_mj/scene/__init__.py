@@ -5,17 +5,17 @@ MuJoCo nor a log: what writes logs takes a `Scene`, what draws takes `poses` and
 """
 
 from cycloid_mj.scene.drawing import Drawing, Gaps, drawing, drawn_radii, gaps, largest_magnification, ring_outline
-from cycloid_mj.scene.force import ContactForces, contact_forces, ideal_forces, reference_force
+from cycloid_mj.scene.force import ContactForces, cams, contact_forces, ideal_forces, reference_force
 from cycloid_mj.scene.messages import RATE, Scene
-from cycloid_mj.scene.pose import POSE_COLUMNS, moved, poses, ring_places
+from cycloid_mj.scene.pose import moved, pose_columns, poses, ring_places
 
 __all__ = [
-    "POSE_COLUMNS",
     "RATE",
     "ContactForces",
     "Drawing",
     "Gaps",
     "Scene",
+    "cams",
     "contact_forces",
     "drawing",
     "drawn_radii",
@@ -23,6 +23,7 @@ __all__ = [
     "ideal_forces",
     "largest_magnification",
     "moved",
+    "pose_columns",
     "poses",
     "reference_force",
     "ring_outline",

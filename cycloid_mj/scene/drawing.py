@@ -1,9 +1,10 @@
 """The mechanism as it is drawn in its plane, with every gap as many times as wide as one wants to see it.
 
 A clearance of 1 um cannot be seen on a part of 100 mm, and parts that were simply moved a thousand times as far would
-slide along each other's curved flanks. So the gear stands where the ideal mesh has it, and everything that touches it
-is placed by its gap to it: along the ideal normal, magnified. What runs in the gear is drawn thinner, so that it fits.
-Each gap, and each overlap by elastic approach, is then drawn to one scale; at magnification 1 the drawing is true.
+slide along each other's curved flanks. So the gear, one of several discs, stands where the ideal mesh has it, and what
+touches it is placed by its gap to it: along the ideal normal, magnified. What runs in the gear is drawn thinner, so as
+to fit. Each gap, and each overlap by elastic approach, is then drawn to one scale; at magnification 1 the drawing is
+true.
 """
 
 from collections.abc import Mapping
@@ -15,7 +16,8 @@ from cycloid_mj import profile
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
 from cycloid_mj.kinematics import gear_centre, gear_rotation
-from cycloid_mj.names import GEAR, OUTPUT, pin
+from cycloid_mj.mechanism.reducer import phases
+from cycloid_mj.names import OUTPUT, gears, pin
 from cycloid_mj.profile import CycloidGear
 from cycloid_mj.scene.pose import moved, poses, ring_places, turned
 from cycloid_mj.solid import output_centres
@@ -46,6 +48,8 @@ class Gaps:
 
     Attributes
     ----------
+    disc
+        Index of the disc that is the gear here.
     gear
         Ideal pose of the gear: x, y [m], angle [rad], shape (n, 3).
     deviation
@@ -64,6 +68,7 @@ class Gaps:
         Each output pin's centre from its hole's [m], less the eccentricity, shape (n, k).
     """
 
+    disc: int
     gear: Array
     deviation: Array
     crank_angle: Array
@@ -144,30 +149,31 @@ def drawn_radii(design: Design, magnification: float = 1.0) -> Radii:
     )
 
 
-def gaps(design: Design, columns: Mapping[str, Array]) -> Gaps:
-    """Measure what separates the parts at the n samples of the columns, shape (n,) each, in SI units.
+def gaps(design: Design, columns: Mapping[str, Array], disc: int = 0) -> Gaps:
+    """Measure what separates a disc and its mates at the n samples of the columns, shape (n,) each, in SI units.
 
     Raises
     ------
     LogError
         A column of the parts' motion is missing.
     """
-    place, crank = poses(design, columns), columns["crank_angle"]
-    mesh = tooth_profile(design)
-    ideal = np.column_stack([gear_centre(mesh, crank), gear_rotation(mesh, crank)])
+    place, crank, ahead = poses(design, columns), columns["crank_angle"], phases(design)[disc]
+    mesh, gear = tooth_profile(design), place[gears(design.gear.discs)[disc]]
+    ideal = np.column_stack([gear_centre(mesh, crank + ahead), gear_rotation(mesh, crank)])
     nominal = ring_places(design)
     pins = np.zeros((crank.size, len(nominal), 3))
     if pin(1) in place:
         pins = np.stack([place[pin(number)] for number in range(1, len(nominal) + 1)], axis=1)
         pins[..., :2] -= nominal
     return Gaps(
+        disc=disc,
         gear=ideal,
-        deviation=place[GEAR] - ideal,
+        deviation=gear - ideal,
         crank_angle=crank,
-        opening=_opening(mesh, place[GEAR], nominal + pins[..., :2]),
+        opening=_opening(mesh, gear - [0.0, 0.0, ahead / design.lobes], nominal + pins[..., :2]),
         away=pins[..., :2],
         pin_angle=pins[..., 2],
-        output_away=_output_away(design, place),
+        output_away=_output_away(design, gear, place[OUTPUT]),
     )
 
 
@@ -227,7 +233,7 @@ def ring_outline(design: Design, outline: Array, normals: Array, drawn: Drawing,
 
 
 def _opening(mesh: CycloidGear, gear: Array, centres: Array) -> Array:
-    """Give the distance of pin centres (n, N, 2) from the trochoid of a gear in the poses (n, 3), positive outside.
+    """Give the distance of pin centres (n, N, 2) from the trochoid of teeth in the poses (n, 3), positive outside.
 
     Newton's method for the foot point, from where the ideal mesh has it.
     """
@@ -242,8 +248,8 @@ def _opening(mesh: CycloidGear, gear: Array, centres: Array) -> Array:
     return np.einsum("nik,nik->ni", point - profile.trochoid(mesh, t), profile.normals(mesh, t))
 
 
-def _output_away(design: Design, place: Mapping[str, Array]) -> Array:
-    pins, holes = (moved(place[part][:, np.newaxis], output_centres(design)) for part in (OUTPUT, GEAR))
+def _output_away(design: Design, gear: Array, output: Array) -> Array:
+    pins, holes = (moved(pose[:, np.newaxis], output_centres(design)) for pose in (output, gear))
     return np.linalg.norm(pins - holes, axis=2) - design.gear.eccentricity
 
 

@@ -7,13 +7,14 @@ import numpy as np
 
 from cycloid_mj.design import Design
 from cycloid_mj.kinematics import gear_centre
-from cycloid_mj.names import FORCE_X, FORCE_Y, GEAR, MOMENT, OUTPUT, SHAFT, column, kind_of, number_of, pin
+from cycloid_mj.mechanism.reducer import phases
+from cycloid_mj.names import FORCE_X, FORCE_Y, MOMENT, OUTPUT, SHAFT, column, disc_of, gears, kind_of, number_of, pin
 from cycloid_mj.record import usable
 from cycloid_mj.scene.drawing import Drawing, Radii, drawn_radii
 from cycloid_mj.scene.pose import moved, poses, ring_places
-from cycloid_mj.scene.shape import Colour
 from cycloid_mj.solid import output_centres
 from cycloid_mj.solid.gear import tooth_profile
+from cycloid_mj.solid.tint import Colour
 from cycloid_mj.statics import ideal_load_sharing
 from cycloid_mj.types import Array
 
@@ -45,8 +46,8 @@ class ContactForces:
     Attributes
     ----------
     names, kinds
-        Name of each pair (pin_1, ..., cam, output_pin_1, ...) and its kind (pin_gear, tooth, pin_socket,
-        pin_sleeve, cam, output).
+        Name of each pair (pin_1, ..., cam, output_pin_1, ...; of several discs gear_2_cam, ...) and its kind (pin_gear,
+        tooth, pin_socket, pin_sleeve, cam, output).
     point
         Where each acts, from the reducer axis [m], shape (n, k, 2): on its line of action, at the surface of the pin,
         lobe, cam or output pin.
@@ -64,9 +65,20 @@ class ContactForces:
         """Give the size of each force [N], shape (n, k)."""
         return np.linalg.norm(self.force, axis=2)
 
+    @property
+    def discs(self) -> tuple[int, ...]:
+        """Give the index of the disc of each pair; 0 where there is none."""
+        return tuple(disc_of(name) for name in self.names)
+
     def of(self, *kinds: str) -> "ContactForces":
         """Give the pairs of some kinds."""
-        rows = [row for row, kind in enumerate(self.kinds) if kind in kinds]
+        return self._some([row for row, kind in enumerate(self.kinds) if kind in kinds])
+
+    def of_disc(self, disc: int) -> "ContactForces":
+        """Give the pairs of a disc, by its index."""
+        return self._some([row for row, own in enumerate(self.discs) if own == disc])
+
+    def _some(self, rows: list[int]) -> "ContactForces":
         names, found = (tuple(words[row] for row in rows) for words in (self.names, self.kinds))
         return ContactForces(names, found, self.point[:, rows], self.force[:, rows])
 
@@ -96,17 +108,17 @@ def contact_forces(design: Design, columns: Mapping[str, Array], drawn: Drawing 
     names, kinds = tuple(acting), tuple(acting.values())
     count = columns["crank_angle"].size
     point, force = np.empty((count, len(names), 2)), np.empty((count, len(names), 2))
-    place = poses(design, columns)
+    place, discs = poses(design, columns), gears(design.gear.discs)
     true = _measured(design, place)
     shown = true if drawn is None else _drawn(design, drawn)
     for row, (name, kind) in enumerate(acting.items()):
-        number = number_of(name)
+        number, disc = number_of(name), disc_of(name)
         wrench = usable(np.stack([columns[column(name, part)] for part in WRENCH], axis=1))
-        origin = (place[pin(number)] if kind in _ON_PINS else place[GEAR])[:, :2]
+        origin = (place[pin(number)] if kind in _ON_PINS else place[discs[disc]])[:, :2]
         along = _direction(wrench[:, :2])
-        aside = _aside(wrench, along, true.surface(kind, number, along) - origin)
+        aside = _aside(wrench, along, true.surface(kind, number, disc, along) - origin)
         force[:, row] = wrench[:, :2]
-        point[:, row] = shown.surface(kind, number, along) + aside
+        point[:, row] = shown.surface(kind, number, disc, along) + aside
     return ContactForces(names, kinds, point, force)
 
 
@@ -115,29 +127,36 @@ def on_gear(design: Design, columns: Mapping[str, Array]) -> ContactForces:
     return contact_forces(design, columns).of(*FORCE_COLOURS)
 
 
-def arrow_height(design: Design) -> float:
-    """Give where viewers show forces along the axis [m]: on the gear's face towards the output."""
-    return 0.5 * design.gear.face_width + THICKNESS * design.ring.pin_circle_radius
+def arrow_heights(design: Design) -> tuple[float, ...]:
+    """Give where viewers show the forces on each disc along the axis [m]: on its face towards the output.
+
+    Of several discs those on the first are on its other face, which no disc covers.
+    """
+    height = 0.5 * design.gear.face_width + THICKNESS * design.ring.pin_circle_radius
+    first, *others = design.gear.disc_planes
+    return (first - height if others else first + height, *(plane + height for plane in others))
 
 
 def ideal_forces(design: Design, columns: Mapping[str, Array]) -> Array | None:
-    """Give the force on each pin by ideal load sharing [N], shape (n, N); None for an internal gear."""
+    """Give the force of each disc on each pin by ideal load sharing [N], shape (n, D, N); None for an internal gear."""
     if design.ring.kind != "pin":
         return None
-    return ideal_load_sharing(tooth_profile(design), columns["load_torque"], columns["crank_angle"]).forces
+    gear, share = tooth_profile(design), columns["load_torque"] / design.gear.discs
+    each = [ideal_load_sharing(gear, share, columns["crank_angle"] + phase).forces for phase in phases(design)]
+    return np.stack(each, axis=1)
 
 
 def reference_force(design: Design) -> dict[str, float]:
     """Give kind of pair -> a force that is typical of it [N], by the load, or by the gear's inertia if that is more.
 
-    With the torque T, half of the N ring contacts share T/(c (N-1)) as a sine: the largest has 4 T/(c N (N-1)), that of
-    n output pins on the radius R has 4 T/(n R), and the cam has T/(c (N-1)).
+    With the torque T of a disc, half of its N ring contacts share T/(c (N-1)) as a sine: the largest has
+    4 T/(c N (N-1)), that of n output pins on the radius R has 4 T/(n R), and the cam has T/(c (N-1)).
     """
     gear, output, teeth = design.gear, design.output, design.ring.teeth
     area = np.pi * (design.ring.pin_circle_radius**2 - gear.bore_radius**2 - output.pins * output.hole_radius**2)
     mass = design.material_of("gear").density * gear.face_width * max(float(area), 0.0)
     inertia = mass * (gear.eccentricity * design.drive.speed**2 + abs(design.environment.gravity_y))
-    torque = max(abs(design.load.torque), inertia * gear.eccentricity * design.lobes)
+    torque = max(abs(design.load.torque) / gear.discs, inertia * gear.eccentricity * design.lobes)
     cam = torque / (gear.eccentricity * design.lobes)
     ring, pins = 4 * cam / teeth, 4 * torque / (output.pins * output.pin_circle_radius)
     return {"pin_gear": ring, "tooth": ring, "pin_socket": ring, "pin_sleeve": ring, "cam": cam, "output": pins}
@@ -153,21 +172,21 @@ def _pairs(columns: Mapping[str, Array]) -> dict[str, str]:
 
 @dataclass(frozen=True, eq=False)
 class _Inner:
-    """Centres of the inner parts of the pairs: ring (n, N, 2), cam (n, 2), output pins (n, k, 2); and their radii."""
+    """Centres of the inner parts: ring (n, N, 2), cams (n, D, 2), output pins (n, k, 2); and their radii."""
 
     ring: Array
-    cam: Array
+    cams: Array
     output_pins: Array
     radii: Radii
 
-    def surface(self, kind: str, number: int, along: Array) -> Array:
+    def surface(self, kind: str, number: int, disc: int, along: Array) -> Array:
         """Give where a frictionless contact (n, 2) [m] would be: on the inner part, towards the part that is pushed.
 
         `along` is the direction of the force (n, 2); a pin in its socket is itself what is pushed, a
         sleeve is pushed from within.
         """
         if kind == "cam":
-            return self.cam + self.radii.cam * along
+            return self.cams[:, disc] + self.radii.cam * along
         if kind == "output":
             return self.output_pins[:, number - 1] + self.radii.output_pin * along
         reach = {"pin_socket": -self.radii.pin, "pin_sleeve": self.radii.sleeve_bore}.get(kind, self.radii.pin)
@@ -176,19 +195,20 @@ class _Inner:
 
 def _measured(design: Design, place: Mapping[str, Array]) -> _Inner:
     nominal = ring_places(design)
-    ring = np.broadcast_to(nominal, (len(place[GEAR]), *nominal.shape))
+    ring = np.broadcast_to(nominal, (len(place[OUTPUT]), *nominal.shape))
     if pin(1) in place:
         ring = np.stack([place[pin(number)][:, :2] for number in range(1, len(nominal) + 1)], axis=1)
     pins = moved(place[OUTPUT][:, np.newaxis], output_centres(design))
-    return _Inner(ring, _cam(design, place[SHAFT]), pins, drawn_radii(design))
+    return _Inner(ring, cams(design, place[SHAFT]), pins, drawn_radii(design))
 
 
 def _drawn(design: Design, drawn: Drawing) -> _Inner:
-    return _Inner(drawn.ring, _cam(design, drawn.shaft), drawn.output_pins, drawn.radii)
+    return _Inner(drawn.ring, cams(design, drawn.shaft), drawn.output_pins, drawn.radii)
 
 
-def _cam(design: Design, shaft: Array) -> Array:
-    return moved(shaft, gear_centre(tooth_profile(design), 0.0))
+def cams(design: Design, shaft: Array) -> Array:
+    """Give the centres of all cams [m], shape (n, D, 2), of a crank in the poses (n, 3)."""
+    return moved(shaft[:, np.newaxis], gear_centre(tooth_profile(design), np.array(phases(design))))
 
 
 def _direction(force: Array) -> Array:

@@ -5,7 +5,7 @@ from importlib.resources import files
 from typing import Any
 
 from cycloid_mj.design import Design
-from cycloid_mj.names import GEAR, HOUSING, OUTPUT, PIN, SHAFT, all_numbered
+from cycloid_mj.names import HOUSING, OUTPUT, PIN, SHAFT, all_numbered, gears, planar_speeds
 from cycloid_mj.scene.messages import ROOT
 
 DISTANCE, NEAREST, FARTHEST = 4.0, 0.02, 100.0
@@ -21,6 +21,10 @@ def layout(design: Design) -> dict[str, Any]:
     view, reach = found["configById"]["3D!mechanism"], design.housing.outer_radius
     view["cameraState"] |= {"distance": DISTANCE * reach, "near": NEAREST * reach, "far": FARTHEST * reach}
     pins = all_numbered(PIN, design.ring.teeth) if design.ring.kind == "pin" else ()
-    frames = (ROOT, HOUSING, SHAFT, GEAR, OUTPUT, *pins)
+    frames = (ROOT, HOUSING, SHAFT, *gears(design.gear.discs), OUTPUT, *pins)
+    plot = found["configById"]["Plot!speed"]
+    of_gear, *others = plot["paths"]
+    discs = [of_gear | {"value": f"/reducer.{planar_speeds(gear)[2]}"} for gear in gears(design.gear.discs)]
+    plot["paths"] = [*discs, *others]
     view["transforms"] = {f"frame:{frame}": {"visible": False} for frame in frames}
     return found

@@ -28,13 +28,14 @@ from cycloid_mj.scene.force import (
     FORCE_COLOURS,
     THICKNESS,
     ContactForces,
-    arrow_height,
+    arrow_heights,
     on_gear,
     reference_force,
 )
 from cycloid_mj.scene.glb import MEDIA_TYPE, glb
 from cycloid_mj.scene.pose import poses, ring_places
-from cycloid_mj.scene.shape import Colour, shapes
+from cycloid_mj.scene.shape import shapes
+from cycloid_mj.solid.tint import Colour
 from cycloid_mj.types import Array
 
 Message = tuple[str, int, bytes]
@@ -135,22 +136,24 @@ class Scene:
                 length = float(size[pair]) * self._scales[kind]
                 tail = point[pair] - force[pair] * self._scales[kind]
                 angle = float(np.arctan2(force[pair, 1], force[pair, 0]))
-                self._add_arrow(entity.arrows.add(), tail, angle, length, FORCE_COLOURS[kind])
+                at = (float(tail[0]), float(tail[1]), self._heights[acting.discs[pair]])
+                self._add_arrow(entity.arrows.add(), at, angle, length, FORCE_COLOURS[kind])
         return bytes(update.SerializeToString(deterministic=True))
 
-    def _add_arrow(self, arrow: Any, tail: Array, angle: float, length: float, colour: Colour) -> None:
-        """Fill in an arrow along `angle` [rad] on the gear's face towards the output disc."""
+    def _add_arrow(
+        self, arrow: Any, tail: tuple[float, float, float], angle: float, length: float, colour: Colour
+    ) -> None:
+        """Fill in an arrow along `angle` [rad] from its `tail` [m]."""
         thickness = THICKNESS * self.design.ring.pin_circle_radius
         head = min(3.0 * thickness, 0.5 * length)
         arrow.shaft_length, arrow.head_length = length - head, head
         arrow.shaft_diameter, arrow.head_diameter = thickness, 2.0 * thickness
         arrow.color.r, arrow.color.g, arrow.color.b, arrow.color.a = colour
-        _place(
-            arrow.pose.position,
-            arrow.pose.orientation,
-            (float(tail[0]), float(tail[1]), arrow_height(self.design)),
-            angle,
-        )
+        _place(arrow.pose.position, arrow.pose.orientation, tail, angle)
+
+    @cached_property
+    def _heights(self) -> tuple[float, ...]:
+        return arrow_heights(self.design)
 
     @cached_property
     def _scales(self) -> dict[str, float]:

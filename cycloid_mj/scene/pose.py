@@ -7,12 +7,27 @@ import numpy.typing as npt
 
 from cycloid_mj.design import Design
 from cycloid_mj.errors import LogError
-from cycloid_mj.names import GEAR, HOUSING, OUTPUT, SHAFT, column, pin
+from cycloid_mj.names import (
+    FORCE_X,
+    FORCE_Y,
+    HOUSING,
+    OUTPUT,
+    SHAFT,
+    column,
+    gears,
+    of_disc,
+    pin,
+    planar_joints,
+)
 from cycloid_mj.profile import unit
 from cycloid_mj.record import usable
 from cycloid_mj.types import Array
 
-POSE_COLUMNS = ("crank_angle", "gear_x", "gear_y", "gear_angle", "output_angle")
+
+def pose_columns(design: Design) -> tuple[str, ...]:
+    """Name the columns that a run must have for its parts to be shown."""
+    planar = (name for gear in gears(design.gear.discs) for name in planar_joints(gear))
+    return ("crank_angle", *planar, "output_angle")
 
 
 def ring_places(design: Design) -> Array:
@@ -24,8 +39,8 @@ def ring_places(design: Design) -> Array:
 def poses(design: Design, columns: Mapping[str, Array]) -> dict[str, Array]:
     """Give part -> x [m], y [m] and angle [rad] at n times, shape (n, 3).
 
-    Parts are housing, shaft, gear, output and, where the ring has pins, pin_1 ... pin_N. Positions are those of the
-    gear's and the pins' centres and of the reducer axis; angles are counter-clockwise.
+    Parts are housing, shaft, gear (of several discs gear_1, gear_2, ...), output and, where the ring has pins, pin_1
+    ... pin_N. Positions are those of gears' and pins' centres and of the reducer axis; angles are counter-clockwise.
 
     Parameters
     ----------
@@ -40,7 +55,7 @@ def poses(design: Design, columns: Mapping[str, Array]) -> dict[str, Array]:
     LogError
         A column is missing.
     """
-    missing = [name for name in POSE_COLUMNS if name not in columns]
+    missing = [name for name in pose_columns(design) if name not in columns]
     if missing:
         raise LogError(
             f"the run lacks the columns {', '.join(missing)}, so its parts cannot be shown: simulate it again"
@@ -49,20 +64,27 @@ def poses(design: Design, columns: Mapping[str, Array]) -> dict[str, Array]:
     found = {
         HOUSING: _pose(still, still, still),
         SHAFT: _pose(still, still, columns["crank_angle"]),
-        GEAR: _pose(columns["gear_x"], columns["gear_y"], columns["gear_angle"]),
+        **{gear: _pose(*(columns[name] for name in planar_joints(gear))) for gear in gears(design.gear.discs)},
         OUTPUT: _pose(still, still, columns["output_angle"]),
     }
     if design.ring.kind == "pin":
         for number, (x, y) in enumerate(ring_places(design), start=1):
             away = [columns.get(column(pin(number), name), still) for name in ("x", "y", "angle")]
             if design.ring.has_massless_pins:
-                away[:2] = _pressed(design, [columns.get(column(pin(number), f"force_{axis}"), still) for axis in "xy"])
+                away[:2] = _pressed(design, [_on_discs(design, columns, number, axis) for axis in (FORCE_X, FORCE_Y)])
             found[pin(number)] = _pose(x + away[0], y + away[1], away[2])
     return found
 
 
+def _on_discs(design: Design, columns: Mapping[str, Array], number: int, axis: str) -> Array:
+    """Give the force of a pin on all discs along an axis [N], shape (n,); 0 without columns."""
+    discs = design.gear.discs
+    pairs = [column(of_disc(pin(number), disc, discs), axis) for disc in range(discs)]
+    return np.sum([columns.get(pair, np.zeros_like(columns["crank_angle"])) for pair in pairs], axis=0)
+
+
 def _pressed(design: Design, force: list[Array]) -> list[Array]:
-    """Give how far a massless pin is from its place [m]: by its play away from the gear, which feels its force [N]."""
+    """Give how far a massless pin is from its place [m]: by its play away from the gears, which feel its force [N]."""
     size = np.maximum(np.hypot(*force), np.finfo(float).tiny)
     return [-design.pin_play * component / size for component in force]
 

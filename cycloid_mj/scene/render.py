@@ -9,7 +9,7 @@ import numpy.typing as npt
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
 from cycloid_mj.record import Run
-from cycloid_mj.scene.force import ARROW, FORCE_COLOURS, THICKNESS, arrow_height, on_gear
+from cycloid_mj.scene.force import ARROW, FORCE_COLOURS, THICKNESS, arrow_heights, on_gear
 from cycloid_mj.scene.opengl import opengl
 from cycloid_mj.scene.replay import AZIMUTH, ELEVATION, aim, replay_model, set_sample
 
@@ -79,16 +79,16 @@ def _scene(model: Any, data: Any, arrows: list[dict[str, Any]], view: tuple[floa
 
 
 def _arrows(run: Run, design: Design, sample: int) -> list[dict[str, Any]]:
-    """Give tail, tip, width [m] and colour of each force's arrow, on the gear's face towards the output."""
+    """Give tail, tip, width [m] and colour of each force's arrow, on a face of its disc."""
     columns = {name: values[sample : sample + 1] for name, values in run.columns.items()}
-    acting, reach, face = on_gear(design, columns), design.ring.pin_circle_radius, arrow_height(design)
+    acting, reach, faces = on_gear(design, columns), design.ring.pin_circle_radius, arrow_heights(design)
     arrows = []
     for kind in dict.fromkeys(acting.kinds):
         these = acting.of(kind)
         scale = ARROW * reach / max(float(these.size.max()), 1e-9)
-        for point, force in zip(these.point[0], these.force[0], strict=True):
+        for point, force, disc in zip(these.point[0], these.force[0], these.discs, strict=True):
             if force.any():
-                tip, tail = np.array([*point, face]), np.array([*(point - scale * force), face])
+                tip, tail = np.array([*point, faces[disc]]), np.array([*(point - scale * force), faces[disc]])
                 arrows.append({"tail": tail, "tip": tip, "width": THICKNESS * reach, "colour": FORCE_COLOURS[kind]})
     return arrows
 

@@ -10,18 +10,20 @@ import numpy as np
 
 from cycloid_mj.design import Design
 from cycloid_mj.errors import CycloidError
+from cycloid_mj.names import gears, planar_speeds
 from cycloid_mj.record import Run
-from cycloid_mj.scene.force import ARROW, FORCE_COLOURS, THICKNESS, ContactForces, arrow_height, on_gear
+from cycloid_mj.scene.force import ARROW, FORCE_COLOURS, THICKNESS, ContactForces, arrow_heights, on_gear
 from cycloid_mj.scene.glb import smoothed
 from cycloid_mj.scene.pose import poses
-from cycloid_mj.scene.shape import Colour, Piece, shapes
+from cycloid_mj.scene.shape import Piece, shapes
+from cycloid_mj.solid.tint import Colour
 from cycloid_mj.types import Array
 from cycloid_mj.whole import whole_file
 
 TIMELINE = "time"
 MECHANISM, SIGNALS = "mechanism", "signals"
-PLOTTED = (("gear_speed",), ("output_speed",), ("crank_torque", "load_torque"), ("peak_force",))
-"""Columns in the plots that the viewer opens with; every other can be dragged there."""
+PLOTTED = (("output_speed",), ("crank_torque", "load_torque"), ("peak_force",))
+"""Columns in the plots that the viewer opens with, after the discs' speeds; every other can be dragged there."""
 
 
 def write_rerun(run: Run, design: Design, path: str | os.PathLike[str]) -> None:
@@ -94,13 +96,14 @@ def _bytes(colour: Colour) -> list[int]:
 
 
 def _log_forces(rr: Any, recording: Any, design: Design, time: Any, acting: ContactForces) -> None:
-    """Log the arrows of each kind of pair, their tips at the contacts, on the gear's face towards the output."""
-    reach, face = design.ring.pin_circle_radius, arrow_height(design)
+    """Log the arrows of each kind of pair, their tips at the contacts, on a face of their disc."""
+    reach, faces = design.ring.pin_circle_radius, np.array(arrow_heights(design))
     for kind in dict.fromkeys(acting.kinds):
         these = acting.of(kind)
         scale = ARROW * reach / these.size.max(initial=1e-9)
         vectors = np.concatenate([scale * these.force, np.zeros((*these.size.shape, 1))], axis=2)
-        origins = np.concatenate([these.point, np.full((*these.size.shape, 1), face)], axis=2) - vectors
+        heights = np.broadcast_to(faces[list(these.discs)][:, np.newaxis], (*these.size.shape, 1))
+        origins = np.concatenate([these.point, heights], axis=2) - vectors
         count, pairs = these.size.shape
         arrows = rr.Arrows3D.columns(vectors=vectors.reshape(-1, 3), origins=origins.reshape(-1, 3))
         entity = f"{MECHANISM}/forces/{kind}"
@@ -113,9 +116,10 @@ def _layout(design: Design, topics: Mapping[str, tuple[str, ...]]) -> Any:
     """Give the views that the viewer opens with."""
     rrb = importlib.import_module("rerun.blueprint")
     at = {name: f"/{SIGNALS}{topic}/{name}" for topic, names in topics.items() for name in names}
+    speeds = tuple(planar_speeds(gear)[2] for gear in gears(design.gear.discs))
     plots = [
         rrb.TimeSeriesView(name=", ".join(names), contents=[at[name] for name in names])
-        for names in PLOTTED
+        for names in (speeds, *PLOTTED)
         if all(name in at for name in names)
     ]
     reach = design.housing.outer_radius

@@ -43,6 +43,7 @@ class Mechanism {
       element(pin, "circle", { class: "pin" });
       element(pin, "line", { x1: 0, y1: 0, y2: 0, class: "pin" });
     }
+    this.others = this.shape.others.map(({ gear }) => element(up, "path", { class: "other", d: polygon(gear) }));
     this.outputs = this.many(up, "circle", outputPins, { class: "output" });
     this.shaft = element(up, "g");
     this.cam = element(this.shaft, "circle", { class: "cam", cy: eccentricity });
@@ -117,6 +118,10 @@ class Mechanism {
     const cam = [gear[0] - times * dx, gear[1] - times * dy];
     this.gear.setAttribute("transform", placed(gear, turn));
     this.shaft.setAttribute("transform", placed([-times * dx, -times * dy], crank));
+    shape.others.forEach(({ phase }, i) => {
+      const centre = [-c * Math.sin(crank + phase), c * Math.cos(crank + phase)];
+      this.others[i].setAttribute("transform", placed(centre, turn));
+    });
 
     const ring = [];
     for (let i = 0; i < teeth; i++) {
