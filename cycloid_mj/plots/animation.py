@@ -84,12 +84,11 @@ def film(scene: Take, width: int = WIDTH) -> Iterator[Image]:
     motion = scene.motion
     columns = {name: values[scene.rows] for name, values in motion.run.columns.items()}
     drawn = drawing(motion.design, gaps(motion.design, columns, motion.disc), scene.magnification)
-    ideal = ideal_forces(motion.design, columns)
     script = Script(
         design=motion.design,
         drawn=drawn,
         acting=contact_forces(motion.design, columns, drawn).of_disc(motion.disc),
-        ideal=None if ideal is None else ideal[:, motion.disc],
+        ideal=ideal_forces(motion.design, columns, motion.disc),
     )
     return _frames(script, set_stage(script, width), columns["crank_angle"], motion.time[scene.rows])
 

@@ -89,7 +89,7 @@ def _frames(motion: Series, columns: dict[str, Array], time: Array) -> dict[str,
         frames |= {
             "away": encoded(1e3 * measured.away),
             "pinAngle": encoded(np.mod(measured.pin_angle, 2 * np.pi)),
-            "ideal": encoded(ideal[:, 0]),
+            "ideal": encoded(ideal),
         }
     return frames
 

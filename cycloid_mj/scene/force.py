@@ -137,13 +137,12 @@ def arrow_heights(design: Design) -> tuple[float, ...]:
     return (first - height if others else first + height, *(plane + height for plane in others))
 
 
-def ideal_forces(design: Design, columns: Mapping[str, Array]) -> Array | None:
-    """Give the force of each disc on each pin by ideal load sharing [N], shape (n, D, N); None for an internal gear."""
+def ideal_forces(design: Design, columns: Mapping[str, Array], disc: int = 0) -> Array | None:
+    """Give the force of a disc on each pin by ideal load sharing [N], shape (n, N); None for an internal gear."""
     if design.ring.kind != "pin":
         return None
-    gear, share = tooth_profile(design), columns["load_torque"] / design.gear.discs
-    each = [ideal_load_sharing(gear, share, columns["crank_angle"] + phase).forces for phase in phases(design)]
-    return np.stack(each, axis=1)
+    share, crank = columns["load_torque"] / design.gear.discs, columns["crank_angle"] + phases(design)[disc]
+    return ideal_load_sharing(tooth_profile(design), share, crank).forces
 
 
 def reference_force(design: Design) -> dict[str, float]:
