@@ -44,6 +44,19 @@ class Item:
             return self.safety
         return math.inf if self.life is None else self.life / life
 
+    def as_json(self) -> dict[str, Any]:
+        """Give the item for a program, which has its key beside it; what is endless or without limit is None there."""
+        return {
+            "name": self.name,
+            "value": self.value,
+            "unit": self.unit,
+            "limit": self.limit,
+            "safety": self.safety,
+            "life_h": self.life,
+            "source": self.source,
+            "note": self.note,
+        }
+
     @property
     def load(self) -> str:
         """What acts, with its unit."""
@@ -114,25 +127,12 @@ class Rating:
 
     def as_json(self) -> dict[str, Any]:
         """Give the rating for a program."""
-        items = {
-            item.key: {
-                "name": item.name,
-                "value": item.value,
-                "unit": item.unit,
-                "limit": item.limit,
-                "safety": item.safety,
-                "life_h": item.life,
-                "source": item.source,
-                "note": item.note,
-            }
-            for item in self.items.values()
-        }
         found = {
             "design": self.design,
             "condition": self.duty,
             "required_life_h": self.life,
             "weakest": self.weakest.key,
-            "items": items,
+            "items": self.items,
             "assumptions": list(self.assumptions),
         }
         return dict(plain(found))

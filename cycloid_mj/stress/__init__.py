@@ -17,11 +17,15 @@ A part is meshed once and factorised once; every crank angle is one right-hand s
     patch (and from the sharp inner corners of the shaft), ``bulk_place`` (k, d) where it sits.
 """
 
-from cycloid_mj.stress.field import PartStress, StressMap, solve, stress_map
-from cycloid_mj.stress.grid import Grid, GridSettings
-from cycloid_mj.stress.loads import PartLoads
-from cycloid_mj.stress.part import part_grid
-from cycloid_mj.stress.vtu import as_vtu
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from cycloid_mj.stress.field import PartStress, StressMap, solve, stress_map
+    from cycloid_mj.stress.grid import Grid, GridSettings
+    from cycloid_mj.stress.loads import PartLoads
+    from cycloid_mj.stress.part import part_grid
+    from cycloid_mj.stress.vtu import as_vtu
 
 __all__ = [
     "Grid",
@@ -34,3 +38,19 @@ __all__ = [
     "solve",
     "stress_map",
 ]
+
+_ORIGINS = {
+    **dict.fromkeys(("PartStress", "StressMap", "solve", "stress_map"), "field"),
+    **dict.fromkeys(("Grid", "GridSettings"), "grid"),
+    "PartLoads": "loads",
+    "part_grid": "part",
+    "as_vtu": "vtu",
+}
+"""Module of each public name: notches and measures of the shaft are wanted where no finite element is."""
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name when it is first used."""
+    if name not in _ORIGINS:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}; it has {', '.join(__all__)}")
+    return getattr(import_module(f"{__name__}.{_ORIGINS[name]}"), name)

@@ -8,16 +8,18 @@ what a fillet makes of the nominal stress stands beside it, by DIN 743-2:2012 (s
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from cycloid_mj.design import Design
 from cycloid_mj.solid.output import AXIAL_GAP
-from cycloid_mj.stress.loads import PartLoads
 from cycloid_mj.stress.shaftgrid import Shaft
 from cycloid_mj.types import Array
 from cycloid_mj.units import MEGAPASCAL, MILLIMETRE
+
+if TYPE_CHECKING:
+    from cycloid_mj.stress.loads import PartLoads
 
 BENDING = (0.62, 5.8, 0.2, 3.0)
 TORSION = (3.4, 19.0, 1.0, 2.0)
@@ -90,7 +92,7 @@ def shoulder_factor(radius: float, fillet: float, outer: float, terms: tuple[flo
     return 1.0 + 1.0 / math.sqrt(a * slope + 2.0 * b * share * (1.0 + 2.0 * share) ** 2 + c * slope**z * shorter)
 
 
-def output_roots(design: Design, loads: PartLoads) -> tuple[Notch, ...]:
+def output_roots(design: Design, loads: "PartLoads") -> tuple[Notch, ...]:
     """Give the most loaded root of the output's pins, cantilevers that carry their force evenly over the gear's width.
 
     Their nominal bending stress is 4 F (w/2 + gap)/(pi R^3), R being the core's radius under a roller.
