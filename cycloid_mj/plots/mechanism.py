@@ -112,19 +112,19 @@ def _draw_parts(axes: Axes, design: Design, place: Mapping[str, Array]) -> None:
     solids = parts(design, VISUAL_CHORD_ERROR)
     axis, pins = np.zeros(3), ring_places(design) if design.ring.kind == "pin" else np.empty((0, 2))
     disc = float(np.linalg.norm(solids[OUTPUT].prisms[0].outline, axis=1).max())
-    _region(axes, solids[HOUSING].prisms[0], "ring", axis)
+    draw_region(axes, solids[HOUSING].prisms[0], "ring", axis)
     for centre in pins:
-        _disc(axes, centre, design.ring.pin_radius, "pins")
+        draw_disc(axes, centre, design.ring.pin_radius, "pins")
         if design.ring.has_sleeves:
-            _disc(axes, centre, sleeve_core_radius(design), "ring")
-    _disc(axes, axis, disc, "disc")
+            draw_disc(axes, centre, sleeve_core_radius(design), "ring")
+    draw_disc(axes, axis, disc, "disc")
     for disc, gear in enumerate(gears(design.gear.discs)):
-        _region(axes, solids[gear].prisms[0], "gear", place[gear], 1.0 if disc == 0 else BEFORE_OTHERS)
+        draw_region(axes, solids[gear].prisms[0], "gear", place[gear], 1.0 if disc == 0 else BEFORE_OTHERS)
     for centre in moved(place[OUTPUT], output_centres(design)):
-        _disc(axes, centre, design.output.pin_radius, "output")
+        draw_disc(axes, centre, design.output.pin_radius, "output")
     for disc, cam in enumerate(cams(design, place[SHAFT][np.newaxis])[0]):
-        _disc(axes, cam, design.gear.bore_radius, "cam", 1.0 if disc == 0 else BEFORE_OTHERS)
-    _disc(axes, axis, design.shaft.radius, "shaft")
+        draw_disc(axes, cam, design.gear.bore_radius, "cam", 1.0 if disc == 0 else BEFORE_OTHERS)
+    draw_disc(axes, axis, design.shaft.radius, "shaft")
 
 
 def _draw_motion(axes: Axes, design: Design, place: Mapping[str, Array]) -> None:
@@ -158,14 +158,15 @@ def _draw_forces(axes: Axes, design: Design, acting: ContactForces) -> None:
     axes.quiverkey(arrows, 0.1, 0.05, reference, f"{reference:g} N", labelpos="N", labelcolor=DISC_COLOURS[disc])
 
 
-def _region(axes: Axes, prism: Prism, part: str, pose: Array, opacity: float = 1.0) -> None:
-    """Draw a region with its holes, turned and moved."""
+def draw_region(axes: Axes, prism: Prism, part: str, pose: Array, opacity: float = 1.0) -> None:
+    """Draw a region with its holes, turned and moved by a pose: x [m], y [m] and angle [rad]."""
     rings = [1e3 * moved(pose, ring) for ring in (prism.outline, *(hole[::-1] for hole in prism.holes))]
     path = Path.make_compound_path(*(Path(np.vstack([ring, ring[:1]]), closed=True) for ring in rings))
     axes.add_patch(PathPatch(path, linewidth=0.7, joinstyle="round", **_look(part, opacity)))
 
 
-def _disc(axes: Axes, centre: Array, radius: float, part: str, opacity: float = 1.0) -> None:
+def draw_disc(axes: Axes, centre: Array, radius: float, part: str, opacity: float = 1.0) -> None:
+    """Draw a disc of a radius [m] round a centre [m]."""
     look = _look(part, opacity)
     axes.add_patch(Circle((1e3 * centre[0], 1e3 * centre[1]), 1e3 * radius, linewidth=0.7, **look))
 

@@ -5,6 +5,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
 
 from cycloid_mj.errors import CycloidError, UsageError
@@ -71,4 +72,14 @@ def drawn(figure: Figure, form: str) -> bytes:
     """Give a figure as the bytes of a file of a format."""
     content = BytesIO()
     figure.savefig(content, format=form, dpi=RESOLUTION, metadata=METADATA[form])
+    return content.getvalue()
+
+
+@styled
+def document(pages: Sequence[Figure]) -> bytes:
+    """Give figures as the pages of one PDF file."""
+    content = BytesIO()
+    with PdfPages(content, metadata=METADATA["pdf"]) as file:
+        for page in pages:
+            file.savefig(page)
     return content.getvalue()

@@ -52,6 +52,7 @@ STYLE: dict[str, Any] = {
     "ytick.major.width": 0.6,
     "xtick.major.size": 2.5,
     "ytick.major.size": 2.5,
+    "hatch.linewidth": 0.35,
     "legend.frameon": False,
     "legend.fontsize": 8.0,
     "legend.handlelength": 2.2,

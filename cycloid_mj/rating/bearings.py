@@ -87,7 +87,13 @@ def _shaft_seat(design: Design, name: str) -> Seat:
     low, high = shaft_measures(design).bearings[0]
     row = Row(SHAFT_ROLLERS, size, high - low, 2.0 * radius + size)
     ratings = bearing.shaft_dynamic_capacity, bearing.shaft_static_capacity
-    return Seat(f"shaft_bearing_{name}", f"shaft bearing, {name} from the gear", row, *ratings, "on the shaft")
+    return Seat(
+        f"shaft_bearing_{name}",
+        {"near": "shaft bearing next to the gear", "far": "shaft bearing far from the gear"}[name],
+        row,
+        *ratings,
+        "on the shaft",
+    )
 
 
 def _output_seat(design: Design) -> Seat:

@@ -1,0 +1,164 @@
+"""The two pages of a data sheet, A4, and its pictures alone."""
+
+import textwrap
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+
+from cycloid_mj.plots.style import styled
+from cycloid_mj.plots.views import draw_views
+from cycloid_mj.rating.datasheet import Datasheet
+from cycloid_mj.result import Curve, Quantity
+
+PAGE = (8.27, 11.69)
+"""A4 [in]."""
+
+LEFT, RIGHT = 0.07, 0.93
+NAVY, ACCENT, INK, SOFT, RULE = "#12324F", "#0072B2", "#1A1F24", "#59636E", "#D3DAE0"
+KEYS = ("rated_torque", "momentary_torque", "backlash", "stiffness_ideal", "efficiency", "mass")
+"""Quantities of the tiles below the heading."""
+
+ROW = 0.0166
+"""Height of a line of a table, over the page's."""
+
+COLUMNS = (0.0, 0.41, 0.515)
+"""Where name, unit and condition begin, over the table's width; the value ends before its unit."""
+
+NOTE_WIDTH = 138
+"""Letters of a line of the notes."""
+
+
+@styled
+def datasheet_pages(sheet: Datasheet) -> list[Figure]:
+    """Draw the sheet: figures with their conditions and curves, then dimensions and what all of it stands on."""
+    return [_first(sheet), _second(sheet)]
+
+
+@styled
+def datasheet_pictures(sheet: Datasheet) -> dict[str, Figure]:
+    """Draw the views and the curves, a figure each, for a page that sets text and tables itself."""
+    views = Figure(figsize=(9.0, 6.0))
+    draw_views(views.add_axes((0.0, 0.0, 1.0, 1.0)), sheet.design)
+    curves = Figure(figsize=(9.0, 2.7), layout="constrained")
+    for axes, curve in zip(curves.subplots(1, len(sheet.curves)), sheet.curves, strict=True):
+        _curve(axes, curve)
+    return {"views": views, "curves": curves}
+
+
+def _first(sheet: Datasheet) -> Figure:
+    figure = _page(sheet, 1)
+    _tiles(figure, sheet, 0.855)
+    top = 0.79
+    for heading, quantities in sheet.groups.items():
+        top = _table(figure, heading, quantities, top)
+    slot = (RIGHT - LEFT) / len(sheet.curves)
+    for place, curve in enumerate(sheet.curves):
+        _curve(figure.add_axes((LEFT + place * slot + 0.045, 0.085, slot - 0.06, 0.165)), curve)
+    return figure
+
+
+def _second(sheet: Datasheet) -> Figure:
+    figure = _page(sheet, 2)
+    _heading(figure, "Dimensions [mm], as drawn", 0.868)
+    draw_views(figure.add_axes((LEFT - 0.02, 0.355, RIGHT - LEFT + 0.04, 0.495), anchor="N"), sheet.design)
+    _heading(figure, "What these figures stand on", 0.335)
+    line = 0.316
+    for note in sheet.notes:
+        for number, part in enumerate(textwrap.wrap(note, NOTE_WIDTH, break_on_hyphens=False)):
+            figure.text(LEFT, line, "•" if number == 0 else "", fontsize=6.6, color=ACCENT, va="top")
+            figure.text(LEFT + 0.014, line, part, fontsize=6.4, color=INK, va="top")
+            line -= 0.0115
+        line -= 0.004
+    return figure
+
+
+def _page(sheet: Datasheet, number: int) -> Figure:
+    """Give a page with its band above and its line below."""
+    figure, design = Figure(figsize=PAGE), sheet.design
+    figure.add_artist(Rectangle((0.0, 0.913), 1.0, 0.087, facecolor=NAVY, edgecolor="none"))
+    figure.add_artist(Rectangle((0.0, 0.909), 1.0, 0.004, facecolor=ACCENT, edgecolor="none"))
+    figure.text(LEFT, 0.966, design.name, fontsize=_fitting(design.name), weight="bold", color="white", va="center")
+    size = f"Ø{2e3 * design.housing.outer_radius:.4g} mm"
+    kind = "pinwheel" if design.ring.kind == "pin" else "internal gear"
+    discs = "" if design.gear.discs == 1 else f", {design.gear.discs} discs"
+    figure.text(LEFT, 0.933, f"Cycloidal speed reducer with a {kind}{discs}", fontsize=9.5, color="white", va="center")
+    figure.text(RIGHT, 0.966, f"{design.lobes} : 1", fontsize=21, color="white", ha="right", va="center")
+    figure.text(RIGHT, 0.933, size, fontsize=9.5, color="white", ha="right", va="center")
+    _rule(figure, 0.045, RULE)
+    figure.text(LEFT, 0.03, "Computed by cycloid_mj, not measured", fontsize=6.5, color=SOFT)
+    figure.text(RIGHT, 0.03, f"{number} / 2", fontsize=6.5, color=SOFT, ha="right")
+    return figure
+
+
+def _fitting(name: str) -> float:
+    """Give the font size at which a name fits beside the ratio."""
+    return min(25.0, 25.0 * 22.0 / max(len(name), 1))
+
+
+def _tiles(figure: Figure, sheet: Datasheet, bottom: float) -> None:
+    """Set the numbers that one looks for first in a row of boxes."""
+    found = {one.key: one for group in sheet.groups.values() for one in group}
+    gap, count = 0.012, len(KEYS)
+    width = (RIGHT - LEFT - (count - 1) * gap) / count
+    for place, key in enumerate(KEYS):
+        left, one = LEFT + place * (width + gap), found[key]
+        figure.add_artist(Rectangle((left, bottom - 0.025), width, 0.062, facecolor="#EEF3F7", edgecolor="none"))
+        figure.add_artist(Rectangle((left, bottom - 0.025), 0.004, 0.062, facecolor=ACCENT, edgecolor="none"))
+        figure.text(left + 0.012, bottom + 0.023, one.name.split(",")[0], fontsize=6.0, color=SOFT, va="center")
+        figure.text(left + 0.012, bottom + 0.002, written(one), fontsize=13, weight="bold", color=NAVY, va="center")
+        figure.text(left + 0.012, bottom - 0.016, one.unit, fontsize=6.5, color=SOFT, va="center")
+
+
+def _table(figure: Figure, heading: str, quantities: Sequence[Quantity], top: float) -> float:
+    """Set a table, a line for each quantity; give where the next one begins."""
+    _heading(figure, heading, top)
+    name, unit, condition = (LEFT + share * (RIGHT - LEFT) for share in COLUMNS)
+    line = top - 0.0185
+    for one in quantities:
+        look = {"fontsize": 7.6, "va": "center", "color": INK}
+        figure.text(name, line, one.name, **look)
+        figure.text(unit - 0.012, line, written(one), weight="bold", ha="right", **look)
+        figure.text(unit, line, "" if one.unit == "1" else one.unit, **look)
+        figure.text(condition, line, _shortened(one.note), **{**look, "fontsize": 6.8, "color": SOFT})
+        line -= ROW
+        _rule(figure, line + 0.5 * ROW, RULE, 0.4)
+    return line - 0.012
+
+
+def _shortened(text: str) -> str:
+    """Give a condition that fits its column."""
+    return textwrap.shorten(text, 76, placeholder=" …")
+
+
+def written(one: Quantity) -> str:
+    """Write a value with three digits, without a power of ten; a dash where there is none."""
+    if not np.isfinite(one.value):
+        return "\N{EN DASH}"
+    if one.key == "ratio":
+        return f"{one.value:.0f} : 1"
+    return f"{one.value:.3g}" if abs(one.value) < 1e3 else f"{float(f'{one.value:.4g}'):.0f}"
+
+
+def _heading(figure: Figure, text: str, at: float) -> None:
+    figure.text(LEFT, at, text, fontsize=9.5, weight="bold", color=ACCENT, va="center")
+    _rule(figure, at - 0.0095, ACCENT)
+
+
+def _rule(figure: Figure, at: float, colour: str, width: float = 0.8) -> None:
+    figure.add_artist(Rectangle((LEFT, at), RIGHT - LEFT, 1e-3 * width, facecolor=colour, edgecolor="none"))
+
+
+def _curve(axes: Axes, curve: Curve) -> None:
+    """Draw a curve in a panel of its own."""
+    axes.plot(curve.x, curve.y, color=ACCENT, linewidth=1.4, marker="o", markersize=2.2)
+    axes.set_title(curve.panel, fontsize=8.0, weight="bold", color=NAVY)
+    axes.set_xlabel(curve.x_label, fontsize=7.0)
+    axes.set_ylabel(curve.y_label, fontsize=7.0)
+    axes.tick_params(labelsize=6.5)
+    low, high = float(curve.y.min()), float(curve.y.max())
+    if low > 0.0:
+        axes.set_ylim(0.0 if low < 0.5 * high else 0.9 * low, 1.1 * high if high > 100.0 or low < 0.5 * high else None)
+    axes.margins(x=0.04)

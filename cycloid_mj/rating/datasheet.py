@@ -1,0 +1,305 @@
+"""What a maker's data sheet tells of a reducer, each number with the condition under which it holds."""
+
+import math
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.optimize import brentq
+
+from cycloid_mj.design import PARTS, Design
+from cycloid_mj.errors import CycloidError, DesignError
+from cycloid_mj.loaded import loads, powers, springs_of
+from cycloid_mj.loaded.sheet import Sheet, sheet
+from cycloid_mj.names import GEAR, OUTPUT, PIN, SHAFT, family
+from cycloid_mj.rating.duty import steady
+from cycloid_mj.rating.item import Item
+from cycloid_mj.rating.items import rate
+from cycloid_mj.result import Curve, Quantity
+from cycloid_mj.solid import body_solids, mass_properties
+from cycloid_mj.units import ARCMINUTE, RPM
+
+LIFE = 6000.0
+"""Hours for which makers of robot reducers state the rated torque."""
+
+LOWEST, HIGHEST = 1e-3, 1e2
+"""Torques between which the rated one is looked for, over that of the drive."""
+
+STRIDE = math.log(2.0)
+"""Step of that search, of the torque's logarithm, until the rated one lies within."""
+
+EXACT = 1e-3
+"""Relative accuracy of the rated torque."""
+
+NO_BALANCE = -100.0
+"""Logarithm of the margin of what is not held at all."""
+
+SPEEDS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0)
+TORQUES = (0.05, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.25)
+TURNS = (0.01, 0.03, 0.1, 0.25, 0.5, 0.75, 1.0)
+"""Shares of the rated speed and torque at which curves have their points."""
+
+NOT_STEADY, NOT_COUNTED = "peak_", ("_wear", "_pv", "_static")
+"""Items that do not decide the rated torque: stops, wear (its coefficient is known to a decade), figures."""
+
+
+@dataclass(frozen=True)
+class Datasheet:
+    """The data sheet of one design.
+
+    Attributes
+    ----------
+    design
+        The design.
+    life
+        Hours that the rated torque is for.
+    groups
+        Heading -> quantities; the note of each is its condition.
+    curves
+        Of the panels, in their order.
+    notes
+        What all of it stands on, a sentence each.
+    """
+
+    design: Design
+    life: float
+    groups: dict[str, tuple[Quantity, ...]]
+    curves: tuple[Curve, ...]
+    notes: tuple[str, ...]
+
+    def as_json(self) -> dict[str, Any]:
+        """Give the sheet for a program."""
+        found = [one for group in self.groups.values() for one in group]
+        return {
+            "design": self.design.name,
+            "life_h": self.life,
+            "quantities": {
+                one.key: {"name": one.name, "value": one.value, "unit": one.unit, "condition": one.note}
+                for one in found
+            },
+            "curves": list(self.curves),
+            "notes": list(self.notes),
+        }
+
+
+def datasheet(design: Design, life: float = LIFE) -> Datasheet:
+    """Give the data sheet of a sound design, its rated torque for a life [h] at the rated speed.
+
+    Raises
+    ------
+    DesignError
+        The crank stands still, or nothing bears even the least torque for so long.
+    RunError
+        No static balance was found, as where friction jams the reducer.
+    """
+    static = sheet(design)
+    rated, weakest = rated_torque(design, design.drive.speed, life)
+    groups = {
+        "Ratings": _ratings(design, life, rated, weakest),
+        "Accuracy and stiffness": _accuracy(static),
+        "Efficiency and heat": _efficiency(design, static),
+        "Mass and size": _mass(design),
+    }
+    curves = (_life_curve(design, life), _efficiency_curve(design), _wind_up_curve(design))
+    return Datasheet(design, life, groups, curves, _notes(design, life, static))
+
+
+def rated_torque(
+    design: Design, speed: float, life: float, counts: Callable[[str], bool] | None = None, guess: float = 0.0
+) -> tuple[float, Item]:
+    """Give the torque [N m] that everything bears for a life [h] at a crank's speed [rad/s], and what decides it.
+
+    `counts` tells of an item's key whether it does: by default all but emergency stops and wear. The search begins at
+    a `guess` [N m], by default the drive's torque, and ends a hundred times above and a thousand times below that.
+
+    Raises
+    ------
+    DesignError
+        No torque in that range is borne for so long.
+    """
+    decides, rated = counts or _counts, design.rated_torque
+    found: dict[float, Item] = {}
+
+    def margin(logarithm: float) -> float:
+        """Give the logarithm of the least margin; where the drive holds no such torque, far less than nothing."""
+        try:
+            items = rate(design, steady(math.exp(logarithm), speed), life).items
+        except CycloidError:
+            return NO_BALANCE
+        found[logarithm] = next(item for item in items.values() if decides(item.key))
+        return math.log(max(found[logarithm].margin(life), math.exp(NO_BALANCE)))
+
+    at = math.log(guess or rated)
+    bears = margin(at) > 0.0
+    step = STRIDE if bears else -STRIDE
+    lowest, highest = (math.log(share * rated) for share in (LOWEST, HIGHEST))
+    while (margin(at + step) > 0.0) == bears:
+        at += step
+        if not lowest < at < highest:
+            break
+    else:
+        root = float(brentq(margin, min(at, at + step), max(at, at + step), xtol=EXACT))
+        return math.exp(root), found[min(found, key=lambda one: abs(one - root))]
+    if not bears:
+        raise DesignError(
+            f"{design.name}: no torque down to {math.exp(at):.3g} N m is borne for {life:g} h at {speed / RPM:.4g} "
+            "rpm; rate it to see what fails"
+        )
+    return math.exp(at), found[at]
+
+
+def _counts(key: str) -> bool:
+    return not key.startswith(NOT_STEADY) and not key.endswith(NOT_COUNTED)
+
+
+def _is_bearing_life(key: str) -> bool:
+    return key.startswith(("cam_bearing", "shaft_bearing", "output_rollers")) and not key.endswith("_static")
+
+
+def _ratings(design: Design, life: float, rated: float, weakest: Item) -> tuple[Quantity, ...]:
+    speed = design.drive.speed
+    at = f"{abs(speed) / RPM:.0f} rpm input"
+    by_bearings, bearing = rated_torque(design, speed, life, _is_bearing_life)
+    nominal, duty = design.rated_torque, steady(design.rated_torque, speed)
+    held = {item: item.safety or 0.0 for item in rate(design, duty).items.values() if item.key.startswith(NOT_STEADY)}
+    stop = min(held, key=lambda item: held[item])
+    momentary = duty.peak * held[stop]
+    return (
+        Quantity("ratio", "Reduction ratio", design.lobes, "1", note="input to output, turning backwards"),
+        Quantity("rated_torque", f"Rated torque, {life:g} h", rated, "N m", note=f"{at}; by {weakest.name}"),
+        Quantity(
+            "bearing_torque",
+            "Torque by its bearings alone",
+            by_bearings,
+            "N m",
+            note=f"{life:g} h, {at}; by {bearing.name}",
+        ),
+        Quantity(
+            "momentary_torque",
+            "Momentary torque",
+            momentary,
+            "N m",
+            note=f"once, by {stop.name.removeprefix('emergency stop, ')}",
+        ),
+        Quantity("nominal_torque", "Torque of the drive", nominal, "N m", note="rated input torque times the ratio"),
+        Quantity("input_speed", "Rated input speed", abs(speed) / RPM, "rpm", note="of the crank"),
+    )
+
+
+def _accuracy(static: Sheet) -> tuple[Quantity, ...]:
+    found, at = static.quantities, static.condition.split(",")[0]
+    error = found["output_peak_to_peak_loaded_forward_speed"]
+    return (
+        _told(found["backlash"], "Backlash", "without load, mean of a turn"),
+        _told(found["lost_motion_ideal"], "Lost motion", f"at 3 % of {at}, both ways"),
+        _told(found["stiffness_ideal"], "Torsional stiffness", f"50 to 100 % of {at}, input locked"),
+        _told(error, "Transmission error, peak to peak", f"{at}, forward, slow"),
+    )
+
+
+def _efficiency(design: Design, static: Sheet) -> tuple[Quantity, ...]:
+    found, at = static.quantities, ", ".join(static.condition.split(", ")[:2])
+    hot = rate(design).items["temperature"]
+    ambient = design.service.ambient_temperature
+    return (
+        _told(found["efficiency"], "Efficiency", at),
+        _told(found["back_driving_torque_rated"], "Back-driving torque", "against the rated input torque"),
+        Quantity("temperature_rise", "Temperature rise", hot.value - ambient, "K", note=f"{at}, still air"),
+    )
+
+
+def _told(found: Quantity, name: str, condition: str) -> Quantity:
+    return Quantity(found.key, name, found.value, found.unit, note=found.note or condition)
+
+
+def _mass(design: Design) -> tuple[Quantity, ...]:
+    gear, housing = design.gear, design.housing
+    solids = {name: mass_properties(solid) for name, solid in body_solids(design).items()}
+    count = {PIN: design.ring.teeth}
+    mass = sum(one.mass * count.get(name, 1) for name, one in solids.items())
+    length = axial_extent(design)
+    return (
+        Quantity("mass", "Mass", mass, "kg", note="parts as drawn: no covers, no bearings' rings"),
+        Quantity("inertia", "Inertia at the input", 1e4 * input_inertia(design), "kg cm2", note="without the motor"),
+        Quantity("outer_diameter", "Outer diameter", 2e3 * housing.outer_radius, "mm", note="ring"),
+        Quantity("length", "Length over all", 1e3 * (length[1] - length[0]), "mm", note="input journal to output disc"),
+        Quantity("input_diameter", "Input shaft diameter", 2e3 * design.shaft.radius, "mm", note="journal"),
+        Quantity(
+            "face_width", "Face width", 1e3 * gear.face_width, "mm", note=f"of {gear.discs} disc{'s'[: gear.discs > 1]}"
+        ),
+    )
+
+
+def input_inertia(design: Design) -> float:
+    """Give the inertia at the input [kg m2]: of crank, discs on their orbit, and what is slow over the ratio squared.
+
+    Ring pins that spin are left out: some 1e-4 of it.
+    """
+    found, slow = 0.0, float(design.lobes) ** 2
+    for name, solid in body_solids(design).items():
+        own = mass_properties(solid)
+        about_axis = own.inertia[2, 2] + own.mass * float(np.sum(own.centroid[:2] ** 2))
+        kind = family(name)
+        if kind == SHAFT:
+            found += about_axis
+        elif kind == GEAR:
+            found += own.mass * design.gear.eccentricity**2 + own.inertia[2, 2] / slow
+        elif kind == OUTPUT:
+            found += about_axis / slow
+    return found
+
+
+def axial_extent(design: Design) -> tuple[float, float]:
+    """Give where the reducer begins and ends along z [m]."""
+    ends = [end for solid in body_solids(design).values() for prism in solid.prisms for end in (prism.z0, prism.z1)]
+    return min(ends), max(ends)
+
+
+def _life_curve(design: Design, life: float) -> Curve:
+    """Give the rated torque over the speed; a speed at which none is borne has no point."""
+    points: list[tuple[float, float]] = []
+    for share in SPEEDS:
+        speed = share * abs(design.drive.speed)
+        with suppress(DesignError):
+            torque, _ = rated_torque(design, speed, life, guess=points[-1][1] if points else 0.0)
+            points.append((speed / RPM, torque))
+    x, y = np.array(points).T
+    return Curve(f"Rated torque for {life:g} h", "all items", x, y, "input speed [rpm]", "output torque [N m]")
+
+
+def _efficiency_curve(design: Design) -> Curve:
+    torques = np.array(TORQUES) * design.rated_torque
+    values = np.array([100.0 * powers(design, float(torque)).efficiency for torque in torques])
+    panel = f"Efficiency at {abs(design.drive.speed) / RPM:.0f} rpm"
+    return Curve(panel, "efficiency", torques, values, "output torque [N m]", "efficiency [%]")
+
+
+def _wind_up_curve(design: Design) -> Curve:
+    still = design.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
+    springs = springs_of(still, friction=False)
+    torques = design.rated_torque * np.array([*(-np.array(TURNS[::-1])), *TURNS])
+    turns = [float(loads(still, springs, float(torque)).output_turn.mean()) / ARCMINUTE for torque in torques]
+    panel = "Torsion, input locked"
+    return Curve(panel, "mean of a turn", torques, np.array(turns), "output torque [N m]", "output turn [arcmin]")
+
+
+def _notes(design: Design, life: float, static: Sheet) -> tuple[str, ...]:
+    return (
+        f"Computed by cycloid_mj from the design {design.name}; nothing here is measured on a built drive.",
+        f"Rated torque: what bearings (ISO 281, 90 %), surfaces (pitting, shakedown), parts (Goodman) and heat "
+        f"bear for {life:g} h; wear is left out. Momentary torque: by first yield, dents, bent or sheared pins, "
+        "or a jumped tooth.",
+        _made_of(design),
+        *(f"{sentence[0].upper()}{sentence[1:]}." for sentence in static.assumptions),
+    )
+
+
+def _made_of(design: Design) -> str:
+    """Tell materials and clearances."""
+    materials = ", ".join(f"{part} {design.material_of(part).name or 'of its own numbers'}" for part in PARTS)
+    clearances = ", ".join(
+        f"{kind.replace('_', ' ')} {1e6 * getattr(design.clearance, kind):.4g}" for kind in design.pair_kinds
+    )
+    return f"Materials: {materials}. Clearances [um]: {clearances}."

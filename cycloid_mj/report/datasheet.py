@@ -1,0 +1,32 @@
+"""The page of a data sheet: what the template ``assets/datasheet.html`` is filled with."""
+
+import re
+
+from markupsafe import Markup
+
+from cycloid_mj.plots.datasheet import datasheet_pictures, written
+from cycloid_mj.plots.save import drawn
+from cycloid_mj.rating.datasheet import Datasheet
+from cycloid_mj.report.page import environment
+
+
+def datasheet_page(sheet: Datasheet) -> str:
+    """Give a data sheet as one page that needs no other file."""
+    pictures = {name: Markup(_inline(figure)) for name, figure in _drawn(sheet).items()}
+    design = sheet.design
+    return (
+        environment()
+        .get_template("datasheet.html")
+        .render(
+            title=f"cycloid_mj: data sheet of {design.name}", sheet=sheet, design=design, written=written, **pictures
+        )
+    )
+
+
+def _drawn(sheet: Datasheet) -> dict[str, str]:
+    return {name: drawn(figure, "svg").decode() for name, figure in datasheet_pictures(sheet).items()}
+
+
+def _inline(svg: str) -> str:
+    """Give a drawing without what only a file of its own may begin with."""
+    return re.sub(r"^.*?(?=<svg)", "", svg, count=1, flags=re.DOTALL)
