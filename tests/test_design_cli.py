@@ -11,6 +11,8 @@ from designs import UNLIKE, design_file
 from cycloid_mj.checks import summary
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, load, override
+from cycloid_mj.rating import rate
+from cycloid_mj.result import plain
 
 # `measure backlash` over a turn by its closed form [arcmin], and `measure loads`: the torque of first yield [N m].
 MEASURED = {"pin": (0.9678, 28.1), "nonpin": (0.7471, 34.55)}
@@ -91,9 +93,12 @@ def test_summary_agrees_with_the_measures(name):
     assert 10 < found["loaded_teeth"] < 18
     assert 40 < found["pressure_angle_deg"] < 60
     assert found["weakest"] == PRESETS[name].tooth_pair
+    rating = rate(PRESETS[name])
+    assert found["weakest_item"] == {"key": rating.weakest.key, **plain(rating.weakest)}
     text = told("design", "check", name)[1]
     assert f"backlash {found['backlash_arcmin']:.3g} arcmin" in text
     assert "ratio 35:1, outer diameter 100 mm, mass 0.8" in text
+    assert f"weakest: {rating.weakest.name}: " in text
 
 
 @pytest.mark.parametrize("name", UNLIKE)

@@ -2,6 +2,7 @@
 
 import textwrap
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -82,9 +83,9 @@ def _page(sheet: Datasheet, number: int) -> Figure:
     figure.add_artist(Rectangle((0.0, 0.909), 1.0, 0.004, facecolor=ACCENT, edgecolor="none"))
     figure.text(LEFT, 0.966, design.name, fontsize=_fitting(design.name), weight="bold", color="white", va="center")
     size = f"Ø{2e3 * design.housing.outer_radius:.4g} mm"
-    kind = "pinwheel" if design.ring.kind == "pin" else "internal gear"
+    kind = "a pinwheel" if design.ring.kind == "pin" else "an internal gear"
     discs = "" if design.gear.discs == 1 else f", {design.gear.discs} discs"
-    figure.text(LEFT, 0.933, f"Cycloidal speed reducer with a {kind}{discs}", fontsize=9.5, color="white", va="center")
+    figure.text(LEFT, 0.933, f"Cycloidal speed reducer with {kind}{discs}", fontsize=9.5, color="white", va="center")
     figure.text(RIGHT, 0.966, f"{design.lobes} : 1", fontsize=21, color="white", ha="right", va="center")
     figure.text(RIGHT, 0.933, size, fontsize=9.5, color="white", ha="right", va="center")
     _rule(figure, 0.045, RULE)
@@ -118,7 +119,7 @@ def _table(figure: Figure, heading: str, quantities: Sequence[Quantity], top: fl
     name, unit, condition = (LEFT + share * (RIGHT - LEFT) for share in COLUMNS)
     line = top - 0.0185
     for one in quantities:
-        look = {"fontsize": 7.6, "va": "center", "color": INK}
+        look: dict[str, Any] = {"fontsize": 7.6, "va": "center", "color": INK}
         figure.text(name, line, one.name, **look)
         figure.text(unit - 0.012, line, written(one), weight="bold", ha="right", **look)
         figure.text(unit, line, "" if one.unit == "1" else one.unit, **look)
@@ -139,7 +140,7 @@ def written(one: Quantity) -> str:
         return "\N{EN DASH}"
     if one.key == "ratio":
         return f"{one.value:.0f} : 1"
-    return f"{one.value:.3g}" if abs(one.value) < 1e3 else f"{float(f'{one.value:.4g}'):.0f}"
+    return f"{one.value:.3g}" if abs(one.value) < 999.5 else f"{float(f'{one.value:.4g}'):.0f}"
 
 
 def _heading(figure: Figure, text: str, at: float) -> None:
@@ -160,5 +161,6 @@ def _curve(axes: Axes, curve: Curve) -> None:
     axes.tick_params(labelsize=6.5)
     low, high = float(curve.y.min()), float(curve.y.max())
     if low > 0.0:
-        axes.set_ylim(0.0 if low < 0.5 * high else 0.9 * low, 1.1 * high if high > 100.0 or low < 0.5 * high else None)
+        bottom = 0.0 if low < 0.5 * high else 0.9 * low
+        axes.set_ylim(bottom, high + 0.08 * (high - bottom))
     axes.margins(x=0.04)

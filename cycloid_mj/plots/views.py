@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -22,7 +23,7 @@ from cycloid_mj.units import MILLIMETRES
 CHORD_ERROR = 5e-6
 """Largest distance of a drawn chord from its curve [m]."""
 
-AXIS = {"color": "#7A8590", "linewidth": 0.45, "linestyle": (0, (9, 2.5, 1.5, 2.5))}
+AXIS: dict[str, Any] = {"color": "#7A8590", "linewidth": 0.45, "linestyle": (0, (9, 2.5, 1.5, 2.5))}
 HATCHES = {HOUSING: "////", GEAR: "\\\\\\\\", OUTPUT: "////", PIN: "", SHAFT: ""}
 PARTS = {HOUSING: "ring", GEAR: "gear", OUTPUT: "output", PIN: "pins", SHAFT: "shaft"}
 """Hatching of a cut part, and its look."""

@@ -79,7 +79,7 @@ class Datasheet:
                 one.key: {"name": one.name, "value": one.value, "unit": one.unit, "condition": one.note}
                 for one in found
             },
-            "curves": list(self.curves),
+            "curves": [curve.as_json() for curve in self.curves],
             "notes": list(self.notes),
         }
 
@@ -102,7 +102,7 @@ def datasheet(design: Design, life: float = LIFE) -> Datasheet:
         "Efficiency and heat": _efficiency(design, static),
         "Mass and size": _mass(design),
     }
-    curves = (_life_curve(design, life), _efficiency_curve(design), _wind_up_curve(design))
+    curves = (life_curve(design, life), _efficiency_curve(design), _wind_up_curve(design))
     return Datasheet(design, life, groups, curves, _notes(design, life, static))
 
 
@@ -257,7 +257,7 @@ def axial_extent(design: Design) -> tuple[float, float]:
     return min(ends), max(ends)
 
 
-def _life_curve(design: Design, life: float) -> Curve:
+def life_curve(design: Design, life: float) -> Curve:
     """Give the rated torque over the speed; a speed at which none is borne has no point."""
     points: list[tuple[float, float]] = []
     for share in SPEEDS:
