@@ -98,7 +98,7 @@ def datasheet(design: Design, life: float = LIFE) -> Datasheet:
     rated, weakest = rated_torque(design, design.drive.speed, life)
     groups = {
         "Ratings": _ratings(design, life, rated, weakest),
-        "Accuracy and stiffness": _accuracy(static),
+        "Accuracy and stiffness": _accuracy(design, static),
         "Efficiency and heat": _efficiency(design, static),
         "Mass and size": _mass(design),
     }
@@ -181,15 +181,15 @@ def _ratings(design: Design, life: float, rated: float, weakest: Item) -> tuple[
             "Momentary torque",
             momentary,
             "N m",
-            note=f"once, by {stop.name.removeprefix('emergency stop, ')}",
+            note=f"once; by {stop.name}",
         ),
         Quantity("nominal_torque", "Torque of the drive", nominal, "N m", note="rated input torque times the ratio"),
         Quantity("input_speed", "Rated input speed", abs(speed) / RPM, "rpm", note="of the crank"),
     )
 
 
-def _accuracy(static: Sheet) -> tuple[Quantity, ...]:
-    found, at = static.quantities, static.condition.split(",")[0]
+def _accuracy(design: Design, static: Sheet) -> tuple[Quantity, ...]:
+    found, at = static.quantities, f"{design.rated_torque:.4g} N m"
     error = found["output_peak_to_peak_loaded_forward_speed"]
     return (
         _told(found["backlash"], "Backlash", "without load, mean of a turn"),
@@ -200,7 +200,8 @@ def _accuracy(static: Sheet) -> tuple[Quantity, ...]:
 
 
 def _efficiency(design: Design, static: Sheet) -> tuple[Quantity, ...]:
-    found, at = static.quantities, ", ".join(static.condition.split(", ")[:2])
+    found = static.quantities
+    at = f"{design.rated_torque:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm"
     hot = rate(design).items["temperature"]
     ambient = design.service.ambient_temperature
     return (
