@@ -1,0 +1,65 @@
+"""How the documentation is built, with `sphinx-build -W docs docs/_build`; offline, and its pages load nothing from outside.
+
+The references of the design file, the commands and the Python functions are written from the code, into ``_reference``.
+"""
+
+import sys
+from pathlib import Path
+from typing import Any
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE))
+
+import drawings  # noqa: E402  (found beside this file)
+import reference  # noqa: E402
+
+import cycloid_mj  # noqa: E402
+
+project = "cycloid_mj"
+author = "the cycloid_mj developers"
+project_copyright = "the cycloid_mj developers, Apache-2.0"
+version = release = cycloid_mj.__version__
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx_gallery.gen_gallery",
+    "sphinx-mathjax-offline",
+]
+exclude_patterns = ["_build", "_gallery/GALLERY_HEADER.rst", "**/sg_execution_times.rst", "sg_execution_times.rst"]
+suppress_warnings = ["config.cache"]  # the sorting of the gallery is an object, which cannot be kept
+myst_enable_extensions = ["dollarmath", "attrs_block"]
+myst_heading_anchors = 3
+autodoc_typehints = "none"
+autodoc_preserve_defaults = True
+napoleon_google_docstring = False
+napoleon_use_ivar = True
+
+html_theme = "furo"
+html_title = f"cycloid_mj {version}"
+html_static_path = ["_static"]
+html_css_files = ["pages.css"]
+html_show_sphinx = False
+pygments_style, pygments_dark_style = "friendly", "monokai"
+
+sphinx_gallery_conf = {
+    "examples_dirs": "../examples",
+    "gallery_dirs": "_gallery",
+    "filename_pattern": "/",
+    "abort_on_example_error": True,
+    "download_all_examples": False,
+    "remove_config_comments": True,
+    "show_memory": False,
+    "show_signature": False,
+    "matplotlib_animations": False,
+    "reset_modules": ("matplotlib",),
+    "within_subsection_order": "FileNameSortKey",
+    "min_reported_time": 5,
+}
+
+
+def setup(app: Any) -> None:
+    """Write the references and the drawings before the pages are read."""
+    app.connect("builder-inited", lambda app: reference.write(HERE / "_reference"), priority=100)
+    app.connect("builder-inited", lambda app: drawings.write(HERE / "_drawings"), priority=100)

@@ -1,0 +1,147 @@
+"""The drawings of the page of concepts, from the same code as every figure: nothing in them is sketched by hand."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+
+from cycloid_mj import kinematics, profile
+from cycloid_mj.design import Design, loads
+from cycloid_mj.loaded import loads as balanced
+from cycloid_mj.loaded import springs_of, transmission_error
+from cycloid_mj.modification import tooth_profile
+from cycloid_mj.plots import mechanism
+from cycloid_mj.plots.style import BLUE, GREEN, GREY, ORANGE, STYLE, VERMILION
+from cycloid_mj.types import Array
+
+FEW = loads(
+    """
+name = "few"
+[ring]
+teeth = 7
+pin_circle_radius_mm = 30.0
+pin_radius_mm = 5.0
+[gear]
+eccentricity_mm = 2.0
+bore_radius_mm = 8.0
+[output]
+pins = 4
+pin_radius_mm = 2.0
+pin_circle_radius_mm = 15.5
+hole_radius_mm = 4.0
+[shaft]
+radius_mm = 4.0
+"""
+)
+"""Seven pins, 6:1: few enough to see each."""
+
+ARCMIN, ARCSEC = math.pi / 10800.0, math.pi / 648000.0
+
+
+def write(folder: Path) -> None:
+    """Draw all of them into a folder, unless they are there."""
+    folder.mkdir(exist_ok=True)
+    from matplotlib import rc_context
+
+    for draw in (parts, backlash, error, play):
+        path = folder / f"{draw.__name__}.svg"
+        if not path.exists():
+            with rc_context(STYLE | {"svg.fonttype": "path"}):
+                draw().savefig(path, metadata={"Date": None})
+
+
+def parts() -> Figure:
+    """Draw a reducer of seven pins with the names of its parts."""
+    figure = mechanism(FEW, crank_angle=0.6)
+    axes = figure.axes[0]
+    figure.legends[0].remove()
+    gear, reach = tooth_profile(FEW), 1e3 * FEW.housing.outer_radius
+    centre, turn = 1e3 * kinematics.gear_centre(gear, 0.6), float(kinematics.gear_rotation(gear, 0.6))
+    pin = 1e3 * gear.pin_circle_radius * profile.unit(2.0 * math.pi / 7.0)
+    hole = 1e3 * FEW.output.pin_circle_radius * profile.unit(math.pi / 2.0 - turn)
+    _name(axes, "ring pin, in its socket", pin, (0.75 * reach, 0.92 * reach))
+    _name(axes, "gear: 6 lobes on 7 pins", centre + (-14.0, -17.0), (-0.78 * reach, -0.95 * reach))
+    _name(axes, "output pin in a hole of the gear", hole, (0.72 * reach, -0.95 * reach))
+    _name(axes, "cam of the crank, on the eccentricity c", centre + (-4.5, 4.5), (-0.62 * reach, 0.95 * reach))
+    axes.set(xlim=(-1.25 * reach, 1.25 * reach), ylim=(-1.1 * reach, 1.1 * reach))
+    return figure
+
+
+def backlash() -> Figure:
+    """Draw the turn of the output over its torque at a locked crank, without friction: backlash, lost motion, stiffness."""
+    design = Design().but(environment={"gravity_x": 0.0, "gravity_y": 0.0}, drive={"speed": 0.0})
+    rated = 36.68
+    torque = np.concatenate([-np.geomspace(rated, 1e-3, 40), np.geomspace(1e-3, rated, 40)])
+    springs = springs_of(design, [0.4], friction=False)
+    turn = np.array([balanced(design, springs, float(one)).output_turn[0] for one in torque]) / ARCMIN
+    figure = Figure(figsize=(6.5, 3.2), layout="constrained")
+    axes = figure.subplots()
+    axes.plot(torque, turn, color=BLUE, linewidth=1.6)
+    below, above = turn[torque < 0.0].max(), turn[torque > 0.0].min()
+    lost = np.interp([-0.03 * rated, 0.03 * rated], torque, turn)
+    axes.annotate("", (0.0, below), (0.0, above), arrowprops={"arrowstyle": "<->", "color": VERMILION})
+    axes.text(-0.8, 0.1, f"backlash {above - below:.2f} arcmin", color=VERMILION, ha="right")
+    axes.hlines(lost, [-0.03 * rated, 0.03 * rated], 12.0, color=GREEN, linewidth=0.8)
+    axes.annotate("", (12.0, lost[0]), (12.0, lost[1]), arrowprops={"arrowstyle": "<->", "color": GREEN})
+    axes.text(12.5, 0.1, f"lost motion {lost[1] - lost[0]:.2f} arcmin,\nbetween +-3 % of the rated torque", color=GREEN)
+    slope = (np.interp(rated, torque, turn) - np.interp(0.5 * rated, torque, turn)) / (0.5 * rated)
+    axes.text(20.0, np.interp(20.0, torque, turn) + 0.1, f"stiffness {1.0 / slope:.0f} N m/arcmin", color=BLUE, ha="right")
+    axes.set(xlabel="torque on the output [N m]", ylabel="turn of the output [arcmin]", xlim=(-rated, rated))
+    return figure
+
+
+def error() -> Figure:
+    """Draw the transmission error of a reducer with displaced pins over a turn, and its orders."""
+    design = Design().but(errors={"pin_position": 2e-6, "seed": 3})
+    crank = np.linspace(0.0, 2.0 * np.pi, 721)[:-1]
+    found = transmission_error(design, crank, 36.68)[:, 1] / ARCSEC
+    found = found - found.mean()
+    figure = Figure(figsize=(6.5, 2.6), layout="constrained")
+    curve, orders = figure.subplots(1, 2, width_ratios=(3, 2))
+    curve.plot(np.degrees(crank), found, color=BLUE)
+    curve.set(xlabel="crank angle [deg]", ylabel="transmission error\nof the output [arcsec]", xlim=(0.0, 360.0))
+    size = 2.0 * np.abs(np.fft.rfft(found)) / found.size
+    orders.bar(np.arange(1, 41), size[1:41], color=[VERMILION if k == 36 else BLUE for k in range(1, 41)])
+    orders.annotate("mesh order 36", (36.0, size[36]), (22.0, 0.7 * size[1:41].max()), arrowprops={"arrowstyle": "-"})
+    orders.set(xlabel="order: cycles a crank turn", ylabel="amplitude [arcsec]", xlim=(0.0, 41.0))
+    return figure
+
+
+def play() -> Figure:
+    """Draw a pin between gear and housing, free, pressed and massless, with the clearance drawn wide."""
+    figure = Figure(figsize=(6.5, 2.7), layout="constrained")
+    free, pressed, massless = figure.subplots(1, 3)
+    for axes, title, shift, gear in (
+        (free, "free pin, no load", 0.0, -1.12),
+        (pressed, "free pin, pressed", 0.12, -0.88),
+        (massless, "massless pin", 0.12, -0.88),
+    ):
+        angle = np.linspace(0.0, math.pi, 60)
+        axes.plot(1.12 * np.cos(angle), 1.12 * np.sin(angle), color=GREY, linewidth=2.0)
+        axes.fill_between([-1.7, 1.7], gear, -1.9, color="#8DBFE3")
+        fill = "none" if axes is massless else "#F3C969"
+        axes.add_patch(Circle((0.0, shift), 1.0, facecolor=fill, edgecolor=ORANGE, linewidth=1.4))
+        axes.text(0.0, 1.3, "socket in the housing", ha="center", color=GREY)
+        axes.text(0.0, -1.55, "gear", ha="center")
+        axes.set(xlim=(-1.8, 1.8), ylim=(-2.0, 1.7), aspect="equal")
+        axes.set_title(title, loc="center")
+        axes.axis("off")
+    for axes, shift in ((free, 0.0), (pressed, 0.12)):
+        axes.text(0.0, shift, "pin", ha="center", va="center")
+    massless.plot([0.0, -0.3, 0.3, -0.3, 0.3, 0.0], np.linspace(-0.88, 1.12, 6), color=VERMILION)
+    massless.text(0.0, -1.2, "one contact: both clearances, both springs", ha="center", fontsize=6.5)
+    return figure
+
+
+def _name(axes: Axes, text: str, at: Array, beside: tuple[float, float]) -> None:
+    axes.annotate(
+        text,
+        tuple(at),
+        beside,
+        ha="center",
+        fontsize=9,
+        arrowprops={"arrowstyle": "-", "color": "#222222", "linewidth": 0.8, "shrinkB": 0},
+    )

@@ -1,0 +1,105 @@
+"""The pages of the documentation that are written from the code: design file, commands, Python functions."""
+
+import inspect
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, Literal, get_args, get_origin
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+import cycloid_mj
+from cycloid_mj.cli.app import application
+from cycloid_mj.design import Design
+from cycloid_mj.design.units import file_key, section_of, source_of, unit_of
+
+DESIGN = """# Reference: the design file
+
+A design file is TOML. Every key is listed here with its unit, its value in the preset `pin`, what is allowed, and where the value comes from;
+`cycloid-mj design show pin` prints them as a file. A key that is left out keeps this value. `--set table.key=value` changes one for a single
+command, and a flag of that command (`--load-nm`, `--speed-rpm`, ...) has the last word: file, then `--set`, then flags.
+"""
+
+COMMANDS = """# Reference: the commands
+
+What `--help` says, in one page. Results go to stdout, progress and messages to stderr; exit code 0 is done, 1 failed, 2 wrong usage.
+`cycloid-mj --install-completion` makes the shell complete commands and flags.
+"""
+
+PYTHON = """# Reference: Python
+
+`import cycloid_mj as cm` gives these names; each is imported when it is first used. Inside, all numbers are in SI units and radians.
+"""
+
+
+def write(folder: Path) -> None:
+    """Write the pages into a folder, those alone that have changed."""
+    folder.mkdir(exist_ok=True)
+    for name, text in {"design-file": design_file(), "commands": commands(), "python": python()}.items():
+        page = folder / f"{name}.md"
+        if not page.exists() or page.read_text(encoding="utf-8") != text:
+            page.write_text(text, encoding="utf-8")
+
+
+def design_file() -> str:
+    """Give the page of the design file: a table for each of its tables."""
+    design = Design()
+    tables = [(name, section_of(field)) for name, field in Design.model_fields.items()]
+    return DESIGN + "".join(_table(name, field, getattr(design, name)) for name, field in tables if field)
+
+
+def _table(name: str, section: type[BaseModel], values: Any) -> str:
+    """Give one table of the design file; parts without a material of their own have no values of it."""
+    about = (Design.model_fields[name].description or section.__doc__ or "").strip().partition("\n")[0]
+    rows = [
+        (f"`{file_key(key, field)}`", _value(field, getattr(values, key, None)), _allowed(field), *_told(field))
+        for key, field in section.model_fields.items()
+    ]
+    head = "| key | in `pin` | allowed | what it is | from |\n|---|---|---|---|---|\n"
+    lines = "".join("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |\n" for row in rows)
+    return f"\n## {name}\n\n{about}\n\n{head}{lines}"
+
+
+def _told(field: FieldInfo) -> tuple[str, str]:
+    return str(field.description), source_of(field)
+
+
+def _value(field: FieldInfo, value: Any) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, float):
+        return f"{unit_of(field).from_si(value):g}"
+    word = str(value).lower() if isinstance(value, bool) else str(value)
+    return f"`{word}`" if word and word != "()" else "empty"
+
+
+def _allowed(field: FieldInfo) -> str:
+    """Give the words or the bounds, in the unit of the file."""
+    if get_origin(field.annotation) is Literal:
+        return ", ".join(f"`{word}`" for word in get_args(field.annotation))
+    words = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
+    bounds = [(words[name], getattr(one, name)) for one in field.metadata for name in words if hasattr(one, name)]
+    return ", ".join(f"{word} {unit_of(field).from_si(float(bound)):g}" for word, bound in bounds)
+
+
+def commands() -> str:
+    """Give the page of the commands, from their help."""
+    text = application().generate_docs(output_format="markdown")
+    body = text[text.index("## `") :] if "## `" in text else text
+    return COMMANDS + "\n" + re.sub(r"\n{3,}", "\n\n", body)
+
+
+def python() -> str:
+    """Give the page of the public names of the package, from their docstrings."""
+    return PYTHON + "".join(_directives())
+
+
+def _directives() -> Iterator[str]:
+    for name in cycloid_mj.__all__:
+        value = getattr(cycloid_mj, name)
+        kind = "module" if inspect.ismodule(value) else "class" if inspect.isclass(value) else "function"
+        if not (inspect.ismodule(value) or callable(value)):
+            continue
+        members = "   :members:\n" if kind == "class" else ""
+        yield f"\n## `{name}`\n\n```{{eval-rst}}\n.. auto{kind}:: cycloid_mj.{name}\n{members}```\n"
