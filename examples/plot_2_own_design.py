@@ -22,6 +22,7 @@ design = cm.load(
         "ring.pin_circle_radius_mm": 40.75,
         "ring.pin_radius_mm": 2.25,
         "gear.eccentricity_mm": 1.2,
+        "output.hole_radius_mm": 5.2,
         "clearance.pin_gear_um": 5.0,
         "load.torque_nm": 15.0,
     },
