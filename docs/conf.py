@@ -1,4 +1,4 @@
-"""How the documentation is built, with `sphinx-build -W docs docs/_build`; offline, and its pages load nothing from outside.
+"""How the documentation is built, `python -m sphinx -W docs docs/_build`: offline; no page loads from outside.
 
 The references of the design file, the commands and the Python functions are written from the code, into ``_reference``.
 """

@@ -63,15 +63,17 @@ def parts() -> Figure:
     pin = 1e3 * gear.pin_circle_radius * profile.unit(2.0 * math.pi / 7.0)
     hole = 1e3 * FEW.output.pin_circle_radius * profile.unit(math.pi / 2.0 - turn)
     _name(axes, "ring pin, in its socket", pin, (0.75 * reach, 0.92 * reach))
-    _name(axes, "gear: 6 lobes on 7 pins", centre + (-14.0, -17.0), (-0.78 * reach, -0.95 * reach))
+    _name(axes, "gear: 6 lobes on 7 pins", centre + np.array([-14.0, -17.0]), (-0.78 * reach, -0.95 * reach))
     _name(axes, "output pin in a hole of the gear", hole, (0.72 * reach, -0.95 * reach))
-    _name(axes, "cam of the crank, on the eccentricity c", centre + (-4.5, 4.5), (-0.62 * reach, 0.95 * reach))
+    _name(
+        axes, "cam of the crank, on the eccentricity c", centre + np.array([-4.5, 4.5]), (-0.62 * reach, 0.95 * reach)
+    )
     axes.set(xlim=(-1.25 * reach, 1.25 * reach), ylim=(-1.1 * reach, 1.1 * reach))
     return figure
 
 
 def backlash() -> Figure:
-    """Draw the turn of the output over its torque at a locked crank, without friction: backlash, lost motion, stiffness."""
+    """Draw the turn of the output over its torque at a locked crank, without friction."""
     design = Design().but(environment={"gravity_x": 0.0, "gravity_y": 0.0}, drive={"speed": 0.0})
     rated = 36.68
     torque = np.concatenate([-np.geomspace(rated, 1e-3, 40), np.geomspace(1e-3, rated, 40)])
@@ -88,7 +90,9 @@ def backlash() -> Figure:
     axes.annotate("", (12.0, lost[0]), (12.0, lost[1]), arrowprops={"arrowstyle": "<->", "color": GREEN})
     axes.text(12.5, 0.1, f"lost motion {lost[1] - lost[0]:.2f} arcmin,\nbetween +-3 % of the rated torque", color=GREEN)
     slope = (np.interp(rated, torque, turn) - np.interp(0.5 * rated, torque, turn)) / (0.5 * rated)
-    axes.text(20.0, np.interp(20.0, torque, turn) + 0.1, f"stiffness {1.0 / slope:.0f} N m/arcmin", color=BLUE, ha="right")
+    axes.text(
+        20.0, np.interp(20.0, torque, turn) + 0.1, f"stiffness {1.0 / slope:.0f} N m/arcmin", color=BLUE, ha="right"
+    )
     axes.set(xlabel="torque on the output [N m]", ylabel="turn of the output [arcmin]", xlim=(-rated, rated))
     return figure
 

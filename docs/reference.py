@@ -16,20 +16,23 @@ from cycloid_mj.design.units import file_key, section_of, source_of, unit_of
 
 DESIGN = """# Reference: the design file
 
-A design file is TOML. Every key is listed here with its unit, its value in the preset `pin`, what is allowed, and where the value comes from;
-`cycloid-mj design show pin` prints them as a file. A key that is left out keeps this value. `--set table.key=value` changes one for a single
-command, and a flag of that command (`--load-nm`, `--speed-rpm`, ...) has the last word: file, then `--set`, then flags.
+A design file is TOML. Every key is listed here with its unit, its value in the preset `pin`, what is allowed, and where
+the value comes from; `cycloid-mj design show pin` prints them as a file. A key that is left out keeps this value.
+
+Which value counts: that of the file; over it that of `--set table.key=value`, for a single command; over both that of a
+flag (`--load-nm`, `--speed-rpm`, ...).
 """
 
 COMMANDS = """# Reference: the commands
 
-What `--help` says, in one page. Results go to stdout, progress and messages to stderr; exit code 0 is done, 1 failed, 2 wrong usage.
+What `--help` says, in one page. Results go to stdout, progress and messages to stderr; exit code 0 is done, 1 failed,
+2 wrong usage.
 `cycloid-mj --install-completion` makes the shell complete commands and flags.
 """
 
 PYTHON = """# Reference: Python
 
-`import cycloid_mj as cm` gives these names; each is imported when it is first used. Inside, all numbers are in SI units and radians.
+`import cycloid_mj as cm` gives these names; each is imported when first used. Numbers are in SI units and radians.
 """
 
 
@@ -86,7 +89,7 @@ def _allowed(field: FieldInfo) -> str:
 def commands() -> str:
     """Give the page of the commands, from their help."""
     text = application().generate_docs(output_format="markdown")
-    body = text[text.index("## `") :] if "## `" in text else text
+    body = text[text.index("\n## cycloid-mj ") :]
     return COMMANDS + "\n" + re.sub(r"\n{3,}", "\n\n", body)
 
 

@@ -2,7 +2,7 @@
 A tolerance budget
 ==================
 
-Which tolerance do I pay for? Give each dimension its tolerance, draw samples, and see which of them the backlash hangs on.
+Which tolerance do I pay for? Give each dimension its own, draw samples, and see which of them the backlash hangs on.
 
 Every sample is balanced over a whole crank turn. 10 000 samples take less than a minute; here are 300.
 """

@@ -6,7 +6,19 @@ from tempfile import TemporaryDirectory
 
 from cycloid_mj.cli import main as cycloid_mj
 
-RUN = ("simulate", "--design", "pin", "--set", 'ring.pins="massless"', "--load-nm", "36", "--ramp-s", "0", "--hold-s", "0.06")
+RUN = (
+    "simulate",
+    "--design",
+    "pin",
+    "--set",
+    'ring.pins="massless"',
+    "--load-nm",
+    "36",
+    "--ramp-s",
+    "0",
+    "--hold-s",
+    "0.06",
+)
 LOOK = ("--magnify", "200", "--frames", "36", "--width", "520")
 
 

@@ -8,16 +8,25 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-PAGES = [ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+WRITTEN = [
+    page
+    for page in sorted((ROOT / "docs").rglob("*.md"))
+    if not page.relative_to(ROOT / "docs").parts[0].startswith("_")
+]
+FOR_USERS = {"tutorial", "tour", "log-format"}
+"""Pages that speak of files that a user makes."""
+
+PAGES = [ROOT / "CONTRIBUTING.md", *WRITTEN]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_links_lead_somewhere(page: Path) -> None:
     for target in re.findall(r"\]\(([^)#]+)\)", page.read_text(encoding="utf-8")):
-        assert (page.parent / target).exists(), target
+        if not re.match(r"https?:|_", target):  # what is written from the code is checked when the pages are built
+            assert (page.parent / target).exists(), target
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+@pytest.mark.parametrize("page", [page for page in PAGES if page.stem not in FOR_USERS], ids=lambda page: page.stem)
 def test_files_and_modules_exist(page: Path) -> None:
     for word in re.findall(r"`([\w./]+)`", page.read_text(encoding="utf-8")):
         if "/" in word:
@@ -39,7 +48,7 @@ def test_walks_name_functions_that_are_there_in_ten_lines_each() -> None:
 
 
 def test_every_decision_is_numbered_once() -> None:
-    numbers = [int(page.name.split("-")[0]) for page in (ROOT / "docs" / "decisions").glob("*.md")]
+    numbers = [int(page.name.split("-")[0]) for page in (ROOT / "docs" / "decisions").glob("[0-9]*.md")]
     assert sorted(numbers) == list(range(1, len(numbers) + 1))
 
 

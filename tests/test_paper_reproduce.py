@@ -265,27 +265,27 @@ def test_every_stage_has_a_name_and_a_time():
     assert isinstance(stages.run_step(stages.STEPS[1], QUICK, ideal_runs, silent).found, Found)
 
 
-# --- the README
+# --- the page of the documentation
 
 
 @pytest.fixture(scope="module")
 def script():
-    spec = importlib.util.spec_from_file_location("readme_results", ROOT / "scripts" / "readme_results.py")
+    spec = importlib.util.spec_from_file_location("docs_results", ROOT / "scripts" / "docs_results.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
 
 
-def test_the_readme_says_what_the_json_says(script):
+def test_the_page_says_what_the_json_says(script):
     found = json.loads(script.KEPT.read_text(encoding="utf-8"))
-    readme = script.README.read_text(encoding="utf-8")
-    assert script.written(readme, found) == readme
-    assert all(f"| {script.load(claim['condition'])} |" in readme for claim in found["claims"])
+    page = script.PAGE.read_text(encoding="utf-8")
+    assert script.written(page, found) == page
+    assert all(f"| {script.load(claim['condition'])} |" in page for claim in found["claims"])
     found["claims"][0]["verdict"] = "disagrees" if found["claims"][0]["verdict"] == "agrees" else "agrees"
-    assert script.written(readme, found) != readme
+    assert script.written(page, found) != page
 
 
-def test_a_row_of_the_readme_names_its_load(script):
+def test_a_row_of_the_page_names_its_load(script):
     claim = {
         **{"figure": "Fig. 6", "design": "both", "condition": {"load_nm": 0.0, "speed_rpm": 1640.0}},
         "paper": {"claim": "more with pins", "text": "pin > nonpin"},
@@ -305,7 +305,7 @@ def test_a_row_of_the_readme_names_its_load(script):
 
 def test_the_errata_of_the_json_are_those_of_the_code(script):
     found = json.loads(script.KEPT.read_text(encoding="utf-8"))
-    # rounding differs between machines; the README rounds
+    # rounding differs between machines; the page rounds
     assert script.errata(found["errata"]) == script.errata(errata())
 
 
@@ -320,6 +320,6 @@ def test_a_run_with_a_broken_or_missing_stage_is_refused(script):
         script.kept(found | {"stages": [*whole[:-1], {"key": "torque", "error": "RunError: it jumped"}]})
 
 
-def test_a_readme_without_marks_is_refused(script):
+def test_a_page_without_marks_is_refused(script):
     with pytest.raises(ValueError, match="lacks"):
         script.written("# empty", {"quick": True, "claims": [], "errata": []})

@@ -1,4 +1,4 @@
-"""Every command and code block of the README does what it says."""
+"""Every command and code block of the README and of the tour does what it says."""
 
 import re
 import shlex
@@ -14,7 +14,8 @@ from cycloid_mj.design import resolve
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-BLOCKS = re.findall(r"```(\w+)\n(.*?)```", README, flags=re.DOTALL)
+TOUR = (ROOT / "docs" / "tour.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"```(\w+)\n(.*?)```", README + TOUR, flags=re.DOTALL)
 COMMANDS = [
     line.split(" #")[0].strip()
     for language, block in BLOCKS
@@ -22,7 +23,7 @@ COMMANDS = [
     for line in block.splitlines()
     if line.startswith("cycloid-mj ")
 ]
-INLINE = re.findall(r"`(cycloid-mj [^`]+)`", README)
+INLINE = sorted(set(re.findall(r"`(cycloid-mj [^`]+)`", README + TOUR)))
 QUICK = ["--ramp-s", "0", "--hold-s", "0.006"]
 SLOW = ("validate", "reproduce", "compare", "render", "view", "build", "export", "measure", "stress")
 

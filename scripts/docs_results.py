@@ -1,6 +1,6 @@
-"""Write the README's results from the numbers of `cycloid-mj reproduce`.
+"""Write the results of docs/paper.md from the numbers of `cycloid-mj reproduce`.
 
-`python scripts/readme_results.py` writes them from tests/data/reproduce.json; with the path of another reproduce.json
+`python scripts/docs_results.py` writes them from tests/data/reproduce.json; with the path of another reproduce.json
 it keeps that one's claims and errata there first.
 """
 
@@ -14,14 +14,14 @@ from typing import Any
 from cycloid_mj.result import Table
 
 ROOT = Path(__file__).parent.parent
-README, KEPT = ROOT / "README.md", ROOT / "tests" / "data" / "reproduce.json"
-MARK = "<!-- {word} of {name}: scripts/readme_results.py writes what stands here -->"
+PAGE, KEPT = ROOT / "docs" / "paper.md", ROOT / "tests" / "data" / "reproduce.json"
+MARK = "<!-- {word} of {name}: scripts/docs_results.py writes what stands here -->"
 STAGES = ("geometry", "equal", "input", "gear_speed", "q_path", "q_velocity", "pin_1", "vibration", "stress", "torque")
 TALLY = {"agrees": "agree", "depends": "depend", "disagrees": "disagree", "not determined": "are not determined"}
 
 
 def sections(found: dict[str, Any]) -> dict[str, str]:
-    """Give the generated sections of the README by name."""
+    """Give the generated sections of the page by name."""
     return {"results": results(found), "errata": errata(found["errata"])}
 
 
@@ -78,25 +78,25 @@ def errata(found: Sequence[dict[str, Any]]) -> str:
     return _table(head, rows)
 
 
-def written(readme: str, found: dict[str, Any]) -> str:
-    """Give the README with its generated sections replaced; raise ValueError if it lacks the marks of one."""
+def written(page: str, found: dict[str, Any]) -> str:
+    """Give the page with its generated sections replaced; raise ValueError if it lacks the marks of one."""
     for name, text in sections(found).items():
         begin, end = (MARK.format(word=word, name=name) for word in ("Begin", "End"))
-        if begin not in readme or end not in readme:
-            raise ValueError(f"the README lacks {begin} or {end}")
+        if begin not in page or end not in page:
+            raise ValueError(f"the page lacks {begin} or {end}")
         between = re.compile(f"{re.escape(begin)}.*{re.escape(end)}", re.DOTALL)
-        before, after = between.split(readme)
-        readme = f"{before}{begin}\n\n{text}\n\n{end}{after}"
-    return readme
+        before, after = between.split(page)
+        page = f"{before}{begin}\n\n{text}\n\n{end}{after}"
+    return page
 
 
 def kept(found: dict[str, Any]) -> dict[str, Any]:
-    """Give what of the command's JSON the README stands on; raise ValueError if a stage broke or was left out."""
+    """Give what of the command's JSON the page stands on; raise ValueError if a stage broke or was left out."""
     stages = {stage["key"]: stage["error"] for stage in found["stages"]}
     if broken := [key for key, error in stages.items() if error]:
-        raise ValueError(f"the README is not written from a run with a broken stage: {', '.join(broken)}")
+        raise ValueError(f"the page is not written from a run with a broken stage: {', '.join(broken)}")
     if missing := [key for key in STAGES if key not in stages]:
-        raise ValueError(f"the README is not written from a run of some stages alone; missing: {', '.join(missing)}")
+        raise ValueError(f"the page is not written from a run of some stages alone; missing: {', '.join(missing)}")
     return {key: found[key] for key in ("quick", "claims", "errata")}
 
 
@@ -110,12 +110,12 @@ def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Write the README; give the exit code."""
+    """Write the page; give the exit code."""
     if arguments:
         told = kept(json.loads(Path(arguments[0]).read_text(encoding="utf-8")))
         KEPT.write_text(json.dumps(told, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     found = json.loads(KEPT.read_text(encoding="utf-8"))
-    README.write_text(written(README.read_text(encoding="utf-8"), found), encoding="utf-8")
+    PAGE.write_text(written(PAGE.read_text(encoding="utf-8"), found), encoding="utf-8")
     return 0
 
 

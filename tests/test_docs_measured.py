@@ -1,4 +1,4 @@
-"""The README's table of measures is what the script writes from what was measured."""
+"""The table of measures in docs/results.md is what the script writes from what was measured."""
 
 import importlib.util
 import json
@@ -12,7 +12,7 @@ ROOT = Path(__file__).parent.parent
 
 @pytest.fixture(scope="module")
 def script() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("readme_measured", ROOT / "scripts" / "readme_measured.py")
+    spec = importlib.util.spec_from_file_location("docs_measured", ROOT / "scripts" / "docs_measured.py")
     assert spec
     assert spec.loader
     module = importlib.util.module_from_spec(spec)
@@ -20,10 +20,10 @@ def script() -> ModuleType:
     return module
 
 
-def test_the_readme_says_what_was_measured(script: ModuleType) -> None:
-    readme = script.README.read_text(encoding="utf-8")
+def test_the_page_says_what_was_measured(script: ModuleType) -> None:
+    page = script.PAGE.read_text(encoding="utf-8")
     found = json.loads(script.KEPT.read_text(encoding="utf-8"))
-    assert script.written(readme, found) == readme
+    assert script.written(page, found) == page
     for design, quantities in found.items():
         for label, keys in script.ROWS:
             assert sum(key in quantities for key in keys) == 1, (design, label)
@@ -37,6 +37,6 @@ def test_a_number_stands_with_its_error_and_its_closed_form(script: ModuleType) 
     assert "| 1.235 |" in script.table({"pin": dict.fromkeys([key for _, keys in script.ROWS for key in keys], bare)})
 
 
-def test_a_readme_without_marks_is_refused(script: ModuleType) -> None:
+def test_a_page_without_marks_is_refused(script: ModuleType) -> None:
     with pytest.raises(ValueError, match="lacks"):
         script.written("nothing", {})

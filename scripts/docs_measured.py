@@ -1,6 +1,6 @@
-"""Write the README's table of what is measured of the two designs, from `cycloid-mj measure`.
+"""Write the table in docs/results.md of what is measured of the two designs, from `cycloid-mj measure`.
 
-`python scripts/readme_measured.py` writes it from tests/data/measured.json; with --measure it measures first, which
+`python scripts/docs_measured.py` writes it from tests/data/measured.json; with --measure it measures first, which
 takes some ten minutes of two cores, and keeps there what the table shows.
 """
 
@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parent.parent
-README, KEPT = ROOT / "README.md", ROOT / "tests" / "data" / "measured.json"
-MARK = "<!-- {word} of measured: scripts/readme_measured.py writes what stands here -->"
+PAGE, KEPT = ROOT / "docs" / "results.md", ROOT / "tests" / "data" / "measured.json"
+MARK = "<!-- {word} of measured: scripts/docs_measured.py writes what stands here -->"
 BEGIN, END = MARK.format(word="Begin"), MARK.format(word="End")
 DESIGNS = ("pin", "nonpin")
 MEASURES = ("backlash", "lost-motion", "te", "torque", "efficiency", "loads")
@@ -76,22 +76,22 @@ def _cell(quantity: Mapping[str, Any]) -> str:
     return text if reference is None else f"{text} ({reference:.4g})"
 
 
-def written(readme: str, found: Mapping[str, Quantities]) -> str:
-    """Give the README with its table replaced; raise ValueError if it lacks the marks."""
-    if BEGIN not in readme or END not in readme:
-        raise ValueError(f"the README lacks {BEGIN} or {END}")
-    before, rest = readme.split(BEGIN)
+def written(page: str, found: Mapping[str, Quantities]) -> str:
+    """Give the page with its table replaced; raise ValueError if it lacks the marks."""
+    if BEGIN not in page or END not in page:
+        raise ValueError(f"the page lacks {BEGIN} or {END}")
+    before, rest = page.split(BEGIN)
     return f"{before}{BEGIN}\n\n{table(found)}\n\n{END}{rest.split(END)[1]}"
 
 
 def main() -> int:
-    """Write the README; give the exit code."""
+    """Write the page; give the exit code."""
     parser = argparse.ArgumentParser(description=str(__doc__).split("\n\n")[0])
     parser.add_argument("--measure", action="store_true", help="measure first")
     if parser.parse_args().measure:
         KEPT.write_text(json.dumps({name: measured(name) for name in DESIGNS}, indent=1) + "\n", encoding="utf-8")
     found = json.loads(KEPT.read_text(encoding="utf-8"))
-    README.write_text(written(README.read_text(encoding="utf-8"), found), encoding="utf-8")
+    PAGE.write_text(written(PAGE.read_text(encoding="utf-8"), found), encoding="utf-8")
     return 0
 
 

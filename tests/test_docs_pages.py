@@ -1,0 +1,107 @@
+"""The pages of the documentation: they build without a warning, load nothing from outside, and their commands run."""
+
+import re
+import shlex
+import subprocess
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote
+
+import pytest
+
+from cycloid_mj.cli import main
+
+ROOT = Path(__file__).parent.parent
+DOCS = ROOT / "docs"
+STALE = "sphinx_gallery_conf.run_stale_examples=1"
+SHELL = [
+    (page.stem, [shlex.split(line.split("  #")[0])[1:] for line in block.splitlines()])
+    for page in sorted(DOCS.glob("*.md"))
+    if page.stem not in {"tour", "trust", "results", "paper"}  # the tour is run with the README, others cost minutes
+    for block in ["".join(re.findall(r"```sh\n(.*?)```", page.read_text(encoding="utf-8"), flags=re.DOTALL))]
+    if block
+]
+
+
+class _Links(HTMLParser):
+    """What a page links to and loads, and the anchors it has."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.links: list[str] = []
+        self.loads: list[str] = []
+        self.anchors: set[str] = set()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        given = {name: value or "" for name, value in attrs}
+        self.anchors |= {given[name] for name in ("id", "name") if name in given}
+        if tag == "a" and "href" in given:
+            self.links.append(given["href"])
+        elif tag == "link" and given.get("rel") in {"stylesheet", "icon", "preload"}:
+            self.loads.append(given["href"])
+        elif "src" in given:
+            self.loads.append(given["src"])
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> dict[Path, _Links]:
+    """Build the pages with their gallery, and read them."""
+    made = tmp_path_factory.mktemp("docs")
+    words = ["-W", "--keep-going", "-q", "-D", STALE, "-d", str(made / "trees"), str(DOCS), str(made / "pages")]
+    done = subprocess.run([sys.executable, "-m", "sphinx", *words], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr[-3000:]
+    pages: dict[Path, _Links] = {}
+    for page in (made / "pages").rglob("*.html"):
+        pages[page] = _Links()
+        pages[page].feed(page.read_text(encoding="utf-8"))
+    return pages
+
+
+def test_pages_load_nothing_from_outside(site: dict[Path, _Links]) -> None:
+    assert len(site) > 25
+    for page, found in site.items():
+        assert not [place for place in found.loads if "//" in place], page.name
+        text = page.read_text(encoding="utf-8")
+        assert not re.search(r"@import|url\([\"']?https?:", text), page.name
+
+
+def test_links_between_pages_lead_somewhere(site: dict[Path, _Links]) -> None:
+    for page, found in site.items():
+        for link in [link for link in found.links if not re.match(r"[a-z]+:", link)]:
+            name, _, anchor = link.partition("#")
+            target = (page.parent / unquote(name)).resolve() if name else page
+            assert target.exists(), f"{page.name}: {link}"
+            if anchor and target in site:
+                assert unquote(anchor) in site[target].anchors, f"{page.name}: {link}"
+
+
+def test_every_example_drew_its_figure(site: dict[Path, _Links]) -> None:
+    names = {page.stem for page in site}
+    for script in (ROOT / "examples").glob("plot_*.py"):
+        assert script.stem in names
+        assert 15 < len(script.read_text(encoding="utf-8").splitlines()) <= 70
+        page = next(page for page in site if page.stem == script.stem)
+        assert any("sphx_glr" in place for place in site[page].loads)
+
+
+@pytest.mark.parametrize(("page", "commands"), SHELL, ids=[page for page, _ in SHELL])
+def test_the_commands_of_a_page_run_in_order(page: str, commands: list[list[str]], tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for words in commands:
+        assert main([*words]) == 0, words
+    if page == "tutorial":
+        assert len(commands) < 10
+        assert {path.name for path in tmp_path.iterdir()} >= {"drive.toml", "runs", "made", "parts"}
+
+
+def test_the_design_file_and_every_command_are_explained(site: dict[Path, _Links]) -> None:
+    from cycloid_mj.design import Design
+    from cycloid_mj.design.units import file_key, section_of
+
+    text = next(page for page in site if page.stem == "design-file").read_text(encoding="utf-8")
+    for name, field in Design.model_fields.items():
+        for key, inner in (section.model_fields if (section := section_of(field)) else {}).items():
+            assert f">{file_key(key, inner)}<" in text, f"{name}.{key}"
+    commands = next(page for page in site if page.stem == "commands").read_text(encoding="utf-8")
+    assert all(f"cycloid-mj {name}" in commands for name in ("simulate", "measure te", "log repair", "design new"))
