@@ -132,6 +132,7 @@ def application() -> App:
     reproduce.add(app, place=list(COMMANDS).index(stress.stress) + 0.5)
     for place, group in enumerate((measure, design, log), start=len(COMMANDS)):
         app.command(group.commands(sort_key=place))
+    app.register_install_completion_command(help="Make this shell complete commands and flags.")
     return page.flowing(app)
 
 
