@@ -2,10 +2,6 @@
 
 import os
 import signal
-import subprocess
-import sys
-import time
-from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
@@ -14,8 +10,6 @@ import pytest
 from cycloid_mj.engine import Engine, versions
 from cycloid_mj.engine.versions import require_same
 from cycloid_mj.errors import DesignError, RunError, UsageError
-
-HERE = Path(__file__).parent
 
 
 def square(number: int) -> int:
@@ -88,65 +82,6 @@ def test_other_versions_are_refused() -> None:
     other = tuple((name, "0.0.1" if name == "numpy" else version) for name, version in versions())
     with pytest.raises(RunError, match=r"a worker: numpy is 0\.0\.1 there and .* here; install the same versions"):
         require_same(other, "a worker")
-
-
-class Cluster:
-    """A scheduler and two workers, each a process."""
-
-    def __init__(self, folder: Path) -> None:
-        self.file = folder / "scheduler.json"
-        self.scheduler = self._start("scheduler", "--port", "0", "--no-dashboard", "--scheduler-file", str(self.file))
-        self.workers = [self.worker() for _ in range(2)]
-        while not self.file.exists():
-            time.sleep(0.05)
-
-    @property
-    def address(self) -> str:
-        import json
-
-        return str(json.loads(self.file.read_text())["address"]).removeprefix("tcp://")
-
-    def worker(self) -> subprocess.Popen[bytes]:
-        return self._start(
-            "worker", "--no-nanny", "--nthreads", "1", "--no-dashboard", "--scheduler-file", str(self.file)
-        )
-
-    def _start(self, *words: str) -> subprocess.Popen[bytes]:
-        environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(HERE.parent), str(HERE)])}
-        words = (sys.executable, "-m", "dask", *words)
-        return subprocess.Popen(words, env=environment, stderr=subprocess.DEVNULL, cwd=self.file.parent)
-
-    def close(self) -> None:
-        for process in (*self.workers, self.scheduler):
-            process.kill()
-            process.wait()
-
-
-@pytest.fixture(scope="module")
-def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
-    found = Cluster(tmp_path_factory.mktemp("cluster"))
-    yield found
-    found.close()
-
-
-def slow_square(number: int) -> int:
-    time.sleep(0.05)
-    return number**2
-
-
-def test_a_cluster_does_the_same_and_bears_the_loss_of_a_worker(cluster: Cluster) -> None:
-    engine = Engine(scheduler=cluster.address)
-    found = {}
-    for place, result in engine.stream(slow_square, range(60)):
-        found[place] = result
-        if len(found) == 10:
-            cluster.workers[0].kill()
-    assert found == {n: n**2 for n in range(60)}
-
-
-def test_an_error_on_a_cluster_ends_the_work(cluster: Cluster) -> None:
-    with pytest.raises(DesignError, match="spoiled"):
-        Engine(scheduler=cluster.address).each(fail, range(20))
 
 
 def test_a_scheduler_that_is_none_is_told(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,10 +18,15 @@ from cycloid_mj.design import PRESETS, override
 from cycloid_mj.engine import Engine
 from cycloid_mj.errors import UsageError
 from cycloid_mj.explore import journal, sweep, sweeps
+from cycloid_mj.explore.measured import Options
 from cycloid_mj.explore.points import MOST_POINTS, grid, sampled, tabled
 from cycloid_mj.explore.ranks import ranks, shown
+from cycloid_mj.explore.row import Row, Task
 from cycloid_mj.frame import Frame
 from cycloid_mj.loaded.sheet import sheet
+from cycloid_mj.plots import save
+from cycloid_mj.plots.explored import sweep_figure
+from cycloid_mj.report.sweep import sweep_page
 
 HERE = Engine(1)
 PIN = PRESETS["pin"]
@@ -235,6 +240,50 @@ def test_the_command_leaves_one_table_three_ways(tmp_path: Path, capsys: pytest.
     assert [float(row["mass_kg"]) for row in rows] == [value for (value,) in parquet.select("mass_kg").fetchall()]
     units = dict(duckdb.sql(f"select key, value from parquet_kv_metadata('{found['parquet']}')").fetchall())
     assert json.loads(units[b"units"])["mass_kg"] == "kg"
+
+
+def made_up(vary: dict[str, object], spoiled: int = -1) -> sweeps.Sweep:
+    """A sweep whose quantities are functions of its first input, without any measuring."""
+    points = grid(vary)
+    rows = {}
+    for place, values in enumerate(points.rows):
+        number = float(values[0]) if not isinstance(values[0], str) else 1.0
+        good = {"rising_mm": number, "falling_long_name_that_has_to_be_folded_somewhere_n": -(number**3) + place}
+        rows[place] = Row(error="<spoiled>") if place == spoiled else Row({**good, "word": "a"}, {"rising_mm": "mm"})
+    return sweeps.Sweep(Task(PIN, points.keys, ("mass",), Options()), points, rows)
+
+
+SHAPES = {
+    "line": ({"clearance.cam_um": "1:3:5"}, 1),
+    "words": ({"ring.kind": "pin,nonpin"}, 1),
+    "map": ({"clearance.cam_um": "1:3:4", "clearance.output_um": "1:3:4"}, 2),
+    "lines": ({"clearance.cam_um": "1:3:4", "ring.kind": "pin,nonpin"}, 1),
+    "flat": ({"clearance.cam_um": "1:3:4", "clearance.output_um": "2"}, 1),
+    "pairs": ({"clearance.cam_um": "1:3:3", "ring.kind": "pin,nonpin", "ring.teeth": "30,31"}, 3),
+    "one": ({"clearance.cam_um": "1"}, 1),
+}
+
+
+@pytest.mark.parametrize(("vary", "columns"), SHAPES.values(), ids=SHAPES)
+def test_figures_suit_the_inputs(vary: dict[str, object], columns: int, tmp_path: Path) -> None:
+    found = made_up(vary, spoiled=1)
+    quantities = ("rising_mm", "falling_long_name_that_has_to_be_folded_somewhere_n")
+    figure = sweep_figure(found, quantities)
+    panels = [axes for axes in figure.axes if axes.get_label() != "<colorbar>"]
+    assert len(panels) == 2 if columns < 3 else len(panels) == 6
+    (drawn,) = save({"sweep": figure}, tmp_path, ["svg"])
+    page = sweep_page(found, quantities, drawn.read_bytes())
+    assert "rising_mm" in page
+    assert ("&lt;spoiled&gt;" in page) == (found.failed > 0)
+    assert "<spoiled>" not in page
+    assert "https://" not in page
+
+
+def test_what_failed_everywhere_still_has_a_page() -> None:
+    found = made_up({"clearance.cam_um": "1"}, spoiled=0)
+    assert shown(found) == ()
+    assert "1 of 1" in sweep_page(found, (), b"<svg/>")
+    assert sweep_figure(found, ()) is not None
 
 
 def test_a_sweep_goes_on_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -108,8 +108,8 @@ def _backlash(design: Design) -> float:
 
 
 def masses(design: Design) -> dict[str, float]:
-    """Give the masses of the parts [kg] by their names, every ring pin (or sleeve) counted."""
+    """Give the masses of the parts [kg] by their names, every ring pin (or sleeve) and every spacer counted."""
+    counts = {"pin": design.ring.teeth, "spacer": design.gear.discs - 1}
     return {
-        name: mass_properties(solid).mass * (design.ring.teeth if name == "pin" else 1)
-        for name, solid in parts(design, CHORD_ERROR).items()
+        name: mass_properties(solid).mass * counts.get(name, 1) for name, solid in parts(design, CHORD_ERROR).items()
     }

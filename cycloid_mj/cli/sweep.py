@@ -25,8 +25,9 @@ if TYPE_CHECKING:
     from cycloid_mj.explore.points import Points
     from cycloid_mj.explore.sweeps import Sweep
 
-OUT = "runs/sweep"
+OUT, PAGE = "runs/sweep", "sweep.html"
 POINTS = 64
+MOST_ERRORS = 5
 FAILURE = 1
 
 EXAMPLES = """Examples:
@@ -163,9 +164,15 @@ def _delivered(found: "Sweep", quantities: tuple[str, ...], into: Path, json: bo
     """Write figure and page, and tell what was found; give the exit code."""
     from cycloid_mj.explore.ranks import tables
     from cycloid_mj.explore.sweeps import PARQUET, TABLE
+    from cycloid_mj.plots import save
+    from cycloid_mj.plots.explored import sweep_figure
+    from cycloid_mj.report.sweep import sweep_page
+    from cycloid_mj.whole import write_whole
 
-    parquet = into / PARQUET
-    files = [into / TABLE, *([parquet] if parquet.exists() else [])]
+    parquet, page = into / PARQUET, into / PAGE
+    drawn = save({"sweep": sweep_figure(found, quantities)}, into, ("png", "svg"))
+    write_whole({page: sweep_page(found, quantities, drawn[1].read_bytes()).encode()})
+    files = [into / TABLE, *([parquet] if parquet.exists() else []), *drawn, page]
     if not quiet:
         if not parquet.exists():
             tell("no sweep.parquet: it needs DuckDB, pip install 'cycloid-mj[parquet]'")
@@ -177,6 +184,7 @@ def _delivered(found: "Sweep", quantities: tuple[str, ...], into: Path, json: bo
                 "failed": found.failed,
                 "table": str(files[0]),
                 "parquet": str(parquet) if parquet.exists() else None,
+                "page": str(page),
                 "quantities": {name: found.frame.units.get(name, "1") for name in found.quantities},
                 "assumptions": list(found.assumptions),
             }
@@ -187,6 +195,8 @@ def _delivered(found: "Sweep", quantities: tuple[str, ...], into: Path, json: bo
         for sentence in found.assumptions:
             say(f"assumed: {sentence}")
         say(f"{len(found.points)} points, {found.failed} failed")
-    if errors := found.errors:
-        tell("\n".join(f"{count} of {len(found.points)} failed: {error}" for error, count in errors.items()))
+    for error, count in list(found.errors.items())[:MOST_ERRORS]:
+        tell(f"{count} of {len(found.points)} failed: {error}")
+    if (more := len(found.errors) - MOST_ERRORS) > 0:
+        tell(f"and {more} other errors: they are in {files[0]}")
     return FAILURE if found.failed == len(found.points) else 0

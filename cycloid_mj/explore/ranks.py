@@ -29,6 +29,9 @@ HEADLINES = (
 
 MOST_SHOWN = 6
 
+LEAST_CHANGE = 1e-6
+"""Relative; what changes by less is not worth a panel."""
+
 
 @dataclass(frozen=True)
 class Ranks:
@@ -67,7 +70,7 @@ def shown(found: Sweep, wanted: tuple[str, ...] = ()) -> tuple[str, ...]:
         raise UsageError(f"--show {unknown[0]}: there is no such number; there are {', '.join(there) or 'none'}")
     if wanted:
         return wanted
-    changing = [name for name in there if np.unique(_finite(numbers[name])).size > 1]
+    changing = [name for name in there if _changes(_finite(numbers[name]))]
     first = {name: place for place, name in enumerate(HEADLINES)}
     ranked = sorted(changing, key=lambda name: first.get(name.rpartition(".")[2], len(first)))
     return tuple(ranked[:MOST_SHOWN])
@@ -99,6 +102,10 @@ def tables(found: Sweep, quantities: tuple[str, ...]) -> tuple[Table, ...]:
 
 def _finite(values: Array) -> Array:
     return values[np.isfinite(values)]
+
+
+def _changes(values: Array) -> bool:
+    return values.size > 0 and bool(np.ptp(values) > LEAST_CHANGE * np.abs(values).max())
 
 
 def _rho(one: Array, other: Array) -> float:

@@ -70,8 +70,8 @@ class Sweep(Tabular):
 
     @property
     def assumptions(self) -> tuple[str, ...]:
-        """What the figures stand on, as the first point has it; a sentence each."""
-        return self.rows[0].assumptions if 0 in self.rows else ()
+        """What the figures stand on, as the first point that went well has it; a sentence each."""
+        return next((row.assumptions for _, row in sorted(self.rows.items()) if row.assumptions), ())
 
     @property
     def quantities(self) -> tuple[str, ...]:
@@ -174,7 +174,8 @@ def in_folder(task: Task, points: Points, into: Path, engine: Engine, progress: 
 
         def keep(place: int, row: Row) -> None:
             nonlocal due
-            kept.add(place, row if place == 0 else replace(row, assumptions=()))
+            # they are much the same in all rows
+            kept.add(place, replace(row, assumptions=()) if any(one.assumptions for one in kept.rows.values()) else row)
             if (start := monotonic()) > due:
                 write_csv(Sweep(task, points, kept.rows).frame, into / TABLE)
                 due = monotonic() + max(SECONDS_BETWEEN_TABLES, MOST_SHARE_OF_TABLES * (monotonic() - start))

@@ -1,0 +1,203 @@
+"""The figure of a sweep: lines over one input, maps over two, and over more every quantity against every input."""
+
+import math
+from collections.abc import Callable, Sequence
+from textwrap import wrap
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.tri import Triangulation
+
+from cycloid_mj.explore import Sweep
+from cycloid_mj.explore.ranks import number_inputs, ranks
+from cycloid_mj.plots.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, WIDTH, state, styled, typeset
+from cycloid_mj.types import Array
+from cycloid_mj.units import unit_suffix
+
+COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)
+ROW_HEIGHT = 2.2
+"""Of a row of panels [in]."""
+
+MOST_POINTS = 4000
+"""Points that a panel of a pair plot shows: of more, evenly chosen ones."""
+
+MOST_MARKED = 60
+"""Points up to which each is marked on a line."""
+
+TITLE_WIDTH, LABEL_WIDTH = 38, 22
+"""Characters in a line above a panel, and beside one."""
+
+MOST_LINES = 7
+MOST_PAIRED = 6
+"""Inputs in a pair plot: those that matter most to any of the quantities."""
+
+
+@styled
+def sweep_figure(found: Sweep, quantities: Sequence[str]) -> Figure:
+    """Draw quantities of a sweep over its inputs; points that failed are marked on the inputs' axes.
+
+    Parameters
+    ----------
+    found
+        The sweep.
+    quantities
+        Columns that are numbers, a panel each, or a row of panels where there are more than two inputs.
+    """
+    keys = found.task.keys
+    numbers = number_inputs(found)
+    if len(keys) == 1:
+        return _panels(found, quantities, lambda axes, name: _line(axes, found, keys[0], name))
+    if len(keys) == 2 and _spans_a_plane(found, numbers):
+        return _panels(found, quantities, lambda axes, name: _map(axes, found, name))
+    if len(keys) == 2 and (over := numbers or keys):
+        of = next(key for key in keys if key != over[0])
+        if len(set(found[of].tolist())) <= MOST_LINES:
+            return _panels(found, quantities, lambda axes, name: _lines(axes, found, over[0], of, name))
+    return _pairs(found, quantities)
+
+
+def _panels(found: Sweep, quantities: Sequence[str], draw: Callable[[Axes, str], None]) -> Figure:
+    """Give a figure with a panel for each quantity, two beside each other."""
+    rows = max(1, math.ceil(len(quantities) / 2))
+    figure = Figure(figsize=(WIDTH, ROW_HEIGHT * rows + 0.4), layout="constrained")
+    panels = figure.subplots(rows, 2, squeeze=False).ravel()
+    for axes, name in zip(panels, quantities, strict=False):
+        draw(axes, name)
+        axes.set_title(_folded(_title(found, name), TITLE_WIDTH))
+    for axes in panels[len(quantities) :]:
+        axes.remove()
+    _head(figure, found)
+    return figure
+
+
+def _head(figure: Figure, found: Sweep) -> None:
+    failed = f", {found.failed} failed" if found.failed else ""
+    state(figure, f"{found.task.design.name}: {len(found)} points{failed}")
+
+
+def _title(found: Sweep, name: str) -> str:
+    """Name a quantity in words, with its unit."""
+    unit = found.frame.units.get(name, "")
+    measure, _, key = name.rpartition(".")
+    told = key.removesuffix(f"_{unit_suffix(unit)}").replace("_", " ") + (f" [{unit}]" if unit else "")
+    return f"{measure}: {told}" if measure else told
+
+
+def _line(axes: Axes, found: Sweep, key: str, name: str) -> None:
+    """Draw a quantity over one input."""
+    _one_line(axes, _places(axes, found, key), found.frame.numbers[name], COLOURS[0])
+    _failures(axes, found, key)
+
+
+def _lines(axes: Axes, found: Sweep, over: str, of: str, name: str) -> None:
+    """Draw a quantity over one input, a line for each value of the other."""
+    places, values = _places(axes, found, over), found.frame.numbers[name]
+    for colour, value in zip(COLOURS, dict.fromkeys(found[of].tolist()), strict=False):
+        chosen = found[of] == value
+        _one_line(
+            axes, places[chosen], values[chosen], colour, f"{value:g}" if isinstance(value, float) else str(value)
+        )
+    axes.legend(title=of, title_fontsize=6.5, fontsize=6.5)
+    _failures(axes, found, over)
+
+
+def _one_line(axes: Axes, x: Array, y: Array, colour: str, label: str = "") -> None:
+    order = np.argsort(x, kind="stable")
+    marked = len(x) <= MOST_MARKED
+    axes.plot(x[order], y[order], "o-" if marked else "-", color=colour, markersize=2.8, linewidth=1.1, label=label)
+    axes.margins(x=0.03)
+
+
+def _places(axes: Axes, found: Sweep, key: str) -> Array:
+    """Label the x axis with an input, and give where its values stand: words in the order that they came."""
+    axes.set_xlabel(key)
+    if key in found.frame.numbers:
+        return found.frame.numbers[key]
+    words = list(dict.fromkeys(map(str, found[key].tolist())))
+    axes.set_xticks(range(len(words)), words)
+    return np.array([words.index(str(value)) for value in found[key].tolist()], dtype=float)
+
+
+def _failures(axes: Axes, found: Sweep, key: str) -> None:
+    failed = found["error"] != ""
+    if failed.any():
+        # x in data, y in shares of the axes
+        places = _places(axes, found, key)[failed]
+        axes.plot(
+            places, np.zeros(failed.sum()), "x", color=VERMILION, markersize=5, clip_on=False,
+            transform=axes.get_xaxis_transform(),
+        )  # fmt: skip
+
+
+def _spans_a_plane(found: Sweep, inputs: Sequence[str]) -> bool:
+    """Tell whether the points of two inputs span a plane: a map needs three that are not on a line."""
+    if len(inputs) != 2:
+        return False
+    points = np.column_stack([_unit(found.frame.numbers[key]) for key in inputs])
+    return len(points) > 2 and np.linalg.matrix_rank(points - points[0], tol=1e-6) == 2
+
+
+def _unit(values: Array) -> Array:
+    """Give values from 0 to 1."""
+    low, high = values.min(), values.max()
+    return (values - low) / (high - low) if high > low else np.zeros_like(values)
+
+
+def _map(axes: Axes, found: Sweep, name: str) -> None:
+    """Draw a quantity over two inputs, by triangles between the points."""
+    numbers = found.frame.numbers
+    first, second = number_inputs(found)
+    x, y, z = numbers[first], numbers[second], numbers[name]
+    good = np.isfinite(z)
+    axes.set(xlabel=first, ylabel=second)
+    axes.grid(False)
+    plane = np.column_stack([_unit(x[good]), _unit(y[good])]) if good.any() else np.empty((0, 2))
+    if len(plane) > 2 and np.linalg.matrix_rank(plane - plane[0], tol=1e-6) == 2 and np.ptp(z[good]) > 0.0:
+        # triangles between points that are alike far apart in both directions
+        triangles = Triangulation(*plane.T).triangles
+        drawn = axes.tricontourf(Triangulation(x[good], y[good], triangles), z[good], levels=10, cmap="viridis")
+        axes.figure.colorbar(drawn, ax=axes, pad=0.02)
+    if good.sum() <= 10 * MOST_MARKED:
+        axes.plot(x[good], y[good], ".", color=BLACK, markersize=1.5)
+    axes.plot(x[~good], y[~good], "x", color=VERMILION, markersize=3)
+    axes.margins(0.03)
+
+
+def _pairs(found: Sweep, quantities: Sequence[str]) -> Figure:
+    """Draw every quantity against every input, with the rank correlation of each pair that are numbers."""
+    keys = _most_telling(found, quantities)
+    rows = max(1, len(quantities))
+    figure = Figure(figsize=(max(WIDTH, 1.45 * len(keys)), 1.35 * rows + 0.7), layout="constrained")
+    panels = figure.subplots(rows, len(keys), squeeze=False, sharex="col", sharey="row")
+    correlated = ranks(found, tuple(quantities))
+    step = math.ceil(len(found) / MOST_POINTS) or 1
+    for row, name in enumerate(quantities):
+        for column, key in enumerate(keys):
+            axes = panels[row, column]
+            values = found.frame.numbers[name][::step]
+            rho = correlated.rho[row, correlated.inputs.index(key)] if key in correlated.inputs else math.nan
+            strength = 0.0 if math.isnan(rho) else abs(rho)
+            colour = VERMILION if strength > 0.5 else BLUE
+            axes.plot(_places(axes, found, key)[::step], values, ".", color=colour, markersize=2.0, rasterized=True)
+            axes.margins(x=0.05)
+            axes.set_xlabel(key.partition(".")[2] if row == rows - 1 else "", fontsize=7.0)
+            axes.set_title("" if math.isnan(rho) else typeset(f"{rho:+.2f}"), fontsize=7.0, pad=2.0, loc="right")
+            if column == 0:
+                axes.set_ylabel(_folded(_title(found, name), LABEL_WIDTH), fontsize=6.5)
+    _head(figure, found)
+    return figure
+
+
+def _most_telling(found: Sweep, quantities: Sequence[str]) -> tuple[str, ...]:
+    """Give the inputs to draw, in their order: of too many numbers those with the largest rank correlations."""
+    if len(found.task.keys) <= MOST_PAIRED:
+        return found.task.keys
+    one = ranks(found, tuple(quantities))
+    largest = np.nan_to_num(np.abs(one.rho)).max(axis=0, initial=0.0) if len(quantities) else np.zeros(len(one.inputs))
+    kept = {one.inputs[place] for place in np.argsort(-largest, kind="stable")[:MOST_PAIRED]}
+    return tuple(key for key in found.task.keys if key in kept) or found.task.keys[:MOST_PAIRED]
+
+
+def _folded(words: str, width: int) -> str:
+    return "\n".join(wrap(words, width))

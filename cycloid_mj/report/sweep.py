@@ -1,0 +1,62 @@
+"""The page of a sweep: what the template ``assets/sweep.html`` is filled with."""
+
+from base64 import b64encode
+from collections.abc import Sequence
+
+from cycloid_mj.design import dump
+from cycloid_mj.explore import Sweep
+from cycloid_mj.explore.ranks import tables
+from cycloid_mj.report.page import environment
+from cycloid_mj.result import Table
+
+MOST_ERRORS = 12
+
+MOST_ROWS = 500
+"""Points that the page lists; the files have all of them."""
+
+
+def sweep_page(found: Sweep, quantities: Sequence[str], figure: bytes) -> str:
+    """Give a sweep as one page that needs no other file; the figure is an SVG."""
+    task = found.task
+    return (
+        environment()
+        .get_template("sweep.html")
+        .render(
+            title=f"cycloid_mj: sweep of {task.design.name}",
+            found=found,
+            varied=_varied(found),
+            figure=b64encode(figure).decode(),
+            tables=tables(found, tuple(quantities)),
+            errors=list(found.errors.items())[:MOST_ERRORS],
+            more_errors=max(0, len(found.errors) - MOST_ERRORS),
+            rows=_rows(found, quantities),
+            shown=min(len(found), MOST_ROWS),
+            cpu=sum(row.cpu for row in found.rows.values()),
+            design=dump(task.design),
+        )
+    )
+
+
+def _varied(found: Sweep) -> Table:
+    """Give the inputs with their values."""
+    rows = []
+    for key in found.task.keys:
+        values = list(dict.fromkeys(found[key].tolist()))
+        if key in found.frame.numbers:
+            told = f"{min(values):g} to {max(values):g}, {len(values)} values"
+        else:
+            told = ", ".join(map(str, values))
+        rows.append((key, told))
+    return Table("varied", ("key of the design file", "values"), tuple(rows))
+
+
+def _rows(found: Sweep, quantities: Sequence[str]) -> Table:
+    """Give the first points, with the quantities shown."""
+    names = ("point", *found.task.keys, *quantities, "error")
+    columns = [found[name][:MOST_ROWS].tolist() for name in names]
+    cells = ((str(point), *map(_cell, rest)) for point, *rest in zip(*columns, strict=True))
+    return Table("points", names, tuple(cells))
+
+
+def _cell(value: float | str | bool) -> str:
+    return "" if value != value else f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,94 @@
+"""Work on a real Dask scheduler and two workers, each a process: the same bits as here, and one worker killed."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cycloid_mj.design import PRESETS, override
+from cycloid_mj.engine import Engine
+from cycloid_mj.errors import DesignError
+from cycloid_mj.explore import sweep, tolerance, tolerances
+
+HERE = Path(__file__).parent
+PIN = PRESETS["pin"]
+
+
+def fail(number: int) -> int:
+    if number == 3:
+        raise DesignError("spoiled")
+    return number
+
+
+class Cluster:
+    """A scheduler and two workers, each a process."""
+
+    def __init__(self, folder: Path) -> None:
+        self.file = folder / "scheduler.json"
+        self.scheduler = self._start("scheduler", "--port", "0", "--no-dashboard", "--scheduler-file", str(self.file))
+        self.workers = [self.worker() for _ in range(2)]
+        while not self.file.exists():
+            time.sleep(0.05)
+
+    @property
+    def address(self) -> str:
+        return str(json.loads(self.file.read_text())["address"]).removeprefix("tcp://")
+
+    def worker(self) -> subprocess.Popen[bytes]:
+        return self._start(
+            "worker", "--no-nanny", "--nthreads", "1", "--no-dashboard", "--scheduler-file", str(self.file)
+        )
+
+    def _start(self, *words: str) -> subprocess.Popen[bytes]:
+        environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(HERE.parent), str(HERE)])}
+        words = (sys.executable, "-m", "dask", *words)
+        return subprocess.Popen(words, env=environment, stderr=subprocess.DEVNULL, cwd=self.file.parent)
+
+    def close(self) -> None:
+        for process in (*self.workers, self.scheduler):
+            process.kill()
+            process.wait()
+
+
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
+    found = Cluster(tmp_path_factory.mktemp("cluster"))
+    yield found
+    found.close()
+
+
+def test_a_sweep_has_the_bits_of_a_local_one_though_a_worker_is_killed(cluster: Cluster, tmp_path: Path) -> None:
+    vary = {"clearance.cam_um": "1:3:6", "ring.kind": "pin,nonpin"}
+    here = sweep(PIN, vary, "statics,mass", engine=Engine(1))
+
+    def kill(done: int, _: int) -> None:
+        if done == 3:
+            cluster.workers[0].kill()
+
+    there = sweep(PIN, vary, "statics,mass", out=tmp_path, engine=Engine(scheduler=cluster.address), progress=kill)
+    assert cluster.workers[0].wait() < 0
+    assert list(here.frame.columns) == list(there.frame.columns)
+    assert len(there) == 12
+    assert there.failed == 0
+    for name in here.quantities:
+        assert np.array_equal(here[name], there[name], equal_nan=True), name
+
+
+def test_tolerances_have_the_bits_of_local_ones(cluster: Cluster, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tolerances, "ANGLES", 12)
+    monkeypatch.setattr(tolerances, "BUDGET_SAMPLES", 16)
+    design = override(PIN, ['tolerance.pin_position="normal 0.2"', 'tolerance.cam="uniform 0.3"'])
+    here, there = (tolerance(design, 40, 1, engine=engine) for engine in (Engine(1), Engine(scheduler=cluster.address)))
+    assert all(np.array_equal(values, there.figures[key]) for key, values in here.figures.items())
+    assert here.budget == there.budget
+
+
+def test_an_error_on_a_cluster_ends_the_work(cluster: Cluster) -> None:
+    with pytest.raises(DesignError, match="spoiled"):
+        Engine(scheduler=cluster.address).each(fail, range(20))
