@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from cycloid_mj.rating import rate
     from cycloid_mj.record import Run
     from cycloid_mj.result import Curve, Quantity, Table
+    from cycloid_mj.robot import Reducer, attach_reducer, reduce
     from cycloid_mj.run import simulate
 
 __all__ = [
@@ -32,15 +33,18 @@ __all__ = [
     "Design",
     "Findings",
     "Quantity",
+    "Reducer",
     "Run",
     "Table",
     "analyze",
+    "attach_reducer",
     "build",
     "check",
     "load",
     "measure",
     "rate",
     "read_log",
+    "reduce",
     "simulate",
     "stress",
     "sweep",
@@ -56,15 +60,18 @@ _ORIGINS = {
     "Design": "design",
     "Findings": "analysis",
     "Quantity": "result",
+    "Reducer": "robot",
     "Run": "record",
     "Table": "result",
     "analyze": "analysis",
+    "attach_reducer": "robot",
     "build": "mjcf",
     "check": "checks",
     "load": "design.resolve",
     "measure": "",
     "rate": "rating",
     "read_log": "log.read",
+    "reduce": "robot",
     "simulate": "run",
     "stress": "",
     "sweep": "explore",

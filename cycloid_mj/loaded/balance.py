@@ -149,8 +149,10 @@ class Powers:
         return -min(self.crank, self.output, 0.0) / self.supplied
 
 
-def powers(design: Design, torque: float) -> Powers:
+def powers(design: Design, torque: float, crank: npt.ArrayLike | None = None) -> Powers:
     """Give the mean powers under a torque on the output [N m] that brakes, or drives where it is negative.
+
+    The mean is over crank angles [rad], shape (m,); by default all round.
 
     The crank turns at the design's speed, not 0; its torque is what the losses leave over of the load's. Seals on the
     output are carried by the contacts.
@@ -160,7 +162,7 @@ def powers(design: Design, torque: float) -> Powers:
     RunError
         No balance was found, as where the friction jams the reducer.
     """
-    springs, way, speed = springs_of(design), np.sign(design.drive.speed), abs(design.drive.speed)
+    springs, way, speed = springs_of(design, crank), np.sign(design.drive.speed), abs(design.drive.speed)
     found = loads(design, springs, float(way) * (torque + design.drag.output))
     losses = _friction_losses(seen_from_ring(design), springs, found)
     seals = np.array(design.drag.crank * speed + design.drag.output * speed / design.reduction)

@@ -223,7 +223,7 @@ def _losses(design: Design, load: float) -> Iterator[Quantity]:
     yield Quantity("seals_power", "drag of seals and lubricant", found.losses["seals"], "W")
     yield Quantity("input_power", "input power", found.supplied, "W")
     yield Quantity("output_power", "output power", found.supplied * found.efficiency, "W")
-    back, held = _driven(design, load)
+    back, held = driven(design, load)
     against = f"against {load / design.lobes:.4g} N m on the crank"
     locked = SELF_LOCKING if math.isnan(held) else ""
     yield Quantity("back_driving_torque_rated", f"output torque that drives {against}", held, "N m", note=locked)
@@ -232,8 +232,11 @@ def _losses(design: Design, load: float) -> Iterator[Quantity]:
     )
 
 
-def _driven(design: Design, load: float) -> tuple[Powers, float]:
-    """Give the powers of a reducer whose output drives against the crank's share of a load, and the torque it takes."""
+def driven(design: Design, load: float) -> tuple[Powers, float]:
+    """Give the powers of a reducer whose output drives against the crank's share of a load [N m], and what it takes.
+
+    The latter is a torque on the output [N m]; not a number where the reducer locks itself.
+    """
     torque = load
     found = powers(design, -torque)
     for _ in range(3):

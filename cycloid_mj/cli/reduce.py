@@ -1,0 +1,126 @@
+"""``cycloid-mj reduce``: a reducer as one joint of a robot's model."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from cyclopts import Parameter
+
+from cycloid_mj.cli.flags import FLAT, DesignOptions, JsonFlag, QuietFlag
+from cycloid_mj.cli.terminal import json_text, say, say_json, show, tell
+from cycloid_mj.errors import UsageError, warn
+
+if TYPE_CHECKING:
+    from cycloid_mj.robot import Reducer
+    from cycloid_mj.robot.study import Tried
+
+OutFlag = Annotated[Path, Parameter(metavar="DIR", help="Folder of the files; those of the same names are replaced.")]
+LevelFlag = Annotated[
+    Literal["rigid", "backlash", "full"],
+    Parameter(
+        help="What the joint has: ratio, inertia and constant friction; play and springs too; friction under load and "
+        "transmission error as well, by Reducer.step. Default: full."
+    ),
+]
+StepFlag = Annotated[float, Parameter(metavar="X", help="Time step of the scene [ms], 0.01 to 10. Default: 1.")]
+IntegratorFlag = Annotated[
+    Literal["implicitfast", "discrete"], Parameter(help="MuJoCo's integrator of the scene. Default: discrete.")
+]
+InertiaFlag = Annotated[
+    float | None,
+    Parameter(metavar="X", help="Inertia on the output of the scene [kg m2]. Default: the reducer's own, reflected."),
+]
+
+EXAMPLES = """Examples:
+  cycloid-mj reduce --design pin --out joint
+  cycloid-mj reduce --design my.toml --level backlash --load-inertia-kgm2 0.5 --timestep-ms 2 --out joint
+  python -m mujoco.viewer --mjcf=joint/scene.xml"""
+
+
+def reduce(
+    *,
+    chosen: Annotated[DesignOptions, FLAT],
+    out: OutFlag,
+    level: LevelFlag = "full",
+    timestep_ms: StepFlag = 1.0,
+    integrator: IntegratorFlag = "discrete",
+    load_inertia_kgm2: InertiaFlag = None,
+    json: JsonFlag = False,
+    quiet: QuietFlag = False,
+) -> int:
+    """Reduce a reducer to one joint for a robot's model: ratio, play, springs, friction, ripple.
+
+    The full model is measured by statics: backlash, stiffness over torque,
+    efficiency both ways over torque and speed, no-load torque, inertia,
+    transmission error both ways. Written are joint.xml to include, scene.xml to
+    open in any MuJoCo (a motor, the joint, an inertia), reducer.json, bam.json
+    (the friction models M3 and M5 of BAM), and reducer.html, which shows the
+    joint against the full model and which time steps it bears. What MJCF cannot
+    say is Reducer.step in Python; attach_reducer puts the joint on any model.
+    """
+    from cycloid_mj.cli.outfile import folder
+    from cycloid_mj.cli.progress import counted
+    from cycloid_mj.report.joint import joint_page
+    from cycloid_mj.result import plain
+    from cycloid_mj.robot.against import against
+    from cycloid_mj.robot.bam import bam
+    from cycloid_mj.robot.measured import reduce as measured
+    from cycloid_mj.robot.mjcf import joint_xml, scene_xml
+    from cycloid_mj.robot.study import study, table, tried
+    from cycloid_mj.whole import write_whole
+
+    if not 0.01 <= timestep_ms <= 10.0:
+        raise UsageError(f"--timestep-ms {timestep_ms:g}: give from 0.01 to 10")
+    if load_inertia_kgm2 is not None and not 0.0 < load_inertia_kgm2 < float("inf"):
+        raise UsageError(f"--load-inertia-kgm2 {load_inertia_kgm2:g}: give a number more than 0")
+    design = chosen.sound()
+    into = folder(str(out), "the joint")
+    reducer = measured(design, level, counted("reduce", quiet))
+    inertia = reducer.reflected_inertia if load_inertia_kgm2 is None else load_inertia_kgm2
+    found, steps, bammed = against(design, reducer), study(reducer), bam(reducer)
+    asked = tried(reducer, integrator, 1e-3 * timestep_ms, inertia)
+    warn(design.name, [*_unstable(asked), *(f"{name} of the joint is off the full model's" for name in found.missed)])
+    result = plain(
+        {
+            **reducer.as_json(),
+            "scene": asked.as_json(),
+            "comparison": found.as_json(),
+            "te_holds_to_rpm": found.highest_speed_rpm,
+            "steps": [one.as_json() for one in steps],
+        }
+    )
+    files = {
+        "joint.xml": joint_xml(reducer),
+        "scene.xml": scene_xml(reducer, inertia, 1e-3 * timestep_ms, integrator),
+        "reducer.json": f"{json_text(result)}\n",
+        "bam.json": f"{json_text(bammed)}\n",
+        "reducer.html": joint_page(reducer, found, steps, asked, bammed),
+    }
+    write_whole({into / name: text.encode() for name, text in files.items()})
+    if not quiet:
+        tell(f"wrote {', '.join(str(into / name) for name in files)}")
+    if json:
+        say_json(result)
+        return 0
+    _print(reducer)
+    show(found.table())
+    show(table(steps))
+    say(f"scene: {integrator}, {timestep_ms:g} ms, {inertia:.4g} kg m2 on the output: {asked.words}")
+    return 0
+
+
+def _unstable(asked: "Tried") -> list[str]:
+    if asked.good:
+        return []
+    return [
+        f"{asked.integrator} at {1e3 * asked.timestep:g} ms with {asked.inertia:.4g} kg m2 on the output is "
+        f"{asked.words}: take --integrator discrete, a shorter --timestep-ms or a larger --load-inertia-kgm2"
+    ]
+
+
+def _print(reducer: "Reducer") -> None:
+    from cycloid_mj.result import quantity_table
+
+    show(quantity_table(f"reduce: {reducer.name}, level {reducer.level}", reducer.quantities.values()))
+    for one in reducer.quantities.values():
+        if one.note:
+            say(f"{one.name}: {one.note}")

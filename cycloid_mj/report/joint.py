@@ -1,0 +1,157 @@
+"""The page of a reduced joint: what it is, how it stands against the full model, and how to use it."""
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from markupsafe import Markup
+
+from cycloid_mj.report.encode import encoded
+from cycloid_mj.report.page import environment
+from cycloid_mj.report.tables import Table
+from cycloid_mj.result import Curve
+from cycloid_mj.result import Table as Result
+from cycloid_mj.robot.against import Against
+from cycloid_mj.robot.reducer import LEVELS, Reducer
+from cycloid_mj.robot.study import INERTIAS, Tried, longest
+from cycloid_mj.robot.study import table as study_table
+from cycloid_mj.robot.trial import INTEGRATORS
+from cycloid_mj.units import RPM
+
+SCRIPTS = ("scale.js", "chart.js", "joint.js")
+
+LOADS = (0.0, 0.5, 1.0)
+"""Shares of the rated torque at which a constant friction is given for formats that have no other."""
+
+
+def joint_page(reducer: Reducer, against: Against, steps: Sequence[Tried], asked: Tried, bam: Mapping[str, Any]) -> str:
+    """Give the page: one HTML file that needs no network."""
+    panels = list(dict.fromkeys(curve.panel for curve in against.curves))
+    figures = [_figure([curve for curve in against.curves if curve.panel == panel]) for panel in panels]
+    return (
+        environment()
+        .get_template("joint.html")
+        .render(
+            title=f"cycloid_mj: {reducer.name} as a joint",
+            reducer=reducer,
+            numbers=list(_numbers(reducer).items()),
+            quantities=_quantities(reducer),
+            comparison=_texts(against.table()),
+            missed=against.missed,
+            figures=figures,
+            steps=_texts(study_table(tuple(steps))),
+            longest=_longest(tuple(steps)),
+            asked=asked,
+            dynamics=_dynamics(reducer),
+            efficiency=_texts(_efficiency(reducer)),
+            harmonics=_harmonics(reducer),
+            te_rpm=against.highest_speed_rpm,
+            bam=_bam(bam),
+            data=Markup(json.dumps({"figures": figures}, separators=(",", ":")).replace("</", "<\\/")),
+            scripts=SCRIPTS,
+        )
+    )
+
+
+def _numbers(reducer: Reducer) -> dict[str, str]:
+    """Give the numbers that one looks for first."""
+    found = reducer.quantities
+    return {
+        "ratio": f"{reducer.ratio:g}:1",
+        "backlash": f"{found['backlash_arcmin'].value:.3g} arcmin",
+        "stiffness": f"{found['stiffness_nm_per_arcmin'].value:.4g} N m/arcmin",
+        "efficiency": f"{found['efficiency'].value:.2f} %",
+        "back-driving": f"{found['back_driving_efficiency'].value:.2f} %",
+        "inertia at the output": f"{reducer.reflected_inertia:.3g} kg m²",
+    }
+
+
+def _quantities(reducer: Reducer) -> Table:
+    rows = [
+        (one.name, f"{one.value:.6g}", one.unit, "" if one.error is None else f"{one.error:.2g}", one.note)
+        for one in reducer.quantities.values()
+    ]
+    return Table([("quantity", "value", "unit", "numerical error", "")], rows)
+
+
+def _texts(found: Result) -> Table:
+    return Table([found.header], found.cells)
+
+
+def _figure(curves: Sequence[Curve]) -> dict[str, Any]:
+    """Give one chart: its curves by rising x, the full model broad and light under the joint."""
+    first = curves[0]
+    drawn = []
+    for curve in curves:
+        order = np.argsort(curve.x, kind="stable")
+        drawn.append(
+            {
+                "name": curve.name,
+                "x": encoded(curve.x[order]),
+                "y": encoded(curve.y[order]),
+                "theory": curve.style == "theory",
+            }
+        )
+    span = [min(float(curve.x.min()) for curve in curves), max(float(curve.x.max()) for curve in curves)]
+    return {"title": first.panel, "x_label": first.x_label, "y_label": first.y_label, "span": span, "curves": drawn}
+
+
+def _longest(steps: tuple[Tried, ...]) -> Table:
+    """Give the longest step that is good up to there, for each level, integrator and inertia."""
+    rows = []
+    for level in LEVELS:
+        for integrator in INTEGRATORS:
+            found = (longest(steps, level, integrator, load) for load in INERTIAS)
+            rows.append((f"{level}, {integrator}", *(f"{1e3 * step:g} ms" if step else "none" for step in found)))
+    return Table([("longest good step", *INERTIAS)], rows)
+
+
+def _dynamics(reducer: Reducer) -> Table:
+    """Give what a format with nothing but a constant friction and a damping can hold, at the joint."""
+    slow, fast = reducer.friction.speeds[0], reducer.friction.speeds[-1]
+    low, high = (reducer.friction.torque(0.0, speed, driving=True) for speed in (slow, fast))
+    damping = max(0.0, reducer.ratio**2 * (high - low) / (fast - slow))
+    rows = []
+    for share in LOADS:
+        torque = share * reducer.rated_torque
+        ways = [reducer.ratio * reducer.friction.torque(torque, reducer.rated_speed, way) for way in (True, False)]
+        rows.append((f"right at {share:.0%} of the rated torque", *(f"{way:.4g}" for way in ways), f"{damping:.3g}"))
+    return Table([("", "friction, driving [N m]", "friction, driven [N m]", "damping [N m s/rad]")], rows)
+
+
+def _efficiency(reducer: Reducer) -> Result:
+    """Give the map both ways at the rated speed and the ends of the map."""
+    friction = reducer.friction
+    header = ["output torque [N m]"]
+    rows: list[list[float]] = [[torque] for torque in friction.torques[1:]]
+    for speed in friction.speeds:
+        for driving, word in ((True, "driving"), (False, "driven")):
+            header.append(f"{word}, {speed / RPM:.0f} rpm [%]")
+            for row in rows:
+                row.append(100.0 * friction.efficiency(row[0], speed, reducer.ratio, driving))
+    return Result("Efficiency", tuple(header), tuple(map(tuple, rows)))
+
+
+def _harmonics(reducer: Reducer) -> Table:
+    """Give the harmonics under the rated torque, both ways."""
+    rated = [
+        one
+        for one in reducer.ripple.harmonics(reducer.way, reducer.rated_torque)
+        if one["load_nm"] == reducer.ripple.loads[-1] * reducer.rated_torque
+    ]
+    by_order: dict[float, list[str]] = {}
+    for one in rated:
+        by_order.setdefault(one["order"], []).extend((f"{one['value']:.4g}", f"{one['numerical_error']:.1g}"))
+    rows = [(f"{order:.5g}", *cells) for order, cells in by_order.items()]
+    head = ("order of the crank", "forward [arcsec]", "num. error", "reverse [arcsec]", "num. error")
+    return Table([head], rows)
+
+
+def _bam(bam: Mapping[str, Any]) -> Table:
+    models = [bam["m3"], bam["m5"]]
+    keys = [key for key in models[1] if key != "model"]
+    keys = list(dict.fromkeys([*(key for key in models[0] if key != "model"), *keys]))
+    rows = [(key, *(f"{model[key]:.5g}" if key in model else "" for model in models)) for key in keys]
+    rows.append(("largest error of friction [N m]", *(f"{bam['largest_error_nm'][key]:.3g}" for key in ("m3", "m5"))))
+    return Table([("parameter", "M3", "M5")], rows)

@@ -1,0 +1,327 @@
+"""The joint, as MuJoCo runs it, against the full model: play, wind-up, efficiency, transmission error, resonance."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from cycloid_mj.contact.working import working_at
+from cycloid_mj.design import Design
+from cycloid_mj.errors import RunError
+from cycloid_mj.loaded.balance import powers
+from cycloid_mj.loaded.springs import POSES
+from cycloid_mj.loaded.windup import LOST_MOTION_SHARE
+from cycloid_mj.result import Curve, Quantity, Table
+from cycloid_mj.robot.measured import SMALL, Play, play_of
+from cycloid_mj.robot.reducer import Reducer
+from cycloid_mj.robot.ripple import Ripple
+from cycloid_mj.robot.study import tried
+from cycloid_mj.robot.transmission import error, waves
+from cycloid_mj.robot.trial import Bench, bench
+from cycloid_mj.types import Array
+from cycloid_mj.units import ARCMINUTE, ARCSECONDS, RPM
+
+BOUNDS = {
+    "backlash_arcmin": 0.002,
+    "loop_arcmin": 0.01,
+    "wind_up_arcmin": 0.01,
+    "resonance_hz": 0.02,
+    "te_harmonic": 0.05,
+}
+"""Largest relative difference of the joint from the full model, by key."""
+
+POINTS = 0.3
+"""Largest difference of an efficiency [points of percent]."""
+
+SHARES = (0.1, 0.25, 0.5, 0.75, 1.0)
+"""Loads at which efficiencies are held against each other, as shares of the rated torque."""
+
+ANGLES = 5
+"""Times as many crank angles of the full model as `statics` has; not those that the joint was measured at."""
+
+POINTS_OF_THE_LOOP = 161
+"""Torques from end to end, each way."""
+
+QUASI_STATIC = 5e-3
+"""Step [s] of what is slow, with the integrator `discrete`, which damps all that would vibrate."""
+
+STILL, PATIENCE = 1e-7, 2000
+"""At rest is what moves by less than this share of the play in a step; steps to wait for it at most."""
+
+FINE = 1e-4
+"""Step [s] of what vibrates, divided by the angle that the vibration turns in it if that is more than `ANGLE`."""
+
+ANGLE = 0.02
+"""Largest angle of a vibration in a step [rad]: its frequency is then right within a part in a thousand."""
+
+NOTABLE = 0.1
+"""Harmonics are compared that have this share of the largest."""
+
+STEPS_IN_A_CYCLE = 100
+"""Of the highest harmonic that is compared."""
+
+BELOW = 0.2
+"""Highest frequency of a harmonic over that of the joint's resonance: the gain 1/(1 - x^2) is then 4 %."""
+
+
+@dataclass(frozen=True, eq=False)
+class Against:
+    """What the comparison found.
+
+    Attributes
+    ----------
+    rows
+        Of each the joint's value, and the full model's as its reference.
+    bounds
+        Key of a row -> largest difference that is allowed, in its unit.
+    curves
+        Of both, for figures.
+    highest_speed
+        Of the crank [rad/s] up to which the strongest harmonic comes through, at the matched inertia.
+    """
+
+    rows: tuple[Quantity, ...]
+    bounds: dict[str, float]
+    curves: tuple[Curve, ...]
+    highest_speed: float
+
+    @property
+    def highest_speed_rpm(self) -> float:
+        """The same [rpm]."""
+        return self.highest_speed / RPM
+
+    @property
+    def missed(self) -> list[str]:
+        """Names of what is further from the full model than allowed."""
+        return [row.name for row in self.rows if not self.holds(row)]
+
+    def holds(self, row: Quantity) -> bool:
+        """Tell whether a row is within its bound."""
+        return row.reference is not None and bool(abs(row.value - row.reference) <= self.bounds[row.key])
+
+    def table(self) -> Table:
+        """Give the rows as a table."""
+        rows = tuple(
+            (
+                row.name,
+                row.value,
+                row.reference or 0.0,
+                row.unit,
+                self._difference(row),
+                "holds" if self.holds(row) else "NO",
+            )
+            for row in self.rows
+        )
+        return Table("Joint against full model", ("quantity", "joint", "full model", "unit", "difference", ""), rows)
+
+    def as_json(self) -> list[dict[str, Any]]:
+        """Give the rows for a program."""
+        return [
+            {"key": row.key, **row.as_json(), "bound": self.bounds[row.key], "holds": self.holds(row)}
+            for row in self.rows
+        ]
+
+    def _difference(self, row: Quantity) -> str:
+        assert row.reference is not None
+        if row.unit == "%":
+            return f"{row.value - row.reference:+.3f} points"
+        return f"{100.0 * (row.value / row.reference - 1.0):+.3f} %" if row.reference else f"{row.value:+.3g}"
+
+
+def against(design: Design, reducer: Reducer) -> Against:
+    """Run the joint in MuJoCo at the levels `backlash` and `full` and hold it against the full model.
+
+    Raises
+    ------
+    RunError
+        The full model has no static balance.
+    """
+    design = working_at(design.but(load={"torque": design.rated_torque}), design.rated_torque)
+    play = play_of(design, ANGLES * POSES)
+    slow, slow_curves = _loop(reducer.at("backlash"), play)
+    # at steps of a large part of a crank turn, the transmission error would be noise
+    smooth = replace(reducer.at("full"), ripple=Ripple((), (0.0,), *[((),)] * 6))
+    lossy, lossy_curves = _efficiencies(design, smooth)
+    turned, turned_curves = _transmission(design, reducer.at("full"))
+    rows = (*slow, *_resonance(reducer.at("backlash"), play), *lossy, *turned)
+    bounds = {row.key: POINTS if row.unit == "%" else _bound(row) for row in rows}
+    strongest = max(reducer.ripple.orders, key=lambda order: _amplitude(reducer, order), default=1.0)
+    resonance = math.sqrt(reducer.stiffness(reducer.rated_torque) / (2.0 * reducer.reflected_inertia))
+    return Against(rows, bounds, (*slow_curves, *lossy_curves, *turned_curves), BELOW * resonance / strongest)
+
+
+def _bound(row: Quantity) -> float:
+    key = "te_harmonic" if row.unit == "arcsec" else row.key
+    return BOUNDS[key] * abs(row.reference or 0.0)
+
+
+def _amplitude(reducer: Reducer, order: float) -> float:
+    ripple = reducer.ripple
+    place = ripple.orders.index(order)
+    return max(float(np.hypot(ripple.high_cos[-1][place], ripple.high_sin[-1][place])), 0.0)
+
+
+def _loop(reducer: Reducer, play: Play) -> tuple[list[Quantity], list[Curve]]:
+    """Take the output slowly round a loop of torque at a locked crank."""
+    on = bench(reducer, 1e-3 * reducer.reflected_inertia, QUASI_STATIC)
+    on.hold()
+    rated = play.rated
+
+    def turn(share: float) -> float:
+        before = on.length
+        for _ in range(PATIENCE):
+            on.push(share * rated)
+            on.step()
+            before, moved = on.length, abs(on.length - before)
+            if moved < STILL * reducer.backlash:
+                break
+        return on.length
+
+    small = {share: turn(share) for share in (SMALL, 2.0 * SMALL, -SMALL, -2.0 * SMALL)}
+    width = 2.0 * small[SMALL] - small[2.0 * SMALL] - 2.0 * small[-SMALL] + small[-2.0 * SMALL]
+    joint = {share: 0.5 * (turn(share) - turn(-share)) for share in (LOST_MOTION_SHARE, 1.0)}
+    full = {share: 0.5 * play.backlash + play.wind_up[share] for share in joint}
+    rows = [
+        Quantity("backlash_arcmin", "backlash", width / ARCMINUTE, "arcmin", None, play.backlash / ARCMINUTE),
+        Quantity(
+            "loop_arcmin",
+            "loop at +-3 % of the rated torque",
+            2.0 * joint[LOST_MOTION_SHARE] / ARCMINUTE,
+            "arcmin",
+            None,
+            2.0 * full[LOST_MOTION_SHARE] / ARCMINUTE,
+        ),
+        Quantity(
+            "wind_up_arcmin",
+            "wind-up beyond the stop at the rated torque",
+            (joint[1.0] - 0.5 * width) / ARCMINUTE,
+            "arcmin",
+            None,
+            play.wind_up[1.0] / ARCMINUTE,
+        ),
+    ]
+    ramp = np.linspace(-1.0, 1.0, POINTS_OF_THE_LOOP)
+    falling = np.array([turn(share) for share in ramp[::-1]])[::-1]
+    rising = np.array([turn(share) for share in ramp])
+    shares = np.array([0.0, *sorted(play.wind_up)])
+    half = np.array([0.0, *(play.wind_up[share] for share in shares[1:].tolist())])
+    sides = [(play.stops[1] + half, shares * rated), (play.stops[0] - half, -shares * rated)]
+    whole = [np.concatenate([sides[1][i][::-1], sides[0][i]]) for i in (0, 1)]
+    axes = "torque on the output [N m]", "turn of the output [arcmin]"
+    panel = "hysteresis loop, crank locked"
+    return rows, [
+        Curve(panel, "full model", whole[1], whole[0] / ARCMINUTE, *axes, "theory"),
+        Curve(panel, "joint, falling torque", ramp * rated, falling / ARCMINUTE, *axes),
+        Curve(panel, "joint, rising torque", ramp * rated, rising / ARCMINUTE, *axes),
+    ]
+
+
+def _resonance(reducer: Reducer, play: Play) -> Iterator[Quantity]:
+    """Let a heavy load vibrate about the rated torque: sqrt(k/J), with the full model's slope."""
+    inertia = 10.0 * reducer.reflected_inertia
+    expected = math.sqrt(play.stiffness / (inertia + reducer.output_inertia))
+    run = tried(reducer, "implicitfast", min(FINE, ANGLE / expected), inertia)
+    own = math.sqrt(reducer.stiffness(play.rated) / (inertia + reducer.output_inertia))
+    found = own * (1.0 + run.frequency) / (2.0 * np.pi)
+    yield Quantity(
+        "resonance_hz", f"resonance with {inertia:.3g} kg m2, crank held", found, "Hz", None, expected / (2.0 * np.pi)
+    )
+
+
+def _efficiencies(design: Design, reducer: Reducer) -> tuple[list[Quantity], list[Curve]]:
+    """Turn the crank at the rated speed under loads both ways."""
+    rows, curves = [], []
+    ways = (("driving", True, "efficiency"), ("driven", False, "efficiency of back-driving"))
+    for key, driving, name in ways:
+        joint = [100.0 * _efficiency(reducer, share, driving) for share in SHARES]
+        sign = 1.0 if driving else -1.0
+        full = [100.0 * _of_full_model(design, sign * share * design.rated_torque) for share in SHARES]
+        for share, ours, theirs in zip(SHARES, joint, full, strict=True):
+            rows.append(
+                Quantity(f"{key}_{share:g}", f"{name} at {share:.0%} of the rated torque", ours, "%", None, theirs)
+            )
+        torques = np.array(SHARES) * design.rated_torque
+        axes = "torque on the output [N m]", "efficiency [%]"
+        panel = f"{name}, {reducer.rated_speed / RPM:.0f} rpm"
+        curves += [
+            Curve(panel, "full model", torques, np.array(full), *axes, "theory"),
+            Curve(panel, "joint", torques, np.array(joint), *axes),
+        ]
+    return rows, curves
+
+
+def _of_full_model(design: Design, torque: float) -> float:
+    """Give the efficiency of the full model; 0 where an output that drives is jammed by friction."""
+    try:
+        return powers(design, torque).efficiency
+    except RunError:
+        if torque > 0.0:
+            raise
+        return 0.0
+
+
+def _efficiency(reducer: Reducer, share: float, driving: bool) -> float:
+    """Give the joint's efficiency by the power that friction takes in MuJoCo; 0 where the load cannot give it."""
+    speed, torque = reducer.rated_speed, share * reducer.rated_torque
+    on = bench(reducer, 1e-3 * reducer.reflected_inertia, QUASI_STATIC)
+    on.hold(speed)
+    # the load brakes the output, or drives it
+    on.press(reducer.way * (-torque if driving else torque))
+    on.step()
+    on.step()
+    useful, taken = torque / reducer.ratio, on.friction_torque()
+    return useful / (useful + taken) if driving else max(0.0, 1.0 - taken / useful)
+
+
+def _transmission(design: Design, reducer: Reducer) -> tuple[list[Quantity], list[Curve]]:
+    """Turn the crank forward under the rated load through a whole turn of the output, as slowly as the steps ask."""
+    own = error(design, 1.0, 1)
+    fine, _ = waves(own)
+    turns = round(reducer.ratio)
+    strong = np.flatnonzero(np.abs(fine) >= NOTABLE * np.abs(fine).max())
+    count = STEPS_IN_A_CYCLE * int(strong.max())
+    speed = 2.0 * np.pi * turns / (count * QUASI_STATIC)
+    on = bench(reducer, 1e-3 * reducer.reflected_inertia, QUASI_STATIC)
+    on.hold(speed)
+    on.press(-reducer.way * reducer.rated_torque)
+    for _ in range(STEPS_IN_A_CYCLE):
+        on.step()
+    angle, length = _followed(on, count)
+    order = strong / turns
+    basis = np.exp(-1j * np.outer(order, angle))
+    joint = 2.0 * basis @ (length - length.mean()) / count
+    rows = [
+        Quantity(
+            f"te_{one:.4g}",
+            f"transmission error, order {one:.4g}, at the rated torque",
+            abs(ours) * ARCSECONDS,
+            "arcsec",
+            None,
+            abs(fine[place]) * ARCSECONDS,
+        )
+        for one, ours, place in zip(order.tolist(), joint, strong.tolist(), strict=True)
+    ]
+    return rows, list(_te_curves(design, own, angle, length))
+
+
+def _followed(on: Bench, count: int) -> tuple[Array, Array]:
+    """Give crank angle and L over so many steps, shape (count,)."""
+    found = np.empty((count, 2))
+    for i in range(count):
+        on.step()
+        found[i] = on.data.qpos[on.place.crank_angle], on.length
+    return found[:, 0], found[:, 1]
+
+
+def _te_curves(design: Design, own: Array, angle: Array, length: Array) -> Sequence[Curve]:
+    """Draw the first turn of the crank."""
+    panel = f"transmission error under {design.rated_torque:.4g} N m, forward"
+    axes = "crank angle [deg]", "output's error about its mean [arcsec]"
+    full = np.degrees(2.0 * np.pi * np.arange(own.size) / own.size * design.lobes)
+    first, ours = full <= 360.0, angle <= 2.0 * np.pi
+    return (
+        Curve(panel, "full model", full[first], ARCSECONDS * (own - own.mean())[first], *axes, "theory"),
+        Curve(panel, "joint", np.degrees(angle[ours]), ARCSECONDS * (length - length.mean())[ours], *axes),
+    )

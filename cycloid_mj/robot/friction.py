@@ -1,0 +1,52 @@
+"""The torque of friction on the crank, over the torque on the output, the crank's speed, and which shaft drives."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+
+Rows = tuple[tuple[float, ...], ...]
+
+
+@dataclass(frozen=True)
+class Friction:
+    """A map of friction; between its points straight lines, beyond its largest torque the last of them goes on.
+
+    Attributes
+    ----------
+    torques
+        On the output [N m], shape (n,), rising from 0.
+    speeds
+        Of the crank [rad/s], shape (m,), rising; slower is as the first, faster as the last.
+    driving, driven
+        Torque of friction on the crank [N m] where the crank drives, and where the output does, shape (m, n).
+    """
+
+    torques: tuple[float, ...]
+    speeds: tuple[float, ...]
+    driving: Rows
+    driven: Rows
+
+    def torque(self, torque: float, speed: float, driving: bool) -> float:
+        """Give the torque of friction [N m] under a torque on the output [N m] at a speed of the crank [rad/s]."""
+        lost = [_line(abs(torque), self.torques, row) for row in (self.driving if driving else self.driven)]
+        return float(np.interp(abs(speed), self.speeds, lost))
+
+    def efficiency(self, torque: float, speed: float, ratio: float, driving: bool) -> float:
+        """Give the share of the power supplied that is given out; 0 where friction holds the output: self-locking."""
+        useful, lost = abs(torque) / ratio, self.torque(torque, speed, driving)
+        return useful / (useful + lost) if driving else max(0.0, 1.0 - lost / useful)
+
+    @classmethod
+    def from_json(cls, given: Mapping[str, Any]) -> Self:
+        """Give the map of a JSON object."""
+        rows = {key: tuple(tuple(map(float, row)) for row in given[key]) for key in ("driving", "driven")}
+        return cls(tuple(map(float, given["torques"])), tuple(map(float, given["speeds"])), **rows)
+
+
+def _line(at: float, x: tuple[float, ...], y: tuple[float, ...]) -> float:
+    """Give the value of straight lines through points; beyond the last point the last line goes on."""
+    if at <= x[-1]:
+        return float(np.interp(at, x, y))
+    return y[-1] + (y[-1] - y[-2]) / (x[-1] - x[-2]) * (at - x[-1])

@@ -1,0 +1,333 @@
+"""What a joint is made of, measured on the full model by statics: every tooth, pin, cam and output pin in balance.
+
+Play, springs and damping are means over the crank's angle at a locked crank, without friction and weight; friction is
+that of a crank that turns; the transmission error is solved over a whole turn of the output.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cycloid_mj.checks import require_sound
+from cycloid_mj.contact.working import working_at
+from cycloid_mj.design import Design
+from cycloid_mj.errors import DesignError, RunError
+from cycloid_mj.loaded.balance import loads, powers
+from cycloid_mj.loaded.sheet import SELF_LOCKING, driven
+from cycloid_mj.loaded.springs import POSES, springs_of, turn_evenly
+from cycloid_mj.loaded.windup import STRAIGHT, windups
+from cycloid_mj.measure.bench import moving_inertia
+from cycloid_mj.mechanism.reducer import mechanism
+from cycloid_mj.mjcf.bodies import crank_inertia
+from cycloid_mj.mjcf.laws import contact_laws
+from cycloid_mj.names import GEAR, SHAFT
+from cycloid_mj.result import Quantity, keyed
+from cycloid_mj.robot.friction import Friction
+from cycloid_mj.robot.reducer import Level, Reducer, Spring
+from cycloid_mj.robot.transmission import LOADS, ripple, turns
+from cycloid_mj.solid import mass_properties, parts
+from cycloid_mj.types import Array
+from cycloid_mj.units import ARCMINUTE, RPM
+
+SMALL = 1e-4
+"""Torque that presses the parts to a stop, as a share of the rated one; a line through twice that leads to zero."""
+
+KNOTS = (0.03, 0.15, 0.5, 1.0)
+"""Shares of the rated torque at which the springs give the wind-up of the full model; the last slope goes on."""
+
+POLYNOMIAL = (0.03, 0.06, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 1.0)
+"""Shares of the rated torque to which the polynomial of the stiffness is fitted."""
+
+TORQUES = (0.05, 0.125, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0)
+SPEEDS = (0.25, 0.5, 1.0, 1.5)
+"""Points of the map of friction beside no load, as shares of the rated torque and of the design's speed."""
+
+NEXT_TO_NONE = 0.01
+"""Share of the rated torque that stands for no load where friction jams the parts under `SMALL` of it."""
+
+FINER = 4
+"""Times as many crank angles of the means; what they change of those of `statics` is the numerical error."""
+
+Progress = Callable[[int, int], None]
+
+
+def reduce(design: Design, level: Level = "full", progress: Progress | None = None) -> Reducer:
+    """Measure a design as a joint of a robot.
+
+    Parameters
+    ----------
+    design
+        A sound design; its own load does not matter, contacts have the stiffness of the rated torque.
+    level
+        How much of it a model gets; all is measured at any level.
+    progress
+        Called after each piece of work with how many are done, and how many there are.
+
+    Raises
+    ------
+    DesignError
+        The design fails a check, or its crank stands still.
+    ContactError
+        The rated torque flattens a pin beyond a line contact.
+    RunError
+        No static balance was found, as where friction jams the reducer.
+    """
+    require_sound(design)
+    if design.drive.speed == 0.0:
+        raise DesignError(
+            "drive.speed_rpm is 0, but friction needs a crank that turns: give another speed, such as 1640"
+        )
+    design = working_at(design.but(load={"torque": design.rated_torque}), design.rated_torque)
+    told = _Counted(progress, 2 + (1 + 2 * len(TORQUES)) * len(SPEEDS) + 2 * len(LOADS) * turns(design))
+    fine, coarse = play_of(design, FINER * POSES), play_of(design, POSES)
+    told.one_more()
+    friction = _friction(design, told.one_more)
+    rotor, output = inertias(design)
+    made = Reducer(
+        name=design.name,
+        level=level,
+        ratio=float(design.lobes),
+        way=-1,
+        rated_torque=design.rated_torque,
+        rated_speed=abs(design.drive.speed),
+        stops=fine.stops,
+        springs=fine.springs,
+        polynomial=tuple(fine.polynomial.tolist()),
+        polynomial_error=tuple(np.abs(fine.polynomial - coarse.polynomial).tolist()),
+        damping=_damping(design),
+        rotor_inertia=rotor,
+        output_inertia=output,
+        friction=friction,
+        ripple=ripple(design, told.one_more),
+    )
+    told.one_more()
+    return replace(made.at(level), quantities=keyed(_quantities(design, made, fine, coarse)))
+
+
+@dataclass(frozen=True)
+class Play:
+    """Play and wind-up at a locked crank, without friction and weight; means over crank angles.
+
+    Attributes
+    ----------
+    rated
+        [N m].
+    stops
+        Where the output meets them [rad]: the line through two small torques, drawn on to zero.
+    wind_up
+        Share of the rated torque -> turn beyond the stop [rad], mean of both sides.
+    """
+
+    rated: float
+    stops: tuple[float, float]
+    wind_up: dict[float, float]
+
+    @property
+    def backlash(self) -> float:
+        """From stop to stop [rad]."""
+        return self.stops[1] - self.stops[0]
+
+    @property
+    def springs(self) -> tuple[Spring, ...]:
+        """Springs that start one after the other and meet the wind-up at `KNOTS`.
+
+        Each adds to those before it: where the full model softens under a growing load, one slope stands for both.
+        """
+        from scipy.optimize import isotonic_regression
+
+        turn = np.array([0.0, *(self.wind_up[share] for share in KNOTS)])
+        torque = self.rated * np.array([0.0, *KNOTS])
+        widths = np.maximum(np.diff(turn), np.finfo(float).tiny)
+        slopes = isotonic_regression(np.diff(torque) / widths, weights=widths).x
+        added = np.diff(slopes, prepend=0.0)
+        return tuple(Spring(float(at), float(more)) for at, more in zip(turn, added, strict=False) if more > 0.0)
+
+    @property
+    def stiffness(self) -> float:
+        """Slope over the straight part [N m/rad]."""
+        low, high = STRAIGHT
+        return (high - low) * self.rated / (self.wind_up[high] - self.wind_up[low])
+
+    @property
+    def polynomial(self) -> Array:
+        """a, b, c of the torque a x + b x^2 + c x^3 beyond the stop [N m/rad, /rad^2, /rad^3], up to the rated one.
+
+        By least squares of the relative error at `POLYNOMIAL`.
+        """
+        turn, torque = np.array([self.wind_up[share] for share in POLYNOMIAL]), self.rated * np.array(POLYNOMIAL)
+        scaled = turn / turn[-1]
+        powers = np.stack([scaled, scaled**2, scaled**3], axis=1) / torque[:, np.newaxis]
+        found = np.linalg.lstsq(powers, np.ones(len(turn)))[0]
+        return np.asarray(found / turn[-1] ** np.arange(1, 4))
+
+    def polynomial_error(self) -> float:
+        """Largest relative error of the polynomial's torque at `POLYNOMIAL`."""
+        a, b, c = self.polynomial.tolist()
+        pairs = [(self.wind_up[share], share * self.rated) for share in POLYNOMIAL]
+        return max(abs((a * x + b * x**2 + c * x**3) / torque - 1.0) for x, torque in pairs)
+
+
+def play_of(design: Design, poses: int) -> Play:
+    """Solve play and wind-up of a design at so many crank angles.
+
+    Raises
+    ------
+    RunError
+        No balance was found.
+    """
+    rated = design.rated_torque
+    still = design.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
+    springs = springs_of(still, turn_evenly(poses), friction=False)
+
+    def turn(share: float) -> float:
+        return float(loads(still, springs, share * rated).output_turn.mean())
+
+    low, high = (2.0 * turn(way * SMALL) - turn(2.0 * way * SMALL) for way in (-1.0, 1.0))
+    shares = sorted({*KNOTS, *POLYNOMIAL, *STRAIGHT})
+    return Play(rated, (low, high), {share: 0.5 * (turn(share) - high + low - turn(-share)) for share in shares})
+
+
+def inertias(design: Design) -> tuple[float, float]:
+    """Give the inertia that turns with the crank, the discs' orbit in it, and that with the output [kg m2].
+
+    A disc turns with the output but for its orbit, which is the crank's.
+    """
+    masses = {name: mass_properties(solid) for name, solid in parts(design).items() if name in (SHAFT, GEAR)}
+    orbit = len(mechanism(design).discs) * masses[GEAR].mass * design.gear.eccentricity**2
+    return crank_inertia(design, masses[SHAFT]) + orbit, moving_inertia(design)
+
+
+def _friction(design: Design, told: Callable[[], None]) -> Friction:
+    speed, rated = design.drive.speed, design.rated_torque
+    maps: dict[float, list[tuple[float, ...]]] = {1.0: [], -1.0: []}
+    for share in SPEEDS:
+        turning = design.but(drive={"speed": share * speed})
+        idle = _idle(turning)
+        told()
+        for way, rows in maps.items():
+            rows.append((idle, *(_lost(turning, way * torque * rated, told) for torque in TORQUES)))
+    torques = (0.0, *(torque * rated for torque in TORQUES))
+    speeds = tuple(share * abs(speed) for share in SPEEDS)
+    return Friction(torques, speeds, tuple(maps[1.0]), tuple(maps[-1.0]))
+
+
+def _idle(design: Design) -> float:
+    """Give the torque of friction on a crank that turns without a load [N m]."""
+    rated = design.rated_torque
+    try:
+        return _lost(design, SMALL * rated)
+    except RunError:
+        low, high = (_lost(design, torque * rated) for torque in (NEXT_TO_NONE, TORQUES[0]))
+        return max(0.0, low - (high - low) * NEXT_TO_NONE / (TORQUES[0] - NEXT_TO_NONE))
+
+
+def _lost(design: Design, torque: float, told: Callable[[], None] = lambda: None) -> float:
+    """Give the torque of friction on a turning crank [N m]; an output that jams is held as by a crank that drives."""
+    try:
+        found = powers(design, torque)
+    except RunError:
+        if torque > 0.0:
+            raise
+        found = powers(design, -torque)
+    told()
+    return sum(found.losses.values()) / abs(design.drive.speed)
+
+
+def _damping(design: Design) -> float:
+    """Give the damping of the wind-up [N m s/rad].
+
+    Springs s with dampers in series, slowly: c = k^2 sum (C/K) s over the compliances s of output, cam and mesh, C/K
+    being the time constant of a contact. Of pin and seat in series, each has the share of its compliance.
+    """
+    laws = contact_laws(design)
+    found = [one.series(design) for one in windups(design, turn_evenly(), design.rated_torque)]
+    series = {part: float(np.mean([one[part] for one in found])) for part in found[0]}
+    mesh = [laws[kind] for kind in (design.tooth_pair, design.seat_pair) if kind in laws]
+    times = {kind: laws[kind].damping / laws[kind].stiffness for kind in ("cam", "output")}
+    times["mesh"] = sum(law.damping / law.stiffness**2 for law in mesh) / sum(1.0 / law.stiffness for law in mesh)
+    return sum(times[part] * give for part, give in series.items()) / sum(series.values()) ** 2
+
+
+def _quantities(design: Design, made: Reducer, fine: Play, coarse: Play) -> Iterator[Quantity]:
+    at = f"at {made.rated_torque:.4g} N m, {made.rated_speed / RPM:.0f} rpm"
+    friction, rated, speed = made.friction, made.rated_torque, made.rated_speed
+
+    def spread(read: Callable[[Play], float]) -> tuple[float, float]:
+        return read(fine), abs(read(fine) - read(coarse))
+
+    against = "the output turns against the crank" if made.way < 0 else "the output turns as the crank does"
+    yield Quantity("ratio", "ratio, turns of the crank for one of the output", made.ratio, "1", 0.0, note=against)
+    yield Quantity(
+        "backlash_arcmin",
+        "backlash of the output, mean over the crank angle",
+        *_in(spread(lambda one: one.backlash), ARCMINUTE, "arcmin"),
+    )
+    yield Quantity(
+        "wind_up_arcmin",
+        f"wind-up beyond the stop under {rated:.4g} N m, crank locked",
+        *_in(spread(lambda one: one.wind_up[1.0]), ARCMINUTE, "arcmin"),
+    )
+    yield Quantity(
+        "polynomial_error",
+        f"largest relative error of the stiffness as a polynomial, up to {rated:.4g} N m",
+        fine.polynomial_error(),
+        "1",
+        abs(fine.polynomial_error() - coarse.polynomial_error()),
+    )
+    yield Quantity(
+        "stiffness_nm_per_arcmin",
+        "torsional stiffness, 50 to 100 % of the rated torque",
+        *_in(spread(lambda one: one.stiffness), 1.0 / ARCMINUTE, "N m/arcmin"),
+    )
+    efficiency = 100.0 * friction.efficiency(rated, speed, made.ratio, driving=True)
+    yield Quantity("efficiency", f"efficiency {at}", efficiency, "%", 100.0 * _angles_leave_out(design, 1.0))
+    back, held = driven(design, rated)
+    locked = math.isnan(held)
+    yield Quantity(
+        "back_driving_efficiency",
+        f"efficiency of back-driving against {rated / made.ratio:.4g} N m on the crank",
+        0.0 if locked else 100.0 * back.efficiency,
+        "%",
+        0.0 if locked else 100.0 * _angles_leave_out(design, -held / rated),
+        note=SELF_LOCKING if locked else "",
+    )
+    twice = 2.0 * _lost(design, 2.0 * NEXT_TO_NONE * rated) - _lost(design, 4.0 * NEXT_TO_NONE * rated)
+    yield Quantity(
+        "no_load_torque_nm",
+        f"no-load torque on the crank at {speed / RPM:.0f} rpm",
+        made.no_load_torque,
+        "N m",
+        abs(made.no_load_torque - max(0.0, twice)),
+        note="weight and centrifugal force of the discs, and drag of seals and lubricant; no shaft bearings",
+    )
+    told = "shaft, rotor and the discs' orbit"
+    yield Quantity("rotor_inertia_kg_m2", f"inertia on the crank: {told}", made.rotor_inertia, "kg m2", 0.0)
+    yield Quantity("output_inertia_kg_m2", "inertia of discs and output", made.output_inertia, "kg m2", 0.0)
+    yield Quantity("reflected_inertia_kg_m2", "inertia at the output, crank free", made.reflected_inertia, "kg m2", 0.0)
+    yield Quantity("damping_nm_s_per_rad", "damping of the wind-up", made.damping, "N m s/rad", None)
+
+
+def _angles_leave_out(design: Design, share: float) -> float:
+    """Give by how much more crank angles change the efficiency under a share of the rated torque; negative drives."""
+    torque = share * design.rated_torque
+    return abs(powers(design, torque).efficiency - powers(design, torque, turn_evenly(FINER * POSES)).efficiency)
+
+
+def _in(values: Sequence[float], unit: float, name: str) -> tuple[float, str, float]:
+    """Give value, unit and error of a quantity in another unit."""
+    value, error = values
+    return value / unit, name, error / unit
+
+
+class _Counted:
+    """Counts pieces of work for a progress."""
+
+    def __init__(self, progress: Progress | None, whole: int) -> None:
+        self._progress, self._whole, self._done = progress, whole, 0
+
+    def one_more(self) -> None:
+        self._done += 1
+        if self._progress:
+            self._progress(self._done, self._whole)

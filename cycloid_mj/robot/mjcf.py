@@ -1,0 +1,137 @@
+"""The joint as MJCF that needs nothing but ``mujoco``: `joint.xml` to include, `scene.xml` to open."""
+
+from cycloid_mj.digits import significant
+from cycloid_mj.robot.reducer import Reducer
+from cycloid_mj.units import RPM
+
+OUTPUT = "output"
+"""Name of the joint that the output turns; what belongs to it is named after it, as by `attach_reducer`."""
+
+NEXT_TO_NOTHING = 1e-9
+"""Mass of the rotor's body [kg]: its inertia is the joint's armature, its weight belongs to the robot's link."""
+
+ROTOR_SIZE = (0.02, 0.01)
+"""Radius and half length of the rotor that is drawn [m]."""
+
+PEAK = 3.0
+"""Largest torque of the motor in the scene, in rated input torques."""
+
+
+def rotor_name(joint: str) -> str:
+    """Name the crank of a joint's reducer: its body, joint and geom."""
+    return f"{joint}_rotor"
+
+
+def reducer_name(joint: str, number: int = 0) -> str:
+    """Name the springs of a joint's reducer, and what holds them together; the first has no number."""
+    return f"{joint}_reducer_{number + 1}" if number else f"{joint}_reducer"
+
+
+def joint_xml(reducer: Reducer, joint: str = OUTPUT) -> str:
+    """Give the part that a robot's model includes: the crank, the springs to the joint of this name, and the motor."""
+    body = _rigid(reducer, joint) if reducer.level == "rigid" else _with_springs(reducer, joint)
+    return f"""<mujoco model="reducer">
+  <!-- The reducer {_comment(reducer.name)} as one joint, level {reducer.level}, by cycloid-mj reduce.
+       {reducer.ratio:g}:1, rated {reducer.rated_torque:.4g} N m at {reducer.rated_speed / RPM:.0f} rpm of the crank.
+       Include it in a robot whose hinge is called "{joint}" and has class="{reducer_name(joint)}". -->
+{body}</mujoco>
+"""
+
+
+def scene_xml(reducer: Reducer, load_inertia: float, timestep: float, integrator: str = "discrete") -> str:
+    """Give a scene with the joint, a motor on its crank and an inertia [kg m2] on its output; `timestep` in seconds.
+
+    The motor's control is its torque on the crank [N m].
+    """
+    inertia = _number(load_inertia)
+    turned = "against" if reducer.way < 0 else "with"
+    return f"""<mujoco model="reducer {reducer.name}">
+  <!-- ctrl is the motor's torque on the crank [N m]; the output turns {turned} it. -->
+  <option timestep="{_number(timestep)}" integrator="{integrator}" gravity="0 0 0"/>
+  <statistic extent="0.4" center="0 0 0.05"/>
+  <include file="joint.xml"/>
+  <worldbody>
+    <light pos="0.3 0.3 1" dir="-0.3 -0.3 -1"/>
+    <body name="load" pos="0 0 0.05">
+      <inertial pos="0 0 0" mass="1" diaginertia="{inertia} {inertia} {inertia}"/>
+      <joint name="{OUTPUT}" class="{reducer_name(OUTPUT)}" axis="0 0 1"/>
+      <geom type="box" pos="0.06 0 0" size="0.06 0.012 0.008" contype="0" conaffinity="0" rgba="0.25 0.69 0.54 1"/>
+      <geom type="cylinder" size="0.04 0.006" contype="0" conaffinity="0" rgba="0.55 0.75 0.89 1"/>
+    </body>
+  </worldbody>
+  <sensor>
+    <jointpos name="output_angle" joint="{OUTPUT}"/>
+    <jointvel name="output_speed" joint="{OUTPUT}"/>
+  </sensor>
+</mujoco>
+"""
+
+
+def _with_springs(reducer: Reducer, joint: str) -> str:
+    rotor = rotor_name(joint)
+    tendons, elements = [], []
+    for number, spring in enumerate(reducer.springs):
+        name, damping = reducer_name(joint, number), reducer.damping if number == 0 else 0.0
+        low, high = reducer.stops[0] - spring.start, reducer.stops[1] + spring.start
+        tendons.append(
+            f'    <fixed name="{name}" springlength="{_number(low)} {_number(high)}" '
+            f'stiffness="{_number(spring.stiffness)}" damping="{_number(damping)}">'
+            f'<joint joint="{rotor}" coef="{_number(reducer.coefficient)}"/><joint joint="{joint}" coef="1"/></fixed>\n'
+        )
+        elements.append(f'<element objtype="tendon" objname="{name}"/>')
+    radius, length = ROTOR_SIZE
+    return f"""  <default>
+    <default class="{reducer_name(joint)}">
+      <joint armature="{_number(reducer.output_inertia)}"/>
+    </default>
+  </default>
+  <worldbody>
+    <!-- Under the link that holds the motor, if that moves; the axis is that of the joint. -->
+    <body name="{rotor}">
+      <inertial pos="0 0 0" mass="{NEXT_TO_NOTHING}" diaginertia="1e-12 1e-12 1e-12"/>
+      <joint name="{rotor}" axis="0 0 1" armature="{_number(reducer.rotor_inertia)}" \
+frictionloss="{_number(reducer.no_load_torque)}" damping="0" limited="false"/>
+      <geom name="{rotor}" type="cylinder" size="{radius} {length}" contype="0" conaffinity="0" \
+mass="{NEXT_TO_NOTHING}" rgba="0.93 0.65 0.49 1"/>
+    </body>
+  </worldbody>
+  <tendon>
+{"".join(tendons)}  </tendon>
+  <actuator>
+    <motor name="motor" joint="{rotor}" ctrlrange="{_range(reducer)}"/>
+  </actuator>
+  <custom>
+    <tuple name="{reducer_name(joint)}"><element objtype="joint" objname="{joint}" prm="{reducer.fingerprint}"/>\
+<element objtype="joint" objname="{rotor}"/>{"".join(elements)}</tuple>
+  </custom>
+"""
+
+
+def _rigid(reducer: Reducer, joint: str) -> str:
+    friction = _number(reducer.no_load_torque_at_output)
+    return f"""  <default>
+    <default class="{reducer_name(joint)}">
+      <joint armature="{_number(reducer.reflected_inertia)}" frictionloss="{friction}"/>
+    </default>
+  </default>
+  <actuator>
+    <motor name="motor" joint="{joint}" gear="{_number(reducer.way * reducer.ratio)}" ctrlrange="{_range(reducer)}"/>
+  </actuator>
+  <custom>
+    <tuple name="{reducer_name(joint)}"><element objtype="joint" objname="{joint}" prm="{reducer.fingerprint}"/></tuple>
+  </custom>
+"""
+
+
+def _comment(text: str) -> str:
+    """Give text that does not end the comment it stands in."""
+    return text.replace("--", "- -")
+
+
+def _range(reducer: Reducer) -> str:
+    most = _number(PEAK * reducer.rated_torque / reducer.ratio)
+    return f"-{most} {most}"
+
+
+def _number(value: float) -> str:
+    return f"{significant(value):.12g}"

@@ -1,0 +1,331 @@
+"""The reduced joint as one value: its springs, friction and ripple, and what MJCF cannot say as code for each step.
+
+L is the output's turn less the ideal one at the crank's angle: the length of a fixed tendon over both. Between its
+stops the joint is free; beyond them it winds up. All torques of friction are on the crank.
+"""
+
+import json
+import math
+import zlib
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Literal, NamedTuple, Self, get_args
+
+import numpy as np
+
+from cycloid_mj.errors import CycloidError, UsageError
+from cycloid_mj.result import Quantity
+from cycloid_mj.robot.friction import Friction
+from cycloid_mj.robot.ripple import Ripple
+from cycloid_mj.units import RPM
+
+Level = Literal["rigid", "backlash", "full"]
+"""How much of the reducer the joint has: ratio, inertia and constant friction; play and springs too; load-dependent
+friction and transmission error as well, by `Reducer.step`."""
+
+LEVELS: tuple[Level, ...] = get_args(Level)
+
+AT_REST = 1e-3
+"""Speed of the crank [rad/s] below which what pulls on it tells which way it is about to turn."""
+
+FIXED_POINT = 3
+"""Rounds in which a torque and what depends on it are found, each from the other."""
+
+JOINT = "joint"
+"""Key of the joint's own values in its JSON file."""
+
+
+@dataclass(frozen=True)
+class Spring:
+    """A spring that acts beyond a dead band: how far beyond the stops it starts [rad], its stiffness [N m/rad]."""
+
+    start: float
+    stiffness: float
+
+
+class Place(NamedTuple):
+    """Where a model has one joint with this reducer: addresses of crank and output, and the tendons between them."""
+
+    output_angle: int
+    output_speed: int
+    crank_angle: int
+    crank_speed: int
+    tendons: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Reducer:
+    """A reducer as a joint.
+
+    Attributes
+    ----------
+    name
+        Of the design.
+    level
+        How much of it a model gets.
+    ratio, way
+        Turns of the crank for one of the output, and -1 where the output turns against the crank.
+    rated_torque, rated_speed
+        On the output [N m], of the crank [rad/s].
+    stops
+        L at both ends of the play [rad].
+    springs
+        Their sum is the torque beyond a stop, alike on both sides; the first starts at the stop.
+    polynomial, polynomial_error
+        a, b, c of that torque as a x + b x^2 + c x^3 up to the rated one [N m/rad, N m/rad^2, N m/rad^3], and their
+        numerical errors.
+    damping
+        Of L while it presses [N m s/rad].
+    rotor_inertia, output_inertia
+        What turns with the crank and with the output, each about its own axis [kg m2].
+    friction, ripple
+        Torque of friction on the crank; transmission error about its mean.
+    quantities
+        What was measured, by key, for people and programs.
+    """
+
+    name: str
+    level: Level
+    ratio: float
+    way: int
+    rated_torque: float
+    rated_speed: float
+    stops: tuple[float, float]
+    springs: tuple[Spring, ...]
+    polynomial: tuple[float, ...]
+    polynomial_error: tuple[float, ...]
+    damping: float
+    rotor_inertia: float
+    output_inertia: float
+    friction: Friction
+    ripple: Ripple
+    quantities: Mapping[str, Quantity] = field(default_factory=dict, compare=False, repr=False)
+
+    @property
+    def coefficient(self) -> float:
+        """Of the crank's angle in L [1]; that of the output's is 1."""
+        return -self.way / self.ratio
+
+    @property
+    def reflected_inertia(self) -> float:
+        """Inertia of the whole reducer at its output [kg m2]."""
+        return self.output_inertia + self.ratio**2 * self.rotor_inertia
+
+    @property
+    def middle(self) -> float:
+        """L in the middle of the play [rad]."""
+        return 0.5 * sum(self.stops)
+
+    @property
+    def backlash(self) -> float:
+        """From stop to stop [rad]."""
+        return self.stops[1] - self.stops[0]
+
+    @property
+    def no_load_torque(self) -> float:
+        """Friction on the crank without a load, at the rated speed [N m]."""
+        return self.friction.torque(0.0, self.rated_speed, driving=True)
+
+    @property
+    def no_load_torque_at_output(self) -> float:
+        """The same at the output: what a joint without a crank of its own has [N m]."""
+        return self.ratio * self.no_load_torque
+
+    @cached_property
+    def fingerprint(self) -> int:
+        """A number by which a model's joints with this reducer are found: as many digits as MJCF keeps."""
+        return zlib.crc32(json.dumps(self._values(), sort_keys=True).encode()) % 1_000_000
+
+    def back_driving_efficiency(self) -> float:
+        """Efficiency of back-driving against the crank's share of the rated torque, at the rated speed; 0: locked."""
+        torque = self.rated_torque
+        for _ in range(FIXED_POINT):
+            found = self.friction.efficiency(torque, self.rated_speed, self.ratio, driving=False)
+            if not found > 0.0:
+                return 0.0
+            torque = self.rated_torque / found
+        return found
+
+    def stiffness(self, torque: float) -> float:
+        """Give the slope of the torque over L where it has this size [N m/rad]."""
+        beyond = self.wind_up(torque)
+        return sum(spring.stiffness for spring in self.springs if spring.start <= beyond)
+
+    def wind_up(self, torque: float) -> float:
+        """Give how far beyond its stop the joint carries a torque of this size [rad]."""
+        low, reached, slope = 0.0, 0.0, 0.0
+        for spring in self.springs:
+            if reached + slope * (spring.start - low) > abs(torque):
+                break
+            reached += slope * (spring.start - low)
+            low, slope = spring.start, slope + spring.stiffness
+        return low + (abs(torque) - reached) / slope
+
+    def torque(self, length: float, stops: tuple[float, float] | None = None) -> float:
+        """Give the torque with which the springs pull L = `length` [rad] back to its stops [N m]."""
+        low, high = stops or self.stops
+        beyond = max(length - high, low - length)
+        size = sum(spring.stiffness * max(beyond - spring.start, 0.0) for spring in self.springs)
+        return -size if length > high else size
+
+    def stops_at(self, angle: float, length: float) -> tuple[float, float]:
+        """Give the stops at a crank angle with their errors under the torque that L = `length` takes [rad]."""
+        low, high = self.stops
+        for _ in range(FIXED_POINT):
+            errors = self.ripple.errors(angle, abs(self.torque(length, (low, high))) / self.rated_torque)
+            low, high = self.stops[0] + errors[0], self.stops[1] + errors[1]
+        return low, high
+
+    def at(self, level: Level) -> Self:
+        """Give the same reducer at another level."""
+        if level not in LEVELS:
+            raise UsageError(f"there is no level {level!r}: choose {', '.join(LEVELS)}")
+        return replace(self, level=level)
+
+    def step(self, model: Any, data: Any) -> None:
+        """Write friction under the load and the transmission error into a model: call it before each ``mj_step``.
+
+        Every joint that carries this reducer is served, whatever its level is; there is nothing to do where none does.
+
+        Parameters
+        ----------
+        model
+            ``MjModel``; friction losses, spring lengths and damping of the reducer's joints are changed.
+        data
+            ``MjData`` as the last step left it.
+        """
+        for place in self.places(model):
+            if place.tendons:
+                self._step_between(model, data, place)
+            else:
+                self._step_rigid(model, data, place)
+
+    def settle(self, model: Any, data: Any) -> None:
+        """Turn the crank of every joint that carries this reducer to the middle of its play, as fast as the output.
+
+        Call it after joints were set by hand, or the reducer starts wound up.
+        """
+        for place in self.places(model):
+            if place.tendons:
+                data.qpos[place.crank_angle] = (self.middle - data.qpos[place.output_angle]) / self.coefficient
+                data.qvel[place.crank_speed] = -data.qvel[place.output_speed] / self.coefficient
+
+    def places(self, model: Any) -> Iterator[Place]:
+        """Find the joints of a model that carry this reducer."""
+        for start in np.flatnonzero(model.tuple_objprm == self.fingerprint).tolist():
+            size = int(model.tuple_size[np.flatnonzero(model.tuple_adr == start)[0]])
+            output, *others = model.tuple_objid[start : start + size].tolist()
+            crank, *tendons = others or [output]
+            yield Place(
+                int(model.jnt_qposadr[output]),
+                int(model.jnt_dofadr[output]),
+                int(model.jnt_qposadr[crank]),
+                int(model.jnt_dofadr[crank]),
+                tuple(tendons),
+            )
+
+    def _step_between(self, model: Any, data: Any, place: Place) -> None:
+        """Serve a joint with springs: its tendons follow the error, its crank has the friction of their torque."""
+        angle, dof = float(data.qpos[place.crank_angle]), place.crank_speed
+        length = float(data.qpos[place.output_angle]) + self.coefficient * angle
+        low, high = self.stops_at(angle, length)
+        for spring, tendon in zip(self.springs, place.tendons, strict=True):
+            model.tendon_lengthspring[tendon] = low - spring.start, high + spring.start
+        torque = self.torque(length, (low, high))
+        model.tendon_damping[place.tendons[0]] = self.damping if torque else 0.0
+        pulled = self.coefficient * torque
+        speed = float(data.qvel[dof])
+        turning = speed if abs(speed) > AT_REST else pulled + data.qfrc_actuator[dof] + data.qfrc_applied[dof]
+        model.dof_frictionloss[dof] = self.friction.torque(torque, speed, driving=pulled * turning < 0.0)
+
+    def _step_rigid(self, model: Any, data: Any, place: Place) -> None:
+        """Serve a joint without springs: what the crank's balance of the last step says that it passes on."""
+        import mujoco
+
+        dof = place.output_speed
+        own = (data.efc_type == int(mujoco.mjtConstraint.mjCNSTR_FRICTION_DOF)) & (data.efc_id == dof)
+        held = float(data.efc_force[own].sum())
+        inertia = self.ratio**2 * self.rotor_inertia
+        torque = float(data.qfrc_actuator[dof] + held - inertia * data.qacc[dof])
+        speed = float(data.qvel[dof])
+        turning = speed if abs(speed) * self.ratio > AT_REST else data.qfrc_actuator[dof] - torque
+        lost = self.friction.torque(torque, self.ratio * speed, driving=torque * turning > 0.0)
+        model.dof_frictionloss[dof] = self.ratio * lost
+
+    def as_json(self) -> dict[str, Any]:
+        """Give the quantities and, as `joint`, all values in SI for a program."""
+        told = {key: one.as_json() for key, one in self.quantities.items()}
+        for key, driving in (("efficiency", True), ("back_driving_efficiency", False)):
+            told.setdefault(key, {})["map"] = self._efficiency_map(driving)
+        return {
+            "design": self.name,
+            "level": self.level,
+            **told,
+            "stiffness_polynomial": {
+                "value": list(self.polynomial),
+                "unit": "N m/rad, N m/rad^2, N m/rad^3",
+                "numerical_error": list(self.polynomial_error),
+                "note": f"torque a x + b x^2 + c x^3, x [rad] beyond the stop, up to {self.rated_torque:.4g} N m",
+            },
+            "te_harmonics": list(self.ripple.harmonics(self.way, self.rated_torque)),
+            JOINT: self._values(),
+        }
+
+    @classmethod
+    def from_json(cls, given: Mapping[str, Any]) -> Self:
+        """Give the reducer of what `as_json` gave, without the quantities.
+
+        Raises
+        ------
+        UsageError
+            It is no such object.
+        """
+        try:
+            values = dict(given[JOINT])
+            for key in ("stops", "polynomial", "polynomial_error"):
+                values[key] = tuple(map(float, values[key]))
+            values["springs"] = tuple(Spring(**one) for one in values["springs"])
+            values["friction"] = Friction.from_json(values["friction"])
+            values["ripple"] = Ripple.from_json(values["ripple"])
+            made = cls(**values)
+        except (KeyError, TypeError, ValueError) as problem:
+            raise UsageError(f"no reducer: {problem}; give what `cycloid-mj reduce` writes as reducer.json") from None
+        if made.level not in LEVELS or not math.isfinite(made.ratio) or not made.springs:
+            raise UsageError("no reducer: level, ratio or springs are not as `cycloid-mj reduce` writes them")
+        return made
+
+    @classmethod
+    def read(cls, path: str | Path) -> Self:
+        """Read a reducer from its ``reducer.json``.
+
+        Raises
+        ------
+        CycloidError
+            The file cannot be read, or is no JSON.
+        UsageError
+            It holds no reducer.
+        """
+        try:
+            given = json.loads(Path(path).read_text(encoding="utf-8"))
+        except (OSError, ValueError) as problem:
+            raise CycloidError(f"cannot read {path}: {problem}; give the reducer.json of `cycloid-mj reduce`") from None
+        return cls.from_json(given if isinstance(given, dict) else {})
+
+    def _efficiency_map(self, driving: bool) -> dict[str, Any]:
+        torques = self.friction.torques[1:]
+        return {
+            "torques_nm": list(torques),
+            "speeds_rpm": [speed / RPM for speed in self.friction.speeds],
+            "percent": [
+                [100.0 * self.friction.efficiency(torque, speed, self.ratio, driving) for torque in torques]
+                for speed in self.friction.speeds
+            ],
+        }
+
+    def _values(self) -> dict[str, Any]:
+        """Give every value in SI but the quantities."""
+        values = asdict(replace(self, quantities={}))
+        del values["quantities"]
+        return values

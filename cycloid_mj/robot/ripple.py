@@ -1,0 +1,89 @@
+"""The transmission error about its mean, as harmonics of the crank's angle, and how it grows with the load.
+
+A load that pushes the output counter-clockwise presses it to its upper stop, one that pushes it clockwise to its lower
+one: each stop has an error of its own.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import Any, Self
+
+import numpy as np
+
+from cycloid_mj.types import Array
+from cycloid_mj.units import ARCSECONDS
+
+Rows = tuple[tuple[float, ...], ...]
+
+
+@dataclass(frozen=True)
+class Ripple:
+    """The harmonics at some loads; at the order n, the error is a cos(n theta) + b sin(n theta).
+
+    Attributes
+    ----------
+    orders
+        Cycles in a turn of the crank, shape (k,).
+    loads
+        Shares of the rated torque, shape (l,), rising; between them errors follow straight lines.
+    low_cos, low_sin, high_cos, high_sin
+        a and b at the lower and at the upper stop [rad], shape (l, k).
+    low_error, high_error
+        Numerical errors of the amplitudes [rad], shape (l, k).
+    """
+
+    orders: tuple[float, ...]
+    loads: tuple[float, ...]
+    low_cos: Rows
+    low_sin: Rows
+    high_cos: Rows
+    high_sin: Rows
+    low_error: Rows
+    high_error: Rows
+
+    def errors(self, angle: float, share: float) -> tuple[float, float]:
+        """Give the errors of both stops [rad] at a crank angle [rad], under a share of the rated torque."""
+        if not self.orders:
+            return 0.0, 0.0
+        orders, loads, waves = self._arrays
+        turned = orders * angle
+        both = waves @ np.concatenate([np.cos(turned), np.sin(turned)])
+        return float(np.interp(share, loads, both[0])), float(np.interp(share, loads, both[1]))
+
+    def harmonics(self, way: int, rated: float) -> Iterator[dict[str, Any]]:
+        """Give every harmonic for a program: its amplitude [arcsec] under each load, with the crank turning each way.
+
+        `way` is that of the output against the crank, `rated` the torque on the output [N m].
+        """
+        for turning, high in (("forward", way < 0), ("reverse", way > 0)):
+            stop = "high" if high else "low"
+            a, b, errors = (np.array(getattr(self, f"{stop}_{part}")) for part in ("cos", "sin", "error"))
+            for i, load in enumerate(self.loads):
+                for j, order in enumerate(self.orders):
+                    yield {
+                        "order": order,
+                        "way": turning,
+                        "load_nm": load * rated,
+                        "value": float(np.hypot(a[i, j], b[i, j])) * ARCSECONDS,
+                        "unit": "arcsec",
+                        "numerical_error": float(errors[i, j]) * ARCSECONDS,
+                        "phase_deg": float(np.degrees(np.arctan2(-b[i, j], a[i, j]))),
+                    }
+
+    @classmethod
+    def from_json(cls, given: Mapping[str, Any]) -> Self:
+        """Give the ripple of a JSON object."""
+        orders, loads = (tuple(map(float, given[key])) for key in ("orders", "loads"))
+        rows = {of.name: tuple(tuple(map(float, row)) for row in given[of.name]) for of in fields(cls)[2:]}
+        return cls(orders, loads, **rows)
+
+    @cached_property
+    def _arrays(self) -> tuple[Array, Array, Array]:
+        """Orders, loads, and a and b at both stops, shape (2, l, 2 k)."""
+        waves = [np.concatenate([cos, sin], axis=1) for cos, sin in self._stops]
+        return np.array(self.orders), np.array(self.loads), np.array(waves)
+
+    @property
+    def _stops(self) -> tuple[tuple[Rows, Rows], tuple[Rows, Rows]]:
+        return (self.low_cos, self.low_sin), (self.high_cos, self.high_sin)

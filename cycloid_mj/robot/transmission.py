@@ -1,0 +1,101 @@
+"""The transmission error of the full model over a whole turn of the output, in its harmonics.
+
+Everything repeats after N - 1 turns of the crank, one of the output: there every order is a whole number of cycles,
+and the Fourier sum has no leakage.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.design import Design
+from cycloid_mj.loaded.balance import loads
+from cycloid_mj.loaded.springs import springs_of
+from cycloid_mj.robot.ripple import Ripple
+from cycloid_mj.types import Array
+
+Waves = npt.NDArray[np.complex128]
+
+LOADS = (0.01, 0.3, 1.0)
+"""Shares of the rated torque, both ways; the first is that of the unloaded error of `measure te`."""
+
+PER_MESH_PERIOD = 8
+"""Crank angles in a mesh period; half as many are the check."""
+
+LEFT = 0.02
+"""What is left out of an error, as a share of its rms value: the harmonics that are kept explain the rest."""
+
+MOST = 32
+"""Harmonics that are kept at most."""
+
+
+def turns(design: Design) -> int:
+    """Give the crank turns after which the error repeats."""
+    return design.lobes
+
+
+def ripple(design: Design, told: Callable[[], None]) -> Ripple:
+    """Solve the error under `LOADS`, both ways, and keep the harmonics that matter; `told` is called for each turn.
+
+    Raises
+    ------
+    RunError
+        No balance was found.
+    """
+    found = {(load, way): waves(error(design, load, way, told)) for way in (1, -1) for load in LOADS}
+    kept = _kept([fine for fine, _ in found.values()])
+    # forward, the load pushes the output counter-clockwise: to its upper stop
+    stops = {}
+    for name, way in (("low", -1), ("high", 1)):
+        each = [found[load, way] for load in LOADS]
+        stops[f"{name}_cos"] = _rows([fine[kept].real for fine, _ in each])
+        stops[f"{name}_sin"] = _rows([-fine[kept].imag for fine, _ in each])
+        stops[f"{name}_error"] = _rows([np.abs(fine[kept] - coarse[kept]) for fine, coarse in each])
+    return Ripple(tuple((kept / turns(design)).tolist()), LOADS, **stops)
+
+
+def error(design: Design, load: float, way: int, told: Callable[[], None] = lambda: None) -> Array:
+    """Give the error of the output [rad] under a share of the rated torque, at crank angles all over its turn.
+
+    `way` is that of the crank; the angles rise evenly from 0, shape (turns * N * `PER_MESH_PERIOD`,).
+    """
+    turning = design.but(drive={"speed": way * abs(design.drive.speed)})
+    count = design.ring.teeth * PER_MESH_PERIOD
+    within, found = 2.0 * np.pi * np.arange(count) / count, []
+    for turn in range(turns(design)):
+        springs = springs_of(turning, within + 2.0 * np.pi * turn)
+        found.append(loads(turning, springs, way * load * design.rated_torque, follow=True).output_turn)
+        told()
+    return np.concatenate(found)
+
+
+def waves(values: Array) -> tuple[Waves, Waves]:
+    """Give the complex amplitudes of a periodic error by whole cycles of all of it, and by every second sample.
+
+    The real part of A exp(i order theta) is the harmonic; both have the same shape, the mean left out.
+    """
+
+    def amplitudes(one: Array) -> Waves:
+        found = 2.0 * np.fft.rfft(one) / one.size
+        found[0] = 0.0
+        return found
+
+    fine, coarse = amplitudes(values), amplitudes(values[::2])
+    return fine[: coarse.size - 1], coarse[:-1]
+
+
+def _kept(each: list[Waves]) -> npt.NDArray[np.int64]:
+    """Give the places of the fewest strongest harmonics that leave `LEFT` of every error, `MOST` at the most."""
+    shares = np.max([np.abs(one) / max(float(np.linalg.norm(one)), np.finfo(float).tiny) for one in each], axis=0)
+    order = np.argsort(-shares, kind="stable")
+    for count in range(1, MOST):
+        chosen = order[:count]
+        rest = [np.linalg.norm(np.delete(one, chosen)) <= LEFT * np.linalg.norm(one) for one in each]
+        if all(rest):
+            return np.sort(chosen)
+    return np.sort(order[:MOST])
+
+
+def _rows(arrays: list[Array]) -> tuple[tuple[float, ...], ...]:
+    return tuple(tuple(row.tolist()) for row in arrays)

@@ -1,0 +1,102 @@
+"""The reduced joint on its own bench in MuJoCo: crank held or turned, a torque on the output, L read off."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+import mujoco
+import numpy as np
+
+from cycloid_mj.robot.mjcf import joint_xml, scene_xml
+from cycloid_mj.robot.reducer import Place, Reducer
+from cycloid_mj.types import Array
+
+Integrator = Literal["implicitfast", "discrete"]
+
+INTEGRATORS: tuple[Integrator, ...] = get_args(Integrator)
+
+FLYWHEEL = 1e9
+"""Inertia that holds a crank, or its speed, over the crank's own [1]."""
+
+RUNAWAY = 100.0
+"""A joint that leaves its stops by this many rated wind-ups is unstable; MuJoCo's own warnings come much later."""
+
+
+@dataclass(frozen=True)
+class Bench:
+    """A scene that is ready to step.
+
+    Attributes
+    ----------
+    reducer
+        What is on it, at its level.
+    model, data
+        MuJoCo's own.
+    place
+        Where the reducer is in them.
+    """
+
+    reducer: Reducer
+    model: Any
+    data: Any
+    place: Place
+
+    @property
+    def length(self) -> float:
+        """L [rad]."""
+        angles = self.data.qpos
+        return float(angles[self.place.output_angle] + self.reducer.coefficient * angles[self.place.crank_angle])
+
+    def hold(self, speed: float = 0.0) -> None:
+        """Let the crank turn at a speed [rad/s] whatever the torque on it, the output along with it."""
+        self.model.dof_armature[self.place.crank_speed] = FLYWHEEL * self.reducer.rotor_inertia
+        mujoco.mj_setConst(self.model, self.data)
+        self.data.qvel[self.place.crank_speed] = speed
+        self.data.qvel[self.place.output_speed] = -self.reducer.coefficient * speed
+
+    def push(self, torque: float) -> None:
+        """Put a torque on the output [N m], counter-clockwise."""
+        self.data.qfrc_applied[self.place.output_speed] = torque
+
+    def press(self, torque: float) -> None:
+        """Put a torque on the output [N m] that is wound up by it already."""
+        reducer, angle = self.reducer, float(self.data.qpos[self.place.crank_angle])
+        side, size = int(torque > 0.0), abs(torque)
+        length = reducer.stops[side] + reducer.ripple.errors(angle, size / reducer.rated_torque)[side]
+        length += reducer.wind_up(size) * (1.0 if side else -1.0)
+        self.data.qpos[self.place.output_angle] = length - reducer.coefficient * angle
+        self.push(torque)
+
+    def step(self) -> None:
+        """Take one step, at the level `full` with what MJCF cannot say."""
+        if self.reducer.level == "full":
+            self.reducer.step(self.model, self.data)
+        mujoco.mj_step(self.model, self.data)
+
+    def lengths(self, torque: Callable[[float], float], steps: int) -> Array | None:
+        """Give L after each of so many steps under a torque on the output by time; None where it runs away."""
+        reducer, found = self.reducer, np.empty(steps)
+        most = RUNAWAY * (reducer.backlash + reducer.wind_up(reducer.rated_torque))
+        for i in range(steps):
+            self.push(torque(float(self.data.time)))
+            self.step()
+            found[i] = self.length
+            if not abs(found[i] - reducer.middle) < most:
+                return None
+        return found
+
+    def friction_torque(self) -> float:
+        """Give the torque of friction on the crank in the step just taken [N m], against its way."""
+        efc = (self.data.efc_type == int(mujoco.mjtConstraint.mjCNSTR_FRICTION_DOF)) & (
+            self.data.efc_id == self.place.crank_speed
+        )
+        return float(-self.data.efc_force[efc].sum() * np.sign(self.data.qvel[self.place.crank_speed]))
+
+
+def bench(reducer: Reducer, load_inertia: float, timestep: float, integrator: Integrator = "discrete") -> Bench:
+    """Build the scene of a reducer at its level with an inertia [kg m2] on the output; `timestep` in seconds."""
+    scene = scene_xml(reducer, load_inertia, timestep, integrator)
+    model = mujoco.MjModel.from_xml_string(scene, {"joint.xml": joint_xml(reducer).encode()})
+    # what runs away is told by its values, not by a file of warnings in the user's folder
+    model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
+    return Bench(reducer, model, mujoco.MjData(model), next(reducer.places(model)))

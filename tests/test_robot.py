@@ -1,0 +1,419 @@
+"""The reducer as one joint: the joint in MuJoCo against the full model, its steps, its files, and other models' joints."""
+
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+from designs import UNLIKE, design_file, unlike
+
+import cycloid_mj as cm
+from cycloid_mj.cli import main
+from cycloid_mj.design import PRESETS, Design
+from cycloid_mj.errors import CycloidError, DesignError, UsageError
+from cycloid_mj.loaded.sheet import sheet
+from cycloid_mj.measure import play
+from cycloid_mj.robot import LEVELS, Reducer, measured, transmission
+from cycloid_mj.robot.against import BOUNDS, POINTS, against
+from cycloid_mj.robot.bam import bam
+from cycloid_mj.robot.mjcf import joint_xml, scene_xml
+from cycloid_mj.robot.study import STEPS, longest, study, tried
+from cycloid_mj.robot.trial import bench
+from cycloid_mj.units import ARCMINUTE
+
+KEYS = (
+    "ratio",
+    "backlash_arcmin",
+    "stiffness_nm_per_arcmin",
+    "stiffness_polynomial",
+    "efficiency",
+    "back_driving_efficiency",
+    "no_load_torque_nm",
+    "rotor_inertia_kg_m2",
+)
+
+
+@pytest.fixture(scope="module", params=["pin", "nonpin"])
+def files(request, tmp_path_factory) -> Path:
+    """The files of a preset."""
+    into = tmp_path_factory.mktemp(request.param)
+    assert main(["reduce", "--design", request.param, "--out", str(into), "--quiet"]) == 0
+    return into
+
+
+@pytest.fixture(scope="module")
+def few() -> Reducer:
+    """A small reducer, 6:1, whose transmission error is large."""
+    return cm.reduce(unlike("few"))
+
+
+@pytest.fixture(scope="module")
+def told(files: Path) -> dict:
+    return json.loads((files / "reducer.json").read_text())
+
+
+def test_the_joint_is_as_the_full_model(told: dict) -> None:
+    """The bounds of the comparison are those promised; it is run by MuJoCo, not read back."""
+    assert BOUNDS == {
+        "backlash_arcmin": 0.002,
+        "loop_arcmin": 0.01,
+        "wind_up_arcmin": 0.01,
+        "resonance_hz": 0.02,
+        "te_harmonic": 0.05,
+    }
+    assert POINTS == 0.3
+    rows = {row["key"]: row for row in told["comparison"]}
+    assert set(BOUNDS) - {"te_harmonic"} < set(rows)
+    assert sum(row["unit"] == "%" for row in rows.values()) == 10
+    assert sum(row["unit"] == "arcsec" for row in rows.values()) >= 2
+    assert all(row["holds"] for row in rows.values())
+    assert all(abs(row["value"] - row["reference"]) <= row["bound"] for row in rows.values())
+
+
+def test_the_numbers_are_those_of_the_full_model(told: dict) -> None:
+    design = PRESETS[told["design"]]
+    found = sheet(design).quantities
+    assert told["ratio"]["value"] == design.lobes
+    assert told["backlash_arcmin"]["value"] == pytest.approx(play.over_a_turn(design)[1].mean() / ARCMINUTE, rel=0.002)
+    assert told["backlash_arcmin"]["value"] == pytest.approx(found["backlash"].value, rel=0.002)
+    assert told["stiffness_nm_per_arcmin"]["value"] == pytest.approx(found["stiffness_ideal"].value, rel=0.01)
+    assert told["efficiency"]["value"] == pytest.approx(found["efficiency"].value, abs=0.05)
+    assert told["back_driving_efficiency"]["value"] == pytest.approx(found["back_driving_efficiency"].value, abs=0.05)
+    for key in KEYS:
+        assert set(told[key]) >= {"value", "unit", "numerical_error"}
+    for one in told["te_harmonics"]:
+        assert set(one) >= {"value", "unit", "numerical_error", "order", "way", "load_nm"}
+        assert one["numerical_error"] < 0.05 * max(one["value"], 0.01)
+    peak = sum(
+        2.0 * one["value"]
+        for one in told["te_harmonics"]
+        if one["way"] == "forward" and one["load_nm"] == pytest.approx(design.rated_torque)
+    )
+    assert found["output_peak_to_peak_loaded_forward_speed"].value <= peak
+    a, b, c = told["stiffness_polynomial"]["value"]
+    x = told["wind_up_arcmin"]["value"] * ARCMINUTE
+    assert a * x + b * x**2 + c * x**3 == pytest.approx(design.rated_torque, rel=0.03)
+
+
+def test_the_scene_is_stable_up_to_five_milliseconds(told: dict) -> None:
+    """`discrete` at any step of the study, `implicitfast` up to 1 ms with a heavy load; beyond 2/w it is said to fail."""
+    reducer = Reducer.from_json(told)
+    steps = study(reducer)
+    assert {one.timestep for one in steps} == set(STEPS) == {1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3}
+    for level in LEVELS:
+        for load in ("bare output", "matched", "heavy"):
+            assert longest(steps, level, "discrete", load) == 5e-3
+        assert longest(steps, level, "implicitfast", "heavy") >= 1e-3
+    for one in steps:
+        if one.level == "backlash" and one.integrator == "implicitfast":
+            fastest = math.sqrt(reducer.stiffness(reducer.rated_torque) / (one.inertia + reducer.output_inertia))
+            if one.timestep * fastest > 2.2:
+                assert not one.good
+            if one.timestep * fastest < 0.3:
+                assert one.good
+                assert abs(one.frequency) < 0.02
+    assert not told["steps"] or [one["stable"] for one in told["steps"]] == [one.stable for one in steps]
+
+
+def test_the_scene_opens_by_mujoco_alone(files: Path) -> None:
+    """In a process where cycloid_mj cannot be imported; what the joint does there is the play of its JSON file."""
+    code = """
+import sys, json, importlib.util
+sys.modules["cycloid_mj"] = None
+import mujoco
+model = mujoco.MjModel.from_xml_path(sys.argv[1])
+data = mujoco.MjData(model)
+crank, output = (model.joint(name) for name in ("output_rotor", "output"))
+model.dof_armature[crank.dofadr[0]] = 1e6
+mujoco.mj_setConst(model, data)
+turned = []
+for torque in (0.5, -0.5):
+    data.qfrc_applied[output.dofadr[0]] = torque
+    for _ in range(3000):
+        mujoco.mj_step(model, data)
+    turned.append(data.qpos[output.qposadr[0]] + data.qpos[crank.qposadr[0]] * model.wrap_prm[0])
+data.ctrl[0] = 1.0
+mujoco.mj_step(model, data)
+assert not data.warning.number.any()
+print(json.dumps({"turn": turned[0] - turned[1], "version": mujoco.__version__}))
+"""
+    # without the folder of the tests and the project on the path
+    run = subprocess.run(
+        [sys.executable, "-c", code, str(files / "scene.xml")], capture_output=True, text=True, cwd=files, check=False
+    )
+    assert run.returncode == 0, run.stderr
+    reducer = Reducer.read(files / "reducer.json")
+    expected = reducer.backlash + 2.0 * reducer.wind_up(0.5)
+    assert json.loads(run.stdout)["turn"] == pytest.approx(expected, rel=1e-4)
+
+
+def test_a_reducer_comes_back_from_its_file(files: Path) -> None:
+    reducer = Reducer.read(files / "reducer.json")
+    again = Reducer.from_json(json.loads(json.dumps(reducer.as_json())))
+    assert again == reducer
+    assert again.fingerprint == reducer.fingerprint
+    assert (files / "joint.xml").read_text() == joint_xml(again)
+
+
+def test_bam_holds_the_friction(files: Path) -> None:
+    """M5 by BAM's own formula is the reducer's friction both ways; M3 cannot tell who drives."""
+    reducer, found = Reducer.read(files / "reducer.json"), json.loads((files / "bam.json").read_text())
+    assert found == json.loads(json.dumps(bam(reducer)))
+    rated, ratio = reducer.rated_torque, reducer.ratio
+    for driving in (True, False):
+        own = ratio * reducer.friction.torque(rated, reducer.rated_speed, driving)
+        external, motor = -rated, rated + (own if driving else -own)
+        m3, m5 = found["m3"], found["m5"]
+        by_m3 = m3["friction_base"] + m3["load_friction_base"] * abs(external - motor)
+        by_m5 = m5["friction_base"] + abs(external * m5["load_friction_external"] - motor * m5["load_friction_motor"])
+        assert by_m5 == pytest.approx(own, rel=0.05)
+        assert by_m3 == pytest.approx(own, rel=0.1)
+        assert abs(by_m5 - own) <= found["largest_error_nm"]["m5"] * 1.0001
+    assert found["largest_error_nm"]["m5"] <= found["largest_error_nm"]["m3"]
+
+
+def test_the_page_is_whole(files: Path) -> None:
+    page = (files / "reducer.html").read_text()
+    assert "http" not in page.replace("http://www.w3.org/2000/svg", "")
+    for word in ("hysteresis loop", "transmission error", "efficiency of back-driving", "&lt;dynamics&gt;", "BAM"):
+        assert word in page
+
+
+@pytest.mark.parametrize("name", ["printed", "few", "light"])
+def test_other_designs_hold_too(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Wide clearances and a reducer that locks itself; few teeth, whose error is a third of the wind-up."""
+    monkeypatch.setattr(transmission, "LOADS", (0.01, 1.0))
+    design = unlike(name)
+    reducer = cm.reduce(design)
+    assert against(design, reducer).missed == []
+    assert reducer.backlash == pytest.approx(play.over_a_turn(design)[1].mean(), rel=0.005)
+    if name == "printed":
+        assert reducer.quantities["back_driving_efficiency"].value == 0.0
+        assert "self-locking" in reducer.quantities["back_driving_efficiency"].note
+
+
+def test_a_reducer_that_locks_itself_holds_its_load() -> None:
+    """With friction from the load the output cannot turn the crank; the same without `step` lets it go."""
+    reducer = cm.reduce(unlike("printed")).at("full")
+    turned = []
+    for level in ("full", "backlash"):
+        on = bench(reducer.at(level), 0.01, 1e-3)
+        on.press(reducer.rated_torque)
+        for _ in range(500):
+            on.step()
+        turned.append(abs(on.data.qpos[on.place.crank_angle]))
+    assert turned[0] < 0.05
+    assert turned[1] > 10.0
+
+
+def test_the_error_comes_through_up_to_the_speed_stated(few: Reducer) -> None:
+    """At the matched inertia the strongest harmonic is within 5 % at the speed that is stated, not at thrice that."""
+    design = unlike("few")
+    stated = against(design, few).highest_speed
+    strongest = int(np.argmax(np.hypot(few.ripple.high_cos[-1], few.ripple.high_sin[-1])))
+    order = few.ripple.orders[strongest]
+    expected = math.hypot(few.ripple.high_cos[-1][strongest], few.ripple.high_sin[-1][strongest])
+
+    def amplitude(speed: float) -> float:
+        step = 2.0 * np.pi / (order * speed) / 200.0
+        on = bench(few, few.reflected_inertia, step, "implicitfast")
+        on.model.dof_damping[on.place.output_speed] = 3.0 * few.damping  # for the transient to die away
+        on.hold(speed)
+        on.press(few.rated_torque)
+        on.push(few.rated_torque - 3.0 * few.damping * few.coefficient * speed)
+        angle, length = np.empty((2, 14_000))
+        for i in range(angle.size):
+            on.step()
+            angle[i], length[i] = on.data.qpos[on.place.crank_angle], on.length
+        rows = slice(-round(few.ratio) * 200 * 9, None)
+        basis = np.exp(-1j * order * angle[rows])
+        return 2.0 * abs(np.mean(basis * (length[rows] - length[rows].mean())))
+
+    assert amplitude(stated) == pytest.approx(expected, rel=0.05)
+    assert not amplitude(3.0 * stated) == pytest.approx(expected, rel=0.05)
+
+
+ARM = """<mujoco>
+  <compiler angle="radian" {compiler}/>
+  <default><joint damping="1" armature="0.04"/></default>
+  <worldbody><body name="upper" pos="0 0 1">
+    <joint name="shoulder" axis="0 1 0"/><geom type="capsule" fromto="0 0 0 0.4 0 0" size="0.04"/>
+    <body name="lower" pos="0.4 0 0" euler="0.3 0.1 0.2">
+      <joint name="elbow" pos="0.01 0 0" axis="0 0.6 0.8"/><geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.03"/>
+      <body name="tool" pos="0.3 0 0"><joint name="wrist" axis="1 0 0"/><joint name="out" type="slide"/>
+      <geom size="0.03"/></body>
+    </body></body></worldbody>
+  <actuator><motor name="torque" joint="shoulder" gear="2"/><position name="servo" joint="elbow" kp="50"/></actuator>
+  <keyframe><key name="home" qpos="0.1 0.2 0.3 0.01" qvel="1 2 3 0" ctrl="1 0.2"/></keyframe>
+</mujoco>"""
+
+
+def arm(compiler: str = "") -> "mujoco.MjSpec":
+    return mujoco.MjSpec.from_string(ARM.format(compiler=compiler))
+
+
+@pytest.mark.parametrize("compiler", ["", 'inertiafromgeom="true"'])
+def test_a_joint_of_any_model_takes_it(few: Reducer, compiler: str) -> None:
+    """Two joints of a tree: cranks on the joints' axes, motors that mean what they did, a keyframe that fits."""
+    spec, before = arm(compiler), arm(compiler).compile()
+    for joint in ("shoulder", "elbow"):
+        cm.attach_reducer(spec, joint, few)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_forward(model, data)
+    assert model.nv == before.nv + 2
+    assert len(list(few.places(model))) == 2
+    for place in few.places(model):
+        length = data.qpos[place.output_angle] + few.coefficient * data.qpos[place.crank_angle]
+        assert length == pytest.approx(few.middle, abs=1e-12)
+        assert data.qvel[place.output_speed] == pytest.approx(-few.coefficient * data.qvel[place.crank_speed])
+        assert model.dof_damping[place.output_speed] == model.dof_damping[place.crank_speed] == 0.0
+        assert model.dof_armature[place.output_speed] == pytest.approx(few.output_inertia)
+        assert model.dof_armature[place.crank_speed] == pytest.approx(few.rotor_inertia)
+    for joint in ("shoulder", "elbow", "wrist", "out"):
+        at = [one.joint(joint).qposadr[0] for one in (before, model)]
+        assert model.key_qpos[0][at[1]] == before.key_qpos[0][at[0]]
+    for joint in ("shoulder", "elbow"):
+        mine, crank = model.joint(joint), model.joint(f"{joint}_rotor")
+        assert data.xaxis[crank.id] == pytest.approx(data.xaxis[mine.id]) or joint == "elbow"
+    # the same torque at the output, the same angle as the motor sees it
+    assert data.actuator("torque").length[0] == pytest.approx(2.0 * data.joint("shoulder").qpos[0], abs=2e-3)
+    assert data.actuator("servo").length[0] == pytest.approx(data.joint("elbow").qpos[0], abs=1e-3)
+    turned = model.joint("shoulder_rotor").dofadr[0]
+    assert data.qfrc_actuator[turned] == pytest.approx(2.0 / few.ratio * few.way)
+
+
+def test_what_hangs_on_the_joint_is_lifted_as_without_a_reducer(few: Reducer) -> None:
+    """A torque that holds the arm against its weight without a reducer holds it with one, friction or not."""
+    spec = arm()
+    cm.attach_reducer(spec, "shoulder", few)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    model.opt.integrator = mujoco.mjtIntegrator.mjINT_DISCRETE
+    few.settle(model, data)
+    mujoco.mj_forward(model, data)
+    holding = data.qfrc_bias[model.joint("shoulder").dofadr[0]]
+    for joint in ("elbow", "wrist"):
+        data.qpos[model.joint(joint).qposadr[0]] = 0.0
+    data.ctrl[:] = holding / 2.0, 0.0
+    for _ in range(50):
+        few.step(model, data)
+        mujoco.mj_step(model, data)
+    assert abs(data.joint("shoulder").qpos[0]) < 0.02
+
+
+def test_attached_and_included_are_one_model(few: Reducer) -> None:
+    """joint.xml and `attach_reducer` give the same joint, level by level."""
+    bare = (
+        "<mujoco><option timestep='0.001' integrator='discrete' gravity='0 0 0'/><worldbody><body pos='0 0 0.05'>"
+        "<inertial pos='0 0 0' mass='1' diaginertia='0.1 0.1 0.1'/><joint name='output' axis='0 0 1'/>"
+        "</body></worldbody><actuator><motor joint='output'/></actuator></mujoco>"
+    )
+    for level in LEVELS:
+        reducer = few.at(level)
+        spec = mujoco.MjSpec.from_string(bare)
+        cm.attach_reducer(spec, "output", reducer)
+        attached = spec.compile()
+        included = mujoco.MjModel.from_xml_string(
+            scene_xml(reducer, 0.1, 1e-3), {"joint.xml": joint_xml(reducer).encode()}
+        )
+        assert attached.nv == included.nv == (1 if level == "rigid" else 2)
+        for name in ("tendon_lengthspring", "tendon_stiffness", "tendon_damping", "tendon_stiffnesspoly"):
+            assert getattr(attached, name) == pytest.approx(getattr(included, name), rel=1e-9), name
+        for joint in ("output",) if level == "rigid" else ("output", "output_rotor"):
+            dofs = [one.joint(joint).dofadr[0] for one in (attached, included)]
+            for name in ("dof_armature", "dof_frictionloss", "dof_damping"):
+                one, other = (getattr(m, name)[dof] for m, dof in zip((attached, included), dofs, strict=True))
+                assert one == pytest.approx(other, rel=1e-9), name
+        assert len(list(reducer.places(attached))) == len(list(reducer.places(included))) == 1
+
+
+def test_the_rigid_joint_loses_what_the_load_takes(few: Reducer) -> None:
+    """At the level rigid `step` reads the load from the motor's balance: power out over power in is the efficiency."""
+    reducer = few.at("rigid")
+    on = bench(reducer, 0.1, 1e-3)
+    torque = reducer.rated_torque
+    on.data.qvel[0] = reducer.way * reducer.rated_speed / reducer.ratio
+    on.push(-reducer.way * torque)
+    expected = reducer.friction.efficiency(torque, reducer.rated_speed, reducer.ratio, driving=True)
+    on.data.ctrl[0] = torque / reducer.ratio / expected
+    for _ in range(50):
+        reducer.step(on.model, on.data)
+        mujoco.mj_step(on.model, on.data)
+    assert on.model.dof_frictionloss[0] == pytest.approx(torque * (1.0 / expected - 1.0), rel=0.02)
+    assert abs(on.data.qvel[0]) == pytest.approx(reducer.rated_speed / reducer.ratio, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("joint", "message"),
+    [("knee", "no joint 'knee'; its joints: shoulder, elbow"), ("out", "no hinge"), ("elbow", "a reducer already")],
+)
+def test_a_joint_that_cannot_take_it_is_refused(few: Reducer, joint: str, message: str) -> None:
+    spec = arm()
+    cm.attach_reducer(spec, "elbow", few)
+    with pytest.raises(UsageError, match=message):
+        cm.attach_reducer(spec, joint, few)
+    spec.compile()
+
+
+def test_a_model_that_does_not_compile_is_told(few: Reducer) -> None:
+    spec = mujoco.MjSpec.from_string("<mujoco><worldbody><body><joint name='j'/></body></worldbody></mujoco>")
+    with pytest.raises(UsageError, match="does not compile"):
+        cm.attach_reducer(spec, "j", few)
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{}", '{"joint": {}}', '{"joint": {"name": "x", "springs": [1]}}'])
+def test_a_file_that_is_no_reducer_is_refused(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "reducer.json"
+    path.write_text(text)
+    with pytest.raises(CycloidError, match="reducer.json"):
+        Reducer.read(path)
+    with pytest.raises(CycloidError, match="cannot read"):
+        Reducer.read(tmp_path / "none.json")
+
+
+def test_an_unknown_level_is_refused(few: Reducer) -> None:
+    with pytest.raises(UsageError, match="choose rigid, backlash, full"):
+        few.at("soft")
+
+
+def test_a_crank_at_rest_is_refused() -> None:
+    with pytest.raises(DesignError, match="drive.speed_rpm is 0"):
+        measured.reduce(PRESETS["pin"].but(drive={"speed": 0.0}))
+
+
+def test_an_unstable_scene_is_told(few: Reducer) -> None:
+    asked = tried(few.at("backlash"), "implicitfast", 5e-3, few.reflected_inertia)
+    assert not asked.stable
+    assert asked.words == "unstable"
+    assert tried(few.at("backlash"), "discrete", 5e-3, few.reflected_inertia).good
+
+
+@pytest.mark.parametrize(
+    ("flags", "message", "code"),
+    [
+        (["--timestep-ms", "0"], "--timestep-ms", 2),
+        (["--load-inertia-kgm2", "-1"], "--load-inertia-kgm2", 2),
+        (["--load-inertia-kgm2", "nan"], "--load-inertia-kgm2", 2),
+        (["--level", "soft"], "level", 2),
+        (["--set", "drive.speed_rpm=0"], "drive.speed_rpm is 0", 1),
+        (["--set", "clearance.output_um=-1"], "clearance.output_um", 2),
+    ],
+)
+def test_wrong_flags_are_one_line(flags: list[str], message: str, code: int, tmp_path: Path, capsys) -> None:
+    assert main(["reduce", "--design", "pin", "--out", str(tmp_path / "made"), *flags]) == code
+    err = capsys.readouterr().err.strip()
+    assert message in err
+    assert "\n" not in err
+    assert not list(tmp_path.glob("made/*"))
+
+
+def test_a_folder_that_cannot_be_made_is_told(tmp_path: Path, capsys) -> None:
+    (tmp_path / "file").write_text("")
+    assert main(["reduce", "--design", "pin", "--out", str(tmp_path / "file" / "made")]) == 1
+    assert "choose another with --out" in capsys.readouterr().err
