@@ -1,4 +1,4 @@
-"""The reducer as one joint: the joint in MuJoCo against the full model, its steps, its files, and other models' joints."""
+"""The reducer as one joint: in MuJoCo against the full model, its steps, its files, and joints of other models."""
 
 import json
 import math
@@ -9,15 +9,15 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-from designs import UNLIKE, design_file, unlike
+from designs import unlike
 
 import cycloid_mj as cm
 from cycloid_mj.cli import main
-from cycloid_mj.design import PRESETS, Design
+from cycloid_mj.design import PRESETS
 from cycloid_mj.errors import CycloidError, DesignError, UsageError
 from cycloid_mj.loaded.sheet import sheet
 from cycloid_mj.measure import play
-from cycloid_mj.robot import LEVELS, Reducer, measured, transmission
+from cycloid_mj.robot import LEVELS, Reducer, measured
 from cycloid_mj.robot.against import BOUNDS, POINTS, against
 from cycloid_mj.robot.bam import bam
 from cycloid_mj.robot.mjcf import joint_xml, scene_xml
@@ -87,7 +87,7 @@ def test_the_numbers_are_those_of_the_full_model(told: dict) -> None:
         assert set(told[key]) >= {"value", "unit", "numerical_error"}
     for one in told["te_harmonics"]:
         assert set(one) >= {"value", "unit", "numerical_error", "order", "way", "load_nm"}
-        assert one["numerical_error"] < 0.05 * max(one["value"], 0.01)
+        assert one["numerical_error"] < 0.05 * max(one["value"], 0.02)
     peak = sum(
         2.0 * one["value"]
         for one in told["te_harmonics"]
@@ -100,7 +100,7 @@ def test_the_numbers_are_those_of_the_full_model(told: dict) -> None:
 
 
 def test_the_scene_is_stable_up_to_five_milliseconds(told: dict) -> None:
-    """`discrete` at any step of the study, `implicitfast` up to 1 ms with a heavy load; beyond 2/w it is said to fail."""
+    """`discrete` at any step, `implicitfast` up to 1 ms with a heavy load; beyond 2/w it is said to fail."""
     reducer = Reducer.from_json(told)
     steps = study(reducer)
     assert {one.timestep for one in steps} == set(STEPS) == {1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3}
@@ -183,10 +183,11 @@ def test_the_page_is_whole(files: Path) -> None:
         assert word in page
 
 
-@pytest.mark.parametrize("name", ["printed", "few", "light"])
-def test_other_designs_hold_too(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    "name", ["printed", "few", *(pytest.param(name, marks=pytest.mark.slow) for name in ("light", "large", "teeth21"))]
+)
+def test_other_designs_hold_too(name: str) -> None:
     """Wide clearances and a reducer that locks itself; few teeth, whose error is a third of the wind-up."""
-    monkeypatch.setattr(transmission, "LOADS", (0.01, 1.0))
     design = unlike(name)
     reducer = cm.reduce(design)
     assert against(design, reducer).missed == []
@@ -234,7 +235,7 @@ def test_the_error_comes_through_up_to_the_speed_stated(few: Reducer) -> None:
         return 2.0 * abs(np.mean(basis * (length[rows] - length[rows].mean())))
 
     assert amplitude(stated) == pytest.approx(expected, rel=0.05)
-    assert not amplitude(3.0 * stated) == pytest.approx(expected, rel=0.05)
+    assert amplitude(3.0 * stated) != pytest.approx(expected, rel=0.05)
 
 
 ARM = """<mujoco>
@@ -288,23 +289,23 @@ def test_a_joint_of_any_model_takes_it(few: Reducer, compiler: str) -> None:
     assert data.qfrc_actuator[turned] == pytest.approx(2.0 / few.ratio * few.way)
 
 
-def test_what_hangs_on_the_joint_is_lifted_as_without_a_reducer(few: Reducer) -> None:
-    """A torque that holds the arm against its weight without a reducer holds it with one, friction or not."""
-    spec = arm()
-    cm.attach_reducer(spec, "shoulder", few)
-    model = spec.compile()
-    data = mujoco.MjData(model)
-    model.opt.integrator = mujoco.mjtIntegrator.mjINT_DISCRETE
-    few.settle(model, data)
-    mujoco.mj_forward(model, data)
-    holding = data.qfrc_bias[model.joint("shoulder").dofadr[0]]
-    for joint in ("elbow", "wrist"):
-        data.qpos[model.joint(joint).qposadr[0]] = 0.0
-    data.ctrl[:] = holding / 2.0, 0.0
-    for _ in range(50):
-        few.step(model, data)
-        mujoco.mj_step(model, data)
-    assert abs(data.joint("shoulder").qpos[0]) < 0.02
+def test_an_arm_moves_as_one_with_that_inertia(few: Reducer) -> None:
+    """By the same motor, an arm on the springs of a reducer goes the way of one on a joint with its inertia alone."""
+    turned = []
+    for level in ("backlash", "rigid"):
+        spec = arm()
+        for joint in ("elbow", "wrist", "out"):
+            spec.joint(joint).stiffness[0] = 1e4
+        cm.attach_reducer(spec, "shoulder", few.at(level))
+        spec.option.integrator = mujoco.mjtIntegrator.mjINT_DISCRETE
+        model = spec.compile()
+        data = mujoco.MjData(model)
+        data.ctrl[0] = -10.0
+        for _ in range(150):
+            mujoco.mj_step(model, data)
+        turned.append(data.joint("shoulder").qpos[0])
+    assert abs(turned[0]) > 0.1
+    assert turned[0] == pytest.approx(turned[1], rel=0.02)
 
 
 def test_attached_and_included_are_one_model(few: Reducer) -> None:
@@ -371,7 +372,7 @@ def test_a_model_that_does_not_compile_is_told(few: Reducer) -> None:
 def test_a_file_that_is_no_reducer_is_refused(tmp_path: Path, text: str) -> None:
     path = tmp_path / "reducer.json"
     path.write_text(text)
-    with pytest.raises(CycloidError, match="reducer.json"):
+    with pytest.raises(CycloidError, match=r"reducer\.json"):
         Reducer.read(path)
     with pytest.raises(CycloidError, match="cannot read"):
         Reducer.read(tmp_path / "none.json")
@@ -383,7 +384,7 @@ def test_an_unknown_level_is_refused(few: Reducer) -> None:
 
 
 def test_a_crank_at_rest_is_refused() -> None:
-    with pytest.raises(DesignError, match="drive.speed_rpm is 0"):
+    with pytest.raises(DesignError, match=r"drive\.speed_rpm is 0"):
         measured.reduce(PRESETS["pin"].but(drive={"speed": 0.0}))
 
 

@@ -1,5 +1,6 @@
 """``cycloid-mj reduce``: a reducer as one joint of a robot's model."""
 
+from json import dumps
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -92,7 +93,7 @@ def reduce(
         "joint.xml": joint_xml(reducer),
         "scene.xml": scene_xml(reducer, inertia, 1e-3 * timestep_ms, integrator),
         "reducer.json": f"{json_text(result)}\n",
-        "bam.json": f"{json_text(bammed)}\n",
+        "bam.json": f"{dumps(plain(bammed), indent=2)}\n",
         "reducer.html": joint_page(reducer, found, steps, asked, bammed),
     }
     write_whole({into / name: text.encode() for name, text in files.items()})

@@ -8,6 +8,8 @@ K and C come from physics; the added mass is as small as the time step allows.
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from cycloid_mj import statics
 from cycloid_mj.contact.pressure import pair_modulus
 from cycloid_mj.contact.working import STRIBECK, working_force, working_load, working_source
@@ -15,6 +17,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.digits import significant
 from cycloid_mj.errors import ContactError
 from cycloid_mj.structure import pin_flexibility
+from cycloid_mj.types import Array
 
 IMPRATIO = 10.0
 """MuJoCo's ``impratio``: the ratio of the normal to the frictional regularisation R.
@@ -78,10 +81,14 @@ class CurvatureLaw:
 
     def factor(self, relative_curvature: float) -> float:
         """Give the stiffness at a relative curvature [1/m] as a share of that of a pin on a flat."""
+        return float(self.factors(np.array(relative_curvature)))
+
+    def factors(self, relative_curvature: Array) -> Array:
+        """Give the same at many, in their shape."""
         if self.reference == 0.0:
-            return 1.0
+            return np.ones(relative_curvature.shape)
         least = math.exp(0.5 * self.reference - self.constant)
-        return self.reference / (self.constant + math.log(max(relative_curvature, least)))
+        return np.asarray(self.reference / (self.constant + np.log(np.maximum(relative_curvature, least))))
 
 
 def damping_ratio(design: Design, kind: str) -> float:

@@ -127,7 +127,7 @@ def springs_of(design: Design, crank: npt.ArrayLike | None = None, friction: boo
 def tooth_stiffness(design: Design, curvature: Array) -> Array:
     """Give the stiffness of contact lines with the ring by relative curvature [N/m], sockets or sleeves in series."""
     law = curvature_law(design)
-    own = np.vectorize(lambda kappa: law.stiffness * law.factor(kappa))(curvature)
+    own = law.stiffness * law.factors(curvature)
     kind = design.seat_pair
     return np.asarray(1.0 / (1.0 / own + 1.0 / pair_stiffness(design, kind)) if kind else own)
 

@@ -59,7 +59,7 @@ ANGLE = 0.02
 NOTABLE = 0.1
 """Harmonics are compared that have this share of the largest."""
 
-STEPS_IN_A_CYCLE = 100
+STEPS_IN_A_CYCLE = 20
 """Of the highest harmonic that is compared."""
 
 BELOW = 0.2
@@ -319,7 +319,7 @@ def _te_curves(design: Design, own: Array, angle: Array, length: Array) -> Seque
     """Draw the first turn of the crank."""
     panel = f"transmission error under {design.rated_torque:.4g} N m, forward"
     axes = "crank angle [deg]", "output's error about its mean [arcsec]"
-    full = np.degrees(2.0 * np.pi * np.arange(own.size) / own.size * design.lobes)
+    full = np.degrees(2.0 * np.pi * np.arange(own.size) / own.size * design.reduction)
     first, ours = full <= 360.0, angle <= 2.0 * np.pi
     return (
         Curve(panel, "full model", full[first], ARCSECONDS * (own - own.mean())[first], *axes, "theory"),

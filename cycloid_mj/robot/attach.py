@@ -6,7 +6,14 @@ import mujoco
 import numpy as np
 
 from cycloid_mj.errors import UsageError
-from cycloid_mj.robot.mjcf import NEXT_TO_NOTHING, ROTOR_SIZE, reducer_name, rotor_name
+from cycloid_mj.robot.mjcf import (
+    NEXT_TO_NOTHING,
+    ROTOR_SIZE,
+    STICKING_IMPEDANCE,
+    STICKING_TIME,
+    reducer_name,
+    rotor_name,
+)
 from cycloid_mj.robot.reducer import Reducer
 
 
@@ -43,6 +50,7 @@ def attach_reducer(spec: Any, joint: str, reducer: Reducer) -> None:
     before = [(list(key.qpos), list(key.qvel)) for key in spec.keys]
     if reducer.level == "rigid":
         found.armature, found.frictionloss = reducer.reflected_inertia, reducer.no_load_torque_at_output
+        found.solref_friction, found.solimp_friction = [STICKING_TIME, 1.0], STICKING_IMPEDANCE
         found.damping = first(0.0)
         _hold_together(spec, reducer, joint, [])
         return
@@ -82,6 +90,8 @@ def _add_rotor(joint: Any, model: Any, reducer: Reducer) -> None:
         axis=own.axis,
         armature=reducer.rotor_inertia,
         frictionloss=reducer.no_load_torque,
+        solref_friction=[STICKING_TIME, 1.0],
+        solimp_friction=STICKING_IMPEDANCE,
         limited=mujoco.mjtLimited.mjLIMITED_FALSE,
     )
     made.damping = made.stiffness = first(0.0)

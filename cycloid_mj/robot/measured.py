@@ -6,10 +6,12 @@ that of a crank that turns; the transmission error is solved over a whole turn o
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cycloid_mj import member
 from cycloid_mj.checks import require_sound
 from cycloid_mj.contact.working import working_at
 from cycloid_mj.design import Design
@@ -18,16 +20,16 @@ from cycloid_mj.loaded.balance import loads, powers
 from cycloid_mj.loaded.sheet import SELF_LOCKING, driven
 from cycloid_mj.loaded.springs import POSES, springs_of, turn_evenly
 from cycloid_mj.loaded.windup import STRAIGHT, windups
-from cycloid_mj.measure.bench import moving_inertia
 from cycloid_mj.mechanism.reducer import mechanism
 from cycloid_mj.mjcf.bodies import crank_inertia
 from cycloid_mj.mjcf.laws import contact_laws
-from cycloid_mj.names import GEAR, SHAFT
+from cycloid_mj.names import HOUSING, OUTPUT, PIN, SHAFT
 from cycloid_mj.result import Quantity, keyed
 from cycloid_mj.robot.friction import Friction
 from cycloid_mj.robot.reducer import Level, Reducer, Spring
-from cycloid_mj.robot.transmission import LOADS, ripple, turns
-from cycloid_mj.solid import mass_properties, parts
+from cycloid_mj.robot.transmission import ripple, works
+from cycloid_mj.solid import mass_properties
+from cycloid_mj.solid.parts import body_solids
 from cycloid_mj.types import Array
 from cycloid_mj.units import ARCMINUTE, RPM
 
@@ -44,8 +46,8 @@ TORQUES = (0.05, 0.125, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0)
 SPEEDS = (0.25, 0.5, 1.0, 1.5)
 """Points of the map of friction beside no load, as shares of the rated torque and of the design's speed."""
 
-NEXT_TO_NONE = 0.01
-"""Share of the rated torque that stands for no load where friction jams the parts under `SMALL` of it."""
+NEXT_TO_NONE = (SMALL, 1e-3, 1e-2, 2e-2)
+"""Shares of the rated torque that stand for no load: the first under which friction does not jam the parts."""
 
 FINER = 4
 """Times as many crank angles of the means; what they change of those of `statics` is the numerical error."""
@@ -80,7 +82,7 @@ def reduce(design: Design, level: Level = "full", progress: Progress | None = No
             "drive.speed_rpm is 0, but friction needs a crank that turns: give another speed, such as 1640"
         )
     design = working_at(design.but(load={"torque": design.rated_torque}), design.rated_torque)
-    told = _Counted(progress, 2 + (1 + 2 * len(TORQUES)) * len(SPEEDS) + 2 * len(LOADS) * turns(design))
+    told = _Counted(progress, 2 + (1 + 2 * len(TORQUES)) * len(SPEEDS) + works(design))
     fine, coarse = play_of(design, FINER * POSES), play_of(design, POSES)
     told.one_more()
     friction = _friction(design, told.one_more)
@@ -88,8 +90,8 @@ def reduce(design: Design, level: Level = "full", progress: Progress | None = No
     made = Reducer(
         name=design.name,
         level=level,
-        ratio=float(design.lobes),
-        way=-1,
+        ratio=float(design.reduction),
+        way=1 if design.ratio > 0 else -1,
         rated_torque=design.rated_torque,
         rated_speed=abs(design.drive.speed),
         stops=fine.stops,
@@ -115,7 +117,7 @@ class Play:
     rated
         [N m].
     stops
-        Where the output meets them [rad]: the line through two small torques, drawn on to zero.
+        Where the output meets them [rad], clockwise first: the line through two small torques, drawn on to zero.
     wind_up
         Share of the rated torque -> turn beyond the stop [rad], mean of both sides.
     """
@@ -186,17 +188,24 @@ def play_of(design: Design, poses: int) -> Play:
 
     low, high = (2.0 * turn(way * SMALL) - turn(2.0 * way * SMALL) for way in (-1.0, 1.0))
     shares = sorted({*KNOTS, *POLYNOMIAL, *STRAIGHT})
-    return Play(rated, (low, high), {share: 0.5 * (turn(share) - high + low - turn(-share)) for share in shares})
+    wind_up = {share: 0.5 * (turn(share) - high + low - turn(-share)) for share in shares}
+    return Play(rated, (low, high) if member.sense(design) > 0 else (-high, -low), wind_up)
 
 
 def inertias(design: Design) -> tuple[float, float]:
     """Give the inertia that turns with the crank, the discs' orbit in it, and that with the output [kg m2].
 
-    A disc turns with the output but for its orbit, which is the crank's.
+    But for their orbit the discs turn with the carrier of the output pins: not at all where the ring is the output,
+    which takes its pins along.
     """
-    masses = {name: mass_properties(solid) for name, solid in parts(design).items() if name in (SHAFT, GEAR)}
-    orbit = len(mechanism(design).discs) * masses[GEAR].mass * design.gear.eccentricity**2
-    return crank_inertia(design, masses[SHAFT]) + orbit, moving_inertia(design)
+    masses = {name: mass_properties(solid) for name, solid in body_solids(design).items()}
+    discs = [masses[body.part] for body in mechanism(design).discs]
+    crank = crank_inertia(design, masses[SHAFT]) + sum(disc.mass for disc in discs) * design.gear.eccentricity**2
+    if not design.output.turns_ring:
+        return crank, sum(float(one.inertia[2, 2]) for one in (masses[OUTPUT], *discs))
+    ring, pin = design.ring, masses.get(PIN)
+    pins = 0.0 if pin is None else ring.teeth * (float(pin.inertia[2, 2]) + pin.mass * ring.pin_circle_radius**2)
+    return crank, float(masses[HOUSING].inertia[2, 2]) + pins
 
 
 def _friction(design: Design, told: Callable[[], None]) -> Friction:
@@ -216,11 +225,18 @@ def _friction(design: Design, told: Callable[[], None]) -> Friction:
 def _idle(design: Design) -> float:
     """Give the torque of friction on a crank that turns without a load [N m]."""
     rated = design.rated_torque
-    try:
-        return _lost(design, SMALL * rated)
-    except RunError:
-        low, high = (_lost(design, torque * rated) for torque in (NEXT_TO_NONE, TORQUES[0]))
-        return max(0.0, low - (high - low) * NEXT_TO_NONE / (TORQUES[0] - NEXT_TO_NONE))
+    for torque in NEXT_TO_NONE:
+        with suppress(RunError):
+            low = _lost(design, torque * rated)
+            if torque == SMALL:
+                return low
+            return max(0.0, _to_zero((torque, low), (TORQUES[0], _lost(design, TORQUES[0] * rated))))
+    return 0.0
+
+
+def _to_zero(near: tuple[float, float], far: tuple[float, float]) -> float:
+    """Give the value at 0 of the line through two points."""
+    return near[1] - (far[1] - near[1]) * near[0] / (far[0] - near[0])
 
 
 def _lost(design: Design, torque: float, told: Callable[[], None] = lambda: None) -> float:
@@ -236,18 +252,19 @@ def _lost(design: Design, torque: float, told: Callable[[], None] = lambda: None
 
 
 def _damping(design: Design) -> float:
-    """Give the damping of the wind-up [N m s/rad].
+    """Give the damping of the wind-up [N m s/rad], which goes from carrier to ring as a stiffness does.
 
     Springs s with dampers in series, slowly: c = k^2 sum (C/K) s over the compliances s of output, cam and mesh, C/K
     being the time constant of a contact. Of pin and seat in series, each has the share of its compliance.
     """
+    of, design = member.share(design), member.seen_from_ring(design)
     laws = contact_laws(design)
     found = [one.series(design) for one in windups(design, turn_evenly(), design.rated_torque)]
     series = {part: float(np.mean([one[part] for one in found])) for part in found[0]}
     mesh = [laws[kind] for kind in (design.tooth_pair, design.seat_pair) if kind in laws]
     times = {kind: laws[kind].damping / laws[kind].stiffness for kind in ("cam", "output")}
     times["mesh"] = sum(law.damping / law.stiffness**2 for law in mesh) / sum(1.0 / law.stiffness for law in mesh)
-    return sum(times[part] * give for part, give in series.items()) / sum(series.values()) ** 2
+    return sum(times[part] * give for part, give in series.items()) / (of * sum(series.values())) ** 2
 
 
 def _quantities(design: Design, made: Reducer, fine: Play, coarse: Play) -> Iterator[Quantity]:
@@ -293,13 +310,13 @@ def _quantities(design: Design, made: Reducer, fine: Play, coarse: Play) -> Iter
         0.0 if locked else 100.0 * _angles_leave_out(design, -held / rated),
         note=SELF_LOCKING if locked else "",
     )
-    twice = 2.0 * _lost(design, 2.0 * NEXT_TO_NONE * rated) - _lost(design, 4.0 * NEXT_TO_NONE * rated)
+    near, far = ((torque, friction.torque(torque, speed, driving=True)) for torque in friction.torques[1:3])
     yield Quantity(
         "no_load_torque_nm",
         f"no-load torque on the crank at {speed / RPM:.0f} rpm",
         made.no_load_torque,
         "N m",
-        abs(made.no_load_torque - max(0.0, twice)),
+        abs(made.no_load_torque - max(0.0, _to_zero(near, far))),
         note="weight and centrifugal force of the discs, and drag of seals and lubricant; no shaft bearings",
     )
     told = "shaft, rotor and the discs' orbit"

@@ -13,6 +13,10 @@ NEXT_TO_NOTHING = 1e-9
 ROTOR_SIZE = (0.02, 0.01)
 """Radius and half length of the rotor that is drawn [m]."""
 
+STICKING_TIME, STICKING_IMPEDANCE = 0.004, (0.9999, 0.9999, 0.001, 0.5, 2.0)
+"""Parameters of friction, `solreffriction` and `solimpfriction`: by MuJoCo's own, a crank that sticks would creep at
+some rad/s, and a reducer that locks itself would let its load down."""
+
 PEAK = 3.0
 """Largest torque of the motor in the scene, in rated input torques."""
 
@@ -90,7 +94,7 @@ def _with_springs(reducer: Reducer, joint: str) -> str:
     <body name="{rotor}">
       <inertial pos="0 0 0" mass="{NEXT_TO_NOTHING}" diaginertia="1e-12 1e-12 1e-12"/>
       <joint name="{rotor}" axis="0 0 1" armature="{_number(reducer.rotor_inertia)}" \
-frictionloss="{_number(reducer.no_load_torque)}" damping="0" limited="false"/>
+frictionloss="{_number(reducer.no_load_torque)}" {_sticking()} damping="0" limited="false"/>
       <geom name="{rotor}" type="cylinder" size="{radius} {length}" contype="0" conaffinity="0" \
 mass="{NEXT_TO_NOTHING}" rgba="0.93 0.65 0.49 1"/>
     </body>
@@ -111,7 +115,7 @@ def _rigid(reducer: Reducer, joint: str) -> str:
     friction = _number(reducer.no_load_torque_at_output)
     return f"""  <default>
     <default class="{reducer_name(joint)}">
-      <joint armature="{_number(reducer.reflected_inertia)}" frictionloss="{friction}"/>
+      <joint armature="{_number(reducer.reflected_inertia)}" frictionloss="{friction}" {_sticking()}/>
     </default>
   </default>
   <actuator>
@@ -121,6 +125,11 @@ def _rigid(reducer: Reducer, joint: str) -> str:
     <tuple name="{reducer_name(joint)}"><element objtype="joint" objname="{joint}" prm="{reducer.fingerprint}"/></tuple>
   </custom>
 """
+
+
+def _sticking() -> str:
+    solimp = " ".join(f"{value:g}" for value in STICKING_IMPEDANCE)
+    return f'solreffriction="{STICKING_TIME:g} 1" solimpfriction="{solimp}"'
 
 
 def _comment(text: str) -> str:

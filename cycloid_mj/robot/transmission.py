@@ -1,7 +1,6 @@
 """The transmission error of the full model over a whole turn of the output, in its harmonics.
 
-Everything repeats after N - 1 turns of the crank, one of the output: there every order is a whole number of cycles,
-and the Fourier sum has no leakage.
+After one everything is where it was: there every order is a whole number of cycles, and the Fourier sum has no leakage.
 """
 
 from collections.abc import Callable
@@ -10,15 +9,20 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.design import Design
+from cycloid_mj.errors import RunError
 from cycloid_mj.loaded.balance import loads
 from cycloid_mj.loaded.springs import springs_of
+from cycloid_mj.member import sense
 from cycloid_mj.robot.ripple import Ripple
 from cycloid_mj.types import Array
 
 Waves = npt.NDArray[np.complex128]
 
-LOADS = (0.01, 0.3, 1.0)
-"""Shares of the rated torque, both ways; the first is that of the unloaded error of `measure te`."""
+LOADS = (0.3, 1.0)
+"""Shares of the rated torque, both ways, beside next to no load."""
+
+UNLOADED = (0.01, 0.03, 0.1)
+"""Shares that stand for no load, as in `measure te`: the first under which friction does not jam the parts."""
 
 PER_MESH_PERIOD = 8
 """Crank angles in a mesh period; half as many are the check."""
@@ -32,42 +36,63 @@ MOST = 32
 
 def turns(design: Design) -> int:
     """Give the crank turns after which the error repeats."""
-    return design.lobes
+    return design.reduction
 
 
 def ripple(design: Design, told: Callable[[], None]) -> Ripple:
-    """Solve the error under `LOADS`, both ways, and keep the harmonics that matter; `told` is called for each turn.
+    """Solve the error under no load and `LOADS`, both ways, keep the harmonics that matter; `told` counts the turns.
 
     Raises
     ------
     RunError
         No balance was found.
     """
-    found = {(load, way): waves(error(design, load, way, told)) for way in (1, -1) for load in LOADS}
+    lightest = next((load for load in UNLOADED if _balances(design, load)), UNLOADED[-1])
+    shares = (lightest, *LOADS)
+    found = {(load, way): waves(error(design, load, way, told)) for way in (1, -1) for load in shares}
     kept = _kept([fine for fine, _ in found.values()])
-    # forward, the load pushes the output counter-clockwise: to its upper stop
+    # forward, the load pushes the output of a carrier counter-clockwise, to its upper stop
     stops = {}
-    for name, way in (("low", -1), ("high", 1)):
-        each = [found[load, way] for load in LOADS]
+    for name, way in (("low", -sense(design)), ("high", sense(design))):
+        each = [found[load, way] for load in shares]
         stops[f"{name}_cos"] = _rows([fine[kept].real for fine, _ in each])
         stops[f"{name}_sin"] = _rows([-fine[kept].imag for fine, _ in each])
         stops[f"{name}_error"] = _rows([np.abs(fine[kept] - coarse[kept]) for fine, coarse in each])
-    return Ripple(tuple((kept / turns(design)).tolist()), LOADS, **stops)
+    return Ripple(tuple((kept / turns(design)).tolist()), shares, **stops)
+
+
+def works(design: Design) -> int:
+    """Count the turns of the crank that `ripple` solves."""
+    return 2 * (1 + len(LOADS)) * turns(design)
+
+
+def _balances(design: Design, load: float) -> bool:
+    """Tell whether a turn of the crank each way has a balance under a share of the rated torque."""
+    try:
+        for way in (1, -1):
+            _turn(design, load, way, 0)
+    except RunError:
+        return False
+    return True
 
 
 def error(design: Design, load: float, way: int, told: Callable[[], None] = lambda: None) -> Array:
-    """Give the error of the output [rad] under a share of the rated torque, at crank angles all over its turn.
+    """Give the error of the output [rad] under a share of the rated torque, all over its turn; counter-clockwise.
 
-    `way` is that of the crank; the angles rise evenly from 0, shape (turns * N * `PER_MESH_PERIOD`,).
+    `way` is that of the crank; the angles rise evenly from 0, `PER_MESH_PERIOD` in each mesh period.
     """
-    turning = design.but(drive={"speed": way * abs(design.drive.speed)})
-    count = design.ring.teeth * PER_MESH_PERIOD
-    within, found = 2.0 * np.pi * np.arange(count) / count, []
+    found = []
     for turn in range(turns(design)):
-        springs = springs_of(turning, within + 2.0 * np.pi * turn)
-        found.append(loads(turning, springs, way * load * design.rated_torque, follow=True).output_turn)
+        found.append(_turn(design, load, way, turn))
         told()
     return np.concatenate(found)
+
+
+def _turn(design: Design, load: float, way: int, turn: int) -> Array:
+    turning = design.but(drive={"speed": way * abs(design.drive.speed)})
+    count = design.mesh_periods * PER_MESH_PERIOD
+    springs = springs_of(turning, 2.0 * np.pi * (np.arange(count) / count + turn))
+    return sense(design) * loads(turning, springs, way * load * design.rated_torque, follow=True).output_turn
 
 
 def waves(values: Array) -> tuple[Waves, Waves]:
