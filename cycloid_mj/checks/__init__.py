@@ -10,6 +10,7 @@ from cycloid_mj.checks.body import balance, bearings, body_checks
 from cycloid_mj.checks.limit import Check, Limit
 from cycloid_mj.checks.margin import margin_checks
 from cycloid_mj.checks.mechanics import OVERLOAD, PLAUSIBLE, PLAY_SHARE, mechanical_checks
+from cycloid_mj.checks.several import disc_checks
 from cycloid_mj.checks.strength import strength_checks
 from cycloid_mj.checks.summary import Summary, masses, summary
 from cycloid_mj.checks.teeth import WALL_SHARE, tooth_checks
@@ -41,7 +42,13 @@ def check(design: Design) -> tuple[Check, ...]:
     sound = soundness(design)
     if any(item.severity == "error" and not item.passed for item in sound):
         return sound
-    return (*sound, *margin_checks(design), *tolerance_checks(design), *strength_checks(design))
+    return (
+        *sound,
+        *disc_checks(design),
+        *margin_checks(design),
+        *tolerance_checks(design),
+        *strength_checks(design),
+    )
 
 
 def soundness(design: Design) -> tuple[Check, ...]:
@@ -50,13 +57,19 @@ def soundness(design: Design) -> tuple[Check, ...]:
     What rests on a failed check is left out: undercut where there are loops, balance and assembly of an unsound gear.
     """
     shape = (*tooth_checks(design), *body_checks(design))
-    whole = all(item.passed for item in shape) and design.shaft.radius < design.shaft.counterweight_radius
+    stands_out = design.gear.discs > 1 or design.shaft.radius < design.shaft.counterweight_radius
+    whole = all(item.passed for item in shape) and stands_out
     of_whole = _of_whole(design) if whole else ()
     return (*shape, *of_whole, *mechanical_checks(design, whole))
 
 
 def _of_whole(design: Design) -> tuple[Check, ...]:
-    """Give what a sound gear can be checked for: bearings stand beside a counterweight that balances it."""
+    """Give what a sound gear can be checked for: bearings stand beside a counterweight that balances it.
+
+    Several discs balance each other, and need none.
+    """
+    if design.gear.discs > 1:
+        return bearings(design), *assembly_checks(design)
     balanced = balance(design)
     return (balanced, *((bearings(design),) if balanced.passed else ()), *assembly_checks(design))
 

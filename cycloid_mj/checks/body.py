@@ -72,7 +72,7 @@ def bearings(design: Design) -> Check:
     Bearings whose width or spacing follows a rule take the room that there is.
     """
     shaft = design.shaft
-    moment, moment_per_length = _static_moments(design)
+    moment, moment_per_length = _static_moments(design) if design.gear.discs == 1 else (0.0, 1.0)
     beside = 0.0 if shaft.mounting == "straddle" else shaft.bearing_spacing or shaft.bearing_width
     return verdict(
         design,
@@ -80,7 +80,9 @@ def bearings(design: Design) -> Check:
         Limit(
             "shaft.length", "at least", moment / moment_per_length + shaft.bearing_offset + shaft.bearing_width + beside
         ),
-        "counterweight and bearings stand on the shaft one beside the other",
+        "counterweight and bearings stand on the shaft one beside the other"
+        if design.gear.discs == 1
+        else "the bearings stand on the shaft one beside the other",
     )
 
 

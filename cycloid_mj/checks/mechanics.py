@@ -117,6 +117,8 @@ def _shaft_checks(design: Design) -> Iterator[Check]:
         "the cam's shoulder, which is lowest opposite the eccentricity, leaves no more room for a fillet",
         Limit("gear.bore_radius", "more than", shaft.radius + c + shaft.fillet_radius),
     )
+    if design.gear.discs > 1:  # they balance each other
+        return
     yield verdict(
         design,
         "counterweight",

@@ -8,6 +8,7 @@ from cycloid_mj.design import PARTS, Design, Material
 from cycloid_mj.design.materials import MATERIALS, SOFTEST_METAL
 from cycloid_mj.loaded.springs import turn_evenly
 from cycloid_mj.mechanism.limits import stops
+from cycloid_mj.mechanism.reducer import are_one_part
 from cycloid_mj.solid import mass_properties, parts
 
 POSES = 13
@@ -28,6 +29,8 @@ class Summary:
     ----------
     ratio
         Turns of the crank in one of the output.
+    discs, one_part
+        Their number, and whether they are all one and the same part.
     outer_diameter
         Of the housing [m].
     mass
@@ -49,6 +52,8 @@ class Summary:
     """
 
     ratio: int
+    discs: int
+    one_part: bool
     outer_diameter: float
     mass: float
     rated_torque: float
@@ -74,6 +79,8 @@ def summary(design: Design) -> Summary:
     weakest = max(design.pair_kinds, key=lambda kind: state.peak_pressure(kind) / pair_strength(design, kind))
     return Summary(
         ratio=design.lobes,
+        discs=design.gear.discs,
+        one_part=are_one_part(design.gear.discs, design.output.pins, design.lobes),
         outer_diameter=2.0 * design.housing.outer_radius,
         mass=sum(masses(design).values()),
         rated_torque=design.rated_torque,

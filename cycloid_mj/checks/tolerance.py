@@ -20,6 +20,10 @@ def tolerance_checks(design: Design) -> Iterator[Check]:
     yield from _tolerance(design, "pin_tolerance", "a ring pin's place and radius", pins, pair, mesh)
     holes = _spread(errors.hole_position, errors.hole_x, errors.hole_y)
     yield from _tolerance(design, "hole_tolerance", "a hole's place", holes, "output", clearance.output)
+    flanks = _spread(errors.disc_size, errors.disc_dr)
+    yield from _tolerance(design, "disc_tolerance", "a disc's flanks", flanks, pair, mesh)
+    cams = _spread(errors.cam_position, errors.cam_x, errors.cam_y)
+    yield from _tolerance(design, "cam_tolerance", "a cam's place", cams, "cam", clearance.cam + mesh)
     off = abs(errors.eccentricity)
     yield from _tolerance(design, "eccentricity_tolerance", "the eccentricity", off, "cam", clearance.cam + mesh)
 

@@ -194,9 +194,12 @@ def _in_file_units(summed: "Summary", rating: "Rating | None") -> dict[str, Any]
 
 def _lines(summed: "Summary", rating: "Rating | None") -> list[str]:
     angle, play = degrees(summed.pressure_angle), 60.0 * degrees(summed.backlash)
+    of = " of each disc" if summed.discs > 1 else ""
+    part = "one and the same part" if summed.one_part else "each a part of its own"
     return [
+        *([f"{summed.discs} discs, {part}"] if summed.discs > 1 else []),
         f"ratio {summed.ratio}:1, outer diameter {1e3 * summed.outer_diameter:.4g} mm, mass {summed.mass:.3g} kg",
-        f"at the rated {summed.rated_torque:.4g} N m: {summed.loaded_teeth:.1f} teeth carry on average,"
+        f"at the rated {summed.rated_torque:.4g} N m: {summed.loaded_teeth:.1f} teeth{of} carry on average,"
         f" mean pressure angle {angle:.1f} deg",
         f"backlash {play:.3g} arcmin; capacity {summed.capacity:.3g} N m, at which {summed.weakest} first yields",
         *([f"weakest: {rating.told_weakest()}"] if rating else []),

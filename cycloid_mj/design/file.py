@@ -137,7 +137,7 @@ def _plain(value: Any) -> Any:
 def dump(design: Design, reasons: Mapping[str, str] | None = None) -> str:
     """Give the complete commented design file of a design; reading it back gives an equal design.
 
-    `reasons` tell why a value is as it is, by ``table.name`` as in the model.
+    `reasons` tell why a value is as it is, by ``table.name`` as in the model, or by the name of a value in no table.
     """
     reasons = reasons or {}
     lines = ["# cycloid_mj design file. Units stand in the key names."]
@@ -150,7 +150,7 @@ def dump(design: Design, reasons: Mapping[str, str] | None = None) -> str:
             lines += ["", f"# {field.description or _summary(type(value))}", f"[{name}]"]
             lines += [_line(key, inner, item, reasons.get(f"{name}.{key}", "")) for key, inner, item in _fields(value)]
         else:
-            lines.append(_line(name, field, value))
+            lines.append(_line(name, field, value, reasons.get(name, "")))
     return "\n".join(lines) + "\n"
 
 

@@ -209,6 +209,16 @@ def phases(design: Design) -> tuple[float, ...]:
     return tuple(2.0 * math.pi * disc / discs for disc in range(discs))
 
 
+def are_one_part(discs: int, output_pins: int, lobes: int) -> bool:
+    """Tell whether all discs are one and the same part: one needs only be turned on its holes to be any other.
+
+    The teeth of disc d stand d/D of a pitch further on its holes. A turn by k hole pitches brings them there where
+    k lobes/pins - d/D is whole, and multiples of lobes/pins leave as fractions those of 1/(pins/gcd(pins, lobes)). For
+    a prime D that is: D is contained more often in the number of output pins than in that of the lobes.
+    """
+    return output_pins // math.gcd(output_pins, lobes) % discs == 0
+
+
 def mechanism(design: Design) -> Mechanism:
     """Give the reducer of a design."""
     made, discs = deviations(design), range(len(phases(design)))

@@ -130,6 +130,22 @@ def bearing_width(design: Design, journal: float) -> float:
     return design.shaft.bearing_width or min(design.shaft.radius, journal / 3.0)
 
 
+def bearing_seats(
+    design: Design, found: Mapping[str, Prism] | None = None
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Give where along z the two bearings of the crank sit [m]: the one far from the discs, then the one near them.
+
+    `found` are its stretches, if they are drawn already. A shaft that straddles the discs has the far one beyond them.
+    """
+    shaft, found = design.shaft, found or stretches(design)
+    start, end = found[JOURNAL].z0, min(found[JOURNAL].z1, near_face(design))
+    width = bearing_width(design, end - start)
+    near = end - shaft.bearing_offset
+    far = near - width - shaft.bearing_spacing if shaft.bearing_spacing else start
+    far = found[FAR].z1 - width if FAR in found else far
+    return (far, far + width), (near - width, near)
+
+
 def _far_journal(design: Design, outline: Array, journal: float) -> dict[str, Prism]:
     """Give the journal beyond the discs, as far as the bearing in the output's hub; none on an overhung shaft."""
     if design.shaft.mounting == "overhang":
