@@ -12,8 +12,9 @@ from designs import unlike
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.errors import UsageError
+from cycloid_mj.loaded.ideal import ideal_peak
 from cycloid_mj.measure.loads import SHOWN, UNDECIDED, UNPRESSED, YIELD_PRESSURE, loads
-from cycloid_mj.measure.pressed import CARRIES, ideal_peak, pressed, relative_curvature
+from cycloid_mj.measure.pressed import CARRIES, pressed, relative_curvature
 from cycloid_mj.measure.steady import steady
 
 FIXED = override(PRESETS["pin"], ['ring.pins="fixed"', "settings.timestep_us=5.0"])

@@ -1,7 +1,7 @@
 """What a maker's data sheet has of a reducer, by statics alone, under the keys of the measures."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,11 +12,14 @@ from cycloid_mj.contact.working import working_at, working_forces_told
 from cycloid_mj.design import Design
 from cycloid_mj.errors import DesignError, UsageError
 from cycloid_mj.loaded.balance import Loads, Powers, loads, powers
+from cycloid_mj.loaded.ideal import ideal_peak
 from cycloid_mj.loaded.pressure import forces, is_narrow, peak_force, peak_pressure, torque_at_pressure
 from cycloid_mj.loaded.springs import POSES, Springs, springs_of, turn_evenly
-from cycloid_mj.loaded.windup import SERIES, windups
+from cycloid_mj.loaded.windup import SERIES, Windup, windups
 from cycloid_mj.mechanism.kernel import CARRIES
+from cycloid_mj.member import turns_of_crank
 from cycloid_mj.result import Quantity, keyed
+from cycloid_mj.structure import twisting_compliance
 from cycloid_mj.types import Array
 from cycloid_mj.units import ARCMINUTE, ARCSECOND, RPM
 
@@ -29,10 +32,23 @@ DRAG = 0.01
 PER_MESH_PERIOD = 8
 """Crank angles in a mesh period over which the transmission error is solved."""
 
+IDEAL_SHARING = "ideal sharing"
+
 SELF_LOCKING = "self-locking: the output cannot drive the crank"
 CONFORMAL = "none: the bodies fit so closely that the contact is no narrow strip"
 
-PARTS = {"output": "output pins", "cam": "cam", "mesh": "teeth, pins and sockets"}
+PARTS = {
+    "output": "output pins",
+    "cam": "cam",
+    "mesh": "teeth, pins and sockets",
+    "bending": "bent output pins",
+    "carrier": "the twisted carrier",
+    "shaft": "the twisted crank",
+    "housing": "the twisted housing",
+}
+
+POSES_OF_SEVERAL = 241
+"""Crank angles for the forces of several discs: of few output pins, too, peaks are within 0.1 % of the turn's."""
 
 KNOWN = {
     "backlash": 0.001,
@@ -140,12 +156,24 @@ def _motions(design: Design, load: float) -> Iterator[Quantity]:
     ideal = "without friction and weight"
     lost = float(np.mean([one.lost_motion for one in found])) / ARCMINUTE
     yield Quantity("lost_motion_ideal", f"lost motion at +-3 % of the load, {ideal}", lost, "arcmin")
-    stiffness = float(np.mean([ARCMINUTE / one.compliance(one.turn) for one in found]))
-    name = f"torsional stiffness, 50 to 100 % of the load, {ideal}"
+    stiffness, name = _stiffness(found), f"torsional stiffness, 50 to 100 % of the load, {ideal}"
     yield Quantity("stiffness_ideal", name, stiffness, "N m/arcmin")
-    for part in SERIES:
-        give = float(np.mean([one.series(design)[part] for one in found])) / ARCMINUTE
-        yield Quantity(f"compliance_{part}", f"compliance of {PARTS[part]}, in series, {ideal}", give, "arcmin/(N m)")
+    give = {part: float(np.mean([one.series(design)[part] for one in found])) / ARCMINUTE for part in SERIES}
+    if design.structure == "springs":
+        bare = windups(design.but(structure="rigid"), turn_evenly(), load)
+        name = f"torsional stiffness of the contacts alone, 50 to 100 % of the load, {ideal}"
+        yield Quantity("stiffness_contacts", name, _stiffness(bare), "N m/arcmin")
+        twisted = {part: one / ARCMINUTE for part, one in twisting_compliance(design).items()}
+        alone = float(np.mean([one.series(design)["output"] for one in bare])) / ARCMINUTE
+        bent = give["output"] - alone - sum(twisted.values())
+        give = {**give, "output": alone, "bending": bent, **twisted}
+    for part, one in give.items():
+        yield Quantity(f"compliance_{part}", f"compliance of {PARTS[part]}, in series, {ideal}", one, "arcmin/(N m)")
+
+
+def _stiffness(found: Sequence[Windup]) -> float:
+    """Give the mean stiffness [N m/arcmin]."""
+    return float(np.mean([ARCMINUTE / one.compliance(one.turn) for one in found]))
 
 
 def _errors(design: Design, load: float) -> Iterator[Quantity]:
@@ -174,13 +202,14 @@ def _errors(design: Design, load: float) -> Iterator[Quantity]:
 def _loads(design: Design, load: float) -> Iterator[Quantity]:
     """Give forces, pressures and margins by kind, and the capacity."""
     torque = math.copysign(load, design.drive.speed)
-    springs = springs_of(design)
+    springs = springs_of(design, _angles(design))
     found = loads(design, springs, torque)
     spare = {
         kind: pair_strength(design, kind) / peak_pressure(design, springs, found, kind)
         for kind in design.pair_kinds
         if is_narrow(design, springs, found, kind)
     }
+    yield from disc_shares(found.share)
     for kind in design.pair_kinds:
         yield from _of_kind(springs, found, kind, design, spare.get(kind, math.nan))
     for key, name, allowed in (
@@ -196,13 +225,28 @@ def _loads(design: Design, load: float) -> Iterator[Quantity]:
         yield Quantity(key, name, reached, "N m", note=f"{weakest} decides")
 
 
+def _angles(design: Design) -> Array:
+    """Give the crank angles for forces [rad]."""
+    return turns_of_crank(design, turn_evenly(POSES if design.gear.discs == 1 else POSES_OF_SEVERAL))
+
+
+def disc_shares(share: Array) -> Iterator[Quantity]:
+    """Give the share of each of several discs in the torque on the output, from those at crank angles, shape (m, D)."""
+    for number, one in enumerate(share.T if share.shape[1] > 1 else (), start=1):
+        note = f"from {one.min():.4g} to {one.max():.4g} over the crank angle"
+        yield Quantity(
+            f"disc_{number}_share", f"share of disc {number} in the torque", float(one.mean()), "1", note=note
+        )
+
+
 def _of_kind(springs: Springs, found: Loads, kind: str, design: Design, spare: float) -> Iterator[Quantity]:
     """Give the numbers of a kind; `spare` is its strength over its pressure, no number where Hertz does not hold."""
     peak, force = peak_force(found, kind), forces(found, kind).reshape(springs.crank.size, -1)
     carries, note = force > CARRIES * peak, CONFORMAL if math.isnan(spare) else ""
     carrying = float(carries.sum(axis=1).mean())
     pressure = 1e-6 * pair_strength(design, kind) / spare
-    yield Quantity(f"{kind}_peak_force", f"{kind}: largest force", peak, "N")
+    ideal = ideal_peak(design, kind, np.linspace(0.0, 2.0 * np.pi, PER_MESH_PERIOD * design.ring.teeth + 1))
+    yield Quantity(f"{kind}_peak_force", f"{kind}: largest force", peak, "N", reference=ideal, source=IDEAL_SHARING)
     yield Quantity(f"{kind}_mean_force", f"{kind}: mean force of the contacts that carry", _mean(force[carries]), "N")
     yield Quantity(f"{kind}_carrying", f"{kind}: contacts that carry, on average", carrying, "1")
     yield Quantity(f"{kind}_pressure", f"{kind}: largest Hertz pressure", pressure, "MPa", note=note)

@@ -10,10 +10,11 @@ from cycloid_mj.contact.pressure import HERTZ_REACH, SHAKEDOWN_PRESSURE, YIELD_P
 from cycloid_mj.contact.working import STRIBECK, working_forces_told
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
+from cycloid_mj.loaded.ideal import ideal_peak
 from cycloid_mj.measure.conditions import halved
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
-from cycloid_mj.measure.pressed import CARRIES, Pressed, ideal_peak, pressed
+from cycloid_mj.measure.pressed import CARRIES, Pressed, pressed
 from cycloid_mj.measure.steady import SETTLED, steady, steady_design
 from cycloid_mj.result import Curve, Quantity, keyed
 from cycloid_mj.solid.gear import tooth_profile

@@ -1,14 +1,13 @@
-"""Contacts under load: their forces over a run, their Hertz pressures, and what ideal sharing says of them."""
+"""Contacts under load: their forces over a run, and their Hertz pressures."""
 
 import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj import envelope, statics
+from cycloid_mj import envelope
 from cycloid_mj.contact.pressure import hertz_holds, hertz_pressure, line_curvature, line_share
 from cycloid_mj.design import Design
-from cycloid_mj.loaded import body_force
 from cycloid_mj.mechanism.reducer import mechanism
 from cycloid_mj.record import Run
 from cycloid_mj.solid.gear import tooth_profile
@@ -110,15 +109,3 @@ def relative_curvature(design: Design, kind: str, crank_angle: Array) -> Array:
         gear = tooth_profile(design)
         return np.stack([envelope.arc_contacts(gear, float(angle)).relative_curvature for angle in crank_angle])
     return np.array([line_curvature(design, kind)])
-
-
-def ideal_peak(design: Design, kind: str, crank_angle: Array) -> float:
-    """Give the largest force [N] that ideal sharing puts on a contact of a kind."""
-    gear, torque = tooth_profile(design), design.load.torque * math.copysign(1.0, design.drive.speed)
-    ring = statics.ideal_load_sharing(gear, torque, crank_angle)
-    output = statics.ideal_output_forces(gear, design.output.pins, design.output.pin_circle_radius, torque, crank_angle)
-    if kind == "output":
-        return float(output.max())
-    if kind == "cam":
-        return float(np.hypot(*statics.cam_force(ring, output, crank_angle, body_force(design, crank_angle)).T).max())
-    return float(ring.forces.max())

@@ -66,7 +66,9 @@ class Springs(NamedTuple):
 
     `bending` (D, D) [m/N] is by how much an output pin that carries several discs gives way to each along its own push,
     for the force of each: off the diagonal alone, which is in `stiffness`. Its size is 0 where no disc's force moves
-    another's contact; else the last D `pins` contacts are those of the output pins, disc after disc.
+    another's contact; else the last D `pins` contacts are those of the output pins, disc after disc. `smooth` tells
+    whether widths go on without a step where a contact leaves the part of its curve that is known to third order:
+    discs that share a load by their wind-up come to rest on such steps.
     """
 
     radius: float
@@ -89,6 +91,7 @@ class Springs(NamedTuple):
     cam_rubbing: float
     bending: Array
     pins: int
+    smooth: bool
 
 
 class Curved(NamedTuple):
@@ -297,6 +300,7 @@ def balance_samples(
             ideal.cam_rubbing,
             ideal.bending,
             ideal.pins,
+            ideal.smooth,
         )
         left = balance_along(springs, load, z, force)
         _sum_up(springs, z, force, out[s])
@@ -377,7 +381,7 @@ def _curved(springs: Springs, k: int, i: int, z: Array, q: float, p: float) -> C
     qo, po = springs.slope[k, i, o], springs.shift_slope[k, i, o]
     q0, p0 = springs.distance[k, i], springs.shift[k, i]
     bend, twist, room = springs.bend[k, i], springs.twist[k, i], springs.room[i]
-    phase, trochoid = springs.phase[k, i], springs.trochoid
+    phase, trochoid, smooth = springs.phase[k, i], springs.trochoid, springs.smooth
     if turning:
         # of w + i phi (w - v phi/2), with w linear in the turn phi at the rate v, the rate is v + i w: solved for w
         q0, p0 = q - 0.5 * phi * pt * z[t], p + 0.5 * phi * qt * z[t]
@@ -387,7 +391,7 @@ def _curved(springs: Springs, k: int, i: int, z: Array, q: float, p: float) -> C
     else:
         qt, pt = qt + p0 / radius + phi * pt, pt - q0 / radius - phi * qt
         qo, po = qo + psi * po, po - psi * qo
-    width, c, s, rate = _rounded(trochoid, phase, bend, twist, q, p, turning)
+    width, c, s, rate = _rounded(trochoid, phase, bend, twist, q, p, turning, smooth)
     ahead = (c * qx + s * px, c * qy + s * py, c * qt + s * pt, c * qo + s * po)
     aside = (c * px - s * qx, c * py - s * qy, c * pt - s * qt, c * po - s * qo)
     return Curved(room + width, ahead, aside, rate)
@@ -395,22 +399,37 @@ def _curved(springs: Springs, k: int, i: int, z: Array, q: float, p: float) -> C
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _rounded(
-    trochoid: tuple[float, float, float], phase: float, bend: float, twist: float, q: float, p: float, turning: bool
+    trochoid: tuple[float, float, float],
+    phase: float,
+    bend: float,
+    twist: float,
+    q: float,
+    p: float,
+    turning: bool,
+    smooth: bool,
 ) -> tuple[float, float, float, float]:
-    """Give the distance of two round curves [m], cosine and sine of their normal's turn, and the rate of that [1/m]."""
+    """Give the distance of two round curves [m], cosine and sine of their normal's turn, and the rate of that [1/m].
+
+    Where the third order may no more be relied on the curve is its circle, or with `smooth` that and a straight rest.
+    """
     along, across = 1.0 + bend * q, bend * p
     sharpest = _sharpest(trochoid)
     near = abs(sharpest * p) < _FAR and abs(p) < _SMALL * trochoid[0]
     if near and turning and abs(twist) > _VALLEY * sharpest * sharpest:
         return _foot(trochoid, phase, q, p)
+    third, aside, rate = twist * p * p * p / 6.0, 0.5 * twist * p * p, twist * p
     if not near or abs(twist * p * p) > _TILT:
-        twist = 0.0
+        third = aside = rate = 0.0
+        if smooth and twist != 0.0:
+            end = min(_FAR / abs(sharpest), _SMALL * trochoid[0], math.sqrt(_TILT / abs(twist)))
+            aside = 0.5 * twist * end * end
+            third = aside * (p - math.copysign(2.0 / 3.0 * end, p))
     if along <= 0.0:  # open by more than the curve's radius
         return q, 1.0, 0.0, 0.0
     reach = math.sqrt(along * along + across * across)
     # (reach - 1) / bend without its cancellation, and what makes the circle a curve of third order
-    width = q + across * p / (reach + along) + twist * p * p * p / 6.0
-    return width, along / reach, across / reach + 0.5 * twist * p * p, bend / reach + twist * p
+    width = q + across * p / (reach + along) + third
+    return width, along / reach, across / reach + aside, bend / reach + rate
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
