@@ -134,6 +134,22 @@ def test_output_pins_of_several_discs_bend_by_every_disc() -> None:
     assert pin_moment(two, np.array([[100.0], [40.0]])) == pytest.approx(100.0 * arms[0] + 40.0 * arms[1])
 
 
+def test_two_discs_share_what_one_carries() -> None:
+    """Each cam bears about half, and opposite the other: what is left for the shaft's bearings is their couple."""
+    two = PIN.but(gear={"discs": 2})
+    one, both = loading(PIN, single(PIN)), loading(two, single(two))
+    assert both.cam.shape == (181, 2)
+    assert both.output.shape == (181, 2, 8)
+    assert both.cam.mean() == pytest.approx(0.5 * one.cam.mean(), rel=0.1)
+    assert both.shaft[:, :2].sum(axis=1) == pytest.approx(0.0, abs=0.1 * both.cam.max())
+    assert both.shaft.sum(axis=1) == pytest.approx(0.0, abs=1e-6)
+    couple = (both.places[-1] - both.places[-2]) * np.linalg.norm(both.shaft[:, -2], axis=1)
+    assert couple == pytest.approx(two.gear.disc_spacing * both.cam.mean(axis=1), rel=0.1)
+    lives = rate(two).items, rate(PIN).items
+    assert lives[0]["cam_bearing"].life > 5.0 * lives[1]["cam_bearing"].life
+    assert lives[0]["output_pin_fatigue"].safety < lives[1]["output_pin_fatigue"].safety
+
+
 def test_what_heat_does_to_clearances() -> None:
     """One material grows as a whole: a clearance by its own share. Steel pins in a plastic gear close, as by hand."""
     alpha = PIN.material.expansion

@@ -518,6 +518,29 @@ def test_the_study_of_a_part(pin_run):
     assert written["assumptions"]
 
 
+@needs_fem
+def test_the_swing_of_the_ring_is_that_of_its_bulk(pin_run, tmp_path):
+    """At its worst node the stress swings between what the maxima of the turn allow; rate takes it from the result."""
+    from cycloid_mj.rating import rate
+    from cycloid_mj.rating.ranges import read_ranges
+    from cycloid_mj.stress.study import StudySettings, stress_study
+
+    study = stress_study(pin_run, PIN, ["ring"], StudySettings(angles=24, refinement=0.4, checked=2))
+    found = study.findings["ring"]
+    largest = found.swing.amplitude + abs(found.swing.mean)
+    assert 0.6 * found.bulk.max() < largest < 1.05 * found.bulk.max()
+    told = study.findings.as_json() | {"load_nm": 10.0}
+    (tmp_path / "stress.json").write_text(json.dumps({"designs": [told]}))
+    ranges = read_ranges(tmp_path, PIN)
+    assert ranges["ring"].amplitude == pytest.approx(found.swing.amplitude)
+    rated = rate(PIN, ranges=ranges).items
+    assert rated["ring_fatigue"].value == pytest.approx(
+        1e-6 * PIN.rated_torque / 10.0 * (found.swing.amplitude + max(found.swing.mean, 0.0))
+    )
+    assert "housing_ligament_fatigue" not in rated
+    assert "hole_to_hole_fatigue" in rated
+
+
 def unwarned(err):
     """Lines of stderr but warnings: of the coarse step of the log."""
     return [line for line in err.splitlines() if not line.startswith("warning: ")]

@@ -11,6 +11,9 @@ from cycloid_mj.rating.loading import Loading
 HOTTEST = 120.0
 """Service temperature [°C] of a material that is not of the library (assumed)."""
 
+STILL_AIR = 8.0, 15.0
+"""What a housing gives to still air, from least to most [W/(m2 K)]."""
+
 REFERENCE = 20.0
 """Temperature [°C] at which clearances are as drawn (ISO 1)."""
 
@@ -22,6 +25,7 @@ def heat(design: Design, found: Sequence[Loading]) -> Iterator[Item]:
     area = outside(design)
     hot = service.ambient_temperature + lost / (service.film_coefficient * area)
     part, limit = min(hottest(design), key=lambda one: one[1])
+    warm, cool = (service.ambient_temperature + lost / (film * area) for film in STILL_AIR)
     rise, room = hot - service.ambient_temperature, limit - service.ambient_temperature
     yield Item(
         "temperature",
@@ -32,8 +36,9 @@ def heat(design: Design, found: Sequence[Loading]) -> Iterator[Item]:
         room / rise if rise else math.inf,
         None,
         "dT = losses/(h A); safety of the rise",
-        f"{lost:.3g} W at h {service.film_coefficient:g} W/(m2 K) (assumed, 8 to 15) from {1e4 * area:.3g} cm2, "
-        f"the outside of ring and output disc; {service.ambient_temperature:g} °C around it; limit by the {part}, "
+        f"{lost:.3g} W at h {service.film_coefficient:g} W/(m2 K) (assumed; {warm:.3g} to {cool:.3g} °C at 8 to 15) "
+        f"from {1e4 * area:.3g} cm2, the outside of ring and output disc; "
+        f"{service.ambient_temperature:g} °C around it; limit by the {part}, "
         f"{design.material_of(part).name or 'a material without a name'}",
     )
     for kind in design.pair_kinds:

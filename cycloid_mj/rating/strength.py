@@ -7,6 +7,7 @@ import numpy as np
 
 from cycloid_mj.checks.strength import Wall, walls
 from cycloid_mj.design import Design
+from cycloid_mj.names import family
 from cycloid_mj.rating.fatigue import Fatigue, endurance_limit, notch_factor
 from cycloid_mj.rating.item import Item
 from cycloid_mj.rating.loading import Loading, bending
@@ -23,7 +24,8 @@ STUDIED = {"gear": "gear web", "ring": "ring and its ligaments"}
 """Parts whose stress range comes from a study by finite elements where there is one: its name there -> in words."""
 
 HOLED = {"gear": "gear", "housing": "ring"}
-"""Part of a wall -> its name in that study."""
+MADE = {studied: part for part, studied in HOLED.items()}
+"""Part of a wall -> its name in that study, and the other way round."""
 
 
 def strength(design: Design, worst: Loading, ranges: dict[str, StressRange] | None = None) -> Iterator[Item]:
@@ -31,11 +33,11 @@ def strength(design: Design, worst: Loading, ranges: dict[str, StressRange] | No
     yield output_pin(design, worst.output)
     yield _shoulder(design, worst)
     torque = abs(worst.point.torque)
-    studied = {part: found for part, found in (ranges or {}).items() if part in STUDIED}
+    studied = {part: found for part, found in (ranges or {}).items() if family(part) in STUDIED}
     for part, found in studied.items():
         yield _studied(design, part, found, torque)
     for wall in walls(design):
-        if HOLED[wall.part] not in studied:
+        if HOLED[wall.part] not in map(family, studied):
             yield _wall(design, wall, worst)
 
 
@@ -119,14 +121,14 @@ def _shoulder(design: Design, worst: Loading) -> Item:
 
 def _studied(design: Design, part: str, found: StressRange, torque: float) -> Item:
     """Rate a part by the range of stress at its worst node, which a study by finite elements found over a turn."""
-    made = design.material_of("gear" if part == "gear" else "housing")
+    made = design.material_of(MADE[family(part)])
     scale = torque / found.load
     endurance = _endurance(design, made.tensile_strength, 0.0)
     fatigue = Fatigue(scale * found.amplitude, scale * found.mean, endurance, made.tensile_strength)
     scaled = "" if math.isclose(scale, 1.0, rel_tol=1e-3) else f", times {scale:.3g} for this torque"
     return Item(
         f"{part}_fatigue",
-        f"{STUDIED[part]}, fatigue",
+        f"{STUDIED[family(part)]}, fatigue",
         1e-6 * scale * (found.amplitude + max(found.mean, 0.0)),
         1e-6 * endurance,
         "MPa",

@@ -41,8 +41,9 @@ def wear(design: Design, found: Sequence[Loading]) -> Iterator[Item]:
             None,
             HOURS * limit / depth if depth else math.inf,
             "Archard, k F s over the whole surface; until the clearance has doubled",
-            f"k = {1e9 * coefficient:g} mm3/(N m), mixed lubrication (assumed, within a decade: so is the life); "
-            f"{way:.4g} km slid in {HOURS:.0f} h by a contact that carries",
+            f"k = {1e9 * coefficient:g} mm3/(N m), mixed lubrication (assumed; {1e8 * coefficient:g} to "
+            f"{1e10 * coefficient:g}: ten times the life to a tenth); a contact that carries slides {way:.4g} km in "
+            f"{HOURS:.0f} h",
         )
         yield Item(
             f"{kind}_pv",

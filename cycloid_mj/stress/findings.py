@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.stress.notch import Notch
+from cycloid_mj.stress.swing import Swing
 from cycloid_mj.types import Array
 from cycloid_mj.units import MEGAPASCAL, MILLIMETRE
 
@@ -161,6 +162,8 @@ class PartFindings:
         The maxima on other grids.
     wall
         Time that it took [s].
+    swing
+        Stress over the turn at the node that fatigue finds worst; None of parts that have fillets instead.
     """
 
     part: str
@@ -186,6 +189,7 @@ class PartFindings:
     yield_strength: float
     refinement: Refinement
     wall: float
+    swing: Swing | None = None
 
     def orders(self, orders: tuple[int, ...]) -> Array:
         """Give the amplitudes [Pa] of orders of the crank in the bulk stress."""
@@ -216,6 +220,7 @@ class PartFindings:
             "near_field_mpa": self.near_field / MEGAPASCAL,
             "imbalance": self.imbalance,
             "notches": [notch.as_json(self.yield_strength) for notch in self.notches],
+            "range": None if self.swing is None else self.swing.as_json(),
             "variants": [{"change": change, "bulk_mpa": size / MEGAPASCAL} for change, size in self.variants],
             "refinement": self.refinement.as_json(),
             "angle_deg": np.degrees(self.angle).tolist(),

@@ -1,14 +1,17 @@
 """The eccentric shaft as a solid body: its measures, and a grid of tetrahedra by gmsh's OpenCASCADE."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
+from cycloid_mj import names
 from cycloid_mj.design import Design
 from cycloid_mj.errors import CycloidError
-from cycloid_mj.solid import parts
-from cycloid_mj.solid.shaft import bearing_width
+from cycloid_mj.solid import parts, stretches
+from cycloid_mj.solid.output import near_face
+from cycloid_mj.solid.shaft import COUNTERWEIGHT, FAR, JOURNAL, bearing_width
 from cycloid_mj.stress.grid import Grid, GridSettings, quadratic
 from cycloid_mj.stress.packages import mesher
 from cycloid_mj.types import Array
@@ -35,7 +38,7 @@ class Shoulder:
 
 @dataclass(frozen=True)
 class Shaft:
-    """Measures of the shaft [m]: radii, eccentricity, and along z its ends, counterweight, cam and both bearings."""
+    """Measures of the shaft [m]: radii, eccentricity, and along z its ends, counterweight, cams and both bearings."""
 
     radius: float
     cam_radius: float
@@ -51,10 +54,10 @@ class Shaft:
     def shoulders(self) -> tuple[Shoulder, ...]:
         """Where the shaft steps up to the counterweight, taken as a whole disc, and to the cam, at its lowest."""
         lowest = self.cam_radius - self.eccentricity
-        found = [
-            Shoulder("journal at the counterweight", self.counterweight[0], self.counterweight_radius),
-            Shoulder("journal at the cam", self.cam[0], lowest),
-        ]
+        z0, z1 = self.counterweight
+        found = [Shoulder("journal at the cam", self.cam[0], lowest)]
+        if z0 < z1:
+            found.insert(0, Shoulder("journal at the counterweight", z0, self.counterweight_radius))
         beyond = [Shoulder("far journal at the cam", self.cam[1], lowest)] if self.far_end > self.cam[1] else []
         return (*found, *beyond)
 
@@ -67,23 +70,26 @@ class Shaft:
         return np.concatenate([[shoulder.z for shoulder in self.shoulders], *between])
 
 
+@lru_cache(maxsize=8)
 def shaft_measures(design: Design) -> Shaft:
-    """Give the measures of a design's balanced shaft."""
-    journal, counterweight, _, cam, *beyond = parts(design)["shaft"].prisms
-    shaft, z0, z1 = design.shaft, journal.z0, counterweight.z0
+    """Give the measures of a design's shaft; that of several discs has no counterweight: its stretch has no length."""
+    found = stretches(design, gear=parts(design).get(names.GEAR))
+    journal, counterweight, beyond = found[JOURNAL], found.get(COUNTERWEIGHT), found.get(FAR)
+    cams = [prism for name, prism in found.items() if names.family(name) == names.CAM]
+    shaft, z0, z1 = design.shaft, journal.z0, min(journal.z1, near_face(design))
     width = bearing_width(design, z1 - z0)
     near = z1 - shaft.bearing_offset
     outer = near - width - shaft.bearing_spacing if shaft.bearing_spacing else z0
-    far = beyond[0].z1 - width if beyond else outer
+    far = beyond.z1 - width if beyond else outer
     return Shaft(
         radius=design.shaft.radius,
         cam_radius=design.gear.bore_radius,
         eccentricity=design.gear.eccentricity,
         counterweight_radius=design.shaft.counterweight_radius,
         end=z0,
-        far_end=beyond[0].z1 if beyond else cam.z1,
-        counterweight=(counterweight.z0, counterweight.z1),
-        cam=(cam.z0, cam.z1),
+        far_end=beyond.z1 if beyond else cams[-1].z1,
+        counterweight=(counterweight.z0, counterweight.z1) if counterweight else (z1, z1),
+        cam=(cams[0].z0, cams[-1].z1),
         bearings=((far, far + width), (near - width, near)),
     )
 

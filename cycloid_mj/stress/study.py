@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj import names
 from cycloid_mj.contact.pressure import SHAKEDOWN_PRESSURE
 from cycloid_mj.design import Design, override
 from cycloid_mj.record import Run
@@ -21,6 +22,7 @@ from cycloid_mj.stress.notch import Notch, output_roots, shaft_shoulders
 from cycloid_mj.stress.part import part_grid
 from cycloid_mj.stress.region import material_of
 from cycloid_mj.stress.shaftgrid import shaft_measures
+from cycloid_mj.stress.swing import SWINGING, Swing, swing
 from cycloid_mj.types import Array
 
 Told = Callable[[str, int, int], None]
@@ -193,7 +195,7 @@ def part_study(run: Run, design: Design, part: str, settings: StudySettings, gri
     turn = 2 * np.pi * np.arange(settings.angles) / settings.angles
     loads = part_loads(run, design, part, turn)
     grid = grid or part_grid(design, part, settings.grid(part))
-    (stress, drawn), lines = _solved(design, grid, loads, settings.map_angle), line_stress(loads, design)
+    (stress, drawn, swung), lines = _solved(design, grid, loads, settings.map_angle), line_stress(loads, design)
     strength = material_of(design, part).yield_strength
     pressure = float(_largest(lines.peak_pressure.reshape(1, -1))[0])
     findings = PartFindings(
@@ -216,6 +218,7 @@ def part_study(run: Run, design: Design, part: str, settings: StudySettings, gri
         near_field=_near_field(loads, design, stress.bulk_distance),
         imbalance=_imbalance(stress, grid),
         notches=_notches(design, loads, stress),
+        swing=swung,
         variants=_variants(design, part, settings, loads, stress),
         yield_strength=strength,
         refinement=_refined(design, grid, settings, loads, stress),
@@ -224,13 +227,16 @@ def part_study(run: Run, design: Design, part: str, settings: StudySettings, gri
     return PartStudy(grid, loads, stress, drawn, findings)
 
 
-def _solved(design: Design, grid: Grid, loads: PartLoads, map_angle: float | None) -> tuple[PartStress, StressMap]:
-    """Give the maxima of a part, and its map; its factor is let go before other grids are factorised."""
+def _solved(
+    design: Design, grid: Grid, loads: PartLoads, map_angle: float | None
+) -> tuple[PartStress, StressMap, Swing | None]:
+    """Give the maxima of a part, its map and its swing; its factor is let go before other grids are factorised."""
     part = loaded(design, grid, loads)
     stress = maxima(part)
     angle = loads.angle[stress.bulk_stress.argmax()] if map_angle is None else map_angle
     nearest = int(np.argmax(np.cos(loads.angle - angle)))
-    return stress, mapped(part, nearest, stress.bulk_distance)
+    swung = swing(part, stress.bulk_distance) if names.family(grid.part) in SWINGING else None
+    return stress, mapped(part, nearest, stress.bulk_distance), swung
 
 
 def at_angles(loads: PartLoads, rows: npt.ArrayLike) -> PartLoads:

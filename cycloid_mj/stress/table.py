@@ -24,7 +24,7 @@ def contact_table(findings: StressFindings) -> list[list[str]]:
 
 
 def told_beside(part: PartFindings) -> list[str]:
-    """Tell what stands beside the table: stress at fillets, and under other supports."""
+    """Tell what stands beside the table: stress at fillets, its range for fatigue, and under other supports."""
     lines = []
     for notch in part.notches:
         nominal = f"{part.part}, {notch.name}: nominal stress {notch.nominal / MEGAPASCAL:.3g} MPa"
@@ -36,6 +36,9 @@ def told_beside(part: PartFindings) -> list[str]:
                 else ""
             )
         lines.append(nominal)
+    if part.swing:
+        amplitude, mean = part.swing.amplitude / MEGAPASCAL, part.swing.mean / MEGAPASCAL
+        lines.append(f"{part.part}, range over the turn: {mean:.3g} +- {amplitude:.3g} MPa where fatigue is worst")
     lines += [f"{part.part}, if {change}: bulk {size / MEGAPASCAL:.3g} MPa" for change, size in part.variants]
     return lines
 

@@ -1,0 +1,102 @@
+"""How far the stress at a node swings over a turn: what fatigue goes by.
+
+The distance of two states of stress is the von Mises stress of their difference. A node's swing lies between the two
+states that are farthest from each other: half of their distance is its amplitude, and the von Mises stress of the state
+midway, with the sign of its trace, its mean. Both are the same in every frame. Instants at which a node lies near a
+narrow patch do not count: what happens there is Hertz's (``closed``), and pitting.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cycloid_mj.stress.field import Loaded
+from cycloid_mj.stress.recover import stresses, von_mises
+from cycloid_mj.types import Array, Integers
+from cycloid_mj.units import MEGAPASCAL, MILLIMETRE
+
+SWINGING = ("gear", "ring")
+"""Parts with webs and ligaments, whose fatigue goes by the swing of their nodes; others have fillets instead."""
+
+EVERY, FEWEST = 6, 24
+"""Each so manieth crank angle of a study counts, but no fewer than so many angles."""
+
+CANDIDATES = 1500
+"""Nodes among which the worst is looked for: those of the largest bound on their swing."""
+
+BLOCK = 6
+"""Angles worked on together."""
+
+
+@dataclass(frozen=True)
+class Swing:
+    """Stress over a turn at the worst node of a part: `amplitude` and `mean` [Pa] there, and its `place` [m]."""
+
+    amplitude: float
+    mean: float
+    place: Array
+
+    def as_json(self) -> dict[str, Any]:
+        """Give the swing in MPa and mm."""
+        return {
+            "amplitude_mpa": self.amplitude / MEGAPASCAL,
+            "mean_mpa": self.mean / MEGAPASCAL,
+            "place_mm": [float(value) / MILLIMETRE for value in self.place],
+        }
+
+
+def swing(part: Loaded, distance: float) -> Swing:
+    """Give the swing at a part's worst node, beyond a distance [m] from narrow patches.
+
+    The worst is that of the largest 2 amplitude + mean: Goodman's, the endurance limit half of the tensile strength.
+    """
+    angles = len(part.loads.angle)
+    rows = np.arange(0, angles, max(1, min(EVERY, angles // FEWEST)))
+    states = np.concatenate([_states(part, block, distance) for block in np.array_split(rows, len(rows) // BLOCK or 1)])
+    amplitude, mean, nodes = worst_nodes(states)
+    worst = int(np.argmax(2.0 * amplitude + np.maximum(mean, 0.0)))
+    return Swing(float(amplitude[worst]), float(mean[worst]), part.grid.points[nodes[worst]])
+
+
+def _states(part: Loaded, block: Integers, distance: float) -> Array:
+    """Give the stress components at angles (c, components, n) [Pa]; not a number near narrow patches."""
+    found = stresses(part.operators, part.case.response(block).moved, part.material)
+    nodes = np.arange(found.shape[1])
+    near = np.stack([part.apart.at(int(angle), nodes) < distance for angle in block])
+    return np.where(near[:, np.newaxis], np.nan, np.moveaxis(found, -1, 0)).astype(np.float32)
+
+
+def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:
+    """Give amplitude and mean [Pa] of the nodes that swing most, and which they are.
+
+    `states` are the stress components at each instant (c, components, n) [Pa], no numbers outside the bulk. A node
+    that is never in the bulk has none.
+    """
+    seen = np.flatnonzero(np.isfinite(states[:, 0]).any(axis=0))
+    bound = von_mises_bound(states[:, :, seen])
+    chosen = seen[np.argsort(bound)[-min(CANDIDATES, len(seen)) :]]
+    some = states[:, :, chosen].astype(np.float64)
+    apart, first, second = (np.zeros(len(chosen)), *(np.zeros(len(chosen), int) for _ in range(2)))
+    for one in range(len(some)):
+        distance = np.nan_to_num(von_mises(np.moveaxis(some - some[one], 1, 0)), nan=-1.0)
+        other = distance.argmax(axis=0)
+        farther = distance[other, np.arange(len(chosen))]
+        better = farther > apart
+        apart = np.where(better, farther, apart)
+        first, second = np.where(better, one, first), np.where(better, other, second)
+    places = np.arange(len(chosen))
+    middle = 0.5 * (some[first, :, places] + some[second, :, places]).T
+    # a node that is in the bulk at one instant, or never moves, stands still at what it has
+    still = np.nan_to_num(some[0]) if len(some) == 1 else np.nanmean(some, axis=0)
+    middle = np.where(apart > 0.0, middle, still)
+    trace = middle[: 2 if len(middle) == 3 else 3].sum(axis=0)
+    return 0.5 * apart, np.copysign(von_mises(middle), trace), chosen
+
+
+def von_mises_bound(states: Array) -> Array:
+    """Give a bound by which nodes are chosen: by range and level of each component, of states (c, components, n)."""
+    with np.errstate(invalid="ignore"):
+        span = np.nanmax(states, axis=0) - np.nanmin(states, axis=0)
+        level = np.nanmax(np.abs(states), axis=0)
+    return np.asarray(np.sqrt(3.0) * np.linalg.norm(span, axis=0) + 0.5 * np.linalg.norm(level, axis=0))
