@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from cycloid_mj.design import Design
 from cycloid_mj.kinematics import CrankLaw
+from cycloid_mj.member import sense
 from cycloid_mj.mjcf import ReducerModel
 from cycloid_mj.mjcf.keyframe import joint_state
 from cycloid_mj.types import Array
@@ -90,8 +91,12 @@ def initial_state(reducer: ReducerModel, design: Design, course: Course | None =
 
 def load_torque(design: Design, time: npt.ArrayLike) -> Array:
     """Torque of the load on the output [N m], against its rotation; it rises as a half cosine from zero."""
-    direction = math.copysign(1.0, -design.drive.speed * design.ratio)
-    return direction * rising(design.load.torque, design.load.rise)(np.asarray(time, dtype=np.float64))
+    return braking(design) * rising(design.load.torque, design.load.rise)(np.asarray(time, dtype=np.float64))
+
+
+def braking(design: Design) -> float:
+    """Give the sign of a torque on the output that brakes the design's crank: 1 of a counter-clockwise one."""
+    return math.copysign(1.0, design.drive.speed) * sense(design)
 
 
 def servo_target(reducer: ReducerModel, law: CrankLaw, time: Array) -> Array:

@@ -8,6 +8,7 @@ from cycloid_mj.checks.teeth import pitches
 from cycloid_mj.design import PARTS, Design, Material
 from cycloid_mj.design.units import DEGREE, MICROMETRE
 from cycloid_mj.mechanism.limits import stops
+from cycloid_mj.member import share
 
 PLAY_SHARE = 0.1
 """Assumed: most play of the whole gear, as a share of the smaller of c and rho, that is small against the teeth."""
@@ -161,11 +162,11 @@ def _jump(design: Design) -> Check:
     """Check that the teeth hold the gear: a run ends where it is a quarter of a lobe from where the crank puts it."""
     poses = (2.0 * math.pi * pose / JUMP_POSES for pose in range(JUMP_POSES))
     play = max(high - low for low, high in (stops(design, pose, JUMP_SIDES) for pose in poses))
-    allowed = math.pi / design.lobes
+    allowed = share(design) * math.pi / design.lobes
     got, limit = told(play, "at most", allowed, DEGREE)
-    share = (1.0 - JUMP_MARGIN) * allowed / play
+    spared = (1.0 - JUMP_MARGIN) * allowed / play
     lower = [
-        Limit(f"clearance.{name}", "at most", share * getattr(design.clearance, name)) for name in design.pair_kinds
+        Limit(f"clearance.{name}", "at most", spared * getattr(design.clearance, name)) for name in design.pair_kinds
     ]
     return Check(
         name="jump",
@@ -192,12 +193,12 @@ def _drive_checks(design: Design) -> Iterator[Check]:
         Limit("drive.torque", "at most", OVERLOAD * drive.power / speed if speed else math.inf),
         severity="warning",
     )
-    capacity = drive.torque * design.lobes
+    capacity = design.rated_torque
     yield verdict(
         design,
         "load",
         Limit("load.torque", "at most", capacity) if load >= 0 else Limit("load.torque", "at least", -capacity),
-        "the rated drive torque times the ratio, N - 1, is all that a drive without losses can move",
-        Limit("drive.torque", "at least", abs(load) / design.lobes),
+        f"the rated drive torque times the ratio, {design.reduction}, is all that a drive without losses can move",
+        Limit("drive.torque", "at least", abs(load) / design.reduction),
         severity="warning",
     )

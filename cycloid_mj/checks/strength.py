@@ -100,7 +100,7 @@ def _pressures(state: Rated, part: str) -> Iterator[Check]:
             remedies = [
                 _face_width(design, lambda other: other.peak_pressure(kind), allowed, 2.0),
                 Limit(key, "at least", pressure / factor),
-                Limit("drive.torque", "at most", (1.0 - MARGIN) * torque / design.lobes),
+                Limit("drive.torque", "at most", (1.0 - MARGIN) * torque / design.reduction),
             ]
         got, limit = told(pressure, "at most", allowed, MEGAPASCAL)
         yield Check(

@@ -78,7 +78,7 @@ def summary(design: Design) -> Summary:
     state = rated(design)
     weakest = max(design.pair_kinds, key=lambda kind: state.peak_pressure(kind) / pair_strength(design, kind))
     return Summary(
-        ratio=design.lobes,
+        ratio=design.reduction,
         discs=design.gear.discs,
         one_part=are_one_part(design.gear.discs, design.output.pins, design.lobes),
         outer_diameter=2.0 * design.housing.outer_radius,

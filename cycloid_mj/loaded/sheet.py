@@ -178,7 +178,7 @@ def _stiffness(found: Sequence[Windup]) -> float:
 
 def _errors(design: Design, load: float) -> Iterator[Quantity]:
     """Give the transmission errors, loaded and unloaded, both ways, with friction."""
-    crank = np.linspace(0.0, 2.0 * np.pi, PER_MESH_PERIOD * design.ring.teeth + 1)
+    crank = np.linspace(0.0, 2.0 * np.pi, PER_MESH_PERIOD * design.mesh_periods + 1)
     mean: dict[tuple[str, str, str], float] = {}
     for case, torque in (("unloaded", DRAG * load), ("loaded", load)):
         for way, sign in (("forward", 1.0), ("reverse", -1.0)):
@@ -268,7 +268,7 @@ def _losses(design: Design, load: float) -> Iterator[Quantity]:
     yield Quantity("input_power", "input power", found.supplied, "W")
     yield Quantity("output_power", "output power", found.supplied * found.efficiency, "W")
     back, held = driven(design, load)
-    against = f"against {load / design.lobes:.4g} N m on the crank"
+    against = f"against {load / design.reduction:.4g} N m on the crank"
     locked = SELF_LOCKING if math.isnan(held) else ""
     yield Quantity("back_driving_torque_rated", f"output torque that drives {against}", held, "N m", note=locked)
     yield Quantity(

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cycloid_mj import member
 from cycloid_mj.design import Design
 from cycloid_mj.loaded.balance import loads
 from cycloid_mj.loaded.springs import springs_of
@@ -61,9 +62,14 @@ class Windup:
 
 
 def in_series(design: Design, turn: float, gear_turn: float, centre_lead: float) -> dict[str, float]:
-    """Tell the parts of a compliance [rad/(N m)] from those of turn, gear and gear's centre [m/(N m)]."""
-    cam = -centre_lead / (design.gear.eccentricity * design.lobes)
-    return {"output": turn - gear_turn, "cam": cam, "mesh": gear_turn - cam}
+    """Tell the parts of a compliance [rad/(N m)] from those of turn, gear and gear's centre [m/(N m)].
+
+    Where the ring turns, the gear turns against a carrier that is held.
+    """
+    cam, of = -centre_lead / (design.gear.eccentricity * design.lobes), member.share(design)
+    carrier = turn / of
+    gear = carrier - gear_turn if design.output.turns_ring else gear_turn
+    return {part: of * seen for part, seen in (("output", carrier - gear), ("cam", cam), ("mesh", gear - cam))}
 
 
 def windups(design: Design, cranks: Sequence[float] | Array, rated: float) -> list[Windup]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.contact.working import at_rated_load
-from cycloid_mj.course import Course
+from cycloid_mj.course import Course, braking
 from cycloid_mj.design import Design
 from cycloid_mj.mjcf import build
 from cycloid_mj.record import Run
@@ -65,7 +65,7 @@ def break_away(design: Design) -> BreakAway:
         The run went wrong.
     """
     largest = GROWTH * design.rated_torque
-    forward = -math.copysign(1.0, design.drive.speed)
+    forward = -braking(design)
     course = Course(
         angle=0.0,
         speed=0.0,
@@ -76,7 +76,7 @@ def break_away(design: Design) -> BreakAway:
     reducer = build(resting, held="")
     run = simulate(resting, reducer, course)
     moving = run.select(np.abs(run["crank_angle"]) > TURNED)
-    frictionless = largest / design.lobes * GROWS_FOR**2 / (6.0 * reducer.crank_inertia)
+    frictionless = largest / design.reduction * GROWS_FOR**2 / (6.0 * reducer.crank_inertia)
     if abs(run["crank_angle"][-1]) < LEAST_TRAVEL * frictionless or len(moving) < FEWEST:
         return BreakAway(math.nan, math.nan, largest, run)
     growth, count = largest / GROWS_FOR, len(moving)

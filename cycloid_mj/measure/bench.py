@@ -20,10 +20,11 @@ from cycloid_mj.contact.working import working_force
 from cycloid_mj.course import Signal, locked_crank
 from cycloid_mj.design import Design, Drive, Friction, Load, Settings
 from cycloid_mj.errors import ContactError, RunError
+from cycloid_mj.member import gear_angle, output_angle
 from cycloid_mj.mjcf import ReducerModel, build
 from cycloid_mj.record import Run
 from cycloid_mj.run import simulate
-from cycloid_mj.solid import mass_properties, parts
+from cycloid_mj.solid import gear_solid, mass_properties, output_inertia
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.types import Array
 
@@ -55,8 +56,8 @@ DAMPING_RATIO = 1.0
 
 def crank_angles(design: Design, count: int) -> Array:
     """Give crank angles [rad], shape (count,), spread over the turn and, at equal distances, over the mesh period."""
-    period = np.round(design.ring.teeth * np.arange(count) / count)
-    return np.asarray(2.0 * np.pi / design.ring.teeth * (period + np.arange(count) / count))
+    period = np.round(design.mesh_periods * np.arange(count) / count)
+    return np.asarray(2.0 * np.pi / design.mesh_periods * (period + np.arange(count) / count))
 
 
 def ideal(design: Design) -> Design:
@@ -165,14 +166,14 @@ def steps_told(runs: Iterable[Run]) -> str:
 
 
 def moving_inertia(design: Design) -> float:
-    """Give the inertia about their axes of gear and output, which turn together at a locked crank [kg m2]."""
+    """Give the inertia of what turns together at a locked crank, gear and carrier or the ring, about its axis [kg m2]."""
     return _inertia(design.model_copy(update={"drive": Drive(), "load": Load(), "settings": Settings()}))
 
 
 @lru_cache(maxsize=16)
 def _inertia(design: Design) -> float:
-    solids = parts(design)
-    return sum(float(mass_properties(solids[name]).inertia[2, 2]) for name in ("gear", "output"))
+    gear = 0.0 if design.output.turns_ring else float(mass_properties(gear_solid(design)).inertia[2, 2])
+    return gear + output_inertia(design)
 
 
 @lru_cache(maxsize=16)
@@ -191,12 +192,12 @@ def _rubbing(design: Design) -> float:
 
 def output_turn(run: Run, design: Design) -> Array:
     """Give the output's angle less the ideal one at the crank's own [rad]: what the crank's lock gives drops out."""
-    return np.asarray(run["output_angle"] + run["crank_angle"] / design.lobes)
+    return run["output_angle"] - output_angle(design, run["crank_angle"])
 
 
 def gear_turn(run: Run, design: Design) -> Array:
     """Give the gear's angle less the ideal one at the crank's own [rad]."""
-    return np.asarray(run["gear_angle"] + run["crank_angle"] / design.lobes)
+    return run["gear_angle"] - gear_angle(design, run["crank_angle"])
 
 
 def centre_lead(run: Run, design: Design) -> Array:

@@ -37,7 +37,7 @@ def braked_run(design: Design, torque: float, periods: int) -> Run:
     RunError
         The run went wrong.
     """
-    design = working_at(design, torque * design.lobes) if torque else design
+    design = working_at(design, torque * design.reduction) if torque else design
     speed = design.drive.speed
     reducer = build(design, held="output")
     slope = 2.0 * reducer.crank_inertia / DECAY if torque else 0.0

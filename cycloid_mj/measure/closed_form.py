@@ -7,6 +7,7 @@ import numpy as np
 
 from cycloid_mj.design import Design
 from cycloid_mj.loaded.friction import ideal_losses
+from cycloid_mj.member import seen_from_ring
 from cycloid_mj.solid import gear_solid, mass_properties
 
 CRANK_ANGLES = 360
@@ -35,12 +36,15 @@ def ideal_efficiency(design: Design, load: float) -> Closed:
     The contacts carry the drag of the output's seals besides the load.
     """
     carried = load + design.drag.output
-    loaded = design.but(load={"torque": carried})
+    loaded = seen_from_ring(design.but(load={"torque": carried}))
     crank = np.linspace(0.0, 2.0 * np.pi, CRANK_ANGLES, endpoint=False)
-    supplied = (
-        carried * (1.0 + sum(ideal_losses(loaded, crank, design.mesh_friction))) + design.drag.crank * design.lobes
-    )
-    return Closed(load / supplied, "ideal sharing, Coulomb")
+    lost = sum(ideal_losses(loaded, crank, design.mesh_friction))
+    if design.output.turns_ring:
+        # the crank adds its own torque to that of the carrier
+        supplied = carried * design.ring.teeth / (1.0 + design.lobes / (1.0 + lost))
+    else:
+        supplied = carried * (1.0 + lost)
+    return Closed(load / (supplied + design.drag.crank * design.reduction), "ideal sharing, Coulomb")
 
 
 def ideal_limit(design: Design) -> Design:
@@ -71,4 +75,6 @@ def wang_efficiency(design: Design) -> Closed:
     meshing = 1.0 - 4.0 * design.mesh_friction * reach / (shortening * lobes * math.pi)
     pins = shortening * ring.pin_circle_radius / design.output.pin_circle_radius
     output = 1.0 - 4.0 * design.friction_of("output") * pins / math.pi
-    return Closed(meshing / (1.0 + lobes * (1.0 - meshing)) * output, "Wang et al. 2016")
+    carrier = meshing / (1.0 + lobes * (1.0 - meshing)) * output
+    efficiency = (1.0 + lobes * carrier) / ring.teeth if design.output.turns_ring else carrier
+    return Closed(efficiency, "Wang et al. 2016")

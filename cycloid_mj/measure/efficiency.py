@@ -164,7 +164,7 @@ def _losses(rated: Point) -> list[Quantity]:
 
 def _driven(design: Design, found: Found) -> list[Quantity]:
     """Give what turns the reducer without a load, and from its output."""
-    lobes, rest = design.lobes, found.rest
+    ratio, rest = design.reduction, found.rest
     forward = found.rated.powers.efficiency
     backward, shift = _back_driving(found)
     locked = not backward > 0.0
@@ -182,9 +182,9 @@ def _driven(design: Design, found: Found) -> list[Quantity]:
         Quantity(
             "back_driving_torque_moving",
             "back-driving torque at speed, crank free",
-            math.nan if found.coasting is None else lobes * found.coasting.drag,
+            math.nan if found.coasting is None else ratio * found.coasting.drag,
             "N m",
-            None if found.coasting is None else lobes * found.coasting.drag_shift,
+            None if found.coasting is None else ratio * found.coasting.drag_shift,
             note=SELF_LOCKING if found.coasting is None else contacts,
         ),
         Quantity(

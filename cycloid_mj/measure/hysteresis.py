@@ -19,6 +19,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.loaded.windup import LOST_MOTION_SHARE, STRAIGHT
 from cycloid_mj.measure import bench
 from cycloid_mj.mechanism import limits
+from cycloid_mj.member import sense, share
 from cycloid_mj.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.record import Run
 from cycloid_mj.solid.gear import tooth_profile
@@ -155,7 +156,7 @@ def loop(design: Design, crank: float, rated: float, period: float, finer: float
         torque=whole["load_torque"],
         turn=bench.output_turn(whole, design),
         gear_turn=bench.gear_turn(whole, design),
-        centre_lead=bench.centre_lead(whole, design),
+        centre_lead=sense(design) * bench.centre_lead(whole, design),
         run=run,
     )
 
@@ -186,4 +187,4 @@ def closed_stiffness(design: Design) -> float:
     mesh = np.sum(arms[arms > 0.0] ** 2) / per_arm
     cam = k["cam"] * (gear.eccentricity * gear.lobes) ** 2
     pins = k["output"] * output.pins * output.pin_circle_radius**2 / 4.0
-    return float(1.0 / (1.0 / mesh + 1.0 / cam + 1.0 / pins))
+    return float(1.0 / (1.0 / mesh + 1.0 / cam + 1.0 / pins)) / share(design) ** 2

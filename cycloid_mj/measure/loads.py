@@ -74,7 +74,7 @@ def loads(design: Design, load: float | None = None, quick: bool = False, progre
     if not torque > 0.0:
         raise UsageError(f"cannot measure loads under {torque:g} N m: the torque must be more than 0")
     loaded = steady_design(design).but(load={"torque": torque})
-    work = [(loaded, CHECKED if quick else design.ring.teeth), (halved(loaded), CHECKED)]
+    work = [(loaded, CHECKED if quick else design.mesh_periods), (halved(loaded), CHECKED)]
     whole = len(work) + 1
     run, finer = each(lambda one: steady(one[0], SETTLED, one[1]), work, lambda done, _: progress(done, whole))
     found, fine = pressed(run, loaded), pressed(finer, loaded)

@@ -3,6 +3,7 @@
 An order is a number of cycles in a turn of the crank. The crank turns by theta against the ring and by theta N/(N-1)
 against gear and output, which turn the other way by theta/(N-1). So what belongs to the ring repeats after a turn, at
 whole orders; what belongs to gear or output at multiples of N/(N-1); and what all teeth have alike at the mesh order N.
+Where the ring turns, by theta/N, its own repeats at multiples of (N-1)/N, that of gear and carrier at whole orders.
 """
 
 from collections.abc import Callable
@@ -71,44 +72,52 @@ class Cause:
 def causes(design: Design) -> tuple[Cause, ...]:
     """Give the causes of transmission error that a design can have, with the orders that they give."""
     teeth, lobes, pins = design.ring.teeth, design.lobes, design.output.pins
-    against_gear = teeth / lobes
     ring = "pins" if design.ring.kind == "pin" else "lobes"
+    of_mesh: Place = "gear"
+    of_holes: Place = "stage"
+    mesh, holes, told = 1.0, teeth / lobes, f"{teeth}/{lobes}"
+    times = ""
+    if design.output.turns_ring:
+        # The gear turns with the carrier, not at all, but by the errors of holes; the ring turns against it.
+        of_mesh, of_holes = of_holes, of_mesh
+        mesh, holes, told = lobes / teeth, 1.0, "1"
+        times = f"{lobes}/{teeth} times "
     return (
         Cause(
             "mesh",
             "mesh",
-            "gear",
-            1.0,
+            of_mesh,
+            mesh,
             lambda k: k % teeth == 0,
-            f"{teeth}, {2 * teeth}, ...: the mesh itself, and what all teeth have alike (clearance, elasticity, "
+            f"{times}{teeth}, {2 * teeth}, ...: the mesh itself, and what all teeth have alike (clearance, elasticity, "
             f"modification, the cam's eccentricity)",
         ),
         Cause(
             "ring",
             f"ring {ring}",
-            "gear",
-            1.0,
+            of_mesh,
+            mesh,
             lambda k: k % teeth > 0,
-            f"whole orders but multiples of {teeth}: an error of one ring {ring[:-1]} acts as a function of its angle "
-            f"from the crank, so gives all of them; an error that goes m times round the ring gives m, {teeth} - m, "
-            f"{teeth} + m, ...; the gear's weight gives 1",
+            f"{times}whole orders but multiples of {teeth}: an error of one ring {ring[:-1]} acts as a function of its "
+            f"angle from the crank, so gives all of them; an error that goes m times round the ring gives m, "
+            f"{teeth} - m, {teeth} + m, ...; the gear's weight gives 1",
         ),
         Cause(
             "holes",
             "holes and output pins",
-            "stage",
-            against_gear,
+            of_holes,
+            holes,
             lambda k: (k % pins > 0) & (k % lobes > 0),
-            f"multiples of {teeth}/{lobes}: the eccentric's direction goes round the gear so often in a crank turn, "
+            f"multiples of {told}: the eccentric's direction goes round the gear so often in a crank turn, "
             f"past each hole, each output pin and each of the gear's lobes",
         ),
         Cause(
             "eccentricity",
             "stage of output pins",
-            "stage",
-            against_gear,
+            of_holes,
+            holes,
             lambda k: k % pins == 0,
-            f"multiples of {pins} x {teeth}/{lobes} = {pins * against_gear:.4g}: what all {pins} output pins have "
+            f"multiples of {pins} x {told} = {pins * holes:.4g}: what all {pins} output pins have "
             f"alike (clearance, elasticity, the cam's eccentricity)",
         ),
     )

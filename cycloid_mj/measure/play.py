@@ -20,6 +20,7 @@ import numpy as np
 from cycloid_mj.design import Design
 from cycloid_mj.mechanism.gaps import gaps
 from cycloid_mj.mechanism.limits import CAM_SIDES, stops
+from cycloid_mj.member import against_ring, share
 from cycloid_mj.types import Array
 
 COARSE_SIDES = 180
@@ -39,11 +40,12 @@ def has_linear_gaps(design: Design) -> bool:
 
 def parts_alone(design: Design, crank: float) -> dict[str, float]:
     """Give the backlash of the output [rad] at a crank angle [rad] by each kind of clearance, if it were alone."""
-    found = gaps(design, crank)
+    found = gaps(design, float(against_ring(design, crank)))
     arms = design.output.pin_circle_radius * found.slope[:, 2]
     mesh, output = (_both_ways(arms[found.kind == kind]) for kind in (design.tooth_pair, "output"))
     per_clearance = {"cam": 2.0 / (design.gear.eccentricity * design.lobes), "output": output}
-    return {kind: per_clearance.get(kind, mesh) * clearance(design, kind) for kind in design.pair_kinds}
+    of = share(design)
+    return {kind: of * per_clearance.get(kind, mesh) * clearance(design, kind) for kind in design.pair_kinds}
 
 
 def clearance(design: Design, kind: str) -> float:

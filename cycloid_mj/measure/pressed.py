@@ -9,6 +9,7 @@ from cycloid_mj import envelope
 from cycloid_mj.contact.pressure import hertz_holds, hertz_pressure, line_curvature, line_share
 from cycloid_mj.design import Design
 from cycloid_mj.mechanism.reducer import mechanism
+from cycloid_mj.member import against_ring
 from cycloid_mj.record import Run
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.types import Array, Mask
@@ -96,7 +97,7 @@ def pressed(run: Run, design: Design) -> dict[str, Pressed]:
     found = {}
     for kind in mechanism(design).kinds:
         vector = run.forces(kind)
-        curvature = relative_curvature(design, kind, crank)
+        curvature = relative_curvature(design, kind, against_ring(design, crank))
         force = np.hypot(vector[..., 0], vector[..., 1]) * line_share(design, kind)
         pressure, holds = hertz_pressure(design, kind, force, curvature), hertz_holds(design, kind, force, curvature)
         found[kind] = Pressed(kind, angle, vector, pressure, holds)
@@ -104,7 +105,10 @@ def pressed(run: Run, design: Design) -> dict[str, Pressed]:
 
 
 def relative_curvature(design: Design, kind: str, crank_angle: Array) -> Array:
-    """Give the relative curvature [1/m] of a kind's contacts, shape (n, contacts) or one that broadcasts to it."""
+    """Give the relative curvature [1/m] of a kind's contacts, shape (n, contacts) or one that broadcasts to it.
+
+    `crank_angle` [rad], shape (n,), is that from the ring.
+    """
     if kind == design.tooth_pair:
         gear = tooth_profile(design)
         return np.stack([envelope.arc_contacts(gear, float(angle)).relative_curvature for angle in crank_angle])

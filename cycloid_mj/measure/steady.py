@@ -26,7 +26,7 @@ def whole_periods(design: Design, least: int) -> int:
     """Give at least so many mesh periods, after which the output pins are near to whole periods as well.
 
     Torque and losses repeat with the mesh, every 2 pi/N of the crank, and with the output pins, which pass the
-    direction of the eccentric every 2 pi/pins x (N - 1)/N of it: m mesh periods are m pins/(N - 1) of theirs. After
+    direction of the eccentric every 2 pi/pins x (N - 1)/N of it, both seen from the ring: m mesh periods are m pins/(N - 1) of theirs. After
     N - 1 of the one and `pins` of the other all repeats, which is why a whole turn of the crank is no better a window.
     """
     ratio = design.output.pins / design.lobes
@@ -48,7 +48,7 @@ def steady(
     RunError
         The run went wrong.
     """
-    run = simulate(design.steady(settled, periods / design.ring.teeth), reducer, course)
+    run = simulate(design.steady(settled, periods / design.mesh_periods), reducer, course)
     run = run.select(run.time >= settled * (1.0 - 1e-9))
     warn(design.name, unbalanced(run, design))
     return run

@@ -18,6 +18,7 @@ from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.orders import causes
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.trace import Case, Errors, Trace, own, trace
+from cycloid_mj.member import sense
 from cycloid_mj.mjcf import build
 from cycloid_mj.result import keyed
 from cycloid_mj.units import ARCSECONDS, RPM
@@ -52,7 +53,7 @@ def te(
     slow
         Slow crank speed [rad/s], by default `SLOW` of the design's.
     turns
-        Crank turns; N - 1 of them, one of the output, part whole orders from multiples of N/(N-1).
+        Crank turns; as many as the ratio, one turn of the output, part the orders of ring and of holes.
     quick
         At speed only, and no runs with half the step.
     progress
@@ -99,7 +100,7 @@ def _traces(
     half = halved(design)
     models = {1.0: (design, build(design), turns)}
     if check:
-        models[0.5] = (half, build(half), CHECKED / design.ring.teeth)
+        models[0.5] = (half, build(half), CHECKED / design.mesh_periods)
     work = [(case, share) for share in models for case in cases if share == 1.0 or case.way == "forward"]
     tasks = [(design, own(reducer), turns, case) for case, share in work for design, reducer, turns in [models[share]]]
     traces = each(lambda task: trace(*task), tasks, progress)
@@ -108,18 +109,19 @@ def _traces(
 
 def _statics(design: Design, case: Case, turns: int) -> Errors:
     """Solve a case in statics."""
-    crank = np.linspace(0.0, 2.0 * np.pi * turns, SOLVED * design.ring.teeth * turns + 1)
+    crank = np.linspace(0.0, 2.0 * np.pi * turns, SOLVED * design.mesh_periods * turns + 1)
     turning = design.but(drive={"speed": case.speed})
-    found = ARCSECONDS * transmission_error(turning, crank, float(np.sign(case.speed)) * case.torque)
+    found = ARCSECONDS * sense(design) * transmission_error(turning, crank, float(np.sign(case.speed)) * case.torque)
     return Errors(crank, found[:, 0], found[:, 1])
 
 
 def _assumptions(design: Design, turns: int) -> tuple[str, ...]:
-    teeth, lobes = design.ring.teeth, design.lobes
+    teeth, lobes, whole = design.ring.teeth, design.lobes, design.reduction
+    multiples, apart_from = (f"{lobes}/{teeth}", "holes") if design.output.turns_ring else (f"{teeth}/{lobes}", "ring")
     apart = (
-        f"orders are cycles in a crank turn; fewer than {lobes} turns cannot tell whole orders from multiples of "
-        f"{teeth}/{lobes} in one signal: the gear's error is read in whole orders, the output's against the gear in "
-        "multiples"
+        f"orders are cycles in a crank turn; fewer than {whole} turns cannot tell whole orders from multiples of "
+        f"{multiples} in one signal: the gear's error is read in whole orders (of the {apart_from}), the output's "
+        "against the gear in multiples"
     )
     return (
         "shafts run in rigid bearings without runout; housing, output and crank do not bend or twist",
@@ -134,5 +136,5 @@ def _assumptions(design: Design, turns: int) -> tuple[str, ...]:
         "window to the other, as no turn of the crank is like the next; of orders: the rms of what half the step "
         "changes, which none of them exceeds",
         *(f"orders of {cause.name}: {cause.why}" for cause in causes(design)),
-        *([apart] if turns % lobes else []),
+        *([apart] if turns % whole else []),
     )

@@ -206,7 +206,7 @@ def _curves(design: Design, ours: Outcome) -> tuple[Curve, ...]:
     """Give the output torque against the crank angle, and its orders."""
     torque, angle = ours.run["load_torque"], ours.run["crank_angle"]
     turned = np.abs(angle - angle[0])
-    teeth, x, y = design.ring.teeth, "crank angle [deg]", "torque [N m]"
+    teeth, x, y = design.mesh_periods, "crank angle [deg]", "torque [N m]"
     curves = [
         Curve("output torque", "mean", np.degrees(turned), np.full(len(torque), ours.output), x, y, "theory"),
         Curve("output torque", "simulated", np.degrees(turned), np.abs(torque), x, y),

@@ -4,9 +4,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cycloid_mj.course import Course, load_torque, servo_target
+from cycloid_mj.course import Course, braking, load_torque, servo_target
 from cycloid_mj.design import Design
 from cycloid_mj.kinematics import CrankLaw
+from cycloid_mj.member import gear_angle, output_angle
 from cycloid_mj.mjcf import ReducerModel
 from cycloid_mj.record import Run
 from cycloid_mj.run import simulate
@@ -85,7 +86,7 @@ def pressed(design: Design, reducer: ReducerModel, start: float = 0.0) -> Course
     A light drag alone lets the gear swing in its play for some 30 ms; up to the rated torque, which comes and goes as a
     sine squared, that ends in a few.
     """
-    law, way = CrankLaw(design.drive.speed, 0.0), float(np.sign(design.drive.speed))
+    law, way = CrankLaw(design.drive.speed, 0.0), braking(design)
     press = max(design.rated_torque - design.load.torque, 0.0)
 
     def load(time: Array) -> Array:
@@ -97,7 +98,7 @@ def pressed(design: Design, reducer: ReducerModel, start: float = 0.0) -> Course
 def trace(design: Design, reducer: ReducerModel, turns: float, case: Case) -> Trace:
     """Run a case over some crank turns from the crank angle 0, or back from a whole turn to it."""
     way = float(np.sign(case.speed))
-    per_second = SAMPLES * design.ring.teeth * abs(case.speed) / (2.0 * np.pi)
+    per_second = SAMPLES * design.mesh_periods * abs(case.speed) / (2.0 * np.pi)
     design = design.steady(
         SETTLING,
         turns,
@@ -119,13 +120,13 @@ def _read(run: Run, design: Design, turns: float, way: float) -> Trace:
 
     order = slice(None, None, int(way))
     crank = run["crank_angle"][order]
-    points = round(SAMPLES * design.ring.teeth * turns)
+    points = round(SAMPLES * design.mesh_periods * turns)
     swept = 2.0 * np.pi * turns
     first = 0.0 if way > 0.0 else 2.0 * np.pi * np.ceil(turns) - swept
     grid = first + swept * np.arange(points) / points
     # straight lines would take 2.6 % from what repeats three times in a mesh period
     gear, output = (
-        ARCSECONDS * CubicSpline(crank, (run[name] + run["crank_angle"] / design.lobes)[order])(grid)
-        for name in ("gear_angle", "output_angle")
+        ARCSECONDS * CubicSpline(crank, (run[name] - ideal(design, run["crank_angle"]))[order])(grid)
+        for name, ideal in (("gear_angle", gear_angle), ("output_angle", output_angle))
     )
     return Trace(grid, gear, output, run)

@@ -103,7 +103,7 @@ def _span(time: Array) -> list[float]:
 
 def spectrum_data(item: Reviewed) -> dict[str, Any] | None:
     """Give the order spectra of the output's and the gear's speed; None if there is no whole crank turn of the hold."""
-    motion, teeth = item.motion, item.motion.design.ring.teeth
+    motion, teeth = item.motion, item.motion.design.mesh_periods
     if motion.phase != "hold":
         return None
     swept = np.abs(motion.crank_angle - motion.crank_angle[motion.hold][0]) / (2.0 * np.pi)

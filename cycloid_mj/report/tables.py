@@ -86,7 +86,7 @@ def _facts(item: Reviewed) -> Iterator[tuple[str, str]]:
     design, run = item.motion.design, item.motion.run
     ring, drive, load = design.ring, design.drive, design.load
     yield "ring", f"{ring.teeth} {ring.pins} pins" if ring.kind == "pin" else f"internal gear with {ring.teeth} lobes"
-    yield "reduction", f"{design.lobes} : 1"
+    yield "reduction", f"{design.reduction} : 1, the {design.output.member} turns"
     lengths = (design.gear.eccentricity, ring.pin_circle_radius, ring.pin_radius)
     yield "eccentricity, pin circle, pin", " / ".join(f"{MILLIMETRE.from_si(each):g}" for each in lengths) + " mm"
     kinds = design.pair_kinds
