@@ -8,16 +8,23 @@ import pytest
 from cycloid_mj import member
 from cycloid_mj.analysis import analyze
 from cycloid_mj.checks import check
-from cycloid_mj.contact.working import working_force
+from cycloid_mj.contact.working import working_at, working_force
 from cycloid_mj.design import PRESETS, Design, Friction
 from cycloid_mj.kinematics import point_path
-from cycloid_mj.loaded import loads, powers, springs_of
-from cycloid_mj.loaded.windup import windups
+from cycloid_mj.loaded import loads, powers, springs_of, transmission_error
+from cycloid_mj.loaded.windup import in_series, windups
+from cycloid_mj.measure import bench, hysteresis, play
+from cycloid_mj.measure.backlash import press
+from cycloid_mj.measure.closed_form import ideal_efficiency
+from cycloid_mj.measure.orders import causes
+from cycloid_mj.measure.trace import Case, trace
 from cycloid_mj.mechanism.limits import best_fit, stops
+from cycloid_mj.mjcf import build
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.names import FORCE_X, FORCE_Y
 from cycloid_mj.record import Run
 from cycloid_mj.run import simulate
+from cycloid_mj.units import ARCSECONDS
 
 PIN, PRINTED = PRESETS["pin"], PRESETS["printed"]
 RING = {"member": "ring"}
@@ -180,3 +187,68 @@ def test_a_superposed_rotation_leaves_the_forces_in_the_mesh(kind: str) -> None:
 def _forces(run: Run, kind: str):
     """Give pair -> force (n, 2) of a kind."""
     return {name: run.block([f"{name}_{FORCE_X}", f"{name}_{FORCE_Y}"]) for name in run.pairs(kind)}
+
+
+# --- measures ---------------------------------------------------------------------------------------------------------
+
+RIGID = PIN.but(ring={"pins": "fixed"})
+
+
+@pytest.fixture(scope="module")
+def at_the_ring() -> Design:
+    return RIGID.but(output=RING)
+
+
+def test_backlash_at_the_ring_is_measured_as_the_programme_has_it(at_the_ring) -> None:
+    found, known = press(bench.ideal(at_the_ring), 0.7, longer=4.0).backlash, stops(at_the_ring, 0.7)
+    assert found == pytest.approx(known[1] - known[0], rel=0.005)
+    parts = play.parts_alone(at_the_ring, 0.7)
+    gear, clearance = at_the_ring.gear, at_the_ring.clearance
+    assert parts["cam"] == pytest.approx(2.0 * clearance.cam / (gear.eccentricity * at_the_ring.ring.teeth))
+
+
+def test_the_loop_at_the_ring_has_the_slope_of_statics(at_the_ring) -> None:
+    level = working_at(bench.ideal(at_the_ring), at_the_ring.rated_torque)
+    rated = level.rated_torque
+    loop = hysteresis.loop(level, 0.7, rated, hysteresis.slow_period(level, rated), 1.0)
+    known = windups(level, [0.7], rated)[0]
+    assert loop.lost_motion == pytest.approx(known.lost_motion, rel=0.005)
+    assert loop.compliance() == pytest.approx(known.compliance(known.turn), rel=0.01)
+    seen = in_series(level, loop.compliance(), loop.compliance(loop.gear_turn), loop.compliance(loop.centre_lead))
+    assert seen == pytest.approx(known.series(level), rel=0.02)
+    assert sum(seen.values()) == pytest.approx(loop.compliance())
+
+
+def test_the_transmission_error_of_the_ring_is_that_of_statics(at_the_ring) -> None:
+    slow = at_the_ring.but(drive={"speed": 20.0})
+    case = Case("loaded", "forward", "slow", slow.rated_torque, slow.drive.speed)
+    free = slow.but(friction=FREE_OF_LOSSES["friction"])
+    reducer = build(free.but(load={"torque": case.torque}))
+    periods = 3 / slow.mesh_periods
+    found = trace(free.but(contact={"working_load": case.torque}), reducer, periods, case)
+    solved = transmission_error(free.but(contact={"working_load": case.torque}), found.crank, case.torque)
+    theory = ARCSECONDS * member.sense(free) * solved
+    assert found.gear == pytest.approx(theory[:, 0], abs=0.02 * np.abs(theory[:, 0]).max())
+    assert found.output == pytest.approx(theory[:, 1], abs=0.02 * np.abs(theory[:, 1]).max())
+    assert found.output.mean() < 0.0
+
+
+def test_causes_of_orders_at_the_ring() -> None:
+    own = {cause.key: cause for cause in causes(PIN.but(output=RING))}
+    assert own["mesh"].has(35.0)
+    assert not own["mesh"].has(36.0)
+    assert own["ring"].has(35.0 / 36.0)
+    assert own["holes"].has(1.0)
+    assert own["eccentricity"].has(8.0)
+    assert {key: cause.place for key, cause in own.items()} == {
+        "mesh": "stage", "ring": "stage", "holes": "gear", "eccentricity": "gear",
+    }  # fmt: skip
+
+
+def test_the_closed_form_of_efficiency_at_the_ring_is_its_balance_of_power() -> None:
+    ring = RIGID.but(output=RING, drag={"crank": 0.01})
+    carrier = ideal_efficiency(RIGID, 30.0).efficiency
+    own = ideal_efficiency(ring.but(drag={"crank": 0.0}), 30.0).efficiency
+    assert own == pytest.approx((1.0 + 35.0 * carrier) / 36.0)
+    supplied = 30.0 / own + 0.01 * 36.0
+    assert ideal_efficiency(ring, 30.0).efficiency == pytest.approx(30.0 / supplied)

@@ -166,7 +166,7 @@ def steps_told(runs: Iterable[Run]) -> str:
 
 
 def moving_inertia(design: Design) -> float:
-    """Give the inertia of what turns together at a locked crank, gear and carrier or the ring, about its axis [kg m2]."""
+    """Give the inertia about its axis of what turns at a locked crank, gear and carrier or the ring [kg m2]."""
     return _inertia(design.model_copy(update={"drive": Drive(), "load": Load(), "settings": Settings()}))
 
 

@@ -8,7 +8,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.mechanism.reducer import mechanism
 from cycloid_mj.names import FORCE_X, FORCE_Y, GEAR, HOUSING, OUTPUT, SHAFT, column
 from cycloid_mj.record import Run
-from cycloid_mj.solid import MassProperties, Solid, gear_solid, mass_properties, output_solid, pin_solid, shaft_solid
+from cycloid_mj.solid import MassProperties, Solid, gear_solid, mass_properties, moving_masses, pin_solid, shaft_solid
 from cycloid_mj.types import Array
 
 
@@ -46,9 +46,10 @@ class Reaction:
 
 
 def masses(design: Design) -> dict[str, MassProperties]:
-    """Give the mass properties of gear, shaft and output."""
-    solids = {GEAR: gear_solid(design), SHAFT: shaft_solid(design), OUTPUT: output_solid(design)}
-    return {name: mass_properties(solid) for name, solid in solids.items()}
+    """Give the mass properties of gear, shaft and what the load is on, under the name of the output."""
+    solids = {GEAR: gear_solid(design), SHAFT: shaft_solid(design)}
+    output = moving_masses(design)[HOUSING if design.output.turns_ring else OUTPUT]
+    return {**{name: mass_properties(solid) for name, solid in solids.items()}, OUTPUT: output}
 
 
 def weight(design: Design) -> Array:

@@ -25,9 +25,10 @@ NEAR_WHOLE = 0.1
 def whole_periods(design: Design, least: int) -> int:
     """Give at least so many mesh periods, after which the output pins are near to whole periods as well.
 
-    Torque and losses repeat with the mesh, every 2 pi/N of the crank, and with the output pins, which pass the
-    direction of the eccentric every 2 pi/pins x (N - 1)/N of it, both seen from the ring: m mesh periods are m pins/(N - 1) of theirs. After
-    N - 1 of the one and `pins` of the other all repeats, which is why a whole turn of the crank is no better a window.
+    Seen from the ring, torque and losses repeat with the mesh, every 2 pi/N of the crank, and with the output pins,
+    which pass the direction of the eccentric every 2 pi/pins x (N - 1)/N of it: m mesh periods are m pins/(N - 1) of
+    theirs. After N - 1 of the one and `pins` of the other all repeats, which is why a whole turn of the crank is no
+    better a window.
     """
     ratio = design.output.pins / design.lobes
 

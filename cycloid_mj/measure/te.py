@@ -18,7 +18,7 @@ from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.orders import causes
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.trace import Case, Errors, Trace, own, trace
-from cycloid_mj.member import sense
+from cycloid_mj.member import sense, share, turns_of_crank
 from cycloid_mj.mjcf import build
 from cycloid_mj.result import keyed
 from cycloid_mj.units import ARCSECONDS, RPM
@@ -53,7 +53,7 @@ def te(
     slow
         Slow crank speed [rad/s], by default `SLOW` of the design's.
     turns
-        Crank turns; as many as the ratio, one turn of the output, part the orders of ring and of holes.
+        Crank turns, seen from the ring; N - 1 of them part the orders of the ring from those of the holes.
     quick
         At speed only, and no runs with half the step.
     progress
@@ -76,7 +76,7 @@ def te(
         Case(one, way, pace, torques[one], ways[way] * paces[pace]) for pace, one, way in product(paces, torques, ways)
     ]
     design = working_at(design, torques["loaded"])
-    runs = _traces(design, cases, float(turns), progress, not quick)
+    runs = _traces(design, cases, turns / share(design), progress, not quick)
     found = {case: runs[case, 1.0] for case in cases}
     finer = {(case.load, case.pace): one for (case, share), one in runs.items() if share == 0.5}
     statics = {case: _statics(design, case, turns) for case in cases}
@@ -109,17 +109,18 @@ def _traces(
 
 def _statics(design: Design, case: Case, turns: int) -> Errors:
     """Solve a case in statics."""
-    crank = np.linspace(0.0, 2.0 * np.pi * turns, SOLVED * design.mesh_periods * turns + 1)
+    points = SOLVED * design.ring.teeth * turns + 1
+    crank = turns_of_crank(design, np.linspace(0.0, 2.0 * np.pi * turns, points))
     turning = design.but(drive={"speed": case.speed})
     found = ARCSECONDS * sense(design) * transmission_error(turning, crank, float(np.sign(case.speed)) * case.torque)
     return Errors(crank, found[:, 0], found[:, 1])
 
 
 def _assumptions(design: Design, turns: int) -> tuple[str, ...]:
-    teeth, lobes, whole = design.ring.teeth, design.lobes, design.reduction
+    teeth, lobes = design.ring.teeth, design.lobes
     multiples, apart_from = (f"{lobes}/{teeth}", "holes") if design.output.turns_ring else (f"{teeth}/{lobes}", "ring")
     apart = (
-        f"orders are cycles in a crank turn; fewer than {whole} turns cannot tell whole orders from multiples of "
+        f"orders are cycles in a crank turn; fewer than {lobes} turns cannot tell whole orders from multiples of "
         f"{multiples} in one signal: the gear's error is read in whole orders (of the {apart_from}), the output's "
         "against the gear in multiples"
     )
@@ -136,5 +137,5 @@ def _assumptions(design: Design, turns: int) -> tuple[str, ...]:
         "window to the other, as no turn of the crank is like the next; of orders: the rms of what half the step "
         "changes, which none of them exceeds",
         *(f"orders of {cause.name}: {cause.why}" for cause in causes(design)),
-        *([apart] if turns % whole else []),
+        *([apart] if turns % lobes else []),
     )
