@@ -10,6 +10,7 @@ FOLDER = Path(__file__).parent / "data" / "designs"
 UNLIKE = ("light", "printed", "large", "few", "teeth21")
 """Light steel 20:1 with an internal gear; printed 11:1, pressed-in pins; large 59:1, sleeves; 6:1 and 20:1, free pins.
 
+What is called printed here is another drive than the preset of that name.
 The last is the paper's own load on fewer teeth; the others are sized with room to spare."""
 
 

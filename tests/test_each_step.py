@@ -27,7 +27,7 @@ def short(preset: str, *changes: str) -> Design:
     # At full speed from the start, across the clearances: the parts knock against each other.
     begin = ["drive.ramp_s=0", f"drive.hold_s={STEPS * 1e-6}", "load.torque_nm=20", "load.rise_s=0.0001"]
     begin.append("settings.timestep_us=1")
-    return override(PRESETS[preset] if preset in PRESETS else unlike(preset), [*begin, *changes])
+    return override(unlike(preset) if preset in UNLIKE else PRESETS[preset], [*begin, *changes])
 
 
 def sampled(design: Design, every: int) -> Design:

@@ -161,7 +161,7 @@ def test_a_remedy_lies_well_within_the_limit() -> None:
 @pytest.mark.parametrize("name", ["pin", "nonpin", *UNLIKE])
 @pytest.mark.parametrize("share", [0.0, 0.1, 1.0, 3.0])
 def test_a_chosen_step_is_never_warned_of_and_twice_as_long_a_pins_step_is(name: str, share: float) -> None:
-    design = PRESETS[name] if name in PRESETS else unlike(name)
+    design = unlike(name) if name in UNLIKE else PRESETS[name]
     design = override(design, [f"load.torque_nm={share * design.rated_torque!r}", "settings.timestep_us=0"])
     step = timestep(design)
     assert step <= min(LONGEST, *limits(design).values()) * (1.0 + 1e-9)

@@ -5,7 +5,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from designs import unlike
+from designs import UNLIKE, unlike
 from scipy.optimize import root
 from test_mechanism import exact
 
@@ -50,7 +50,7 @@ def varied(design: Design, count: int, seed: int = 3) -> Samples:
 @pytest.mark.parametrize("name", ["pin", "nonpin", "large", "printed"])
 @pytest.mark.parametrize("friction", [False, True])
 def test_a_sample_is_the_statics_of_a_design_made_so(name: str, friction: bool) -> None:
-    design = PRESETS[name] if name in PRESETS else unlike(name)
+    design = unlike(name) if name in UNLIKE else PRESETS[name]
     design = override(design, ERRORS if design.ring.kind == "pin" else ERRORS[2:])
     made, torque, angles = varied(design, 3), 0.7 * design.rated_torque, 24
     # stiffness and mass are those of the design, and not of the sample
