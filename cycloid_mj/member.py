@@ -7,9 +7,12 @@ carrier that could turn by psi against the ring lets the ring turn by -psi (N-1)
 ring is held by (N-1)/N of it on the carrier, and by T/N on the crank.
 """
 
+from collections.abc import Mapping
+
 import numpy as np
 import numpy.typing as npt
 
+from cycloid_mj import names
 from cycloid_mj.design import Design
 from cycloid_mj.types import Array
 
@@ -75,3 +78,44 @@ def seen_from_ring(design: Design) -> Design:
             "contact": design.contact.model_copy(update={"working_load": design.contact.working_load * of}),
         }
     )
+
+
+def columns_from_ring(design: Design, columns: Mapping[str, Array]) -> dict[str, Array]:
+    """Give the columns of a run as an observer on its ring has them: those of `seen_from_ring`.
+
+    Angles, places, speeds and forces are turned back with the ring; pins are logged from there as it is. The torque of
+    the load becomes what holds the carrier, at rest: what crank and ring leave.
+
+    Parameters
+    ----------
+    design
+        The design that ran.
+    columns
+        Name -> values, shape (n,), in SI units; any of a run's.
+    """
+    found = dict(columns)
+    if not design.output.turns_ring:
+        return found
+    angle, speed = columns["output_angle"], columns.get("output_speed", np.zeros_like(columns["output_angle"]))
+    slower = {"output_angle": 2.0 * angle, "output_speed": 2.0 * speed, "crank_angle": angle, "crank_speed": speed}
+    for gear in names.gears(design.gear.discs):
+        x, y, turn, vx, vy, spin = (*names.planar_joints(gear), *names.planar_speeds(gear))
+        slower |= {turn: angle, spin: speed}
+        _turn_back(found, x, y, angle)
+        _turn_back(found, vx, vy, angle)
+        if vx in found:
+            found[vx], found[vy] = found[vx] + speed * found[y], found[vy] - speed * found[x]
+    for name in columns:
+        if name.endswith(names.FORCE_X):
+            _turn_back(found, name, f"{name.removesuffix(names.FORCE_X)}{names.FORCE_Y}", angle)
+    found |= {name: found[name] - less for name, less in slower.items() if name in found}
+    if {"load_torque", "crank_torque"} <= found.keys():
+        found["load_torque"] = -(columns["load_torque"] + columns["crank_torque"])
+    return found
+
+
+def _turn_back(columns: dict[str, Array], x: str, y: str, angle: Array) -> None:
+    """Turn vectors of two columns clockwise by angles [rad], where there are such columns."""
+    if x in columns and y in columns:
+        cos, sin, along, up = np.cos(angle), np.sin(angle), columns[x], columns[y]
+        columns[x], columns[y] = cos * along + sin * up, cos * up - sin * along

@@ -176,13 +176,14 @@ def stress(
 def _loaded(design: Design, load_nm: float | None) -> Design:
     """Give a design that runs from full speed for one settled turn, under a load."""
     from cycloid_mj.comparison import settling
+    from cycloid_mj.member import share
 
     load = load_nm if load_nm is not None else design.load.torque or round(design.rated_torque, 9)
     design = design.but(drive={"ramp": 0.0}, load={"torque": load})
     if design.drive.speed == 0.0:
         return design
     rate = max(design.settings.log_rate, SAMPLES * abs(design.drive.speed) / (2.0 * math.pi))
-    return design.steady(settling(design), 1.0, samples=3.0, settings={"log_rate": rate})
+    return design.steady(settling(design), 1.0 / share(design), samples=3.0, settings={"log_rate": rate})
 
 
 def _run(designs: Sequence[Design], out: str | None, force: bool, quiet: bool) -> "tuple[Path, list[Logged]]":

@@ -10,6 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from cycloid_mj.analysis import Series, series
 from cycloid_mj.errors import UsageError
+from cycloid_mj.member import columns_from_ring, seen_from_ring
 from cycloid_mj.plots.stage import Script, Stage, set_stage, show
 from cycloid_mj.plots.style import styled
 from cycloid_mj.record import Run
@@ -83,12 +84,13 @@ def film(scene: Take, width: int = WIDTH) -> Iterator[Image]:
         raise UsageError(f"an animation {width} pixels wide: give {LEAST_WIDTH} to {LARGEST_WIDTH}")
     motion = scene.motion
     columns = {name: values[scene.rows] for name, values in motion.run.columns.items()}
-    drawn = drawing(motion.design, gaps(motion.design, columns, motion.disc), scene.magnification)
+    design, seen = seen_from_ring(motion.design), columns_from_ring(motion.design, columns)
+    drawn = drawing(design, gaps(design, seen, motion.disc), scene.magnification)
     script = Script(
-        design=motion.design,
+        design=design,
         drawn=drawn,
-        acting=contact_forces(motion.design, columns, drawn).of_disc(motion.disc),
-        ideal=ideal_forces(motion.design, columns, motion.disc),
+        acting=contact_forces(design, seen, drawn).of_disc(motion.disc),
+        ideal=ideal_forces(design, seen, motion.disc),
     )
     return _frames(script, set_stage(script, width), columns["crank_angle"], motion.time[scene.rows])
 

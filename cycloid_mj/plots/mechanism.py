@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyArrowPatch, Patch, PathPatch
 from matplotlib.path import Path
 
-from cycloid_mj import kinematics
+from cycloid_mj import kinematics, member
 from cycloid_mj.design import Design
 from cycloid_mj.mechanism.reducer import phases
 from cycloid_mj.modification import tooth_profile
@@ -90,8 +90,8 @@ def mechanism(design: Design, run: Run | None = None, crank_angle: float | None 
 def _ideal(design: Design, crank_angle: float) -> dict[str, Array]:
     """Give the columns of the ideal mechanism's motion at one crank angle."""
     gear, crank = tooth_profile(design), np.array([crank_angle])
-    turn = kinematics.gear_rotation(gear, crank)
-    columns = {"crank_angle": crank, "output_angle": turn}
+    turn = member.gear_angle(design, crank)
+    columns = {"crank_angle": crank, "output_angle": member.output_angle(design, crank)}
     for name, phase in zip(gears(design.gear.discs), phases(design), strict=True):
         columns |= dict(zip(planar_joints(name), (*kinematics.gear_centre(gear, crank + phase).T, turn), strict=True))
     return columns

@@ -8,6 +8,7 @@ import numpy as np
 
 from cycloid_mj.contact.pressure import roller_radius
 from cycloid_mj.design import Design
+from cycloid_mj.member import share
 from cycloid_mj.rating import rolling
 from cycloid_mj.rating.item import Item
 from cycloid_mj.rating.loading import Loading, relative_speed
@@ -68,7 +69,9 @@ def bearings(design: Design, found: Sequence[Loading], peak: float) -> Iterator[
         yield from _rated(design, _shaft_seat(design, name), force, crank, found, peak)
     if design.output.rollers:
         # a roller turns on its pin as often as it rolls round its hole
-        rolls = crank * (design.output.hole_radius / design.output.pin_radius - 1.0 + 1.0 / design.lobes)
+        rolls = (
+            share(design) * crank * (design.output.hole_radius / design.output.pin_radius - 1.0 + 1.0 / design.lobes)
+        )
         loads = [one.output.reshape(len(one.crank), -1) for one in found]
         yield from _rated(design, _output_seat(design), loads, rolls, found, peak)
 

@@ -159,7 +159,7 @@ def _is_bearing_life(key: str) -> bool:
 
 
 def _ratings(design: Design, life: float, rated: float, weakest: Item) -> tuple[Quantity, ...]:
-    speed = design.drive.speed
+    speed, way = design.drive.speed, "forwards" if design.output.turns_ring else "backwards"
     at = f"{abs(speed) / RPM:.0f} rpm input"
     by_bearings, bearing = rated_torque(design, speed, life, _is_bearing_life)
     nominal, duty = design.rated_torque, steady(design.rated_torque, speed)
@@ -167,7 +167,7 @@ def _ratings(design: Design, life: float, rated: float, weakest: Item) -> tuple[
     stop = min(held, key=lambda item: held[item])
     momentary = duty.peak * held[stop]
     return (
-        Quantity("ratio", "Reduction ratio", design.lobes, "1", note="input to output, turning backwards"),
+        Quantity("ratio", "Reduction ratio", design.reduction, "1", note=f"input to output, turning {way}"),
         Quantity("rated_torque", f"Rated torque, {life:g} h", rated, "N m", note=f"{at}; by {weakest.name}"),
         Quantity(
             "bearing_torque",

@@ -8,6 +8,7 @@ import numpy as np
 from cycloid_mj.design import Design
 from cycloid_mj.loaded import Loads, Springs, loads, peak_pressure, powers, springs_of
 from cycloid_mj.loaded.springs import turn_evenly
+from cycloid_mj.member import turns_of_crank
 from cycloid_mj.names import SHAFT
 from cycloid_mj.rating.duty import DutyPoint
 from cycloid_mj.rating.rolling import magnitudes
@@ -77,8 +78,8 @@ class Loading:
 
 
 def relative_speed(design: Design, speed: float) -> float:
-    """Give the speed of crank and gear against each other [rad/s]: the gear turns back by one in N - 1."""
-    return abs(speed) * (1.0 + 1.0 / design.lobes)
+    """Give the speed of crank and gear against each other [rad/s]: the gear turns back by one in N - 1, or not."""
+    return abs(speed) * (1.0 if design.output.turns_ring else 1.0 + 1.0 / design.lobes)
 
 
 def loading(design: Design, point: DutyPoint) -> Loading:
@@ -91,7 +92,8 @@ def loading(design: Design, point: DutyPoint) -> Loading:
     """
     speed = math.copysign(point.speed, design.drive.speed)
     at = design.but(drive={"speed": speed})
-    springs, torque = springs_of(at, design.lobes * turn_evenly(POSES)), math.copysign(abs(point.torque), speed)
+    crank = turns_of_crank(design, design.lobes * turn_evenly(POSES))
+    springs, torque = springs_of(at, crank), math.copysign(abs(point.torque), speed)
     found, power = loads(at, springs, torque), powers(at, abs(point.torque))
     unwound = loads(at, springs, UNWOUND * torque)
     cam = found.cam.reshape(POSES, -1, 2)
@@ -109,7 +111,8 @@ def loading(design: Design, point: DutyPoint) -> Loading:
         rubs=_rubs(at, springs, found),
         losses=power.losses,
         crank_torque=power.crank / abs(speed),
-        wind_up=abs(float((found.gear_turn - unwound.gear_turn).mean())) / (1.0 - UNWOUND),
+        wind_up=abs(float((found.departures - unwound.departures)[:, 2].mean()))
+        / (design.output.pin_circle_radius * (1.0 - UNWOUND)),
     )
 
 

@@ -9,6 +9,7 @@ from cycloid_mj.analysis import Series
 from cycloid_mj.design import Design
 from cycloid_mj.envelope import sample_ring_by_sagitta
 from cycloid_mj.mechanism.reducer import phases
+from cycloid_mj.member import columns_from_ring, seen_from_ring
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.report.encode import encoded
 from cycloid_mj.scene import contact_forces, drawn_radii, gaps, ideal_forces, largest_magnification
@@ -73,7 +74,7 @@ def _shape(design: Design) -> dict[str, Any]:
 
 def _frames(motion: Series, columns: dict[str, Array], time: Array) -> dict[str, Any]:
     """Give what changes, in mm, rad and N."""
-    design = motion.design
+    design, columns = seen_from_ring(motion.design), columns_from_ring(motion.design, columns)
     measured, acting = gaps(design, columns), contact_forces(design, columns).of_disc(0)
     deviation = measured.deviation * [1e3, 1e3, 1.0]
     frames = {

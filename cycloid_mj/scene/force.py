@@ -8,7 +8,20 @@ import numpy as np
 from cycloid_mj.design import Design
 from cycloid_mj.kinematics import gear_centre
 from cycloid_mj.mechanism.reducer import phases
-from cycloid_mj.names import FORCE_X, FORCE_Y, MOMENT, OUTPUT, SHAFT, column, disc_of, gears, kind_of, number_of, pin
+from cycloid_mj.names import (
+    FORCE_X,
+    FORCE_Y,
+    HOUSING,
+    MOMENT,
+    OUTPUT,
+    SHAFT,
+    column,
+    disc_of,
+    gears,
+    kind_of,
+    number_of,
+    pin,
+)
 from cycloid_mj.record import usable
 from cycloid_mj.scene.drawing import Drawing, Radii, drawn_radii
 from cycloid_mj.scene.pose import moved, poses, ring_places
@@ -194,7 +207,7 @@ class _Inner:
 
 def _measured(design: Design, place: Mapping[str, Array]) -> _Inner:
     nominal = ring_places(design)
-    ring = np.broadcast_to(nominal, (len(place[OUTPUT]), *nominal.shape))
+    ring = moved(place[HOUSING][:, np.newaxis], nominal)
     if pin(1) in place:
         ring = np.stack([place[pin(number)][:, :2] for number in range(1, len(nominal) + 1)], axis=1)
     pins = moved(place[OUTPUT][:, np.newaxis], output_centres(design))

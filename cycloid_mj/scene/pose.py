@@ -61,18 +61,21 @@ def poses(design: Design, columns: Mapping[str, Array]) -> dict[str, Array]:
             f"the run lacks the columns {', '.join(missing)}, so its parts cannot be shown: simulate it again"
         )
     still = np.zeros_like(columns["crank_angle"])
+    ring = columns["output_angle"] if design.output.turns_ring else still
     found = {
-        HOUSING: _pose(still, still, still),
+        HOUSING: _pose(still, still, ring),
         SHAFT: _pose(still, still, columns["crank_angle"]),
         **{gear: _pose(*(columns[name] for name in planar_joints(gear))) for gear in gears(design.gear.discs)},
-        OUTPUT: _pose(still, still, columns["output_angle"]),
+        OUTPUT: _pose(still, still, columns["output_angle"] - ring),
     }
     if design.ring.kind == "pin":
         for number, (x, y) in enumerate(ring_places(design), start=1):
             away = [columns.get(column(pin(number), name), still) for name in ("x", "y", "angle")]
             if design.ring.has_massless_pins:
-                away[:2] = _pressed(design, [_on_discs(design, columns, number, axis) for axis in (FORCE_X, FORCE_Y)])
-            found[pin(number)] = _pose(x + away[0], y + away[1], away[2])
+                force = [_on_discs(design, columns, number, axis) for axis in (FORCE_X, FORCE_Y)]
+                away[:2] = _pressed(design, [*turned(np.stack(force, axis=-1), -ring).T])
+            place = turned(np.stack([x + away[0], y + away[1]], axis=1), ring)
+            found[pin(number)] = _pose(place[:, 0], place[:, 1], away[2] + ring)
     return found
 
 

@@ -108,20 +108,26 @@ def _motion(turn: Turn, part: str, pushed: Action) -> dict[str, Array]:
     still = np.zeros_like(turn.angle)
     environment = turn.design.environment
     world = np.broadcast_to([environment.gravity_x, environment.gravity_y], (turn.angle.size, 2))
+    about = still
+    if turn.design.output.turns_ring:
+        # all is seen from the ring, where the carrier turns back
+        world, about = turned(world, turn["output_angle"]), turn["output_speed"]
     moved = {"body_force": turned(world, -frame(turn, part).angle), "spin": still, "spin_rate": still, "torque": still}
     if part == "ring":
         return moved
     body = mass_properties(parts(turn.design)[{"pin_1": "pin"}.get(part, part)])
     if part in ("gear", "pin_1"):  # their centroid is the origin of their frame
         moves = part == "gear" or turn.design.ring.has_pin_bodies
-        spin = turn[f"{part}_speed"] if moves else still
+        spin = turn[f"{part}_speed"] - about * (part == "gear") if moves else still
         spin_rate = pushed.moment / float(body.inertia[2, 2])
         return moved | {"body_force": -pushed.force / body.mass, "spin": spin, "spin_rate": spin_rate}
     if part == "shaft":
         rotor = turn.design.drive.rotor_inertia
         spin_rate = (pushed.moment + turn["crank_torque"]) / (_inertia_about_axis(body) + rotor)
         torque = turn["crank_torque"] - rotor * spin_rate
-        return moved | {"spin": turn["crank_speed"], "spin_rate": spin_rate, "torque": torque}
+        return moved | {"spin": turn["crank_speed"] - about, "spin_rate": spin_rate, "torque": torque}
+    if turn.design.output.turns_ring:
+        return moved | {"torque": -pushed.moment}
     spin_rate = (pushed.moment + turn["load_torque"]) / _inertia_about_axis(body)
     return moved | {"spin": turn["output_speed"], "spin_rate": spin_rate, "torque": turn["load_torque"]}
 

@@ -1,6 +1,6 @@
 """One crank turn of a run: the samples nearest to the wanted crank angles, in the settled hold."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,7 @@ from cycloid_mj.analysis.series import design_of
 from cycloid_mj.analysis.window import in_hold
 from cycloid_mj.design import PARTS, Design
 from cycloid_mj.errors import LogError, UsageError
+from cycloid_mj.member import columns_from_ring
 from cycloid_mj.names import CAM, FORCE_X, column
 from cycloid_mj.record import Run
 from cycloid_mj.types import Array, Mask
@@ -42,9 +43,9 @@ class Turn:
     design
         The design that ran.
     angle
-        Crank angle of each sample [rad], shape (k,), within half a sampling step of the wanted one.
+        Crank angle, from the ring, of each sample [rad], shape (k,), within half a sampling step of the wanted one.
     run, rows
-        The run and the numbers of the samples in it, shape (k,).
+        The run, seen from its ring, and the numbers of the samples in it, shape (k,).
     """
 
     design: Design
@@ -80,6 +81,7 @@ def turn(run: Run, design: Design | None = None, angles: npt.ArrayLike = DEGREES
             "are no loads to put on the parts; simulate it again with the forces in its log"
         )
     run = run.usable()
+    run = replace(run, columns=columns_from_ring(ran, run.columns))
     wanted = np.atleast_1d(np.asarray(angles, dtype=np.float64))
     rows = _last_turn(run, in_hold(ran, run.time))
     crank = run["crank_angle"][rows]
