@@ -438,7 +438,7 @@ def test_table_says_what_the_findings_say():
     # friction's share and elastic wind-up are no errors
     assert rows["efficiency"][1:] == ("80", "", "", "%")
     assert rows["crank torque, mean"][1:] == ("1.25", "", "", "N m")
-    assert rows["crank torque without losses, load / (N-1)"][1:] == ("", "1", "", "N m")
+    assert rows["crank torque without losses, load / ratio"][1:] == ("", "1", "", "N m")
     assert rows["transmission error of the output, mean (play and wind-up)"].error == ""
     assert rows["loss by friction, cam"].simulated == "0.5"
     without = {row.quantity for row in table(analyze(ideal(designed(preset="nonpin"))))}

@@ -7,6 +7,7 @@ import pytest
 
 from cycloid_mj import member
 from cycloid_mj.analysis import analyze
+from cycloid_mj.analysis.series import design_of
 from cycloid_mj.checks import check
 from cycloid_mj.contact.working import working_at, working_force
 from cycloid_mj.design import PRESETS, Design, Friction
@@ -24,6 +25,10 @@ from cycloid_mj.modification import tooth_profile
 from cycloid_mj.names import FORCE_X, FORCE_Y
 from cycloid_mj.record import Run
 from cycloid_mj.run import simulate
+from cycloid_mj.scene.drawing import gaps
+from cycloid_mj.scene.force import contact_forces
+from cycloid_mj.scene.pose import poses
+from cycloid_mj.stress.loads import part_loads
 from cycloid_mj.units import ARCSECONDS
 
 PIN, PRINTED = PRESETS["pin"], PRESETS["printed"]
@@ -252,3 +257,70 @@ def test_the_closed_form_of_efficiency_at_the_ring_is_its_balance_of_power() -> 
     assert own == pytest.approx((1.0 + 35.0 * carrier) / 36.0)
     supplied = 30.0 / own + 0.01 * 36.0
     assert ideal_efficiency(ring, 30.0).efficiency == pytest.approx(30.0 / supplied)
+
+
+# --- pictures and parts -----------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def turning() -> Run:
+    """Run a ring under its load, with friction and weight, for a turn of the crank from it and a little more."""
+    steady = RIGID.but(output=RING, load={"torque": 30.0})
+    return simulate(steady.steady(0.012, 1.05 / member.share(steady)))
+
+
+def test_columns_seen_from_the_ring_are_those_of_a_carrier(turning) -> None:
+    design = design_of(turning)
+    seen, carrier = member.columns_from_ring(design, turning.columns), member.seen_from_ring(design)
+    late = turning.time > 0.008
+    slow = member.output_angle(carrier, seen["crank_speed"])
+    assert seen["output_speed"][late] == pytest.approx(slow[late], abs=0.02 * abs(slow).max())
+    assert seen["gear_speed"][late] == pytest.approx(slow[late], abs=0.02 * abs(slow).max())
+    step = float(np.diff(turning.time).mean())
+    for name, speed in (("gear_x", "gear_vx"), ("gear_y", "gear_vy"), ("gear_angle", "gear_speed")):
+        assert np.gradient(seen[name], step)[late] == pytest.approx(seen[speed][late], rel=0.01, abs=2e-3), name
+    middle = np.hypot(seen["gear_x"], seen["gear_y"])
+    assert middle == pytest.approx(np.hypot(turning["gear_x"], turning["gear_y"]))
+    assert seen["load_torque"][late].mean() == pytest.approx(30.0 - turning["crank_torque"][late].mean(), rel=1e-6)
+    assert member.columns_from_ring(RIGID, turning.columns) == turning.columns
+
+
+def test_the_housing_and_its_pins_turn_and_the_carrier_does_not(turning) -> None:
+    design = design_of(turning)
+    place, last = poses(design, turning.columns), turning["output_angle"][-1]
+    assert last > 0.1
+    assert place["housing"][-1] == pytest.approx([0.0, 0.0, last])
+    assert place["output"][:, 2] == pytest.approx(np.zeros(len(turning)))
+    radius = design.ring.pin_circle_radius
+    assert place["pin_1"][-1] == pytest.approx([-radius * math.sin(last), radius * math.cos(last), last])
+    # forces act where the pins are: towards the pitch point, from there
+    acting = contact_forces(design, turning.columns).of("pin_gear")
+    pressed = acting.size[-1] > 1.0
+    assert pressed.sum() > 5
+    centres = np.stack([place[f"pin_{number}"][-1, :2] for number in range(1, 37)])
+    assert np.linalg.norm(acting.point[-1] - centres, axis=1)[pressed] == pytest.approx(
+        design.ring.pin_radius, rel=0.01
+    )
+
+
+def test_the_mechanism_is_drawn_as_its_ring_sees_it(turning) -> None:
+    design = design_of(turning)
+    seen = member.columns_from_ring(design, turning.columns)
+    measured = gaps(member.seen_from_ring(design), seen)
+    late = turning.time > 0.008
+    assert np.abs(measured.deviation[late, :2]).max() < 20e-6
+    assert np.abs(measured.opening[late]).max() < 60e-6
+    pressed = np.hypot(turning["pin_9_force_x"], turning["pin_9_force_y"]) > 50.0
+    assert pressed.any()
+    # a pin that is pressed is nearer than its clearance
+    assert measured.opening[pressed & late, 8].max() < -0.9 * design.clearance.pin_gear
+
+
+@pytest.mark.parametrize("part", ["gear", "shaft", "output", "ring"])
+def test_the_loads_on_a_part_are_in_balance(turning, part: str) -> None:
+    found = part_loads(turning, design_of(turning), part, np.radians(np.arange(0.0, 360.0, 15.0)))
+    assert np.abs(found.force).max() > 50.0
+    if part in ("output", "ring"):
+        arms = found.place[..., 0] * found.force[..., 1] - found.place[..., 1] * found.force[..., 0]
+        held = -30.0 if part == "ring" else 30.0 - turning["crank_torque"][turning.time > 0.008].mean()
+        assert abs(arms.sum(axis=1).mean()) == pytest.approx(abs(held), rel=0.01)

@@ -103,7 +103,7 @@ def _torques(findings: Findings) -> Iterator[Row]:
     power = findings.power
     yield _row("load torque, mean", "N m", power.load_torque_nm)
     yield _row("crank torque, mean", "N m", power.crank_torque_nm)
-    yield _row("crank torque without losses, load / (N-1)", "N m", closed_form=power.ideal_crank_torque_nm)
+    yield _row("crank torque without losses, load / ratio", "N m", closed_form=power.ideal_crank_torque_nm)
     for loss in findings.losses:
         pair = loss.pair.replace("_", "-")
         yield _row(f"loss by friction, {pair}", "W", loss.friction_w)

@@ -148,8 +148,9 @@ def _title(design: Design, drawn: Drawing) -> str:
 
 
 def _followed(drawn: Drawing, design: Design) -> str:
-    """Say which of several discs is shown with its forces."""
-    return f"; gear {drawn.gaps.disc + 1}, the others dashed" if design.gear.discs > 1 else ""
+    """Say which of several discs is shown with its forces, and from where."""
+    disc = f"; gear {drawn.gaps.disc + 1}, the others dashed" if design.gear.discs > 1 else ""
+    return disc + ("; seen from the ring" if design.output.turns_ring else "")
 
 
 def _other_discs(design: Design, disc: int) -> list[int]:
