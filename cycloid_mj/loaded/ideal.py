@@ -20,12 +20,8 @@ def ideal_peak(design: Design, kind: str, crank_angle: Array) -> float:
 
 def _peak(design: Design, kind: str, crank: Array, phase: float) -> float:
     """Give the largest force of a kind on the disc at a `phase` on the crank [N], as seen from the ring."""
-    seen, turned, gear, output = (
-        seen_from_ring(design),
-        against_ring(design, crank),
-        tooth_profile(design),
-        design.output,
-    )
+    seen, turned = seen_from_ring(design), against_ring(design, crank)
+    gear, output = tooth_profile(design), design.output
     torque = seen.load.torque * math.copysign(1.0, seen.drive.speed) / design.gear.discs
     ring = statics.ideal_load_sharing(gear, torque, turned + phase)
     pins = statics.ideal_output_forces(gear, output.pins, output.pin_circle_radius, torque, turned, phase)

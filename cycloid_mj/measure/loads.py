@@ -255,8 +255,8 @@ def _around(teeth: Pressed, design: Design) -> Iterator[Curve]:
 
 def _shared(design: Design, crank: Array) -> Array:
     """Give the forces of ideal sharing on the teeth [N], shape (n, teeth), at crank angles [rad], shape (n,)."""
-    torque = math.copysign(design.load.torque, design.drive.speed)
-    return statics.ideal_load_sharing(tooth_profile(design), torque, crank).forces
+    torque = share(design) * math.copysign(design.load.torque, design.drive.speed)
+    return statics.ideal_load_sharing(tooth_profile(design), torque, against_ring(design, crank)).forces
 
 
 def _assumptions(design: Design) -> tuple[str, ...]:
