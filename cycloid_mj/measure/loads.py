@@ -16,6 +16,7 @@ from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.pressed import CARRIES, Pressed, pressed
 from cycloid_mj.measure.steady import SETTLED, steady, steady_design
+from cycloid_mj.member import against_ring, share
 from cycloid_mj.result import Curve, Quantity, keyed
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.types import Array
