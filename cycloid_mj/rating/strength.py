@@ -12,6 +12,7 @@ from cycloid_mj.rating.fatigue import Fatigue, endurance_limit, notch_factor
 from cycloid_mj.rating.item import Item
 from cycloid_mj.rating.loading import Loading, bending
 from cycloid_mj.rating.ranges import StressRange
+from cycloid_mj.rating.surfaces import SOFTEST_STEEL
 from cycloid_mj.solid.output import AXIAL_GAP
 from cycloid_mj.stress.notch import BENDING, TORSION, shoulder_factor
 from cycloid_mj.stress.shaftgrid import shaft_measures
@@ -64,7 +65,7 @@ def output_pin(design: Design, force: Array) -> Item:
         fatigue.safety,
         None,
         f"Goodman, pulsating bending of {held}, 4 M/(pi r^3)",
-        f"core of {1e3 * radius:.3g} mm radius, notch factor {notch:.3g} {given}; {_limit_told(design)}",
+        f"core of {1e3 * radius:.3g} mm radius, notch factor {notch:.3g} {given}; {_limit_told(design, 'output')}",
     )
 
 
@@ -113,7 +114,7 @@ def _shoulder(design: Design, worst: Loading) -> Item:
             None,
             "Goodman, notch factors of DIN 743-2, a ripple on a load that turns with the shaft",
             f"fillet of {1e3 * fillet:.3g} mm, notch factors {factors[0]:.3g} in bending, {factors[1]:.3g} in torsion; "
-            f"{_limit_told(design)}",
+            f"{_limit_told(design, 'shaft')}",
         )
         found.append((fatigue.safety, item))
     return min(found, key=lambda one: one[0])[1]
@@ -135,7 +136,7 @@ def _studied(design: Design, part: str, found: StressRange, torque: float) -> It
         fatigue.safety,
         None,
         "Goodman, range of stress of the worst node over a turn, by finite elements",
-        f"stress study at {found.load:.4g} N m{scaled}; {_limit_told(design)}",
+        f"stress study at {found.load:.4g} N m{scaled}; {_limit_told(design, MADE[family(part)])}",
     )
 
 
@@ -160,7 +161,7 @@ def _wall(design: Design, wall: Wall, worst: Loading) -> Item:
         None,
         "Goodman, pulsating; clamped beam, 6 (F l/8)/(w t^2), or its shear, sqrt(3) 1.5 F/(2 w t)",
         f"assumed: l {1e3 * span:.3g} mm, the hole, t {1e3 * wall.thickness:.3g} mm; or --stress; "
-        f"{_limit_told(design)}",
+        f"{_limit_told(design, wall.part)}",
     )
 
 
@@ -169,8 +170,11 @@ def _endurance(design: Design, tensile: float, thickness: float) -> float:
     return service.endurance_limit or endurance_limit(tensile, thickness, service.surface, bearing.reliability)
 
 
-def _limit_told(design: Design) -> str:
-    service = design.service
+def _limit_told(design: Design, part: str) -> str:
+    """Tell where the endurance limit of a part is from."""
+    service, made = design.service, design.material_of(part)
     if service.endurance_limit:
         return "endurance limit of the design file"
+    if made.youngs_modulus < SOFTEST_STEEL:
+        return f"endurance limit by strength as of steel: a guess for {made.name or 'this material'}"
     return f"endurance limit by strength, {service.surface}, size, {design.bearing.reliability:.0%} (Shigley 6-7)"

@@ -9,7 +9,7 @@ from cycloid_mj.rating.item import Item
 from cycloid_mj.rating.loading import Loading, relative_speed
 
 SOFTEST_STEEL = 1e11
-"""Young's modulus [Pa] of what counts as steel: pitting has a standard curve for steel alone."""
+"""Young's modulus [Pa] of what counts as steel: curves of pitting and endurance limits are steel's alone."""
 
 PITTING = 2.22e6, 200e6
 """Allowable pressure at 10^7 loads, S_c = 2.22 HB + 200 MPa: through-hardened steel, grade 1 (AGMA 2001-D04, 10.3)."""
