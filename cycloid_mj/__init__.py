@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from cycloid_mj import measure, stress
     from cycloid_mj.analysis import Findings, analyze
+    from cycloid_mj.bench import calibrate
     from cycloid_mj.checks import Check, check
     from cycloid_mj.design import PRESETS, Design
     from cycloid_mj.design import resolve as load
@@ -39,6 +40,7 @@ __all__ = [
     "analyze",
     "attach_reducer",
     "build",
+    "calibrate",
     "check",
     "load",
     "measure",
@@ -66,6 +68,7 @@ _ORIGINS = {
     "analyze": "analysis",
     "attach_reducer": "robot",
     "build": "mjcf",
+    "calibrate": "bench",
     "check": "checks",
     "load": "design.resolve",
     "measure": "",

@@ -6,7 +6,8 @@ import re
 RPM = math.pi / 30.0
 """One turn a minute [rad/s]."""
 
-ARCMINUTE = math.pi / 180.0 / 60.0
+DEGREE = math.pi / 180.0
+ARCMINUTE = DEGREE / 60.0
 ARCSECOND = ARCMINUTE / 60.0
 """[rad]."""
 

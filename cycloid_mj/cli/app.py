@@ -13,6 +13,7 @@ from cycloid_mj import __version__
 from cycloid_mj.cli import (
     analyze,
     animate,
+    bench,
     build,
     compare,
     datasheet,
@@ -74,6 +75,8 @@ COMMANDS: dict[Callable[..., int], str] = {
     sweep.sweep: sweep.EXAMPLES,
     tolerance.tolerance: tolerance.EXAMPLES,
     reduce.reduce: reduce.EXAMPLES,
+    bench.calibrate: bench.EXAMPLES,
+    bench.compare_bench: bench.TE_EXAMPLES,
     build.build: build.EXAMPLES,
     export.export: export.EXAMPLES,
     profile.profile: profile.EXAMPLES,

@@ -45,6 +45,15 @@ _FAR, _SMALL, _TILT = 0.7, 4e-4, 0.05
 _SURELY = 1e-9
 """Width [m] from which on a gap's third order does not matter to whether it is open."""
 
+FOLLOWED = 1e-6
+"""Largest residual of a step along a path, as a share of the path's largest load."""
+
+_LEAPS, _RENEWALS, _SHORTEST = 12, 40, 1.0 / 16.0
+"""Newton steps that a step along a path is given before the slower search, rounds of that, and its least share."""
+
+_MOST_WORK, _MOST_SETTLING = 150, 2000
+"""How often a system may be put together, for each step of a path on average, and in one slow search."""
+
 _HALVINGS = 20
 _ROUNDING = 1e-12
 """By how much energy [1] may seem to grow: next to the balance it is flat, and its differences are rounding."""
@@ -774,3 +783,317 @@ def _roll_off(matrix: Array, right: Array, out: Array, floating: float) -> None:
             along += vectors[j, m] * right[j]
         for j in range(number):
             out[j] += along / max(abs(values[m]), floating) * vectors[j, m]
+
+
+class Rubbing(NamedTuple):
+    """Friction that remembers, of n contacts, D cams and e seals, in this order: s = n + D + e of them.
+
+    Each is a tangential spring that slips at its limit, with a force that it keeps between steps. `slip` (s, u) [1] is
+    how far surfaces slide with the unknowns; the way of a disc across its cam comes on top. `coefficient` (s,) [1] is
+    the limit per normal force, and `drag` (e,) [N] that of the seals. `stick` (s,) [N/m] is the stiffness till then.
+
+    `loss` (s,) [1] is the share of a contact's normal force that its material holds back while it is let go, as
+    another such spring, of the stiffness `backing` (s,) [N/m], along the normal.
+    """
+
+    slip: Array
+    coefficient: Array
+    drag: Array
+    stick: Array
+    loss: Array
+    backing: Array
+
+
+class _Memory(NamedTuple):
+    """What a path has left behind: departures z (u,) [m], and of s contacts what they hold.
+
+    That is the force along the surface and that of the material [N], the `pressed` force of the spring [N] and its
+    `depth` [m], and how far surfaces slide with the unknowns from there on, `slip` (s, u) [1].
+    """
+
+    z: Array
+    side: Array
+    normal: Array
+    pressed: Array
+    depth: Array
+    slip: Array
+
+
+class _Step(NamedTuple):
+    """One step of a path: its load [N], `residual`, `tangent` and Newton step, and friction's limits [N], if given.
+
+    `side` and `normal` (s,) are the limits along the surface and in the material that a search holds; without `given`
+    they follow from the normal forces at once, and the tangent is not symmetric. `work` (1,) counts what is assembled.
+    """
+
+    load: Array
+    residual: Array
+    tangent: Array
+    step: Array
+    start: Array
+    ahead: Array
+    side: Array
+    normal: Array
+    work: Integers
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def follow_path(springs: Springs, rubbing: Rubbing, path: Array, z: Array) -> float:
+    """Follow loads along a path (m, u) [N] at the first crank angle, with friction that remembers.
+
+    The departures z (m, u) [m] are filled in; the first row is where the path begins, at rest. Each step is the balance
+    with the forces of friction that the step itself leaves (backward Euler); one that finds none is halved.
+
+    Returns
+    -------
+    0, or where no balance was found, what was left over there as a share of the largest load.
+    """
+    count, number = path.shape
+    elements = rubbing.stick.size
+    old, new = _memory(elements, number), _memory(elements, number)
+    one = _Step(
+        np.zeros(number),
+        np.zeros(number),
+        np.zeros((number, number)),
+        np.zeros(number),
+        np.zeros(number),
+        np.zeros(number),
+        np.zeros(elements),
+        np.zeros(elements),
+        np.zeros(1, np.int64),
+    )
+    old.z[:] = z[0]
+    scale = 0.0
+    for m in range(count):
+        scale = max(scale, _largest(path[m]))
+    for m in range(count):
+        share, done = 1.0, 0.0
+        while done < 1.0:
+            share = min(share, 1.0 - done)
+            for j in range(number):
+                before = path[m - 1, j] if m else 0.0
+                one.load[j] = before + (path[m, j] - before) * (done + share)
+            _slips(springs, rubbing, old)
+            left = _leap(springs, rubbing, FOLLOWED * scale, one, old, new) / scale
+            if not left <= FOLLOWED and one.work[0] <= _MOST_WORK * count:
+                left = _settle(springs, rubbing, FOLLOWED * scale, one, old, new) / scale
+            if not left <= FOLLOWED:
+                if share <= _SHORTEST or one.work[0] > _MOST_WORK * count:
+                    return left
+                share *= 0.5
+                continue
+            done += share
+            share *= 2.0
+            old, new = new, old
+        z[m] = old.z
+    return 0.0
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _memory(elements: int, number: int) -> _Memory:
+    one, side = np.zeros(number), np.zeros(elements)
+    return _Memory(one, side, side.copy(), side.copy(), side.copy(), np.zeros((elements, number)))
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _slips(springs: Springs, rubbing: Rubbing, at: _Memory) -> None:
+    """Put how far each surface slides with the unknowns into `at`: on a cam that turns with the way of its disc."""
+    at.slip[:] = rubbing.slip
+    for disc in range(springs.cam_place.shape[1]):
+        u, v, _, _ = _cam(springs, 0, disc, at.z)
+        row = springs.disc.size + disc
+        at.slip[row, 3 * disc] -= v
+        at.slip[row, 3 * disc + 1] += u
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _leap(springs: Springs, rubbing: Rubbing, allowed: float, one: _Step, old: _Memory, new: _Memory) -> float:
+    """Look for the balance by Newton's method on springs and friction at once: quick, where it gets there; [N]."""
+    new.z[:] = old.z
+    longest = _NEAR / _largest(springs.bend[0])
+    left = _weigh(springs, rubbing, False, one, old, new)[0]
+    for _ in range(_LEAPS):
+        if left <= allowed or not abs(np.linalg.det(one.tangent)) > 0.0:
+            break
+        one.step[:] = np.linalg.solve(one.tangent, one.residual)
+        share = min(1.0, longest / max(_largest(one.step), 1e-300))
+        for j in range(one.step.size):
+            new.z[j] += share * one.step[j]
+        left = _weigh(springs, rubbing, False, one, old, new)[0]
+    return left
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _settle(springs: Springs, rubbing: Rubbing, allowed: float, one: _Step, old: _Memory, new: _Memory) -> float:
+    """Look for the balance with friction's limits held, whose energy falls with every step, and renew them; [N]."""
+    new.z[:] = old.z
+    longest = _NEAR / _largest(springs.bend[0])
+    floating = FLOATING * springs.cam_stiffness
+    left = np.inf
+    begun = one.work[0]
+    for renewed in range(_RENEWALS):
+        if one.work[0] - begun > _MOST_SETTLING:
+            break
+        _renew(rubbing, one, new if renewed else old, 1.0 if renewed < _HALVINGS else 0.3)
+        inner, energy = _weigh(springs, rubbing, True, one, old, new)
+        for _ in range(_RENEWALS):
+            if inner <= 0.1 * allowed:
+                break
+            if not _solve(one.tangent, one.residual, one.step, floating):
+                _weigh(springs, rubbing, True, one, old, new)
+                _roll_off(one.tangent, one.residual, one.step, floating)
+            one.start[:] = new.z
+            share = min(1.0, longest / max(_largest(one.step), 1e-300))
+            for _ in range(_HALVINGS):
+                for j in range(one.step.size):
+                    new.z[j] = one.start[j] + share * one.step[j]
+                inner, found = _weigh(springs, rubbing, True, one, old, new)
+                if found <= energy + _ROUNDING * abs(energy):
+                    break
+                share *= 0.5
+            energy = found
+        left = _weigh(springs, rubbing, False, one, old, new)[0]
+        if left <= allowed:
+            break
+    return left
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _renew(rubbing: Rubbing, one: _Step, at: _Memory, share: float) -> None:
+    """Bring friction's limits by a share to those of the normal forces."""
+    for i in range(one.side.size):
+        spring = at.pressed[i]
+        one.normal[i] += share * (rubbing.loss[i] * spring - one.normal[i])
+        one.side[i] += share * (rubbing.coefficient[i] * (spring + at.normal[i]) - one.side[i])
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _weigh(
+    springs: Springs, rubbing: Rubbing, given: bool, one: _Step, old: _Memory, new: _Memory
+) -> tuple[float, float]:
+    """Put together what is left of the load at the departures of `new`; give the largest of it [N] and the energy [J].
+
+    With friction's limits `given` there is an energy, and the tangent is symmetric.
+    """
+    one.work[0] += 1
+    number, contacts, z = one.load.size, springs.disc.size, new.z
+    floating, energy, ahead = FLOATING * springs.cam_stiffness, 0.0, one.ahead
+    for j in range(number):
+        moved = z[j] - old.z[j]
+        one.residual[j] = one.load[j] - floating * moved
+        energy += (0.5 * floating * moved - one.load[j]) * moved
+        for m in range(number):
+            one.tangent[j, m] = floating if j == m else 0.0
+    for i in range(contacts):
+        x, t, o = 3 * springs.disc[i], 3 * springs.disc[i] + 2, number - 1
+        q, p = _apart(springs, 0, i, z)
+        ahead[:] = 0.0
+        depth = 0.0
+        if not _is_open(springs, 0, i, q, p):
+            found = _curved(springs, 0, i, z, q, p)
+            depth = max(-found.width, 0.0)
+        if depth == 0.0:
+            energy += _bear(rubbing, given, i, 0.0, 0.0, one, old, new)
+            continue
+        ahead[x], ahead[x + 1], ahead[t], ahead[o] = found.ahead
+        energy += _bear(rubbing, given, i, springs.stiffness[0, i], depth, one, old, new)
+        force = new.pressed[i] + new.normal[i]
+        # The normal's turning, and the turns of the parts, as in `_assemble`.
+        (bx, by, bt, bo), turning = found.aside, -force * found.rate
+        with_disc = force / springs.radius if springs.turning[i] else 0.0
+        alone = with_disc if springs.turning[i] else -force / springs.radius
+        tangent = one.tangent
+        tangent[x, x] += turning * bx * bx
+        tangent[x + 1, x + 1] += turning * by * by
+        tangent[t, t] += turning * bt * bt + alone * bt
+        tangent[o, o] += turning * bo * bo + alone * bo
+        for row, column, rate in (
+            (x, x + 1, turning * bx * by),
+            (x, t, turning * bx * bt + with_disc * bx),
+            (x + 1, t, turning * by * bt + with_disc * by),
+            (x, o, turning * bx * bo),
+            (x + 1, o, turning * by * bo),
+            (t, o, turning * bt * bo),
+        ):
+            tangent[row, column] += rate
+            tangent[column, row] += rate
+    for disc in range(springs.cam_place.shape[1]):
+        x, y = 3 * disc, 3 * disc + 1
+        u, v, depth, around = _cam(springs, 0, disc, z)
+        ahead[:] = 0.0
+        if depth > 0.0:
+            ahead[x], ahead[y] = -u, -v
+        i = contacts + disc
+        energy += _bear(rubbing, given, i, springs.cam_stiffness, max(depth, 0.0), one, old, new)
+        if depth > 0.0:
+            across = (new.pressed[i] + new.normal[i]) / depth * around
+            one.tangent[x, x] += across * v * v
+            one.tangent[y, y] += across * u * u
+            one.tangent[x, y] -= across * u * v
+            one.tangent[y, x] -= across * u * v
+    for e in range(rubbing.drag.size):
+        i = contacts + springs.cam_place.shape[1] + e
+        energy += _rub_along(rubbing, i, rubbing.drag[e], 0.0, one, old, new)
+    return _largest(one.residual), energy
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _bear(
+    rubbing: Rubbing, given: bool, i: int, stiffness: float, depth: float, one: _Step, old: _Memory, new: _Memory
+) -> float:
+    """Add a contact that is pressed to a `depth` [m], its material and its friction; give their energy [J]."""
+    spring, backing, loss = stiffness * depth, rubbing.backing[i], rubbing.loss[i]
+    new.depth[i], new.pressed[i], new.normal[i] = depth, spring, 0.0
+    energy, force, rate = 0.5 * spring * depth, spring, stiffness
+    if loss > 0.0:
+        most = one.normal[i] if given else loss * spring
+        held, more = old.normal[i] + backing * (depth - old.depth[i]), backing
+        energy += _stored(held, most, backing)
+        if abs(held) > most:
+            sign = 1.0 if held > 0.0 else -1.0
+            held, more = sign * most, 0.0 if given else sign * loss * stiffness
+        new.normal[i] = held
+        force, rate = force + held, rate + more
+    ahead = one.ahead
+    for j in range(ahead.size):
+        one.residual[j] += force * ahead[j]
+        for m in range(ahead.size):
+            one.tangent[j, m] += rate * ahead[j] * ahead[m]
+    coefficient = rubbing.coefficient[i]
+    if given:
+        return energy + _rub_along(rubbing, i, one.side[i], 0.0, one, old, new)
+    return energy + _rub_along(rubbing, i, coefficient * force, coefficient * rate, one, old, new)
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _rub_along(rubbing: Rubbing, i: int, most: float, rate: float, one: _Step, old: _Memory, new: _Memory) -> float:
+    """Add the friction of a surface that slips at `most` [N], rising by `rate` [N/m] with depth; its energy [J]."""
+    slip, stick, number = old.slip[i], rubbing.stick[i], one.load.size
+    new.side[i] = 0.0
+    if not most > 0.0:
+        return 0.0
+    held = old.side[i]
+    for j in range(number):
+        held += stick * slip[j] * (new.z[j] - old.z[j])
+    energy = _stored(held, most, stick)
+    if abs(held) > most:
+        sign = 1.0 if held > 0.0 else -1.0
+        held = sign * most
+        for j in range(number):
+            for m in range(number):
+                one.tangent[j, m] -= sign * rate * slip[j] * one.ahead[m]
+    else:
+        for j in range(number):
+            for m in range(number):
+                one.tangent[j, m] += stick * slip[j] * slip[m]
+    new.side[i] = held
+    for j in range(number):
+        one.residual[j] -= held * slip[j]
+    return energy
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _stored(force: float, most: float, stiffness: float) -> float:
+    """Give the energy of a spring that would hold a `force` [N] but slips at `most`, with what its slip takes [J]."""
+    size = abs(force)
+    return 0.5 * size * size / stiffness if size <= most else most * (size - 0.5 * most) / stiffness

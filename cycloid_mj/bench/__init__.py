@@ -1,0 +1,17 @@
+"""What a test bench measured, held against a design: loops that calibrate it, transmission error by order."""
+
+from cycloid_mj.bench.calibration import Calibration, calibrate, compare_losses
+from cycloid_mj.bench.loop import MeasuredLoop, measured_loop, read_loop
+from cycloid_mj.bench.te import BenchComparison, compare_bench, read_te
+
+__all__ = [
+    "BenchComparison",
+    "Calibration",
+    "MeasuredLoop",
+    "calibrate",
+    "compare_bench",
+    "compare_losses",
+    "measured_loop",
+    "read_loop",
+    "read_te",
+]

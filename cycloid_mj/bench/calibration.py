@@ -1,0 +1,449 @@
+"""A calibration: the design that a measured loop is that of, how sure each of its values is, and what stays open."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from cycloid_mj.bench.fit import COVERED, Bench, Fitted, fit, model_branches, put_all
+from cycloid_mj.bench.loop import MeasuredLoop
+from cycloid_mj.bench.parameters import DEFAULT, Model, Parameter, parameters
+from cycloid_mj.design import Design
+from cycloid_mj.errors import RunError, UsageError
+from cycloid_mj.loaded.sliding import Held, Losses, turn_along
+from cycloid_mj.loaded.windup import STRAIGHT
+from cycloid_mj.mechanism.limits import stops
+from cycloid_mj.result import Table
+from cycloid_mj.types import Array
+from cycloid_mj.units import DEGREE
+
+Progress = Callable[[int], None]
+"""Called at each trial of the search with how many there have been."""
+
+ALIKE = 0.95
+"""Correlation from which on a loop cannot tell two values apart."""
+
+SILENT = 1e-6
+"""Change of the residuals, as shares of a loop's ranges and by a parameter's scale, below which there is none."""
+
+RADIANS = 8.0
+"""How much lower than the design's own a loop is at least that is taken to be in radians."""
+
+DEFINITIONS = {
+    "play_deg": "turn of the output between its stops at the held crank angle, rigid parts, with the fitted clearances",
+    "stiffness_nm_per_rad": "slope of the fitted curve without friction from 50 to 100 % of the largest torque "
+    "measured, mean of both sides",
+    "coulomb_nm": "half the torque between the measured branches half-way up the deflection of the lowest loop, where "
+    "the teeth carry nothing",
+    "residual_rms_deg": "rms difference of all measured deflections from the fitted loop's at the same torque",
+}
+"""How the figures of a calibration are read."""
+
+UNEXPLAINED = (
+    "twist of housing, shafts and output pins is not told apart from the teeth: tooth_stiffness stands for all of it",
+    "creep is left out: where the torque rests, a plastic part turns on, and the model does not",
+    "contacts are linear springs at one working force: what stiffens with the load is the number of teeth alone",
+)
+"""What no parameter stands for."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One fitted value, in its `unit`.
+
+    Attributes
+    ----------
+    value, unit, meaning
+        What it came out as, and what it is.
+    ci95
+        The ends of its interval of 95 %.
+    identified
+        Whether the loop determines it: the interval is no wider than the value itself, and it is not at a bound.
+    """
+
+    value: float
+    unit: str
+    meaning: str
+    ci95: tuple[float, float]
+    identified: bool
+
+
+@dataclass(frozen=True)
+class Variant:
+    """The fit of other losses to the same loops: rms over height of each loop, Bayes's criterion, and its values."""
+
+    key: str
+    meaning: str
+    shares: tuple[float, ...]
+    criterion: float
+    values: dict[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """What a calibration found.
+
+    Attributes
+    ----------
+    fitted
+        The fit.
+    design
+        The calibrated design.
+    estimates
+        By key.
+    alike
+        Pairs of keys that the loop cannot tell apart, with their correlation.
+    play, stiffness, coulomb
+        By `DEFINITIONS` [rad], [N m/rad], [N m]; the first two with the ends of their intervals of 95 %.
+    variants
+        Fits with other losses, if they were asked for.
+    notes
+        What was noticed, a sentence each.
+    """
+
+    fitted: Fitted
+    design: Design
+    estimates: dict[str, Estimate]
+    alike: tuple[tuple[str, str, float], ...]
+    play: tuple[float, float, float]
+    stiffness: tuple[float, float, float]
+    coulomb: float
+    variants: tuple[Variant, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    @property
+    def rms(self) -> float:
+        """Rms difference of all deflections from the model's [rad]."""
+        loops = self.fitted.loops
+        squares = sum(len(loop.torque) * self.fitted.rms(place) ** 2 for place, loop in enumerate(loops))
+        return float(np.sqrt(squares / sum(len(loop.torque) for loop in loops)))
+
+    @property
+    def unidentified(self) -> tuple[str, ...]:
+        """Keys of the values that the loop does not determine."""
+        return tuple(key for key, one in self.estimates.items() if not one.identified)
+
+    def tables(self) -> tuple[Table, ...]:
+        """Give parameters, figures, loops and variants as tables."""
+        rows = tuple(
+            (key, one.value, f"{one.ci95[0]:.4g} to {one.ci95[1]:.4g}", one.unit, "" if one.identified else "no")
+            for key, one in self.estimates.items()
+        )
+        low, high = (f"{end / DEGREE:.4g}" for end in self.play[1:])
+        figures = (
+            ("play", self.play[0] / DEGREE, f"{low} to {high}", "deg", DEFINITIONS["play_deg"]),
+            (
+                "stiffness",
+                self.stiffness[0],
+                f"{self.stiffness[1]:.4g} to {self.stiffness[2]:.4g}",
+                "N m/rad",
+                DEFINITIONS["stiffness_nm_per_rad"],
+            ),
+            ("Coulomb friction", self.coulomb, "", "N m", DEFINITIONS["coulomb_nm"]),
+        )
+        loops = tuple(
+            (
+                loop.name,
+                float(len(loop.torque)),
+                loop.height / DEGREE,
+                self.fitted.rms(place) / DEGREE,
+                f"{self.fitted.rms(place) / loop.height:.1%}",
+                2.0 * float(max(map(abs, loop.ends))),
+            )
+            for place, loop in enumerate(self.fitted.loops)
+        )
+        found = [
+            Table(
+                f"{self.design.name}: fitted values",
+                ("value", "fitted", "95 %", "unit", "determined by the loop"),
+                rows,
+            ),
+            Table("figures, by definition", ("figure", "value", "95 %", "unit", "definition"), figures),
+            Table(
+                "loops",
+                ("loop", "points", "height [deg]", "residual rms [deg]", "of the height", "torque range [N m]"),
+                loops,
+            ),
+        ]
+        if self.variants:
+            least = min(one.criterion for one in self.variants)
+            header = (
+                "losses",
+                *(f"{loop.name}: rms of height" for loop in self.fitted.loops),
+                "BIC above best",
+                "values",
+            )
+            found.append(
+                Table(
+                    "which losses explain the loops",
+                    header,
+                    tuple(
+                        (
+                            one.meaning,
+                            *(f"{share:.1%}" for share in one.shares),
+                            one.criterion - least,
+                            ", ".join(f"{key} {value:.3g}" for key, value in one.values.items()),
+                        )
+                        for one in self.variants
+                    ),
+                )
+            )
+        return tuple(found)
+
+    def as_json(self) -> dict[str, Any]:
+        """Give all of it for a program."""
+        loops = self.fitted.loops
+        count = len(self.fitted.parameters)
+        return {
+            "design": self.design.name,
+            "held": self.fitted.bench.held,
+            "crank_deg": self.fitted.bench.crank / DEGREE,
+            "parameters": {
+                key: {
+                    "value": one.value,
+                    "unit": one.unit,
+                    "ci95": list(one.ci95),
+                    "identified": one.identified,
+                    "meaning": one.meaning,
+                }
+                for key, one in self.estimates.items()
+            },
+            "unidentified": list(self.unidentified),
+            "indistinguishable": [{"keys": [one, other], "correlation": size} for one, other, size in self.alike],
+            "correlations": {
+                one: dict(zip(self.estimates, row, strict=True))
+                for one, row in zip(self.estimates, correlations(self.fitted).tolist(), strict=True)
+            },
+            "residual_rms_deg": self.rms / DEGREE,
+            "play_deg": self.play[0] / DEGREE,
+            "play_ci95_deg": [end / DEGREE for end in self.play[1:]],
+            "stiffness_nm_per_rad": self.stiffness[0],
+            "stiffness_ci95_nm_per_rad": list(self.stiffness[1:]),
+            "coulomb_nm": self.coulomb,
+            "definitions": DEFINITIONS,
+            "loops": [
+                {
+                    "name": loop.name,
+                    "points": len(loop.torque),
+                    "height_deg": loop.height / DEGREE,
+                    "residual_rms_deg": self.fitted.rms(place) / DEGREE,
+                    "residual_share": self.fitted.rms(place) / loop.height,
+                    "width_at_zero_torque_deg": loop.middle()[0] / DEGREE,
+                    "offset_torque_nm": float(self.fitted.values[count + 2 * place]),
+                    "offset_deg": float(self.fitted.values[count + 2 * place + 1]) / DEGREE,
+                    "sign_turned": loop.flipped,
+                }
+                for place, loop in enumerate(loops)
+            ],
+            "losses": [
+                {
+                    "key": one.key,
+                    "residual_shares": list(one.shares),
+                    "bic": one.criterion,
+                    "values": one.values,
+                }
+                for one in self.variants
+            ],
+            "unexplained": list(UNEXPLAINED),
+            "notes": list(self.notes),
+        }
+
+
+def calibrate(
+    design: Design,
+    loops: Sequence[MeasuredLoop],
+    keys: Sequence[str] = DEFAULT,
+    held: Held = "crank",
+    crank: float = 0.0,
+    progress: Progress = lambda done: None,
+) -> Calibration:
+    """Fit values of a design to measured hysteresis loops.
+
+    Parameters
+    ----------
+    design
+        As drawn: where the search begins, and all that is not fitted.
+    loops
+        Measured on one drive.
+    keys
+        What to fit: names of ``bench.parameters.NAMED``, or keys of the design file.
+    held
+        Which shaft the bench held.
+    crank
+        Angle of the crank [rad].
+    progress
+        Called at each trial.
+
+    Raises
+    ------
+    UsageError
+        There is no loop, a key is unknown, no key answers to the loop, or a loop is not in degrees.
+    RunError
+        No static balance was found.
+    """
+    if not loops:
+        raise UsageError("there is no loop to calibrate by: give at least one with --loop")
+    drag = design.drag.output + (design.lobes * design.drag.crank if held == "output" else 0.0)
+    model, bench = Model(design, Losses(drag)), Bench(held, crank)
+    _require_degrees(model, loops, bench)
+    most, turn = max(max(map(abs, loop.ends)) for loop in loops), min(loop.height for loop in loops)
+    fitted = fit(model, parameters(design, keys, most, turn), loops, bench, _counting(progress))
+    return _told(fitted)
+
+
+def compare_losses(found: Calibration, progress: Progress = lambda done: None) -> Calibration:
+    """Fit constant friction alone, with that of the contacts, with a lossy material, and with both, to the same loops.
+
+    Raises
+    ------
+    RunError
+        No static balance was found.
+    """
+    fitted = found.fitted
+    common = [one.key for one in fitted.parameters if one.key not in ("friction", "material_loss")]
+    smooth = fitted.model.design.but(friction=dict.fromkeys(type(fitted.model.design.friction).model_fields, 0.0))
+    most = max(max(map(abs, loop.ends)) for loop in fitted.loops)
+    turn = min(loop.height for loop in fitted.loops)
+    variants = []
+    for key, meaning, extra, rough in (
+        ("constant", "constant friction alone", (), False),
+        ("friction", "and friction of the contacts", ("friction",), True),
+        ("material", "and a lossy material, no friction of the contacts", ("material_loss",), False),
+        ("both", "and both", ("friction", "material_loss"), True),
+    ):
+        base = replace(fitted.model, design=fitted.model.design if rough else smooth)
+        chosen = parameters(fitted.model.design, [*common, *extra], most, turn)
+        one = fit(base, chosen, fitted.loops, fitted.bench, _counting(progress))
+        shares = tuple(one.rms(place) / loop.height for place, loop in enumerate(one.loops))
+        values = {name.key: float(value) for name, value in zip(chosen, one.values, strict=False)}
+        variants.append(Variant(key, meaning, shares, one.criterion, values))
+    return replace(found, variants=tuple(variants))
+
+
+def correlations(fitted: Fitted) -> Array:
+    """Give the correlations of the parameters, shape (p, p); 0 of those at a bound."""
+    count = len(fitted.parameters)
+    covariance = fitted.covariance[:count, :count]
+    size = np.sqrt(np.diag(covariance))
+    both = np.outer(size, size)
+    return np.asarray(np.divide(covariance, both, out=np.eye(count), where=both > 0.0))
+
+
+def _counting(progress: Progress) -> Callable[[], None]:
+    done = [0]
+
+    def told() -> None:
+        done[0] += 1
+        progress(done[0])
+
+    return told
+
+
+def _told(fitted: Fitted) -> Calibration:
+    from scipy.stats import t
+
+    count, reach = len(fitted.parameters), float(t.ppf(0.5 + 0.5 * COVERED, fitted.freedom))
+    errors = fitted.errors[:count]
+    estimates = {
+        one.key: _estimate(one, float(value), float(reach * error))
+        for one, value, error in zip(fitted.parameters, fitted.values, errors, strict=False)
+    }
+    answers = np.abs(fitted.slopes[:, :count]).max(axis=0) * [one.scale for one in fitted.parameters]
+    if not np.any(answers > SILENT):
+        raise UsageError(
+            f"--fit {','.join(estimates)}: the loop determines none of these; fit what it answers to, such as "
+            f"{','.join(DEFAULT)}"
+        )
+    related = correlations(fitted)
+    keys = list(estimates)
+    alike = tuple(
+        (keys[i], keys[j], float(related[i, j])) for i in range(count) for j in range(i) if abs(related[i, j]) > ALIKE
+    )
+    model = put_all(fitted.model, fitted.parameters, fitted.values)
+    lowest = min(fitted.loops, key=_height)
+    return Calibration(
+        fitted=fitted,
+        design=model.design.but(name=f"{model.design.name}-calibrated"[:64]),
+        estimates=estimates,
+        alike=alike,
+        play=_derived(fitted, reach, _play),
+        stiffness=_derived(fitted, reach, _slope),
+        coulomb=0.5 * lowest.middle()[1],
+        notes=_notes(fitted),
+    )
+
+
+def _estimate(one: Parameter, value: float, reach: float) -> Estimate:
+    low, high = max(value - reach, one.least), min(value + reach, one.most)
+    identified = 0.0 < reach < max(abs(value), one.scale * 1e-6)
+    if reach == 0.0:  # at a bound: the interval is not known
+        low, high = (one.least, value) if value > 0.5 * (one.least + one.most) else (value, value + one.scale)
+    return Estimate(value, one.unit, one.meaning, (low, high), identified)
+
+
+def _derived(fitted: Fitted, reach: float, read: Callable[[Fitted, Model], float]) -> tuple[float, float, float]:
+    """Give a figure of the fitted model and its interval, by how it answers to each value."""
+    count = len(fitted.parameters)
+
+    def at(values: Array) -> float:
+        return read(fitted, put_all(fitted.model, fitted.parameters, values))
+
+    value, slopes = at(fitted.values), np.zeros(count)
+    for place, one in enumerate(fitted.parameters):
+        moved = fitted.values.copy()
+        step = 0.01 * one.scale if moved[place] + 0.01 * one.scale < one.most else -0.01 * one.scale
+        moved[place] += step
+        slopes[place] = (at(moved) - value) / step
+    variance = float(slopes @ fitted.covariance[:count, :count] @ slopes)
+    spread = reach * max(variance, 0.0) ** 0.5
+    return value, max(value - spread, 0.0), value + spread
+
+
+def _height(loop: MeasuredLoop) -> float:
+    return loop.height
+
+
+def _play(fitted: Fitted, model: Model) -> float:
+    low, high = stops(model.design, fitted.bench.crank)
+    return high - low
+
+
+def _slope(fitted: Fitted, model: Model) -> float:
+    smooth = model.design.but(friction=dict.fromkeys(type(model.design.friction).model_fields, 0.0))
+    most = max(max(map(abs, loop.ends)) for loop in fitted.loops)
+    low, high = STRAIGHT
+    rise = []
+    for way in (-1.0, 1.0):
+        course = way * most * np.linspace(0.0, high, 21)
+        turn = way * turn_along(smooth, course, fitted.bench.crank, Losses(), fitted.bench.held)
+        rise.append(turn[-1] - turn[round(20 * low / high)])
+    return (high - low) * most / float(np.mean(rise))
+
+
+def _notes(fitted: Fitted) -> tuple[str, ...]:
+    notes = [
+        f"{loop.name} counts deflection against torque: its sign was turned" for loop in fitted.loops if loop.flipped
+    ]
+    notes += [
+        f"{one.key} came out at the end of what is looked for, {value:.4g} {one.unit}: its interval is not known"
+        for one, value, error in zip(fitted.parameters, fitted.values, fitted.errors, strict=False)
+        if error == 0.0
+    ]
+    return tuple(notes)
+
+
+def _require_degrees(model: Model, loops: Sequence[MeasuredLoop], bench: Bench) -> None:
+    """Refuse a loop whose height is the design's only if it was meant in radians."""
+    for loop in loops:
+        try:
+            turn = np.concatenate([turn for _, turn in model_branches(model, bench, loop)])
+        except RunError:
+            continue
+        expected = float(np.ptp(turn))
+        if loop.height * RADIANS < expected < loop.height / DEGREE * RADIANS:
+            raise UsageError(
+                f"{loop.name}: the deflection goes over {loop.height / DEGREE:.3g} deg, but the design's own loop over "
+                f"{expected / DEGREE:.3g} deg: is deflection_deg in radians? then "
+                "multiply it by 57.2958; if not, give the design clearances nearer to the drive's"
+            )

@@ -1,0 +1,209 @@
+"""A loop as a bench measured it: torque against deflection of the output, read, checked, and in branches."""
+
+import csv
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from cycloid_mj.errors import UsageError
+from cycloid_mj.types import Array, Integers, Mask
+from cycloid_mj.units import DEGREE
+
+TORQUE, DEFLECTION = COLUMNS = ("torque_output_Nm", "deflection_deg")
+
+FEWEST = 20
+"""Points of a loop: fewer hold no branches."""
+
+REVERSAL = 0.2
+"""A torque has turned round once it has come back by this share of its range."""
+
+SMOOTHED = 5
+"""Neighbours whose median stands for a torque where the course turns round: single outliers are no ends."""
+
+LEAST_HEIGHT, MOST_HEIGHT = 1e-4, 90.0
+"""Height of a loop [deg] that can be in degrees: an output that turns further is not held."""
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredLoop:
+    """One measured loop.
+
+    Attributes
+    ----------
+    name
+        Its file's, without the ending.
+    torque, deflection
+        At the output [N m] and of it [rad], in the order of time, shape (n,); both counter-clockwise.
+    turns
+        Torques at which the course turns round [N m], in their order.
+    branch
+        Of each point: how often the course has turned round before, shape (n,).
+    flipped
+        Whether the file counts deflection against the torque: then its sign has been turned here.
+    """
+
+    name: str
+    torque: Array
+    deflection: Array
+    turns: tuple[float, ...]
+    branch: Integers
+    flipped: bool = False
+
+    @property
+    def height(self) -> float:
+        """Range of the deflection [rad]."""
+        return float(np.ptp(self.deflection))
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The lowest and the highest torque at which the course turns round [N m]."""
+        return min(self.turns), max(self.turns)
+
+    @property
+    def rising(self) -> bool:
+        """Whether the torque of the first branch rises."""
+        return self.turns[1] > self.turns[0]
+
+    def middle(self) -> tuple[float, float]:
+        """Give the loop's width in deflection at zero torque [rad] and in torque half-way up the deflection [N m].
+
+        Each is the distance of the means of the branches there, over a window of a tenth of the range; no number where
+        a branch has no points.
+        """
+        rises = (self.branch % 2 == 0) == self.rising
+        half = 0.5 * (self.deflection.max() + self.deflection.min())
+        at = np.abs(self.torque) <= 0.05 * np.ptp(self.torque)
+        level = np.abs(self.deflection - half) <= 0.05 * self.height
+        return _apart(self.deflection, at, rises), -_apart(self.torque, level, rises)
+
+
+def _apart(values: Array, near: Mask, rises: Mask) -> float:
+    sides = [values[near & side] for side in (~rises, rises)]
+    return float(np.mean(sides[0]) - np.mean(sides[1])) if all(len(side) for side in sides) else math.nan
+
+
+def read_loop(path: Path) -> MeasuredLoop:
+    """Read a loop from a CSV file of the columns torque_output_Nm and deflection_deg; lines of other text may be named.
+
+    A header after ``#`` is one too.
+
+    Raises
+    ------
+    UsageError
+        The file is not there, not of that form, or holds no loop.
+    """
+    columns = read_columns(path, COLUMNS, "a loop")
+    return measured_loop(path.stem, columns[TORQUE], columns[DEFLECTION], str(path))
+
+
+def read_columns(path: Path, names: tuple[str, ...], what: str) -> dict[str, Array]:
+    """Read columns of numbers from a CSV file whose header, with or without a ``#``, names them.
+
+    Raises
+    ------
+    UsageError
+        The file cannot be read, lacks a column, has no rows, or has something else than a number in one.
+    """
+    form = f"{what} has the columns {','.join(names)}"
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise UsageError(f"cannot read {path}: {getattr(error, 'strerror', None) or error}; {form}") from error
+    numbered = [(number, line) for number, line in enumerate(lines, 1) if line.strip(" \t#")]
+    header = next((place for place, (_, line) in enumerate(numbered) if names[0] in line), None)
+    found = ", ".join(numbered[0][1].lstrip("# ").split(",")) if numbered else "nothing: the file is empty"
+    if header is None:
+        raise UsageError(f"{path}: {form}, named in its first line; found {found[:80]}")
+    keys = [key.strip() for key in numbered[header][1].lstrip("# ").split(",")]
+    if missing := [name for name in names if name not in keys]:
+        raise UsageError(f"{path}: the column {missing[0]} is missing: {form}; found {', '.join(keys)}")
+    rows = [(number, row) for number, row in numbered[header + 1 :] if not row.lstrip().startswith("#")]
+    if not rows:
+        raise UsageError(f"{path}: there are no rows below the header; {form}")
+    values: dict[str, list[float]] = {name: [] for name in names}
+    for number, line in rows:
+        words = next(csv.reader([line]))
+        for name in names:
+            place = keys.index(name)
+            values[name].append(_number(words[place] if place < len(words) else "", f"{path}, line {number}: {name}"))
+    return {name: np.array(column) for name, column in values.items()}
+
+
+def _number(word: str, where: str) -> float:
+    try:
+        value = float(word)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise UsageError(f"{where} is {word.strip()!r}; give a number, or take the line out")
+    return value
+
+
+def measured_loop(name: str, torque: Array, deflection_deg: Array, where: str = "") -> MeasuredLoop:
+    """Give a loop from torque [N m] and deflection [deg], shape (n,) each; `where` it comes from, for errors.
+
+    Raises
+    ------
+    UsageError
+        They are no loop: too few points, one branch, or a deflection that is in no way in degrees.
+    """
+    where, count = where or name, len(torque)
+    if count < FEWEST:
+        raise UsageError(f"{where}: {count} points are no loop; give at least {FEWEST}")
+    height = float(np.ptp(deflection_deg))
+    if not np.ptp(torque) > 0.0 or not height > 0.0:
+        still = TORQUE if not np.ptp(torque) > 0.0 else DEFLECTION
+        raise UsageError(f"{where}: {still} is the same in all rows: that is no loop")
+    if not LEAST_HEIGHT <= height <= MOST_HEIGHT:
+        other = "in minutes or seconds of arc" if height > MOST_HEIGHT else "in turns, or of another drive"
+        raise UsageError(
+            f"{where}: the deflection goes over {height:.3g} deg, which no held output does: is it {other}? "
+            f"{DEFLECTION} is in degrees"
+        )
+    turns, branch = _turns(torque)
+    if len(turns) < 2 or len(np.unique(branch)) < 2 or min(turns) >= 0.0 or max(turns) <= 0.0:
+        raise UsageError(
+            f"{where}: one branch only, from {torque[0]:.4g} to {torque[-1]:.4g} N m: a loop goes to a torque, to one "
+            "of the other sign, and back; without it friction cannot be told from stiffness"
+        )
+    flipped = float(np.polyfit(torque, deflection_deg, 1)[0]) < 0.0
+    deflection = DEGREE * deflection_deg * (-1.0 if flipped else 1.0)
+    return MeasuredLoop(name, torque, deflection, turns, branch, flipped)
+
+
+def _turns(torque: Array) -> tuple[tuple[float, ...], Integers]:
+    """Give the torques at which a course turns round, with where it comes from and goes, and the branch of each point.
+
+    A first branch that starts half-way is taken to come from the extreme before it, as that of a closed loop does; the
+    last to go to the one after.
+    """
+    half = SMOOTHED // 2
+    padded = np.pad(torque, half, mode="edge")
+    smooth = np.median(np.lib.stride_tricks.sliding_window_view(padded, SMOOTHED), axis=1)
+    least = REVERSAL * float(np.ptp(smooth))
+    places: list[int] = []
+    best = low = high = 0
+    way = 0
+    for place, value in enumerate(smooth):
+        if way == 0:
+            low = place if value < smooth[low] else low
+            high = place if value > smooth[high] else high
+            if smooth[high] - smooth[low] > least:
+                way, best = (1, place) if high > low else (-1, place)
+        elif way * (value - smooth[best]) > 0.0:
+            best = place
+        elif way * (smooth[best] - value) > least:
+            places.append(best)
+            way, best = -way, place
+    if not places:
+        return (), np.zeros(len(torque), int)
+    inner = [float(smooth[place]) for place in places]
+    # where the first branch comes from, and the last goes to: where the torque is at its other end
+    first = inner[1] if len(inner) > 1 else float(smooth[: places[0] + 1][0])
+    last = inner[-2] if len(inner) > 1 else float(smooth[places[-1] :][-1])
+    beginning, end = smooth[: places[0] + 1], smooth[places[-1] :]
+    start = min(first, float(beginning.min())) if inner[0] > first else max(first, float(beginning.max()))
+    stop = min(last, float(end.min())) if inner[-1] > last else max(last, float(end.max()))
+    return (start, *inner, stop), np.searchsorted(places, np.arange(len(torque)), side="left")

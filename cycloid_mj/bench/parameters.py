@@ -1,0 +1,208 @@
+"""What a calibration can fit: names for the values that a loop depends on, beside every number of the design file."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from pydantic.fields import FieldInfo
+
+from cycloid_mj.contact.law import pair_stiffness
+from cycloid_mj.contact.working import at_rated_load
+from cycloid_mj.design import Design, override
+from cycloid_mj.design.units import MICROMETRE, file_key, section_of, unit_of
+from cycloid_mj.errors import DesignError, UsageError
+from cycloid_mj.loaded.sliding import Losses
+from cycloid_mj.units import DEGREE
+
+MOST_PLAY = 900.0
+"""Largest clearance that is looked for [um]."""
+
+
+@dataclass(frozen=True)
+class Model:
+    """A design, and the losses of a loop that a design file does not hold."""
+
+    design: Design
+    losses: Losses
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One value that is fitted, in the unit in which it is told.
+
+    Attributes
+    ----------
+    key, unit, meaning
+        Its name on the command line and in JSON, its unit, and what it is.
+    start, scale
+        Where the search begins, and a step that matters.
+    least, most
+        Its bounds.
+    put
+        A model with another value of it.
+    """
+
+    key: str
+    unit: str
+    meaning: str
+    start: float
+    scale: float
+    least: float
+    most: float
+    put: Callable[[Model, float], Model]
+
+
+DEFAULT = ("mesh_play", "output_play", "cam_play", "tooth_stiffness", "friction", "drag", "drag_travel")
+"""What is fitted unless something else is asked for."""
+
+NAMED = (*DEFAULT, "play", "material_loss")
+"""Every name that is no key of the design file."""
+
+
+def parameters(design: Design, keys: Sequence[str], torque: float, turn: float) -> tuple[Parameter, ...]:
+    """Give the parameters of some keys, for loops of up to a `torque` [N m] and about a `turn` [rad].
+
+    Raises
+    ------
+    UsageError
+        A key is unknown, is no number, or is given twice.
+    """
+    if not keys:
+        raise UsageError(f"--fit: give what to fit, such as {','.join(DEFAULT)}")
+    if twice := next((key for place, key in enumerate(keys) if key in keys[:place]), None):
+        raise UsageError(f"--fit: {twice} is given twice")
+    known = _named(design, torque, turn)
+    return tuple(known[key] if key in known else _of_file(design, key) for key in keys)
+
+
+def _named(design: Design, torque: float, turn: float) -> Mapping[str, Parameter]:
+    tooth, clearance = design.tooth_pair, design.clearance
+    mesh = getattr(clearance, tooth) + design.pin_play
+    um = MICROMETRE.from_si
+
+    def play(key: str, meaning: str, start: float, *kinds: str) -> Parameter:
+        return Parameter(key, "um", meaning, um(start), max(0.3 * um(start), 0.1), 1e-3, MOST_PLAY, _plays(kinds))
+
+    mated = (tooth, *([design.seat_pair] if design.seat_pair else []))
+    own = design.friction_of(tooth) or 0.05
+    found = (
+        play("mesh_play", "clearance between gear and ring, that of pins in their seats counted in", mesh, *mated),
+        play("output_play", "clearance of the output pins in their holes", clearance.output, "output"),
+        play("cam_play", "clearance of the cam in the gear's bore", clearance.cam, "cam"),
+        play("play", "one clearance for teeth and holes alike", mesh, *mated, "output"),
+        Parameter(
+            "tooth_stiffness",
+            "1",
+            "stiffness of the teeth and of what carries them, over that of their contacts alone",
+            1.0,
+            0.2,
+            1e-3,
+            20.0,
+            _stiffness(mated),
+        ),
+        Parameter(
+            "friction",
+            "1",
+            "coefficient of friction of all that slides: teeth, seats of pins, and holes and cam without rollers",
+            own,
+            max(0.2 * own, 0.01),
+            0.0,
+            1.5,
+            _friction,
+        ),
+        Parameter(
+            "drag", "N m", "constant friction, at the output", 0.02 * torque, 0.02 * torque, 0.0, 0.9 * torque, _drag
+        ),
+        Parameter(
+            "drag_travel",
+            "deg",
+            "turn of the output over which the constant friction comes on",
+            0.05 * turn / DEGREE,
+            0.05 * turn / DEGREE,
+            1e-5,
+            10.0 * turn / DEGREE,
+            lambda model, value: replace(model, losses=replace(model.losses, travel=DEGREE * value)),
+        ),
+        Parameter(
+            "material_loss",
+            "1",
+            "share of every contact's force that its material holds back while it is let go",
+            0.05,
+            0.05,
+            0.0,
+            0.95,
+            lambda model, value: replace(model, losses=replace(model.losses, material=value)),
+        ),
+    )
+    return {one.key: one for one in found}
+
+
+def _plays(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
+    """Share a clearance out to kinds of pairs: to teeth and seats in the proportion that they have, all to others."""
+
+    def put(model: Model, value: float) -> Model:
+        held, total = model.design.clearance, MICROMETRE.to_si(value)
+        mated = [kind for kind in kinds if kind != "output"]
+        whole = sum(getattr(held, kind) for kind in mated)
+        change = {kind: total * getattr(held, kind) / whole for kind in mated}
+        change |= {"output": total} if "output" in kinds else {}
+        return replace(model, design=model.design.but(clearance=change))
+
+    return put
+
+
+def _stiffness(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
+    def put(model: Model, value: float) -> Model:
+        rated = at_rated_load(model.design)
+        change = {kind: value * pair_stiffness(rated, kind) for kind in kinds}
+        return replace(model, design=model.design.but(stiffness=change))
+
+    return put
+
+
+def _friction(model: Model, value: float) -> Model:
+    kinds = [kind for kind in model.design.pair_kinds if kind not in _rolling(model.design)]
+    return replace(model, design=model.design.but(friction=dict.fromkeys(kinds, value)))
+
+
+def _rolling(design: Design) -> set[str]:
+    rolls = {"cam": design.gear.bearing == "rolling", "output": design.output.rollers}
+    return {kind for kind, rolling in rolls.items() if rolling}
+
+
+def _drag(model: Model, value: float) -> Model:
+    design = model.design.but(drag={"output": value})
+    return replace(model, design=design, losses=replace(model.losses, drag=value))
+
+
+def _of_file(design: Design, key: str) -> Parameter:
+    """Give a number of the design file as a parameter."""
+    table, _, name = key.partition(".")
+    field = Design.model_fields.get(table)
+    section: Any = section_of(field) if field else None
+    names = {file_key(one, declared): one for one, declared in section.model_fields.items()} if section else {}
+    if name not in names:
+        raise UsageError(
+            f"--fit: there is nothing to fit called {key!r}; give {', '.join(NAMED)}, or a key of the design file, "
+            "such as clearance.output_um"
+        )
+    declared: FieldInfo = section.model_fields[names[name]]
+    value = getattr(getattr(design, table) or design.material, names[name])
+    if not isinstance(value, float):
+        raise UsageError(f"--fit: {key} is {value!r}: only a number that can change little by little can be fitted")
+    unit = unit_of(declared)
+    start = unit.from_si(value)
+    bounds = {
+        side: getattr(one, side) for one in declared.metadata for side in ("gt", "ge", "lt", "le") if hasattr(one, side)
+    }
+    least = unit.from_si(bounds.get("ge", bounds.get("gt", -1e12)))
+    most = unit.from_si(bounds.get("le", bounds.get("lt", 1e12)))
+    scale = 0.2 * abs(start) or 1e-3 * min(abs(most), 1e3)
+
+    def put(model: Model, value: float) -> Model:
+        try:
+            return replace(model, design=override(model.design, {key: value}))
+        except DesignError as error:
+            raise UsageError(f"--fit {key}: {error}") from error
+
+    return Parameter(key, unit.suffix or "1", str(declared.description), start, scale, least, most, put)

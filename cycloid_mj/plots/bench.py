@@ -1,0 +1,57 @@
+"""Figures of the bench: measured loops with the model's and what is left, and transmission error by order."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from cycloid_mj.bench import BenchComparison, Calibration
+from cycloid_mj.bench.fit import model_branches, put_all
+from cycloid_mj.plots.style import BLUE, GREY, ORANGE, THEORY, VERMILION, centred, legend_above, sheet, state, styled
+from cycloid_mj.units import ARCSECOND, DEGREE
+
+MEASURED = {"color": BLUE, "linestyle": "none", "marker": ".", "markersize": 2.5}
+MODEL = {"color": VERMILION, "linewidth": 1.1}
+
+
+@styled
+def calibration_figure(found: Calibration) -> Figure:
+    """Draw each measured loop with the model's, and below it what is left."""
+    fitted, loops = found.fitted, found.fitted.loops
+    figure = sheet(4.4)
+    grid = figure.subplots(2, len(loops), squeeze=False, sharex="col", height_ratios=(3.0, 1.0))
+    model = put_all(fitted.model, fitted.parameters, fitted.values)
+    for place, loop in enumerate(loops):
+        above, below = grid[0, place], grid[1, place]
+        offset = fitted.values[len(fitted.parameters) + 2 * place :][:2]
+        above.plot(loop.torque, loop.deflection / DEGREE, **MEASURED)
+        for torque, turn in model_branches(model, fitted.bench, loop, float(offset[0])):
+            above.plot(torque + offset[0], (turn + offset[1]) / DEGREE, **MODEL)
+        above.set_title(loop.name)
+        above.margins(x=0.02)
+        below.plot(loop.torque, (loop.deflection - fitted.turns[place]) / DEGREE, **MEASURED)
+        centred(below, (loop.deflection - fitted.turns[place]) / DEGREE)
+        below.set_xlabel("torque at the output [N m]")
+    grid[0, 0].set_ylabel("deflection [deg]")
+    grid[1, 0].set_ylabel("measured less\nmodel [deg]")
+    legend_above(grid[0, -1], ("measured", MEASURED), ("model", MODEL))
+    state(figure, f"{found.design.name}, {fitted.bench.held} held, crank at {fitted.bench.crank / DEGREE:.4g} deg")
+    return figure
+
+
+@styled
+def comparison_figure(found: BenchComparison) -> Figure:
+    """Draw the measured transmission error with the model's, over the angle and by order."""
+    figure = sheet(4.4)
+    above, below = figure.subplots(2, 1)
+    crank = found.measured.crank / DEGREE
+    error = found.measured.error - found.measured.error.mean()
+    above.plot(crank, error / ARCSECOND, **THEORY)
+    above.plot(crank, found.model / ARCSECOND, color=VERMILION, linewidth=0.9)
+    above.set(xlabel="crank angle [deg]", ylabel="transmission error [arcsec]")
+    legend_above(above, ("measured", THEORY), ("model", {"color": VERMILION, "linewidth": 0.9}))
+    width = 0.35
+    below.bar(found.order - width / 2, np.abs(found.bench_amplitude) / ARCSECOND, width, color=GREY)
+    below.bar(found.order + width / 2, np.abs(found.model_amplitude) / ARCSECOND, width, color=ORANGE)
+    below.set(xlabel="order of the crank", ylabel="amplitude [arcsec]")
+    legend_above(below, ("measured", {"color": GREY, "linewidth": 4}), ("model", {"color": ORANGE, "linewidth": 4}))
+    state(figure, f"{found.measured.name} against {found.design}, {found.load:.4g} N m, {found.whole:.1%} explained")
+    return figure

@@ -1,0 +1,348 @@
+"""Loops of torque and turn with friction that remembers, and designs calibrated by them."""
+
+import json
+import math
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from designs import UNLIKE, design_file, unlike
+
+from cycloid_mj.bench import (
+    Calibration,
+    MeasuredLoop,
+    calibrate,
+    compare_bench,
+    compare_losses,
+    measured_loop,
+    read_loop,
+    read_te,
+)
+from cycloid_mj.bench.fit import Bench, memory, model_branches
+from cycloid_mj.bench.parameters import DEFAULT, Model
+from cycloid_mj.cli.app import main
+from cycloid_mj.design import Design, load, resolve
+from cycloid_mj.errors import UsageError
+from cycloid_mj.loaded import loads, springs_of
+from cycloid_mj.loaded.sliding import Losses, turn_along
+from cycloid_mj.mechanism.limits import stops
+from cycloid_mj.types import Array
+from cycloid_mj.units import DEGREE
+
+DATA = Path(__file__).parent / "data" / "bench"
+BENCH = [DATA / "play_loop.csv", DATA / "stiffness_loop.csv"]
+FIVE = ("play", "tooth_stiffness", "friction", "drag", "drag_travel")
+FRICTIONLESS = dict.fromkeys(type(Design().friction).model_fields, 0.0)
+
+
+def course(*ends: float, count: int = 40) -> Array:
+    parts = [np.linspace(a, b, count, endpoint=False) for a, b in pairwise(ends)]
+    return np.concatenate([*parts, [ends[-1]]])
+
+
+def soft() -> Design:
+    """A printed drive with rather soft teeth and rough ones."""
+    return resolve("printed").but(stiffness={"pin_gear": 2e6}, friction={"pin_gear": 0.2})
+
+
+@pytest.mark.parametrize("name", ["pin", "nonpin", "printed", *UNLIKE])
+def test_without_friction_it_is_the_balance(name: str) -> None:
+    """Every design, up and down again: an independent iteration from nothing finds the same turn."""
+    design = unlike(name) if name in UNLIKE else resolve(name)
+    design = design.but(friction=FRICTIONLESS, drive={"speed": 0.0})
+    ends = [0.0, design.rated_torque, -design.rated_torque, 0.2 * design.rated_torque]
+    torque = course(*ends, count=12)
+    found = turn_along(design, torque, 0.3, Losses())
+    springs = springs_of(design, [0.3], friction=False)
+    for place in (12, 20, 24, 36):
+        expected = loads(design, springs, float(torque[place])).output_turn[0]
+        assert found[place] == pytest.approx(expected, rel=1e-4)
+
+
+def test_constant_friction_comes_on_over_its_travel() -> None:
+    """From rest a seal's friction grows as 1 - exp(-turn/travel), but for the few elements that share it."""
+    drag, travel = 3.0, 2e-3
+    design = resolve("printed").but(clearance={"pin_gear": 500e-6, "output": 500e-6}, friction=FRICTIONLESS)
+    design = design.but(environment={"gravity_y": 0.0})
+    torque = np.linspace(0.0, 0.9 * drag, 20)
+    turn = turn_along(design, torque, 0.0, Losses(drag, travel))
+    assert torque[1:] == pytest.approx(drag * (1.0 - np.exp(-turn[1:] / travel)), abs=0.04 * drag)
+
+
+@pytest.mark.parametrize("held", ["crank", "output"])
+def test_a_partial_reversal_is_forgotten_once_it_closes(held: str) -> None:
+    """Return-point memory: after a small loop inside, the course goes on as if there had been none."""
+    losses = Losses(1.0, 1e-3)
+    plain = turn_along(soft(), course(0, 20, -20, 20), 0.0, losses, held)
+    nested = turn_along(soft(), course(0, 20, -20, 10, 4, 10, 20), 0.0, losses, held)
+    assert nested[-1] == pytest.approx(plain[-1], rel=1e-3)
+    entered, left = nested[120], nested[200]
+    assert left == pytest.approx(entered, rel=2e-3)
+    assert nested[160] > entered - 0.7 * (entered - stops(soft(), 0.0)[1])  # it stuck on the way back
+
+
+def test_parts_stick_before_they_slide_back() -> None:
+    """Load-dependent friction: just after the reversal the loop is several times as stiff as before it."""
+    torque = course(0, 20, 0, count=80)
+    turn = turn_along(soft(), torque, 0.0, Losses())
+    before, after = turn[80] - turn[76], turn[80] - turn[84]
+    assert 0.0 < after < 0.25 * before
+
+
+def test_a_loop_takes_the_work_of_its_constant_friction() -> None:
+    """Friction that acts at once takes twice its torque times the turn from one end to the other."""
+    drag = 2.0
+    torque = course(0, 20, -20, 20, count=400)
+    turn = turn_along(soft().but(friction=FRICTIONLESS), torque, 0.0, Losses(drag))
+    work = abs(float(np.trapezoid(turn[400:], torque[400:])))
+    assert work == pytest.approx(2.0 * drag * float(np.ptp(turn[400:])), rel=0.02)
+
+
+def test_a_loop_takes_work_that_grows_with_friction() -> None:
+    areas = []
+    for friction in (0.05, 0.1, 0.2):
+        design = soft().but(friction={"pin_gear": friction})
+        torque = course(0, 20, -20, 20)
+        areas.append(abs(float(np.trapezoid(turn_along(design, torque, 0.0, Losses())[40:], torque[40:]))))
+    assert 0.0 < areas[0] < areas[1] < areas[2]
+
+
+def made_loop(
+    design: Design, losses: Losses, most: float, seed: int, noise: float = 0.01, name: str = "made"
+) -> MeasuredLoop:
+    """Make a loop by the model, with noise of a share of its ranges, an offset, and points at uneven torques."""
+    generator = np.random.default_rng(seed)
+    torque = course(0.3 * most, most, -most, 0.3 * most, count=60)
+    ends = measured_loop(name, torque, torque + 0.0)
+    branches = model_branches(Model(design, losses), Bench("crank", 0.0), ends)
+    turn = np.empty(len(torque))
+    for number, (loads_, turns) in enumerate(branches):
+        here, order = ends.branch == number, np.argsort(loads_)
+        turn[here] = np.interp(torque[here], loads_[order], turns[order])
+    torque = torque + noise * 2.0 * most * generator.standard_normal(len(torque)) * 0.3
+    turn = turn + noise * np.ptp(turn) * generator.standard_normal(len(turn))
+    return measured_loop(name, torque, turn / DEGREE + 0.2)
+
+
+TRUE = {"play": 80.0, "tooth_stiffness": 0.02, "friction": 0.22, "drag": 2.0, "drag_travel": 0.1}
+
+
+@cache
+def known() -> Design:
+    from cycloid_mj.bench.parameters import parameters
+
+    model = Model(resolve("printed"), Losses())
+    for one in parameters(model.design, tuple(TRUE)[:3], 20.0, 0.02):
+        model = one.put(model, TRUE[one.key])
+    return model.design
+
+
+def recovered(seed: int, *to: float) -> Calibration:
+    losses = Losses(TRUE["drag"], DEGREE * TRUE["drag_travel"])
+    loops = [made_loop(known(), losses, most, 2 * seed + place, name=f"to_{most:g}") for place, most in enumerate(to)]
+    return calibrate(resolve("printed"), loops, FIVE)
+
+
+def test_known_values_come_back() -> None:
+    found = recovered(0, 20.0)
+    assert sum(one.ci95[0] <= TRUE[key] <= one.ci95[1] for key, one in found.estimates.items()) >= 4
+    assert all(one.identified for one in found.estimates.values())
+    assert found.estimates["tooth_stiffness"].value == pytest.approx(TRUE["tooth_stiffness"], rel=0.05)
+    low, high = stops(known(), 0.0)
+    assert found.play[0] == pytest.approx(high - low, rel=0.03)
+
+
+@pytest.mark.slow
+def test_known_values_come_back_for_most_seeds() -> None:
+    hits = dict.fromkeys(TRUE, 0)
+    for seed in range(20):
+        for key, one in recovered(seed, 4.0, 20.0).estimates.items():
+            hits[key] += one.ci95[0] <= TRUE[key] <= one.ci95[1]
+    assert all(count >= 17 for count in hits.values()), hits
+
+
+@pytest.fixture(scope="module")
+def bench() -> Calibration:
+    return calibrate(resolve("printed"), [read_loop(path) for path in BENCH], FIVE)
+
+
+def test_the_printed_drive_is_explained(bench: Calibration) -> None:
+    shares = [bench.fitted.rms(place) / loop.height for place, loop in enumerate(bench.fitted.loops)]
+    assert shares[0] < 0.08
+    assert shares[1] < 0.04
+    assert bench.estimates["friction"].ci95[0] > 0.1
+    assert math.degrees(bench.play[0]) < 1.24
+    for name in ("play_loop", "stiffness_loop"):
+        assert any(loop.name == name for loop in bench.fitted.loops)
+
+
+@pytest.mark.slow
+def test_friction_of_contacts_explains_what_constant_friction_does_not(bench: Calibration) -> None:
+    found = compare_losses(bench)
+    criteria = {one.key: one.criterion for one in found.variants}
+    assert criteria["friction"] < criteria["constant"] - 10.0
+    assert criteria["friction"] < criteria["material"] - 10.0
+    assert criteria["both"] > criteria["friction"] - 10.0
+
+
+@pytest.mark.slow
+def test_play_in_teeth_and_holes_is_not_told_apart() -> None:
+    found = calibrate(resolve("printed"), [read_loop(path) for path in BENCH], DEFAULT)
+    assert {"mesh_play", "output_play", "cam_play"} & set(found.unidentified)
+    shares = [found.fitted.rms(place) / loop.height for place, loop in enumerate(found.fitted.loops)]
+    assert shares[0] < 0.08
+    assert shares[1] < 0.04
+
+
+def test_noise_counts_point_by_point_and_a_wave_does_not() -> None:
+    noise = np.random.default_rng(0).standard_normal(400)
+    assert memory(noise) < 1.5
+    assert memory(np.sin(np.linspace(0.0, 20.0, 400)) + 0.1 * noise) > 10.0
+
+
+def test_either_sign_convention_is_read() -> None:
+    ours = read_loop(BENCH[0])
+    other = measured_loop("other", ours.torque, -ours.deflection / DEGREE)
+    assert not ours.flipped
+    assert other.flipped
+    assert other.deflection == pytest.approx(ours.deflection)
+
+
+def rows(path: Path) -> list[str]:
+    return path.read_text(encoding="utf-8").splitlines()
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (lambda lines: [], "the file is empty"),
+        (lambda lines: lines[:1], "there are no rows"),
+        (lambda lines: ["# a,b", *lines[1:]], "torque_output_Nm"),
+        (lambda lines: ["torque_output_Nm,angle", *lines[1:]], "deflection_deg is missing"),
+        (lambda lines: [*lines[:9], "nan,0.1", *lines[9:]], "line 10: torque_output_Nm is 'nan'"),
+        (lambda lines: [*lines[:9], "1.0", *lines[9:]], "line 10: deflection_deg is ''"),
+        (lambda lines: lines[:10], "9 points are no loop"),
+        (lambda lines: [lines[0], *lines[65:130]], "one branch only"),
+        (lambda lines: [lines[0], *(f"{row.split(',')[0]},1.0" for row in lines[1:])], "the same in all rows"),
+        (
+            lambda lines: [lines[0], *(f"{t},{float(d) * 3600}" for t, d in (row.split(",") for row in lines[1:]))],
+            "which no held output does",
+        ),
+        (
+            lambda lines: [lines[0], *(f"{t},{float(d) * DEGREE}" for t, d in (row.split(",") for row in lines[1:]))],
+            "in radians",
+        ),
+    ],
+)
+def test_a_bad_loop_is_refused(change, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "loop.csv"
+    path.write_text("\n".join(change(rows(BENCH[0]))) + "\n", encoding="utf-8")
+    code = main(["calibrate", "--design", "printed", "--loop", str(path), "--out", str(tmp_path / "out")])
+    captured = capsys.readouterr()
+    assert code == 2
+    assert told in captured.err
+    assert captured.err.count("\n") == 1
+    assert not captured.out
+
+
+@pytest.mark.parametrize(
+    ("fit", "told"),
+    [
+        ("mesh_plai", "nothing to fit called 'mesh_plai'"),
+        ("ring.teeth", "only a number"),
+        ("play,play", "given twice"),
+        ("drive.power_kw", "determines none of these"),
+        ("clearance.output_mm", "nothing to fit called"),
+    ],
+)
+def test_what_cannot_be_fitted_is_refused(
+    fit: str, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["calibrate", "--design", "printed", "--loop", str(BENCH[0]), "--fit", fit, "--out", str(tmp_path)]
+    assert main([*words, "--quiet"]) == 2
+    assert told in capsys.readouterr().err
+
+
+def test_the_command_writes_the_design_and_the_rest(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["calibrate", "--design", "printed", "--loop", str(BENCH[0]), "--fit", "play,drag,tooth_stiffness"]
+    assert main([*words, "--out", str(tmp_path), "--json", "--quiet"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert set(found["parameters"]) == {"play", "drag", "tooth_stiffness"}
+    for one in found["parameters"].values():
+        assert one["ci95"][0] <= one["value"] <= one["ci95"][1]
+    for key in ("play_deg", "stiffness_nm_per_rad", "coulomb_nm"):
+        assert found[key] > 0.0
+    calibrated = load(tmp_path / "printed-calibrated.toml")
+    assert calibrated.name == found["design"]
+    assert 1e6 * calibrated.clearance.output == pytest.approx(found["parameters"]["play"]["value"])
+    assert calibrated.drag.output == pytest.approx(found["parameters"]["drag"]["value"])
+    page = (tmp_path / "printed-calibrated.html").read_text(encoding="utf-8")
+    assert "<svg" in page
+    assert "tooth_stiffness" in page
+    lines = rows(tmp_path / "printed-calibrated-residuals.csv")
+    left = np.array([float(line.split(",")[-1]) for line in lines[1:]])
+    assert len(left) == 167
+    assert found["residual_rms_deg"] == pytest.approx(math.sqrt(np.mean(left**2)))
+
+
+def measured_te(design: Design, torque: float, shift_deg: float, noise: float, turns: int = 1) -> tuple[Array, Array]:
+    """Give crank angles [deg] and errors [arcsec] as a bench with a crank zero of its own would have them."""
+    from cycloid_mj.loaded import transmission_error
+    from cycloid_mj.units import ARCSECOND
+
+    crank = np.linspace(0.0, 360.0 * turns, 720 * turns, endpoint=False)
+    level = design.but(environment={"gravity_x": 0.0, "gravity_y": 0.0})
+    error = transmission_error(level, np.radians(crank + shift_deg), torque)[:, 1] / ARCSECOND
+    return crank, error + 7.0 + noise * np.random.default_rng(0).standard_normal(len(error))
+
+
+def written_te(path: Path, crank: Array, error: Array) -> Path:
+    lines = ["crank_deg,te_arcsec", *(f"{a!r},{b!r}" for a, b in zip(crank.tolist(), error.tolist(), strict=True))]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+def test_a_measured_error_is_matched_and_its_zero_found(tmp_path: Path) -> None:
+    design = unlike("few").but(errors={"pin_position": 20e-6, "seed": 3})
+    path = written_te(tmp_path / "te.csv", *measured_te(design, design.rated_torque, 77.0, 0.0))
+    found = compare_bench(design, read_te(path), design.rated_torque)
+    assert math.degrees(found.zero) == pytest.approx(77.0, abs=0.5)
+    assert found.whole > 0.99
+    strong = found.strongest_first[:3]
+    assert np.all(found.explained[strong] > 0.98)
+    other = compare_bench(unlike("few"), read_te(path), design.rated_torque)
+    assert other.whole < 0.9 * found.whole
+
+
+def test_compare_bench_writes_and_tells(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    design = unlike("few")
+    path = written_te(tmp_path / "te.csv", *measured_te(design, 1.0, 10.0, 0.1))
+    words = ["compare-bench", "--design", str(design_file("few")), "--te", str(path), "--load-nm", "1"]
+    assert main([*words, "--out", str(tmp_path), "--json", "--quiet"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["load_nm"] == 1.0
+    assert {"order", "measured_arcsec", "model_arcsec", "phase_deg", "explained", "cause"} == set(found["orders"][0])
+    assert (tmp_path / "few-te.png").stat().st_size > 5000
+
+
+@pytest.mark.parametrize(
+    ("crank", "error", "told"),
+    [
+        (np.linspace(0.0, 90.0, 100), np.ones(100), "at least a whole turn"),
+        (np.linspace(0.0, 6.28, 100), np.ones(100), "in radians"),
+        (np.linspace(0.0, 360.0, 100), np.ones(100), "no transmission error"),
+        (np.linspace(0.0, 360.0, 100), 1e5 * np.sin(np.arange(100)), "no transmission error"),
+    ],
+)
+def test_a_bad_error_curve_is_refused(crank: Array, error: Array, told: str, tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match=told):
+        read_te(written_te(tmp_path / "te.csv", crank, error))
+
+
+def test_an_error_curve_without_its_columns_names_them(tmp_path: Path) -> None:
+    path = tmp_path / "te.csv"
+    path.write_text("angle,error\n1,2\n", encoding="utf-8")
+    with pytest.raises(UsageError, match="crank_deg,te_arcsec"):
+        read_te(path)
