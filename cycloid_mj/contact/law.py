@@ -145,6 +145,11 @@ def contact_stiffness(design: Design, kind: str, disc: int = 0) -> float:
     return 1.0 / (1.0 / own + bent) if bent else own
 
 
+def stiffest(design: Design, kind: str) -> float:
+    """Give `contact_stiffness` on the disc where it is largest [N/m]."""
+    return max(contact_stiffness(design, kind, disc) for disc in range(design.gear.discs))
+
+
 def _roller_on_cam(design: Design) -> float:
     """Give the stiffness of a roller, of the shaft's material, on the cam [N/m]; 0 where it is given for all pairs."""
     if design.contact.stiffness:

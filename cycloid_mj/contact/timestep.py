@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from functools import lru_cache
 
-from cycloid_mj.contact.law import contact_stiffness
+from cycloid_mj.contact.law import contact_stiffness, stiffest
 from cycloid_mj.contact.working import working_force
 from cycloid_mj.design import Design, Drive, Friction, Load, Settings
 from cycloid_mj.member import against_ring
@@ -78,7 +78,7 @@ def chosen(design: Design) -> Step:
 def limits(design: Design) -> dict[str, float]:
     """Give what limits the step of a design -> the longest step [s] that it allows."""
     found = {
-        f"stiffness of {kind}": math.sqrt(RESOLVED * mass / contact_stiffness(design, kind))
+        f"stiffness of {kind}": math.sqrt(RESOLVED * mass / stiffest(design, kind))
         for kind, mass in effective_masses(design).items()
     }
     found |= {f"rolling of {what}": limit for what, limit in rolling_limits(design).items()}

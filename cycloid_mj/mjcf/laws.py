@@ -1,23 +1,39 @@
 """The contact law of each kind of mating pair of a design, from its stiffness and the masses that move on it."""
 
+from collections.abc import Sequence
+
 from cycloid_mj.contact.law import ContactLaw, contact_law, contact_stiffness, damping_ratio
 from cycloid_mj.contact.timestep import effective_masses, timestep
 from cycloid_mj.contact.working import working_force
 from cycloid_mj.design import Design
 
+Laws = dict[str, ContactLaw]
+"""Kind of pair -> its law."""
 
-def contact_laws(design: Design) -> dict[str, ContactLaw]:
+
+def laws_of_discs(design: Design) -> tuple[Laws, ...]:
+    """Give `contact_laws` of every disc."""
+    return tuple(contact_laws(design, disc) for disc in range(design.gear.discs))
+
+
+def stiffest(laws: Sequence[Laws]) -> Laws:
+    """Give the law of each kind on the disc where it is stiffest; elsewhere an output pin may bend more."""
+    return {kind: max((one[kind] for one in laws), key=lambda law: law.stiffness) for kind in laws[0]}
+
+
+def contact_laws(design: Design, disc: int = 0) -> Laws:
     """Give the contact law of each kind of pair: line-contact stiffness, damping by the pair's own effective mass.
 
     With massless pins the pair of gear and pin is one of gear and housing: both contacts in series, rubbing as easily
-    as the easier of the two.
+    as the easier of the two. An output pin that bends gives way at its disc's plane, in series with its contact; what a
+    disc's force bends it by at another disc's plane is left out (docs/decisions/9-bent-output-pins.md).
     """
     laws = {}
     for kind, mass in effective_masses(design).items():
         through = kind == design.tooth_pair and design.ring.has_massless_pins
         friction = design.mesh_friction if through else design.friction_of(kind)
         laws[kind] = contact_law(
-            stiffness=contact_stiffness(design, kind),
+            stiffness=contact_stiffness(design, kind, disc),
             damping_ratio=damping_ratio(design, kind),
             effective_mass=mass,
             friction=friction,

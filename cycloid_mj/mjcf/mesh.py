@@ -9,7 +9,7 @@ then pushes the surfaces apart, with friction times damping times speed. The fac
 meet it by explicit pairs where they rub, and have none of it.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -27,7 +27,7 @@ from cycloid_mj.export.stl import stl_bytes
 from cycloid_mj.mechanism.reducer import Mechanism, mechanism, phases
 from cycloid_mj.mjcf.bodies import add_bodies, colour, crank_inertia, point, seen, set_inertia, span, turn
 from cycloid_mj.mjcf.foundation import slice_law
-from cycloid_mj.mjcf.laws import contact_laws
+from cycloid_mj.mjcf.laws import Laws, laws_of_discs, stiffest
 from cycloid_mj.mjcf.model import ReducerModel, add_actuators, empty_spec, judged
 from cycloid_mj.mjcf.sensors import add_sensors
 from cycloid_mj.modification import tooth_profile
@@ -115,14 +115,14 @@ def mesh_spec(design: Design, settings: ConvexSettings) -> MeshSpec:
     _options(spec)
     _add_visuals(spec, reducer)
     weights = _inverse_weights(spec)
-    laws = contact_laws(design)
+    laws = laws_of_discs(design)
     working = surfaces(design, settings)
     collision = spec.add_default(COLLISION, spec.default)
     collision.geom.group, collision.geom.contype, collision.geom.conaffinity = 3, 0, 0
     for surface in working:
         _add_surface(spec, reducer, surface, laws, weights, settings)
     _add_round_parts(spec, reducer)
-    return MeshSpec(spec, working, laws, crank_inertia(design, masses[names.SHAFT]))
+    return MeshSpec(spec, working, stiffest(laws), crank_inertia(design, masses[names.SHAFT]))
 
 
 def add_rest(spec: Any, design: Design, number: int, rest: Rest) -> None:
@@ -195,7 +195,7 @@ def _add_surface(
     spec: Any,
     reducer: Mechanism,
     surface: Surface,
-    laws: Mapping[str, ContactLaw],
+    laws: Sequence[Laws],
     weights: Mapping[str, float],
     settings: ConvexSettings,
 ) -> None:
@@ -214,7 +214,7 @@ def _add_slices(
     reducer: Mechanism,
     surface: Surface,
     disc: int,
-    laws: Mapping[str, ContactLaw],
+    laws: Sequence[Laws],
     weights: Mapping[str, float],
 ) -> None:
     """Add one class for each slice of a surface on a disc, with its contact physics, and its geoms at every place."""
@@ -226,12 +226,13 @@ def _add_slices(
     mates = {name: mate for pair in mating.pairs for name, mate in ((pair.on, pair.by), (pair.by, pair.on))}
     first = next(mating.pairs)
     weight = weights[carriers[first.on]] + weights[carriers[first.by]]
-    rubs = kind != design.tooth_pair and laws[kind].friction > 0.0
+    law = laws[disc][kind]
+    rubs = kind != design.tooth_pair and law.friction > 0.0
     classes = []
     for number, part in enumerate(surface.slices):
         name = f"{surface.name}_{number + 1}"
         factor = curve.factor(part.curvature) if kind == design.tooth_pair else 1.0
-        parameters = solver_parameters(slice_law(laws[kind], factor, part, force), weight)
+        parameters = solver_parameters(slice_law(law, factor, part, force), weight)
         default = _sub_default(spec, names.of_disc(name, disc, own))
         default.geom.type, default.geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, name
         if rubs:

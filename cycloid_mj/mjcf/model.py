@@ -4,7 +4,7 @@ Frame: +x right, +y up, z along the crank axis; crank angle counter-clockwise, z
 The gear and the free pins move in the plane (two slides and a hinge); shaft and output turn on hinges.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -21,7 +21,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.digits import significant
 from cycloid_mj.mechanism.reducer import Pair, mechanism
 from cycloid_mj.mjcf.bodies import add_bodies, add_shapes, crank_inertia
-from cycloid_mj.mjcf.laws import contact_laws
+from cycloid_mj.mjcf.laws import Laws, laws_of_discs, stiffest
 from cycloid_mj.mjcf.sensors import add_sensors
 from cycloid_mj.mjcf.solver import set_solver
 from cycloid_mj.solid import VISUAL_CHORD_ERROR, mesh, moving_masses, output_inertia, parts
@@ -44,7 +44,7 @@ class ReducerModel:
     pairs
         Every mating pair, in the order of the log's force columns.
     laws
-        The contact law of each kind of pair.
+        The contact law of each kind of pair, on the disc where it is stiffest.
     servo_gains
         kp [N m/rad] and kv [N m s/rad] of the servo on the shaft that is held.
     crank_inertia
@@ -96,10 +96,10 @@ def build(design: Design, held: Held = "crank") -> ReducerModel:
     gains = add_actuators(spec, inertias[held], held)
     add_sensors(spec, design)
     each_step.add_sensor(spec)
-    laws = contact_laws(design)
-    set_solver(spec, laws, design.ring.has_pin_bodies)
+    laws = laws_of_discs(design)
+    set_solver(spec, stiffest(laws), design.ring.has_pin_bodies)
     model = _add_pairs(spec, reducer.pairs, laws)
-    return judged(ReducerModel(spec, model, reducer.pairs, laws, gains, crank), design)
+    return judged(ReducerModel(spec, model, reducer.pairs, stiffest(laws), gains, crank), design)
 
 
 def judged(reducer: ReducerModel, design: Design) -> ReducerModel:
@@ -150,13 +150,13 @@ def add_actuators(spec: Any, inertia: float, held: Held = "crank") -> tuple[floa
     return kp, kv
 
 
-def _add_pairs(spec: Any, mating: tuple[Pair, ...], laws: Mapping[str, ContactLaw]) -> Any:
+def _add_pairs(spec: Any, mating: tuple[Pair, ...], laws: Sequence[Laws]) -> Any:
     """Add the explicit pairs with each contact's physics; give the compiled model."""
     model = spec.compile()
     for pair in mating:
         bodies = [model.geom(name).bodyid[0] for name in (pair.on, pair.by)]
         inverse_weight = float(sum(model.body_invweight0[body, 0] for body in bodies))
-        parameters = solver_parameters(laws[pair.kind], inverse_weight)
+        parameters = solver_parameters(laws[pair.disc][pair.kind], inverse_weight)
         spec.add_pair(
             name=pair.name,
             geomname1=pair.on,
