@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
+from scipy.spatial import cKDTree
 
 from cycloid_mj import names
 from cycloid_mj.analysis import analyze, series
@@ -30,6 +31,12 @@ from cycloid_mj.scene.force import arrow_heights
 from cycloid_mj.scene.glb import glb
 from cycloid_mj.scene.messages import Scene
 from cycloid_mj.scene.shape import shapes
+from cycloid_mj.solid import gear_solid
+from cycloid_mj.solid.output import AXIAL_GAP
+from cycloid_mj.stress.grid import GridSettings
+from cycloid_mj.stress.loads import part_loads
+from cycloid_mj.stress.notch import root_arms
+from cycloid_mj.stress.part import part_grid
 
 CASE_K = [
     *("ring.teeth=30", "ring.pin_circle_radius_mm=52.5", "ring.pin_radius_mm=3.5", "ring.pins=fixed"),
@@ -131,6 +138,57 @@ def test_a_disc_is_drawn_where_it_is(run: Run) -> None:
         opened = measured.opening - design.ring.pin_radius + design.clearance.pin_gear
         assert np.abs(measured.opening[touching]).max() < 4e-6
         assert opened.shape == (3, 30)
+
+
+@pytest.mark.parametrize("kind", ["pin", "nonpin"])
+def test_contacts_lie_on_the_part_that_they_press_on(kind: str) -> None:
+    """Where each disc is touched is on its own outline, its bore and its holes; actions and reactions are the same."""
+    changes = ["gear.discs=3", "drive.speed_rpm=3000", "drive.ramp_s=0", "drive.hold_s=0.028", "load.torque_nm=60"]
+    pins = ["ring.pins=fixed"] if kind == "pin" else []
+    stiff = [
+        "settings.timestep_us=5",
+        "settings.log_rate_hz=5000",
+        "load.rise_s=0.001",
+        "contact.max_penetration_um=50",
+    ]
+    design = override(PRESETS[kind], [*changes, *stiff, *pins])
+    run, few = simulate(design), np.radians(np.arange(0.0, 360.0, 30.0))
+    on_gears = [part_loads(run, design, gear, few) for gear in ("gear_1", "gear_2", "gear_3")]
+    for disc, loads in enumerate(on_gears):
+        (prism,) = gear_solid(design, 1e-7, disc).prisms
+        near = cKDTree(np.concatenate([prism.outline, *prism.holes]))
+        pressed = np.linalg.norm(loads.force, axis=2) > 5.0
+        away, _ = near.query(loads.place[pressed])
+        assert away.max() < 1e-4
+        assert {names.disc_of(label) for label in loads.labels} == {disc}
+    shaft = part_loads(run, design, "shaft", few)
+    assert shaft.labels == ("gear_1_cam", "gear_2_cam", "gear_3_cam")
+    for disc, loads in enumerate(on_gears):
+        cam = loads.labels.index(shaft.labels[disc])
+        sizes = [np.linalg.norm(one, axis=1) for one in (shaft.force[:, disc], loads.force[:, cam])]
+        np.testing.assert_allclose(*sizes, rtol=1e-12)
+
+
+def test_forces_on_output_and_shaft_act_in_the_planes_of_their_discs() -> None:
+    pytest.importorskip("skfem")
+    design = case_k("output.support=both_ends")
+    grid = part_grid(design, "output", GridSettings(refinement=0.35, solid=True))
+    assert grid.section is not None
+    for lift, plane in zip(grid.section.lifts, design.gear.disc_planes, strict=True):
+        force = (lift @ np.ones(lift.shape[1])).reshape(-1, 3)[:, 0]
+        assert force @ grid.points[:, 2] / force.sum() == pytest.approx(plane, abs=1e-12)
+        pressed = grid.points[force != 0.0, 2]
+        np.testing.assert_allclose([pressed.min(), pressed.max()], [plane - 6.75e-3, plane + 6.75e-3], atol=1e-12)
+    assert grid.points[:, 2].min() == pytest.approx(-0.015 - 1e-3 - design.output.disc_thickness, abs=1e-12)
+
+
+def test_a_pin_clamped_at_both_ends_has_the_moments_of_a_beam() -> None:
+    """Its near root bears F a b^2/l^2: with the force in the middle F l/8."""
+    one = case_k("gear.discs=1", "output.support=both_ends")
+    length = 13.5e-3 + 2.0 * AXIAL_GAP
+    np.testing.assert_allclose(root_arms(one), [[length / 8.0], [length / 8.0]], rtol=1e-12)
+    cantilever = root_arms(case_k())
+    np.testing.assert_allclose(cantilever, [[15e-3 + AXIAL_GAP + 8.25e-3, 15e-3 + AXIAL_GAP - 8.25e-3]], rtol=1e-12)
 
 
 def test_viewers_get_every_disc_in_its_plane(run: Run) -> None:

@@ -22,6 +22,7 @@ from cycloid_mj.envelope import arc_contacts
 from cycloid_mj.errors import LogError, UsageError
 from cycloid_mj.kinematics import gear_centre_acceleration
 from cycloid_mj.log import write
+from cycloid_mj.names import gears
 from cycloid_mj.profile import conjugate_point, curvature, pin_angles, unit
 from cycloid_mj.run import simulate
 from cycloid_mj.solid import mass_properties, output_centres, parts
@@ -658,7 +659,7 @@ def test_without_the_extra_one_line_says_what_to_install(told, monkeypatch):
 def test_every_part_has_its_title_and_number():
     from cycloid_mj.plots.stress import NUMBERS, TITLES
 
-    assert set(TITLES) == set(NUMBERS) == set(PARTS)
+    assert set(TITLES) == set(NUMBERS) == {*PARTS, *gears(4)}
 
 
 def test_a_log_of_a_changed_design_is_refused_by_the_words_of_its_file():

@@ -51,7 +51,8 @@ PartsFlag = Annotated[
         name="--part",
         metavar="NAME",
         consume_multiple=True,
-        help="Parts: shaft, gear, ring (pinwheel or internal gear), output, pin_1. Default: all that a design has.",
+        help="Parts: shaft, gear (of several discs gear_1, gear_2, ...), ring (pinwheel or internal gear), output, "
+        "pin_1. Default: all that a design has.",
     ),
 ]
 LogsFlag = Annotated[

@@ -12,13 +12,13 @@ from cycloid_mj.mechanism.reducer import phases
 from cycloid_mj.modification import flank_ends, gear_profile, profile_offset, tooth_profile
 from cycloid_mj.solid import (
     VISUAL_CHORD_ERROR,
+    crank_stretches,
     housing_solid,
     output_centres,
     output_solid,
     parts,
     sleeve_core_radius,
     spacer_radius,
-    stretches,
 )
 from cycloid_mj.types import Array
 
@@ -182,7 +182,7 @@ def _shaft(design: Design) -> tuple[Section, ...]:
     special = {"counterweight": (counterweight,), "cam": ((_circle(cam, (0.0, design.gear.eccentricity)),),)}
     return tuple(
         Section(name, special.get(name, ((_circle(inner),),)), stretch.z0, stretch.z1)
-        for name, stretch in stretches(design).items()
+        for name, stretch in crank_stretches(design).items()
     )
 
 

@@ -9,6 +9,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
+from cycloid_mj.names import GEAR, gears
 from cycloid_mj.plots.comparison import COLORS
 from cycloid_mj.plots.style import BLACK, GREY, crank_axis, keys, sheet, styled
 from cycloid_mj.stress.field import StressMap
@@ -19,9 +20,14 @@ from cycloid_mj.units import MEGAPASCAL, MILLIMETRE
 
 Entries = list[tuple[str, dict[str, Any]]]
 
-TITLES = {"shaft": "eccentric shaft", "gear": "cycloid gear", "ring": "ring", "output": "output", "pin_1": "pin 1"}
-"""What a part is called; the ring is a pinwheel or an internal gear."""
-NUMBERS = {"shaft": 12, "gear": 13, "ring": 14, "output": 15, "pin_1": 16}
+GEARS = (GEAR, *gears(4))
+TITLES = {
+    "shaft": "eccentric shaft",
+    **{name: " ".join(["cycloid", *name.split("_")]) for name in GEARS},
+    **{"ring": "ring", "output": "output", "pin_1": "pin 1"},
+}
+"""What a part is called; the ring is a pinwheel or an internal gear, of several discs each is a part."""
+NUMBERS = {"shaft": 12, **dict.fromkeys(GEARS, 13), "ring": 14, "output": 15, "pin_1": 16}
 RANGE: dict[str, Any] = {"linestyle": (0, (5, 3)), "linewidth": 0.8}
 MARK: dict[str, Any] = {"linestyle": "", "markersize": 4.0}
 COLOUR_MAP, EDGE = "turbo", "#134A73"
@@ -82,10 +88,8 @@ def map_figure(maps: Mapping[str, StressMap], design: str) -> Figure:
 @styled
 def grid_figure(grids: Mapping[str, Grid], design: str) -> Figure:
     """Draw the grid of every part, and of a planar gear also a lobe of it, magnified."""
-    magnified = "gear" in grids and grids["gear"].dimension == 2
-    names = [
-        name for part in grids for name in ([part, f"{part}, magnified"] if part == "gear" and magnified else [part])
-    ]
+    magnified = [part for part, grid in grids.items() if part in GEARS and grid.dimension == 2]
+    names = [name for part in grids for name in ([part, f"{part}, magnified"] if part in magnified else [part])]
     figure, panels = _panels(names, f"{design}: grids of quadratic elements")
     for axes, name in zip(panels, names, strict=False):
         part = name.partition(",")[0]
@@ -102,7 +106,7 @@ def refinement_figure(findings: Sequence[StressFindings]) -> Figure:
     """Draw the largest bulk stress of every part against the unknowns of the grid, relative to the finest."""
     figure = sheet(3.4)
     axes = figure.subplots()
-    marks = dict(zip(TITLES, "osD^v", strict=True))
+    marks = dict(zip(TITLES, "osspPXD^v", strict=True))
     for number, each in enumerate(findings):
         for one in each.parts:
             largest = one.refinement.stress.max(axis=1)

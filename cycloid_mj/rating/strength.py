@@ -13,8 +13,7 @@ from cycloid_mj.rating.item import Item
 from cycloid_mj.rating.loading import Loading, bending
 from cycloid_mj.rating.ranges import StressRange
 from cycloid_mj.rating.surfaces import SOFTEST_STEEL
-from cycloid_mj.solid.output import AXIAL_GAP
-from cycloid_mj.stress.notch import BENDING, TORSION, shoulder_factor
+from cycloid_mj.stress.notch import BENDING, TORSION, root_arms, shoulder_factor
 from cycloid_mj.stress.shaftgrid import shaft_measures
 from cycloid_mj.types import Array
 
@@ -72,17 +71,9 @@ def output_pin(design: Design, force: Array) -> Item:
 def pin_moment(design: Design, force: Array) -> Array:
     """Give the bending moment at the root of each pin [N m], shape (..., pins), of forces [N] (..., discs, pins).
 
-    Each disc presses in its middle: F a on a cantilever, F a b^2/l^2 on a beam clamped at both ends, whose near end is
-    a away (Roark 8.1, 1d).
+    Each disc presses in its middle, see ``stress.notch.root_arms``; of two roots the larger moment.
     """
-    gear = design.gear
-    end = 0.5 * gear.stack_width + AXIAL_GAP
-    near = end - np.array(gear.disc_planes)
-    if design.output.support == "cantilever":
-        return np.asarray(np.einsum("d,...dp->...p", near, force))
-    far = 2.0 * end - near
-    roots = [np.einsum("d,...dp->...p", a * b**2 / (a + b) ** 2, force) for a, b in ((near, far), (far, near))]
-    return np.asarray(np.maximum(*roots))
+    return np.asarray(np.einsum("rd,...dp->...rp", root_arms(design), force).max(axis=-2))
 
 
 def _shoulder(design: Design, worst: Loading) -> Item:

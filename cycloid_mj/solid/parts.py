@@ -1,5 +1,6 @@
 """All parts of a reducer by name."""
 
+from collections.abc import Mapping
 from functools import lru_cache
 
 from cycloid_mj import names
@@ -7,8 +8,8 @@ from cycloid_mj.design import Design
 from cycloid_mj.solid.gear import gear_solid
 from cycloid_mj.solid.housing import housing_solid, pin_solid
 from cycloid_mj.solid.output import output_solid
-from cycloid_mj.solid.prism import Solid
-from cycloid_mj.solid.shaft import crank_parts, shaft_solid, stretches
+from cycloid_mj.solid.prism import Prism, Solid
+from cycloid_mj.solid.shaft import crank_parts, stretches
 
 SHAPING_NOTHING = (
     *("name", "errors", "friction", "drag", "contact", "stiffness", "damping", "working_force"),
@@ -70,15 +71,36 @@ def _shape(design: Design) -> Design:
     return design.model_copy(update={name: Design.model_fields[name].default for name in SHAPING_NOTHING})
 
 
+def crank_stretches(design: Design) -> Mapping[str, Prism]:
+    """Give the stretches of the whole crank by name, as right as for its mass; see ``shaft.stretches``.
+
+    Raises
+    ------
+    DesignError
+        As `parts`.
+    """
+    return _stretches(_shape(design), None)
+
+
 @lru_cache(maxsize=32)
 def _whole_crank(design: Design) -> Solid:
-    return shaft_solid(design)
+    return Solid(names.SHAFT, tuple(_stretches(design, None).values()), design.material_of("shaft").density)
+
+
+@lru_cache(maxsize=32)
+def _stretches(design: Design, chord_error: float | None) -> Mapping[str, Prism]:
+    return stretches(design, chord_error, _gears(design, chord_error)[0])
+
+
+@lru_cache(maxsize=32)
+def _gears(design: Design, chord_error: float | None) -> tuple[Solid, ...]:
+    return tuple(gear_solid(design, chord_error, disc) for disc in range(design.gear.discs))
 
 
 @lru_cache(maxsize=32)
 def _parts(design: Design, chord_error: float | None) -> dict[str, Solid]:
-    gears = [gear_solid(design, chord_error, disc) for disc in range(design.gear.discs)]
-    crank = crank_parts(design, chord_error) if len(gears) > 1 else (_crank(design, chord_error, gears[0]),)
+    gears = _gears(design, chord_error)
+    crank = crank_parts(design, chord_error) if len(gears) > 1 else (_single(design, chord_error),)
     solids = [housing_solid(design, chord_error), *crank, *gears]
     if design.ring.kind == "pin":
         solids.append(pin_solid(design, chord_error))
@@ -86,6 +108,6 @@ def _parts(design: Design, chord_error: float | None) -> dict[str, Solid]:
     return {solid.name: solid for solid in solids}
 
 
-def _crank(design: Design, chord_error: float | None, gear: Solid) -> Solid:
-    found = stretches(design, chord_error, gear)
-    return Solid(names.SHAFT, tuple(found.values()), design.material_of("shaft").density)
+def _single(design: Design, chord_error: float | None) -> Solid:
+    prisms = tuple(_stretches(design, chord_error).values())
+    return Solid(names.SHAFT, prisms, design.material_of("shaft").density)

@@ -2,14 +2,16 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from cycloid_mj.design import Design
+from cycloid_mj.names import disc_of
 from cycloid_mj.stress import elastic
 from cycloid_mj.stress.elastic import Body
-from cycloid_mj.stress.grid import Grid
-from cycloid_mj.stress.loads import PartLoads
+from cycloid_mj.stress.grid import Grid, Section
+from cycloid_mj.stress.loads import PartLoads, of_contacts
 from cycloid_mj.stress.patch import patches
 from cycloid_mj.stress.region import material_of
 from cycloid_mj.types import Array, Integers
@@ -70,7 +72,7 @@ def patch_case(design: Design, grid: Grid, loads: PartLoads) -> Case:
         The loads are not this part's, its support is singular, or a package of the extra ``fem`` is missing.
     """
     put = patches(grid if grid.section is None else grid.section.grid, loads)
-    pressed = put.loads if grid.section is None else (grid.section.lift @ put.loads).tocsc()
+    pressed = put.loads if grid.section is None else _lifted(grid.section, loads)
     part = elastic.body(grid, material_of(design, grid.part))
     mass, shares = elastic.mass_loads(part, grid.points), mass_coefficients(loads)
 
@@ -81,6 +83,16 @@ def patch_case(design: Design, grid: Grid, loads: PartLoads) -> Case:
         return Response(forces, moved, imbalance, elastic.reactions(part, moved, forces), np.zeros((len(block), 0, 3)))
 
     return Case(part, response, put.angle, put.points)
+
+
+def _lifted(section: Section, loads: PartLoads) -> Any:
+    """Put the forces of each disc on a solid at the disc's own heights, sparse (n, k)."""
+    discs = np.array([disc_of(label) for label in loads.labels])
+    lifted = [
+        lift @ patches(section.grid, loads if len(section.lifts) == 1 else of_contacts(loads, discs == disc)).loads
+        for disc, lift in enumerate(section.lifts)
+    ]
+    return sum(lifted[1:], lifted[0]).tocsc()
 
 
 def mass_coefficients(loads: PartLoads) -> Array:

@@ -2,13 +2,29 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
 from cycloid_mj.contact.pressure import hertz_holds, hertz_pressure, line_curvature, line_share, pair_modulus
 from cycloid_mj.design import Design
 from cycloid_mj.deviations import deviations
-from cycloid_mj.names import FORCE_X, FORCE_Y, LOBE, MOMENT, OUTPUT_PIN, PIN, SOCKET, column, numbered, planar_joints
+from cycloid_mj.mechanism.reducer import phases
+from cycloid_mj.names import (
+    CAM,
+    FORCE_X,
+    FORCE_Y,
+    LOBE,
+    MOMENT,
+    OUTPUT_PIN,
+    PIN,
+    SOCKET,
+    column,
+    gears,
+    numbered,
+    of_disc,
+    planar_joints,
+)
 from cycloid_mj.profile import unit
 from cycloid_mj.solid import output_centres
 from cycloid_mj.solid.gear import gear_profile, profile_offset, tooth_profile
@@ -79,8 +95,9 @@ def frame(turn: Turn, part: str) -> Frame:
     """Give the frame of a part, that of its solid, as it moves."""
     still = np.zeros_like(turn.angle)
     fixed = np.zeros((still.size, 2))
-    if part == "gear":
-        return Frame(turn.vectors("gear_x", "gear_y"), turn["gear_angle"])
+    if part in gears(turn.design.gear.discs):
+        x, y, angle = planar_joints(part)
+        return Frame(turn.vectors(x, y), turn[angle])
     if part == "shaft":
         return Frame(fixed, turn["crank_angle"])
     if part == "output":
@@ -91,9 +108,10 @@ def frame(turn: Turn, part: str) -> Frame:
 
 
 def contacts(turn: Turn, part: str) -> list[Contact]:
-    """Give every contact of a part: "shaft", "gear", "ring", "output" or "pin_1"."""
-    found = {"shaft": _of_shaft, "gear": _of_gear, "ring": _of_ring, "output": _of_output, "pin_1": _of_pin}
-    return found[part](turn)
+    """Give every contact of a part: "shaft", a disc ("gear", of several "gear_2"), "ring", "output" or "pin_1"."""
+    if part in gears(turn.design.gear.discs):
+        return _of_gear(turn, gears(turn.design.gear.discs).index(part))
+    return {"shaft": _of_shaft, "ring": _of_ring, "output": _of_output, "pin_1": _of_pin}[part](turn)
 
 
 def half_width(design: Design, kind: str, force: Array, curvature: Array | float, radius: float) -> Array:
@@ -130,9 +148,29 @@ def pin_centre(turn: Turn, pin: int) -> Array:
     return nominal + turn.vectors(*planar_joints(numbered(PIN, pin + 1))[:2])
 
 
-def _on_gear(turn: Turn, name: str) -> Action:
-    """Give the logged force of a pair on the gear, about the reducer's axis."""
-    return _logged(turn, name, frame(turn, "gear").origin)
+def _on_gear(turn: Turn, name: str, disc: int) -> Action:
+    """Give the logged force of a pair on a disc, about the reducer's axis."""
+    return _logged(turn, _called(turn, name, disc), _disc(turn, disc).origin)
+
+
+def _called(turn: Turn, name: str, disc: int) -> str:
+    """Name a pair of a disc."""
+    return of_disc(name, disc, turn.design.gear.discs)
+
+
+def _discs(turn: Turn) -> range:
+    return range(turn.design.gear.discs)
+
+
+def _disc(turn: Turn, disc: int) -> Frame:
+    """Give the frame of a disc."""
+    return frame(turn, gears(turn.design.gear.discs)[disc])
+
+
+def _tooth_frame(turn: Turn, disc: int) -> Frame:
+    """Give the frame of a disc's teeth: on a disc ahead on the crank they are turned back."""
+    seat = _disc(turn, disc)
+    return Frame(seat.origin, seat.angle - phases(turn.design)[disc] / turn.design.lobes)
 
 
 def _logged(turn: Turn, name: str, origin: Array) -> Action:
@@ -144,65 +182,71 @@ def _in(seat: Frame, action: Action) -> Action:
     return action.seen_from(seat.origin, seat.angle)
 
 
-def _of_gear(turn: Turn) -> list[Contact]:
-    return [*_teeth(turn, "gear"), _cam_in_bore(turn), *_holes(turn)]
+def _of_gear(turn: Turn, disc: int) -> list[Contact]:
+    return [*_teeth(turn, gears(turn.design.gear.discs)[disc], disc), _cam_in_bore(turn, disc), *_holes(turn, disc)]
 
 
 def _of_ring(turn: Turn) -> list[Contact]:
     design = turn.design
     if design.ring.kind == "nonpin":
-        return _teeth(turn, "ring")
-    return [_socket(turn, pin) for pin in range(design.ring.teeth)]
+        return [contact for disc in _discs(turn) for contact in _teeth(turn, "ring", disc)]
+    # a pin that is free presses on its socket as one, wherever discs press on it
+    discs = range(1) if design.ring.has_sockets and design.ring.has_pin_bodies else _discs(turn)
+    return [_socket(turn, pin, disc) for disc in discs for pin in range(design.ring.teeth)]
 
 
-def _teeth(turn: Turn, part: str) -> list[Contact]:
-    """Give the contacts of gear and ring, on either of the two."""
+def _teeth(turn: Turn, part: str, disc: int) -> list[Contact]:
+    """Give the contacts of a disc and the ring, on either of the two."""
     if turn.design.ring.kind == "pin":
-        return [_pin_on_gear(turn, pin) for pin in range(turn.design.ring.teeth)]
+        return [_pin_on_gear(turn, pin, disc) for pin in range(turn.design.ring.teeth)]
     gear, flank, offset = tooth_profile(turn.design), gear_profile(turn.design), profile_offset(turn.design)
-    on_gear, seat = frame(turn, "gear"), frame(turn, part)
-    lines, curvatures = lobe_lines(gear, turn["crank_angle"])
-    ahead = turn["gear_angle"] + turn["crank_angle"] / gear.lobes
+    on_teeth, seat, phase = _tooth_frame(turn, disc), frame(turn, part), phases(turn.design)[disc]
+    lines, curvatures = lobe_lines(gear, turn["crank_angle"] + phase)
+    ahead = on_teeth.angle + (turn["crank_angle"] + phase) / gear.lobes
     found = []
     for lobe in range(gear.ring_teeth):
         name = numbered(LOBE, lobe + 1)
-        action = _on_gear(turn, name)
-        place, curvature = lobe_place(flank, _in(on_gear, action), lines[:, lobe], curvatures[:, lobe], ahead, offset)
+        action = _on_gear(turn, name, disc)
+        place, curvature = lobe_place(flank, _in(on_teeth, action), lines[:, lobe], curvatures[:, lobe], ahead, offset)
+        place = turned(place, on_teeth.angle - seat.angle)
         if part == "ring":
-            place, action = turned(place, on_gear.angle) + on_gear.origin, action.reaction()
+            place, action = place + on_teeth.origin, action.reaction()
         width = half_width(turn.design, "tooth", action.size, curvature, gear.pin_radius)
-        found.append(Contact(name, _in(seat, action), place, width, line(turn.design, "tooth", action.size, curvature)))
+        pressed = line(turn.design, "tooth", action.size, curvature)
+        found.append(Contact(_called(turn, name, disc), _in(seat, action), place, width, pressed))
     return found
 
 
-def _pin_on_gear(turn: Turn, pin: int) -> Contact:
-    gear, seat = gear_profile(turn.design), frame(turn, "gear")
-    action = _in(seat, _on_gear(turn, numbered(PIN, pin + 1)))
+def _pin_on_gear(turn: Turn, pin: int, disc: int) -> Contact:
+    gear, seat, name = gear_profile(turn.design), _disc(turn, disc), numbered(PIN, pin + 1)
+    action = _in(seat, _on_gear(turn, name, disc))
     place = action.on_hole(seat.sees(pin_centre(turn, pin)), gear.pin_radius + deviations(turn.design).pin_radius[pin])
-    curvature = pin_curvature(gear, pin, seat.angle, profile_offset(turn.design))
+    curvature = pin_curvature(gear, pin, _tooth_frame(turn, disc).angle, profile_offset(turn.design))
     width = half_width(turn.design, "pin_gear", action.size, curvature, gear.pin_radius)
-    return Contact(numbered(PIN, pin + 1), action, place, width, line(turn.design, "pin_gear", action.size, curvature))
+    pressed = line(turn.design, "pin_gear", action.size, curvature)
+    return Contact(_called(turn, name, disc), action, place, width, pressed)
 
 
-def _cam_in_bore(turn: Turn) -> Contact:
-    action = _in(frame(turn, "gear"), _on_gear(turn, "cam"))
+def _cam_in_bore(turn: Turn, disc: int) -> Contact:
+    action = _in(_disc(turn, disc), _on_gear(turn, CAM, disc))
     radius = turn.design.gear.bore_radius + turn.design.clearance.cam
     width = _cam_width(turn, action)
     place = action.on_hole(np.zeros(2), radius, width)
-    return Contact("cam", action, place, width, line(turn.design, "cam", action.size))
+    return Contact(_called(turn, CAM, disc), action, place, width, line(turn.design, "cam", action.size))
 
 
-def _holes(turn: Turn) -> list[Contact]:
-    """Give the output pins in the gear's holes."""
-    output, seat = turn.design.output, frame(turn, "gear")
+def _holes(turn: Turn, disc: int) -> list[Contact]:
+    """Give the output pins in a disc's holes."""
+    output, seat = turn.design.output, _disc(turn, disc)
     radius = output.hole_radius + turn.design.clearance.output
     found = []
-    centres = output_centres(turn.design) + deviations(turn.design).hole_place[0]
+    centres = output_centres(turn.design) + deviations(turn.design).hole_place[disc]
     for number, centre in enumerate(centres, start=1):
-        action = _in(seat, _on_gear(turn, numbered(OUTPUT_PIN, number)))
+        name = numbered(OUTPUT_PIN, number)
+        action = _in(seat, _on_gear(turn, name, disc))
         width = _hole_width(turn, action)
         place, pressed = action.on_hole(centre, radius, width), line(turn.design, "output", action.size)
-        found.append(Contact(numbered(OUTPUT_PIN, number), action, place, width, pressed))
+        found.append(Contact(_called(turn, name, disc), action, place, width, pressed))
     return found
 
 
@@ -211,60 +255,69 @@ def _of_output(turn: Turn) -> list[Contact]:
     output, seat = turn.design.output, frame(turn, "output")
     radius = output.root_radius
     found = []
-    for number, centre in enumerate(output_centres(turn.design), start=1):
-        action = _in(seat, _on_gear(turn, numbered(OUTPUT_PIN, number)).reaction())
+    for disc, (number, centre) in product(_discs(turn), enumerate(output_centres(turn.design), start=1)):
+        name = numbered(OUTPUT_PIN, number)
+        action = _in(seat, _on_gear(turn, name, disc).reaction())
         width = np.full_like(action.size, WIDEST * radius) if output.rollers else _hole_width(turn, action)
         place, pressed = action.on_disc(centre, radius, width), line(turn.design, "output", action.size)
-        found.append(Contact(numbered(OUTPUT_PIN, number), action, place, width, pressed))
+        found.append(Contact(_called(turn, name, disc), action, place, width, pressed))
     return found
 
 
 def _of_shaft(turn: Turn) -> list[Contact]:
-    gear, seat = turn.design.gear, frame(turn, "shaft")
-    action = _in(seat, _on_gear(turn, "cam").reaction())
-    width = _cam_width(turn, action)
-    centre = np.array([0.0, gear.eccentricity + deviations(turn.design).eccentricity])
-    place = action.on_disc(centre, gear.bore_radius, width)
-    return [Contact("cam", action, place, width, line(turn.design, "cam", action.size))]
+    gear, seat, made = turn.design.gear, frame(turn, "shaft"), deviations(turn.design)
+    found = []
+    for disc, phase in enumerate(phases(turn.design)):
+        action = _in(seat, _on_gear(turn, CAM, disc).reaction())
+        width = _cam_width(turn, action)
+        centre = (gear.eccentricity + made.eccentricity) * unit(-phase) + made.cam_place[disc]
+        place, pressed = action.on_disc(centre, gear.bore_radius, width), line(turn.design, "cam", action.size)
+        found.append(Contact(_called(turn, CAM, disc), action, place, width, pressed))
+    return found
 
 
 def _of_pin(turn: Turn) -> list[Contact]:
-    """Give the contacts of pin 1: the gear, and its socket, which carries all of it where the pin is pressed in."""
+    """Give the contacts of pin 1: each disc, and its socket, which carries all of them where the pin is pressed in."""
     gear, seat, centre = gear_profile(turn.design), frame(turn, "pin_1"), np.zeros(2)
-    radius = gear.pin_radius
-    pushed, held = _in(seat, _on_gear(turn, "pin_1").reaction()), _in(seat, _by_socket(turn, 0))
-    curvature = pin_curvature(gear, 0, turn["gear_angle"], profile_offset(turn.design))
-    narrow, wide = half_width(turn.design, "pin_gear", pushed.size, curvature, radius), _socket_width(turn, held)
-    return [
-        Contact(
-            *("gear", pushed, pushed.on_disc(centre, radius, narrow), narrow),
-            line(turn.design, "pin_gear", pushed.size, curvature),
-        ),
-        Contact("socket", held, held.on_disc(centre, radius, wide), wide, line(turn.design, "pin_socket", held.size)),
-    ]
+    radius, found, sockets = gear.pin_radius, [], []
+    for disc, name in enumerate(gears(turn.design.gear.discs)):
+        pushed = _in(seat, _on_gear(turn, "pin_1", disc).reaction())
+        curvature = pin_curvature(gear, 0, _tooth_frame(turn, disc).angle, profile_offset(turn.design))
+        narrow = half_width(turn.design, "pin_gear", pushed.size, curvature, radius)
+        pressed = line(turn.design, "pin_gear", pushed.size, curvature)
+        found.append(Contact(name, pushed, pushed.on_disc(centre, radius, narrow), narrow, pressed))
+        sockets.append(_in(seat, _by_socket(turn, 0, disc)))
+    free = turn.design.ring.has_sockets and turn.design.ring.has_pin_bodies
+    for disc, held in enumerate(sockets[:1] if free else sockets):
+        wide, pressed = _socket_width(turn, held), line(turn.design, "pin_socket", held.size)
+        name = SOCKET if free else _called(turn, SOCKET, disc)
+        found.append(Contact(name, held, held.on_disc(centre, radius, wide), wide, pressed))
+    return found
 
 
-def _socket(turn: Turn, pin: int) -> Contact:
+def _socket(turn: Turn, pin: int, disc: int) -> Contact:
     """Give the contact of a pin and the wall of its socket, which is open towards the gear.
 
     In the simulation sockets are whole circles: an idle pin may lie, by its weight, where there is no wall.
     """
     ring = turn.design.ring
-    action = _by_socket(turn, pin).reaction()
+    action = _by_socket(turn, pin, disc).reaction()
     centre, radius = ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth), ring.pin_radius
     centre = centre + deviations(turn.design).pin_place[pin]
     out = np.linalg.norm(action.on_hole(centre, radius), axis=-1)
     action = action.where(out > ring.pin_circle_radius)
     width = _socket_width(turn, action)
     place = action.on_hole(centre, radius + turn.design.socket_play, width)
-    return Contact(numbered(SOCKET, pin + 1), action, place, width, line(turn.design, "pin_socket", action.size))
+    whole = ring.has_sockets and ring.has_pin_bodies
+    name = numbered(SOCKET, pin + 1) if whole else _called(turn, numbered(SOCKET, pin + 1), disc)
+    return Contact(name, action, place, width, line(turn.design, "pin_socket", action.size))
 
 
-def _by_socket(turn: Turn, pin: int) -> Action:
-    """Give the force of a socket on its pin, about the reducer's axis."""
+def _by_socket(turn: Turn, pin: int, disc: int) -> Action:
+    """Give the force of a socket on its pin, about the reducer's axis: where the pin is no body, that of a disc."""
     if turn.design.ring.has_sockets and turn.design.ring.has_pin_bodies:
         return _logged(turn, numbered(SOCKET, pin + 1), pin_centre(turn, pin))
-    return _on_gear(turn, numbered(PIN, pin + 1))
+    return _on_gear(turn, numbered(PIN, pin + 1), disc)
 
 
 def _cam_width(turn: Turn, action: Action) -> Array:

@@ -6,13 +6,16 @@ every layer: curved edges stay as exact as they are in the plane, and a load of 
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from scipy import sparse
 
 from cycloid_mj.design import Design
+from cycloid_mj.names import GEAR, family
 from cycloid_mj.solid import output_centres
 from cycloid_mj.solid.output import AXIAL_GAP
 from cycloid_mj.stress.grid import Grid, GridSettings, Section, planar_grid, quadratic
@@ -39,10 +42,11 @@ _NODE = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 
 
 def solid_grid(design: Design, part: str, settings: GridSettings) -> Grid:
-    """Give the grid of a part other than the shaft as a solid body: "gear", "ring", "output" or "pin_1".
+    """Give the grid of a part other than the shaft as a solid body: "gear" (any disc), "ring", "output" or "pin_1".
 
-    Contact forces act evenly over the gear's face width. The output is its disc with the pins on it, one body; the bulk
-    keeps off the roots of its pins, sharp inner corners without their fillets, and off the faces of its rigid hub.
+    Contact forces of a disc act evenly over its face width. The output is its disc with the pins on it, one body, and
+    the second disc that holds their other ends, if there is one; the bulk keeps off the roots of its pins, sharp inner
+    corners without their fillets, and off the faces of its rigid hubs.
 
     Raises
     ------
@@ -51,7 +55,7 @@ def solid_grid(design: Design, part: str, settings: GridSettings) -> Grid:
     CycloidError
         The part does not mesh, or a package of the extra ``fem`` is missing.
     """
-    length, half = design.ring.pin_radius, design.gear.face_width / 2
+    length, gear = design.ring.pin_radius, design.gear
     share = OUTPUT_SECTION if part == "output" else 1.0
     coarse: dict[str, Any] = {name: share * getattr(settings, name) for name, share in COARSER.items()}
     section = planar_grid(
@@ -59,20 +63,34 @@ def solid_grid(design: Design, part: str, settings: GridSettings) -> Grid:
     )
     layer = settings.layer_edge * length / settings.refinement
     least = LEAST_LAYERS.get(part, 2)
-    loaded = _levels(-half, half, min(layer, 2.0 * half / least))
+    planes = (0.0,) if family(part) == GEAR else gear.disc_planes
+    layer = min(layer, gear.face_width / least)
+    discs = [_levels(plane - gear.face_width / 2, plane + gear.face_width / 2, layer) for plane in planes]
+    # neighbours are joined by a layer across their gap
+    stack = np.concatenate(discs)
     if part != "output":
-        return extruded(section, loaded, np.ones((len(loaded) - 1, len(section.cells)), bool), len(loaded) - 1)
-    face = half + AXIAL_GAP
-    disc = _levels(face, face + design.output.disc_thickness, layer)
-    filled = np.ones((len(loaded) + len(disc) - 1, len(section.cells)), bool)
-    filled[: len(loaded)] = _within_pins(design, section)
-    grid = extruded(section, np.concatenate([loaded, disc]), filled, len(loaded) - 1)
+        return extruded(section, stack, np.ones((len(stack) - 1, len(section.cells)), bool), _layers_of(discs))
+    face, thick = gear.stack_width / 2 + AXIAL_GAP, design.output.disc_thickness
+    disc = _levels(face, face + thick, settings.layer_edge * length / settings.refinement)
+    second = -disc[::-1] if design.output.support == "both_ends" else np.zeros(0)
+    levels = np.concatenate([second, stack, disc])
+    filled = np.ones((len(levels) - 1, len(section.cells)), bool)
+    between = slice(max(len(second) - 1, 0), len(second) + len(stack))
+    filled[between] = _within_pins(design, section)
+    grid = extruded(section, levels, filled, _layers_of(discs, len(second)))
     distance = CORNER_DISTANCE * design.output.root_radius
-    corners = _output_corners(design, face, disc[-1], distance / 4)
-    return replace(grid, keep_off=corners, corner_distance=distance)
+    corners = [_output_corners(design, face, disc[-1], distance / 4)]
+    corners += [_output_corners(design, -face, -disc[-1], distance / 4)] if len(second) else []
+    return replace(grid, keep_off=np.concatenate(corners), corner_distance=distance)
 
 
-def extruded(section: Grid, levels: Array, filled: Mask, loaded: int) -> Grid:
+def _layers_of(discs: list[Array], first: int = 0) -> list[slice]:
+    """Give the levels of each disc in those of all, of which so many come before the first."""
+    ends = first + np.cumsum([0, *(len(levels) for levels in discs)])
+    return [slice(int(start), int(end)) for start, end in pairwise(ends)]
+
+
+def extruded(section: Grid, levels: Array, filled: Mask, loaded: Sequence[slice]) -> Grid:
     """Draw a planar grid out along z.
 
     Parameters
@@ -84,7 +102,7 @@ def extruded(section: Grid, levels: Array, filled: Mask, loaded: int) -> Grid:
     filled
         Which triangles of the section each layer has (l, m).
     loaded
-        How many layers, counted from the lowest, contact forces spread over, in proportion to their height.
+        Levels over which the contact forces of each disc spread, in proportion to the heights of the layers between.
     """
     local = np.argsort(section.mesh.t.T, axis=1)
     corner = np.full((len(levels), section.mesh.nvertices), -1, np.int64)
@@ -114,7 +132,8 @@ def extruded(section: Grid, levels: Array, filled: Mask, loaded: int) -> Grid:
     at[::2, : section.mesh.nvertices] = corner
     at[height, node] = found
     held = at[:, section.held]
-    pressed = at[: 2 * loaded + 1]
+    pressed = [at[2 * part.start : 2 * part.stop - 1] for part in loaded]
+    unknowns = 3 * len(mesh.doflocs.T)
     return Grid(
         part=section.part,
         mesh=mesh,
@@ -123,7 +142,11 @@ def extruded(section: Grid, levels: Array, filled: Mask, loaded: int) -> Grid:
         held=np.unique(held[held >= 0]),
         bulk_distance=section.bulk_distance,
         keep_off=np.zeros((0, 3)),
-        section=Section(section, pressed, _lift(pressed, _simpson(levels[: loaded + 1]), 3 * len(mesh.doflocs.T))),
+        section=Section(
+            section,
+            np.concatenate(pressed),
+            tuple(_lift(nodes, _simpson(levels[part]), unknowns) for nodes, part in zip(pressed, loaded, strict=True)),
+        ),
     )
 
 

@@ -18,7 +18,8 @@ ASSUMPTIONS = (
     "the turn is the last one of the run: where it begins the gear has turned on by one lobe, and the output with it; "
     "stress that goes with the output pins may step there",
     "linear elasticity; the shaft, and the output's disc and pins as one body, in 3-D; gear, ring and pin 1 in plane "
-    "stress over the face width, or in 3-D where asked for, with their forces even over it",
+    "stress over the face width, or in 3-D where asked for, with their forces even over it; of several discs each is a "
+    "part, ring and pin 1 are as wide as all of them, and on shaft and output each disc's forces act in its plane",
     "loads quasi-static: the logged contact forces of each instant, gravity, and inertia; no stress waves",
     "each force acts on an elliptical patch of Hertz's half width, at most 60 deg of the thinner cylinder: so wide is "
     "the cam in its bore (as in a roller bearing's loaded half); its contact stress is that of the most loaded roller",

@@ -134,13 +134,14 @@ class Section:
         The planar grid, of n2 nodes.
     nodes
         The solid's node over each node of the section (h, n2) at the heights where contact forces act; -1 for none.
-    lift
-        Hands loads on the section (2 n2,) on to the solid's unknowns, sparse (n, 2 n2).
+    lifts
+        Each hands loads on the section (2 n2,) on to the solid's unknowns, sparse (n, 2 n2): those of one disc, in its
+        plane. Of a part that belongs to a disc there is one.
     """
 
     grid: Grid
     nodes: Integers
-    lift: Any
+    lifts: tuple[Any, ...]
 
 
 def planar_grid(region: Region, settings: GridSettings, length: float, focus: npt.ArrayLike | None = None) -> Grid:

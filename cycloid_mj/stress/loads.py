@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
+from cycloid_mj.names import GEAR, family, gears
 from cycloid_mj.record import Run
-from cycloid_mj.solid import MassProperties, mass_properties, parts
+from cycloid_mj.solid import MassProperties, body_solids, mass_properties
 from cycloid_mj.stress.action import Action, turned
 from cycloid_mj.stress.contacts import contacts, frame, total
 from cycloid_mj.stress.turn import DEGREES, Turn, turn
 from cycloid_mj.types import Array, Mask
 
 PARTS = ("shaft", "gear", "ring", "output", "pin_1")
+"""Parts in their order; of several discs each is one: gear_1, gear_2, ..."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +29,7 @@ class PartLoads:
     """
 
     part: str
-    """"shaft", "gear", "ring" (pinwheel or internal gear), "output", or "pin_1"."""
+    """"shaft", "gear" (of several "gear_1"), "ring" (pinwheel or internal gear), "output", or "pin_1"."""
     angle: Array
     """Crank angle [rad], shape (k,)."""
     place: Array
@@ -43,7 +45,7 @@ class PartLoads:
     hertz: Mask
     """Whether Hertz holds for that line contact, shape (k, m): not where it is conformal."""
     labels: tuple[str, ...]
-    """Name of each of the m contacts, e.g. "pin_3", "cam", "output_pin_2"."""
+    """Name of each of the m contacts, e.g. "pin_3", "cam", "output_pin_2", of several discs "gear_2_cam"."""
     body_force: Array
     """Gravity less the acceleration of the frame's origin [m/s2], shape (k, 2)."""
     spin: Array
@@ -65,7 +67,8 @@ def part_names(design: Design) -> tuple[str, ...]:
     Sleeves take ring and pins out: the housing holds such pins beside the gear, which no load in the plane can tell.
     """
     left_out = {"ring", "pin_1"} if design.ring.has_sleeves else {"pin_1"} if design.ring.kind == "nonpin" else set()
-    return tuple(part for part in PARTS if part not in left_out)
+    discs = gears(design.gear.discs)
+    return tuple(name for part in PARTS if part not in left_out for name in (discs if part == GEAR else (part,)))
 
 
 def part_loads(run: Run, design: Design, part: str, angles: npt.ArrayLike = DEGREES) -> PartLoads:
@@ -100,6 +103,11 @@ def part_loads(run: Run, design: Design, part: str, angles: npt.ArrayLike = DEGR
     )
 
 
+def of_contacts(loads: PartLoads, chosen: Mask) -> PartLoads:
+    """Give the loads with the forces of some of the m contacts alone, by a mask of shape (m,)."""
+    return replace(loads, force=np.where(chosen[:, np.newaxis], loads.force, 0.0))
+
+
 def _motion(turn: Turn, part: str, pushed: Action) -> dict[str, Array]:
     """Give gravity, inertia and the moment that is carried elsewhere, as `PartLoads` has them.
 
@@ -115,10 +123,10 @@ def _motion(turn: Turn, part: str, pushed: Action) -> dict[str, Array]:
     moved = {"body_force": turned(world, -frame(turn, part).angle), "spin": still, "spin_rate": still, "torque": still}
     if part == "ring":
         return moved
-    body = mass_properties(parts(turn.design)[{"pin_1": "pin"}.get(part, part)])
-    if part in ("gear", "pin_1"):  # their centroid is the origin of their frame
-        moves = part == "gear" or turn.design.ring.has_pin_bodies
-        spin = turn[f"{part}_speed"] - about * (part == "gear") if moves else still
+    body = mass_properties(body_solids(turn.design)[{"pin_1": "pin"}.get(part, part)])
+    if part == "pin_1" or family(part) == GEAR:  # their centroid is the origin of their frame
+        moves = part != "pin_1" or turn.design.ring.has_pin_bodies
+        spin = turn[f"{part}_speed"] - about * (part != "pin_1") if moves else still
         spin_rate = pushed.moment / float(body.inertia[2, 2])
         return moved | {"body_force": -pushed.force / body.mass, "spin": spin, "spin_rate": spin_rate}
     if part == "shaft":

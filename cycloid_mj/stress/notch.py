@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cycloid_mj.design import Design
+from cycloid_mj.names import OUTPUT_PIN, disc_of, number_of, numbered
 from cycloid_mj.solid.output import AXIAL_GAP
 from cycloid_mj.stress.shaftgrid import Shaft
 from cycloid_mj.types import Array
@@ -92,18 +93,39 @@ def shoulder_factor(radius: float, fillet: float, outer: float, terms: tuple[flo
     return 1.0 + 1.0 / math.sqrt(a * slope + 2.0 * b * share * (1.0 + 2.0 * share) ** 2 + c * slope**z * shorter)
 
 
-def output_roots(design: Design, loads: "PartLoads") -> tuple[Notch, ...]:
-    """Give the most loaded root of the output's pins, cantilevers that carry their force evenly over the gear's width.
+def root_arms(design: Design) -> Array:
+    """Give the moment at the roots of an output pin per force in the middle of each disc [m], shape (roots, D).
 
-    Their nominal bending stress is 4 F (w/2 + gap)/(pi R^3), R being the core's radius under a roller.
+    A cantilever has one root, F a; a beam clamped at both ends two, F a b^2/l^2, with a the distance of the root from
+    the force and b that of the other (Roark, Formulas for Stress and Strain, 8.1, case 1d).
     """
-    force = np.linalg.norm(loads.force, axis=2)
-    row, pin = np.unravel_index(int(force.argmax()), force.shape)
-    radius, fillet = design.output.root_radius, design.output.root_fillet
-    moment = float(force[row, pin]) * (design.gear.face_width / 2.0 + AXIAL_GAP)
+    gear = design.gear
+    end = gear.stack_width / 2.0 + AXIAL_GAP
+    near = end - np.array(gear.disc_planes)
+    if design.output.support == "cantilever":
+        return near[np.newaxis]
+    far = 2.0 * end - near
+    return np.stack([a * b**2 / (a + b) ** 2 for a, b in ((near, far), (far, near))])
+
+
+def output_roots(design: Design, loads: "PartLoads") -> tuple[Notch, ...]:
+    """Give the most loaded root of the output's pins, which carry the force of each disc evenly over its width.
+
+    Their nominal bending stress is 4 M/(pi R^3), M of `root_arms`, R being the core's radius under a roller.
+    """
+    discs = np.array([disc_of(label) for label in loads.labels])
+    pins = np.array([number_of(label) for label in loads.labels])
+    arms, numbers = root_arms(design)[:, discs], np.unique(pins)
+    moments = np.stack(
+        [np.einsum("rc,kcx->krx", arms[:, pins == one], loads.force[:, pins == one]) for one in numbers], axis=2
+    )
+    size = np.linalg.norm(moments, axis=3)
+    row, root, pin = np.unravel_index(int(size.argmax()), size.shape)
+    radius, fillet, moment = design.output.root_radius, design.output.root_fillet, float(size[row, root, pin])
+    where = ", at the second output disc" if root else ""
     return (
         Notch(
-            name=f"root of {loads.labels[pin]}",
+            name=f"root of {numbered(OUTPUT_PIN, int(numbers[pin]))}{where}",
             radius=radius,
             fillet=fillet,
             angle=float(loads.angle[row]),

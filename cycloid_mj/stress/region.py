@@ -7,6 +7,7 @@ import numpy as np
 
 from cycloid_mj.design import Design, Material
 from cycloid_mj.errors import UsageError
+from cycloid_mj.names import GEAR, family, gears
 from cycloid_mj.solid import circle, output_centres, parts
 from cycloid_mj.types import Array
 
@@ -17,6 +18,7 @@ MADE_AS = {"ring": "housing", "pin_1": "pin"}
 """Part of the design that a part is, where it has another name."""
 
 PLANAR_PARTS = ("gear", "ring", "output", "pin_1")
+"""The gear is any of several discs."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +46,7 @@ class Region:
 
 def material_of(design: Design, part: str) -> Material:
     """Give what a part is made of."""
-    return design.material_of(MADE_AS.get(part, part))
+    return design.material_of(MADE_AS.get(part, GEAR if family(part) == GEAR else part))
 
 
 def part_region(design: Design, part: str) -> Region:
@@ -52,21 +54,23 @@ def part_region(design: Design, part: str) -> Region:
 
     The housing is held as the design says, by circles that its bolts clamp or by its seat, the outer circle. The output
     disc is held by its hub, a rigid circle of the shaft's radius (an assumption: the design has none), and its pins, or
-    their cores under the rollers, are joined on. Gear and pin are free.
+    their cores under the rollers, are joined on. Gear and pin are free. Ring and pin are as wide as all discs, whose
+    forces are spread over that width.
 
     Raises
     ------
     UsageError
         The design has no such part, or its pins leave no room for a hub.
     """
-    width = design.gear.face_width
+    width = design.gear.stack_width
     solids = parts(design, CHORD_ERROR)
-    match part:
+    match family(part) if part in gears(design.gear.discs) else part:
         case "gear":
-            prism = solids["gear"].prisms[0]
+            prism = solids[part].prisms[0]
             bore = Boundary(prism.holes[0], "hole", touched="wide")
             holes = tuple(Boundary(hole, "hole", touched="line") for hole in prism.holes[1:])
-            return Region(part, (Boundary(prism.outline, "outline", touched="line"), bore, *holes), width)
+            outline = Boundary(prism.outline, "outline", touched="line")
+            return Region(part, (outline, bore, *holes), design.gear.face_width)
         case "ring":
             prism = solids["housing"].prisms[0]
             rim = Boundary(prism.outline, "outline", held=design.housing.support == "rim")

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
+from cycloid_mj import names
 from cycloid_mj.design import Design
 from cycloid_mj.errors import CycloidError
 from cycloid_mj.stress import elastic
@@ -42,6 +43,9 @@ CHORD = 0.05
 
 ROUNDS = 60
 """Rounds of the active set; it takes about five."""
+
+AXIS = np.zeros(2)
+"""Where the journals have their middle [m]."""
 
 ROUNDING = 1e-6
 """Share of the shaft's radius by which a point may miss the end face."""
@@ -81,7 +85,7 @@ def bearing_pads(grid: Grid, shaft: Shaft, stiffness: float) -> Pads:
     """
     press, springs = [], []
     for z0, z1 in shaft.bearings:
-        face = surface(grid, lambda x, z0=z0, z1=z1: _on_cylinder(x, shaft.radius, 0.0) & (z0 < x[2]) & (x[2] < z1))  # type: ignore[misc]
+        face = surface(grid, lambda x, z0=z0, z1=z1: _on_cylinder(x, shaft.radius, AXIS) & (z0 < x[2]) & (x[2] < z1))  # type: ignore[misc]
         if not len(face.nodes):
             raise CycloidError("the shaft's grid has no face in one of its bearings: raise the refinement")
         bed = stiffness / (np.pi / 2 * shaft.radius * (z1 - z0))
@@ -143,19 +147,22 @@ def shaft_case(design: Design, grid: Grid, loads: PartLoads) -> Case:
     CycloidError
         A load acts elsewhere than on the cam.
     """
-    if loads.part != "shaft" or any(label != "cam" for label in loads.labels):
-        raise CycloidError(
-            f"the shaft's grid takes the loads of its cam, got {', '.join(loads.labels) or 'none'} on the {loads.part}"
-        )
     shaft = shaft_measures(design)
+    cams = tuple(names.of_disc(names.CAM, disc, len(shaft.cams)) for disc in range(len(shaft.cams)))
+    if loads.part != "shaft" or loads.labels != cams:
+        raise CycloidError(
+            f"the shaft's grid takes the loads of {', '.join(cams)}, got {', '.join(loads.labels) or 'none'} on the "
+            f"{loads.part}"
+        )
     steel = design.material_of("shaft")
     pads = bearing_pads(grid, shaft, BEARING_STIFFNESS * steel.youngs_modulus * shaft.radius)
     part = elastic.body(grid, steel, springs=pads.springs, loose=(2, 5))
-    pressures = _pressures(grid, shaft)
-    units = np.hstack([pressures, _couples(grid, shaft, pressures), elastic.mass_loads(part, grid.points)])
+    on_cams = [unit for cam in range(len(cams)) for unit in _on_cam_units(grid, shaft, cam)]
+    units = np.hstack([*on_cams, _torsion(grid, shaft), elastic.mass_loads(part, grid.points)])
     units, imbalances = elastic.balanced(part, units)
     moved = elastic.displacements(part, units)
-    shares = np.vstack([*_cam_shares(shaft, loads), mass_coefficients(loads)])
+    on_cams = [share for cam in range(len(cams)) for share in _cam_shares(shaft, loads, cam)]
+    shares = np.vstack([*on_cams, loads.torque, mass_coefficients(loads)])
     relief, compliance = _relieved(part, pads)
 
     def response(block: Integers) -> Response:
@@ -174,19 +181,18 @@ def shaft_case(design: Design, grid: Grid, loads: PartLoads) -> Case:
     return Case(part, response, np.zeros(0, np.int64), np.zeros((0, 2)))
 
 
-def _cam_shares(shaft: Shaft, loads: PartLoads) -> Iterator[Array]:
-    """Give the shares (units, k) of the pressures, then of the couples, in the loads."""
-    force = np.where(np.isfinite(loads.place), loads.force, 0.0)
-    arm = np.nan_to_num(loads.place) - np.array([0.0, shaft.eccentricity])
+def _cam_shares(shaft: Shaft, loads: PartLoads, cam: int) -> Iterator[Array]:
+    """Give the shares (k,) of the pressures on a cam, then of its couple, in the loads."""
+    place = loads.place[:, cam]
+    force = np.where(np.isfinite(place), loads.force[:, cam], 0.0)
+    arm = np.nan_to_num(place) - shaft.cam_centres[cam]
     size, middle = np.hypot(force[..., 0], force[..., 1]), np.arctan2(-force[..., 1], -force[..., 0])
     for order in HARMONICS:
         weight = _half_cosine(order) / _half_cosine(1) * size
-        yield np.sum(weight * np.cos(order * middle), axis=1)[np.newaxis]
+        yield weight * np.cos(order * middle)
         if order:
-            yield np.sum(weight * np.sin(order * middle), axis=1)[np.newaxis]
-    couple = np.sum(arm[..., 0] * force[..., 1] - arm[..., 1] * force[..., 0], axis=1)
-    yield couple[np.newaxis]
-    yield loads.torque[np.newaxis]
+            yield weight * np.sin(order * middle)
+    yield arm[..., 0] * force[..., 1] - arm[..., 1] * force[..., 0]
 
 
 def _half_cosine(order: int) -> float:
@@ -196,29 +202,38 @@ def _half_cosine(order: int) -> float:
     return 0.5 if order == 1 else 2 / np.pi * (-1) ** (order // 2 + 1) / (order**2 - 1)
 
 
-def _pressures(grid: Grid, shaft: Shaft) -> Array:
-    """Give loads (n, 11) of pressures cos and sin (m phi) round the cam; those of order 1 have a resultant of -1 N.
+def _on_cam_units(grid: Grid, shaft: Shaft, number: int) -> tuple[Array, Array]:
+    """Give the unit loads on a cam: (n, 11) of pressures cos and sin (m phi) round it, and (n, 1) of a couple.
 
-    The other orders have no resultant; what the grid leaves of it is taken away with those of order 1.
+    The pressures of order 1 have a resultant of -1 N, the others none; what the grid leaves of it is taken away with
+    those of order 1. The couple of 1 N m about the axis is shear round the cam.
     """
-    cam = surface(grid, lambda x: _on_cam(x, shaft))
-    phi = np.arctan2(cam.points[..., 1] - shaft.eccentricity, cam.points[..., 0])
+    cam = surface(grid, lambda x: _on_cam(x, shaft, number))
+    x, y = shaft.cam_centres[number]
+    phi = np.arctan2(cam.points[..., 1] - y, cam.points[..., 0] - x)
     waves = [wave(order * phi) for order in HARMONICS for wave in ((np.cos, np.sin) if order else (np.cos,))]
     loads = np.column_stack([traction_loads(cam, -wave[..., np.newaxis] * _radial(cam.normals)) for wave in waves])
     first = -loads[:, 1:3] @ np.linalg.inv(_resultant(loads[:, 1:3]))
-    loads = loads / (np.pi * shaft.cam_radius * (shaft.cam[1] - shaft.cam[0]))
+    z0, z1 = shaft.cams[number]
+    loads = loads / (np.pi * shaft.cam_radius * (z1 - z0))
     loads = loads + first @ _resultant(loads)
     loads[:, 1:3] = first
-    return loads
+    couple = traction_loads(cam, _turned(cam.normals))[:, np.newaxis]
+    return loads, _of_unit_moment(grid, couple + first @ _resultant(couple))  # a couple has no resultant
 
 
-def _couples(grid: Grid, shaft: Shaft, pressures: Array) -> Array:
-    """Give loads (n, 2) of 1 N m about z: as shear round the cam, and as that of torsion on the input end."""
-    cam, end = surface(grid, lambda x: _on_cam(x, shaft)), surface(grid, lambda x: _at_end(x, shaft))
-    loads = np.column_stack([traction_loads(cam, _turned(cam.normals)), traction_loads(end, _turned(end.points))])
-    loads = loads + pressures[:, 1:3] @ _resultant(loads)  # a couple has no resultant
+def _torsion(grid: Grid, shaft: Shaft) -> Array:
+    """Give the load (n, 1) of 1 N m about z as the shear of torsion on the input end."""
+    end = surface(grid, lambda x: _at_end(x, shaft))
+    first = _on_cam_units(grid, shaft, 0)[0][:, 1:3]
+    load = traction_loads(end, _turned(end.points))[:, np.newaxis]
+    return _of_unit_moment(grid, load + first @ _resultant(load))
+
+
+def _of_unit_moment(grid: Grid, load: Array) -> Array:
+    """Scale a load (n, 1) to 1 N m about z."""
     x, y = grid.points[:, 0], grid.points[:, 1]
-    return loads / (x @ loads[1::3] - y @ loads[0::3])
+    return np.asarray(load / (x @ load[1::3] - y @ load[0::3]))
 
 
 def _relieved(part: elastic.Body, pads: Pads) -> tuple[Array, Array]:
@@ -245,13 +260,14 @@ def section_moments(points: Array, forces: Array, places: Array) -> Array:
     return np.stack(found, axis=1)
 
 
-def _on_cylinder(x: Array, radius: float, height: float) -> Mask:
+def _on_cylinder(x: Array, radius: float, centre: Array) -> Mask:
     """Tell middles (3, f) [m] of faces on a cylinder, whose chords reach below it, from those on its end faces."""
-    return np.abs(np.hypot(x[0], x[1] - height) - radius) < CHORD * radius
+    return np.abs(np.hypot(x[0] - centre[0], x[1] - centre[1]) - radius) < CHORD * radius
 
 
-def _on_cam(x: Array, shaft: Shaft) -> Mask:
-    return _on_cylinder(x, shaft.cam_radius, shaft.eccentricity) & (x[2] > shaft.cam[0]) & (x[2] < shaft.cam[1])
+def _on_cam(x: Array, shaft: Shaft, number: int) -> Mask:
+    z0, z1 = shaft.cams[number]
+    return _on_cylinder(x, shaft.cam_radius, shaft.cam_centres[number]) & (x[2] > z0) & (x[2] < z1)
 
 
 def _at_end(x: Array, shaft: Shaft) -> Mask:

@@ -1,7 +1,9 @@
 """The eccentric shaft as a solid body: its measures, and a grid of tetrahedra by gmsh's OpenCASCADE."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -9,7 +11,8 @@ import numpy as np
 from cycloid_mj import names
 from cycloid_mj.design import Design
 from cycloid_mj.errors import CycloidError
-from cycloid_mj.solid import parts, stretches
+from cycloid_mj.mechanism.reducer import phases
+from cycloid_mj.solid import crank_stretches
 from cycloid_mj.solid.output import near_face
 from cycloid_mj.solid.shaft import COUNTERWEIGHT, FAR, JOURNAL, bearing_width
 from cycloid_mj.stress.grid import Grid, GridSettings, quadratic
@@ -38,7 +41,10 @@ class Shoulder:
 
 @dataclass(frozen=True)
 class Shaft:
-    """Measures of the shaft [m]: radii, eccentricity, and along z its ends, counterweight, cams and both bearings."""
+    """Measures of the shaft [m]: radii, eccentricity, and along z its ends, counterweight, cams and both bearings.
+
+    The crank of several discs has no counterweight: its place has no length. `phases` are those of the cams [rad].
+    """
 
     radius: float
     cam_radius: float
@@ -47,49 +53,70 @@ class Shaft:
     end: float
     far_end: float
     counterweight: tuple[float, float]
-    cam: tuple[float, float]
+    cams: tuple[tuple[float, float], ...]
+    phases: tuple[float, ...]
     bearings: tuple[tuple[float, float], tuple[float, float]]
 
     @property
+    def weighted(self) -> bool:
+        """Whether it has a counterweight."""
+        return self.counterweight[1] > self.counterweight[0]
+
+    @property
+    def straddles(self) -> bool:
+        """Whether it goes on beyond its last cam."""
+        return self.far_end > self.cams[-1][1]
+
+    @property
+    def cam_centres(self) -> Array:
+        """Middles of the cams in the shaft's frame [m], shape (D, 2)."""
+        phases = np.array(self.phases)
+        return self.eccentricity * np.stack([-np.sin(phases), np.cos(phases)], axis=1) + 0.0
+
+    @property
     def shoulders(self) -> tuple[Shoulder, ...]:
-        """Where the shaft steps up to the counterweight, taken as a whole disc, and to the cam, at its lowest."""
-        lowest = self.cam_radius - self.eccentricity
-        z0, z1 = self.counterweight
-        found = [Shoulder("journal at the cam", self.cam[0], lowest)]
-        if z0 < z1:
-            found.insert(0, Shoulder("journal at the counterweight", z0, self.counterweight_radius))
-        beyond = [Shoulder("far journal at the cam", self.cam[1], lowest)] if self.far_end > self.cam[1] else []
-        return (*found, *beyond)
+        """Where the shaft steps up to the counterweight, taken as a whole disc, and to the cams, at their lowest."""
+        lowest, last = self.cam_radius - self.eccentricity, len(self.cams) - 1
+        found = [Shoulder("journal at the counterweight", self.counterweight[0], self.counterweight_radius)]
+        found = found if self.weighted else []
+        for number, (z0, z1) in enumerate(self.cams):
+            cam = f"cam {number + 1}" if last else "the cam"
+            found.append(Shoulder(f"{'neck' if number else 'journal'} at {cam}", z0, lowest))
+            if number < last or self.straddles:
+                found.append(Shoulder(f"{'neck' if number < last else 'far journal'} at {cam}", z1, lowest))
+        return tuple(found)
 
     @property
     def stations(self) -> Array:
         """Places (s,) [m] along the journals where nominal stress is looked for, those of the shoulders first."""
-        stretches = [(self.end, self.counterweight[0])]
-        stretches += [(self.cam[1], self.far_end)] if self.far_end > self.cam[1] else []
+        stretches = [(self.end, self.counterweight[0] if self.weighted else self.cams[0][0])]
+        stretches += [(before[1], after[0]) for before, after in pairwise(self.cams)]
+        stretches += [(self.cams[-1][1], self.far_end)] if self.straddles else []
         between = [np.linspace(z0, z1, STATIONS) for z0, z1 in stretches]
         return np.concatenate([[shoulder.z for shoulder in self.shoulders], *between])
 
 
 @lru_cache(maxsize=8)
 def shaft_measures(design: Design) -> Shaft:
-    """Give the measures of a design's shaft; that of several discs has no counterweight: its stretch has no length."""
-    found = stretches(design, gear=parts(design).get(names.GEAR))
-    journal, counterweight, beyond = found[JOURNAL], found.get(COUNTERWEIGHT), found.get(FAR)
-    cams = [prism for name, prism in found.items() if names.family(name) == names.CAM]
-    shaft, z0, z1 = design.shaft, journal.z0, min(journal.z1, near_face(design))
-    width = bearing_width(design, z1 - z0)
-    near = z1 - shaft.bearing_offset
-    outer = near - width - shaft.bearing_spacing if shaft.bearing_spacing else z0
-    far = beyond.z1 - width if beyond else outer
+    """Give the measures of a design's balanced crank, without the spacers of a built-up one."""
+    found, shaft = crank_stretches(design), design.shaft
+    journal, weight = found[JOURNAL], found.get(COUNTERWEIGHT)
+    cams = [(one.z0, one.z1) for name, one in found.items() if names.family(name) == names.CAM]
+    end = min(journal.z1, near_face(design))
+    width = bearing_width(design, end - journal.z0)
+    near = end - shaft.bearing_offset
+    outer = near - width - shaft.bearing_spacing if shaft.bearing_spacing else journal.z0
+    far = found[FAR].z1 - width if FAR in found else outer
     return Shaft(
         radius=design.shaft.radius,
         cam_radius=design.gear.bore_radius,
         eccentricity=design.gear.eccentricity,
         counterweight_radius=design.shaft.counterweight_radius,
-        end=z0,
-        far_end=beyond.z1 if beyond else cams[-1].z1,
-        counterweight=(counterweight.z0, counterweight.z1) if counterweight else (z1, z1),
-        cam=(cams[0].z0, cams[-1].z1),
+        end=journal.z0,
+        far_end=found[FAR].z1 if FAR in found else cams[-1][1],
+        counterweight=(weight.z0, weight.z1) if weight else (end, end),
+        cams=tuple(cams),
+        phases=phases(design),
         bearings=((far, far + width), (near - width, near)),
     )
 
@@ -122,11 +149,15 @@ def _inner_corners(shaft: Shaft) -> Array:
     turn = np.linspace(0, 2 * np.pi, int(np.ceil(2 * np.pi * shaft.radius / step)))
     x, y = shaft.radius * np.cos(turn), shaft.radius * np.sin(turn)
     z0, z1 = shaft.counterweight
-    whole = [shaft.cam[0], *([shaft.cam[1]] if shaft.far_end > shaft.cam[1] else [])]
+    faces = [face for cam in shaft.cams for face in cam]
+    whole = faces if shaft.straddles else faces[:-1]
+    half = [(z0, y <= 0), (z1, y <= 0)] if shaft.weighted else []
     rings = [
         np.column_stack([x[keep], y[keep], np.full(keep.sum(), z)])
-        for z, keep in ((z0, y <= 0), (z1, y <= 0), *((z, y < np.inf) for z in whole))
+        for z, keep in (*half, *((z, y < np.inf) for z in whole))
     ]
+    if not shaft.weighted:
+        return np.concatenate(rings)
     z = np.linspace(z0, z1, int(np.ceil((z1 - z0) / step)) + 1)
     flats = [np.column_stack([np.full(len(z), side * shaft.radius), np.zeros(len(z)), z]) for side in (-1, 1)]
     return np.concatenate([*rings, *flats])
@@ -136,14 +167,19 @@ def _tetrahedra(shaft: Shaft, edge: float) -> Any:
     """Let gmsh's OpenCASCADE join the shaft's cylinders, and fill them; edges are finer at the inner corners."""
     with mesher("shaft", edge) as gmsh:
         occ = gmsh.model.occ
-        _cylinder(occ, 0.0, shaft.radius, shaft.end, shaft.cam[0])
-        weight = _cylinder(occ, 0.0, shaft.counterweight_radius, *shaft.counterweight, angle=np.pi)
-        occ.rotate([(3, weight)], 0, 0, 0, 0, 0, 1, np.pi)
-        _cylinder(occ, shaft.eccentricity, shaft.cam_radius, *shaft.cam)
-        joined = [(3, 2), (3, 3)]
-        if shaft.far_end > shaft.cam[1]:
-            joined.append((3, _cylinder(occ, 0.0, shaft.radius, shaft.cam[1], shaft.far_end)))
-        solids, _ = occ.fuse([(3, 1)], joined)
+        middle = (0.0, 0.0)
+        first = _cylinder(occ, middle, shaft.radius, shaft.end, shaft.cams[0][0])
+        joined = []
+        if shaft.weighted:
+            weight = _cylinder(occ, middle, shaft.counterweight_radius, *shaft.counterweight, angle=np.pi)
+            occ.rotate([(3, weight)], 0, 0, 0, 0, 0, 1, np.pi)
+            joined.append(weight)
+        for centre, cam in zip(shaft.cam_centres.tolist(), shaft.cams, strict=True):
+            joined.append(_cylinder(occ, centre, shaft.cam_radius, *cam))
+        joined += [_cylinder(occ, middle, shaft.radius, one[1], two[0]) for one, two in pairwise(shaft.cams)]
+        if shaft.straddles:
+            joined.append(_cylinder(occ, middle, shaft.radius, shaft.cams[-1][1], shaft.far_end))
+        solids, _ = occ.fuse([(3, first)], [(3, one) for one in joined])
         occ.synchronize()
         if len(solids) != 1:
             raise CycloidError("the shaft does not mesh: its stretches do not make one solid; check the design")
@@ -155,9 +191,10 @@ def _tetrahedra(shaft: Shaft, edge: float) -> Any:
     return _from_gmsh(tags, coordinates.reshape(-1, 3) / MILLIMETRES, nodes.reshape(-1, 10))
 
 
-def _cylinder(occ: Any, height: float, radius: float, z0: float, z1: float, angle: float = 2 * np.pi) -> int:
+def _cylinder(occ: Any, centre: Sequence[float], radius: float, z0: float, z1: float, angle: float = 2 * np.pi) -> int:
     mm = MILLIMETRES
-    return int(occ.addCylinder(0, height * mm, z0 * mm, 0, 0, (z1 - z0) * mm, radius * mm, angle=angle))
+    x, y = centre
+    return int(occ.addCylinder(x * mm, y * mm, z0 * mm, 0, 0, (z1 - z0) * mm, radius * mm, angle=angle))
 
 
 def _finer_at(gmsh: Any, places: Array, edge: float) -> None:

@@ -17,7 +17,7 @@ from cycloid_mj.stress.closed import LineStress, line_stress
 from cycloid_mj.stress.field import PartStress, StressMap, loaded, mapped, maxima, solve
 from cycloid_mj.stress.findings import PartFindings, Peak, Reference, Refinement, StressFindings
 from cycloid_mj.stress.grid import BULK_DISTANCE, Grid, GridSettings
-from cycloid_mj.stress.loads import PARTS, PartLoads, part_loads, part_names, require_part
+from cycloid_mj.stress.loads import PartLoads, part_loads, part_names, require_part
 from cycloid_mj.stress.notch import Notch, output_roots, shaft_shoulders
 from cycloid_mj.stress.part import part_grid
 from cycloid_mj.stress.region import material_of
@@ -165,7 +165,8 @@ def stress_study(
     for number, part in enumerate(in_order(names)):
         told(part, number, len(names))
         found.append(part_study(run, design, part, settings, (grids or {}).get(part)))
-    studies = tuple(sorted(found, key=lambda study: PARTS.index(study.findings.part)))
+    order = part_names(design)
+    studies = tuple(sorted(found, key=lambda study: order.index(study.findings.part)))
     findings = StressFindings(
         design=design.name,
         ring=design.ring.kind,

@@ -11,7 +11,7 @@ from cycloid_mj.analysis.window import in_hold
 from cycloid_mj.design import PARTS, Design
 from cycloid_mj.errors import LogError, UsageError
 from cycloid_mj.member import columns_from_ring
-from cycloid_mj.names import CAM, FORCE_X, column
+from cycloid_mj.names import CAM, FORCE_X, column, of_disc
 from cycloid_mj.record import Run
 from cycloid_mj.types import Array, Mask
 
@@ -30,8 +30,10 @@ FREE = {
 COARSEST = 1.5
 """Samples may lie this many wanted steps apart; then no sample stands for more than two of the wanted angles."""
 
-CAM_FORCE = column(CAM, FORCE_X)
-"""Every run with forces has it."""
+
+def cam_force(design: Design) -> str:
+    """Name a column that every run with forces has."""
+    return column(of_disc(CAM, 0, design.gear.discs), FORCE_X)
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,15 +77,15 @@ def turn(run: Run, design: Design | None = None, angles: npt.ArrayLike = DEGREES
     ran = design_of(run)
     if design is not None:
         require_same(design, ran)
-    if CAM_FORCE not in run.columns:
+    if cam_force(ran) not in run.columns:
         raise LogError(
-            f"the run has no forces of the mating pairs (no column {CAM_FORCE!r} among {len(run.columns)}), so there "
-            "are no loads to put on the parts; simulate it again with the forces in its log"
+            f"the run has no forces of the mating pairs (no column {cam_force(ran)!r} among {len(run.columns)}), so "
+            "there are no loads to put on the parts; simulate it again with the forces in its log"
         )
     run = run.usable()
     run = replace(run, columns=columns_from_ring(ran, run.columns))
     wanted = np.atleast_1d(np.asarray(angles, dtype=np.float64))
-    rows = _last_turn(run, in_hold(ran, run.time))
+    rows = _last_turn(run, in_hold(ran, run.time) & np.isfinite(run[cam_force(ran)]))
     crank = run["crank_angle"][rows]
     _require_fine(crank, wanted, run, rows)
     nearest = np.array([np.argmin(np.abs(_wrapped(crank - angle))) for angle in wanted])
@@ -120,7 +122,7 @@ def _values(design: Design) -> dict[str, Any]:
 
 def _last_turn(run: Run, hold: Mask) -> npt.NDArray[np.intp]:
     """Give the settled samples of the last crank turn; one more than a turn, so that each angle has a near one."""
-    rows = np.flatnonzero(hold & np.isfinite(run[CAM_FORCE]))
+    rows = np.flatnonzero(hold)
     crank = run["crank_angle"][rows]
     swept = abs(crank[-1] - crank[0]) if rows.size else 0.0
     step = swept / max(rows.size - 1, 1)
