@@ -313,8 +313,8 @@ def test_torsion_of_the_shaft(shaft: Grid) -> None:
     """A couple between cam and input end shears the journal's surface by 2 T/(pi r^3), within 1 %."""
     measures = shaft_measures(PIN)
     part = elastic.body(shaft, STEEL, springs=shaft_loading.bearing_pads(shaft, measures, 1e8).springs, loose=(2, 5))
-    couples = shaft_loading._couples(shaft, measures, shaft_loading._pressures(shaft, measures))
-    loads, imbalance = elastic.balanced(part, 10.0 * (couples[:, :1] - couples[:, 1:]))
+    (_, on_cam), at_end = shaft_loading._on_cam_units(shaft, measures, 0), shaft_loading._torsion(shaft, measures)
+    loads, imbalance = elastic.balanced(part, 10.0 * (on_cam - at_end))
     assert np.abs(imbalance).max() < 1e-9
     stress = von_mises(stresses(recovery(shaft), elastic.displacements(part, loads), STEEL))[:, 0]
     x, y, z = shaft.points.T

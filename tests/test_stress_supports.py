@@ -80,7 +80,7 @@ def beam_moment(design: Design, shaft: Shaft, force: float, bed: float, elements
     young, poisson = design.material.youngs_modulus, design.material.poisson
     z = np.linspace(shaft.end, shaft.far_end, elements + 1)
     middle, h = (z[1:] + z[:-1]) / 2, z[1] - z[0]
-    radius = np.where((middle > shaft.cam[0]) & (middle < shaft.cam[1]), shaft.cam_radius, shaft.radius)
+    radius = np.where((middle > shaft.cams[0][0]) & (middle < shaft.cams[0][1]), shaft.cam_radius, shaft.radius)
     thick = (middle > shaft.counterweight[0]) & (middle < shaft.counterweight[1])
     inertia = np.pi * np.where(thick, shaft.counterweight_radius, radius) ** 4 / 4 * np.where(thick, 0.5, 1.0)
     area = np.pi * np.where(thick, shaft.counterweight_radius, radius) ** 2 * np.where(thick, 0.5, 1.0)
@@ -93,8 +93,8 @@ def beam_moment(design: Design, shaft: Shaft, force: float, bed: float, elements
         for z0, z1 in shaft.bearings:
             if z0 < middle[e] < z1:
                 stiffness[[2 * e, 2 * e + 2], [2 * e, 2 * e + 2]] += bed / (z1 - z0) * h / 2
-        if shaft.cam[0] < middle[e] < shaft.cam[1]:
-            load[[2 * e, 2 * e + 2]] += force / (shaft.cam[1] - shaft.cam[0]) * h / 2
+        if shaft.cams[0][0] < middle[e] < shaft.cams[0][1]:
+            load[[2 * e, 2 * e + 2]] += force / (shaft.cams[0][1] - shaft.cams[0][0]) * h / 2
     turned = np.linalg.solve(stiffness, load)[1::2]
     return np.column_stack([middle, young * inertia * np.diff(turned) / h])
 
@@ -112,8 +112,8 @@ def test_the_shaft_bends_as_a_timoshenko_beam_on_one_sided_bearings(design: Desi
     bed = BEARING_STIFFNESS * design.material.youngs_modulus * shaft.radius
     beam = beam_moment(design, shaft, force, bed)
     z = beam[:, 0]
-    neck = (z > shaft.counterweight[1]) & (z < shaft.cam[0])
-    journal = (z < shaft.counterweight[0]) | neck | (z > shaft.cam[1])
+    neck = (z > shaft.counterweight[1]) & (z < shaft.cams[0][0])
+    journal = (z < shaft.counterweight[0]) | neck | (z > shaft.cams[0][1])
     expected = 4 * np.abs(beam[journal, 1]).max() / (np.pi * shaft.radius**3)
     nominal = shaft_shoulders(design, shaft, found.moments, found.angle)[0]
     assert nominal.bending == pytest.approx(expected, rel=0.03)

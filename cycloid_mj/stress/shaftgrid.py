@@ -14,7 +14,7 @@ from cycloid_mj.errors import CycloidError
 from cycloid_mj.mechanism.reducer import phases
 from cycloid_mj.solid import crank_stretches
 from cycloid_mj.solid.output import near_face
-from cycloid_mj.solid.shaft import COUNTERWEIGHT, FAR, JOURNAL, bearing_width
+from cycloid_mj.solid.shaft import COUNTERWEIGHT, FAR, JOURNAL, bearing_seats
 from cycloid_mj.stress.grid import Grid, GridSettings, quadratic
 from cycloid_mj.stress.packages import mesher
 from cycloid_mj.types import Array
@@ -99,14 +99,10 @@ class Shaft:
 @lru_cache(maxsize=8)
 def shaft_measures(design: Design) -> Shaft:
     """Give the measures of a design's balanced crank, without the spacers of a built-up one."""
-    found, shaft = crank_stretches(design), design.shaft
+    found = crank_stretches(design)
     journal, weight = found[JOURNAL], found.get(COUNTERWEIGHT)
     cams = [(one.z0, one.z1) for name, one in found.items() if names.family(name) == names.CAM]
     end = min(journal.z1, near_face(design))
-    width = bearing_width(design, end - journal.z0)
-    near = end - shaft.bearing_offset
-    outer = near - width - shaft.bearing_spacing if shaft.bearing_spacing else journal.z0
-    far = found[FAR].z1 - width if FAR in found else outer
     return Shaft(
         radius=design.shaft.radius,
         cam_radius=design.gear.bore_radius,
@@ -117,7 +113,7 @@ def shaft_measures(design: Design) -> Shaft:
         counterweight=(weight.z0, weight.z1) if weight else (end, end),
         cams=tuple(cams),
         phases=phases(design),
-        bearings=((far, far + width), (near - width, near)),
+        bearings=bearing_seats(design, found),
     )
 
 
