@@ -439,7 +439,7 @@ def test_mistakes_are_told() -> None:
         part_grid(NONPIN, "pin_1")
     with pytest.raises(UsageError, match="refinement is 0"):
         GridSettings(refinement=0)
-    with pytest.raises(CycloidError, match="takes the loads of its cam"):
+    with pytest.raises(CycloidError, match="takes the loads of cam, got pin_1"):
         solve(PIN, part_grid(PIN, "shaft", GridSettings(refinement=0.5)), replace(outside, labels=("pin_1",)))
 
 
