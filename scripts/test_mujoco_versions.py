@@ -19,7 +19,7 @@ from time import perf_counter
 
 UNTESTED = "CYCLOID_MJ_UNTESTED_MUJOCO"
 ROOT = Path(__file__).resolve().parents[1]
-TESTS = [f"tests/test_{room}.py" for room in ("contact", "near", "ring", "law", "simulate")]
+TESTS = [f"tests/test_{room}.py" for room in ("contact", "near", "ring", "law", "simulate", "robot")]
 AHEAD = "mujoco-core!=4.0.0"
 
 

@@ -21,6 +21,9 @@ from cycloid_mj.units import RPM
 
 SCRIPTS = ("scale.js", "chart.js", "joint.js")
 
+SMALLEST = 0.01
+"""Harmonics that are told, as a share of the largest."""
+
 LOADS = (0.0, 0.5, 1.0)
 """Shares of the rated torque at which a constant friction is given for formats that have no other."""
 
@@ -60,7 +63,7 @@ def _numbers(reducer: Reducer) -> dict[str, str]:
     return {
         "ratio": f"{reducer.ratio:g}:1",
         "backlash": f"{found['backlash_arcmin'].value:.3g} arcmin",
-        "stiffness": f"{found['stiffness_nm_per_arcmin'].value:.4g} N m/arcmin",
+        "stiffness [N m/arcmin]": f"{found['stiffness_nm_per_arcmin'].value:.4g}",
         "efficiency": f"{found['efficiency'].value:.2f} %",
         "back-driving": f"{found['back_driving_efficiency'].value:.2f} %",
         "inertia at the output": f"{reducer.reflected_inertia:.3g} kg m²",
@@ -69,10 +72,10 @@ def _numbers(reducer: Reducer) -> dict[str, str]:
 
 def _quantities(reducer: Reducer) -> Table:
     rows = [
-        (one.name, f"{one.value:.6g}", one.unit, "" if one.error is None else f"{one.error:.2g}", one.note)
+        (one.name, f"{one.value:.6g}", one.unit, "" if one.error is None else f"{one.error:.2g}")
         for one in reducer.quantities.values()
     ]
-    return Table([("quantity", "value", "unit", "numerical error", "")], rows)
+    return Table([("quantity", "value", "unit", "numerical error")], rows)
 
 
 def _texts(found: Result) -> Table:
@@ -134,16 +137,18 @@ def _efficiency(reducer: Reducer) -> Result:
 
 
 def _harmonics(reducer: Reducer) -> Table:
-    """Give the harmonics under the rated torque, both ways."""
-    rated = [
-        one
-        for one in reducer.ripple.harmonics(reducer.way, reducer.rated_torque)
-        if one["load_nm"] == reducer.ripple.loads[-1] * reducer.rated_torque
-    ]
-    by_order: dict[float, list[str]] = {}
+    """Give the harmonics under the rated torque, both ways, down to `SMALLEST` of the largest."""
+    load = reducer.ripple.loads[-1] * reducer.rated_torque
+    rated = [one for one in reducer.ripple.harmonics(reducer.way, reducer.rated_torque) if one["load_nm"] == load]
+    least = SMALLEST * max((one["value"] for one in rated), default=0.0)
+    by_order: dict[float, list[dict[str, Any]]] = {}
     for one in rated:
-        by_order.setdefault(one["order"], []).extend((f"{one['value']:.4g}", f"{one['numerical_error']:.1g}"))
-    rows = [(f"{order:.5g}", *cells) for order, cells in by_order.items()]
+        by_order.setdefault(one["order"], []).append(one)
+    rows = [
+        (f"{order:.5g}", *(text for one in both for text in (f"{one['value']:.4g}", f"{one['numerical_error']:.1g}")))
+        for order, both in by_order.items()
+        if max(one["value"] for one in both) >= least
+    ]
     head = ("order of the crank", "forward [arcsec]", "num. error", "reverse [arcsec]", "num. error")
     return Table([head], rows)
 

@@ -209,12 +209,12 @@ def _loop(reducer: Reducer, play: Play) -> tuple[list[Quantity], list[Curve]]:
     half = np.array([0.0, *(play.wind_up[share] for share in shares[1:].tolist())])
     sides = [(play.stops[1] + half, shares * rated), (play.stops[0] - half, -shares * rated)]
     whole = [np.concatenate([sides[1][i][::-1], sides[0][i]]) for i in (0, 1)]
-    axes = "torque on the output [N m]", "turn of the output [arcmin]"
+    axes = "torque on the output [N m]", "turn [arcmin]"
     panel = "hysteresis loop, crank locked"
     return rows, [
         Curve(panel, "full model", whole[1], whole[0] / ARCMINUTE, *axes, "theory"),
-        Curve(panel, "joint, falling torque", ramp * rated, falling / ARCMINUTE, *axes),
-        Curve(panel, "joint, rising torque", ramp * rated, rising / ARCMINUTE, *axes),
+        Curve(panel, "joint, falling", ramp * rated, falling / ARCMINUTE, *axes),
+        Curve(panel, "joint, rising", ramp * rated, rising / ARCMINUTE, *axes),
     ]
 
 

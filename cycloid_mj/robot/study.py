@@ -98,8 +98,15 @@ def tried(
     reducer: Reducer, integrator: Integrator, timestep: float, inertia: float, load: str = "as asked for"
 ) -> Tried:
     """Try one step [s] of an integrator with an inertia on the output [kg m2], at the reducer's level."""
-    run = _rigid if reducer.level == "rigid" else _wound_up
-    stable, error, frequency = run(bench(reducer, inertia, timestep, integrator), inertia)
+
+    def on() -> Bench:
+        return bench(reducer, inertia, timestep, integrator)
+
+    if reducer.level == "rigid":
+        stable, error, frequency = _rigid(on(), inertia)
+    else:
+        stable, error, frequency = _wound_up(on(), inertia)
+        stable = stable and _stays(on(), inertia)
     return Tried(reducer.level, integrator, load, timestep, inertia, stable, error, frequency)
 
 
@@ -137,17 +144,38 @@ def _wound_up(on: Bench, inertia: float) -> tuple[bool, float, float]:
     reducer, step = on.reducer, float(on.model.opt.timestep)
     torque, moving = reducer.rated_torque, inertia + reducer.output_inertia
     slowest = np.sqrt(reducer.stiffness(torque) / moving)
-    steps = int(np.clip(2.0 * np.pi * PERIODS / slowest / step, FEWEST, MOST))
+    steps = _steps(slowest, step)
     wound, stop = reducer.wind_up(torque), reducer.stops[1]
     if reducer.level == "full":
         stop += reducer.ripple.errors(0.0, 1.0)[1]
     on.hold()
     on.data.qpos[on.place.output_angle] = stop + START * wound
     lengths = on.lengths(lambda time: torque, steps)
-    if lengths is None or np.ptp(lengths[steps // 2 :]) > GROWN * wound:
+    if lengths is None or float(np.ptp(lengths[steps // 2 :])) > GROWN * wound:
         return False, np.nan, np.nan
     rest, frequency = _vibration(lengths[steps // 2 :] - stop, step)
     return True, rest / wound - 1.0, frequency / slowest - 1.0
+
+
+def _stays(on: Bench, inertia: float) -> bool:
+    """Tell whether the joint vibrates no more than at the start with its crank free, the motor holding the torque.
+
+    Crank and output move against each other then, faster than the output alone: k (1/J + 1/(i^2 J_rotor)).
+    """
+    reducer, torque = on.reducer, on.reducer.rated_torque
+    wound, moving = reducer.wind_up(torque), inertia + reducer.output_inertia
+    swinging = moving / (1.0 + moving / (reducer.ratio**2 * reducer.rotor_inertia))
+    steps = _steps(np.sqrt(reducer.stiffness(torque) / swinging), float(on.model.opt.timestep))
+    on.press(torque)
+    on.data.qpos[on.place.output_angle] -= (1.0 - START) * wound
+    on.data.ctrl[:] = reducer.coefficient * torque
+    lengths = on.lengths(lambda time: torque, steps)
+    return lengths is not None and float(np.ptp(lengths[steps // 2 :])) <= GROWN * wound
+
+
+def _steps(frequency: float, step: float) -> int:
+    """Count the steps of a run in which a vibration of this frequency [rad/s] is seen."""
+    return int(np.clip(2.0 * np.pi * PERIODS / frequency / step, FEWEST, MOST))
 
 
 def _rigid(on: Bench, inertia: float) -> tuple[bool, float, float]:
