@@ -43,6 +43,7 @@ from passes import (
     loop_cost,
     own_cost,
 )
+from sweeping import sweep_table
 
 from cycloid_mj.run import reducer_model
 
@@ -257,6 +258,7 @@ SECTIONS: dict[str, Callable[[int], Table]] = {
     "exudyn": exudyn_table,
     "threads": threads_table,
     "command": command_table,
+    "sweep": sweep_table,
 }
 
 

@@ -12,6 +12,7 @@ sys.path.insert(0, str(SCRIPTS))
 import against  # noqa: E402
 import benchmark  # noqa: E402
 import passes  # noqa: E402
+import sweeping  # noqa: E402
 
 
 def test_a_step_is_its_parts() -> None:
@@ -140,3 +141,17 @@ def test_the_program_of_the_statics_runs_in_this_tree(tmp_path) -> None:
     found = trial.figures(against.ended(against.ROOT, trial, (), tmp_path / "out"))
     assert 0.0 < found["pin 0.std"] != found["pin 1.std"]
     assert found["nonpin 4.mean"] > 0.0
+
+
+def test_the_cost_of_a_point_is_its_work_and_its_way() -> None:
+    table = sweeping.sweep_table(1, many=50, few=2)
+    assert set(table) == set(sweeping.works(1, 1))
+    for name, row in table.items():
+        assert set(row) == set(sweeping.COLUMNS), name
+    assert 0.0 < table["nothing"]["CPU"][0] < 0.1 * table["statics"]["CPU"][0]
+    assert table["nothing"]["Dask"][0] > table["nothing"]["CPU"][0]
+
+
+def test_a_cluster_is_as_fast_as_its_workers_or_its_scheduler() -> None:
+    assert sweeping.hours(3.6e6, 64.0, 0.5, 64) == 1.0
+    assert sweeping.hours(3.6e6, 64.0, 3.0, 64) == 3.0

@@ -1,10 +1,6 @@
 """Work on a real Dask scheduler and two workers, each a process: the same bits as here, and one worker killed."""
 
-import json
-import os
-import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -17,6 +13,10 @@ from cycloid_mj.errors import DesignError
 from cycloid_mj.explore import sweep, tolerance, tolerances
 
 HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE.parent / "scripts"))
+
+from dask_cluster import Cluster  # noqa: E402
+
 PIN = PRESETS["pin"]
 
 
@@ -26,41 +26,10 @@ def fail(number: int) -> int:
     return number
 
 
-class Cluster:
-    """A scheduler and two workers, each a process."""
-
-    def __init__(self, folder: Path) -> None:
-        self.file = folder / "scheduler.json"
-        self.scheduler = self._start("scheduler", "--port", "0", "--no-dashboard", "--scheduler-file", str(self.file))
-        self.workers = [self.worker() for _ in range(2)]
-        while not self.file.exists():
-            time.sleep(0.05)
-
-    @property
-    def address(self) -> str:
-        return str(json.loads(self.file.read_text())["address"]).removeprefix("tcp://")
-
-    def worker(self) -> subprocess.Popen[bytes]:
-        return self._start(
-            "worker", "--no-nanny", "--nthreads", "1", "--no-dashboard", "--scheduler-file", str(self.file)
-        )
-
-    def _start(self, *words: str) -> subprocess.Popen[bytes]:
-        environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(HERE.parent), str(HERE)])}
-        words = (sys.executable, "-m", "dask", *words)
-        return subprocess.Popen(words, env=environment, stderr=subprocess.DEVNULL, cwd=self.file.parent)
-
-    def close(self) -> None:
-        for process in (*self.workers, self.scheduler):
-            process.kill()
-            process.wait()
-
-
 @pytest.fixture(scope="module")
 def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
-    found = Cluster(tmp_path_factory.mktemp("cluster"))
-    yield found
-    found.close()
+    with Cluster(tmp_path_factory.mktemp("cluster"), path=(HERE,)) as found:
+        yield found
 
 
 def test_a_sweep_has_the_bits_of_a_local_one_though_a_worker_is_killed(cluster: Cluster, tmp_path: Path) -> None:

@@ -120,6 +120,14 @@ def test_the_same_seed_gives_the_same_bits_whatever_the_workers() -> None:
     assert one.budget == two.budget == apart.budget
 
 
+def test_the_samples_are_a_table() -> None:
+    found = tolerance(override(PIN, {"tolerance.cam": "uniform 0.3"}), 4, 0)
+    assert found["sample"].tolist() == [1, 2, 3, 4]
+    assert np.array_equal(found["backlash_arcmin"], found.figures["backlash_arcmin"])
+    assert found.frame.units["cam_force_n"] == "N"
+    assert "loaded_teeth" not in found.frame.units
+
+
 def test_the_first_samples_are_the_same_however_many_there_are(monkeypatch) -> None:
     monkeypatch.setattr(draw, "BLOCK", 8)
     design = override(PIN, ['tolerance.cam="uniform 0.3"'])

@@ -17,6 +17,7 @@ from cycloid_mj.explore.figures import ANGLES, FIGURES, condition, figures_of
 from cycloid_mj.explore.limit import FigureLimit, limit
 from cycloid_mj.explore.verify import Verified, table_rows, verified
 from cycloid_mj.explore.zone import Zone
+from cycloid_mj.frame import Frame, Tabular
 from cycloid_mj.result import Table
 from cycloid_mj.types import Array, Mask
 
@@ -47,7 +48,7 @@ class Distribution:
 
 
 @dataclass(frozen=True, eq=False)
-class Tolerances:
+class Tolerances(Tabular):
     """What came of the samples of one design.
 
     Attributes
@@ -90,6 +91,12 @@ class Tolerances:
         """Which samples keep every limit and do not jam."""
         kept = [limit.holds(self.figures[limit.key]) for limit in self.limits]
         return np.asarray(np.all([~self.jams, *kept], axis=0))
+
+    @property
+    def frame(self) -> Frame:
+        """The samples, a row each."""
+        units = {key: one.unit for key, one in FIGURES.items() if one.unit != "1"}
+        return Frame({"sample": np.arange(1, self.samples + 1), **self.figures}, units)
 
     @property
     def yield_interval(self) -> tuple[float, float]:

@@ -1,0 +1,109 @@
+"""What a point of a sweep costs, and what its way to a worker adds: here, in processes, and on a Dask cluster."""
+
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from dask_cluster import ROOT, Cluster
+
+from cycloid_mj.design import PRESETS, override
+from cycloid_mj.engine import Engine
+from cycloid_mj.explore.draw import BLOCK, blocks, tolerances
+from cycloid_mj.explore.figures import ANGLES, FIGURES
+from cycloid_mj.explore.measured import Options
+from cycloid_mj.explore.row import Row, Task, measured_row
+from cycloid_mj.explore.tolerances import balanced
+
+WORKERS = 2
+COLUMNS = ("CPU", "2 processes", "Dask", "client", "scheduler")
+
+TURN = {"drive.ramp_s": 0.0, "drive.hold_s": 0.05, "load.torque_nm": 36.0}
+"""A crank turn at rated load, which takes 0.037 s, after what settles."""
+
+TOLERANCES = {"tolerance.cam": "normal 0.2", "tolerance.pin_position": "normal 0.2", "tolerance.output": "normal 0.2"}
+
+
+@dataclass(frozen=True)
+class Work:
+    """A function for `Engine`, and items for it."""
+
+    work: Callable[[Any], Any]
+    items: Sequence[Any]
+
+
+def nothing(_: int) -> Row:
+    """Give a row of the size that statics gives, without any work."""
+    return Row({f"a_quantity_of_statics_{number}": 1.0 / 3.0 for number in range(60)})
+
+
+def works(many: int, few: int) -> dict[str, Work]:
+    """Give what is measured, with so many points of the fast kind and of the others."""
+    pin = PRESETS["pin"]
+
+    def points(key: str, measure: str, changes: dict[str, Any], count: int, real_pins: bool = False) -> Work:
+        task = Task(override(pin, changes), (key,), (measure,), Options(real_pins=real_pins))
+        return Work(partial(measured_row, task), [(20.0 + 0.1 * number,) for number in range(count)])
+
+    made = override(pin, TOLERANCES)
+    return {
+        "nothing": Work(nothing, range(many)),
+        "statics": points("load.torque_nm", "statics", {}, few),
+        "turn, massless pins": points("load.torque_nm", "simulate", TURN, few),
+        "turn, free pins": points("load.torque_nm", "simulate", TURN, WORKERS, real_pins=True),
+        f"{BLOCK} samples": Work(
+            partial(balanced, made, tolerances(made), 0, ANGLES),
+            [(block, tuple(FIGURES)) for block in blocks(WORKERS * BLOCK)],
+        ),
+    }
+
+
+def sweep_table(passes: int, many: int = 1000, few: int = 16) -> dict[str, dict[str, list[float]]]:
+    """Points of a sweep and their way to a worker; ms a point, workers warm.
+
+    CPU time of the work; wall time in two processes and on a Dask cluster with two workers; CPU time of its client and
+    its scheduler. A line ``512 samples`` is a block of `tolerance`, a piece of work as the others are points.
+    """
+    with tempfile.TemporaryDirectory() as folder, Cluster(Path(folder), WORKERS, (ROOT / "scripts",)) as cluster:
+        there = Engine(scheduler=cluster.address)
+        return {name: _costs(one, there, cluster.scheduler.pid, passes) for name, one in works(many, few).items()}
+
+
+def _costs(one: Work, there: Engine, scheduler: int, passes: int) -> dict[str, list[float]]:
+    """Measure a piece of work in all ways, in turn."""
+    found: dict[str, list[float]] = {name: [] for name in COLUMNS}
+    for engine in (Engine(1), Engine(WORKERS), there):
+        engine.each(one.work, one.items[:WORKERS])
+    for _ in range(passes):
+        before = time.process_time()
+        Engine(1).each(one.work, one.items)
+        spent = [time.process_time() - before]
+        before = time.perf_counter()
+        Engine(WORKERS).each(one.work, one.items)
+        spent.append(time.perf_counter() - before)
+        before, own, others = time.perf_counter(), time.process_time(), cpu_of(scheduler)
+        there.each(one.work, one.items)
+        spent += [time.perf_counter() - before, time.process_time() - own, cpu_of(scheduler) - others]
+        for name, seconds in zip(COLUMNS, spent, strict=True):
+            found[name].append(1e3 * seconds / len(one.items))
+    return found
+
+
+def cpu_of(process: int) -> float:
+    """Give the CPU time of a process so far [s]."""
+    from psutil import Process
+
+    times = Process(process).cpu_times()
+    return float(times.user + times.system)
+
+
+def hours(points: float, cpu: float, overhead: float, cores: int) -> float:
+    """Give the wall time [h] of points on a cluster: its workers', or the scheduler's or client's where that is longer.
+
+    `cpu` of a point and `overhead` of the busier of client and scheduler in ms a point, as `sweep_table` has them. It
+    is an extrapolation: no two points share anything but the scheduler.
+    """
+    return points * max(cpu / cores, overhead) / 3.6e6
