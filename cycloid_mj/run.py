@@ -52,6 +52,9 @@ Groups = dict[str, dict[str, str]]
 Contact = Literal["profile", "mesh"]
 """How parts meet: by their exact profiles, or as convex meshes in MuJoCo's own collision."""
 
+MOST_STEPS = 10**9
+"""A run of more steps would take a day and more; it is a slip of a value."""
+
 _BLOCK = 100
 # Every sample is checked for MuJoCo's warnings: they need not go to MUJOCO_LOG.TXT in the working folder as well.
 _no_log_file = Shared(

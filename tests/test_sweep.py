@@ -192,6 +192,14 @@ def test_loaded_runs_have_massless_pins_and_say_so() -> None:
     assert not chosen.assumptions
 
 
+def test_a_run_that_cannot_be_is_told_in_its_row() -> None:
+    design = override(PIN, {**LOADED, "drive.hold_s": 0.002})
+    found = sweep(design, {"drive.speed_rpm": [0.0]}, "simulate", engine=HERE)
+    assert "drive.speed_rpm is 0" in found["error"][0]
+    found = sweep(design, {"drive.hold_s": [1000.0], "settings.timestep_us": [0.1]}, "simulate", engine=HERE)
+    assert "1e+10 steps, more than 1e+09: shorten drive.hold_s" in found["error"][0]
+
+
 @pytest.mark.parametrize("name", UNLIKE)
 def test_other_designs(name: str) -> None:
     found = sweep(unlike(name), {"clearance.cam_um": [1.0, 1.5]}, "statics,mass,checks", engine=HERE)

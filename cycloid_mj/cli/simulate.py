@@ -31,9 +31,6 @@ EXAMPLES = """Examples:
   cycloid-mj simulate --design nonpin --json --quiet > nonpin.json"""
 
 RUNS = "runs"
-MOST_STEPS = 10**9
-"""A run of more steps would take a day and more; it is a slip of the flags."""
-
 FEWEST_HELD = 2
 """Samples at constant speed that an analysis needs."""
 
@@ -141,6 +138,7 @@ def require_possible(design: Design) -> None:
         raise UsageError("drive.speed_rpm is 0: the crank would stand still; give --speed-rpm")
     from cycloid_mj.checks import require_sound
     from cycloid_mj.contact.timestep import timestep
+    from cycloid_mj.run import MOST_STEPS
 
     require_sound(design)
     step = timestep(design)

@@ -10,7 +10,7 @@ from cycloid_mj.contact.massless import assumptions as massless_assumptions
 from cycloid_mj.contact.massless import massless
 from cycloid_mj.contact.working import own_load
 from cycloid_mj.design import Design
-from cycloid_mj.errors import UsageError
+from cycloid_mj.errors import DesignError, RunError, UsageError
 from cycloid_mj.frame import Cell
 from cycloid_mj.measure import MEASURES
 from cycloid_mj.result import Quantity
@@ -68,10 +68,14 @@ def _measure(name: str, design: Design, options: Options) -> Measured:
 def _simulate(design: Design, options: Options) -> Measured:
     """Run a design over its own course; under a load, without the inertia of its pins, unless they are to stay real."""
     from cycloid_mj.analysis import analyze
-    from cycloid_mj.run import simulate
+    from cycloid_mj.run import MOST_STEPS, schedule, simulate
 
+    if design.drive.speed == 0.0:
+        raise DesignError("drive.speed_rpm is 0: the crank would stand still; give another speed, such as 1640")
     light = not options.real_pins and abs(design.load.torque) > own_load(design)
     ran = massless(design) if light else design
+    if (steps := schedule(ran).steps) > MOST_STEPS:
+        raise RunError(f"the run would take {steps:.3g} steps, more than {MOST_STEPS:.0e}: shorten drive.hold_s")
     found = analyze(simulate(ran))
     values = {"pins": ran.ring.pins if ran.ring.kind == "pin" else "none", **dict(_flat(found.as_json()))}
     told = massless_assumptions(design, "loaded runs (mean values; speeds sway up to a fifth less)") if light else ()

@@ -70,7 +70,7 @@ def shown(found: Sweep, wanted: tuple[str, ...] = ()) -> tuple[str, ...]:
         raise UsageError(f"--show {unknown[0]}: there is no such number; there are {', '.join(there) or 'none'}")
     if wanted:
         return wanted
-    changing = [name for name in there if _changes(_finite(numbers[name]))]
+    changing = [name for name in there if _changes(_finite(numbers[name]))] or there
     first = {name: place for place, name in enumerate(HEADLINES)}
     ranked = sorted(changing, key=lambda name: first.get(name.rpartition(".")[2], len(first)))
     return tuple(ranked[:MOST_SHOWN])
