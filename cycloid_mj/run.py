@@ -22,6 +22,7 @@ from cycloid_mj.contact.forces import PairForces, pair_forces, pair_index
 from cycloid_mj.contact.massless import idle
 from cycloid_mj.contact.regime import pace
 from cycloid_mj.contact.shared import Shared
+from cycloid_mj.contact.swing import deepest
 from cycloid_mj.contact.timestep import Step, chosen, timestep
 from cycloid_mj.contact.working import for_slices, working_forces_told
 from cycloid_mj.course import Course, initial_state, ramp_and_hold
@@ -304,7 +305,7 @@ class _Recorder:
         self._dragged = dragged_joints(reducer.model, DRAGS)
         kinds = sorted(reducer.laws)
         self._kinds = [np.array([pair.kind == kind for pair in reducer.pairs]) for kind in kinds]
-        self._deepest, self._design = design.contact.max_penetration, design
+        self._deepest, self._design = deepest(design), design
         self._most_iterations = reducer.model.opt.iterations
         self._data = data
         self._sensors = data.sensordata[: sum(len(columns) for columns in groups.values())]

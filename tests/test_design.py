@@ -296,6 +296,25 @@ def test_a_wrong_value_is_told_in_the_words_of_the_file(change: str, told: str) 
     assert len(str(error.value)) < 400
 
 
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("[gear]\nlobes = 34\n", "tooth difference of 2 or more are not there"),
+        ("[ring]\nteeth_difference = 2\n", "tooth difference of 2 or more are not there"),
+        ("[stages]\nfirst = 3\n", "RV reducers, .* are not there"),
+        ("[shaft]\ncranks = 3\n", "RV reducers, .* are not there"),
+        ("[gear]\npins = 12\n", "hypocycloid drives, with the pins on the gear, are not there"),
+    ],
+)
+def test_a_layout_that_is_not_there_is_told_where_it_is_asked_for(text: str, told: str) -> None:
+    with pytest.raises(DesignError, match=told) as error:
+        loads(text)
+    assert "\n" not in str(error.value)
+    table, line = text.splitlines()
+    with pytest.raises(DesignError, match=told):
+        override(PRESETS["pin"], [f"{table.strip('[]')}.{line.partition(' ')[0]}=3"])
+
+
 def test_all_wrong_values_are_told_at_once() -> None:
     with pytest.raises(DesignError, match=r"ring\.teeth = 2 .*; .*gear\.face_width_mm = -1\.0 "):
         loads("[ring]\nteeth = 2\n[gear]\nface_width_mm = -1.0")

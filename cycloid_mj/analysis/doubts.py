@@ -11,6 +11,7 @@ import numpy as np
 from cycloid_mj.analysis.findings import ContactSummary, Window
 from cycloid_mj.analysis.series import Series
 from cycloid_mj.contact.regime import pace
+from cycloid_mj.contact.swing import deepest
 from cycloid_mj.contact.timestep import timestep
 from cycloid_mj.design import Design
 from cycloid_mj.design.units import MICROMETRE, RPM
@@ -88,7 +89,7 @@ def warnings(motion: Series, judged: Window, contacts: ContactSummary) -> Iterat
     elif _turns(judged) < 1.0:
         yield _short(motion, judged)
     yield from doubts(motion)
-    limit = MICROMETRE.from_si(design.contact.max_penetration)
+    limit = MICROMETRE.from_si(deepest(design))
     if contacts.max_penetration_um > DEEP * limit:
         yield f"contacts were {contacts.max_penetration_um:.3g} um deep; a run ends with an error at {limit:g} um"
 

@@ -4,12 +4,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from cycloid_mj.contact.swing import SETTLING, slowness
 from cycloid_mj.design import Design
 from cycloid_mj.errors import LogError, UsageError
 from cycloid_mj.types import Array, Mask
-
-SETTLING = 0.005
-"""Least time that a start, the end of the ramp or the load's rise takes to ring out [s]; contacts need 1 to 3 ms."""
 
 SETTLING_TURN = 1 / 8
 """The same as a share of a crank turn: slow reducers are large, and ring at lower frequencies."""
@@ -41,8 +39,8 @@ def require_hold(design: Design, time: Array) -> None:
 
 def settling(design: Design) -> float:
     """Give the time that a run of a design takes to ring out [s]."""
-    speed = abs(design.drive.speed)
-    return max(SETTLING, SETTLING_TURN * 2.0 * np.pi / speed) if speed else SETTLING
+    speed, contacts = abs(design.drive.speed), SETTLING * slowness(design)
+    return max(contacts, SETTLING_TURN * 2.0 * np.pi / speed) if speed else contacts
 
 
 def in_hold(design: Design, time: Array, settle: float | None = None) -> Mask:

@@ -69,6 +69,11 @@ def new(
     design carries at the rated torque is printed. The changes of --set come
     last. The file carries the new name, so that its runs do not meet those of
     another design. The path of the file is printed.
+
+    A design has one stage, one crank in the middle, pins (or lobes) on the ring,
+    and one lobe fewer on the gear. RV reducers with a planetary stage, tooth
+    differences of 2 or more, and hypocycloid drives with the pins on the gear
+    are not there.
     """
     stem = name.removesuffix(".toml")
     if not re.fullmatch(r"\w[\w .-]{0,63}", stem):

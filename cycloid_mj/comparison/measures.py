@@ -7,10 +7,11 @@ import numpy.typing as npt
 
 from cycloid_mj.analysis import Findings, Series, judge, series
 from cycloid_mj.analysis.series import design_of
-from cycloid_mj.analysis.window import SETTLING, require_hold
+from cycloid_mj.analysis.window import require_hold
 from cycloid_mj.comparison.fluctuation import Level, level, turns, unshifted
 from cycloid_mj.comparison.forces import Forces, forces
 from cycloid_mj.comparison.vibration import Vibration, vibration
+from cycloid_mj.contact.swing import SETTLING, slowness
 from cycloid_mj.design import Design
 from cycloid_mj.member import gear_angle
 from cycloid_mj.record import Run
@@ -40,7 +41,7 @@ def settling(design: Design) -> float:
 
     At no load a gear that starts centred takes about a turn to its rattling.
     """
-    loaded = max(design.load.rise - design.drive.ramp, 0.0) + SETTLING
+    loaded = max(design.load.rise - design.drive.ramp, 0.0) + SETTLING * slowness(design)
     return loaded + (2 * math.pi / abs(design.drive.speed) if design.drive.speed else 0.0)
 
 

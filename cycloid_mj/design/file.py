@@ -10,6 +10,7 @@ from typing import Any, get_origin
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
+from cycloid_mj.design.absent import absent_layout
 from cycloid_mj.design.mistakes import refusal
 from cycloid_mj.design.model import Design, Section
 from cycloid_mj.design.presets import PRESETS
@@ -202,7 +203,8 @@ def _to_si(section: type[Section], table: Mapping[str, Any], where: str, prefix:
     values: dict[str, Any] = {}
     for key, value in table.items():
         if key not in known:
-            raise DesignError(f"{where}: unknown key {prefix}{key:.80}; {_nearest(key, list(known), prefix)}")
+            hint = absent_layout(f"{prefix}{key}") or _nearest(key, list(known), prefix)
+            raise DesignError(f"{where}: unknown key {prefix}{key:.80}; {hint}")
         name, field = known[key]
         inner, table_of = field.annotation, section_of(field)
         if table_of:

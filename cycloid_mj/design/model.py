@@ -407,7 +407,13 @@ class ContactLaw(Section):
         gt=0.0,
         le=1e4,
     )
-    max_penetration: float = quantity(50.0, "a contact deeper than this ends the run", u.MICROMETRE, gt=0.0, le=1000.0)
+    max_penetration: float = quantity(
+        0.0,
+        "a contact deeper than this ends the run; 0: 50 um, or ten times what working forces press, if that is more",
+        u.MICROMETRE,
+        ge=0.0,
+        le=1000.0,
+    )
 
 
 def _of_flat(pair: str) -> Any:

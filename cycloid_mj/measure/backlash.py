@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from cycloid_mj.contact.swing import moving_inertia
 from cycloid_mj.contact.working import at_rated_load, working_forces_told
 from cycloid_mj.design import Design, Errors, Modification
 from cycloid_mj.errors import UsageError
@@ -158,7 +159,7 @@ def press(design: Design, crank: float, longer: float = 1.0, finer: float = 1.0)
 def _crossing(design: Design, crank: float, torque: float) -> float:
     """Time [s] in which a torque [N m] carries output and gear over the play from rest."""
     low, high = limits.stops(design, crank)
-    return math.sqrt(2.0 * bench.moving_inertia(design) * (high - low) / torque)
+    return math.sqrt(2.0 * moving_inertia(design) * (high - low) / torque)
 
 
 def _closed_forms(design: Design, cranks: list[float]) -> dict[str, Known]:

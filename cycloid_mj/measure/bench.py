@@ -24,7 +24,6 @@ from cycloid_mj.member import gear_angle, output_angle
 from cycloid_mj.mjcf import ReducerModel, build
 from cycloid_mj.record import Run
 from cycloid_mj.run import simulate
-from cycloid_mj.solid import gear_solid, mass_properties, output_inertia
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.types import Array
 
@@ -163,17 +162,6 @@ def step_of(run: Run) -> float:
 def steps_told(runs: Iterable[Run]) -> str:
     """Tell the steps that runs were made with, in microseconds, longest first."""
     return " and ".join(f"{1e6 * step:.3g} us" for step in sorted({step_of(run) for run in runs}, reverse=True))
-
-
-def moving_inertia(design: Design) -> float:
-    """Give the inertia about its axis of what turns at a locked crank, gear and carrier or the ring [kg m2]."""
-    return _inertia(design.model_copy(update={"drive": Drive(), "load": Load(), "settings": Settings()}))
-
-
-@lru_cache(maxsize=16)
-def _inertia(design: Design) -> float:
-    gear = 0.0 if design.output.turns_ring else float(mass_properties(gear_solid(design)).inertia[2, 2])
-    return gear + output_inertia(design)
 
 
 @lru_cache(maxsize=16)

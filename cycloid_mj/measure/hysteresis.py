@@ -13,16 +13,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj import course, statics
-from cycloid_mj.contact.law import pair_stiffness
+from cycloid_mj import course
+from cycloid_mj.contact.swing import closed_stiffness, moving_inertia
 from cycloid_mj.design import Design
 from cycloid_mj.loaded.windup import LOST_MOTION_SHARE, STRAIGHT
 from cycloid_mj.measure import bench
 from cycloid_mj.mechanism import limits
-from cycloid_mj.member import sense, share
+from cycloid_mj.member import sense
 from cycloid_mj.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.record import Run
-from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.types import Array
 
 POWER = 5
@@ -168,23 +167,7 @@ def slow_period(design: Design, rated: float) -> float:
     (omega t)^7 = 42 J b omega^2/T; it has then the share (omega t)^5 of T, which shall be `ARRIVAL`. And the period is
     at least `SLOWNESS` periods of J on the stiffness of the reducer.
     """
-    inertia = bench.moving_inertia(design)
+    inertia = moving_inertia(design)
     low, high = limits.stops(design, 0.0)
     crossing = math.sqrt(ARRIVAL ** (7.0 / POWER) * rated / (42.0 * inertia * max(high - low, 1e-9)))
     return 2.0 * math.pi * max(1.0 / crossing, SLOWNESS * math.sqrt(inertia / closed_stiffness(design)))
-
-
-def closed_stiffness(design: Design) -> float:
-    """Give the torsional stiffness [N m/rad] with half of the teeth and half of the output pins closed: an estimate.
-
-    In series: k sum l^2 of the teeth (with the sockets or sleeves behind them), k (c (N-1))^2 of the cam, and
-    k n R^2/4 of n output pins on the radius R.
-    """
-    k = {kind: pair_stiffness(design, kind) for kind in design.pair_kinds}
-    gear, output = tooth_profile(design), design.output
-    arms = statics.ideal_load_sharing(gear, 1.0, 0.0).arms
-    per_arm = sum(1.0 / k[kind] for kind in k if kind not in ("cam", "output"))
-    mesh = np.sum(arms[arms > 0.0] ** 2) / per_arm
-    cam = k["cam"] * (gear.eccentricity * gear.lobes) ** 2
-    pins = k["output"] * output.pins * output.pin_circle_radius**2 / 4.0
-    return float(1.0 / (1.0 / mesh + 1.0 / cam + 1.0 / pins)) / share(design) ** 2

@@ -7,6 +7,7 @@ import numpy as np
 
 from cycloid_mj import statics
 from cycloid_mj.contact.pressure import HERTZ_REACH, SHAKEDOWN_PRESSURE, YIELD_PRESSURE, pair_strength
+from cycloid_mj.contact.swing import deepest
 from cycloid_mj.contact.working import STRIBECK, working_forces_told
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
@@ -135,10 +136,10 @@ def _capacity(
 
     `allowed` is the pressure over the yield strength; `unsure` the share by which the forces of these runs may be off.
     """
-    deepest = design.contact.max_penetration
+    allowed_depth = deepest(design)
     for _ in range(MOST_GUESSES):
         # a contact grows deeper with its force, and may: the limit is to find runs that went wrong
-        deeper = min(deepest * max(1.0, torque / design.load.torque), DEEPEST)
+        deeper = min(allowed_depth * max(1.0, torque / design.load.torque), DEEPEST)
         guess = design.but(load={"torque": torque}, contact={"max_penetration": deeper})
         run = steady(guess, SETTLED, CHECKED)
         factor = _limits(pressed(run, design), design, allowed).get(weakest)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.analysis.doubts import unbalanced
+from cycloid_mj.contact.swing import slowness
 from cycloid_mj.course import Course
 from cycloid_mj.design import Design
 from cycloid_mj.errors import warn
@@ -44,11 +45,14 @@ def steady(
 ) -> Run:
     """Run a design from full speed; give its samples of so many mesh periods after a time `settled` [s].
 
+    A drive that settles more slowly than the paper's is given as much longer.
+
     Raises
     ------
     RunError
         The run went wrong.
     """
+    settled *= slowness(design)
     run = simulate(design.steady(settled, periods / design.mesh_periods), reducer, course)
     run = run.select(run.time >= settled * (1.0 - 1e-9))
     warn(design.name, unbalanced(run, design))

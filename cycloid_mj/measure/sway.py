@@ -12,6 +12,7 @@ import numpy as np
 from cycloid_mj.analysis import series
 from cycloid_mj.analysis.spectrum import thinned
 from cycloid_mj.comparison.vibration import acceleration
+from cycloid_mj.contact.swing import slowness
 from cycloid_mj.design import Design
 from cycloid_mj.measure.conditions import LOG_RATE
 from cycloid_mj.measure.reaction import masses, reaction, shaft_acceleration, without_counterweight
@@ -111,8 +112,9 @@ def sway(design: Design, reducer: ReducerModel, load: str, torque: float, speed:
         The run went wrong.
     """
     every = max(1, min(FASTER, int(1.0 / (LOG_RATE * reducer.model.opt.timestep) + 1e-6)))
+    settling = SETTLING * slowness(design)
     design = design.steady(
-        SETTLING,
+        settling,
         turns,
         samples=MARGIN * every,
         drive={"speed": speed},
@@ -121,7 +123,7 @@ def sway(design: Design, reducer: ReducerModel, load: str, torque: float, speed:
     )
     run = simulate(design, reducer, pressed(design, reducer))
     step = float(np.mean(np.diff(run.time)))
-    of, found = masses(design), acceleration(series(run, settle=SETTLING))
+    of, found = masses(design), acceleration(series(run, settle=settling))
     orbit = np.diff(run.block(["gear_vx", "gear_vy"]), axis=0) / step
     force = reaction(run, design).whole
     taken = {
@@ -132,7 +134,7 @@ def sway(design: Design, reducer: ReducerModel, load: str, torque: float, speed:
         "momentum": -of[GEAR].mass * orbit - of[SHAFT].mass * shaft_acceleration(run, of[SHAFT])[1:],
     }
     kept = {key: thinned(signal, every, key in ACCELERATIONS) for key, signal in taken.items()}
-    first = int(np.searchsorted(run.time[::every], SETTLING))
+    first = int(np.searchsorted(run.time[::every], settling))
     rows = slice(first, first + round(turns * 2.0 * np.pi / abs(speed) / (every * step)))
     fine = slice(every * rows.start, every * rows.stop)
     return Sway(

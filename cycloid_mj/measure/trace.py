@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cycloid_mj.contact.swing import slowness
 from cycloid_mj.course import Course, braking, load_torque, servo_target
 from cycloid_mj.design import Design
 from cycloid_mj.kinematics import CrankLaw
@@ -99,8 +100,9 @@ def trace(design: Design, reducer: ReducerModel, turns: float, case: Case) -> Tr
     """Run a case over some crank turns from the crank angle 0, or back from a whole turn to it."""
     way = float(np.sign(case.speed))
     per_second = SAMPLES * design.mesh_periods * abs(case.speed) / (2.0 * np.pi)
+    settling = SETTLING * slowness(design)
     design = design.steady(
-        SETTLING,
+        settling,
         turns,
         samples=4.0,
         drive={"speed": case.speed},
@@ -108,9 +110,9 @@ def trace(design: Design, reducer: ReducerModel, turns: float, case: Case) -> Tr
         settings={"log_rate": min(per_second, 1.0 / reducer.model.opt.timestep)},
     )
     # Both ways sweep the same angles, so that their curves can be laid over each other.
-    start = (0.0 if way > 0.0 else 2.0 * np.pi * np.ceil(turns)) - case.speed * SETTLING
+    start = (0.0 if way > 0.0 else 2.0 * np.pi * np.ceil(turns)) - case.speed * settling
     run = simulate(design, reducer, pressed(design, reducer, start))
-    window = run.select(run.time >= SETTLING - 2.0 / design.settings.log_rate)
+    window = run.select(run.time >= settling - 2.0 / design.settings.log_rate)
     return _read(window, design, turns, way)
 
 

@@ -1,0 +1,83 @@
+"""How long a drive takes to settle, and how deep its contacts may go: by its own stiffness and mass, not the paper's.
+
+A jolt rings out as what the load is on swings on the stiffness of all contacts; a soft or heavy drive takes longer than
+the paper's, whose period is 0.2 ms.
+"""
+
+import math
+from functools import lru_cache
+
+import numpy as np
+
+from cycloid_mj import statics
+from cycloid_mj.contact.law import contact_stiffness, pair_stiffness
+from cycloid_mj.contact.working import at_rated_load, working_force
+from cycloid_mj.design import Design, Drive, Friction, Settings
+from cycloid_mj.member import share
+from cycloid_mj.modification import tooth_profile
+from cycloid_mj.solid import gear_solid, mass_properties, output_inertia
+
+SETTLING = 0.005
+"""Least time that a start, the end of the ramp or the load's rise takes to ring out [s]; contacts need 1 to 3 ms."""
+
+SWINGS = 6.0
+"""Periods of the swing that are waited for: each leaves 4 % of it at half of critical damping, 53 % at a tenth."""
+
+DEEPEST = 50e-6
+"""Depth of a contact [m] that no drive of this size reaches in a run that goes right: a hundred times the paper's."""
+
+DEEPER = 10.0
+"""Depth, in those that working forces press contacts in, that a run which goes right does not reach either."""
+
+OF_ECCENTRICITY = 0.25
+"""Share of the eccentricity that a contact may never be deep: the teeth would no longer be the teeth."""
+
+
+def closed_stiffness(design: Design) -> float:
+    """Give the torsional stiffness [N m/rad] with half of the teeth and half of the output pins closed: an estimate.
+
+    In series: k sum l^2 of the teeth (with the sockets or sleeves behind them), k (c (N-1))^2 of the cam, and
+    k n R^2/4 of n output pins on the radius R.
+    """
+    k = {kind: pair_stiffness(design, kind) for kind in design.pair_kinds}
+    gear, output = tooth_profile(design), design.output
+    arms = statics.ideal_load_sharing(gear, 1.0, 0.0).arms
+    per_arm = sum(1.0 / k[kind] for kind in k if kind not in ("cam", "output"))
+    mesh = np.sum(arms[arms > 0.0] ** 2) / per_arm
+    cam = k["cam"] * (gear.eccentricity * gear.lobes) ** 2
+    pins = k["output"] * output.pins * output.pin_circle_radius**2 / 4.0
+    return float(1.0 / (1.0 / mesh + 1.0 / cam + 1.0 / pins)) / share(design) ** 2
+
+
+def moving_inertia(design: Design) -> float:
+    """Give the inertia about its axis of what turns at a locked crank, gear and carrier or the ring [kg m2]."""
+    same = {"drive": Drive(), "settings": Settings(), "friction": Friction(), "name": "shape"}
+    return _inertia(design.model_copy(update=same))
+
+
+@lru_cache(maxsize=16)
+def _inertia(design: Design) -> float:
+    gear = 0.0 if design.output.turns_ring else float(mass_properties(gear_solid(design)).inertia[2, 2])
+    return gear + output_inertia(design)
+
+
+def swing_period(design: Design) -> float:
+    """Give the period [s] with which what turns at a locked crank swings on the contacts, as stiff as under the load.
+
+    With wide clearances, of which fewer teeth carry, it is longer by half.
+    """
+    return 2.0 * math.pi * math.sqrt(moving_inertia(design) / closed_stiffness(at_rated_load(design)))
+
+
+@lru_cache(maxsize=64)
+def slowness(design: Design) -> float:
+    """Tell how many times as long as the paper's a drive takes to settle [1]: 1 where `SETTLING` is enough."""
+    return max(1.0, SWINGS * swing_period(design) / SETTLING)
+
+
+def deepest(design: Design) -> float:
+    """Give the depth [m] beyond which a contact ends the run: ``contact.max_penetration``, or what the design allows."""
+    if design.contact.max_penetration:
+        return design.contact.max_penetration
+    pressed = max(working_force(design, kind) / contact_stiffness(design, kind) for kind in design.pair_kinds)
+    return min(max(DEEPEST, DEEPER * pressed), OF_ECCENTRICITY * design.gear.eccentricity)
