@@ -1,4 +1,4 @@
-"""What settles and how deep contacts go, by stiffness, mass and play: as ever for the paper's, more for what is softer."""
+"""What settles and how deep contacts go, by stiffness and mass: as ever for the paper's, more for what is softer."""
 
 import math
 

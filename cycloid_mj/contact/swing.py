@@ -76,7 +76,7 @@ def slowness(design: Design) -> float:
 
 
 def deepest(design: Design) -> float:
-    """Give the depth [m] beyond which a contact ends the run: ``contact.max_penetration``, or what the design allows."""
+    """Give the depth [m] beyond which a contact ends a run: ``contact.max_penetration``, or what the design allows."""
     if design.contact.max_penetration:
         return design.contact.max_penetration
     pressed = max(working_force(design, kind) / contact_stiffness(design, kind) for kind in design.pair_kinds)
