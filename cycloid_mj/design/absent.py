@@ -26,7 +26,7 @@ _ASKED_BY: Mapping[str, tuple[str, ...]] = {
         *("second_stage", "gear.stages", "drive.stages", "shaft.cranks", "shaft.count", "gear.cranks", "ring.stages"),
     ),
     PINS_ON_GEAR: (
-        *("hypocycloid", "gear.pins", "gear.pin_radius_mm", "gear.pin_circle_radius_mm", "gear.rollers", "gear.kind"),
+        *("hypocycloid", "gear.pins", "gear.rollers", "gear.kind"),
         *("ring.hypocycloid", "gear.hypocycloid"),
     ),
 }
