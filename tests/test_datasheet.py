@@ -116,7 +116,7 @@ def test_the_section_of_the_gear_has_its_holes_and_bore() -> None:
     assert edges[1:-1] == pytest.approx([-26 - hole, -26 + hole, -15.001, 15.001, 26 - hole, 26 + hole], abs=1e-3)
 
 
-@pytest.mark.parametrize("name", ["pin", "nonpin", "printed", *UNLIKE])
+@pytest.mark.parametrize("name", ["pin", "nonpin", "printed", "twodisc", *UNLIKE])
 def test_nothing_is_clipped_and_no_text_lies_on_another(sheet, name: str) -> None:
     design = unlike(name) if name in UNLIKE else PRESETS[name]
     for page in datasheet_pages(replace(sheet, design=design)):

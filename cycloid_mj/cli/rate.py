@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import FLAT, PRESET, DesignOptions, JsonFlag
+from cycloid_mj.cli.flags import FLAT, LOAD, PRESET, SPEED, DesignOptions, JsonFlag
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import say, say_json, say_table
 from cycloid_mj.design import Design
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 RUNS = "runs"
 
-LoadFlag = Annotated[float | None, Parameter(help="Torque on the output [N m]. Default: the rated torque.")]
-SpeedFlag = Annotated[float | None, Parameter(help="Speed of the crank [rpm]. Default: drive.speed_rpm.")]
+LoadFlag = Annotated[float | None, LOAD.flag("Torque on the output", ". Default: the rated torque.")]
+SpeedFlag = Annotated[float | None, SPEED.flag("Speed of the crank", ". Default: drive.speed_rpm.")]
 DutyFlag = Annotated[
     Path | None,
     Parameter(metavar="DUTY.csv", help="Duty cycle instead: columns torque_nm, speed_rpm, share of the time."),

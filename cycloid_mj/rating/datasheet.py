@@ -41,7 +41,7 @@ TORQUES = (0.05, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.25)
 TURNS = (0.01, 0.03, 0.1, 0.25, 0.5, 0.75, 1.0)
 """Shares of the rated speed and torque at which curves have their points."""
 
-NOT_STEADY, NOT_COUNTED = "peak_", ("_wear", "_pv", "_static")
+NOT_STEADY, NOT_COUNTED = "peak_", ("_wear", "_static")
 """Items that do not decide the rated torque: stops, wear (its coefficient is known to a decade), figures."""
 
 

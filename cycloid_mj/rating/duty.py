@@ -10,6 +10,9 @@ from cycloid_mj.units import RPM
 
 COLUMNS = ("torque_nm", "speed_rpm", "share")
 
+FASTEST = 1e5
+"""Speed of a crank that no design reaches [rpm], as of ``drive.speed_rpm``."""
+
 
 @dataclass(frozen=True)
 class DutyPoint:
@@ -103,6 +106,8 @@ def _point(where: str, row: dict[str, str]) -> DutyPoint:
         if not math.isfinite(values[column]):
             raise UsageError(f"{where}: {column} is {given!r}; give a finite number")
     torque, speed, share = values.values()
+    if not abs(speed) < FASTEST:
+        raise UsageError(f"{where}: speed_rpm is {speed:g}; give one of less than {FASTEST:g}")
     if share < 0.0:
         raise UsageError(f"{where}: share is {share:g}; give a part of the time of at least 0")
     if torque == 0.0 and speed != 0.0:

@@ -25,6 +25,19 @@ def heat(design: Design, found: Sequence[Loading]) -> Iterator[Item]:
     area = outside(design)
     hot = service.ambient_temperature + lost / (service.film_coefficient * area)
     part, limit = min(hottest(design), key=lambda one: one[1])
+    yield Item(
+        "power_lost",
+        "power lost",
+        lost,
+        math.nan,
+        "W",
+        None,
+        None,
+        "friction of teeth, cam, output pins and seals, mean of the duty",
+        ", ".join(
+            f"{part} {sum(one.losses[part] * one.point.share for one in found):.3g} W" for part in found[0].losses
+        ),
+    )
     warm, cool = (service.ambient_temperature + lost / (film * area) for film in STILL_AIR)
     rise, room = hot - service.ambient_temperature, limit - service.ambient_temperature
     yield Item(

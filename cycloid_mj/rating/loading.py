@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.design import Design
+from cycloid_mj.errors import RunError
 from cycloid_mj.loaded import Loads, Springs, loads, peak_pressure, powers, springs_of
 from cycloid_mj.loaded.springs import turn_evenly
 from cycloid_mj.member import turns_of_crank
@@ -15,6 +16,7 @@ from cycloid_mj.rating.rolling import magnitudes
 from cycloid_mj.solid import body_solids, mass_properties
 from cycloid_mj.stress.shaftgrid import Shaft, shaft_measures
 from cycloid_mj.types import Array
+from cycloid_mj.units import RPM
 
 POSES = 181
 """Crank angles of a loading."""
@@ -94,8 +96,12 @@ def loading(design: Design, point: DutyPoint) -> Loading:
     at = design.but(drive={"speed": speed})
     crank = turns_of_crank(design, design.lobes * turn_evenly(POSES))
     springs, torque = springs_of(at, crank), math.copysign(abs(point.torque), speed)
-    found, power = loads(at, springs, torque), powers(at, abs(point.torque))
-    unwound = loads(at, springs, UNWOUND * torque)
+    try:
+        found, power = loads(at, springs, torque), powers(at, abs(point.torque))
+        unwound = loads(at, springs, UNWOUND * torque)
+    except RunError as error:
+        held = f"{abs(point.torque):.4g} N m at {point.speed / RPM:.4g} rpm"
+        raise RunError(f"{design.name} does not hold {held}: {error}; rate it at another torque") from error
     cam = found.cam.reshape(POSES, -1, 2)
     shaft = shaft_measures(design)
     places, forces = _shaft_forces(at, shaft, springs.crank, cam)

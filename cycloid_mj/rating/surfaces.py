@@ -33,8 +33,6 @@ NAMES = {
     "pin_sleeve": "sleeves on their pins",
     "output": "output pins in holes",
 }
-PITTED = ("pin_gear", "tooth", "output")
-"""Kinds whose surfaces roll past each other; a seat is pressed in one place."""
 
 
 def surfaces(design: Design, found: Sequence[Loading]) -> Iterator[Item]:
@@ -60,7 +58,7 @@ def surfaces(design: Design, found: Sequence[Loading]) -> Iterator[Item]:
                 source,
                 f"Hertz's p0; Y {1e-6 * strength:.4g} MPa of the weaker partner",
             )
-        if kind in PITTED and all(part.youngs_modulus >= SOFTEST_STEEL for part in design.partners(kind)):
+        if all(part.youngs_modulus >= SOFTEST_STEEL for part in design.partners(kind)):
             yield _pitting(design, found, kind, pressure)
 
 

@@ -42,20 +42,27 @@ def wear(design: Design, found: Sequence[Loading]) -> Iterator[Item]:
             HOURS * limit / depth if depth else math.inf,
             "Archard, k F s over the whole surface; until the clearance has doubled",
             f"k = {1e9 * coefficient:g} mm3/(N m), mixed lubrication (assumed; {1e8 * coefficient:g} to "
-            f"{1e10 * coefficient:g}: ten times the life to a tenth); a contact that carries slides {way:.4g} km in "
-            f"{HOURS:.0f} h",
+            f"{1e10 * coefficient:g}: ten times the life to a tenth)",
         )
-        yield Item(
+        yield _figure(
+            f"{kind}_way",
+            f"way that {NAMES[kind]} slides, per {HOURS:.0f} h",
+            way,
+            "km",
+            "mean sliding speed of the contacts that carry",
+        )
+        yield _figure(
             f"{kind}_pv",
             f"p v of {NAMES[kind]}",
             1e-6 * largest,
-            math.nan,
             "MPa m/s",
-            None,
-            None,
             "largest F v/(2 r w), on the pin's projected face",
             "no limit: it is the bearing material maker's to give",
         )
+
+
+def _figure(key: str, name: str, value: float, unit: str, source: str, note: str = "") -> Item:
+    return Item(key, name, value, math.nan, unit, None, None, source, note)
 
 
 def _face(design: Design, kind: str) -> float:
