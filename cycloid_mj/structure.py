@@ -10,8 +10,10 @@ import numpy as np
 
 from cycloid_mj.design import Design
 from cycloid_mj.design.model import Material
+from cycloid_mj.member import share
 from cycloid_mj.solid.output import AXIAL_GAP
 from cycloid_mj.types import Array
+from cycloid_mj.units import ARCMINUTE
 
 HUB = 0.5
 """Assumed: radius at which the output disc hands on its torque, as a share of the circle of its pins."""
@@ -85,19 +87,32 @@ def twisting_compliance(design: Design) -> dict[str, float]:
     """Give by how much the output turns at a locked crank, by what twists, per torque on it [rad/(N m)].
 
     The crank's twist reaches the output divided by the ratio N - 1, as the torque on it is; the ring's, under the
-    torque N/(N - 1), times N/(N - 1). The forces of the contacts stay: all of them turn alike.
+    torque N/(N - 1), times N/(N - 1); where the ring is the output, `member.share` squared of all that. The forces of
+    the contacts stay: all of them turn alike.
     """
-    stiffness, teeth = twisting_stiffness(design), design.ring.teeth
+    stiffness, teeth, seen = twisting_stiffness(design), design.ring.teeth, share(design) ** 2
     return {
-        "carrier": 1.0 / stiffness["carrier"],
-        "shaft": 1.0 / (stiffness["shaft"] * design.lobes**2),
-        "housing": (teeth / design.lobes) ** 2 / stiffness["housing"],
+        "carrier": seen / stiffness["carrier"],
+        "shaft": seen / (stiffness["shaft"] * design.lobes**2),
+        "housing": seen * (teeth / design.lobes) ** 2 / stiffness["housing"],
     }
 
 
 def wind_up(design: Design) -> float:
     """Give the sum of `twisting_compliance` [rad/(N m)]."""
     return sum(twisting_compliance(design).values())
+
+
+def structure_told(design: Design) -> str:
+    """Tell what the structure is taken as."""
+    if design.structure == "rigid":
+        return "shafts, discs, output and housing are rigid: only contacts give"
+    twisting = ", ".join(f"{part} {ARCMINUTE * one:.3g}" for part, one in twisting_stiffness(design).items())
+    held = {"cantilever": "at one end", "both_ends": "at both ends"}[design.output.support]
+    return (
+        f"output pins bend as beams held {held}, {twisting} N m/arcmin twist, each about its own axis; the shaft's "
+        "bending, the discs' own give and that of all bearings but the cams' are left out"
+    )
 
 
 def shear_modulus(made: Material) -> float:

@@ -3,6 +3,7 @@
 Each disc's forces act in its own plane. Those of two discs may cancel; their couples, force times spacing, do not.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from cycloid_mj.design import Design
 from cycloid_mj.loaded.balance import Loads
 from cycloid_mj.loaded.springs import Springs
+from cycloid_mj.result import Quantity
 from cycloid_mj.solid.output import AXIAL_GAP
 from cycloid_mj.solid.shaft import bearing_seats
 from cycloid_mj.types import Array
@@ -70,6 +72,28 @@ class Reactions:
     shaft_near: Array
     output_far: Array | None
     output_near: Array | None
+
+
+HELD = {
+    "shaft_bearing_far": "shaft bearing far from the discs",
+    "shaft_bearing_near": "shaft bearing near the discs",
+    "output_bearing_far": "bearing of the output disc next to the motor",
+    "output_bearing_near": "bearing of the output disc away from the motor",
+}
+"""Bearings, by their keys."""
+
+
+def reaction_quantities(found: Reactions) -> Iterator[Quantity]:
+    """Give the largest forces and tilting moments over the crank angle."""
+    for part in ("shaft", "output", "ring"):
+        planes: Planes = getattr(found, part)
+        tilts, nets = (float(np.hypot(*one.T).max()) for one in (planes.moment, planes.net))
+        yield Quantity(f"{part}_net_force", f"net force of the discs on the {part}, largest", nets, "N")
+        yield Quantity(f"{part}_tilting_moment", f"tilting moment of the discs on the {part}, largest", tilts, "N m")
+    for key, name in HELD.items():
+        held = getattr(found, key.replace("_bearing", ""))
+        if held is not None:
+            yield Quantity(f"{key}_force", f"{name}: largest force", float(np.hypot(*held.T).max()), "N")
 
 
 def reactions(design: Design, springs: Springs, found: Loads) -> Reactions:

@@ -192,9 +192,8 @@ def solve_samples(
         with announced(), ThreadPoolExecutor(threads) as pool:
             list(pool.map(balanced, bounds[:-1], bounds[1:]))
         out[~(out[:, -1] <= BALANCED)] = np.nan
-        out[:, 2] += twist * of * torque
         seen = Figures(*out[:, :-1].T.copy())
-        turned = {"output_mean": of * seen.output_mean, "output_range": of * seen.output_range}
+        turned = {"output_mean": of * seen.output_mean + twist * torque, "output_range": of * seen.output_range}
         found.append(replace(seen, **turned))
     return found
 

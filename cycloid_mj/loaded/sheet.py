@@ -12,6 +12,7 @@ from cycloid_mj.contact.working import working_at, working_forces_told
 from cycloid_mj.design import Design
 from cycloid_mj.errors import DesignError, UsageError
 from cycloid_mj.loaded.balance import Loads, Powers, loads, powers
+from cycloid_mj.loaded.bearings import reaction_quantities, reactions
 from cycloid_mj.loaded.ideal import ideal_peak
 from cycloid_mj.loaded.pressure import forces, is_narrow, peak_force, peak_pressure, torque_at_pressure
 from cycloid_mj.loaded.springs import POSES, Springs, springs_of, turn_evenly
@@ -19,7 +20,7 @@ from cycloid_mj.loaded.windup import SERIES, Windup, windups
 from cycloid_mj.mechanism.kernel import CARRIES
 from cycloid_mj.member import turns_of_crank
 from cycloid_mj.result import Quantity, keyed
-from cycloid_mj.structure import twisting_compliance
+from cycloid_mj.structure import structure_told, twisting_compliance
 from cycloid_mj.types import Array
 from cycloid_mj.units import ARCMINUTE, ARCSECOND, RPM
 
@@ -31,6 +32,11 @@ DRAG = 0.01
 
 PER_MESH_PERIOD = 8
 """Crank angles in a mesh period over which the transmission error is solved."""
+
+SEVERAL = (
+    "each disc pulls in its own plane and does not tilt; a ring's pin that moves gives way to each disc as if it carried "
+    "that one alone; bearings hold the discs' forces, without weight and unbalance of their parts"
+)
 
 IDEAL_SHARING = "ideal sharing"
 
@@ -212,6 +218,8 @@ def _loads(design: Design, load: float) -> Iterator[Quantity]:
     yield from disc_shares(found.share)
     for kind in design.pair_kinds:
         yield from _of_kind(springs, found, kind, design, spare.get(kind, math.nan))
+    if found.discs > 1:
+        yield from reaction_quantities(reactions(design, springs, found))
     for key, name, allowed in (
         ("capacity", "capacity: torque at which a contact first yields, below its surface", YIELD_PRESSURE),
         ("capacity_shakedown", "shakedown: torque up to which rolling turns elastic again", SHAKEDOWN_PRESSURE),
@@ -299,6 +307,8 @@ def _assumptions(design: Design) -> tuple[str, ...]:
         f"{', '.join(f'{kind} {design.friction_of(kind):g}' for kind in design.pair_kinds)}",
         f"contacts have the secant stiffness of the load: {working_forces_told(design, design.pair_kinds)}",
         "flanks of an internal gear carry as one patch with the arc beside them",
-        f"forces and losses are over {POSES} crank angles, the transmission error over {PER_MESH_PERIOD} in a mesh "
-        f"period, unloaded under {DRAG:.0%} of the load; the shafts' own bearings are left out",
+        *([SEVERAL] if design.gear.discs > 1 else []),
+        *([structure_told(design)] if design.structure == "springs" else []),
+        f"forces and losses are over {_angles(design).size} crank angles, the transmission error over "
+        f"{PER_MESH_PERIOD} in a mesh period, unloaded under {DRAG:.0%} of the load; the shafts' own bearings are left out",
     )

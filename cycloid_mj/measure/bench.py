@@ -13,13 +13,14 @@ from functools import lru_cache
 
 import numpy as np
 
-from cycloid_mj import statics
+from cycloid_mj import names, statics
 from cycloid_mj.contact.law import IMPRATIO, pair_stiffness
 from cycloid_mj.contact.regime import at_rest
 from cycloid_mj.contact.working import working_force
 from cycloid_mj.course import Signal, locked_crank
 from cycloid_mj.design import Design, Drive, Friction, Load, Settings
 from cycloid_mj.errors import ContactError, RunError
+from cycloid_mj.mechanism.reducer import phases
 from cycloid_mj.member import gear_angle, output_angle
 from cycloid_mj.mjcf import ReducerModel, build
 from cycloid_mj.record import Run
@@ -184,11 +185,18 @@ def output_turn(run: Run, design: Design) -> Array:
 
 
 def gear_turn(run: Run, design: Design) -> Array:
-    """Give the gear's angle less the ideal one at the crank's own [rad]."""
-    return run["gear_angle"] - gear_angle(design, run["crank_angle"])
+    """Give the angle of the gear, of several discs in the mean, less the ideal one at the crank's own [rad]."""
+    turned = [run[names.planar_joints(gear)[2]] for gear in names.gears(design.gear.discs)]
+    return np.mean(turned, axis=0) - gear_angle(design, run["crank_angle"])
 
 
 def centre_lead(run: Run, design: Design) -> Array:
-    """Give how far the gear's centre leads its ideal place on the eccentric's circle [m], counter-clockwise."""
-    crank = run["crank_angle"]
-    return np.asarray(-run["gear_x"] * np.cos(crank) - run["gear_y"] * np.sin(crank))
+    """Give how far the gear's centre leads its ideal place on the eccentric's circle [m], counter-clockwise.
+
+    Of several discs, in the mean.
+    """
+    leads = []
+    for gear, phase in zip(names.gears(design.gear.discs), phases(design), strict=True):
+        (x, y, _), ahead = names.planar_joints(gear), run["crank_angle"] + phase
+        leads.append(-run[x] * np.cos(ahead) - run[y] * np.sin(ahead))
+    return np.asarray(np.mean(leads, axis=0))

@@ -22,6 +22,7 @@ from cycloid_mj.mechanism import limits
 from cycloid_mj.member import sense
 from cycloid_mj.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.record import Run
+from cycloid_mj.structure import wind_up
 from cycloid_mj.types import Array
 
 POWER = 5
@@ -153,7 +154,7 @@ def loop(design: Design, crank: float, rated: float, period: float, finer: float
         rated=rated,
         phase=whole.time / period,
         torque=whole["load_torque"],
-        turn=bench.output_turn(whole, design),
+        turn=bench.output_turn(whole, design) + wind_up(design) * whole["load_torque"],
         gear_turn=bench.gear_turn(whole, design),
         centre_lead=sense(design) * bench.centre_lead(whole, design),
         run=run,

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,13 +12,18 @@ from cycloid_mj.contact.swing import deepest
 from cycloid_mj.contact.working import STRIBECK, working_forces_told
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
+from cycloid_mj.loaded.bearings import reaction_quantities, spatial
 from cycloid_mj.loaded.ideal import ideal_peak
+from cycloid_mj.loaded.sheet import disc_shares
 from cycloid_mj.measure.conditions import halved
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.pressed import CARRIES, Pressed, pressed
 from cycloid_mj.measure.steady import SETTLED, steady, steady_design
+from cycloid_mj.mechanism.reducer import phases
 from cycloid_mj.member import against_ring, share
+from cycloid_mj.profile import unit
+from cycloid_mj.record import Run
 from cycloid_mj.result import Curve, Quantity, keyed
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.types import Array
@@ -97,11 +103,12 @@ def loads(design: Design, load: float | None = None, quick: bool = False, progre
         ]
     progress(whole, whole)
     by_kind = (_of_kind(loaded, found[kind], coarse[kind], fine[kind], missed[kind]) for kind in found)
+    discs = _of_discs(run, finer, loaded) if design.gear.discs > 1 else ()
     return Measurement(
         measure="loads",
         design=design,
         condition=f"{torque:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm",
-        quantities=keyed(*by_kind, capacities),
+        quantities=keyed(*by_kind, discs, capacities),
         curves=_curves(found, loaded),
         assumptions=_assumptions(loaded),
         runs={"loaded": run},
@@ -196,6 +203,27 @@ def _of_kind(design: Design, found: Pressed, coarse: Pressed, fine: Pressed, mis
     yield Quantity(f"{kind}_margin", name, margin, "1", margin * margin * pressure_error / allowed, note=note)
 
 
+def _of_discs(run: Run, finer: Run, design: Design) -> Iterator[Quantity]:
+    """Give the shares of several discs, and what the bearings hold; errors are what half the step changes."""
+    coarse = run.select(slice(0, len(finer)))
+    whole, first, fine = ([*_spatial(one, design)] for one in (run, coarse, finer))
+    for one, other, again in zip(whole, first, fine, strict=True):
+        yield replace(one, error=abs(other.value - again.value))
+
+
+def _spatial(run: Run, design: Design) -> Iterator[Quantity]:
+    """Give shares and reactions over a run: forces on the discs, turned round, are those on shaft, output and ring."""
+    output, discs = design.output, design.gear.discs
+    shaft, pins, ring = (
+        -run.forces(kind).reshape(len(run), discs, -1, 2) for kind in ("cam", "output", design.tooth_pair)
+    )
+    around = 2.0 * math.pi * np.arange(output.pins) / output.pins - run["output_angle"][:, np.newaxis]
+    place = output.pin_circle_radius * unit(around)[:, np.newaxis]
+    moments = np.sum(place[..., 0] * pins[..., 1] - place[..., 1] * pins[..., 0], axis=-1)
+    yield from disc_shares(moments / moments.sum(axis=1, keepdims=True))
+    yield from reaction_quantities(spatial(design, *(force.sum(axis=2) for force in (shaft, pins, ring))))
+
+
 def _limits(found: Kinds, design: Design, allowed: float) -> dict[str, float]:
     """Give the factor on the torque at which the pressure of a kind reaches a limit; kinds without one are left out.
 
@@ -215,7 +243,8 @@ def _scaled(limits: Mapping[str, float], torque: float) -> dict[str, float]:
 
 def _curves(found: Kinds, design: Design) -> tuple[Curve, ...]:
     single = [curve for one in found.values() if one.kind != "cam" for curve in _contacts(one, design)]
-    return (*single, *_cam(found["cam"]), *_around(found[design.tooth_pair], design))
+    cams = [curve for disc, phase in enumerate(phases(design)) for curve in _cam(found["cam"], disc, phase)]
+    return (*single, *cams, *_around(found[design.tooth_pair], design))
 
 
 def _contacts(one: Pressed, design: Design) -> Iterator[Curve]:
@@ -231,34 +260,47 @@ def _contacts(one: Pressed, design: Design) -> Iterator[Curve]:
     panel = f"{one.kind}: force on {len(places)} of the {len(loaded)} that carry, of {len(peaks)}"
     degrees = np.degrees(one.angle)
     if one.kind == design.tooth_pair:
-        ideal, of = _shared(design, one.angle)[:, most], f"number {most + 1}"
+        ideal, of = _shared(design, one.angle)[:, most], _named(design, len(peaks), most)
         yield Curve(panel, "ideal sharing", degrees, ideal, _CRANK, _FORCE, "theory", of)
     for place in places:
-        yield Curve(panel, f"number {place + 1}", degrees, one.force[:, place], _CRANK, _FORCE)
+        yield Curve(panel, _named(design, len(peaks), place), degrees, one.force[:, place], _CRANK, _FORCE)
 
 
-def _cam(one: Pressed) -> Iterator[Curve]:
-    """Give size and direction of the cam's force on the gear."""
-    degrees, (x, y) = np.degrees(one.angle), one.vector[:, 0].T
-    yield Curve("cam: force", "", degrees, np.hypot(x, y), _CRANK, _FORCE)
-    towards = np.mod(np.degrees(np.arctan2(y, x)) - degrees - 90.0, 360.0)
+def _named(design: Design, contacts: int, place: int) -> str:
+    """Name one of the contacts of a kind, which stand disc after disc."""
+    disc, number = divmod(place, contacts // design.gear.discs)
+    return f"number {number + 1}" + (f", disc {disc + 1}" if design.gear.discs > 1 else "")
+
+
+def _cam(one: Pressed, disc: int, phase: float) -> Iterator[Curve]:
+    """Give size and direction of the force of the cam at a phase on the crank [rad] on its disc."""
+    degrees, (x, y) = np.degrees(one.angle), one.vector[:, disc].T
+    name = f"disc {disc + 1}" if one.vector.shape[1] > 1 else ""
+    yield Curve("cam: force", name, degrees, np.hypot(x, y), _CRANK, _FORCE)
+    towards = np.mod(np.degrees(np.arctan2(y, x) - phase) - degrees - 90.0, 360.0)
     panel = "cam: direction of the force on the gear from the eccentric, counter-clockwise"
-    yield Curve(panel, "", degrees, towards, _CRANK, "direction [deg]")
+    yield Curve(panel, name, degrees, towards, _CRANK, "direction [deg]")
 
 
 def _around(teeth: Pressed, design: Design) -> Iterator[Curve]:
-    """Give the forces round the ring where the largest one acts, beside ideal sharing."""
-    count, row = teeth.force.shape[1], int(np.argmax(teeth.force.max(axis=1)))
+    """Give the forces of a disc round the ring where the largest one acts, beside ideal sharing."""
+    count, row = design.ring.teeth, int(np.argmax(teeth.force.max(axis=1)))
+    disc = int(np.argmax(teeth.force[row])) // count
+    of_disc = slice(disc * count, (disc + 1) * count)
     about = np.degrees(2.0 * math.pi * np.arange(count + 1) / count)
     panel = f"{teeth.kind} at {math.degrees(teeth.peak_angle):.0f} deg of crank"
-    for name, forces in (("simulated", teeth.force[row]), ("ideal", _shared(design, teeth.angle)[row])):
+    panel += f", disc {disc + 1}" if design.gear.discs > 1 else ""
+    ideal = _shared(design, teeth.angle)[row, of_disc]
+    for name, forces in (("simulated", teeth.force[row, of_disc]), ("ideal", ideal)):
         yield Curve(panel, name, about, np.append(forces, forces[0]), "", _FORCE, "polar")
 
 
 def _shared(design: Design, crank: Array) -> Array:
-    """Give the forces of ideal sharing on the teeth [N], shape (n, teeth), at crank angles [rad], shape (n,)."""
-    torque = share(design) * math.copysign(design.load.torque, design.drive.speed)
-    return statics.ideal_load_sharing(tooth_profile(design), torque, against_ring(design, crank)).forces
+    """Give the forces of ideal sharing on the teeth [N], shape (n, D teeth), at crank angles [rad], shape (n,)."""
+    torque = share(design) * math.copysign(design.load.torque, design.drive.speed) / design.gear.discs
+    gear, turned = tooth_profile(design), against_ring(design, crank)
+    each = [statics.ideal_load_sharing(gear, torque, turned + phase).forces for phase in phases(design)]
+    return np.concatenate(each, axis=1)
 
 
 def _assumptions(design: Design) -> tuple[str, ...]:

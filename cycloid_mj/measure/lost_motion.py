@@ -8,6 +8,7 @@ from cycloid_mj.measure import bench, hysteresis
 from cycloid_mj.measure.lost_motion_table import Found, by_angle, curves, quantities
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
+from cycloid_mj.structure import structure_told
 
 ANGLES, QUICK_ANGLES = 6, 2
 SLOWER, FINER = 2.0, 4.0
@@ -89,7 +90,7 @@ def _assumptions(found: Found, period: float) -> tuple[str, ...]:
         "and what the crank angles leave out of the turn: by the backlash of rigid parts, and by the readings' scatter",
         "friction is viscous below the creep speed, which is as low as the step bears: with free pins the stiffness "
         "falls by some percent as the step does",
-        "shafts, gear body, output disc and housing are rigid: only contacts give",
+        structure_told(found.design),
         f"contacts have the secant stiffness of one working force, that at the loop's end: "
         f"{working_forces_told(found.design, found.design.pair_kinds)}",
         *beyond,

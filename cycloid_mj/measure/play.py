@@ -41,7 +41,7 @@ def has_linear_gaps(design: Design) -> bool:
 def parts_alone(design: Design, crank: float) -> dict[str, float]:
     """Give the backlash of the output [rad] at a crank angle [rad] by each kind of clearance, if it were alone."""
     found = gaps(design, float(against_ring(design, crank)))
-    arms = design.output.pin_circle_radius * found.slope[:, 2]
+    arms = design.output.pin_circle_radius * found.slope[np.arange(found.disc.size), 3 * found.disc + 2]
     mesh, output = (_both_ways(arms[found.kind == kind]) for kind in (design.tooth_pair, "output"))
     per_clearance = {"cam": 2.0 / (design.gear.eccentricity * design.lobes), "output": output}
     of = share(design)

@@ -8,7 +8,7 @@ import numpy as np
 from cycloid_mj import envelope
 from cycloid_mj.contact.pressure import hertz_holds, hertz_pressure, line_curvature, line_share
 from cycloid_mj.design import Design
-from cycloid_mj.mechanism.reducer import mechanism
+from cycloid_mj.mechanism.reducer import mechanism, phases
 from cycloid_mj.member import against_ring
 from cycloid_mj.record import Run
 from cycloid_mj.solid.gear import tooth_profile
@@ -111,5 +111,9 @@ def relative_curvature(design: Design, kind: str, crank_angle: Array) -> Array:
     """
     if kind == design.tooth_pair:
         gear = tooth_profile(design)
-        return np.stack([envelope.arc_contacts(gear, float(angle)).relative_curvature for angle in crank_angle])
+        lines = [
+            [envelope.arc_contacts(gear, float(angle)).relative_curvature for angle in crank_angle + phase]
+            for phase in phases(design)
+        ]
+        return np.concatenate([np.stack(of_disc) for of_disc in lines], axis=1)
     return np.array([line_curvature(design, kind)])

@@ -21,6 +21,7 @@ from cycloid_mj.measure.trace import Case, Errors, Trace, own, trace
 from cycloid_mj.member import sense, share, turns_of_crank
 from cycloid_mj.mjcf import build
 from cycloid_mj.result import keyed
+from cycloid_mj.structure import structure_told
 from cycloid_mj.units import ARCSECONDS, RPM
 
 CHECKED = 3
@@ -125,7 +126,7 @@ def _assumptions(design: Design, turns: int) -> tuple[str, ...]:
         "against the gear in multiples"
     )
     return (
-        "shafts run in rigid bearings without runout; housing, output and crank do not bend or twist",
+        f"shafts run in rigid bearings without runout; {structure_told(design)}",
         f"unless it is given, the drag of an unloaded reducer is {DRAG:.0%} of the rated torque: with none, the gear "
         "floats in its backlash; up to the rated torque presses the flanks together before the window",
         "statics: the ideal mesh's contacts as springs at their gaps, without friction, and without inertia but the "

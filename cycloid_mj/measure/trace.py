@@ -8,10 +8,11 @@ from cycloid_mj.contact.swing import slowness
 from cycloid_mj.course import Course, braking, load_torque, servo_target
 from cycloid_mj.design import Design
 from cycloid_mj.kinematics import CrankLaw
-from cycloid_mj.member import gear_angle, output_angle
+from cycloid_mj.measure import bench
 from cycloid_mj.mjcf import ReducerModel
 from cycloid_mj.record import Run
 from cycloid_mj.run import simulate
+from cycloid_mj.structure import wind_up
 from cycloid_mj.types import Array
 from cycloid_mj.units import ARCSECONDS
 
@@ -127,8 +128,7 @@ def _read(run: Run, design: Design, turns: float, way: float) -> Trace:
     first = 0.0 if way > 0.0 else 2.0 * np.pi * np.ceil(turns) - swept
     grid = first + swept * np.arange(points) / points
     # straight lines would take 2.6 % from what repeats three times in a mesh period
-    gear, output = (
-        ARCSECONDS * CubicSpline(crank, (run[name] - ideal(design, run["crank_angle"]))[order])(grid)
-        for name, ideal in (("gear_angle", gear_angle), ("output_angle", output_angle))
-    )
+    twisted = wind_up(design) * run["load_torque"]
+    turns_by = (bench.gear_turn(run, design), bench.output_turn(run, design) + twisted)
+    gear, output = (ARCSECONDS * CubicSpline(crank, turn[order])(grid) for turn in turns_by)
     return Trace(grid, gear, output, run)
