@@ -7,11 +7,16 @@ import pytest
 from scipy.optimize import minimize
 
 from cycloid_mj import statics
+from cycloid_mj.checks import check
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.kinematics import gear_centre, gear_rotation
 from cycloid_mj.loaded import Loads, loads, springs_of
+from cycloid_mj.loaded.bearings import reactions
 from cycloid_mj.loaded.samples import alike, solve_samples
+from cycloid_mj.loaded.sheet import sheet
+from cycloid_mj.mechanism.reducer import are_one_part
 from cycloid_mj.modification import tooth_profile
+from cycloid_mj.solid.shaft import bearing_seats
 from cycloid_mj.structure import beam_flexibility, pin_flexibility, twisting_compliance
 
 PAIRS = ("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output")
@@ -75,6 +80,103 @@ def test_the_net_force_vanishes_if_and_only_if_teeth_and_output_pins_are_even(te
     net = np.linalg.norm(found.cam.sum(axis=1), axis=1).max()
     assert (ring < 1e-6 * largest) == (teeth % 2 == 0 and pins % 2 == 0)
     assert (net < 1e-6 * size(found).max()) == (teeth % 2 == 0 and pins % 2 == 0)
+
+
+TWODISC = PRESETS["twodisc"]
+
+
+def test_the_published_two_disc_drive_has_its_ideal_forces() -> None:
+    """Case K: kubakos/cycloid-drive-generator, 58 N m a disc; a hundredth of the load keeps to first order."""
+    design = ideal(TWODISC).but(structure="rigid")
+    found = carried(design, 1.16, np.linspace(0.0, 2.0 * np.pi, 721))
+    assert found.teeth.max() == pytest.approx(2.1314, rel=0.005)
+    assert found.output.max() == pytest.approx(17.059, rel=0.005)
+    assert size(found).max() == pytest.approx(24.60, rel=0.005)
+    assert size(found).min() == pytest.approx(19.67, rel=0.005)
+    np.testing.assert_allclose(found.share, 0.5, rtol=0.01)
+    loaded = (found.by_disc(found.teeth) > 1e-3 * found.teeth.max()).sum(axis=-1)
+    assert set(loaded.ravel()) <= {14, 15}
+    turned = np.linspace(0.0, 2.0 * np.pi, 721)
+    for disc, phase in enumerate((0.0, math.pi)):
+        back = -np.stack([np.cos(turned + phase), np.sin(turned + phase)], axis=1)
+        around = np.sum(found.cam[:, disc] * back, axis=1)
+        np.testing.assert_allclose(around, 15.9997, rtol=0.005)
+
+
+def test_what_ideal_sharing_states_is_that_case() -> None:
+    value = sheet(TWODISC).quantities
+    stated = {"pin_gear": 213.14, "output": 1705.9, "cam": 2460.0}
+    for kind, force in stated.items():
+        assert value[f"{kind}_peak_force"].reference == pytest.approx(force, rel=0.005)
+    for disc in (1, 2):
+        assert value[f"disc_{disc}_share"].value == pytest.approx(0.5, rel=0.01)
+    assert value["shaft_net_force"].value < 0.01 * value["cam_peak_force"].value
+    couple = value["cam_peak_force"].value * TWODISC.gear.disc_spacing
+    assert value["shaft_tilting_moment"].value == pytest.approx(couple, rel=0.01)
+    parts = sum(one.value for key, one in value.items() if key.startswith("compliance_"))
+    assert parts * value["stiffness_ideal"].value == pytest.approx(1.0, rel=0.02)
+    assert value["stiffness_contacts"].value > 1.3 * value["stiffness_ideal"].value
+
+
+@pytest.mark.parametrize(("teeth", "pins", "left"), [(30, 4, (0.0, 0.0)), (37, 4, (10.9, 0.0)), (30, 7, (0.0, 21.4))])
+def test_an_odd_number_leaves_a_net_force(teeth: int, pins: int, left: tuple[float, float]) -> None:
+    """At 18 N m a disc: 37 teeth leave 10.9 N of 445 on the ring, 7 output pins 21.4 N of 691 on the output."""
+    gear, radius = tooth_profile(TWODISC.but(ring={"teeth": teeth})), TWODISC.output.pin_circle_radius
+    crank, net, largest = np.linspace(0.0, 2.0 * np.pi, 2001), np.zeros((2, 2001, 2)), np.zeros(2)
+    for phase in (0.0, math.pi):
+        ahead = crank + phase
+        out, forward = np.stack([-np.sin(ahead), np.cos(ahead)], 1), -np.stack([np.cos(ahead), np.sin(ahead)], 1)
+        ring = statics.ideal_load_sharing(gear, 18.0, ahead)
+        teeth_hold = out * ring.eccentric_radial[:, np.newaxis] + forward * ring.eccentric_tangential[:, np.newaxis]
+        push = out * statics.ideal_output_forces(gear, pins, radius, 18.0, crank, phase).sum(axis=1)[:, np.newaxis]
+        for part, force in enumerate((teeth_hold, push)):
+            net[part] += force
+            largest[part] = max(largest[part], np.linalg.norm(force, axis=1).max())
+    np.testing.assert_allclose(np.linalg.norm(net, axis=2).max(axis=1), left, rtol=0.01, atol=1e-9)
+    if teeth == 37:
+        assert largest[0] == pytest.approx(444.0, rel=0.01)
+    if pins == 7:
+        assert largest[1] == pytest.approx(691.0, rel=0.01)
+
+
+def test_bearings_balance_forces_and_moments() -> None:
+    """The shaft hangs in two bearings: what they hold is opposite to the discs' forces and to their moments."""
+    design = two(ideal(PRESETS["pin"], ring={"teeth": 37}, output={"pins": 7, "support": "both_ends"}))
+    springs = springs_of(design, np.linspace(0.0, 6.0, 7), friction=False)
+    held = reactions(design, springs, loads(design, springs, 36.0))
+    far, near = (0.5 * sum(seat) for seat in bearing_seats(design))
+    np.testing.assert_allclose(held.shaft_far + held.shaft_near, -held.shaft.net, atol=1e-9)
+    lever = np.stack([-held.shaft.moment[:, 1], held.shaft.moment[:, 0]], axis=1)
+    np.testing.assert_allclose(far * held.shaft_far + near * held.shaft_near, lever, atol=1e-9)
+    assert held.output_far is not None
+    whole = held.shaft.net + held.output.net + held.ring.net
+    np.testing.assert_allclose(whole, 0.0, atol=1e-3 * np.abs(held.shaft.force).max())
+
+
+@pytest.mark.parametrize("discs", [2, 3, 4])
+def test_discs_are_one_part_where_a_turn_brings_teeth_and_holes_of_each_together(discs: int) -> None:
+    """By brute force: turn a disc by every pitch of its holes, and look where its teeth come to lie."""
+    seen = set()
+    for lobes in range(5, 40):
+        for pins in range(3, 17):
+            turns = 2.0 * math.pi * np.arange(pins) / pins
+            pitch = 2.0 * math.pi / lobes
+            wanted = [pitch * disc / discs for disc in range(discs)]
+            off = [np.abs(np.mod(turns - want + pitch / 2.0, pitch) - pitch / 2.0).min() for want in wanted]
+            same = max(off) < 1e-9
+            seen.add(same)
+            assert are_one_part(discs, pins, lobes) == same, (lobes, pins)
+    assert seen == {True, False}
+
+
+def test_the_check_tells_which_number_of_output_pins_makes_discs_alike() -> None:
+    alike = next(item for item in check(TWODISC) if item.name == "identical_discs")
+    assert alike.passed
+    even = override(TWODISC, ["ring.teeth=29", "output.pins=6"])
+    unlike = next(item for item in check(even) if item.name == "identical_discs")
+    assert not unlike.passed
+    assert unlike.severity == "warning"
+    assert unlike.remedy == "raise output.pins to 8"
 
 
 def test_bent_pins_of_the_paper_take_a_third_of_its_stiffness() -> None:

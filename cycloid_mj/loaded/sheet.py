@@ -34,8 +34,8 @@ PER_MESH_PERIOD = 8
 """Crank angles in a mesh period over which the transmission error is solved."""
 
 SEVERAL = (
-    "each disc pulls in its own plane and does not tilt; a ring's pin that moves gives way to each disc as if it carried "
-    "that one alone; bearings hold the discs' forces, without weight and unbalance of their parts"
+    "each disc pulls in its own plane and does not tilt; a ring's pin that moves gives way to each disc as if it "
+    "carried that one alone; bearings hold the discs' forces, without weight and unbalance of their parts"
 )
 
 IDEAL_SHARING = "ideal sharing"
@@ -310,5 +310,6 @@ def _assumptions(design: Design) -> tuple[str, ...]:
         *([SEVERAL] if design.gear.discs > 1 else []),
         *([structure_told(design)] if design.structure == "springs" else []),
         f"forces and losses are over {_angles(design).size} crank angles, the transmission error over "
-        f"{PER_MESH_PERIOD} in a mesh period, unloaded under {DRAG:.0%} of the load; the shafts' own bearings are left out",
+        f"{PER_MESH_PERIOD} in a mesh period, unloaded under {DRAG:.0%} of the load; the shafts' own bearings are left "
+        "out",
     )
