@@ -217,7 +217,8 @@ def _spatial(run: Run, design: Design) -> Iterator[Quantity]:
     shaft, pins, ring = (
         -run.forces(kind).reshape(len(run), discs, -1, 2) for kind in ("cam", "output", design.tooth_pair)
     )
-    around = 2.0 * math.pi * np.arange(output.pins) / output.pins - run["output_angle"][:, np.newaxis]
+    carrier = np.zeros(len(run)) if output.turns_ring else run["output_angle"]
+    around = 2.0 * math.pi * np.arange(output.pins) / output.pins - carrier[:, np.newaxis]
     place = output.pin_circle_radius * unit(around)[:, np.newaxis]
     moments = np.sum(place[..., 0] * pins[..., 1] - place[..., 1] * pins[..., 0], axis=-1)
     yield from disc_shares(moments / moments.sum(axis=1, keepdims=True))
