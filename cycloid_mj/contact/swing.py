@@ -16,6 +16,7 @@ from cycloid_mj.design import Design, Drive, Friction, Settings
 from cycloid_mj.member import share
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.solid import gear_solid, mass_properties, output_inertia
+from cycloid_mj.structure import wind_up
 
 SETTLING = 0.005
 """Least time that a start, the end of the ramp or the load's rise takes to ring out [s]; contacts need 1 to 3 ms."""
@@ -37,16 +38,18 @@ def closed_stiffness(design: Design) -> float:
     """Give the torsional stiffness [N m/rad] with half of the teeth and half of the output pins closed: an estimate.
 
     In series: k sum l^2 of the teeth (with the sockets or sleeves behind them), k (c (N-1))^2 of the cam, and
-    k n R^2/4 of n output pins on the radius R.
+    k n R^2/4 of n output pins on the radius R, of each disc as much; then what carrier, shaft and housing twist by.
     """
     k = {kind: pair_stiffness(design, kind) for kind in design.pair_kinds}
+    k |= {"output": contact_stiffness(design, "output")}
+    k = {kind: design.gear.discs * one for kind, one in k.items()}
     gear, output = tooth_profile(design), design.output
     arms = statics.ideal_load_sharing(gear, 1.0, 0.0).arms
     per_arm = sum(1.0 / k[kind] for kind in k if kind not in ("cam", "output"))
     mesh = np.sum(arms[arms > 0.0] ** 2) / per_arm
     cam = k["cam"] * (gear.eccentricity * gear.lobes) ** 2
     pins = k["output"] * output.pins * output.pin_circle_radius**2 / 4.0
-    return float(1.0 / (1.0 / mesh + 1.0 / cam + 1.0 / pins)) / share(design) ** 2
+    return float(1.0 / (share(design) ** 2 * (1.0 / mesh + 1.0 / cam + 1.0 / pins) + wind_up(design)))
 
 
 def moving_inertia(design: Design) -> float:
@@ -58,7 +61,7 @@ def moving_inertia(design: Design) -> float:
 @lru_cache(maxsize=16)
 def _inertia(design: Design) -> float:
     gear = 0.0 if design.output.turns_ring else float(mass_properties(gear_solid(design)).inertia[2, 2])
-    return gear + output_inertia(design)
+    return design.gear.discs * gear + output_inertia(design)
 
 
 def swing_period(design: Design) -> float:
