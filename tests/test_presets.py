@@ -11,6 +11,7 @@ from cycloid_mj.comparison.forces import forces
 from cycloid_mj.comparison.measures import settled
 from cycloid_mj.contact.timestep import timestep
 from cycloid_mj.design import PRESETS, dump, load, loads, reasons
+from cycloid_mj.loaded import powers
 from cycloid_mj.measure import bench, play
 from cycloid_mj.measure.backlash import press
 from cycloid_mj.record import Run
@@ -76,7 +77,6 @@ def figures(run: Run) -> dict[str, float]:
         "transmission error, mean": found.output_transmission_error.mean_arcsec,
         "transmission error of the gear, p-p": found.gear_transmission_error.peak_to_peak_arcsec,
         "gear speed, rms": found.gear_speed.rms_error_rad_s,
-        "gear speed, peak": found.gear_speed.peak_error_rad_s,
         "output speed, rms": found.output_speed.rms_error_rad_s,
         "efficiency": found.efficiency,
         "tooth, peak": pressed.tooth_peak_n,
@@ -101,3 +101,12 @@ def test_what_goes_into_a_preset_comes_out_is_lost_or_is_stored(name: str, at_sp
     assert found.supplied == pytest.approx(found.accounted, rel=0.01)
     assert found.friction > 0.01 * found.supplied
     assert found.supplied - found.friction != pytest.approx(found.accounted, rel=0.01)
+
+
+def test_rollers_roll_on_a_core_that_is_given() -> None:
+    own, rim = PRINTED.friction.output_rolling, PRINTED.but(output={"core_radius": 0.0})
+    assert rim.friction_of("output") == own
+    assert PRINTED.friction_of("output") == pytest.approx(own * 2.5 / 4.5)
+    assert PRINTED.but(output={"rollers": False}).friction_of("output") == PRINTED.friction.output
+    lost = [powers(one, 10.0).losses["output"] for one in (PRINTED, rim)]
+    assert lost[0] == pytest.approx(lost[1] * 2.5 / 4.5, rel=0.02)

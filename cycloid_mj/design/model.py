@@ -352,8 +352,9 @@ class Friction(Section):
     Catalogues give a rolling bearing's torque as 0.5 mu P d with its bore d, and mu = 0.0020 for needle rollers with a
     cage (SKF, Rolling bearings, "Constant coefficient of friction"; JTEKT, Bearing knowledge, table 8-1: 0.0020 to
     0.0030; cylindrical rollers 0.0008 to 0.0012). Here the coefficient acts at the cam's radius and at the rim of an
-    output pin's roller, as if those were the bore: the most that it can cost. A roller that is a plain sleeve slides
-    on its core instead, and has the coefficient of that times the core's radius over the roller's.
+    output pin's roller, as if those were the bore: the most that it can cost. Where ``output.core_radius`` is given,
+    the rollers have theirs there, and at their rim as much less as the core is smaller. A roller that is a plain sleeve
+    slides on its core instead, and has the coefficient of that times the core's radius over the roller's.
     """
 
     pin_gear: float = quantity(0.05, "pin on gear (lubricated steel)", ge=0.0, le=2.0)
@@ -366,7 +367,11 @@ class Friction(Section):
     )
     output: float = quantity(0.05, "output pin that slides in its hole, without output.rollers", ge=0.0, le=2.0)
     output_rolling: float = quantity(
-        0.002, "output pin with a roller on needles, at the roller's rim", source=u.CATALOGUE, ge=0.0, le=2.0
+        0.002,
+        "output pin with a roller on needles, at output.core_radius, or at the roller's rim where that is 0",
+        source=u.CATALOGUE,
+        ge=0.0,
+        le=2.0,
     )
 
 
@@ -800,7 +805,10 @@ class Design(Section):
     def friction_of(self, pair: str) -> float:
         """Give the friction coefficient of a kind of mating pair [1]; rollers have one of their own."""
         rolling = {"cam": self.gear.bearing == "rolling", "output": self.output.rollers}
-        return float(getattr(self.friction, f"{pair}_rolling" if rolling.get(pair) else pair))
+        coefficient = float(getattr(self.friction, f"{pair}_rolling" if rolling.get(pair) else pair))
+        if pair == "output" and self.output.rollers and self.output.core_radius:
+            return coefficient * self.output.core_radius / self.output.pin_radius
+        return coefficient
 
     @property
     def mesh_friction(self) -> float:

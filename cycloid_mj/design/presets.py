@@ -15,7 +15,7 @@ def _printed() -> Design:
     the shaft. What it does not give is assumed, each value with its `reasons`.
     """
     mm, um = MILLIMETRE.to_si, MICROMETRE.to_si
-    return Design(name="printed").but(
+    return Design(name="printed", structure="springs").but(
         ring={"teeth": 14, "pin_circle_radius": mm(34.0), "pin_radius": mm(3.5), "pins": "fixed"},
         gear={"eccentricity": mm(1.5), "face_width": mm(25.0), "bore_radius": mm(10.5)},
         output={
@@ -24,6 +24,7 @@ def _printed() -> Design:
             "pin_circle_radius": mm(20.0),
             "hole_radius": mm(6.0),
             "core_radius": mm(2.5),
+            "support": "both_ends",
         },
         shaft={"radius": mm(6.0), "length": mm(40.0), "counterweight_radius": mm(24.0)},
         housing={"outer_radius": mm(45.0)},
@@ -108,6 +109,7 @@ _REASONS: Mapping[str, Mapping[str, str]] = {
         "drive.power": "what 4 N m at 600 rpm ask for, with a fifth to spare",
     },
     "printed": {
+        "structure": "as drives are built",
         "ring.teeth": _DRAWN,
         "ring.pin_circle_radius": _DRAWN,
         "ring.pin_radius": _DRAWN,
@@ -120,6 +122,7 @@ _REASONS: Mapping[str, Mapping[str, str]] = {
         "output.pin_circle_radius": _DRAWN,
         "output.hole_radius": "output pin + eccentricity",
         "output.core_radius": "the pin in the needle roller HK0509",
+        "output.support": "parameters.txt: output_stiffener",
         "shaft.radius": "bore of the inner ring 12 x 15 x 22.5",
         "clearance.pin_gear": "parameters.txt: cycloid_clearance",
         "clearance.cam": _BEARING,
