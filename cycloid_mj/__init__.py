@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from cycloid_mj.checks import Check, check
     from cycloid_mj.design import PRESETS, Design
     from cycloid_mj.design import resolve as load
-    from cycloid_mj.explore import sweep, tolerance
+    from cycloid_mj.explore import optimize, sweep, tolerance
     from cycloid_mj.log import read as read_log
     from cycloid_mj.mjcf import build
     from cycloid_mj.rating import rate
@@ -44,6 +44,7 @@ __all__ = [
     "check",
     "load",
     "measure",
+    "optimize",
     "rate",
     "read_log",
     "reduce",
@@ -72,6 +73,7 @@ _ORIGINS = {
     "check": "checks",
     "load": "design.resolve",
     "measure": "",
+    "optimize": "explore",
     "rate": "rating",
     "read_log": "log.read",
     "reduce": "robot",

@@ -308,7 +308,7 @@ def test_a_sweep_goes_on_where_it_was(tmp_path: Path, monkeypatch: pytest.Monkey
     with pytest.raises(KeyboardInterrupt):
         sweep(PIN, vary, "mass", out=part, engine=HERE, progress=stop)
     assert len(rows_of(part / "sweep.csv")) == 3
-    with (part / journal.ROWS).open("ab") as stream:
+    with (part / journal.rows_file("sweep")).open("ab") as stream:
         stream.write(b'{"point": 4, "values": {"mass_')
     told: list[tuple[int, int]] = []
     found = sweep(PIN, vary, "mass", out=part, engine=HERE, progress=lambda *one: told.append(one))
@@ -356,7 +356,7 @@ def test_a_full_disk_is_told_and_loses_nothing(tmp_path: Path) -> None:
     assert ended.returncode == 1
     assert "cannot write" in ended.stderr
     assert "Traceback" not in ended.stderr
-    kept = len((tmp_path / journal.ROWS).read_bytes().splitlines()) - 1
+    kept = len((tmp_path / journal.rows_file("sweep")).read_bytes().splitlines()) - 1
     assert kept > 10
     assert main([*words[3:], "--quiet"]) == 0
     assert len(rows_of(tmp_path / "sweep.csv")) == 120
@@ -440,7 +440,7 @@ def disturbed_twice(tmp_path: Path, flags: list[str], points: int) -> None:
         process = subprocess.Popen(
             [*words, str(tmp_path / "disturbed")], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
         )
-        rows = tmp_path / "disturbed" / journal.ROWS
+        rows = tmp_path / "disturbed" / journal.rows_file("sweep")
         while process.poll() is None and not (rows.exists() and rows.read_bytes().count(b"\n") >= share * points):
             time.sleep(0.01)
         process.send_signal(signal_number)

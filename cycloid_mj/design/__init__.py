@@ -3,7 +3,7 @@
 This room owns every input of the project and is the only place where mm, rpm, degrees and micrometres become SI.
 """
 
-from cycloid_mj.design.file import declared, dump, load, loads, override, resolve
+from cycloid_mj.design.file import declared, dump, load, loads, override, resolve, value_of
 from cycloid_mj.design.model import (
     PARTNERS,
     PARTS,
@@ -67,4 +67,5 @@ __all__ = [
     "override",
     "reasons",
     "resolve",
+    "value_of",
 ]

@@ -109,6 +109,17 @@ def declared(path: str) -> FieldInfo:
     return _declared(section, last, path, prefix)
 
 
+def value_of(design: Design, path: str) -> Any:
+    """Give the value of a key of the design file, such as ``load.torque_nm``, in the file's unit; errors as `declared`.
+
+    What all parts are made of stands for a part without a table of its own.
+    """
+    declared(path)
+    tables: dict[str, Any] = dict(_tables(design))
+    *table, last = _keys(path)
+    return tables.get(table[0], tables["material"])[last] if table else tables[path]
+
+
 def _declared(section: type[Section] | None, key: str, path: str, prefix: str) -> FieldInfo:
     known = {file_key(name, field): field for name, field in section.model_fields.items()} if section else {}
     if key not in known:

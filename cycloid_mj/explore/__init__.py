@@ -1,6 +1,8 @@
-"""What becomes of a design as its values change: sweeps of any key, tolerances, and which of them to tighten first."""
+"""What becomes of a design as its values change: sweeps, tolerances and which to tighten first, the best of all."""
 
+from cycloid_mj.explore.optimizer import optimize
+from cycloid_mj.explore.optimum import Optimum
 from cycloid_mj.explore.sweeps import Sweep, sweep
 from cycloid_mj.explore.tolerances import Tolerances, tolerance
 
-__all__ = ["Sweep", "Tolerances", "sweep", "tolerance"]
+__all__ = ["Optimum", "Sweep", "Tolerances", "optimize", "sweep", "tolerance"]

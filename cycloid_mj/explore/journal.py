@@ -15,7 +15,18 @@ from cycloid_mj.explore.row import Row
 from cycloid_mj.interrupt import unbroken
 from cycloid_mj.whole import write_whole
 
-PLAN, ROWS = "sweep.json", "sweep.rows.jsonl"
+SWEEP = "sweep"
+"""Name of a study, and of its files."""
+
+
+def plan_file(study: str) -> str:
+    """Give the name of the file that says what a study is of."""
+    return f"{study}.json"
+
+
+def rows_file(study: str) -> str:
+    """Give the name of the file that keeps the rows of a study."""
+    return f"{study}.rows.jsonl"
 
 
 class Journal:
@@ -48,18 +59,18 @@ class Journal:
 
 
 @contextmanager
-def journal(into: Path, plan: Mapping[str, Any]) -> Iterator[Journal]:
-    """Open the folder of a sweep, new or begun, and give the rows that it has.
+def journal(into: Path, plan: Mapping[str, Any], study: str = SWEEP) -> Iterator[Journal]:
+    """Open the folder of a study, such as a sweep, new or begun, and give the rows that it has.
 
     Raises
     ------
     UsageError
-        The folder is of another sweep, or another process is at work in it.
+        The folder is of another one, or another process is at work in it.
     CycloidError
         It cannot be read or written.
     """
-    _require_same(into, plan)
-    path = into / ROWS
+    _require_same(into, plan, study)
+    path = into / rows_file(study)
     try:
         stream = path.open("ab+", buffering=0)
     except OSError as problem:
@@ -67,31 +78,32 @@ def journal(into: Path, plan: Mapping[str, Any]) -> Iterator[Journal]:
             f"cannot write {path}: {problem.strerror or problem}; choose another folder with --out"
         ) from problem
     with stream:
-        _lock(stream, into)
-        if not (into / PLAN).exists():
-            write_whole({into / PLAN: json.dumps(plan, indent=2).encode() + b"\n"})
+        _lock(stream, into, study)
+        if not (into / plan_file(study)).exists():
+            write_whole({into / plan_file(study): json.dumps(plan, indent=2).encode() + b"\n"})
         yield Journal(path, stream, _read(stream))
 
 
-def _require_same(into: Path, plan: Mapping[str, Any]) -> None:
-    """Raise UsageError where a folder is of a sweep with another plan."""
+def _require_same(into: Path, plan: Mapping[str, Any], study: str) -> None:
+    """Raise UsageError where a folder is of a study with another plan."""
+    there, rows = into / plan_file(study), into / rows_file(study)
     try:
-        begun = json.loads((into / PLAN).read_bytes())
+        begun = json.loads(there.read_bytes())
     except FileNotFoundError:
-        if (into / ROWS).exists() and (into / ROWS).stat().st_size:
-            raise UsageError(f"{into} has rows of a sweep, but no {PLAN}: choose another folder with --out") from None
+        if rows.exists() and rows.stat().st_size:
+            raise UsageError(f"{into} has {rows.name}, but no {there.name}: choose another folder with --out") from None
         return
     except (OSError, ValueError) as problem:
-        raise CycloidError(f"cannot read {into / PLAN}: {problem}; choose another folder with --out") from problem
+        raise CycloidError(f"cannot read {there}: {problem}; choose another folder with --out") from problem
     other = [key for key in plan if not isinstance(begun, dict) or begun.get(key) != json.loads(json.dumps(plan[key]))]
     if other:
         raise UsageError(
-            f"{into} is of another sweep (another {', another '.join(other)}): choose another folder with --out, or "
+            f"{into} is of another {study} (another {', another '.join(other)}): choose another folder with --out, or "
             "delete this one"
         )
 
 
-def _lock(stream: IO[bytes], into: Path) -> None:
+def _lock(stream: IO[bytes], into: Path, study: str) -> None:
     """Keep other processes off; the system lets go where this one ends, however it ends."""
     if not find_spec("fcntl"):
         return  # Windows
@@ -100,7 +112,7 @@ def _lock(stream: IO[bytes], into: Path) -> None:
     try:
         fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError as problem:
-        raise UsageError(f"another process is at work on the sweep in {into}: wait for it, or end it") from problem
+        raise UsageError(f"another process is at work on the {study} in {into}: wait for it, or end it") from problem
 
 
 def _read(stream: IO[bytes]) -> dict[int, Row]:

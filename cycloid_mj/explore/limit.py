@@ -22,6 +22,13 @@ class FigureLimit:
         """Tell where values, shape (s,), keep it; what is no number does not."""
         return np.asarray(values <= self.bound if self.at_most else values >= self.bound)
 
+    def excess(self, value: float) -> float:
+        """Give by how much a value breaks it, relative to the bound; 0 where it keeps it, 1 for what is no number."""
+        if np.isnan(value):
+            return 1.0
+        beyond = value - self.bound if self.at_most else self.bound - value
+        return max(beyond, 0.0) / max(abs(self.bound), 1e-12)
+
     def __str__(self) -> str:
         """Tell it as it was written."""
         return f"{self.key}{'<=' if self.at_most else '>='}{self.bound:g}"

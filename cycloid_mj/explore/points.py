@@ -46,7 +46,7 @@ class Points:
 
 
 @dataclass(frozen=True)
-class _Axis:
+class Axis:
     """What one key is varied over: `values`, or the range from `low` to `high` (of `count` values; 0: to sample)."""
 
     key: str
@@ -65,7 +65,7 @@ def grid(vary: Mapping[str, Wanted]) -> Points:
     UsageError
         There is no such key, it cannot have such values, or there are too many points.
     """
-    axes = [_axis(key, wanted) for key, wanted in vary.items()]
+    axes = [axis_of(key, wanted) for key, wanted in vary.items()]
     if open_range := next((axis for axis in axes if not axis.values and not axis.count), None):
         low, high = f"{open_range.low:g}", f"{open_range.high:g}"
         raise UsageError(
@@ -73,7 +73,7 @@ def grid(vary: Mapping[str, Wanted]) -> Points:
             "range with --sample sobol --points 64"
         )
     _require_few(math.prod(axis.count or len(axis.values) for axis in axes))
-    return Points(tuple(vary), tuple(product(*map(_all_values, axes))))
+    return Points(tuple(vary), tuple(product(*map(all_values, axes))))
 
 
 def sampled(vary: Mapping[str, Wanted], method: Method, count: int, seed: int) -> Points:
@@ -94,7 +94,7 @@ def sampled(vary: Mapping[str, Wanted], method: Method, count: int, seed: int) -
         As `grid`.
     """
     _require_few(count)
-    axes = [_axis(key, wanted) for key, wanted in vary.items()]
+    axes = [axis_of(key, wanted) for key, wanted in vary.items()]
     shares = _shares(method, count, len(axes), seed)
     columns = [_drawn(axis, column) for axis, column in zip(axes, shares.T, strict=True)]
     return Points(tuple(vary), tuple(zip(*columns, strict=True)))
@@ -158,20 +158,27 @@ def _words(field: FieldInfo) -> tuple[str, ...]:
     return tuple(words) if words and all(isinstance(word, str) for word in words) else ()
 
 
-def _axis(key: str, wanted: Wanted) -> _Axis:
+def axis_of(key: str, wanted: Wanted) -> Axis:
+    """Read what a key is varied over.
+
+    Raises
+    ------
+    UsageError
+        There is no such key, it holds no single value, or it cannot have such values.
+    """
     field = _field(key)
     if not isinstance(wanted, str):
         given = np.asarray(wanted, dtype=object).ravel().tolist()
         if not given:
             raise UsageError(f"{key}: there are no values to take")
-        return _Axis(key, field, tuple(_value(key, field, value) for value in given))
+        return Axis(key, field, tuple(_value(key, field, value) for value in given))
     parts = wanted.split(":")
     if len(parts) in (2, 3) and field.annotation in (int, float):
         return _range(key, field, wanted, parts)
-    return _Axis(key, field, tuple(_value(key, field, word.strip()) for word in wanted.split(",")))
+    return Axis(key, field, tuple(_value(key, field, word.strip()) for word in wanted.split(",")))
 
 
-def _range(key: str, field: FieldInfo, wanted: str, parts: Sequence[str]) -> _Axis:
+def _range(key: str, field: FieldInfo, wanted: str, parts: Sequence[str]) -> Axis:
     told = f"--vary {key}={wanted}"
     try:
         low, high, count = float(parts[0]), float(parts[1]), int(parts[2]) if len(parts) == 3 else 0
@@ -183,12 +190,12 @@ def _range(key: str, field: FieldInfo, wanted: str, parts: Sequence[str]) -> _Ax
         if count < 2:
             raise UsageError(f"{told}: give 2 values or more")
         _require_few(count)
-    axis = _Axis(key, field, low=low, high=high, count=count)
-    _all_values(axis)
+    axis = Axis(key, field, low=low, high=high, count=count)
+    all_values(axis)
     return axis
 
 
-def _all_values(axis: _Axis) -> tuple[Value, ...]:
+def all_values(axis: Axis) -> tuple[Value, ...]:
     """Give the values of an axis; raise UsageError for a range that misses whole numbers where they must be."""
     if axis.values:
         return axis.values
@@ -237,10 +244,10 @@ def _shares(method: Method, count: int, dimensions: int, seed: int) -> Array:
     return np.random.default_rng(seed).random((count, dimensions))
 
 
-def _drawn(axis: _Axis, shares: Array) -> list[Value]:
+def _drawn(axis: Axis, shares: Array) -> list[Value]:
     """Give the values of an axis at shares from 0 to 1."""
     if axis.values or axis.count:
-        values = _all_values(axis)
+        values = all_values(axis)
         return [values[int(share * len(values))] for share in shares.tolist()]
     if axis.field.annotation is int:
         return [int(axis.low + share * (axis.high - axis.low + 1)) for share in shares.tolist()]

@@ -124,19 +124,29 @@ def sheet(design: Design, load: float | None = None) -> Sheet:
     RunError
         No static balance was found, as where friction jams the reducer.
     """
-    load = design.rated_torque if load is None else load
-    if not load > 0.0:
-        raise UsageError(f"cannot load the output by {load:g} N m: the torque must be more than 0")
-    if design.drive.speed == 0.0:
-        raise DesignError("drive.speed_rpm is 0, but losses need a crank that turns: give another speed, such as 1640")
-    design = working_at(design.but(load={"torque": load}), load)
-    quantities = keyed(_motions(design, load), _errors(design, load), _loads(design, load), _losses(design, load))
+    design, load = _under(design, load)
+    quantities = keyed(*(part(design, load) for part in PARTS_OF_SHEET.values()))
     return Sheet(
         design=design.name,
         condition=f"{load:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm, at rest but for the gear's own force",
         quantities=quantities,
         assumptions=_assumptions(design),
     )
+
+
+def sheet_part(design: Design, part: str, load: float | None = None) -> dict[str, Quantity]:
+    """Give some of the figures of `sheet`: one of `PARTS_OF_SHEET`, in a fraction of the time; errors as there."""
+    return keyed(PARTS_OF_SHEET[part](*_under(design, load)))
+
+
+def _under(design: Design, load: float | None) -> tuple[Design, float]:
+    """Give a design under a load, by default the rated one, and that load."""
+    load = design.rated_torque if load is None else load
+    if not load > 0.0:
+        raise UsageError(f"cannot load the output by {load:g} N m: the torque must be more than 0")
+    if design.drive.speed == 0.0:
+        raise DesignError("drive.speed_rpm is 0, but losses need a crank that turns: give another speed, such as 1640")
+    return working_at(design.but(load={"torque": load}), load), load
 
 
 def known_difference(one: Quantity) -> float | None:
@@ -297,6 +307,10 @@ def driven(design: Design, load: float) -> tuple[Powers, float]:
         torque = load / found.efficiency
         found = powers(design, -torque)
     return found, torque
+
+
+PARTS_OF_SHEET = {"motions": _motions, "errors": _errors, "loads": _loads, "losses": _losses}
+"""What makes the figures of a sheet, by name."""
 
 
 def _assumptions(design: Design) -> tuple[str, ...]:

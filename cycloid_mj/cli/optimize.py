@@ -1,0 +1,184 @@
+"""``cycloid-mj optimize``: the best design within ranges that passes its checks and limits."""
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+from cycloid_mj.cli.flags import FLAT, HERE, PRESET, DesignOptions, EngineOptions, JsonFlag, QuietFlag, whole, within
+from cycloid_mj.cli.terminal import say, say_json, show, tell
+from cycloid_mj.errors import CycloidError, DesignError, RunError, UsageError
+from cycloid_mj.interrupt import cause
+from cycloid_mj.whole import write_whole
+
+if TYPE_CHECKING:
+    from cycloid_mj.explore.optimum import Optimum
+
+OUT = "runs/optimize"
+MOST_EVALUATIONS, MOST_STARTS = 1_000_000, 1000
+
+VaryFlag = Annotated[
+    tuple[str, ...],
+    Parameter(
+        name="--vary",
+        metavar="KEY=LO:HI",
+        help="A key of the design file and its range; whole numbers in it, and values a,b,c of any key, are tried one "
+        "by one. Repeatable.",
+    ),
+]
+FIGURES = "statics' (as in its JSON), design check's, mass_kg, least_convex_radius_mm, short_width"
+MinimizeFlag = Annotated[
+    tuple[str, ...],
+    Parameter(name="--minimize", metavar="QUANTITY", help=f"Figure to make small: {FIGURES}. Two give a front."),
+]
+MaximizeFlag = Annotated[
+    tuple[str, ...], Parameter(name="--maximize", metavar="QUANTITY", help="Figure to make large; counts as one.")
+]
+LimitFlag = Annotated[
+    tuple[str, ...],
+    Parameter(
+        name="--limit",
+        metavar="'KEY<=NUMBER'",
+        help="A figure is to be at most, or at least (>=), a number; repeatable. Checks are limits of their own.",
+    ),
+]
+StrictFlag = Annotated[bool, Parameter(help="Warnings of the checks refuse a point, too, not only errors.")]
+EvaluationsFlag = Annotated[
+    int,
+    Parameter(metavar="N", converter=whole, validator=within(1, MOST_EVALUATIONS), help="Points, about. Default: 600."),
+]
+StartsFlag = Annotated[
+    int,
+    Parameter(
+        metavar="N", converter=whole, validator=within(1, MOST_STARTS), help="Searches that compete. Default: 3."
+    ),
+]
+SeedFlag = Annotated[int, Parameter(converter=whole, validator=within(0, 2**63), help="Of all draws. Default: 0.")]
+QuickFlag = Annotated[bool, Parameter(help="Do not run the best design in full dynamics, nor within its tolerances.")]
+OutFlag = Annotated[
+    Path, Parameter(metavar="DIR", help=f"Folder of the history, the best design, figure and page. Default: {OUT}.")
+]
+
+EXAMPLES = """Examples:
+  cycloid-mj optimize --vary gear.eccentricity_mm=0.5:1.1 --vary ring.pin_radius_mm=1.2:3.2
+      --minimize pin_gear_pressure --limit 'backlash<=0.97' --out better
+  cycloid-mj optimize --design my.toml --vary output.pins=6:10 --vary output.pin_radius_mm=2:5
+      --minimize mass_kg --minimize output_pressure --quick"""
+
+
+def optimize(
+    *,
+    chosen: Annotated[DesignOptions, FLAT] = PRESET,
+    vary: VaryFlag = (),
+    minimize: MinimizeFlag = (),
+    maximize: MaximizeFlag = (),
+    limit: LimitFlag = (),
+    strict: StrictFlag = False,
+    evaluations: EvaluationsFlag = 600,
+    starts: StartsFlag = 3,
+    seed: SeedFlag = 0,
+    quick: QuickFlag = False,
+    out: OutFlag = Path(OUT),
+    where: Annotated[EngineOptions, FLAT] = HERE,
+    json: JsonFlag = False,
+    quiet: QuietFlag = False,
+) -> int:
+    """Find the best design within ranges of some keys, or the front of two objectives.
+
+    Real numbers are searched by CMA-ES, from several starts; whole numbers and words
+    are tried one by one, the better half of the combinations going on. A point must
+    pass the checks of `design check` and keep the limits: what refused how many is
+    told. The hole of an output pin follows pin and eccentricity, and the torque of
+    the drive the ratio, unless they vary themselves.
+
+    Every point is in DIR/history.csv (and .parquet) and on disk as it comes: the same
+    command goes on where it was stopped. The best is DIR/best.toml; its full statics
+    stand beside the start's, a run in full dynamics beside them, and its yield where
+    the design has tolerances. The exit code is 1 if no point keeps all.
+    """
+    from cycloid_mj.cli.outfile import folder
+    from cycloid_mj.cli.progress import counted
+    from cycloid_mj.explore.optimizer import BEST, checked, explored
+    from cycloid_mj.explore.problem import problem
+
+    engine = where.engine()
+    task = problem(chosen.resolved(), _ranges(vary), minimize, maximize, limit, strict)
+    into = folder(str(out), "the history")
+    if not os.access(into, os.W_OK | os.X_OK):
+        raise CycloidError(f"cannot write the history to {out}: no permission; choose another folder with --out")
+    try:
+        found = explored(task, evaluations, starts, seed, into, engine, counted("optimize", quiet))
+        if found.best is None:
+            raise DesignError(f"{found.hopeless} (all points are in {into})")
+        write_whole({into / BEST: _best(found)})
+        found = found if quick else checked(found)
+    except KeyboardInterrupt as stop:
+        raise RunError(
+            f"stopped by {cause(stop)}; the points so far are in {into}: the same command goes on from there"
+        ) from stop
+    return _delivered(found, into, json, quiet)
+
+
+def _ranges(vary: tuple[str, ...]) -> dict[str, str]:
+    """Give keys and ranges as they were written, once each."""
+    found: dict[str, str] = {}
+    for text in vary:
+        key, equals, wanted = text.partition("=")
+        key = key.strip()
+        if not equals or not key or not wanted.strip():
+            raise UsageError(f"--vary {text!r}: expected KEY=LO:HI, e.g. gear.eccentricity_mm=0.5:1.1")
+        if key in found:
+            raise UsageError(f"--vary {key}: it is there twice")
+        found[key] = wanted.strip()
+    return found
+
+
+def _best(found: "Optimum") -> bytes:
+    from cycloid_mj.design import dump
+
+    return dump(found.design()).encode()
+
+
+def _delivered(found: "Optimum", into: Path, json: bool, quiet: bool) -> int:
+    """Write figure and page, and tell what was found."""
+    from cycloid_mj.explore.optimizer import BEST, HISTORY
+    from cycloid_mj.explore.optimum import tables
+    from cycloid_mj.plots.optimum import tradeoff_figure
+    from cycloid_mj.plots.save import save
+
+    files = save({"tradeoff": tradeoff_figure(found)}, into)
+    page = into / "optimize.html"
+    write_whole({page: _page(found).encode()})
+    if not quiet:
+        tell(f"wrote {', '.join(map(str, (into / HISTORY, into / BEST, *files, page)))}")
+    if json:
+        say_json(_json(found, into / BEST))
+        return 0
+    for table in tables(found):
+        show(table)
+    say(found.words)
+    for note in found.notes:
+        say(note)
+    return 0
+
+
+def _json(found: "Optimum", best: Path) -> dict[str, Any]:
+    return {**found.as_json(), "design": str(best)}
+
+
+def _page(found: "Optimum") -> str:
+    from cycloid_mj.explore.optimum import tables
+    from cycloid_mj.plots.optimum import tradeoff_figure
+    from cycloid_mj.report.study import Part, study_page
+
+    values, figures, *rest = tables(found)
+    numbers = {"evaluations": str(found.evaluations), "keep all": str(len(found.feasible))}
+    numbers |= {key: f"{value:.5g}" for key, value in found.best_figures.items()}
+    parts = [
+        Part("The best design", tables=[values, figures]),
+        Part("The search", figures={found.words: tradeoff_figure(found)}),
+        *(Part(table.title.capitalize(), tables=[table]) for table in rest),
+        Part("What the numbers stand on", notes=found.notes),
+    ]
+    return study_page(f"cycloid_mj: {found.task.design.name} optimised", [found.words], numbers, parts)

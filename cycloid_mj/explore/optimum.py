@@ -1,0 +1,285 @@
+"""What came of an optimisation: every point, the best of them or the front of two objectives, and why others failed."""
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from cycloid_mj.checks import check
+from cycloid_mj.design import Design, declared
+from cycloid_mj.design.units import unit_of
+from cycloid_mj.errors import DesignError
+from cycloid_mj.explore.problem import FEASIBLE, REFUSED, VIOLATION, Problem
+from cycloid_mj.explore.quantities import catalogue
+from cycloid_mj.explore.row import Row
+from cycloid_mj.explore.tolerances import VERIFIED_HEADER, Tolerances
+from cycloid_mj.explore.verify import Verified, table_rows
+from cycloid_mj.frame import Cell, Frame, Tabular, framed
+from cycloid_mj.loaded.sheet import Sheet
+from cycloid_mj.result import Quantity, Table
+
+
+@dataclass(frozen=True, eq=False)
+class Checked:
+    """The best design by full statics, beside the `start`, in dynamics, and as it is made; None where there is none."""
+
+    sheet: Sheet | None
+    start: Sheet | None
+    dynamics: Verified
+    tolerances: Tolerances | None = None
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is missing, and the yield; a sentence each."""
+        lost = [f"not run in full dynamics: {self.dynamics.note}"] if self.dynamics.note else []
+        sheets = [] if self.sheet else ["the best design has no full statics: friction jams it in one of its states"]
+        return (*sheets, *lost, *([self.tolerances.words] if self.tolerances else []))
+
+
+@dataclass(frozen=True, eq=False)
+class Optimum(Tabular):
+    """What came of an optimisation, or of a part of it.
+
+    Attributes
+    ----------
+    task
+        What was optimised.
+    rows
+        Every evaluation, in order: values of the keys, figures, whether it keeps all, and what refused it.
+    seed
+        Of the searches.
+    checked
+        What the best design is beyond its figures.
+    """
+
+    task: Problem
+    rows: Sequence[Row]
+    seed: int
+    checked: Checked | None = None
+
+    @property
+    def evaluations(self) -> int:
+        """How many points were evaluated."""
+        return len(self.rows)
+
+    @property
+    def feasible(self) -> list[int]:
+        """Places of the points that keep every check and limit."""
+        return [place for place, row in enumerate(self.rows) if row.values[FEASIBLE]]
+
+    @property
+    def refused(self) -> dict[str, int]:
+        """What refused points: names of checks, limits as written; the most frequent first."""
+        counted = Counter(name for row in self.rows for name in str(row.values[REFUSED]).split("; ") if name)
+        return dict(counted.most_common())
+
+    @cached_property
+    def front(self) -> tuple[int, ...]:
+        """Places of the points that no other one betters in all objectives, in the order of the first objective."""
+        costs = {place: self._costs(self.rows[place]) for place in self.feasible}
+        found: list[int] = []
+        for place in sorted(costs, key=lambda one: costs[one]):
+            if not found or costs[place][-1] < costs[found[-1]][-1]:
+                found.append(place)
+        return tuple(found) if len(self.task.objectives) > 1 else tuple(found[:1])
+
+    @property
+    def best(self) -> int | None:
+        """Place of the best point: of a front the one whose worse objective, over the front's reach, is least."""
+        if not self.front:
+            return None
+        ends = list(zip(*(self._costs(self.rows[place]) for place in self.front), strict=True))
+
+        def worse(place: int) -> float:
+            pairs = zip(self._costs(self.rows[place]), ends, strict=True)
+            return max((cost - min(end)) / ((max(end) - min(end)) or 1.0) for cost, end in pairs)
+
+        return min(self.front, key=worse)
+
+    @property
+    def start(self) -> Row:
+        """The design that it started from, as it was judged."""
+        return self.rows[0]
+
+    def values(self, place: int) -> dict[str, Cell]:
+        """Give the values of the keys at a point [unit of the file]."""
+        return {key: self.rows[place].values[key] for key in self.task.keys}
+
+    def figures(self, place: int) -> dict[str, float]:
+        """Give the figures of a point that matter: objectives, then those with limits."""
+        return {key: float(self.rows[place].values[key]) for key in self.task.wanted}
+
+    def design(self, place: int | None = None, name: str = "") -> Design:
+        """Give the design at a point, by default the best.
+
+        Raises
+        ------
+        DesignError
+            No point keeps all.
+        """
+        place = self.best if place is None else place
+        if place is None:
+            raise DesignError(self.hopeless)
+        made = self.task.at(tuple(self.values(place).values()))
+        return made.but(name=(name or f"{self.task.design.name}-best")[:64])
+
+    @property
+    def hopeless(self) -> str:
+        """Why there is no best point, and what to do."""
+        whole = max(self.evaluations, 1)
+        told = "; ".join(f"{name}: {count} ({count / whole:.0%})" for name, count in self.refused.items())
+        nearest = min(self.rows, key=lambda row: float(row.values[VIOLATION]))
+        at = ", ".join(f"{key} = {_short(nearest.values[key])}" for key in self.task.keys)
+        return (
+            f"none of {self.evaluations} points keeps every check and limit. Refused by: {told}; the nearest, {at}, "
+            f"fails {nearest.error or nearest.values[REFUSED]}. Widen the ranges, let more keys vary, or loosen the "
+            "limits that refuse most"
+        )
+
+    @cached_property
+    def frame(self) -> Frame:
+        """One row an evaluation."""
+        units = {key: unit_of(declared(key)).suffix for key in self.task.keys}
+        names = ("evaluation", *self.task.keys, *self.task.wanted, FEASIBLE, VIOLATION, REFUSED, "error", "cpu_s")
+        rows = [
+            {"evaluation": number, **row.values, "error": row.error, "cpu_s": row.cpu}
+            for number, row in enumerate(self.rows, 1)
+        ]
+        return framed(rows, names, {key: unit for key, unit in units.items() if unit} | {"cpu_s": "s"})
+
+    def as_json(self) -> dict[str, Any]:
+        """Give all of it for a program, but the history."""
+        place, objectives = self.best, self.task.objectives
+        found = None if place is None else [self.figures(place)[one.key] for one in objectives]
+        return {
+            "best": {} if place is None else self.values(place),
+            "objective": found[0] if found and len(objectives) == 1 else found,
+            "objectives": [{"key": one.key, "sense": "least" if one.sign > 0 else "largest"} for one in objectives],
+            "evaluations": self.evaluations,
+            "design": "" if place is None else f"{self.task.design.name}-best",
+            "figures": {} if place is None else self.figures(place),
+            "start": {"best": self.values(0), "figures": self.start_figures, "refused": self.start.values[REFUSED]},
+            "limits": [str(one) for one in self.task.limits],
+            "front": [{**self.values(one), **self.figures(one)} for one in self.front] if len(objectives) > 1 else [],
+            "feasible": len(self.feasible),
+            "refused": self.refused,
+            "follows": self.task.follows,
+            "seed": self.seed,
+            "verified": None if self.checked is None else self._checked_json(self.checked),
+        }
+
+    @property
+    def start_figures(self) -> dict[str, float]:
+        """Figures of the start that matter; none where it is refused before they are known."""
+        return {key: float(self.start.values[key]) for key in self.task.wanted if key in self.start.values}
+
+    @property
+    def best_figures(self) -> dict[str, float]:
+        """Figures of the best that matter; none where there is no best."""
+        return {} if self.best is None else self.figures(self.best)
+
+    def change(self, key: str) -> float:
+        """Give by how much a figure of the best differs from the start's, as a share; NaN where one is not known."""
+        before = self.start_figures.get(key, math.nan)
+        return self.best_figures[key] / before - 1.0 if before else math.nan
+
+    @property
+    def words(self) -> str:
+        """What was sought and found, in a sentence."""
+        aims = " and ".join(map(str, self.task.objectives))
+        limits = f", {' and '.join(map(str, self.task.limits))}" if self.task.limits else ""
+        front = f", a front of {len(self.front)}" if len(self.task.objectives) > 1 else ""
+        return (
+            f"{aims}{limits}: {len(self.feasible)} of {self.evaluations} points keep all{front}; "
+            f"start {self.task.design.name}, seed {self.seed}"
+        )
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader should know, a sentence each."""
+        followed = [f"{key} follows: {how}" for key, how in self.task.follows.items()]
+        warned = [f"the best design: {one}" for one in check(self.design()) if not one.passed]
+        bounds = [
+            f"{one.key} is at the {'lower' if value == one.low else 'upper'} end of its range: more may lie beyond"
+            for one in self.task.ranges
+            if (value := float(self.values(self.best or 0)[one.key])) in (one.low, one.high)
+        ]
+        return (*followed, *bounds, *warned, *(self.checked.notes if self.checked else ()))
+
+    def _checked_json(self, checked: Checked) -> dict[str, Any]:
+        dynamics = checked.dynamics
+        return {
+            "statics": {key: one.value for key, one in checked.sheet.quantities.items()} if checked.sheet else None,
+            "dynamics": {**vars(dynamics), "differences": dynamics.differences},
+            "tolerances": None if checked.tolerances is None else checked.tolerances.as_json(),
+        }
+
+    def _costs(self, row: Row) -> tuple[float, ...]:
+        return tuple(one.sign * float(row.values[one.key]) for one in self.task.objectives)
+
+
+def _short(value: Cell) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def tables(found: Optimum) -> tuple[Table, ...]:
+    """Give the best point and its figures beside the start's, what refused points, the front, and what was checked."""
+    assert found.best is not None
+    start, best = found.values(0), found.values(found.best)
+    keys = tuple((key, _short(start[key]), _short(best[key])) for key in found.task.keys)
+    there = catalogue(found.task.design)
+    figures = tuple(
+        (
+            there[key][1].name,
+            _number(found.start_figures.get(key)),
+            _number(value),
+            _percent(found.change(key)),
+            there[key][1].unit,
+        )
+        for key, value in found.best_figures.items()
+    )
+    whole = found.evaluations
+    refused = tuple((name, str(count), f"{count / whole:.1%}") for name, count in found.refused.items())
+    made = [
+        Table("best design", ("key", "start", "best"), keys),
+        Table("figures", ("figure", "start", "best", "change", "unit"), figures),
+    ]
+    if refused:
+        made.append(Table(f"what refused points, of {whole}", ("check or limit", "points", "share"), refused))
+    if len(found.task.objectives) > 1:
+        header = (*found.task.keys, *found.task.wanted)
+        front = ({**found.values(place), **found.figures(place)} for place in found.front)
+        made.append(Table("front", header, tuple(tuple(_short(one[key]) for key in header) for one in front)))
+    if found.checked is not None:
+        made += _checked_tables(found.checked)
+    return tuple(made)
+
+
+def _checked_tables(checked: Checked) -> list[Table]:
+    """Give the full statics of best and start, the dynamics of the best, and its yield."""
+    made = []
+    if checked.sheet is not None:
+        before = checked.start.quantities if checked.start else {}
+        rows = tuple(_compared(one, before.get(one.key)) for one in checked.sheet.quantities.values())
+        header = ("quantity", "start", "best", "change", "unit")
+        made.append(Table(f"statics: {checked.sheet.condition}", header, rows))
+    if checked.dynamics.dynamics:
+        made.append(Table("the best design in full dynamics", VERIFIED_HEADER, tuple(table_rows(checked.dynamics))))
+    return [*made, *(checked.tolerances.tables()[:2] if checked.tolerances else ())]
+
+
+def _compared(best: Quantity, start: Quantity | None) -> tuple[str, ...]:
+    """Give a quantity of the best beside the start's."""
+    before = start.value if start else math.nan
+    change = best.value / before - 1.0 if before else math.nan
+    return best.name, _number(before), _number(best.value), _percent(change), best.unit
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None or math.isnan(value) else f"{value:.6g}"
+
+
+def _percent(share: float) -> str:
+    return "" if math.isnan(share) else f"{100.0 * share:+.1f} %"

@@ -1,0 +1,229 @@
+"""What is optimised: the design and the keys that may change, the objectives, and what a point must keep."""
+
+import math
+import time
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from cycloid_mj.design import Design, declared, override, value_of
+from cycloid_mj.errors import CycloidError, CycloidWarning, DesignError, UsageError
+from cycloid_mj.explore.limit import FigureLimit, limit
+from cycloid_mj.explore.points import Value, Wanted, all_values, axis_of
+from cycloid_mj.explore.quantities import catalogue, figures, known, refusals
+from cycloid_mj.explore.row import Row, one_line
+
+MOST_OBJECTIVES = 2
+MOST_COMBINATIONS = 2000
+"""Of values that are tried one by one."""
+
+FEASIBLE, REFUSED, VIOLATION = "feasible", "refused", "violation"
+"""Columns of every evaluation: whether the point keeps all, what it breaks, and by how much in all."""
+
+BROKEN, UNBUILT, UNSOLVED, NO_DESIGN = 1.0, 1e3, 1e6, 1e9
+"""Violations begin here: of limits, of checks, where no figure was found, where the file itself refuses a value."""
+
+HOLE_LEADERS = {"gear.eccentricity_mm", "output.pin_radius_mm"}
+RATIO_LEADERS = {"ring.teeth", "output.member"}
+
+FILE, STATICS, RANGES = "design file", "statics", "ranges"
+"""Names of what refuses a point besides checks and limits."""
+
+
+@dataclass(frozen=True)
+class Objective:
+    """A figure by its key, to be as small as can be, or as large: then `sign` is -1."""
+
+    key: str
+    sign: float = 1.0
+
+    def __str__(self) -> str:
+        """Tell it in words."""
+        return f"{'least' if self.sign > 0 else 'largest'} {self.key}"
+
+
+@dataclass(frozen=True)
+class Range:
+    """A real number between two bounds [unit of the file]."""
+
+    key: str
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A key that takes one of some values."""
+
+    key: str
+    values: tuple[Value, ...]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A design, and what may become of it.
+
+    Attributes
+    ----------
+    design
+        The start.
+    ranges, choices
+        Keys that vary: real numbers, searched; whole numbers and words, tried one by one.
+    objectives
+        One or two.
+    limits
+        On figures.
+    groups
+        Of figures that are computed, see `quantities.GROUPS`.
+    strict
+        Whether warnings of the checks refuse a point, too.
+    """
+
+    design: Design
+    ranges: tuple[Range, ...]
+    choices: tuple[Choice, ...]
+    objectives: tuple[Objective, ...]
+    limits: tuple[FigureLimit, ...]
+    groups: tuple[str, ...]
+    strict: bool
+
+    @property
+    def variables(self) -> tuple[Range | Choice, ...]:
+        """What varies: real numbers first."""
+        return (*self.ranges, *self.choices)
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Keys of a point's values, in order."""
+        return tuple(one.key for one in self.variables)
+
+    @property
+    def wanted(self) -> tuple[str, ...]:
+        """Keys of the figures that matter: objectives first, then those with limits."""
+        return tuple(dict.fromkeys([*(one.key for one in self.objectives), *(one.key for one in self.limits)]))
+
+    @property
+    def follows(self) -> dict[str, str]:
+        """Keys that change with those of the points, and how."""
+        followers = {
+            "output.hole_radius_mm": ("output pin and eccentricity, with the room that the start has", HOLE_LEADERS),
+            "drive.torque_nm": ("the rated torque on the output stays", RATIO_LEADERS),
+        }
+        varied = set(self.keys)
+        return {key: how for key, (how, leaders) in followers.items() if leaders & varied and key not in varied}
+
+    def at(self, values: Sequence[Value]) -> Design:
+        """Give the design at a point; raise DesignError where its file does not allow a value."""
+        design = override(self.design, dict(zip(self.keys, values, strict=True)))
+        changes: dict[str, dict[str, float]] = {}
+        own = self.design
+        if "output.hole_radius_mm" in self.follows:
+            room = own.output.hole_radius - own.output.pin_radius - own.gear.eccentricity
+            changes["output"] = {"hole_radius": design.output.pin_radius + design.gear.eccentricity + room}
+        if "drive.torque_nm" in self.follows:
+            changes["drive"] = {"torque": design.drive.torque * own.rated_torque / design.rated_torque}
+        return design.but(**changes) if changes else design
+
+    @property
+    def combinations(self) -> int:
+        """How many combinations of values are tried one by one."""
+        return math.prod(len(one.values) for one in self.choices)
+
+    def allows(self, values: Sequence[Value]) -> bool:
+        """Tell whether values lie in their ranges, as those of the start need not."""
+        held = zip(self.variables, values, strict=True)
+        return all(
+            one.low <= float(value) <= one.high if isinstance(one, Range) else value in one.values
+            for one, value in held
+        )
+
+    @property
+    def start(self) -> tuple[Value, ...]:
+        """Values of the keys in the design that it starts from [unit of the file]."""
+        return tuple(value_of(self.design, key) for key in self.keys)
+
+
+def problem(
+    design: Design,
+    vary: Mapping[str, Wanted],
+    minimize: Sequence[str] = (),
+    maximize: Sequence[str] = (),
+    limits: Sequence[str] = (),
+    strict: bool = False,
+) -> Problem:
+    """Put a problem together; see `optimize` for the arguments.
+
+    Raises
+    ------
+    UsageError
+        There is no such key or figure, a range is none, or there are no or too many objectives.
+    """
+    if not vary:
+        raise UsageError("nothing may change: name a key with --vary KEY=LO:HI, e.g. gear.eccentricity_mm=0.5:1.1")
+    made = [_variable(key, wanted) for key, wanted in vary.items()]
+    ranges = tuple(one for one in made if isinstance(one, Range))
+    choices = tuple(one for one in made if isinstance(one, Choice))
+    objectives = (*(Objective(key) for key in minimize), *(Objective(key, -1.0) for key in maximize))
+    there = catalogue(design)
+    if not 1 <= len(objectives) <= MOST_OBJECTIVES:
+        raise UsageError(
+            f"{len(objectives)} objectives: name one figure, or two for a front, with --minimize or --maximize; "
+            f"there are {known(there)}"
+        )
+    if unknown := next((one.key for one in objectives if one.key not in there), None):
+        raise UsageError(f"there is no figure {unknown!r:.60} to optimise; there are {known(there)}")
+    asked = tuple(limit(text, there) for text in limits)
+    wanted = [*(one.key for one in objectives), *(one.key for one in asked)]
+    groups = tuple(dict.fromkeys(there[key][0] for key in wanted))
+    found = Problem(design, ranges, choices, objectives, asked, groups, strict)
+    if found.combinations > MOST_COMBINATIONS:
+        raise UsageError(
+            f"{found.combinations:,} combinations of whole numbers and words: at most {MOST_COMBINATIONS:,} are tried; "
+            "narrow their ranges"
+        )
+    return found
+
+
+def _variable(key: str, wanted: Wanted) -> Range | Choice:
+    """Read what a key may be: a range of real numbers, or values one by one."""
+    if declared(key).annotation is float and not isinstance(wanted, str) and len(wanted) == 2:
+        wanted = f"{wanted[0]}:{wanted[1]}"
+    axis = axis_of(key, wanted)
+    if axis.values or axis.count:
+        return Choice(key, all_values(axis))
+    if axis.field.annotation is int:
+        return Choice(key, tuple(range(int(axis.low), int(axis.high) + 1)))
+    return Range(key, axis.low, axis.high)
+
+
+def evaluated(task: Problem, values: Sequence[Value]) -> Row:
+    """Judge one point: its figures, and what it breaks. Whatever goes wrong there is told in its row."""
+    start = time.thread_time()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", CycloidWarning)
+        found, broken, level, error = _judged(task, values)
+    violation = level + sum(broken.values()) if broken else 0.0
+    inputs = dict(zip(task.keys, values, strict=True))
+    cells = {**inputs, **found, FEASIBLE: not broken, VIOLATION: violation, REFUSED: "; ".join(broken)}
+    return Row(values=cells, error=error, cpu=time.thread_time() - start)
+
+
+def _judged(task: Problem, values: Sequence[Value]) -> tuple[dict[str, float], dict[str, float], float, str]:
+    """Give figures, what is broken and by how much, where that begins, and the words of an error."""
+    try:
+        design = task.at(values)
+    except DesignError as error:
+        return {}, {FILE: 1.0}, NO_DESIGN, one_line(error)
+    try:
+        if broken := refusals(design, task.strict):
+            return {}, broken, UNBUILT, ""
+        there = figures(design, task.groups)
+    except CycloidError as error:
+        return {}, {STATICS: 1.0}, UNSOLVED, one_line(error)
+    found = {key: there.get(key, math.nan) for key in task.wanted}
+    broken = {str(one): one.excess(found[one.key]) for one in task.limits if one.excess(found[one.key]) > 0.0}
+    if not task.allows(values):
+        broken[RANGES] = 1.0
+    if lacking := [one.key for one in task.objectives if not math.isfinite(found[one.key])]:
+        return found, dict.fromkeys(lacking, 1.0), UNSOLVED, f"no number: {', '.join(lacking)}"
+    return found, broken, BROKEN, ""

@@ -1,0 +1,99 @@
+"""Figures of a design that take little time: what an optimisation can minimise, maximise or limit."""
+
+import math
+from collections.abc import Callable, Collection, Iterable, Mapping
+from functools import lru_cache
+
+from cycloid_mj import profile
+from cycloid_mj.checks import check, masses, soundness, summary
+from cycloid_mj.design import PRESETS, Design
+from cycloid_mj.loaded.sheet import PARTS_OF_SHEET, sheet_part
+from cycloid_mj.modification import gear_profile, profile_offset
+from cycloid_mj.result import Quantity, keyed
+from cycloid_mj.units import ARCMINUTE, MILLIMETRES
+
+
+def _geometry(design: Design) -> dict[str, Quantity]:
+    """Give what the shape of the teeth alone decides."""
+    gear, ring = gear_profile(design), design.ring
+    bend = MILLIMETRES * (profile.undercut_radius(gear) - profile_offset(design))
+    share = ring.teeth * design.gear.eccentricity / ring.pin_circle_radius
+    return keyed(
+        [
+            Quantity("least_convex_radius_mm", "sharpest convex bend of the lobes: its radius", bend, "mm"),
+            Quantity("short_width", "K1 = c N / E", share, "1"),
+            Quantity("outer_diameter_mm", "outer diameter", 2.0 * MILLIMETRES * design.housing.outer_radius, "mm"),
+            Quantity("ratio", "turns of the crank in one of the output", float(abs(design.ratio)), "1"),
+        ]
+    )
+
+
+def _mass(design: Design) -> dict[str, Quantity]:
+    return keyed([Quantity("mass_kg", "mass of all parts", sum(masses(design).values()), "kg")])
+
+
+def _summary(design: Design) -> dict[str, Quantity]:
+    """Give what `design check` sums up, under the keys of its JSON."""
+    found = summary(design)
+    angle, play = math.degrees(found.pressure_angle), found.backlash / ARCMINUTE
+    return keyed(
+        [
+            Quantity("loaded_teeth", "teeth that carry at the rated torque, on average", found.loaded_teeth, "1"),
+            Quantity("pressure_angle_deg", "pressure angle, mean by force", angle, "deg"),
+            Quantity("backlash_arcmin", "backlash of rigid parts, mean", play, "arcmin"),
+            Quantity("capacity_nm", "torque at which a contact first yields", found.capacity, "N m"),
+        ]
+    )
+
+
+def _statics(part: str) -> Callable[[Design], dict[str, Quantity]]:
+    return lambda design: sheet_part(design, part)
+
+
+GROUPS: Mapping[str, Callable[[Design], dict[str, Quantity]]] = {
+    "geometry": _geometry,
+    "mass": _mass,
+    "summary": _summary,
+    **{part: _statics(part) for part in PARTS_OF_SHEET},
+}
+"""What gives figures together, by name: shape, mass, summary, and the parts of `statics` under its keys."""
+
+
+@lru_cache(maxsize=4)
+def catalogue(design: Design) -> Mapping[str, tuple[str, Quantity]]:
+    """Give every figure that designs like this have, by key: its group, and what it is.
+
+    Of a design that cannot be built it is that of a preset with such teeth: their kinds of contacts name the keys.
+    """
+    if any(one.severity == "error" and not one.passed for one in soundness(design)):
+        ring = design.ring
+        pins = {"ring": {"pins": ring.pins}} if ring.kind == "pin" else {}
+        design = PRESETS[ring.kind].but(**pins)
+    return {key: (group, one) for group, of in GROUPS.items() for key, one in of(design).items()}
+
+
+def figures(design: Design, groups: Iterable[str]) -> dict[str, float]:
+    """Give the figures of some groups by their keys."""
+    return {key: one.value for group in groups for key, one in GROUPS[group](design).items()}
+
+
+def refusals(design: Design, strict: bool) -> dict[str, float]:
+    """Give the failed checks of a design by name, each with how far it is off, as a share of its bound.
+
+    Those that make it impossible to build; `strict`: warnings, too.
+    """
+    found = check(design) if strict else soundness(design)
+    failed = [one for one in found if not one.passed and (strict or one.severity == "error")]
+    return {one.name: _excess(one.value, one.bound) for one in failed}
+
+
+def _excess(value: float | None, bound: float | None) -> float:
+    """Give by how much a value misses its bound, relative; 1 where that is no number."""
+    if value is None or bound is None or not math.isfinite(value - bound):
+        return 1.0
+    return abs(value - bound) / max(abs(value), abs(bound), 1e-12)
+
+
+def known(keys: Collection[str], limit: int = 200) -> str:
+    """Tell the keys there are, in one line."""
+    return ", ".join(sorted(keys)[:limit])

@@ -1,0 +1,71 @@
+"""What an optimisation found: the front of two objectives, or the way to the best of one; and each key beside it."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from cycloid_mj.explore.optimum import Optimum
+from cycloid_mj.plots.style import BLUE, GREY, SKY, VERMILION, legend_above, sheet, state, styled
+from cycloid_mj.types import Array
+
+MOST_KEYS = 6
+"""Keys that are drawn, a panel each."""
+
+POINT: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 2.5}
+LOOKS: tuple[tuple[str, dict[str, Any]], ...] = (
+    ("keeps all", {**POINT, "color": BLUE}),
+    ("breaks a limit", {**POINT, "color": SKY}),
+    ("start", {**POINT, "color": GREY, "marker": "s", "markersize": 6.0}),
+    ("best", {**POINT, "color": VERMILION, "marker": "*", "markersize": 11.0}),
+)
+
+
+@styled
+def tradeoff_figure(found: Optimum) -> Figure:
+    """Draw every point whose figures are known: objective over objective, or over the evaluations; then over each key.
+
+    The scale shows the points that keep all, and the start.
+    """
+    objectives, varied = found.task.objectives, found.task.ranges[:MOST_KEYS]
+    rows = -(-len(varied) // 3)
+    figure = sheet(3.0 + 1.9 * rows)
+    grid = figure.add_gridspec(1 + rows, 3, height_ratios=[3.0, *([1.9] * rows)])
+    first = figure.add_subplot(grid[0, :])
+    columns = found.frame.columns
+    if len(objectives) > 1:
+        x, y = (np.asarray(columns[one.key], dtype=float) for one in objectives)
+        _scatter(first, found, x, y)
+        front = list(found.front)
+        first.step(x[front], y[front], where="post", color=BLUE, linewidth=0.9)
+        first.set(xlabel=objectives[0].key, ylabel=objectives[1].key)
+    else:
+        y = np.asarray(columns[objectives[0].key], dtype=float)
+        _scatter(first, found, np.asarray(columns["evaluation"], dtype=float), y)
+        first.set(xlabel="evaluation", ylabel=objectives[0].key)
+    legend_above(first, *LOOKS)
+    for place, one in enumerate(varied):
+        axes = figure.add_subplot(grid[1 + place // 3, place % 3])
+        _scatter(axes, found, np.asarray(columns[one.key], dtype=float), np.asarray(columns[objectives[0].key], float))
+        axes.set_xlabel(one.key)
+    state(figure, found.words)
+    return figure
+
+
+def _scatter(axes: Axes, found: Optimum, x: Array, y: Array) -> None:
+    known = np.isfinite(x) & np.isfinite(y)
+    good = np.zeros(len(x), dtype=bool)
+    good[found.feasible] = True
+    for rows, (_, look) in ((known & ~good, LOOKS[1]), (known & good, LOOKS[0])):
+        axes.plot(x[rows], y[rows], **look)
+    marked = [(0, LOOKS[2][1]), *([(found.best, LOOKS[3][1])] if found.best is not None else [])]
+    for place, look in marked:
+        if known[place]:
+            axes.plot(x[place], y[place], **look)
+    shown = known & good
+    shown[0] |= known[0]
+    for values, limit in ((x[shown], axes.set_xlim), (y[shown], axes.set_ylim)):
+        if values.size and np.ptp(values) > 0.0:
+            low, high = float(values.min()), float(values.max())
+            limit(low - 0.06 * (high - low), high + 0.06 * (high - low))
