@@ -404,6 +404,30 @@ def test_a_model_that_does_not_compile_is_told(few: Reducer) -> None:
         cm.attach_reducer(spec, "j", few)
 
 
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"ratio": "x"},
+        {"ratio": -6.0},
+        {"damping": float("nan")},
+        {"springs": []},
+        {"springs": [1]},
+        {"level": "soft"},
+        {"way": 0},
+        {"friction": None},
+        {"ripple": {}},
+        {"more": 1},
+    ],
+    ids=str,
+)
+def test_a_spoiled_reducer_is_refused(few: Reducer, change: dict) -> None:
+    given = few.as_json()
+    Reducer.from_json(given)
+    given["joint"] = given["joint"] | change
+    with pytest.raises(UsageError, match="no reducer"):
+        Reducer.from_json(given)
+
+
 @pytest.mark.parametrize("text", ["", "[]", "{}", '{"joint": {}}', '{"joint": {"name": "x", "springs": [1]}}'])
 def test_a_file_that_is_no_reducer_is_refused(tmp_path: Path, text: str) -> None:
     path = tmp_path / "reducer.json"
@@ -412,6 +436,46 @@ def test_a_file_that_is_no_reducer_is_refused(tmp_path: Path, text: str) -> None
         Reducer.read(path)
     with pytest.raises(CycloidError, match="cannot read"):
         Reducer.read(tmp_path / "none.json")
+
+
+def test_a_model_without_it_is_refused(few: Reducer) -> None:
+    """A step that serves no joint would be a joint without friction and ripple, and nobody told."""
+    model = arm().compile()
+    with pytest.raises(UsageError, match="no joint of the model carries the reducer 'few'"):
+        few.step(model, mujoco.MjData(model))
+
+
+def test_a_reducer_serves_its_joints_at_any_level(few: Reducer) -> None:
+    assert len({few.at(level).fingerprint for level in LEVELS}) == 1
+    assert 0 < few.fingerprint < 1_000_000
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        pytest.param({"output": {"member": "ring"}}, id="ring turns"),
+        pytest.param({"gear": {"discs": 2}}, id="two discs", marks=pytest.mark.slow),
+    ],
+)
+def test_either_member_and_several_discs(changes: dict) -> None:
+    """The ring turns as the crank does, by one in N; two discs share the load, and both turn with the output."""
+    design, plain = unlike("few").but(**changes), reduced("few")
+    reducer = cm.reduce(design)
+    assert against(design, reducer).missed == []
+    assert (reducer.ratio, reducer.way) == ((7.0, 1) if design.output.turns_ring else (6.0, -1))
+    if design.output.turns_ring:
+        # Willis: the same play and springs, seen from the ring, through (N - 1)/N
+        assert reducer.backlash == pytest.approx(plain.backlash * 6.0 / 7.0, rel=2e-3)
+        stiffness = [one.quantities["stiffness_nm_per_arcmin"].value for one in (reducer, plain)]
+        assert stiffness[0] == pytest.approx(stiffness[1] * (7.0 / 6.0) ** 2, rel=0.02)
+        on = bench(reducer, 0.01, 1e-3)
+        on.data.ctrl[0] = 0.1
+        for _ in range(200):
+            on.step()
+        assert on.data.qpos[on.place.output_angle] * on.data.qpos[on.place.crank_angle] > 0.0
+    else:
+        assert reducer.output_inertia > plain.output_inertia
+        assert reducer.wind_up(reducer.rated_torque) < 0.9 * plain.wind_up(plain.rated_torque)
 
 
 def test_an_unknown_level_is_refused(few: Reducer) -> None:

@@ -20,6 +20,7 @@ from cycloid_mj.loaded.balance import loads, powers
 from cycloid_mj.loaded.sheet import SELF_LOCKING, driven
 from cycloid_mj.loaded.springs import POSES, springs_of, turn_evenly
 from cycloid_mj.loaded.windup import STRAIGHT, windups
+from cycloid_mj.measure import spread
 from cycloid_mj.mechanism.reducer import mechanism
 from cycloid_mj.mjcf.bodies import crank_inertia
 from cycloid_mj.mjcf.laws import contact_laws
@@ -271,7 +272,7 @@ def _quantities(design: Design, made: Reducer, fine: Play, coarse: Play) -> Iter
     at = f"at {made.rated_torque:.4g} N m, {made.rated_speed / RPM:.0f} rpm"
     friction, rated, speed = made.friction, made.rated_torque, made.rated_speed
 
-    def spread(read: Callable[[Play], float]) -> tuple[float, float]:
+    def both(read: Callable[[Play], float]) -> tuple[float, float]:
         return read(fine), abs(read(fine) - read(coarse))
 
     against = "the output turns against the crank" if made.way < 0 else "the output turns as the crank does"
@@ -279,12 +280,12 @@ def _quantities(design: Design, made: Reducer, fine: Play, coarse: Play) -> Iter
     yield Quantity(
         "backlash_arcmin",
         "backlash of the output, mean over the crank angle",
-        *_in(spread(lambda one: one.backlash), ARCMINUTE, "arcmin"),
+        *_in(both(lambda one: one.backlash), ARCMINUTE, "arcmin"),
     )
     yield Quantity(
         "wind_up_arcmin",
         f"wind-up beyond the stop under {rated:.4g} N m, crank locked",
-        *_in(spread(lambda one: one.wind_up[1.0]), ARCMINUTE, "arcmin"),
+        *_in(both(lambda one: one.wind_up[1.0]), ARCMINUTE, "arcmin"),
     )
     yield Quantity(
         "polynomial_error",
@@ -296,10 +297,11 @@ def _quantities(design: Design, made: Reducer, fine: Play, coarse: Play) -> Iter
     yield Quantity(
         "stiffness_nm_per_arcmin",
         "torsional stiffness, 50 to 100 % of the rated torque",
-        *_in(spread(lambda one: one.stiffness), 1.0 / ARCMINUTE, "N m/arcmin"),
+        *_in(both(lambda one: one.stiffness), 1.0 / ARCMINUTE, "N m/arcmin"),
     )
     efficiency = 100.0 * friction.efficiency(rated, speed, made.ratio, driving=True)
-    yield Quantity("efficiency", f"efficiency {at}", efficiency, "%", 100.0 * _angles_leave_out(design, 1.0))
+    error, moved = 100.0 * _angles_leave_out(design, 1.0), _by_assumed_inputs(design)
+    yield Quantity("efficiency", f"efficiency {at}", efficiency, "%", error, note=moved)
     back, held = driven(design, rated)
     locked = math.isnan(held)
     yield Quantity(
@@ -324,6 +326,19 @@ def _quantities(design: Design, made: Reducer, fine: Play, coarse: Play) -> Iter
     yield Quantity("output_inertia_kg_m2", "inertia of discs and output", made.output_inertia, "kg m2", 0.0)
     yield Quantity("reflected_inertia_kg_m2", "inertia at the output, crank free", made.reflected_inertia, "kg m2", 0.0)
     yield Quantity("damping_nm_s_per_rad", "damping of the wind-up", made.damping, "N m s/rad", None)
+
+
+def _by_assumed_inputs(design: Design) -> str:
+    """Tell how far the efficiency moves with the inputs that are assumed, as `measure efficiency` does by runs."""
+
+    def rate(varied: Design) -> float:
+        try:
+            return powers(varied, design.rated_torque).efficiency
+        except RunError:
+            return 0.0
+
+    assumed = spread.inputs(design)
+    return spread.told(rate(design), spread.moved(assumed, {end: rate(end) for one in assumed for end in one.ends}))
 
 
 def _angles_leave_out(design: Design, share: float) -> float:

@@ -13,8 +13,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, Self, get_args
 
-import numpy as np
-
 from cycloid_mj.errors import CycloidError, UsageError
 from cycloid_mj.result import Quantity
 from cycloid_mj.robot.friction import Friction
@@ -32,6 +30,9 @@ AT_REST = 1e-3
 
 FIXED_POINT = 3
 """Rounds in which a torque and what depends on it are found, each from the other."""
+
+NUMBERS = ("ratio", "rated_torque", "rated_speed", "damping", "rotor_inertia", "output_inertia")
+"""Values of a reducer that are numbers above 0."""
 
 JOINT = "joint"
 """Key of the joint's own values in its JSON file."""
@@ -135,8 +136,9 @@ class Reducer:
 
     @cached_property
     def fingerprint(self) -> int:
-        """A number by which a model's joints with this reducer are found: as many digits as MJCF keeps."""
-        return zlib.crc32(json.dumps(self._values(), sort_keys=True).encode()) % 1_000_000
+        """A number by which a model's joints with this reducer are found, at any level; with the digits that MJCF keeps."""
+        values = {key: value for key, value in self._values().items() if key != "level"}
+        return 1 + zlib.crc32(json.dumps(values, sort_keys=True).encode()) % 999_999
 
     def back_driving_efficiency(self) -> float:
         """Efficiency of back-driving against the crank's share of the rated torque, at the rated speed; 0: locked."""
@@ -187,7 +189,7 @@ class Reducer:
     def step(self, model: Any, data: Any) -> None:
         """Write friction under the load and the transmission error into a model: call it before each ``mj_step``.
 
-        Every joint that carries this reducer is served, whatever its level is; there is nothing to do where none does.
+        Every joint that carries this reducer is served, at the level that it was attached at.
 
         Parameters
         ----------
@@ -195,6 +197,11 @@ class Reducer:
             ``MjModel``; friction losses, spring lengths and damping of the reducer's joints are changed.
         data
             ``MjData`` as the last step left it.
+
+        Raises
+        ------
+        UsageError
+            No joint of the model carries it.
         """
         for place in self.places(model):
             if place.tendons:
@@ -213,9 +220,21 @@ class Reducer:
                 data.qvel[place.crank_speed] = -data.qvel[place.output_speed] / self.coefficient
 
     def places(self, model: Any) -> Iterator[Place]:
-        """Find the joints of a model that carry this reducer."""
-        for start in np.flatnonzero(model.tuple_objprm == self.fingerprint).tolist():
-            size = int(model.tuple_size[np.flatnonzero(model.tuple_adr == start)[0]])
+        """Find the joints of a model that carry this reducer.
+
+        Raises
+        ------
+        UsageError
+            There is none.
+        """
+        starts = [
+            (int(start), int(size))
+            for start, size in zip(model.tuple_adr, model.tuple_size, strict=True)
+            if size and model.tuple_objprm[start] == self.fingerprint
+        ]
+        if not starts:
+            raise UsageError(f"no joint of the model carries the reducer {self.name!r}: attach it with attach_reducer")
+        for start, size in starts:
             output, *others = model.tuple_objid[start : start + size].tolist()
             crank, *tendons = others or [output]
             yield Place(
@@ -284,16 +303,19 @@ class Reducer:
         """
         try:
             values = dict(given[JOINT])
+            values |= {key: float(values[key]) for key in NUMBERS}
             for key in ("stops", "polynomial", "polynomial_error"):
                 values[key] = tuple(map(float, values[key]))
-            values["springs"] = tuple(Spring(**one) for one in values["springs"])
+            values["springs"] = tuple(Spring(float(one["start"]), float(one["stiffness"])) for one in values["springs"])
             values["friction"] = Friction.from_json(values["friction"])
             values["ripple"] = Ripple.from_json(values["ripple"])
             made = cls(**values)
         except (KeyError, TypeError, ValueError) as problem:
-            raise UsageError(f"no reducer: {problem}; give what `cycloid-mj reduce` writes as reducer.json") from None
-        if made.level not in LEVELS or not math.isfinite(made.ratio) or not made.springs:
-            raise UsageError("no reducer: level, ratio or springs are not as `cycloid-mj reduce` writes them")
+            told = f"{type(problem).__name__}: {problem}"
+            raise UsageError(f"no reducer ({told}): give what `cycloid-mj reduce` writes as reducer.json") from None
+        sound = all(math.isfinite(values[key]) and values[key] > 0.0 for key in NUMBERS)
+        if made.level not in LEVELS or made.way not in (-1, 1) or not sound or not made.springs:
+            raise UsageError("no reducer: level, way, springs or a number are not as `cycloid-mj reduce` writes them")
         return made
 
     @classmethod
