@@ -136,19 +136,9 @@ class Reducer:
 
     @cached_property
     def fingerprint(self) -> int:
-        """A number by which a model's joints with this reducer are found, at any level; with the digits that MJCF keeps."""
+        """A number by which a model's joints with this reducer are found, at any level; MJCF keeps all its digits."""
         values = {key: value for key, value in self._values().items() if key != "level"}
         return 1 + zlib.crc32(json.dumps(values, sort_keys=True).encode()) % 999_999
-
-    def back_driving_efficiency(self) -> float:
-        """Efficiency of back-driving against the crank's share of the rated torque, at the rated speed; 0: locked."""
-        torque = self.rated_torque
-        for _ in range(FIXED_POINT):
-            found = self.friction.efficiency(torque, self.rated_speed, self.ratio, driving=False)
-            if not found > 0.0:
-                return 0.0
-            torque = self.rated_torque / found
-        return found
 
     def stiffness(self, torque: float) -> float:
         """Give the slope of the torque over L where it has this size [N m/rad]."""
