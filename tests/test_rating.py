@@ -172,6 +172,14 @@ def test_what_heat_does_to_clearances() -> None:
     assert found.items["cam_hot_clearance"].safety == math.inf
 
 
+def test_loads_are_counted_by_the_crank_against_gear_and_ring() -> None:
+    """The carrier as output: 60 n (1 + 1/35) and 60 n; the ring: the gear does not turn, the ring by 1/36 with it."""
+    for member, on_lobes, on_pins in (("carrier", 101_211, 98_400), ("ring", 98_400, 95_667)):
+        note = rate(PIN.but(output={"member": member})).items["pin_gear_pitting"].note
+        assert f"{on_lobes} loads an hour on each lobe" in note
+        assert f"{on_pins} on each ring pin" in note
+
+
 def test_harder_steel_than_the_curve_has_is_not_credited() -> None:
     assert pitting_pressure(3.45e6 * 200) == pytest.approx(644e6)
     assert pitting_pressure(2241e6) == HARDEST

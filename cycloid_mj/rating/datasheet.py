@@ -13,7 +13,7 @@ from cycloid_mj.design import PARTS, Design
 from cycloid_mj.errors import CycloidError, DesignError
 from cycloid_mj.loaded import loads, powers, springs_of
 from cycloid_mj.loaded.sheet import Sheet, sheet
-from cycloid_mj.names import GEAR, OUTPUT, PIN, SHAFT, family
+from cycloid_mj.names import GEAR, HOUSING, OUTPUT, PIN, SHAFT, family
 from cycloid_mj.rating.duty import steady
 from cycloid_mj.rating.item import Item
 from cycloid_mj.rating.items import rate
@@ -236,9 +236,9 @@ def _mass(design: Design) -> tuple[Quantity, ...]:
 def input_inertia(design: Design) -> float:
     """Give the inertia at the input [kg m2]: of crank, discs on their orbit, and what is slow over the ratio squared.
 
-    Ring pins that spin are left out: some 1e-4 of it.
+    Ring pins that spin are left out: some 1e-4 of it. Where the ring turns, discs orbit without a turn of their own.
     """
-    found, slow = 0.0, float(design.lobes) ** 2
+    found, slow, ring_turns = 0.0, float(design.reduction) ** 2, design.output.turns_ring
     for name, solid in body_solids(design).items():
         own = mass_properties(solid)
         about_axis = own.inertia[2, 2] + own.mass * float(np.sum(own.centroid[:2] ** 2))
@@ -246,9 +246,11 @@ def input_inertia(design: Design) -> float:
         if kind == SHAFT:
             found += about_axis
         elif kind == GEAR:
-            found += own.mass * design.gear.eccentricity**2 + own.inertia[2, 2] / slow
-        elif kind == OUTPUT:
+            found += own.mass * design.gear.eccentricity**2 + (0.0 if ring_turns else own.inertia[2, 2] / slow)
+        elif kind == (HOUSING if ring_turns else OUTPUT):
             found += about_axis / slow
+        elif kind == PIN and ring_turns:
+            found += design.ring.teeth * own.mass * design.ring.pin_circle_radius**2 / slow
     return found
 
 

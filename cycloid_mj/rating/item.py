@@ -71,7 +71,7 @@ class Item:
     def verdict(self) -> str:
         """Its safety, or its hours, in words; nothing for a mere figure."""
         if self.safety is not None:
-            return f"{self.safety:.3g}" if math.isfinite(self.safety) else "no load"
+            return f"{self.safety:.3g}" if math.isfinite(self.safety) else "unlimited"
         if self.life is not None:
             return f"{_written(self.life)} h" if math.isfinite(self.life) else "endless"
         return ""

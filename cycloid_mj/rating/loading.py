@@ -84,6 +84,11 @@ def relative_speed(design: Design, speed: float) -> float:
     return abs(speed) * (1.0 if design.output.turns_ring else 1.0 + 1.0 / design.lobes)
 
 
+def speed_past_ring(design: Design, speed: float) -> float:
+    """Give the speed of the crank against the ring [rad/s], whose pins see a lobe each turn of it."""
+    return abs(speed) * (1.0 - 1.0 / design.reduction if design.output.turns_ring else 1.0)
+
+
 def loading(design: Design, point: DutyPoint) -> Loading:
     """Solve one point of a duty; the signs of torque and speed do not matter: the load brakes.
 

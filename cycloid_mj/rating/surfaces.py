@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from cycloid_mj.contact.pressure import SHAKEDOWN_PRESSURE, YIELD_PRESSURE, pair_strength
 from cycloid_mj.design import Design
 from cycloid_mj.rating.item import Item
-from cycloid_mj.rating.loading import Loading, relative_speed
+from cycloid_mj.rating.loading import Loading, relative_speed, speed_past_ring
 
 SOFTEST_STEEL = 1e11
 """Young's modulus [Pa] of what counts as steel: curves of pitting and endurance limits are steel's alone."""
@@ -65,15 +65,16 @@ def surfaces(design: Design, found: Sequence[Loading]) -> Iterator[Item]:
 def _pitting(design: Design, found: Sequence[Loading], kind: str, pressure: float) -> Item:
     tensile = min(part.tensile_strength for part in design.partners(kind))
     allowed = pitting_pressure(tensile)
-    damage, hourly = 0.0, 0.0
+    damage, hourly, on_pins = 0.0, 0.0, 0.0
     for one in found:
-        loads = relative_speed(design, one.point.speed) / (2.0 * math.pi) * 3600.0 * one.point.share
+        loads = _turns_an_hour(relative_speed(design, one.point.speed)) * one.point.share
         hourly += loads
+        on_pins += _turns_an_hour(speed_past_ring(design, one.point.speed)) * one.point.share
         damage += loads / pitting_cycles(one.pressures[kind], allowed) if one.pressures[kind] > 0.0 else 0.0
     life = 1.0 / damage if damage else math.inf
     note = (
-        f"{hourly:.0f} loads an hour on a lobe or hole, 60 n (1 + 1/i), {hourly / (1.0 + 1.0 / design.lobes):.0f} on a "
-        f"pin; {1e-6 * tensile / BRINELL:.0f} HB by the tensile strength (assumed)"
+        f"{hourly:.0f} loads an hour on each lobe and hole, one a turn of the crank against the gear, {on_pins:.0f} "
+        f"on each ring pin; {1e-6 * tensile / BRINELL:.0f} HB by the tensile strength (assumed)"
     )
     if life * hourly < FEWEST:
         note += "; below 10^4 loads the curve is drawn on"
@@ -88,6 +89,10 @@ def _pitting(design: Design, found: Sequence[Loading], kind: str, pressure: floa
         "Z_N = 2.466 n^-0.056, S_c = 2.22 HB + 200 MPa, AGMA 2001-D04; Miner",
         note,
     )
+
+
+def _turns_an_hour(speed: float) -> float:
+    return speed / (2.0 * math.pi) * 3600.0
 
 
 def pitting_pressure(tensile: float) -> float:
