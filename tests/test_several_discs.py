@@ -1,6 +1,7 @@
 """Two and more discs in motion: contact by profiles and by meshes, logs, figures, pictures, files of each disc."""
 
 import io
+import math
 from collections import Counter
 from typing import Any
 
@@ -19,6 +20,7 @@ from cycloid_mj.course import initial_state, load_torque, servo_target
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import UsageError
 from cycloid_mj.kinematics import CrankLaw
+from cycloid_mj.measure.reaction import of_discs, unbalance
 from cycloid_mj.mechanism.reducer import phases
 from cycloid_mj.mjcf import build
 from cycloid_mj.mjcf.mesh import build_mesh
@@ -31,8 +33,9 @@ from cycloid_mj.scene.force import arrow_heights
 from cycloid_mj.scene.glb import glb
 from cycloid_mj.scene.messages import Scene
 from cycloid_mj.scene.shape import shapes
-from cycloid_mj.solid import gear_solid
+from cycloid_mj.solid import gear_solid, mass_properties
 from cycloid_mj.solid.output import AXIAL_GAP
+from cycloid_mj.solid.shaft import bearing_seats
 from cycloid_mj.stress.grid import GridSettings
 from cycloid_mj.stress.loads import part_loads
 from cycloid_mj.stress.notch import root_arms
@@ -180,6 +183,29 @@ def test_forces_on_output_and_shaft_act_in_the_planes_of_their_discs() -> None:
         pressed = grid.points[force != 0.0, 2]
         np.testing.assert_allclose([pressed.min(), pressed.max()], [plane - 6.75e-3, plane + 6.75e-3], atol=1e-12)
     assert grid.points[:, 2].min() == pytest.approx(-0.015 - 1e-3 - design.output.disc_thickness, abs=1e-12)
+
+
+def test_discs_balance_each_other_but_for_couples(run: Run) -> None:
+    """Gears and crank have no static unbalance; of the couple what the closed form has: m c times the spacing."""
+    design = design_of(run)
+    found, gear = unbalance(design), mass_properties(gear_solid(design)).mass
+    cam = math.pi * 0.02**2 * 13.5e-3 * design.material.density
+    assert found.bare < 1e-12
+    assert found.couple == pytest.approx((gear + cam) * 1.250025e-3 * 16.5e-3, rel=1e-5)
+
+
+def test_tilting_moments_are_the_forces_times_their_distance(run: Run) -> None:
+    """The cams of two discs pull the shaft to opposite sides; two bearings hold the couple, and no force is left."""
+    design, settled = design_of(run), run.select(run.time > 0.02)
+    found, cams = of_discs(settled, design), settled.forces("cam")
+    size = np.linalg.norm(cams, axis=2).mean(axis=1)
+    np.testing.assert_allclose(np.linalg.norm(found.shaft.moment, axis=1), 16.5e-3 * size, rtol=0.01)
+    np.testing.assert_allclose(found.shaft.net, 0.0, atol=0.02 * size.max())
+    np.testing.assert_allclose(found.shaft_far + found.shaft_near, -found.shaft.net, atol=1e-9)
+    far, near = (0.5 * sum(seat) for seat in bearing_seats(design))
+    held = far * found.shaft_far + near * found.shaft_near
+    np.testing.assert_allclose(held[:, 0], -found.shaft.moment[:, 1], atol=1e-9)
+    np.testing.assert_allclose(held[:, 1], found.shaft.moment[:, 0], atol=1e-9)
 
 
 def test_a_pin_clamped_at_both_ends_has_the_moments_of_a_beam() -> None:

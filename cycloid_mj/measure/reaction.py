@@ -1,14 +1,25 @@
-"""What the housing feels: the forces of ring and bearings, and the unbalance of gear and shaft."""
+"""What the housing feels: the forces of ring and bearings, their moments, and the unbalance of gears and shaft."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from cycloid_mj.design import Design
-from cycloid_mj.mechanism.reducer import mechanism
-from cycloid_mj.names import FORCE_X, FORCE_Y, GEAR, HOUSING, OUTPUT, SHAFT, column
+from cycloid_mj.loaded.bearings import Reactions, spatial
+from cycloid_mj.mechanism.reducer import mechanism, phases
+from cycloid_mj.names import CAM, FORCE_X, FORCE_Y, GEAR, HOUSING, OUTPUT, SHAFT, column
+from cycloid_mj.profile import unit
 from cycloid_mj.record import Run
-from cycloid_mj.solid import MassProperties, Solid, gear_solid, mass_properties, moving_masses, pin_solid, shaft_solid
+from cycloid_mj.solid import (
+    MassProperties,
+    Solid,
+    body_solids,
+    crank_stretches,
+    gear_solid,
+    mass_properties,
+    moving_masses,
+    pin_solid,
+)
 from cycloid_mj.types import Array
 
 
@@ -19,11 +30,12 @@ class Unbalance:
     Attributes
     ----------
     bare
-        Static unbalance of gear and cam without a counterweight, the sum of m c [kg m].
+        Static unbalance of gears and cams without a counterweight, the sum of m c [kg m].
     balanced
-        The same with the counterweight [kg m].
+        The same with the counterweight, if there is one [kg m].
     couple
-        Unbalance of the couple with the counterweight, about the gear's middle plane, the sum of m y z [kg m2].
+        Unbalance of the couple as built, about the middle plane of all discs, the sum of m y z [kg m2]; of several
+        discs the size of the sums of m x z and m y z.
     """
 
     bare: float
@@ -46,15 +58,16 @@ class Reaction:
 
 
 def masses(design: Design) -> dict[str, MassProperties]:
-    """Give the mass properties of gear, shaft and what the load is on, under the name of the output."""
-    solids = {GEAR: gear_solid(design), SHAFT: shaft_solid(design)}
+    """Give the mass properties of a gear, the crank and what the load is on, under the name of the output."""
+    solids = {GEAR: gear_solid(design), SHAFT: body_solids(design)[SHAFT]}
     output = moving_masses(design)[HOUSING if design.output.turns_ring else OUTPUT]
     return {**{name: mass_properties(solid) for name, solid in solids.items()}, OUTPUT: output}
 
 
 def weight(design: Design) -> Array:
     """Give the weight of all that moves [N], shape (2,): gear, shaft, output, and pins or sleeves that are bodies."""
-    mass = sum(part.mass for part in masses(design).values())
+    found = masses(design)
+    mass = sum(part.mass for part in found.values()) + (design.gear.discs - 1) * found[GEAR].mass
     if design.ring.has_pin_bodies:
         mass += design.ring.teeth * mass_properties(pin_solid(design)).mass
     return mass * np.array([design.environment.gravity_x, design.environment.gravity_y])
@@ -62,15 +75,26 @@ def weight(design: Design) -> Array:
 
 def unbalance(design: Design) -> Unbalance:
     """Give the unbalance of a design from its solids."""
-    shaft, gear = shaft_solid(design), mass_properties(gear_solid(design))
-    cam = mass_properties(Solid("cam", shaft.prisms[-1:], shaft.density))
-    whole, orbit = mass_properties(shaft), design.gear.eccentricity
-    y, z = whole.centroid[1], whole.centroid[2]
-    return Unbalance(
-        bare=gear.mass * orbit + cam.mass * cam.centroid[1],
-        balanced=gear.mass * orbit + whole.mass * y,
-        couple=float(whole.mass * y * z - whole.inertia[1, 2]),
+    shaft, gear, orbit = body_solids(design)[SHAFT], mass_properties(gear_solid(design)), design.gear.eccentricity
+    whole, discs = mass_properties(shaft), design.gear.discs
+    middle, z = whole.centroid[:2], whole.centroid[2]
+    outward = unit(-np.array(phases(design)))
+    static = gear.mass * orbit * outward.sum(axis=0) + whole.mass * middle
+    couple = gear.mass * orbit * np.array(design.gear.disc_planes) @ outward + (
+        whole.mass * middle * z - whole.inertia[:2, 2]
     )
+    if discs > 1:
+        size = float(np.hypot(*static))
+        return Unbalance(size, size, float(np.hypot(*couple)))
+    cam = mass_properties(Solid(CAM, (crank_stretches(design)[CAM],), shaft.density))
+    return Unbalance(gear.mass * orbit + cam.mass * cam.centroid[1], float(static[1]), float(couple[1]))
+
+
+def of_discs(run: Run, design: Design) -> Reactions:
+    """Give what the discs put on shaft, output and ring in planes of their own, and what their bearings answer with."""
+    crank, teeth, output = (run.forces(kind) for kind in ("cam", design.tooth_pair, "output"))
+    by_disc = (-force.reshape(len(run), design.gear.discs, -1, 2).sum(axis=2) for force in (crank, output, teeth))
+    return spatial(design, *by_disc)
 
 
 def reaction(run: Run, design: Design) -> Reaction:

@@ -15,10 +15,10 @@ from cycloid_mj.comparison.vibration import acceleration
 from cycloid_mj.contact.swing import slowness
 from cycloid_mj.design import Design
 from cycloid_mj.measure.conditions import LOG_RATE
-from cycloid_mj.measure.reaction import masses, reaction, shaft_acceleration, without_counterweight
+from cycloid_mj.measure.reaction import masses, of_discs, reaction, shaft_acceleration, without_counterweight
 from cycloid_mj.measure.trace import RISE, SETTLING, pressed
 from cycloid_mj.mjcf import ReducerModel
-from cycloid_mj.names import GEAR, PEAK_FORCE, SHAFT, column
+from cycloid_mj.names import GEAR, PEAK_FORCE, SHAFT, column, gears, planar_speeds
 from cycloid_mj.record import Run
 from cycloid_mj.run import simulate
 from cycloid_mj.types import Array
@@ -49,7 +49,9 @@ class Sway:
     signals
         Key -> departures from the closed form or the mean: ``gear_centre`` [m/s2], (n, 2), ``output`` [rad/s2],
         (n, 1), ``housing``, ``housing_bare`` (without counterweight) and ``momentum`` [N], (n, 2). The last is the
-        force on the housing by the accelerations of gear and shaft alone, without that of free pins.
+        force on the housing by the accelerations of gears and shaft alone, without that of free pins. Of several discs
+        the centre is the first's, and there are ``shaft_tilting`` and ``output_tilting`` [N m], the moments of the
+        discs' forces about the middle of all, ``shaft_bearing_far`` and ``shaft_bearing_near`` [N], (n, 2).
     orbit
         The rms size of the gear centre's acceleration [m/s2].
     rate
@@ -124,15 +126,18 @@ def sway(design: Design, reducer: ReducerModel, load: str, torque: float, speed:
     run = simulate(design, reducer, pressed(design, reducer))
     step = float(np.mean(np.diff(run.time)))
     of, found = masses(design), acceleration(series(run, settle=settling))
-    orbit = np.diff(run.block(["gear_vx", "gear_vy"]), axis=0) / step
+    orbits = [np.diff(run.block(planar_speeds(gear)[:2]), axis=0) / step for gear in gears(design.gear.discs)]
+    orbit = orbits[0]
     force = reaction(run, design).whole
     taken = {
         "gear_centre": found.centre,
         "output": found.output[:, np.newaxis],
         "housing": force,
         "housing_bare": without_counterweight(run, design, force),
-        "momentum": -of[GEAR].mass * orbit - of[SHAFT].mass * shaft_acceleration(run, of[SHAFT])[1:],
+        "momentum": -of[GEAR].mass * sum(orbits) - of[SHAFT].mass * shaft_acceleration(run, of[SHAFT])[1:],
     }
+    if design.gear.discs > 1:
+        taken |= _tilting(run, design)
     kept = {key: thinned(signal, every, key in ACCELERATIONS) for key, signal in taken.items()}
     first = int(np.searchsorted(run.time[::every], settling))
     rows = slice(first, first + round(turns * 2.0 * np.pi / abs(speed) / (every * step)))
@@ -149,6 +154,17 @@ def sway(design: Design, reducer: ReducerModel, load: str, torque: float, speed:
         mean_force=kept["housing"][rows].mean(axis=0),
         run=_fewer(run, every),
     )
+
+
+def _tilting(run: Run, design: Design) -> dict[str, Array]:
+    """Give what discs in several planes do: moments on shaft and output, forces of the shaft's bearings, (n, 2)."""
+    found = of_discs(run, design)
+    return {
+        "shaft_tilting": found.shaft.moment,
+        "output_tilting": found.output.moment,
+        "shaft_bearing_far": found.shaft_far,
+        "shaft_bearing_near": found.shaft_near,
+    }
 
 
 def _swaying(key: str, signal: Array) -> Array:

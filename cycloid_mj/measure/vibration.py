@@ -32,6 +32,14 @@ _SIGNALS = {
     "housing": ("force on the housing", "N"),
     "housing_bare": ("force on the housing, no counterweight", "N"),
 }
+_OF_PLANES = {
+    "shaft_tilting": ("tilting moment of the discs on the shaft", "N m"),
+    "output_tilting": ("tilting moment of the discs on the output", "N m"),
+    "shaft_bearing_far": ("force of the shaft's bearing far from the discs", "N"),
+    "shaft_bearing_near": ("force of the shaft's bearing near the discs", "N"),
+}
+"""Signals of several discs, which pull in planes of their own."""
+_ALL = _SIGNALS | _OF_PLANES
 
 
 def vibration(
@@ -86,10 +94,11 @@ def vibration(
         condition=" and ".join(f"{one} {torque:.3g} N m" for one, torque in torques.items())
         + f", spectra at {abs(speed) / RPM:.0f} rpm",
         quantities=keyed(_levels(design, at_speed, checks), _unbalance(design, at_speed, checks)),
-        curves=(*_sweep(design, full), *_spectra(at_speed)),
+        curves=(*_sweep(design, full), *_spectra(design, at_speed)),
         assumptions=(
             "bearings and housing are rigid; a bearing's force is what contacts and weight leave of its body's inertia",
             "departures are from the closed form (Eqs 12 and 14) at the measured crank, forces from their mean",
+            *_planes_told(design),
             _band_told(at_speed[0]),
             f"unloaded: a drag of {DRAG:.0%} of the rated torque, which presses the flanks together before the window; "
             "the spectra are at the design's speed",
@@ -100,8 +109,18 @@ def vibration(
             "percent off",
         ),
         runs={f"{one.load}_{abs(one.rpm):.0f}rpm": one.run for one in full},
-        details={"band_hz": 0.5 * at_speed[0].rate, "sweep": [_row(one) for one in full]},
+        details={"band_hz": 0.5 * at_speed[0].rate, "sweep": [_row(design, one) for one in full]},
     )
+
+
+def _signals(design: Design) -> tuple[str, ...]:
+    """Give the keys of what is measured of a design."""
+    return (*_SIGNALS, *(_OF_PLANES if design.gear.discs > 1 else ()))
+
+
+def _shown(design: Design) -> tuple[str, ...]:
+    """Give the keys of what spectra are drawn of."""
+    return (*SHOWN, *(_OF_PLANES if design.gear.discs > 1 else ()))
 
 
 def _levels(design: Design, at_speed: Sequence[Sway], checks: Mapping[str, Sway]) -> Iterator[Quantity]:
@@ -109,15 +128,16 @@ def _levels(design: Design, at_speed: Sequence[Sway], checks: Mapping[str, Sway]
     closed, still = design.gear.eccentricity * design.drive.speed**2, float(np.hypot(*weight(design)))
     for one in at_speed:
         check = checks.get(one.load)
-        for key, (name, unit) in _SIGNALS.items():
+        for key in _signals(design):
+            name, unit = _ALL[key]
             value, error = one.rms(key), _error(one, check, methodcaller("rms", key))
             error = None if error is None else max(error, abs(one.rms_of_half(key) - value))
             reference, source = (one.rms("momentum"), "m a of gear and shaft") if key == "housing" else (None, "")
             note = _NOTE if key == "housing" else ""
             words = f"rms {name} below {5e-4 * one.rate:.3g} kHz, {one.load}"
             yield Quantity(f"{key}_rms_{one.load}", words, value, unit, error, reference, source, note)
-        for key in SHOWN:
-            name, _ = _SIGNALS[key]
+        for key in _shown(design):
+            name, _ = _ALL[key]
             words = f"share of the power of the {name} above {5e-4 * one.rate:.3g} kHz, {one.load}"
             error = _error(one, check, methodcaller("above", key))
             error = None if error is None else 1e2 * error
@@ -147,7 +167,8 @@ def _unbalance(design: Design, at_speed: Sequence[Sway], checks: Mapping[str, Sw
             source="sum of m c omega^2",
         )
     couple = abs(found.couple) * square
-    note = "the counterweight lies beside the gear: the force is balanced, the couple is not"
+    beside = "the counterweight lies beside the gear" if design.gear.discs == 1 else "discs balance each other"
+    note = f"{beside}: the force is balanced, the couple is not"
     yield Quantity("unbalance", "unbalance without counterweight", 1e6 * found.bare, "g mm")
     yield Quantity("couple", "rocking couple with counterweight", couple, "N m", note=note)
 
@@ -168,7 +189,8 @@ def _mean_force(one: Sway) -> float:
 def _sweep(design: Design, found: Sequence[Sway]) -> Iterator[Curve]:
     """Give the levels over speed, with the closed form of the unbalance."""
     bare = unbalance(design).bare
-    for key, (name, unit) in _SIGNALS.items():
+    for key in _signals(design):
+        name, unit = _ALL[key]
         panel = f"rms of the {name}"
         loads = dict.fromkeys(one.load for one in found)
         if key == "housing_bare":
@@ -181,10 +203,10 @@ def _sweep(design: Design, found: Sequence[Sway]) -> Iterator[Curve]:
             yield Curve(panel, load, x, y, _RPM, f"rms [{unit}]", "points" if len(points) == 1 else "line")
 
 
-def _spectra(at_speed: Sequence[Sway]) -> Iterator[Curve]:
+def _spectra(design: Design, at_speed: Sequence[Sway]) -> Iterator[Curve]:
     """Give the spectra at the design's speed: of vectors, the root of both components' squares."""
-    for key in SHOWN:
-        name, unit = _SIGNALS[key]
+    for key in _shown(design):
+        name, unit = _ALL[key]
         for one in at_speed:
             turns_per_second = abs(one.speed) / (2.0 * np.pi)
             axes = [found for axis in one.signals[key].T if (found := tapered_orders(one.crank, axis)) is not None]
@@ -196,6 +218,15 @@ def _spectra(at_speed: Sequence[Sway]) -> Iterator[Curve]:
                 yield Curve(panel, one.load, frequency, size, words, f"amplitude [{unit}]")
 
 
+def _planes_told(design: Design) -> tuple[str, ...]:
+    if design.gear.discs == 1:
+        return ()
+    return (
+        "several discs: the gear's centre is that of gear 1; each disc's forces act in its own plane, tilting moments "
+        "are about the middle of all discs, and the shaft is a beam on its two bearings, without its own unbalance",
+    )
+
+
 def _band_told(one: Sway) -> str:
     return (
         f"accelerations and forces are sampled at {1e-3 * one.sampled_rate:.4g} kHz and filtered before they are kept "
@@ -205,6 +236,6 @@ def _band_told(one: Sway) -> str:
     )
 
 
-def _row(one: Sway) -> dict[str, Any]:
-    levels = {f"{key}_rms": one.rms(key) for key in _SIGNALS}
+def _row(design: Design, one: Sway) -> dict[str, Any]:
+    levels = {f"{key}_rms": one.rms(key) for key in _signals(design)}
     return {"speed_rpm": one.rpm, "load": one.load, "orbit_m_s2": one.orbit, **levels}
