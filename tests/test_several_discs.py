@@ -20,6 +20,8 @@ from cycloid_mj.course import initial_state, load_torque, servo_target
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import UsageError
 from cycloid_mj.kinematics import CrankLaw
+from cycloid_mj.loaded.balance import loads as static_loads
+from cycloid_mj.loaded.springs import springs_of
 from cycloid_mj.measure.reaction import of_discs, unbalance
 from cycloid_mj.mechanism.reducer import phases
 from cycloid_mj.mjcf import build
@@ -40,6 +42,8 @@ from cycloid_mj.stress.grid import GridSettings
 from cycloid_mj.stress.loads import part_loads
 from cycloid_mj.stress.notch import root_arms
 from cycloid_mj.stress.part import part_grid
+from cycloid_mj.structure import wind_up
+from cycloid_mj.types import Array
 
 CASE_K = [
     *("ring.teeth=30", "ring.pin_circle_radius_mm=52.5", "ring.pin_radius_mm=3.5", "ring.pins=fixed"),
@@ -183,6 +187,42 @@ def test_forces_on_output_and_shaft_act_in_the_planes_of_their_discs() -> None:
         pressed = grid.points[force != 0.0, 2]
         np.testing.assert_allclose([pressed.min(), pressed.max()], [plane - 6.75e-3, plane + 6.75e-3], atol=1e-12)
     assert grid.points[:, 2].min() == pytest.approx(-0.015 - 1e-3 - design.output.disc_thickness, abs=1e-12)
+
+
+def shares(run: Run) -> Array:
+    """Share of each disc in the torque on the output, shape (n, D)."""
+    torque = []
+    for gear in names.gears(design_of(run).gear.discs):
+        pins = [f"{gear}_output_pin_{number}" for number in range(1, design_of(run).output.pins + 1)]
+        moments = [run[f"{pin}_moment"] for pin in pins]
+        levers = [run[f"{gear}_x"] * run[f"{pin}_force_y"] - run[f"{gear}_y"] * run[f"{pin}_force_x"] for pin in pins]
+        torque.append(np.sum([*moments, *levers], axis=0))
+    return np.stack(torque, axis=1) / np.sum(torque, axis=0)[:, np.newaxis]
+
+
+@pytest.mark.parametrize("changes", [("output.support=cantilever",), ("errors.disc_dr_um={2=1.0}",)])
+def test_a_slow_run_shares_the_load_as_statics_does(changes: tuple[str, ...]) -> None:
+    """Pins that bend, or a disc that is larger, put unequal loads on two discs: statics has them by another way."""
+    frictionless = [f"friction.{kind}=0" for kind in ("pin_gear", "cam", "cam_rolling", "output", "output_rolling")]
+    slow = ["drive.speed_rpm=300", "drive.ramp_s=0", "drive.hold_s=0.05", "load.rise_s=0.01", "load.torque_nm=116"]
+    logged = ["settings.timestep_us=10", "settings.log_rate_hz=2000"]
+    design = override(PRESETS["twodisc"], [*frictionless, *slow, *logged, *changes])
+    run = simulate(design)
+    assert not run.warnings
+    settled = run.select(run.time > 0.034)
+    found = static_loads(design, springs_of(design, settled["crank_angle"], friction=False), 116.0, follow=True)
+    assert abs(found.share[:, 0] - 0.5).min() > 0.04
+    np.testing.assert_allclose(shares(settled), found.share, atol=5e-4)
+    turn = settled["output_angle"] + settled["crank_angle"] / design.lobes
+    np.testing.assert_allclose(turn, found.output_turn - wind_up(design) * 116.0, atol=1e-3 * turn.mean())
+
+
+def test_pins_that_discs_bend_for_each_other_are_warned_of() -> None:
+    slender = ["output.support=cantilever", "output.rollers=true"]
+    (told,) = build(override(PRESETS["twodisc"], [*slender, "load.torque_nm=116"])).warnings
+    assert "output pins bend: where gear 2 bears" in told
+    rigid = override(PRESETS["twodisc"], [*slender, "structure=rigid"])
+    assert not any("bend" in told for told in build(rigid).warnings)
 
 
 def test_discs_balance_each_other_but_for_couples(run: Run) -> None:

@@ -7,10 +7,14 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, Protocol
 
-from cycloid_mj.contact.law import LEAST_IMPEDANCE, ContactLaw
+import numpy as np
+
+from cycloid_mj.contact.law import LEAST_IMPEDANCE, ContactLaw, pair_stiffness
 from cycloid_mj.contact.timestep import RESOLVED, passing_limit, rolling_limits, timestep
+from cycloid_mj.contact.working import working_force
 from cycloid_mj.design import Design, Friction
 from cycloid_mj.member import against_ring
+from cycloid_mj.structure import pin_flexibility
 
 NOISE = 1e4 * 2.0**-52
 """Least clearance as a share of E. Gaps are right to some ten roundings of E: to a thousandth of it."""
@@ -45,7 +49,7 @@ class Reducer(Protocol):
 def warnings(design: Design, reducer: Reducer) -> tuple[str, ...]:
     """Tell every bad regime of a built design: what, where, and what to change; nothing where there is none."""
     resolved = [text for kind, law in reducer.laws.items() for text in _resolution(design, kind, law)]
-    return (*_rolling(design), *resolved, *_clamped(reducer), *at_rest(design, reducer.laws))
+    return (*_rolling(design), *resolved, *_clamped(reducer), *_bent(design), *at_rest(design, reducer.laws))
 
 
 def at_rest(design: Design, kinds: Iterable[str]) -> tuple[str, ...]:
@@ -134,6 +138,25 @@ def _clamped(reducer: Reducer) -> Iterator[str]:
                 f"{law.added_mass:.3g} to {least:.3g} kg, {least / law.effective_mass:.1%} of what moves on it; "
                 f"heavier parts or fewer contacts (ring.teeth, output.pins) avoid it"
             )
+
+
+def _bent(design: Design) -> Iterator[str]:
+    """Tell of output pins that a disc which bears all bends so far that they meet another disc's hole from behind.
+
+    They do where they bend there by more than the contact of that disc gives way with both clearances; up to that the
+    discs' contacts do not know of each other, and a run leaves it out (docs/decisions/11-bent-output-pins.md).
+    """
+    flexibility, force = pin_flexibility(design), design.gear.discs * working_force(design, "output")
+    gives = flexibility.diagonal() + 1.0 / pair_stiffness(design, "output")
+    surplus = force * (flexibility - gives) - 2.0 * design.clearance.output
+    if surplus.max() > 0.0:
+        other, disc = (1 + int(place) for place in np.unravel_index(int(surplus.argmax()), surplus.shape))
+        yield (
+            f"output pins bend: where gear {disc} bears {force:.3g} N, they reach the holes of gear {other} from behind "
+            f"by {1e6 * surplus.max():.3g} um, which a run leaves out: its shares of discs and its wind-up are not those "
+            'of statics (`measure loads`); stiffen the pins by output.support = "both_ends", output.rollers = false or '
+            "output.core_radius_mm"
+        )
 
 
 def _unused(design: Design) -> Iterator[str]:

@@ -26,7 +26,7 @@ def contact_laws(design: Design, disc: int = 0) -> Laws:
 
     With massless pins the pair of gear and pin is one of gear and housing: both contacts in series, rubbing as easily
     as the easier of the two. An output pin that bends gives way at its disc's plane, in series with its contact; what a
-    disc's force bends it by at another disc's plane is left out (docs/decisions/9-bent-output-pins.md).
+    disc's force bends it by at another disc's plane is left out (docs/decisions/11-bent-output-pins.md).
     """
     laws = {}
     for kind, mass in effective_masses(design).items():
