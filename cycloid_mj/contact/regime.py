@@ -151,10 +151,11 @@ def _bent(design: Design) -> Iterator[str]:
     surplus = force * (flexibility - gives) - 2.0 * design.clearance.output
     if surplus.max() > 0.0:
         other, disc = (1 + int(place) for place in np.unravel_index(int(surplus.argmax()), surplus.shape))
+        reach = 1e6 * surplus.max()
         yield (
-            f"output pins bend: where gear {disc} bears {force:.3g} N, they reach the holes of gear {other} from behind "
-            f"by {1e6 * surplus.max():.3g} um, which a run leaves out: its shares of discs and its wind-up are not those "
-            'of statics (`measure loads`); stiffen the pins by output.support = "both_ends", output.rollers = false or '
+            f"output pins bend: where gear {disc} bears {force:.3g} N, they reach gear {other}'s holes from behind, "
+            f"by {reach:.3g} um. A run leaves that out: its shares of discs and its wind-up are not those of statics "
+            '(`measure loads`); stiffen the pins by output.support = "both_ends", output.rollers = false or '
             "output.core_radius_mm"
         )
 
