@@ -1,19 +1,23 @@
 """Materials by part: the library, the design file, and what follows from both partners of a contact."""
 
 import math
+from dataclasses import replace
 
 import pytest
 from designs import UNLIKE, unlike
 
 from cycloid_mj.checks import check, summary
-from cycloid_mj.checks.summary import material_limits
 from cycloid_mj.contact.law import curvature_law, pair_stiffness
 from cycloid_mj.contact.pressure import hertz_pressure, pair_modulus, pair_strength
-from cycloid_mj.design import PARTNERS, PARTS, PRESETS, Design, dump, loads, override
+from cycloid_mj.design import PARTNERS, PARTS, PRESETS, Design, dump, loads, material_limits, override
 from cycloid_mj.design.materials import DEFAULT, MATERIALS, SOFTEST_METAL
 from cycloid_mj.errors import DesignError
 from cycloid_mj.loaded import loads as carried
 from cycloid_mj.loaded import springs_of
+from cycloid_mj.loaded.sheet import sheet
+from cycloid_mj.measure.measurement import Measurement
+from cycloid_mj.rating.duty import steady
+from cycloid_mj.rating.items import rate
 from cycloid_mj.solid import mass_properties, parts
 from cycloid_mj.stress.region import material_of
 
@@ -153,3 +157,20 @@ def test_stress_takes_each_part_for_what_it_is_made_of() -> None:
     assert material_of(design, "ring").name == "aluminium 6061"
     assert material_of(design, "pin_1").name == "bearing steel"
     assert material_of(design, "gear") == material_of(design, "shaft") == PIN.material
+
+
+def test_limits_of_plastics_stand_beside_the_figures_that_rest_on_them() -> None:
+    printed = PRESETS["printed"]
+    (limit,) = material_limits(printed)
+    assert "Onyx (gear, housing) creeps and holds up to 80 °C" in limit
+    assert material_limits(PIN) == ()
+    assert sheet(printed).assumptions[-1] == limit
+    assert rate(printed, duty_of(printed, 10.0)).assumptions[-1] == limit
+    measured = Measurement("te", printed, {}, assumptions=("one",))
+    assert measured.assumptions == ("one", limit)
+    assert replace(measured, condition="any").assumptions == ("one", limit)
+    assert Measurement("te", PIN, {}, assumptions=("one",)).assumptions == ("one",)
+
+
+def duty_of(design: Design, torque: float):
+    return steady(torque, design.drive.speed)

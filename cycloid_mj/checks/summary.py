@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 from cycloid_mj.checks.rated import rated
 from cycloid_mj.contact.pressure import YIELD_PRESSURE, pair_strength
-from cycloid_mj.design import PARTS, Design, Material
-from cycloid_mj.design.materials import MATERIALS, SOFTEST_METAL
+from cycloid_mj.design import Design, material_limits
 from cycloid_mj.loaded.springs import turn_evenly
 from cycloid_mj.mechanism.limits import stops
 from cycloid_mj.mechanism.reducer import are_one_part
@@ -91,21 +90,6 @@ def summary(design: Design) -> Summary:
         weakest=weakest,
         material_limits=material_limits(design),
     )
-
-
-def material_limits(design: Design) -> tuple[str, ...]:
-    """Tell up to which temperature the plastics of a design may be used, and that they creep; of metals nothing."""
-    made: dict[Material, list[str]] = {}
-    for part in PARTS:
-        made.setdefault(design.material_of(part), []).append(part)
-    found = []
-    for material, parts_of in made.items():
-        entry = MATERIALS.get(material.name)
-        if material.youngs_modulus < SOFTEST_METAL:
-            what = f"{material.name or 'a plastic'} ({', '.join(parts_of)})"
-            hottest = f" and holds up to {entry.hottest:g} °C ({entry.source})" if entry else ""
-            found.append(f"{what} creeps{hottest}: stiffness and strength here are those of a short load at 23 °C")
-    return tuple(found)
 
 
 def _backlash(design: Design) -> float:

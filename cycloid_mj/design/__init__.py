@@ -4,6 +4,7 @@ This room owns every input of the project and is the only place where mm, rpm, d
 """
 
 from cycloid_mj.design.file import declared, dump, load, loads, override, resolve, value_of
+from cycloid_mj.design.lasting import material_limits
 from cycloid_mj.design.model import (
     PARTNERS,
     PARTS,
@@ -64,6 +65,7 @@ __all__ = [
     "dump",
     "load",
     "loads",
+    "material_limits",
     "override",
     "reasons",
     "resolve",

@@ -9,7 +9,7 @@ import numpy as np
 
 from cycloid_mj.contact.pressure import SHAKEDOWN_PRESSURE, YIELD_PRESSURE, pair_strength
 from cycloid_mj.contact.working import working_at, working_forces_told
-from cycloid_mj.design import Design
+from cycloid_mj.design import Design, material_limits
 from cycloid_mj.errors import DesignError, UsageError
 from cycloid_mj.loaded.balance import Loads, Powers, loads, powers
 from cycloid_mj.loaded.bearings import reaction_quantities, reactions
@@ -326,4 +326,5 @@ def _assumptions(design: Design) -> tuple[str, ...]:
         f"forces and losses are over {_angles(design).size} crank angles, the transmission error over "
         f"{PER_MESH_PERIOD} in a mesh period, unloaded under {DRAG:.0%} of the load; the shafts' own bearings are left "
         "out",
+        *material_limits(design),
     )

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from cycloid_mj.design import Design
+from cycloid_mj.design import Design, material_limits
 from cycloid_mj.record import Run
 from cycloid_mj.result import Curve, Quantity, Table
 
@@ -26,7 +26,7 @@ class Measurement:
     tables
         Beside the quantities.
     assumptions
-        What the numbers stand on, a sentence each.
+        What the numbers stand on, a sentence each; the limits of the materials come last by themselves.
     runs
         Name -> underlying run, for the logs.
     details
@@ -44,6 +44,11 @@ class Measurement:
     runs: Mapping[str, Run] = field(default_factory=dict)
     details: Mapping[str, Any] = field(default_factory=dict)
     condition: str = ""
+
+    def __post_init__(self) -> None:
+        """State what time and heat do to the design's materials beside the assumptions, once."""
+        told = dict.fromkeys((*self.assumptions, *material_limits(self.design)))
+        object.__setattr__(self, "assumptions", tuple(told))
 
     def __getitem__(self, key: str) -> float:
         """Give the value of a quantity."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from cycloid_mj.design import Design
+from cycloid_mj.design import Design, material_limits
 from cycloid_mj.errors import DesignError
 from cycloid_mj.rating.bearings import bearings
 from cycloid_mj.rating.duty import Duty, steady
@@ -58,3 +58,4 @@ def _assumptions(design: Design, duty: Duty) -> Iterator[str]:
     yield f"reliability {design.bearing.reliability:.0%} of bearings and of parts (bearing.reliability)"
     yield f"peak torque {duty.peak:.4g} N m{'' if duty.peak_given else ', twice the largest of the duty (--peak-nm)'}"
     yield "pitting has a standard curve for steel alone: other metals and plastics are not rated for it"
+    yield from material_limits(design)
