@@ -13,6 +13,7 @@ from cycloid_mj.checks import Check, check, soundness
 from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.design.units import RPM
 from cycloid_mj.errors import DesignError, UsageError
+from cycloid_mj.mechanism.reducer import are_one_part
 
 Process = Literal["steel", "printed"]
 
@@ -37,7 +38,12 @@ HOLE_SHARE = 0.62
 """Of the room for a hole, between the walls of the gear's web or between its neighbours."""
 
 NARROWEST, WIDEST = 0.2, 1.2
-"""Least and most face width, as shares of the pin circle: a wider gear tilts more than it carries."""
+"""Least and most face width of all discs, as shares of the pin circle: a wider gear tilts more than it carries."""
+
+GAP_SHARE = 0.04
+"""Of a gap between discs in the outer radius: room for the spacer, and little for tilting couples."""
+
+MOST_DISCS = 4
 
 MARGIN = 1.1
 """On the pressures that a check allows."""
@@ -110,23 +116,25 @@ class Sized:
     checks: tuple[Check, ...]
 
 
-def sized(name: str, ratio: int, diameter: float, torque: float, process: Process = "steel") -> Sized:
-    """Give a design of a ratio, an outer diameter [m] and a rated torque on the output [N m].
+def sized(name: str, ratio: int, diameter: float, torque: float, process: Process = "steel", discs: int = 1) -> Sized:
+    """Give a design of a ratio, an outer diameter [m] and a rated torque on the output [N m], with some discs.
 
     Raises
     ------
     UsageError
-        The ratio is out of range, or the torque too large for the diameter.
+        The ratio or the number of discs is out of range, or the torque too large for the diameter.
     DesignError
         No proportions pass the checks.
     """
     if not LEAST_RATIO <= ratio <= MOST_RATIO:
         raise UsageError(f"the ratio is {ratio}; one stage of pins has from {LEAST_RATIO} to {MOST_RATIO}")
+    if not 1 <= discs <= MOST_DISCS:
+        raise UsageError(f"{discs} discs are asked for; a crank has from 1 to {MOST_DISCS}")
     for what, value, unit in (("diameter", 1e3 * diameter, "mm"), ("torque", torque, "N m")):
         if not 0.0 < value < math.inf:
             raise UsageError(f"the {what} is {value:g} {unit}; it must be more than 0")
     for short_width in SHORT_WIDTHS:
-        shape = _shaped(name, ratio, diameter, torque, process, short_width)
+        shape = _shaped(name, ratio, diameter, torque, process, discs, short_width)
         if shape is not None and _sound(shape):
             return _carrying(shape, process, short_width)
     raise DesignError(
@@ -136,7 +144,7 @@ def sized(name: str, ratio: int, diameter: float, torque: float, process: Proces
 
 
 def _shaped(
-    name: str, ratio: int, diameter: float, torque: float, process: Process, short_width: float
+    name: str, ratio: int, diameter: float, torque: float, process: Process, discs: int, short_width: float
 ) -> Design | None:
     """Give the proportions at one K1; nothing where the design's own bounds refuse them."""
     made, teeth, outer = PROCESSES[process], ratio + 1, diameter / 2.0
@@ -147,7 +155,8 @@ def _shaped(
     root = circle - eccentricity - pin - made.clearance
     bore = _rounded(BORE_SHARE * root)
     middle, band = 0.5 * (bore + root), root - bore - 0.02 * circle
-    count = 8 if root > 8.0 * eccentricity else 6
+    counts = (8, 6) if root > 8.0 * eccentricity else (6, 8)
+    count = next((few for few in (*counts, 4, 10, 12) if are_one_part(discs, few, ratio)), counts[0])
     hole = HOLE_SHARE * min(0.5 * band, middle * math.sin(math.pi / count) - 0.005 * circle)
     stud = _rounded(hole - eccentricity)
     if not min(root, stud) > 0.35 * hole > 0.0:
@@ -155,18 +164,27 @@ def _shaped(
     try:
         changed = PRESETS["pin"].but(
             name=name,
-            gear={"eccentricity": eccentricity, "face_width": _rounded(NARROWEST * circle), "bore_radius": bore},
+            structure="springs",
+            gear={
+                "discs": discs,
+                "disc_gap": _rounded(GAP_SHARE * outer),
+                "eccentricity": eccentricity,
+                "face_width": _rounded(NARROWEST * circle / discs),
+                "bore_radius": bore,
+            },
             output={
                 "pins": count,
                 "pin_radius": stud,
                 "pin_circle_radius": _rounded(middle),
                 "hole_radius": stud + eccentricity,
                 "disc_thickness": _rounded(0.15 * outer),
+                "support": "cantilever" if discs == 1 else "both_ends",
             },
             shaft={
                 "radius": _rounded(min(SHAFT_SHARE * bore, 0.9 * (bore - eccentricity))),
                 "counterweight_radius": _rounded(0.7 * circle),
                 "length": _rounded(0.6 * outer),
+                "mounting": "overhang" if discs == 1 else "straddle",
             },
             housing={"outer_radius": outer},
             clearance=dict.fromkeys(("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output"), made.clearance),
@@ -195,7 +213,7 @@ def _carrying(design: Design, process: Process, short_width: float) -> Sized:
         if worst <= 1.0:
             return Sized(design, dict(_reasons(design, process, short_width)), tuple(found.values()))
         width = design.gear.face_width * min(max(worst, 1.02) ** 1.5, 2.0)
-        if width > WIDEST * design.ring.pin_circle_radius:
+        if design.gear.discs * width > WIDEST * design.ring.pin_circle_radius:
             break
         design = design.but(gear={"face_width": _rounded(1.02 * width)})
     raise UsageError(
@@ -225,14 +243,24 @@ def _reasons(design: Design, process: Process, short_width: float) -> Iterator[t
     yield "ring.pin_circle_radius", f"leaves a wall of {WALL:.0%} of the outer radius"
     yield "ring.pin_radius", f"{PIN_SHARE:.0%} of the room between neighbours"
     yield "gear.eccentricity", f"K1 = c N / E = {short_width:g}: the largest tried that the teeth bear"
-    least = design.gear.face_width <= NARROWEST * design.ring.pin_circle_radius
-    enough = f"{NARROWEST:.0%} of the pin circle, more than the pressures ask for"
+    discs = design.gear.discs
+    least = discs * design.gear.face_width <= NARROWEST * design.ring.pin_circle_radius
+    enough = f"{NARROWEST:.0%} of the pin circle for all discs, more than the pressures ask for"
+    yield "structure", "as drives are built: output pins bend, carrier, shaft and housing twist"
+    if discs > 1:
+        one_part = are_one_part(discs, design.output.pins, design.lobes)
+        yield "gear.discs", "as asked for; they balance each other"
+        yield "gear.disc_gap", f"{GAP_SHARE:.0%} of the outer radius"
+        yield "output.pins", "with them all discs are one and the same part" if one_part else "discs differ as parts"
+        yield "output.support", "held at one end, the pins would leave most of the load to the disc next to their root"
+        yield "shaft.mounting", "a bearing on either side of the discs"
     yield "gear.face_width", enough if least else f"keeps pressures and walls {MARGIN - 1.0:.0%} within their limits"
     yield "gear.bore_radius", f"{BORE_SHARE:.0%} of the gear's root"
     yield "output.pin_circle_radius", "the middle of the web between bore and root"
     yield "output.pin_radius", f"its hole takes {HOLE_SHARE:.0%} of the web, or of the room between neighbours"
     yield "output.hole_radius", "output pin + eccentricity"
-    yield "shaft.length", "room for the counterweight that balances the gear, and for two bearings"
+    beside = "for the counterweight that balances the gear, and for two bearings" if discs == 1 else "for a bearing"
+    yield "shaft.length", f"room {beside}"
     yield "housing.outer_radius", "as asked for"
     yield "drive.torque", "the torque asked for, over the ratio"
     yield "drive.speed", "a motor with four poles at 50 Hz"

@@ -9,6 +9,8 @@ from cycloid_mj.cli import main
 from cycloid_mj.design import load, loads
 from cycloid_mj.design.file import dump
 from cycloid_mj.errors import DesignError, UsageError
+from cycloid_mj.loaded.sheet import sheet
+from cycloid_mj.mechanism.reducer import are_one_part
 from cycloid_mj.sizing import MARGIN, Process, sized
 
 CASES = [
@@ -95,3 +97,26 @@ def test_the_command_says_what_is_missing(tmp_path: Path, monkeypatch, capsys, f
     assert main(["design", "new", "mine", *flags]) == 2
     assert message in capsys.readouterr().err
     assert not (tmp_path / "mine.toml").exists()
+
+
+@pytest.mark.parametrize(("ratio", "discs", "process"), [(29, 2, "steel"), (20, 3, "steel"), (15, 2, "printed")])
+def test_several_discs_share_the_width_and_pass_every_check(ratio: int, discs: int, process: Process) -> None:
+    torque, diameter = (20.0, 0.08) if process == "steel" else (1.0, 0.1)
+    found = sized("mine", ratio, diameter, torque, process, discs)
+    assert all(item.passed or item.severity == "warning" for item in found.checks)
+    assert found.design.gear.discs == discs
+    assert found.design.structure == "springs"
+    assert are_one_part(discs, found.design.output.pins, ratio)
+    assert found.design.output.support == "both_ends"
+    assert loads(dump(found.design, found.reasons)).gear == found.design.gear
+    value = sheet(found.design).quantities
+    for disc in range(1, discs + 1):
+        assert value[f"disc_{disc}_share"].value == pytest.approx(1.0 / discs, rel=0.15)
+    if discs == 2:
+        assert found.design.gear.face_width < sized("mine", ratio, diameter, torque, process).design.gear.face_width
+
+
+@pytest.mark.parametrize("discs", [0, 5])
+def test_a_crank_has_one_to_four_discs(discs: int) -> None:
+    with pytest.raises(UsageError, match="a crank has from 1 to 4"):
+        sized("mine", 20, 0.06, 5.0, discs=discs)

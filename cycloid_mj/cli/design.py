@@ -33,8 +33,11 @@ ProcessFlag = Annotated[
     Literal["steel", "printed"], Parameter(help="How a new size is made: materials, clearances, how the pins are held.")
 ]
 
+DiscsFlag = Annotated[int | None, Parameter(help="Discs on the crank of a new size, 1 to 4. Default: 1.")]
+
 EXAMPLES = """Examples:
   cycloid-mj design new mine --ratio 20 --diameter-mm 60 --torque-nm 5
+  cycloid-mj design new pair --ratio 29 --diameter-mm 80 --torque-nm 20 --discs 2
   cycloid-mj design new my --from nonpin
   cycloid-mj design check my.toml --set ring.pin_radius_mm=2
   cycloid-mj design check nonpin --json
@@ -59,6 +62,7 @@ def new(
     diameter_mm: DiameterFlag = None,
     torque_nm: TorqueFlag = None,
     process: ProcessFlag = "steel",
+    discs: DiscsFlag = None,
     set_: SetFlag = (),
 ) -> int:
     """Write NAME.toml, a complete, commented design file to edit; an existing file is left alone.
@@ -85,6 +89,8 @@ def new(
         raise CycloidError(f"{file} exists already: give another NAME, or delete it")
     asked = {"--ratio": ratio, "--diameter-mm": diameter_mm, "--torque-nm": torque_nm}
     if all(value is None for value in asked.values()):
+        if discs is not None:
+            raise UsageError(f"--discs {discs} is for a new size; of another design it is --set gear.discs={discs}")
         source = source or "pin"
         started = designed(source, set_, ()).but(name=stem)
         write_whole({file: dump(started, reasons(source, started)).encode()})
@@ -97,7 +103,7 @@ def new(
         raise UsageError(f"--from {source} starts from a design, --ratio from none: leave one of them out")
     from cycloid_mj.sizing import sized
 
-    found = sized(stem, ratio, 1e-3 * diameter_mm, torque_nm, process)
+    found = sized(stem, ratio, 1e-3 * diameter_mm, torque_nm, process, 1 if discs is None else discs)
     design = override(found.design, set_)
     write_whole({file: dump(design, found.reasons).encode()})
     say(str(file))
