@@ -5,7 +5,7 @@ that says what went wrong; the samples up to then have been given out already.
 """
 
 import math
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import partial
@@ -147,8 +147,15 @@ def contact_of(reducer: ReducerModel) -> Contact:
     return "profile" if reducer.model.nuser_geom else "mesh"
 
 
-def simulate(design: Design, reducer: ReducerModel | None = None, course: Course | None = None) -> Run:
+def simulate(
+    design: Design,
+    reducer: ReducerModel | None = None,
+    course: Course | None = None,
+    progress: Callable[[int, int], None] = lambda done, whole: None,
+) -> Run:
     """Run a design in memory, on a model of its own or on one that is given, over its own course or another.
+
+    `progress` is told the samples that are done, and all that there will be.
 
     Raises
     ------
@@ -162,7 +169,10 @@ def simulate(design: Design, reducer: ReducerModel | None = None, course: Course
     """
     reducer = reducer or build(design)
     groups = columns(reducer, design)
-    run = list(blocks(reducer, design, course))
+    samples, run = schedule(design, reducer.model.opt.timestep).samples, list[Block]()
+    for block in blocks(reducer, design, course):
+        run.append(block)
+        progress(sum(len(one.time) for one in run), samples)
     time = np.concatenate([block.time for block in run])
     units = {name: unit for group in groups.values() for name, unit in group.items()}
     values: dict[str, Array] = {}

@@ -8,7 +8,7 @@ from cycloid_mj import kinematics
 from cycloid_mj.design import Design
 from cycloid_mj.mechanism.reducer import phases
 from cycloid_mj.modification import tooth_profile
-from cycloid_mj.names import HOUSING, OUTPUT, gears
+from cycloid_mj.names import HOUSING, gears
 from cycloid_mj.scene import moved, ring_places
 from cycloid_mj.solid import VISUAL_CHORD_ERROR, Prism, output_centres, parts
 from cycloid_mj.types import Array
@@ -37,7 +37,9 @@ def mechanism_svg(design: Design, crank: float) -> str:
     """
     solids = parts(design, VISUAL_CHORD_ERROR)
     reach = MARGIN * 1e3 * design.housing.outer_radius
-    body = "".join(_shapes(design, solids[HOUSING].prisms[0], [solids[name].prisms[0] for name in gears(design.gear.discs)], crank))
+    body = "".join(
+        _shapes(design, solids[HOUSING].prisms[0], [solids[name].prisms[0] for name in gears(design.gear.discs)], crank)
+    )
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{-reach:.3f} {-reach:.3f} {2 * reach:.3f} {2 * reach:.3f}" '
         f'role="img" aria-label="the mechanism" style="width:100%;height:auto" stroke-width="{reach / 300:.3f}">'

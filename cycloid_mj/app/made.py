@@ -15,7 +15,7 @@ def design_file(design: Design) -> dict[str, bytes]:
 
 def model(design: Design) -> dict[str, bytes]:
     """Give a model folder that any MuJoCo opens, packed."""
-    from cycloid_mj.mjcf import model_files
+    from cycloid_mj.mjcf.folder import model_files
 
     return _packed(f"{design.name}-mjcf", model_files(design))
 

@@ -1,7 +1,9 @@
 """The page itself, by NiceGUI: sliders, the mechanism, checks, figures, and what can be made of the design."""
 
 import asyncio
+import math
 from collections.abc import Callable
+from html import escape
 from typing import Any
 
 from nicegui import app, run, ui
@@ -19,6 +21,9 @@ from cycloid_mj.errors import CycloidError
 WAIT = 0.04
 """Seconds between two redraws while a slider moves."""
 
+START_DEG = 17.0
+"""Crank angle that the page starts with."""
+
 SHAPES = {
     "pin": {"ring.kind": "pin", "gear.discs": 1},
     "nonpin": {"ring.kind": "nonpin", "gear.discs": 1},
@@ -30,7 +35,7 @@ STYLE = """
 body { overflow-x: hidden }
 .knob { display: grid; grid-template-columns: 11rem 1fr 4.5rem; align-items: center; column-gap: .6rem; width: 100% }
 .knob input { text-align: right }
-.told td { padding: .1rem .6rem .1rem 0; vertical-align: top }
+.told { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); column-gap: .8rem; padding: .1rem 0 }
 @media (max-width: 700px) { .knob { grid-template-columns: 8.5rem 1fr 4rem; font-size: .85rem } }
 """
 
@@ -47,31 +52,41 @@ def serve(design: Design, port: int, show: bool) -> None:
     def page() -> None:
         _Page(design, reports)
 
-    ui.run(host="127.0.0.1", port=port, show=show, reload=False, title="cycloid_mj", favicon="⚙", dark=None, show_welcome_message=False)
+    ui.run(
+        host="127.0.0.1",
+        port=port,
+        show=show,
+        reload=False,
+        title="cycloid_mj",
+        favicon="⚙",
+        dark=None,
+        show_welcome_message=False,
+    )
 
 
 class _Page:
     """One window: its design, and the elements that show it."""
 
     def __init__(self, design: Design, reports: dict[str, str]) -> None:
-        self._base, self._reports, self._runner = design, reports, Runner()
+        load = {"torque": design.load.torque or design.rated_torque}
+        self._base, self._reports, self._runner = design.but(load=load), reports, Runner()
         self._values: dict[str, Any] = {}
-        self._design, self._sound, self._crank = design, False, 0.3
+        self._design, self._sound, self._crank = self._base, False, math.radians(START_DEG)
         self._stale, self._working = False, False
         ui.add_css(STYLE)
         with ui.row().classes("w-full items-start gap-4"):
-            with ui.column().classes("w-full md:w-96 gap-1"):
+            with ui.column().classes("w-full md:w-96 gap-1 order-2 md:order-1"):
                 start = "two discs" if design.gear.discs > 1 else design.ring.kind
                 ui.toggle(list(SHAPES), value=start, on_change=lambda event: self._shape(event.value))
                 self._sliders = ui.column().classes("w-full gap-0")
                 with ui.element("div").classes("knob"):
                     ui.label("crank [deg]")
-                    ui.slider(min=0, max=360, value=17).on("update:model-value", self._turn, throttle=WAIT)
-            with ui.column().classes("w-full md:w-1/3"):
+                    ui.slider(min=0, max=360, value=START_DEG).on("update:model-value", self._turn, throttle=WAIT)
+            with ui.column().classes("w-full md:w-1/3 order-1 md:order-2"):
                 self._picture = ui.html("", sanitize=False).classes("w-full").mark("mechanism")
-            with ui.column().classes("w-full md:w-96"):
-                self._figures = ui.html("", sanitize=False).classes("told").mark("figures")
-                self._checks = ui.html("", sanitize=False).classes("told").mark("checks")
+            with ui.column().classes("w-full md:w-96 order-3"):
+                self._figures = ui.html("", sanitize=False).classes("w-full").mark("figures")
+                self._checks = ui.html("", sanitize=False).classes("w-full").mark("checks")
                 self._making()
         self._knobs()
         self._redraw()
@@ -95,7 +110,9 @@ class _Page:
     def _making(self) -> None:
         with ui.row().classes("gap-2"):
             for label, make in FILES.items():
-                ui.button(label, on_click=lambda event, make=make: self._give(event.sender, make)).props("outline dense").mark(label)
+                ui.button(label, on_click=lambda event, make=make: self._give(event.sender, make)).props(
+                    "outline dense"
+                ).mark(label)
         with ui.row().classes("items-center gap-2 w-full"):
             self._run_button = ui.button("Run in MuJoCo", on_click=self._run).props("dense").mark("run")
             self._progress = ui.linear_progress(value=0.0, show_value=False).classes("w-40")
@@ -118,7 +135,7 @@ class _Page:
             self._redraw()
 
     def _turn(self, event: Any) -> None:
-        self._crank = float(event.args) * 3.141592653589793 / 180.0
+        self._crank = math.radians(float(event.args))
         self._draw()
 
     def _redraw(self) -> None:
@@ -147,8 +164,9 @@ class _Page:
             if not self._sound:
                 self._figures.set_content("")
                 continue
-            for make in (static_lines, lambda design: (*static_lines(design), *life_lines(design))):
-                content = await run.io_bound(_solved, make, self._design)
+            content = ""
+            for make in (static_lines, life_lines):
+                content += await run.io_bound(_solved, make, self._design) or ""
                 if self._stale:
                     break
                 self._figures.set_content(content)
@@ -156,7 +174,7 @@ class _Page:
 
     def _refuse(self, text: str) -> None:
         self._sound = False
-        self._checks.set_content(_row("not allowed", text))
+        self._checks.set_content(_row("not allowed", escape(text)))
         self._figures.set_content("")
 
     async def _give(self, button: ui.button, make: Callable[[Design], dict[str, bytes]]) -> None:
@@ -166,7 +184,7 @@ class _Page:
         except CycloidError as error:
             ui.notify(str(error), type="negative", multi_line=True)
         else:
-            for name, content in files.items():
+            for name, content in (files or {}).items():
                 ui.download.content(content, name)
         finally:
             button.enable()
@@ -181,10 +199,10 @@ class _Page:
         try:
             page = await run.io_bound(self._runner.run, self._design)
         except CycloidError as error:
-            self._outcome.set_content(_row("failed", str(error)))
+            self._outcome.set_content(_row("failed", escape(str(error))))
         else:
             number = str(len(self._reports) + 1)
-            self._reports[number] = page
+            self._reports[number] = page or ""
             self._outcome.set_content(f'<a href="/report/{number}" target="_blank">report of the run</a>')
         finally:
             watch.cancel()
@@ -197,16 +215,15 @@ def _solved(make: Callable[[Design], tuple[Line, ...]], design: Design) -> str:
     try:
         lines = make(design)
     except CycloidError as error:
-        return _row("no figures", str(error))
-    condition = next((line.note for line in lines), "")
-    return _row("at", condition) + "".join(_row(line.name, f"<b>{line.value}</b>") for line in lines)
+        return _row("no figures", escape(str(error)))
+    return "".join(_row(line.name, f'<b title="{escape(line.note)}">{escape(line.value)}</b>') for line in lines)
 
 
 def _told_checks(broken: tuple[Check, ...]) -> str:
     if not broken:
         return _row("checks", "all hold")
-    return "".join(_row(f"{one.severity}: {one.name}", str(one).partition(": ")[2]) for one in broken)
+    return "".join(_row(f"{one.severity}: {one.name}", escape(str(one).partition(": ")[2])) for one in broken)
 
 
 def _row(name: str, text: str) -> str:
-    return f"<table><tr><td>{name}</td><td>{text}</td></tr></table>"
+    return f"<div class=told><span>{name}</span><span>{text}</span></div>"

@@ -53,7 +53,8 @@ def static_lines(design: Design) -> tuple[Line, ...]:
     """
     found = sheet(design, design.load.torque or None)
     quantities = [found.quantities[key] for key in KEYS if key in found.quantities]
-    return tuple(Line(KEYS[one.key], _written(one), found.condition) for one in quantities)
+    head = Line("by statics, at", found.condition)
+    return (head, *(Line(KEYS[one.key], _written(one), found.condition) for one in quantities))
 
 
 def life_lines(design: Design) -> tuple[Line, ...]:
@@ -66,7 +67,7 @@ def life_lines(design: Design) -> tuple[Line, ...]:
     """
     rating = rate(design)
     weakest, cam = rating.weakest, rating.items[CAM]
-    lines = [Line(f"weakest: {weakest.name}", _verdict(weakest), weakest.source)]
+    lines = [Line("by rating, at", rating.duty), Line(f"weakest: {weakest.name}", _verdict(weakest), weakest.source)]
     return (*lines, Line(cam.name, _verdict(cam), cam.source)) if weakest.key != CAM else tuple(lines)
 
 
