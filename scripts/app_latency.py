@@ -2,7 +2,7 @@
 
     python scripts/app_latency.py [--design pin] [--moves 40]
 
-Needs Chromium and its driver. Times are the browser's own clock, from the pointer's move to the change on the page.
+Needs Chromium and its driver. Times are the browser's own clock, from the key that moves the slider to the change on the page.
 """
 
 import argparse
@@ -17,12 +17,12 @@ from typing import Any
 
 WATCH = """
 const picture = () => document.querySelector('svg[aria-label]').outerHTML;
-const figures = () => document.body.innerText.match(/by statics[^]*?largest force of the cam[^\\n]*\\n[^\\n]*/)?.[0];
+const figures = () => document.body.innerText.match(/backlash[^]*?largest force of the cam\\s+\\S+/)?.[0];
 window.begin = () => {
   window.moved = window.drawn = window.solved = null;
   window.before = [picture(), figures()];
 };
-document.addEventListener('mousemove', () => { window.moved ??= performance.now() }, true);
+document.addEventListener('keydown', () => { window.moved ??= performance.now() }, true);
 new MutationObserver(() => {
   if (!window.moved) return;
   const now = performance.now();
@@ -35,8 +35,8 @@ new MutationObserver(() => {
 def main() -> int:
     """Serve the page, move a slider again and again, print both times."""
     from selenium import webdriver
-    from selenium.webdriver.common.action_chains import ActionChains
     from selenium.webdriver.common.by import By
+    from selenium.webdriver.common.keys import Keys
 
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--design", default="pin")
@@ -61,15 +61,16 @@ def main() -> int:
         driver = _chromium(webdriver)
         _reach(f"http://127.0.0.1:{port}")
         driver.get(f"http://127.0.0.1:{port}")
-        while "cam bearing" not in driver.execute_script("return document.body.innerText"):
+        for _ in range(300):
+            if "cam bearing" in driver.execute_script("return document.body.innerText"):
+                break
             time.sleep(0.1)
         driver.execute_script(WATCH)
-        slider = driver.find_elements(By.CSS_SELECTOR, ".q-slider")[3]
+        thumb = driver.find_elements(By.CSS_SELECTOR, ".q-slider [tabindex]")[3]
         for move in range(options.moves):
             driver.execute_script("window.begin()")
-            way = 3 if move % 2 else -3
-            ActionChains(driver, duration=0).click_and_hold(slider).move_by_offset(way, 0).release().perform()
-            time.sleep(1.5)
+            thumb.send_keys(Keys.ARROW_LEFT if move % 2 else Keys.ARROW_RIGHT)
+            time.sleep(3.0)
             for key, times in found.items():
                 if taken := driver.execute_script(f"return window.{key} && window.{key} - window.moved"):
                     times.append(taken)
