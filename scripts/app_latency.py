@@ -2,7 +2,7 @@
 
     python scripts/app_latency.py [--design pin] [--moves 40]
 
-Needs Chromium and its driver. Times are the browser's own clock, from the key that moves the slider to the change on the page.
+Needs Chromium and its driver. Times are by the browser's clock: from the key that moves the slider to the new page.
 """
 
 import argparse
