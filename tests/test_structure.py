@@ -47,7 +47,11 @@ def is_private(name: str) -> bool:
 
 def own_names(module: ast.Module) -> set[str]:
     """Every name that a module makes itself: functions, classes, variables, attributes and fields."""
-    made = {node.name for node in ast.walk(module) if isinstance(node, ast.FunctionDef | ast.ClassDef)}
+    made = {
+        node.name
+        for node in ast.walk(module)
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef)
+    }
     for node in ast.walk(module):
         if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
             made.add(node.id)
