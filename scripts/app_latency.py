@@ -17,17 +17,17 @@ from typing import Any
 
 WATCH = """
 const picture = () => document.querySelector('svg[aria-label]').outerHTML;
-const figures = () => document.body.innerText.match(/backlash[^]*?largest force of the cam\\s+\\S+/)?.[0];
+window.figures = () => document.body.innerText.match(/backlash[^]*?largest force of the cam\\s+\\S+/)?.[0];
 window.begin = () => {
   window.moved = window.drawn = window.solved = null;
-  window.before = [picture(), figures()];
+  window.before = [picture(), window.figures()];
 };
 document.addEventListener('keydown', () => { window.moved ??= performance.now() }, true);
 new MutationObserver(() => {
   if (!window.moved) return;
   const now = performance.now();
   if (picture() !== window.before[0]) window.drawn ??= now;
-  if (figures() !== window.before[1] && figures()) window.solved ??= now;
+  if (window.figures() !== window.before[1] && window.figures()) window.solved ??= now;
 }).observe(document.body, {childList: true, subtree: true, characterData: true});
 """
 
@@ -61,11 +61,11 @@ def main() -> int:
         driver = _chromium(webdriver)
         _reach(f"http://127.0.0.1:{port}")
         driver.get(f"http://127.0.0.1:{port}")
+        driver.execute_script(WATCH)
         for _ in range(300):
-            if "cam bearing" in driver.execute_script("return document.body.innerText"):
+            if driver.execute_script("return !!window.figures()"):
                 break
             time.sleep(0.1)
-        driver.execute_script(WATCH)
         thumb = driver.find_elements(By.CSS_SELECTOR, ".q-slider [tabindex]")[3]
         for move in range(options.moves):
             driver.execute_script("window.begin()")
