@@ -177,7 +177,7 @@ def test_loads_are_counted_by_the_crank_against_gear_and_ring() -> None:
     for member, on_lobes, on_pins in (("carrier", 101_211, 98_400), ("ring", 98_400, 95_667)):
         note = rate(PIN.but(output={"member": member})).items["pin_gear_pitting"].note
         assert f"{on_lobes} loads an hour on each lobe" in note
-        assert f"{on_pins} on each ring pin" in note
+        assert f"{on_pins} on each place of the ring" in note
 
 
 def test_harder_steel_than_the_curve_has_is_not_credited() -> None:
@@ -383,6 +383,8 @@ def test_the_command_prints_table_and_json(capsys) -> None:
     assert main(["rate", "--design", "pin", "--life-h", "5000"]) == 0
     printed = capsys.readouterr().out
     assert "weakest: teeth on pins, pitting" in printed
+    assert "\\x" not in printed
+    assert "242500 h" in printed
     assert all(head in printed for head in ("load", "limit", "safety or hours", "formula and source", "assumption"))
     assert main(["rate", "--design", "pin", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)

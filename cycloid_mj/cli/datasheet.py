@@ -15,7 +15,7 @@ OutFlag = Annotated[
     str,
     Parameter(metavar="DIR", help=f"Folder of NAME-datasheet.pdf and .html, which are replaced. Default: {RUNS}."),
 ]
-LifeFlag = Annotated[float, Parameter(help="Hours that the rated torque is for.")]
+LifeFlag = Annotated[float, Parameter(help="Hours that the rated torque is for. Default: 6000.")]
 
 EXAMPLES = """Examples:
   cycloid-mj datasheet --design pin

@@ -23,7 +23,7 @@ DutyFlag = Annotated[
     Path | None,
     Parameter(metavar="DUTY.csv", help="Duty cycle instead: columns torque_nm, speed_rpm, share of the time."),
 ]
-LifeFlag = Annotated[float, Parameter(help="Life that is asked for [h].")]
+LifeFlag = Annotated[float, Parameter(help="Life that is asked for [h]. Default: 10000.")]
 PeakFlag = Annotated[
     float | None, Parameter(help="Torque of an emergency stop [N m]. Default: twice the largest of the duty.")
 ]

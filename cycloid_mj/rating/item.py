@@ -79,7 +79,7 @@ class Item:
 
 def _written(value: float) -> str:
     """Write a number with four digits, large ones without a power of ten."""
-    return f"{value:.4g}" if abs(value) < 1e4 else f"{float(f'{value:.4g}'):,.0f}".replace(",", "\N{NO-BREAK SPACE}")
+    return f"{value:.4g}" if abs(value) < 1e4 else f"{float(f'{value:.4g}'):.0f}"
 
 
 @dataclass(frozen=True)

@@ -74,7 +74,7 @@ def _pitting(design: Design, found: Sequence[Loading], kind: str, pressure: floa
     life = 1.0 / damage if damage else math.inf
     note = (
         f"{hourly:.0f} loads an hour on each lobe and hole, one a turn of the crank against the gear, {on_pins:.0f} "
-        f"on each ring pin; {1e-6 * tensile / BRINELL:.0f} HB by the tensile strength (assumed)"
+        f"on each place of the ring; {1e-6 * tensile / BRINELL:.0f} HB by the tensile strength (assumed)"
     )
     if life * hourly < FEWEST:
         note += "; below 10^4 loads the curve is drawn on"
