@@ -66,7 +66,7 @@ def reduce(
     from cycloid_mj.robot.bam import bam
     from cycloid_mj.robot.measured import reduce as measured
     from cycloid_mj.robot.mjcf import joint_xml, scene_xml
-    from cycloid_mj.robot.study import study, table, tried
+    from cycloid_mj.robot.study import recommended, recommended_table, study, table, tried
     from cycloid_mj.whole import write_whole
 
     if not 0.01 <= timestep_ms <= 10.0:
@@ -86,6 +86,7 @@ def reduce(
             "scene": asked.as_json(),
             "comparison": found.as_json(),
             "te_holds_to_rpm": found.highest_speed_rpm,
+            "recommended": recommended(steps),
             "steps": [one.as_json() for one in steps],
         }
     )
@@ -104,6 +105,7 @@ def reduce(
         return 0
     _print(reducer)
     show(found.table())
+    show(recommended_table(steps))
     show(table(steps))
     say(f"scene: {integrator}, {timestep_ms:g} ms, {inertia:.4g} kg m2 on the output: {asked.words}")
     return 0

@@ -13,10 +13,9 @@ from cycloid_mj.report.tables import Table
 from cycloid_mj.result import Curve
 from cycloid_mj.result import Table as Result
 from cycloid_mj.robot.against import Against
-from cycloid_mj.robot.reducer import LEVELS, Reducer
-from cycloid_mj.robot.study import INERTIAS, Tried, longest
+from cycloid_mj.robot.reducer import Reducer
+from cycloid_mj.robot.study import Tried, recommended_table
 from cycloid_mj.robot.study import table as study_table
-from cycloid_mj.robot.trial import INTEGRATORS
 from cycloid_mj.units import RPM
 
 SCRIPTS = ("scale.js", "chart.js", "joint.js")
@@ -44,7 +43,7 @@ def joint_page(reducer: Reducer, against: Against, steps: Sequence[Tried], asked
             missed=against.missed,
             figures=figures,
             steps=_texts(study_table(tuple(steps))),
-            longest=_longest(tuple(steps)),
+            longest=_texts(recommended_table(tuple(steps))),
             asked=asked,
             dynamics=_dynamics(reducer),
             efficiency=_texts(_efficiency(reducer)),
@@ -98,16 +97,6 @@ def _figure(curves: Sequence[Curve]) -> dict[str, Any]:
         )
     span = [min(float(curve.x.min()) for curve in curves), max(float(curve.x.max()) for curve in curves)]
     return {"title": first.panel, "x_label": first.x_label, "y_label": first.y_label, "span": span, "curves": drawn}
-
-
-def _longest(steps: tuple[Tried, ...]) -> Table:
-    """Give the longest step that is good up to there, for each level, integrator and inertia."""
-    rows = []
-    for level in LEVELS:
-        for integrator in INTEGRATORS:
-            found = (longest(steps, level, integrator, load) for load in INERTIAS)
-            rows.append((f"{level}, {integrator}", *(f"{1e3 * step:g} ms" if step else "none" for step in found)))
-    return Table([("longest good step", *INERTIAS)], rows)
 
 
 def _dynamics(reducer: Reducer) -> Table:

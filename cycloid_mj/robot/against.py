@@ -59,6 +59,9 @@ ANGLE = 0.02
 NOTABLE = 0.1
 """Harmonics are compared that have this share of the largest."""
 
+WAYS = {"forward": 1, "reverse": -1}
+"""Ways of the crank."""
+
 STEPS_IN_A_CYCLE = 20
 """Of the highest harmonic that is compared."""
 
@@ -144,12 +147,13 @@ def against(design: Design, reducer: Reducer) -> Against:
     # at steps of a large part of a crank turn, the transmission error would be noise
     smooth = replace(reducer.at("full"), ripple=Ripple((), (0.0,), *[((),)] * 6))
     lossy, lossy_curves = _efficiencies(design, smooth)
-    turned, turned_curves = _transmission(design, reducer.at("full"))
-    rows = (*slow, *_resonance(reducer.at("backlash"), play), *lossy, *turned)
+    ways = [_transmission(design, reducer.at("full"), name, way) for name, way in WAYS.items()]
+    rows = (*slow, *_resonance(reducer.at("backlash"), play), *lossy, *(row for rows, _ in ways for row in rows))
     bounds = {row.key: POINTS if row.unit == "%" else _bound(row) for row in rows}
     strongest = max(reducer.ripple.orders, key=lambda order: _amplitude(reducer, order), default=1.0)
     resonance = math.sqrt(reducer.stiffness(reducer.rated_torque) / (2.0 * reducer.reflected_inertia))
-    return Against(rows, bounds, (*slow_curves, *lossy_curves, *turned_curves), BELOW * resonance / strongest)
+    curves = (*slow_curves, *lossy_curves, *(curve for _, curves in ways for curve in curves))
+    return Against(rows, bounds, curves, BELOW * resonance / strongest)
 
 
 def _bound(row: Quantity) -> float:
@@ -275,17 +279,17 @@ def _efficiency(reducer: Reducer, share: float, driving: bool) -> float:
     return useful / (useful + taken) if driving else max(0.0, 1.0 - taken / useful)
 
 
-def _transmission(design: Design, reducer: Reducer) -> tuple[list[Quantity], list[Curve]]:
-    """Turn the crank forward under the rated load through a whole turn of the output, as slowly as the steps ask."""
-    own = error(design, 1.0, 1)
+def _transmission(design: Design, reducer: Reducer, name: str, way: int) -> tuple[list[Quantity], list[Curve]]:
+    """Turn the crank under the rated load through a whole turn of the output, as slowly as the steps ask."""
+    own = error(design, 1.0, way)
     fine, _ = waves(own)
     turns = round(reducer.ratio)
     strong = np.flatnonzero(np.abs(fine) >= NOTABLE * np.abs(fine).max())
     count = STEPS_IN_A_CYCLE * int(strong.max())
-    speed = 2.0 * np.pi * turns / (count * QUASI_STATIC)
+    speed = way * 2.0 * np.pi * turns / (count * QUASI_STATIC)
     on = bench(reducer, 1e-3 * reducer.reflected_inertia, QUASI_STATIC)
     on.hold(speed)
-    on.press(-reducer.way * reducer.rated_torque)
+    on.press(-way * reducer.way * reducer.rated_torque)
     for _ in range(STEPS_IN_A_CYCLE):
         on.step()
     angle, length = _followed(on, count)
@@ -294,8 +298,8 @@ def _transmission(design: Design, reducer: Reducer) -> tuple[list[Quantity], lis
     joint = 2.0 * basis @ (length - length.mean()) / count
     rows = [
         Quantity(
-            f"te_{one:.4g}",
-            f"transmission error, order {one:.4g}, at the rated torque",
+            f"te_{name}_{one:.4g}",
+            f"transmission error, order {one:.4g}, {name}, at the rated torque",
             abs(ours) * ARCSECONDS,
             "arcsec",
             None,
@@ -303,7 +307,7 @@ def _transmission(design: Design, reducer: Reducer) -> tuple[list[Quantity], lis
         )
         for one, ours, place in zip(order.tolist(), joint, strong.tolist(), strict=True)
     ]
-    return rows, list(_te_curves(design, own, angle, length))
+    return rows, list(_te_curves(design, own, angle, length, name))
 
 
 def _followed(on: Bench, count: int) -> tuple[Array, Array]:
@@ -315,9 +319,10 @@ def _followed(on: Bench, count: int) -> tuple[Array, Array]:
     return found[:, 0], found[:, 1]
 
 
-def _te_curves(design: Design, own: Array, angle: Array, length: Array) -> Sequence[Curve]:
-    """Draw the first turn of the crank."""
-    panel = f"transmission error under {design.rated_torque:.4g} N m, forward"
+def _te_curves(design: Design, own: Array, angle: Array, length: Array, name: str) -> Sequence[Curve]:
+    """Draw the first turn of the crank after angle 0; what turned back is at the same angles less whole turns."""
+    angle = np.mod(angle, 2.0 * np.pi * design.reduction)
+    panel = f"transmission error under {design.rated_torque:.4g} N m, {name}"
     axes = "crank angle [deg]", "output's error about its mean [arcsec]"
     full = np.degrees(2.0 * np.pi * np.arange(own.size) / own.size * design.reduction)
     first, ours = full <= 360.0, angle <= 2.0 * np.pi

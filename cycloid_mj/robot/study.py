@@ -121,6 +121,33 @@ def longest(found: tuple[Tried, ...], level: Level, integrator: Integrator, load
     return good
 
 
+def recommended(found: tuple[Tried, ...]) -> list[dict[str, Any]]:
+    """Give the longest good step [s] of each integrator at each level: with any inertia, and with each; 0 is none."""
+    return [
+        {
+            "level": level,
+            "integrator": integrator,
+            "timestep_s": min(by_load.values()),
+            "by_load": by_load,
+        }
+        for level in LEVELS
+        for integrator in INTEGRATORS
+        for by_load in [{load: longest(found, level, integrator, load) for load in INERTIAS}]
+    ]
+
+
+def recommended_table(found: tuple[Tried, ...]) -> Table:
+    """Give the same as a table: a row for each level and integrator, a column for each inertia."""
+    rows = [
+        (
+            f"{one['level']}, {one['integrator']}",
+            *(f"{1e3 * step:g} ms" if step else "none" for step in one["by_load"].values()),
+        )
+        for one in recommended(found)
+    ]
+    return Table("Longest good step by inertia on the output", ("level, integrator", *INERTIAS), tuple(rows))
+
+
 def table(found: tuple[Tried, ...]) -> Table:
     """Give the study as a table: a row for each level, integrator and inertia, a column for each step."""
     rows: dict[tuple[str, str, str], list[str]] = {}
