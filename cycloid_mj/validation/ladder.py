@@ -67,6 +67,7 @@ def _parts() -> Iterator[Part]:
     yield Part("published", published.hertz_rows, (0.1, 0.1))
     yield Part("published", published.efficiency_rows, (1.0, 2.0))
     yield Part("published", published.printed_rows, (3.0, 3.0))
+    yield Part("published", published.two_disc_rows, (0.2, 0.5))
     for rows in (lasting.bearing_rows, lasting.fatigue_rows, lasting.shakedown_rows):
         yield Part("published", rows, (0.1, 0.1))
     for kind, cost in ((FIXED, (0.7, 2.0)), (FREE, (2.0, 4.0)), (NONPIN, (1.0, 3.0))):

@@ -1,8 +1,9 @@
-"""Rung 6, published cases: stresses of Krol et al. 2019, the efficiency of Wang, Luo and Su 2016, a printed drive.
+"""Rung 6, published cases: stresses of Krol et al. 2019, the efficiency of Wang, Luo and Su 2016, two built drives.
 
 Wang's formula is held against its printed results and against the simulated reducer with the same proportions and
 friction; where the two differ, the closed form with what the formula leaves out is held against the simulation too.
-The printed drive is the preset ``printed``, whose play on the bench its authors give.
+The printed drive is the preset ``printed``, whose play on the bench its authors give; ``twodisc`` is a drive with two
+discs whose forces were worked out.
 """
 
 import math
@@ -12,6 +13,7 @@ import numpy as np
 
 from cycloid_mj import names, profile, statics
 from cycloid_mj.design import PRESETS, Design
+from cycloid_mj.loaded import loads, springs_of
 from cycloid_mj.loaded.friction import ideal_losses
 from cycloid_mj.mechanism import limits
 from cycloid_mj.mjcf import build
@@ -116,6 +118,37 @@ def printed_rows(quick: bool) -> list[Row]:
         relative(name, math.degrees(simulated), math.degrees(high - low), "deg", "rigid parts: linear programme", 0.5),
         relative(name, math.degrees(drawn), PRINTED_PLAY, "deg", "JelmerV, bench", None, clearances),
     ]
+
+
+KUBAKOS = "kubakos/cycloid-drive-generator, recomputed"
+
+
+def two_disc_rows(quick: bool) -> list[Row]:
+    """Hold the statics of the preset ``twodisc`` against its published calculation, which takes ideal sharing.
+
+    So are contacts here: alike, without clearance and friction, on cams that hold; at a hundredth of the load, at which
+    they keep to where the ideal parts touch.
+    """
+    still = {"gravity_x": 0.0, "gravity_y": 0.0}
+    pairs = ("pin_gear", "cam", "output")
+    design = PRESETS["twodisc"].but(
+        structure="rigid",
+        clearance=dict.fromkeys(pairs, 1e-12),
+        stiffness={"pin_gear": 1e8, "output": 1e8, "cam": 1e12},
+        contact={"stiffness_law": "uniform"},
+        environment=still,
+        drive={"speed": 0.0},
+    )
+    crank = np.linspace(0.0, 2.0 * np.pi, 181 if quick else 721)
+    found = loads(design, springs_of(design, crank, friction=False), design.rated_torque / 100.0)
+    cam = 100.0 * np.linalg.norm(found.cam, axis=-1)
+    values = (
+        ("largest force on a pin", 100.0 * found.teeth.max(), 213.14),
+        ("largest force on an output pin", 100.0 * found.output.max(), 1705.9),
+        ("largest force of a cam", cam.max(), 2460.0),
+        ("least force of a cam", cam.min(), 1967.0),
+    )
+    return [relative(f"{what}, two discs", float(ours), stated, "N", KUBAKOS, 0.5) for what, ours, stated in values]
 
 
 def krol_stresses(case: KrolVariant) -> tuple[float, float, float]:
