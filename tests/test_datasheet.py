@@ -20,8 +20,9 @@ from cycloid_mj.loaded.sheet import sheet as static
 from cycloid_mj.plots.datasheet import datasheet_pages, datasheet_pictures, written
 from cycloid_mj.plots.save import document
 from cycloid_mj.rating import rate
-from cycloid_mj.rating.datasheet import Datasheet, axial_extent, datasheet, input_inertia, life_curve, rated_torque
+from cycloid_mj.rating.datasheet import Datasheet, axial_extent, datasheet, input_inertia, life_curve
 from cycloid_mj.rating.duty import steady
+from cycloid_mj.rating.rated import rated_torque
 from cycloid_mj.report.datasheet import datasheet_page
 from cycloid_mj.result import Quantity
 from cycloid_mj.solid import mass_properties, parts

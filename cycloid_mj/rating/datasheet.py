@@ -1,22 +1,20 @@
 """What a maker's data sheet tells of a reducer, each number with the condition under which it holds."""
 
-import math
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
 
 from cycloid_mj.design import PARTS, Design
-from cycloid_mj.errors import CycloidError, DesignError
+from cycloid_mj.errors import DesignError
 from cycloid_mj.loaded import loads, powers, springs_of
 from cycloid_mj.loaded.sheet import Sheet, sheet
 from cycloid_mj.names import GEAR, HOUSING, OUTPUT, PIN, SHAFT, family
 from cycloid_mj.rating.duty import steady
 from cycloid_mj.rating.item import Item
 from cycloid_mj.rating.items import rate
+from cycloid_mj.rating.rated import STOPS, is_bearing_life, rated_torque
 from cycloid_mj.result import Curve, Quantity
 from cycloid_mj.solid import body_solids, mass_properties
 from cycloid_mj.units import ARCMINUTE, RPM
@@ -24,25 +22,10 @@ from cycloid_mj.units import ARCMINUTE, RPM
 LIFE = 6000.0
 """Hours for which makers of robot reducers state the rated torque."""
 
-LOWEST, HIGHEST = 1e-3, 1e2
-"""Torques between which the rated one is looked for, over that of the drive."""
-
-STRIDE = math.log(2.0)
-"""Step of that search, of the torque's logarithm, until the rated one lies within."""
-
-EXACT = 1e-3
-"""Relative accuracy of the rated torque."""
-
-NO_BALANCE = -100.0
-"""Logarithm of the margin of what is not held at all."""
-
 SPEEDS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0)
 TORQUES = (0.05, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.25)
 TURNS = (0.01, 0.03, 0.1, 0.25, 0.5, 0.75, 1.0)
 """Shares of the rated speed and torque at which curves have their points."""
-
-NOT_STEADY, NOT_COUNTED = "peak_", ("_wear", "_static")
-"""Items that do not decide the rated torque: stops, wear (its coefficient is known to a decade), figures."""
 
 
 @dataclass(frozen=True)
@@ -106,64 +89,12 @@ def datasheet(design: Design, life: float = LIFE) -> Datasheet:
     return Datasheet(design, life, groups, curves, _notes(design, life, static))
 
 
-def rated_torque(
-    design: Design, speed: float, life: float, counts: Callable[[str], bool] | None = None, guess: float = 0.0
-) -> tuple[float, Item]:
-    """Give the torque [N m] that everything bears for a life [h] at a crank's speed [rad/s], and what decides it.
-
-    `counts` tells of an item's key whether it does: by default all but emergency stops and wear. The search begins at
-    a `guess` [N m], by default the drive's torque, and ends a hundred times above and a thousand times below that.
-
-    Raises
-    ------
-    DesignError
-        No torque in that range is borne for so long.
-    """
-    decides, rated = counts or _counts, design.rated_torque
-    found: dict[float, Item] = {}
-
-    def margin(logarithm: float) -> float:
-        """Give the logarithm of the least margin; where the drive holds no such torque, far less than nothing."""
-        try:
-            items = rate(design, steady(math.exp(logarithm), speed), life).items
-        except CycloidError:
-            return NO_BALANCE
-        found[logarithm] = next(item for item in items.values() if decides(item.key))
-        return math.log(max(found[logarithm].margin(life), math.exp(NO_BALANCE)))
-
-    at = math.log(guess or rated)
-    bears = margin(at) > 0.0
-    step = STRIDE if bears else -STRIDE
-    lowest, highest = (math.log(share * rated) for share in (LOWEST, HIGHEST))
-    while (margin(at + step) > 0.0) == bears:
-        at += step
-        if not lowest < at < highest:
-            break
-    else:
-        root = float(brentq(margin, min(at, at + step), max(at, at + step), xtol=EXACT))
-        return math.exp(root), found[min(found, key=lambda one: abs(one - root))]
-    if not bears:
-        raise DesignError(
-            f"{design.name}: no torque down to {math.exp(at):.3g} N m is borne for {life:g} h at {speed / RPM:.4g} "
-            "rpm; rate it to see what fails"
-        )
-    return math.exp(at), found[at]
-
-
-def _counts(key: str) -> bool:
-    return not key.startswith(NOT_STEADY) and not key.endswith(NOT_COUNTED)
-
-
-def _is_bearing_life(key: str) -> bool:
-    return key.startswith(("cam_bearing", "shaft_bearing", "output_rollers")) and not key.endswith("_static")
-
-
 def _ratings(design: Design, life: float, rated: float, weakest: Item) -> tuple[Quantity, ...]:
     speed, way = design.drive.speed, "forwards" if design.output.turns_ring else "backwards"
     at = f"{abs(speed) / RPM:.0f} rpm input"
-    by_bearings, bearing = rated_torque(design, speed, life, _is_bearing_life)
+    by_bearings, bearing = rated_torque(design, speed, life, is_bearing_life)
     nominal, duty = design.rated_torque, steady(design.rated_torque, speed)
-    held = {item: item.safety or 0.0 for item in rate(design, duty).items.values() if item.key.startswith(NOT_STEADY)}
+    held = {item: item.safety or 0.0 for item in rate(design, duty).items.values() if item.key.startswith(STOPS)}
     stop = min(held, key=lambda item: held[item])
     momentary = duty.peak * held[stop]
     return (
