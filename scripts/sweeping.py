@@ -2,7 +2,7 @@
 
 import tempfile
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -61,15 +61,16 @@ def works(many: int, few: int) -> dict[str, Work]:
     }
 
 
-def sweep_table(passes: int, many: int = 1000, few: int = 16) -> dict[str, dict[str, list[float]]]:
+def sweep_table(passes: int, chosen: Mapping[str, Work] | None = None) -> dict[str, dict[str, list[float]]]:
     """Points of a sweep and their way to a worker; ms a point, workers warm.
 
     CPU time of the work; wall time in two processes and on a Dask cluster with two workers; CPU time of its client and
     its scheduler. A line ``512 samples`` is a block of `tolerance`, a piece of work as the others are points.
     """
+    chosen = works(many=1000, few=16) if chosen is None else chosen
     with tempfile.TemporaryDirectory() as folder, Cluster(Path(folder), WORKERS, (ROOT / "scripts",)) as cluster:
         there = Engine(scheduler=cluster.address)
-        return {name: _costs(one, there, cluster.scheduler.pid, passes) for name, one in works(many, few).items()}
+        return {name: _costs(one, there, cluster.scheduler.pid, passes) for name, one in chosen.items()}
 
 
 def _costs(one: Work, there: Engine, scheduler: int, passes: int) -> dict[str, list[float]]:
