@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from cycloid_mj.design import PRESETS, override
-from cycloid_mj.engine import Engine
-from cycloid_mj.errors import DesignError
+from cycloid_mj.engine import Engine, Versions
+from cycloid_mj.engine.packages import require_same
+from cycloid_mj.errors import DesignError, RunError
 from cycloid_mj.explore import sweep, tolerance, tolerances
 
 HERE = Path(__file__).parent
@@ -56,6 +57,17 @@ def test_tolerances_have_the_bits_of_local_ones(cluster: Cluster, monkeypatch: p
     here, there = (tolerance(design, 40, 1, engine=engine) for engine in (Engine(1), Engine(scheduler=cluster.address)))
     assert all(np.array_equal(values, there.figures[key]) for key, values in here.figures.items())
     assert here.budget == there.budget
+
+
+def test_workers_of_other_versions_are_refused(cluster: Cluster, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As if every worker had another numba."""
+
+    def compared(theirs: Versions, whose: str) -> None:
+        require_same((*theirs[:-1], ("numba", "0.1")), whose)
+
+    monkeypatch.setattr("cycloid_mj.engine.cluster.require_same", compared)
+    with pytest.raises(RunError, match=r"the worker tcp://.*: numba is 0\.1 there and .* here"):
+        Engine(scheduler=cluster.address).each(fail, [1])
 
 
 def test_an_error_on_a_cluster_ends_the_work(cluster: Cluster) -> None:

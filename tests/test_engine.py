@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from cycloid_mj.engine import Engine, versions
-from cycloid_mj.engine.versions import require_same
+from cycloid_mj.engine.packages import require_same
 from cycloid_mj.errors import DesignError, RunError, UsageError
 
 

@@ -119,15 +119,12 @@ def sweep(
     """
     from cycloid_mj.cli.outfile import folder
     from cycloid_mj.cli.progress import counted
-    from cycloid_mj.explore.measured import Options, require_measures
     from cycloid_mj.explore.ranks import shown
-    from cycloid_mj.explore.row import Task
-    from cycloid_mj.explore.sweeps import in_folder
+    from cycloid_mj.explore.sweeps import in_folder, task_of
 
     wanted = _points(vary, table, sample, points, seed)
-    names = require_measures(name.strip() for words in measure for name in words.split(","))
     engine = where.engine()
-    task = Task(chosen.resolved(), wanted.keys, names, Options(quick, real_pins or "ring.pins" in wanted.keys))
+    task = task_of(chosen.resolved(), wanted, measure, quick, real_pins)
     into = folder(out, "the sweep")
     if not os.access(into, os.W_OK | os.X_OK):
         raise CycloidError(f"cannot write the sweep to {out}: no permission; choose another folder with --out")

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from itertools import islice
 from typing import Any, TypeVar
 
-from cycloid_mj.engine.versions import Versions, require_same, versions
+from cycloid_mj.engine.packages import Versions, require_same, versions
 from cycloid_mj.errors import CycloidError, RunError, UsageError
 
 T = TypeVar("T")

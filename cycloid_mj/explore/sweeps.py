@@ -31,7 +31,6 @@ SECONDS_BETWEEN_TABLES = 10.0
 MOST_SHARE_OF_TABLES = 20.0
 """Times as long as a writing of the table took, before the next one: large tables cost little then, too."""
 
-OPTIONS = Options()
 PROCESSES = Engine()
 """All cores of this machine."""
 
@@ -106,7 +105,8 @@ def sweep(
     sample: Method | None = None,
     points: int = 0,
     seed: int = 0,
-    options: Options = OPTIONS,
+    quick: bool = False,
+    real_pins: bool = False,
     out: str | Path | None = None,
     engine: Engine = PROCESSES,
     progress: Progress = silent,
@@ -125,8 +125,10 @@ def sweep(
         The points themselves, in place of `vary`: rows of key -> value.
     sample, points, seed
         Draw so many points from the ranges: ``sobol``, ``lhs`` or ``random``. Without `sample`: the whole grid.
-    options
-        How measures are taken.
+    quick
+        Whether measures take fewer angles and runs, as by their own option of that name.
+    real_pins
+        Whether loaded runs of `simulate` keep the inertia of moving pins, as they do where ``ring.pins`` is varied.
     out
         Folder for the rows as they come; a sweep that was stopped goes on there. None: nothing is written.
     engine
@@ -148,13 +150,24 @@ def sweep(
         The engine's workers are lost, or of other versions.
     """
     where = chosen(vary, table, sample, points, seed)
-    names = require_measures(measure.split(",") if isinstance(measure, str) else measure)
-    task = Task(design, where.keys, names, options)
+    task = task_of(design, where, [measure] if isinstance(measure, str) else measure, quick, real_pins)
     if out is None:
         rows: dict[int, Row] = {}
         _fill(task, where, rows, rows.__setitem__, engine, progress)
         return Sweep(task, where, rows)
     return in_folder(task, where, _made(Path(out)), engine, progress)
+
+
+def task_of(design: Design, points: Points, measures: Iterable[str], quick: bool, real_pins: bool) -> Task:
+    """Give what is done at each point; measures are named one by one or as ``a,b``.
+
+    Raises
+    ------
+    UsageError
+        There is no such measure.
+    """
+    names = require_measures(name.strip() for words in measures for name in words.split(","))
+    return Task(design, points.keys, names, Options(quick, real_pins or "ring.pins" in points.keys))
 
 
 def in_folder(task: Task, points: Points, into: Path, engine: Engine, progress: Progress) -> Sweep:
