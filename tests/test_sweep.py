@@ -426,7 +426,7 @@ def test_every_point_failed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
 
 def test_ctrl_c_and_kill_leave_what_was_done(tmp_path: Path) -> None:
     """Ended twice, then resumed: the table of a sweep that nothing disturbed."""
-    disturbed_twice(tmp_path, ["--vary", "clearance.cam_um=1:3:400", "--measure", "mass", "--workers", "1"], 400)
+    disturbed_twice(tmp_path, ["--vary", "clearance.cam_um=1:3:250", "--measure", "mass", "--workers", "1"], 250)
 
 
 @pytest.mark.slow
