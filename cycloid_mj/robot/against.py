@@ -150,10 +150,9 @@ def against(design: Design, reducer: Reducer) -> Against:
     ways = [_transmission(design, reducer.at("full"), name, way) for name, way in WAYS.items()]
     rows = (*slow, *_resonance(reducer.at("backlash"), play), *lossy, *(row for rows, _ in ways for row in rows))
     bounds = {row.key: POINTS if row.unit == "%" else _bound(row) for row in rows}
-    strongest = max(reducer.ripple.orders, key=lambda order: _amplitude(reducer, order), default=1.0)
     resonance = math.sqrt(reducer.stiffness(reducer.rated_torque) / (2.0 * reducer.reflected_inertia))
     curves = (*slow_curves, *lossy_curves, *(curve for _, curves in ways for curve in curves))
-    return Against(rows, bounds, curves, BELOW * resonance / strongest)
+    return Against(rows, bounds, curves, BELOW * resonance / _strongest(reducer.ripple))
 
 
 def _bound(row: Quantity) -> float:
@@ -161,10 +160,11 @@ def _bound(row: Quantity) -> float:
     return BOUNDS[key] * abs(row.reference or 0.0)
 
 
-def _amplitude(reducer: Reducer, order: float) -> float:
-    ripple = reducer.ripple
-    place = ripple.orders.index(order)
-    return max(float(np.hypot(ripple.high_cos[-1][place], ripple.high_sin[-1][place])), 0.0)
+def _strongest(ripple: Ripple) -> float:
+    """Give the order of the largest harmonic at the upper stop under the largest load; 1 where there is none."""
+    if not ripple.orders:
+        return 1.0
+    return ripple.orders[int(np.argmax(np.hypot(ripple.high_cos[-1], ripple.high_sin[-1])))]
 
 
 def _loop(reducer: Reducer, play: Play) -> tuple[list[Quantity], list[Curve]]:
