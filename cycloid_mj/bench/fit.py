@@ -30,8 +30,11 @@ OUTLIER = 0.03
 FAILED = 1.0
 """Residual of every point where the model has no balance."""
 
-STEP = 0.02
-"""Step of differences, as a share of a parameter's scale."""
+STEP, WIDE = 0.1, 0.5
+"""Steps of differences, as shares of a parameter's scale: of the search, and of the slopes behind the intervals.
+
+Each contact that comes or goes is an edge; a step over several of them sees how the loop answers as a whole.
+"""
 
 STEPS = 30
 """Most steps of the search."""
@@ -181,6 +184,13 @@ def fit(
             columns.append((residuals(moved) - here) / step)
         return np.stack(columns, axis=1)
 
+    def wide(scaled: Array, place: int) -> Array:
+        ends = np.stack([scaled, scaled])
+        ends[:, place] = np.clip(
+            scaled[place] + WIDE * np.array([-1.0, 1.0]), (low / scale)[place], (high / scale)[place]
+        )
+        return (residuals(ends[1]) - residuals(ends[0])) / (ends[1, place] - ends[0, place])
+
     place, cost = np.clip(first, low + margin, high - margin) / scale, np.inf
     for _ in range(SEARCHES):
         # where contacts come and go the sum of squares has edges, at which a search gives up: the next starts anew
@@ -203,7 +213,7 @@ def fit(
     parts = _residuals(model, parameters, loops, bench, values)
     if all(np.all(part == FAILED) for part in parts):
         raise RunError("no model of the loop has a static balance near the design: is its friction too large?")
-    jacobian = slopes(found.x) / scale
+    jacobian = np.stack([wide(found.x, place) for place in range(len(scale))], axis=1) / scale
     free = (values > low + 1e-3 * scale) & (values < high - 1e-3 * scale)
     covariance, freedom = _covariance(jacobian, parts, free, scale)
     return Fitted(model, tuple(parameters), bench, tuple(loops), values, tuple(parts), jacobian, covariance, freedom)
