@@ -1,5 +1,6 @@
 """The designs with a name: their checks pass, their energy balances, and the printed drive is the published one."""
 
+import json
 import math
 
 import pytest
@@ -7,6 +8,7 @@ from designs import unlike
 
 from cycloid_mj.analysis import Findings, analyze
 from cycloid_mj.checks import check, summary
+from cycloid_mj.cli import main
 from cycloid_mj.comparison.forces import forces
 from cycloid_mj.comparison.measures import settled
 from cycloid_mj.contact.timestep import timestep
@@ -110,3 +112,28 @@ def test_rollers_roll_on_a_core_that_is_given() -> None:
     assert PRINTED.but(output={"rollers": False}).friction_of("output") == PRINTED.friction.output
     lost = [powers(one, 10.0).losses["output"] for one in (PRINTED, rim)]
     assert lost[0] == pytest.approx(lost[1] * 2.5 / 4.5, rel=0.02)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("member", ["carrier", "ring"])
+def test_the_printed_drive_goes_through_the_commands(member: str, tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    chosen = ["--set", f"output.member={member}"]
+    quick = [*chosen, "--ramp-s", "0", "--hold-s", "0.75"]
+    for line in (
+        ["design", "check", "printed", *chosen],
+        ["design", "new", "mine", "--from", "printed", *chosen],
+        ["kinematics", "--design", "mine.toml", "--until-s", "0.1", "--csv", "q.csv"],
+        ["simulate", "--design", "printed", *quick, "--out", "runs", "--quiet"],
+        ["analyze", "runs/printed.mcap"],
+        ["plot", "runs/printed.mcap"],
+        ["report", "runs/printed.mcap"],
+        ["export", "--design", "mine.toml", "--format", "dxf", "--out", "parts"],
+    ):
+        assert main(line) == 0, line
+    capsys.readouterr()
+    assert main(["statics", "--design", "mine.toml", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)["quantities"]
+    share = 13.0 / 14.0 if member == "ring" else 1.0
+    assert found["backlash"]["value"] == pytest.approx(60.0 * PLAY * share, rel=0.01)
+    assert load(tmp_path / "mine.toml").reduction == (14 if member == "ring" else 13)

@@ -20,7 +20,7 @@ from cycloid_mj.loaded.springs import Springs, springs_of
 from cycloid_mj.mechanism import kernel
 from cycloid_mj.mechanism.gaps import cam_places
 from cycloid_mj.mechanism.kernel import BALANCED, FIGURES, Effects, Made, balance_samples
-from cycloid_mj.member import share
+from cycloid_mj.member import share, turns_of_crank
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.structure import wind_up
 from cycloid_mj.types import Array, Integers
@@ -165,7 +165,7 @@ def solve_samples(
         On the output [N m], in the sense of `member.share`, not 0. Between a small one and its opposite lies the
         backlash.
     angles
-        Crank angles, evenly in a turn.
+        Crank angles, evenly in a turn from the ring.
     threads
         To share the work.
     friction
@@ -176,7 +176,7 @@ def solve_samples(
     The figures under each torque. A sample without a balance, as where errors jam the parts, has none.
     """
     bare = design.model_copy(update={"errors": Errors(), "modification": Modification()})
-    crank = np.linspace(0.0, 2.0 * np.pi, angles, endpoint=False)
+    crank = turns_of_crank(design, np.linspace(0.0, 2.0 * np.pi, angles, endpoint=False))
     springs = springs_of(bare, crank, friction)
     orders = np.flatnonzero(np.any(samples.waves != 0.0, axis=(0, 2))) + 1
     effects, made, of = _effects(bare, springs, orders), _made(bare, springs, samples, orders), share(design)
