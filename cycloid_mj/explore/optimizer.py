@@ -210,7 +210,8 @@ class _Work:
         todo = [points[place - first] for place in missing]
         for item, row in engine.stream(partial(evaluated, self._task), todo, _lost):
             self._rows.add(missing[item], row)
-            self._progress(min(len(self._rows.found), self._whole), self._whole)
+            if len(self._rows.found) <= self._whole:  # the last generation may go beyond
+                self._progress(len(self._rows.found), self._whole)
         rows = [self._rows.found[place] for place in range(first, self._count)]
         self._slow = max(row.cpu for row in rows) > FAST
         return rows
