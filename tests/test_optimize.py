@@ -186,10 +186,10 @@ def test_strict_takes_warnings_for_refusals() -> None:
 def test_other_designs(name: str) -> None:
     design = unlike(name)
     c = value_of(design, "gear.eccentricity_mm")
+    vary = {"gear.eccentricity_mm": (0.8 * c, 1.05 * c)}
     found = optimize(
-        design, {"gear.eccentricity_mm": (0.8 * c, 1.05 * c)}, "mass_kg", ["least_convex_radius_mm"], evaluations=7, starts=1,
-        verify=False, engine=HERE,
-    )  # fmt: skip
+        design, vary, "mass_kg", "least_convex_radius_mm", evaluations=7, starts=1, verify=False, engine=HERE
+    )
     assert found.best is not None
     assert all(np.isfinite(list(found.figures(place).values())).all() for place in found.front)
     json.dumps(found.as_json())
