@@ -139,6 +139,14 @@ def test_an_odd_number_leaves_a_net_force(teeth: int, pins: int, left: tuple[flo
         assert largest[1] == pytest.approx(691.0, rel=0.01)
 
 
+def test_an_output_pin_is_loaded_by_one_disc_at_a_time_but_at_handover() -> None:
+    found = carried(two(ideal(PRESETS["pin"])), 3.6, np.linspace(0.0, 2.0 * np.pi, 1441))
+    pressed = found.by_disc(found.output) > 1e-3 * found.output.max()
+    both = pressed.all(axis=1)
+    assert both.mean() < 0.01
+    assert pressed.mean() == pytest.approx(0.5, abs=0.02)
+
+
 def test_bearings_balance_forces_and_moments() -> None:
     """The shaft hangs in two bearings: what they hold is opposite to the discs' forces and to their moments."""
     design = two(ideal(PRESETS["pin"], ring={"teeth": 37}, output={"pins": 7, "support": "both_ends"}))
