@@ -1,4 +1,4 @@
-"""Make the folders models/pin and models/nonpin with their READMEs, byte for byte.
+"""Make the folders models/pin, models/nonpin and models/twodisc with their READMEs, byte for byte.
 
 With --pictures, the pictures are rendered, too (OpenGL off-screen is needed; their bytes depend on the machine). What
 the READMEs tell of other methods is measured by scripts/measure_models.py.
@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from cycloid_mj.contact.working import at_rated_load, working_force
+from cycloid_mj.convex import ConvexSettings
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.mjcf.folder import MANIFEST, SCENE, model_files, write_folder
 
@@ -17,6 +18,10 @@ MODELS = Path(__file__).parent.parent / "models"
 README = Path(__file__).with_name("model_readme.md")
 OVERVIEW = Path(__file__).with_name("models_readme.md")
 PLAIN, AGREEMENT, FREE = "plain_coacd.json", "agreement.json", "free_running.json"
+TWO_DISCS = Path(__file__).with_name("model_twodisc_readme.md")
+COARSE = ConvexSettings(chord_error=1e-6)
+"""Of models/twodisc: half as many slices for each of its discs."""
+
 STEP = "settings.timestep_us=5.0"
 """At half of it, means of transmission error, torque and cam force differ by less than 1 %."""
 
@@ -28,6 +33,31 @@ MODELLED = ("pin", "nonpin")
 def designs() -> dict[str, Design]:
     """Give the designs that models are made of."""
     return {name: override(PRESETS[name], [STEP]) for name in MODELLED}
+
+
+def two_discs() -> Design:
+    """Give the design of models/twodisc."""
+    return override(PRESETS["twodisc"], [STEP])
+
+
+def two_disc_files() -> dict[str, bytes]:
+    """Give every file of models/twodisc, with its README."""
+    made = model_files(two_discs(), COARSE)
+    manifest = json.loads(made[MANIFEST])
+    rows = [
+        f"| {name} | {found['parts']} | {found['max_overfill_um']:.3g} | {found['max_underfill_um']:.3g} |"
+        for name, found in manifest["surfaces"].items()
+    ]
+    text = TWO_DISCS.read_text(encoding="utf-8").format(
+        rows="\n".join(rows),
+        spacing=1e3 * two_discs().gear.disc_spacing,
+        chord=1e6 * COARSE.chord_error,
+        finer=1e6 * ConvexSettings().chord_error,
+        geoms=manifest["geoms"],
+        step=1e6 * manifest["timestep_s"],
+        mujoco=manifest["versions"]["mujoco"],
+    )
+    return {**made, "README.md": text.encode()}
 
 
 def files(name: str, design: Design, plain: dict[str, dict[str, Any]]) -> dict[str, bytes]:
@@ -152,6 +182,16 @@ def render(folder: Path) -> None:
     Image.fromarray(np.hstack(views)).save(folder / "picture.png", optimize=True)
 
 
+def written(name: str, made: dict[str, bytes]) -> Path:
+    """Write a model's folder, without what it had before."""
+    folder = MODELS / name
+    folder.mkdir(exist_ok=True)
+    for stale in {str(path.relative_to(folder)) for path in folder.glob("assets/*")} - set(made):
+        (folder / stale).unlink()
+    write_folder(made, folder)
+    return folder
+
+
 def main(arguments: list[str]) -> int:
     """Make both folders and the README above them."""
     if set(arguments) - {"--pictures"}:
@@ -159,13 +199,10 @@ def main(arguments: list[str]) -> int:
         return 2
     plain = measured(PLAIN)
     manifests = {}
+    print(written("twodisc", two_disc_files()))
     for name, design in designs().items():
-        folder = MODELS / name
-        folder.mkdir(exist_ok=True)
         made = files(name, design, plain)
-        for stale in {str(path.relative_to(folder)) for path in folder.glob("assets/*")} - set(made):
-            (folder / stale).unlink()
-        write_folder(made, folder)
+        folder = written(name, made)
         manifests[name] = json.loads(made[MANIFEST])
         if "--pictures" in arguments:
             render(folder)

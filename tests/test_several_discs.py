@@ -3,6 +3,7 @@
 import io
 import math
 from collections import Counter
+from pathlib import Path
 from typing import Any
 
 import mujoco
@@ -15,7 +16,7 @@ from scipy.spatial import cKDTree
 from cycloid_mj import names
 from cycloid_mj.analysis import analyze, series
 from cycloid_mj.analysis.series import design_of
-from cycloid_mj.convex import ConvexSettings
+from cycloid_mj.convex import ConvexSettings, decompose, sectors
 from cycloid_mj.course import initial_state, load_torque, servo_target
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import UsageError
@@ -37,6 +38,7 @@ from cycloid_mj.scene.messages import Scene
 from cycloid_mj.scene.shape import shapes
 from cycloid_mj.solid import gear_solid, mass_properties
 from cycloid_mj.solid.output import AXIAL_GAP
+from cycloid_mj.solid.polygon import area_moments
 from cycloid_mj.solid.shaft import bearing_seats
 from cycloid_mj.stress.grid import GridSettings
 from cycloid_mj.stress.loads import part_loads
@@ -44,6 +46,8 @@ from cycloid_mj.stress.notch import root_arms
 from cycloid_mj.stress.part import part_grid
 from cycloid_mj.structure import wind_up
 from cycloid_mj.types import Array
+
+MODELS = Path(__file__).parent.parent / "models"
 
 CASE_K = [
     *("ring.teeth=30", "ring.pin_circle_radius_mm=52.5", "ring.pin_radius_mm=3.5", "ring.pins=fixed"),
@@ -282,3 +286,33 @@ def test_an_animation_follows_the_disc_that_is_asked_for(run: Run) -> None:
     assert np.any(first != second)
     with pytest.raises(UsageError, match="no gear 3: give 1 to 2"):
         take(run, disc=2)
+
+
+def test_the_committed_model_of_two_discs_runs_in_stock_mujoco() -> None:
+    """It opens without this package, has both discs with their cams and spacer, and turns them alike."""
+    model = mujoco.MjModel.from_xml_path(str(MODELS / "twodisc" / "scene.xml"))
+    assert {"cam_1", "cam_2", "spacer", "gear_1", "gear_2"} <= {model.mesh(i).name for i in range(model.nmesh)}
+    assert model.body("gear_2").pos[2] - model.body("gear_1").pos[2] == pytest.approx(16.5e-3, rel=1e-9)
+    assert sum(model.body(part).mass[0] for part in ("shaft", "gear_1", "gear_2", "output")) > 1.0
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("600rpm_0").id)
+    assert data.ncon == 0
+    speeds = []
+    for _ in range(200):
+        mujoco.mj_step(model, data)
+        speeds.append([data.sensor(f"gear_{disc}_speed").data[0] for disc in (1, 2)])
+    assert not any(warning.number for warning in data.warning)
+    np.testing.assert_allclose(np.mean(speeds, axis=0), -20.0 * np.pi / 29.0, rtol=0.05)
+
+
+def test_a_ring_of_a_second_output_disc_is_cut_in_wedges() -> None:
+    """Its wide eye is round: all wedges are the ring, and the convex pieces of one stay within its bound."""
+    found = [one for one in sectors(PRESETS["twodisc"], ConvexSettings()) if one.part == "output"]
+    disc, wedge = found
+    assert disc.count == 1
+    area = wedge.count * area_moments(wedge.region.outline).area
+    rim, eye = 34e-3 + 9e-3, 19e-3 + 1.250025e-3
+    assert area == pytest.approx(np.pi * (rim**2 - eye**2), rel=1e-3)
+    pieces = decompose(wedge, ConvexSettings())
+    assert pieces.quality.max_overfill < wedge.bound
+    assert wedge.region.z1 < -15e-3

@@ -1,7 +1,7 @@
 """What is left of each part behind its working surfaces, by sectors: CoACD cuts one sector, and it serves for all."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,6 +19,9 @@ from cycloid_mj.profile import unit
 from cycloid_mj.solid import Mesh, Prism, circle, mesh, output_solid, stretches
 from cycloid_mj.solid.polygon import arc
 from cycloid_mj.types import Array
+
+CUTS = 4
+"""How often a sector is cut, each time with half the threshold, until its pieces are within its bound."""
 
 
 @dataclass(frozen=True)
@@ -52,20 +55,31 @@ def sectors(design: Design, settings: ConvexSettings) -> tuple[Sector, ...]:
     crank = {name: region for name, region in stretches(design, error).items() if family(name) != SPACER}
     shaft = [Sector("shaft", region, bound) for region in crank.values()]
     disc, *others = output_solid(design, error).prisms
-    output = [Sector("output", plate, bound) for plate in (disc, *others[design.output.pins :])]
+    output = [Sector("output", disc, bound)]
+    for plate in others[design.output.pins :]:
+        eye, rim = (float(np.linalg.norm(ring, axis=1).max()) for ring in (plate.holes[0], plate.outline))
+        # so narrow that its inner arc is as good as straight
+        count = math.ceil(math.pi / math.acos(max(1.0 - 0.5 * bound / eye, 0.0)))
+        wedge = Prism(_wedge(eye, rim, math.pi / count, error), (), plate.z0, plate.z1)
+        output.append(Sector("output", wedge, bound, count))
     return (*_gear(design, settings), _housing(design, settings), *shaft, *output)
 
 
 def decompose(sector: Sector, settings: ConvexSettings) -> Rest:
-    """Give the convex pieces of a sector by CoACD, and measure them.
+    """Give the convex pieces of a sector by CoACD, and measure them; pieces that leave it too far are cut finer.
 
     Raises
     ------
     DesignError
         They leave the sector by more than its bound.
     """
-    pieces = coacd_pieces(mesh(sector.region), settings.coacd)
-    found = pieces_quality(sector.region, pieces, *wall_samples(sector.region))
+    shape, walls, coacd = mesh(sector.region), wall_samples(sector.region), settings.coacd
+    for _ in range(CUTS):
+        pieces = coacd_pieces(shape, coacd)
+        found = pieces_quality(sector.region, pieces, *walls)
+        if found.max_overfill <= sector.bound:
+            break
+        coacd = replace(coacd, threshold=0.5 * coacd.threshold)
     require_within(sector.part, found, sector.bound, sector.bound)
     return Rest(sector, pieces, found)
 
