@@ -158,6 +158,7 @@ def test_a_design_that_cannot_be_built_still_names_its_figures() -> None:
     broken = override(PRESETS["nonpin"], {"gear.eccentricity_mm": 1.5})
     assert not all(one.passed for one in soundness(broken))
     assert {"tooth_pressure", "mass_kg"} <= set(catalogue(broken))
+    assert "efficiency" in catalogue(override(PIN, {"drive.speed_rpm": 0}))
     assert "pin_socket_pressure" not in catalogue(override(PIN, {"ring.pins": "fixed", "gear.eccentricity_mm": 1.5}))
 
 

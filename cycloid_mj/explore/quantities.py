@@ -7,6 +7,7 @@ from functools import lru_cache
 from cycloid_mj import profile
 from cycloid_mj.checks import check, masses, soundness, summary
 from cycloid_mj.design import PRESETS, Design
+from cycloid_mj.errors import CycloidError
 from cycloid_mj.loaded.sheet import PARTS_OF_SHEET, sheet_part
 from cycloid_mj.modification import gear_profile, profile_offset
 from cycloid_mj.result import Quantity, keyed
@@ -63,12 +64,18 @@ GROUPS: Mapping[str, Callable[[Design], dict[str, Quantity]]] = {
 def catalogue(design: Design) -> Mapping[str, tuple[str, Quantity]]:
     """Give every figure that designs like this have, by key: its group, and what it is.
 
-    Of a design that cannot be built it is that of a preset with such teeth: their kinds of contacts name the keys.
+    Where a design cannot be built, or has no balance, they are those of a preset with such teeth: the same keys.
     """
-    if any(one.severity == "error" and not one.passed for one in soundness(design)):
-        ring = design.ring
-        pins = {"ring": {"pins": ring.pins}} if ring.kind == "pin" else {}
-        design = PRESETS[ring.kind].but(**pins)
+    ring = design.ring
+    pins = {"ring": {"pins": ring.pins}} if ring.kind == "pin" else {}
+    sound = not refusals(design, strict=False)
+    try:
+        return _all_figures(design if sound else PRESETS[ring.kind].but(**pins))
+    except CycloidError:
+        return _all_figures(PRESETS[ring.kind].but(**pins))
+
+
+def _all_figures(design: Design) -> Mapping[str, tuple[str, Quantity]]:
     return {key: (group, one) for group, of in GROUPS.items() for key, one in of(design).items()}
 
 
