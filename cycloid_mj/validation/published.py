@@ -84,7 +84,7 @@ WANG_CAM = 5e11
 
 PRINTED_PLAY = 1.24
 """Play of the printed drive's output before it is run in [deg], as measured."""
-PRINTED_TORQUES = (0.02, 0.04)
+PRINTED_TORQUES = (0.1, 0.2)
 """They press its output to a stop [N m]; the line through both turns is drawn on to zero."""
 
 
