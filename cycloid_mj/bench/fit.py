@@ -15,14 +15,11 @@ import numpy as np
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.parameters import Model, Parameter
 from cycloid_mj.errors import RunError
-from cycloid_mj.loaded.sliding import Held, course_along
+from cycloid_mj.loaded.sliding import Held, turn_along
 from cycloid_mj.types import Array, Mask
 
 GRID, LEAD = 32, 8
 """Torques of a branch of the model, and of each that only leads to the loop."""
-
-REACH = 0.05
-"""Turn between two points of the model, as a share of the loop's height, from which on there are more."""
 
 OUTLIER = 0.03
 """Residual, as a share of a loop's range, from which a point counts less and less (soft L1)."""
@@ -30,17 +27,11 @@ OUTLIER = 0.03
 FAILED = 1.0
 """Residual of every point where the model has no balance."""
 
-STEP, WIDE = 0.1, 0.5
-"""Steps of differences, as shares of a parameter's scale: of the search, and of the slopes behind the intervals.
-
-Each contact that comes or goes is an edge; a step over several of them sees how the loop answers as a whole.
-"""
+STEP = 0.02
+"""Step of differences, as a share of a parameter's scale."""
 
 STEPS = 30
 """Most steps of the search."""
-
-SEARCHES, SEARCHED = 4, 1e-3
-"""Most searches from where the last one ended, and the relative gain below which there is no other."""
 
 COVERED = 0.95
 LONGEST_MEMORY = 0.25
@@ -141,10 +132,9 @@ def model_branches(model: Model, bench: Bench, loop: MeasuredLoop, shift: float 
     lead = [np.linspace(a, b, LEAD, endpoint=False) for a, b in ((0.0, ends[1]), (ends[1], ends[0]))]
     each = [np.linspace(a, b, GRID) for a, b in pairwise(ends)]
     course = np.concatenate([*lead, *each])
-    when, turn = course_along(model.design, course, bench.crank, model.losses, bench.held, REACH * loop.height)
-    load = np.interp(when, np.arange(len(course)), course)
-    parts = np.searchsorted(when, 2 * LEAD + GRID * np.arange(len(each) + 1) - 0.5)
-    return [(load[a:b], turn[a:b]) for a, b in pairwise(parts)]
+    turn = turn_along(model.design, course, bench.crank, model.losses, bench.held)
+    parts = np.split(turn[2 * LEAD :], len(each))
+    return list(zip(each, parts, strict=True))
 
 
 def fit(
@@ -184,36 +174,23 @@ def fit(
             columns.append((residuals(moved) - here) / step)
         return np.stack(columns, axis=1)
 
-    def wide(scaled: Array, place: int) -> Array:
-        ends = np.stack([scaled, scaled])
-        ends[:, place] = np.clip(
-            scaled[place] + WIDE * np.array([-1.0, 1.0]), (low / scale)[place], (high / scale)[place]
-        )
-        return (residuals(ends[1]) - residuals(ends[0])) / (ends[1, place] - ends[0, place])
-
-    place, cost = np.clip(first, low + margin, high - margin) / scale, np.inf
-    for _ in range(SEARCHES):
-        # where contacts come and go the sum of squares has edges, at which a search gives up: the next starts anew
-        found = least_squares(
-            residuals,
-            np.clip(place, (low + margin) / scale, (high - margin) / scale),
-            jac=slopes,
-            bounds=(low / scale, high / scale),
-            loss="soft_l1",
-            f_scale=OUTLIER / np.sqrt(min(len(loop.torque) for loop in loops)),
-            xtol=1e-6,
-            ftol=1e-6,
-            gtol=1e-9,
-            max_nfev=STEPS,
-        )
-        place, gained, cost = found.x, cost - found.cost, found.cost
-        if not gained > SEARCHED * cost:
-            break
+    found = least_squares(
+        residuals,
+        np.clip(first, low + margin, high - margin) / scale,
+        jac=slopes,
+        bounds=(low / scale, high / scale),
+        loss="soft_l1",
+        f_scale=OUTLIER / np.sqrt(min(len(loop.torque) for loop in loops)),
+        xtol=1e-6,
+        ftol=1e-6,
+        gtol=1e-9,
+        max_nfev=STEPS,
+    )
     values = np.clip(found.x * scale, low, high)
     parts = _residuals(model, parameters, loops, bench, values)
     if all(np.all(part == FAILED) for part in parts):
         raise RunError("no model of the loop has a static balance near the design: is its friction too large?")
-    jacobian = np.stack([wide(found.x, place) for place in range(len(scale))], axis=1) / scale
+    jacobian = slopes(found.x) / scale
     free = (values > low + 1e-3 * scale) & (values < high - 1e-3 * scale)
     covariance, freedom = _covariance(jacobian, parts, free, scale)
     return Fitted(model, tuple(parameters), bench, tuple(loops), values, tuple(parts), jacobian, covariance, freedom)

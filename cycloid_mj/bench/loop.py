@@ -173,15 +173,6 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, where: str = 
     return MeasuredLoop(name, torque, deflection, turns, branch, flipped)
 
 
-def _end(torque: Array, smooth: Array, place: int) -> float:
-    """Give the torque at which a course turns round near a place: the outermost there, unless it is an outlier."""
-    near = torque[max(place - SMOOTHED, 0) : place + SMOOTHED + 1]
-    top = smooth[place] >= np.median(near)
-    outermost = float(near.max() if top else near.min())
-    usual = 3.0 * float(np.median(np.abs(torque - smooth))) + 2.0 * float(np.median(np.abs(np.diff(torque))))
-    return float(np.clip(outermost, smooth[place] - usual, smooth[place] + usual))
-
-
 def _turns(torque: Array) -> tuple[tuple[float, ...], Integers]:
     """Give the torques at which a course turns round, with where it comes from and goes, and the branch of each point.
 
@@ -208,7 +199,7 @@ def _turns(torque: Array) -> tuple[tuple[float, ...], Integers]:
             way, best = -way, place
     if not places:
         return (), np.zeros(len(torque), int)
-    inner = [_end(torque, smooth, place) for place in places]
+    inner = [float(smooth[place]) for place in places]
     # where the first branch comes from, and the last goes to: where the torque is at its other end
     first = inner[1] if len(inner) > 1 else float(smooth[: places[0] + 1][0])
     last = inner[-2] if len(inner) > 1 else float(smooth[places[-1] :][-1])

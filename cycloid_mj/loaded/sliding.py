@@ -9,7 +9,6 @@ next to those that give. Constant friction comes on over a travel, as that of a 
 limits are shared by elements that slip one after the other, so that from rest it grows as 1 - exp(-turn/travel).
 """
 
-import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -20,7 +19,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.errors import RunError
 from cycloid_mj.loaded.springs import springs_of
 from cycloid_mj.mechanism.gaps import arc_gaps, ideal_motion
-from cycloid_mj.mechanism.kernel import FINEST, Rubbing, Springs, follow_path
+from cycloid_mj.mechanism.kernel import Rubbing, Springs, follow_path
 from cycloid_mj.types import Array
 
 Held = Literal["crank", "output"]
@@ -78,28 +77,16 @@ def turn_along(design: Design, torque: Array, crank: float, losses: Losses, held
     RunError
         A step has no balance, as where friction jams the reducer.
     """
-    return course_along(design, torque, crank, losses, held)[1]
-
-
-def course_along(
-    design: Design, torque: Array, crank: float, losses: Losses, held: Held = "crank", reach: float = math.inf
-) -> tuple[Array, Array]:
-    """Give where a course of torque is, in steps from its first, and the turn [rad], shape (rows,) each.
-
-    As `turn_along`; where the output turns by more than `reach` [rad] in a step, there are rows within the step.
-    """
     still = design.but(drive={"speed": 0.0})
     springs = springs_of(still, [crank], friction=False)
     path = np.repeat(springs.load(0.0), len(torque), axis=0)
     path[:, -1] = torque / springs.contacts.radius
-    z, when = np.zeros((FINEST * len(path), path.shape[1])), np.zeros(FINEST * len(path))
-    radius = springs.contacts.radius
-    rubbing = _rubbing(still, springs.contacts, crank, losses, held)
+    z = np.zeros_like(path)
     with announced():
-        left, rows = follow_path(springs.contacts, rubbing, path, reach * radius, when, z)
+        left = follow_path(springs.contacts, _rubbing(still, springs.contacts, crank, losses, held), path, z)
     if left:
         raise RunError(f"no static balance along the loop: {left:.3g} of the load is left over")
-    return when[:rows], z[:rows, -1] / radius
+    return np.asarray(z[:, -1] / springs.contacts.radius)
 
 
 def _rubbing(design: Design, springs: Springs, crank: float, losses: Losses, held: Held) -> Rubbing:

@@ -45,14 +45,11 @@ _FAR, _SMALL, _TILT = 0.7, 4e-4, 0.05
 _SURELY = 1e-9
 """Width [m] from which on a gap's third order does not matter to whether it is open."""
 
-FOLLOWED = 1e-8
+FOLLOWED = 1e-6
 """Largest residual of a step along a path, as a share of the path's largest load."""
 
-_LEAPS, _RENEWALS = 12, 40
-"""Newton steps that a step along a path is given before the slower search, and rounds of that."""
-
-FINEST = 8
-"""Most parts of a step along a path."""
+_LEAPS, _RENEWALS, _SHORTEST = 12, 40, 1.0 / 16.0
+"""Newton steps that a step along a path is given before the slower search, rounds of that, and its least share."""
 
 _MOST_WORK, _MOST_SETTLING = 150, 2000
 """How often a system may be put together, for each step of a path on average, and in one slow search."""
@@ -841,19 +838,15 @@ class _Step(NamedTuple):
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def follow_path(
-    springs: Springs, rubbing: Rubbing, path: Array, reach: float, when: Array, z: Array
-) -> tuple[float, int]:
+def follow_path(springs: Springs, rubbing: Rubbing, path: Array, z: Array) -> float:
     """Follow loads along a path (m, u) [N] at the first crank angle, with friction that remembers.
 
-    The departures z (rows, u) [m] are filled in, and `when` (rows,) each was, in steps of the path from its first load,
-    which is at 0; they have at least m ``FINEST`` rows. The first of z is where the path begins, at rest. Each step is
-    the balance with the forces of friction that the step itself leaves (backward Euler); one that finds none, or in
-    which the output moves further than `reach` [m], is halved.
+    The departures z (m, u) [m] are filled in; the first row is where the path begins, at rest. Each step is the balance
+    with the forces of friction that the step itself leaves (backward Euler); one that finds none is halved.
 
     Returns
     -------
-    0 and the number of rows; or where no balance was found, what was left over as a share of the largest load.
+    0, or where no balance was found, what was left over there as a share of the largest load.
     """
     count, number = path.shape
     elements = rubbing.stick.size
@@ -870,7 +863,7 @@ def follow_path(
         np.zeros(1, np.int64),
     )
     old.z[:] = z[0]
-    scale, rows, enough = 0.0, 0, _MOST_WORK * count
+    scale = 0.0
     for m in range(count):
         scale = max(scale, _largest(path[m]))
     for m in range(count):
@@ -882,21 +875,18 @@ def follow_path(
                 one.load[j] = before + (path[m, j] - before) * (done + share)
             _slips(springs, rubbing, old)
             left = _leap(springs, rubbing, FOLLOWED * scale, one, old, new) / scale
-            if not left <= FOLLOWED and one.work[0] <= enough:
+            if not left <= FOLLOWED and one.work[0] <= _MOST_WORK * count:
                 left = _settle(springs, rubbing, FOLLOWED * scale, one, old, new) / scale
-            further = m > 0 and abs(new.z[number - 1] - old.z[number - 1]) > reach
-            if (further or not left <= FOLLOWED) and share > 1.0 / FINEST:
+            if not left <= FOLLOWED:
+                if share <= _SHORTEST or one.work[0] > _MOST_WORK * count:
+                    return left
                 share *= 0.5
                 continue
-            if not left <= FOLLOWED:
-                return left, rows
             done += share
             share *= 2.0
             old, new = new, old
-            if m or done == 1.0:
-                z[rows], when[rows] = old.z, m - 1.0 + done
-                rows += 1
-    return 0.0, rows
+        z[m] = old.z
+    return 0.0
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
