@@ -18,7 +18,7 @@ STALE = "sphinx_gallery_conf.run_stale_examples=1"
 SHELL = [
     (page.stem, [shlex.split(line.split("  #")[0])[1:] for line in block.splitlines()])
     for page in sorted(DOCS.glob("*.md"))
-    if page.stem not in {"tour", "trust", "results", "paper"}  # the tour is run with the README, others cost minutes
+    if page.stem not in {"tour", "trust", "results", "paper", "bench"}  # run with the README, or for minutes
     for block in ["".join(re.findall(r"```sh\n(.*?)```", page.read_text(encoding="utf-8"), flags=re.DOTALL))]
     if block
 ]
