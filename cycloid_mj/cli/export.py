@@ -12,16 +12,19 @@ from cycloid_mj.cli.terminal import say, say_json, say_table
 EXAMPLES = """Examples:
   cycloid-mj export --design pin --format stl
   cycloid-mj export --design nonpin --format dxf --out drawings
-  cycloid-mj export --design my.toml --set clearance.tooth_um=20 --format step"""
+  cycloid-mj export --design my.toml --set clearance.tooth_um=20 --format step
+  cycloid-mj export --design printed --plate --offset-um 80 --out print"""
 
 SMALLEST_UM, LARGEST_UM = 0.001, 100.0
+LARGEST_OFFSET_UM = 1000.0
+PLATE, BILL = "plate.stl", "bom.csv"
 
 FormatFlag = Annotated[
     Literal["stl", "obj", "dxf", "step"],
     Parameter(
         name="--format",
         help="stl, obj: meshes; dxf: outlines with one spline a lobe; step: solids (needs the extra cad: pip install "
-        "'cycloid-mj[cad]'). All in mm.",
+        "'cycloid-mj[cad]'). All in mm. Default: stl.",
     ),
 ]
 OutFlag = Annotated[
@@ -40,14 +43,33 @@ ChordFlag = Annotated[
         help="Largest distance of a mesh's edges from the true outline [um], for stl and obj. Default: 1.",
     ),
 ]
+PlateFlag = Annotated[
+    bool,
+    Parameter(
+        negative=(),
+        help="Also write plate.stl, all parts that are made, side by side and flat on z = 0, for a printer; and "
+        "bom.csv, the bill of materials: item, count, size, material, made or bought.",
+    ),
+]
+OffsetFlag = Annotated[
+    float,
+    Parameter(
+        metavar="X",
+        validator=within(0.0, LARGEST_OFFSET_UM),
+        help="Make every clearance of the outlines this much wider than the design asks for [um], for what the printer "
+        "puts on; press fits stay. Default: 0.",
+    ),
+]
 
 
 def export(
     *,
     chosen: Annotated[DesignOptions, FLAT],
-    format_: FormatFlag,
+    format_: FormatFlag = "stl",
     out: OutFlag = None,
     chord_error_um: ChordFlag = 1.0,
+    plate: PlateFlag = False,
+    offset_um: OffsetFlag = 0.0,
     json: JsonFlag = False,
 ) -> int:
     """Write every part of a design for CAD or printing.
@@ -57,23 +79,58 @@ def export(
     shaft, cam_1, cam_2, ... and spacer. The outlines contain the clearances that the design asks for; what
     they really contain is measured and told. A part that is not watertight, or
     has the wrong volume or clearance, is an error and writes nothing.
+
+    On the plate, each part stands on its larger end. Ring pins, sleeves, output
+    pins and the straight shaft of several discs are on it if they are of a
+    plastic, and bought otherwise; output pins that are bought have bores to be
+    pressed into. Bolt holes and seats of bearings are not drawn, and a cam is
+    as thick as the outside of its bearing.
+
+    JSON: files, clearances (pair, asked, least, most [m]), offset [m]; with
+    --plate also plate (file, size [m], parts: name -> count) and bom (item,
+    count, size, material, made_or_bought).
     """
+    from cycloid_mj.export import bill, bill_csv, stl_bytes, widened
     from cycloid_mj.export import export as exported
+    from cycloid_mj.export import plate as laid_out
+    from cycloid_mj.units import MILLIMETRES
     from cycloid_mj.whole import write_whole
 
-    design = chosen.sound()
-    made = exported(design, format_, chord_error_um * 1e-6)
+    design, offset, chord_error = chosen.sound(), offset_um * 1e-6, chord_error_um * 1e-6
+    made = exported(design, format_, chord_error, offset)
+    printed = laid_out(widened(design, offset), chord_error) if plate else None
+    items = bill(design) if plate else ()
     into = folder(f"{design.name}-{format_}" if out is None else out, "the parts")
     files = {into / name: content for name, content in made.files.items()}
+    if printed:
+        files |= {into / PLATE: stl_bytes(printed.mesh, MILLIMETRES), into / BILL: bill_csv(items)}
     write_whole(files)
-    paths = list(files)
     if json:
-        say_json({"files": [str(path) for path in paths], "clearances": [asdict(one) for one in made.clearances]})
+        told = {
+            "files": [str(path) for path in files],
+            "clearances": [asdict(one) for one in made.clearances],
+            "offset": offset,
+        }
+        if printed:
+            told["plate"] = {"file": str(into / PLATE), "size": printed.size, "parts": printed.counts}
+            told["bom"] = [asdict(item) for item in items]
+        say_json(told)
         return 0
-    for path in paths:
+    for path in files:
         say(str(path))
     rows = [
-        (one.pair, *(f"{1e6 * value:.4f}" for value in (one.asked, one.least, one.most))) for one in made.clearances
+        (one.pair, *(f"{1e6 * value:.4f}" for value in (one.asked, offset, one.least, one.most)))
+        for one in made.clearances
     ]
-    say_table("clearance in the outlines [um]", ("pair", "asked for", "least", "most"), rows)
+    say_table("clearance in the outlines [um]", ("pair", "asked for", "offset", "least", "most"), rows)
+    if printed:
+        size = " x ".join(f"{MILLIMETRES * length:.1f}" for length in printed.size)
+        say_table(
+            f"parts on the plate, {size} mm",
+            ("part", "count"),
+            [(part, str(count)) for part, count in printed.counts.items()],
+        )
+        columns = ("item", "count", "size", "material", "made or bought")
+        lines = [tuple(str(value) for value in asdict(item).values()) for item in items]
+        say_table("bill of materials", columns, lines, words=(2, 3, 4))
     return 0

@@ -3,17 +3,20 @@
 Each part lies in its own frame: housing, shaft, cams and output in that of the reducer's axis, others about their own.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
 from cycloid_mj.design import Design
 from cycloid_mj.errors import DesignError
+from cycloid_mj.export.bill import Item, bill, bill_csv
 from cycloid_mj.export.clearance import Clearance, measure_all
 from cycloid_mj.export.curve import Arc, Circle, Curve, Line, Spline
 from cycloid_mj.export.dxf import dxf_bytes
 from cycloid_mj.export.obj import obj_bytes
+from cycloid_mj.export.plate import Plate, plate
+from cycloid_mj.export.printing import widened
 from cycloid_mj.export.section import Section, part_sections
 from cycloid_mj.export.step import SPLINES, read_volume, step_part
 from cycloid_mj.export.stl import read_stl, stl_bytes
@@ -28,17 +31,23 @@ __all__ = [
     "Clearance",
     "Export",
     "Format",
+    "Item",
     "Line",
+    "Plate",
     "Section",
     "Spline",
+    "bill",
+    "bill_csv",
     "dxf_bytes",
     "export",
     "obj_bytes",
     "part_sections",
+    "plate",
     "read_stl",
     "read_volume",
     "step_part",
     "stl_bytes",
+    "widened",
 ]
 
 from cycloid_mj.types import Array
@@ -64,7 +73,7 @@ class Export:
     clearances: tuple[Clearance, ...]
 
 
-def export(design: Design, file_format: Format, chord_error: float = CHORD_ERROR) -> Export:
+def export(design: Design, file_format: Format, chord_error: float = CHORD_ERROR, offset: float = 0.0) -> Export:
     """Give every part of a design in a format, one file a part.
 
     Parameters
@@ -76,6 +85,8 @@ def export(design: Design, file_format: Format, chord_error: float = CHORD_ERROR
         the extra ``cad``).
     chord_error
         Largest distance of a mesh's chords from the curve [m]; splines have their own error, 0.01 um.
+    offset
+        What every clearance of the outlines is wider than the design asks for [m], for a printer; see `widened`.
 
     Raises
     ------
@@ -84,6 +95,11 @@ def export(design: Design, file_format: Format, chord_error: float = CHORD_ERROR
     CycloidError
         The extra for STEP is not installed.
     """
+    made = _exported(widened(design, offset), file_format, chord_error)
+    return Export(made.files, tuple(replace(one, asked=getattr(design.clearance, one.pair)) for one in made.clearances))
+
+
+def _exported(design: Design, file_format: Format, chord_error: float) -> Export:
     if file_format in ("stl", "obj"):
         return _meshes(design, file_format, chord_error)
     sections = part_sections(design, SPLINES if file_format == "step" else 1)

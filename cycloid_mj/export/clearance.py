@@ -17,6 +17,9 @@ from cycloid_mj.types import Array
 TOLERANCE = 2e-8
 """A clearance that is off by more is an error [m]."""
 
+WALL_ROUNDING = 1e-9
+"""Relative; points of the wall between the sockets are all at its radius, those of a socket are further out."""
+
 _STARTS_PER_LOBE = 200
 _ROUNDS = 20
 
@@ -128,5 +131,5 @@ def _socket_points(design: Design, ring_loop: Array) -> Array:
     ring = design.ring
     centres = ring.pin_circle_radius * profile.unit(2.0 * np.pi * np.arange(ring.teeth) / ring.teeth)
     found, _ = cKDTree(centres).query(ring_loop)
-    distance = np.asarray(found, dtype=np.float64)
-    return distance[distance < ring.pin_radius + 1.5 * design.clearance.pin_socket]
+    radius = np.linalg.norm(ring_loop, axis=1)
+    return np.asarray(found, dtype=np.float64)[radius > radius.min() * (1.0 + WALL_ROUNDING)]
