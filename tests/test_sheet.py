@@ -13,7 +13,7 @@ from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import DesignError, RunError, UsageError
 from cycloid_mj.loaded import loads, powers, springs_of
-from cycloid_mj.loaded.sheet import KNOWN, KNOWN_OF_KINDS, known_difference, sheet
+from cycloid_mj.loaded.sheet import KNOWN, KNOWN_OF_KINDS, known_difference, sheet, sheet_part
 from cycloid_mj.measure import steady
 
 MEASURED = json.loads((Path(__file__).parent / "data" / "measured.json").read_text())
@@ -89,6 +89,15 @@ def test_what_has_no_balance_or_no_motion_is_one_error() -> None:
         sheet(override(FIXED, ["drive.speed_rpm=0"]))
     with pytest.raises(UsageError, match="more than 0"):
         sheet(FIXED, -3.0)
+
+
+def test_a_tooth_that_rests_where_its_curve_is_cut_off_is_balanced() -> None:
+    """At 46 N m and one crank angle a tooth in a valley rests on the step of its width, which is worth 0.01 N."""
+    capacity = [
+        sheet_part(override(unlike("teeth21"), [f"clearance.cam_um={cam}"]), "loads")["capacity_shakedown"].value
+        for cam in (1.95, 2.0, 2.05)
+    ]
+    assert capacity[1] == pytest.approx(0.5 * (capacity[0] + capacity[2]), rel=1e-5)
 
 
 def test_command(capsys: pytest.CaptureFixture[str]) -> None:

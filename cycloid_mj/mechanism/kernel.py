@@ -77,7 +77,7 @@ class Springs(NamedTuple):
     for the force of each: off the diagonal alone, which is in `stiffness`. Its size is 0 where no disc's force moves
     another's contact; else the last D `pins` contacts are those of the output pins, disc after disc. `smooth` tells
     whether widths go on without a step where a contact leaves the part of its curve that is known to third order:
-    discs that share a load by their wind-up come to rest on such steps.
+    discs that share a load by their wind-up come to rest on such steps often, a single one seldom.
     """
 
     radius: float
@@ -163,84 +163,137 @@ class _System(NamedTuple):
     tangent: Array
 
 
+class _Work(NamedTuple):
+    """Arrays of the search at one angle.
+
+    Of the shape (u,) are the Newton step, `there` where it leads, the load `held` with friction [N], and friction's
+    part of that, the `drag` [N]. The mask `kept` (n + D,) is that of `_assemble`.
+    """
+
+    system: _System
+    trial: _System
+    step: Array
+    there: Array
+    held: Array
+    drag: Array
+    kept: Mask
+
+
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool) -> Left:
     """Solve for the departures z (k, u) [m] at every crank angle under a load (k, u) [N], and the springs' forces.
 
     z and force (k, n) [N] are filled in. Each row of z is where its search starts; with `follow`, the first row is, and
     the others start where the balances before them lead, with the same contacts: most angles have no others, and parts
-    that a small load presses do not float.
+    that a small load presses do not float. Where no balance is found, a tooth may rest on a step of its width, with too
+    much force on one side and too little on the other: the angle is searched again without steps.
 
     Returns
     -------
     The worst of all angles: where one of them is above ``BALANCED``, no balance was found, and that angle is the last.
     """
     count, number = load.shape
-    system = _System(np.zeros(number), np.zeros((number, number)))
-    trial = _System(np.zeros(number), np.zeros((number, number)))
-    step, there, held, drag = np.zeros(number), np.zeros(number), np.zeros(number), np.zeros(number)
-    rough, kept = springs.rubbing.shape[0] > 0, np.zeros(springs.disc.size + springs.cam_place.shape[1], np.bool_)
-    worst = unsettled = 0.0
+    work = _Work(
+        _System(np.zeros(number), np.zeros((number, number))),
+        _System(np.zeros(number), np.zeros((number, number))),
+        np.zeros(number),
+        np.zeros(number),
+        np.zeros(number),
+        np.zeros(number),
+        np.zeros(springs.disc.size + springs.cam_place.shape[1], np.bool_),
+    )
+    start, worst, unsettled = np.zeros(number), 0.0, 0.0
     for k in range(count):
         here = z[k]
         for j in range(number):
             if not follow:
-                drag[j] = 0.0
+                work.drag[j] = 0.0
             elif k > 1:
                 here[j] = 2.0 * z[k - 1, j] - z[k - 2, j]
             elif k:
                 here[j] = z[k - 1, j]
-        scale = _largest(load[k]) or 1.0
-        longest = _NEAR / _largest(springs.bend[k])
         if follow and k:
+            _lead(springs, k, load[k], z, force, work)
+        for j in range(number):
+            start[j] = here[j]
+        left = _search(springs, k, load[k], here, force, work)
+        if not springs.smooth and not (left.force <= BALANCED and left.friction <= BALANCED):
             for j in range(number):
-                held[j] = load[k, j] + drag[j]
-            _keep(springs, k - 1, z, force, kept)
-            _assemble(springs, k, held, here, kept, system)
-            near = _solve(system.tangent, system.residual, step, FLOATING * springs.cam_stiffness)
-            for j in range(number):
-                here[j] += step[j] if near and _largest(step) < longest else 0.0
-        kept[:] = False
-        left = change = 0.0
-        for _ in range(ROUNDS):
-            for j in range(number):
-                held[j] = load[k, j] + drag[j]
-            energy = _assemble(springs, k, held, here, kept, system)
-            left = _largest(system.residual) / scale
-            for _ in range(ROUNDS):
-                if left <= BALANCED:
-                    break
-                floating = FLOATING * springs.cam_stiffness
-                if not _solve(system.tangent, system.residual, step, floating):
-                    _assemble(springs, k, held, here, kept, system)
-                    _roll_off(system.tangent, system.residual, step, floating)
-                share, found = min(1.0, longest / _largest(step)), energy
-                for _ in range(_HALVINGS):
-                    for j in range(number):
-                        there[j] = here[j] + share * step[j]
-                    found = _assemble(springs, k, held, there, kept, trial)
-                    if found <= energy + _ROUNDING * abs(energy):
-                        break
-                    share *= 0.5
-                for j in range(number):
-                    here[j] = there[j]
-                energy = found
-                system, trial = trial, system
-                left = _largest(system.residual) / scale
-            if _largest(drag) > 0.0 and not left <= BALANCED:  # it is the friction that has grown beyond all bounds
-                left, change = 0.0, max(change, 1.0)
-                break
-            if not (rough and left <= BALANCED):
-                break
-            _press(springs, k, here, force)
-            change = _rub(springs, k, here, force, drag, step) / scale
-            if change <= BALANCED:
-                break
-        worst, unsettled = max(worst, left), max(unsettled, change)
-        _press(springs, k, here, force)
-        if not (left <= BALANCED and change <= BALANCED):
+                here[j], work.drag[j] = start[j], 0.0
+            left = _search(_smoothed(springs), k, load[k], here, force, work)
+        worst, unsettled = max(worst, left.force), max(unsettled, left.friction)
+        if not (left.force <= BALANCED and left.friction <= BALANCED):
             break
     return Left(worst, unsettled)
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _lead(springs: Springs, k: int, load: Array, z: Array, force: Array, work: _Work) -> None:
+    """Take one Newton step at an angle, unless it is long, with the contacts that carried at the angle before."""
+    here, step = z[k], work.step
+    for j in range(here.size):
+        work.held[j] = load[j] + work.drag[j]
+    _keep(springs, k - 1, z, force, work.kept)
+    _assemble(springs, k, work.held, here, work.kept, work.system)
+    near = _solve(work.system.tangent, work.system.residual, step, FLOATING * springs.cam_stiffness)
+    if near and _largest(step) < _NEAR / _largest(springs.bend[k]):
+        for j in range(here.size):
+            here[j] += step[j]
+    work.kept[:] = False
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _search(springs: Springs, k: int, load: Array, here: Array, force: Array, work: _Work) -> Left:
+    """Solve for the departures `here` (u,) [m] at one angle under a load (u,) [N], from where they are; see `balance`.
+
+    Its row of `force` is filled in, and friction comes on from the `drag` in `work`.
+    """
+    step, there, held, drag, kept = work.step, work.there, work.held, work.drag, work.kept
+    system, trial, number = work.system, work.trial, load.size
+    rough, scale = springs.rubbing.shape[0] > 0, _largest(load) or 1.0
+    longest, floating = _NEAR / _largest(springs.bend[k]), FLOATING * springs.cam_stiffness
+    left = change = 0.0
+    for _ in range(ROUNDS):
+        for j in range(number):
+            held[j] = load[j] + drag[j]
+        energy = _assemble(springs, k, held, here, kept, system)
+        left = _largest(system.residual) / scale
+        for _ in range(ROUNDS):
+            if left <= BALANCED:
+                break
+            if not _solve(system.tangent, system.residual, step, floating):
+                _assemble(springs, k, held, here, kept, system)
+                _roll_off(system.tangent, system.residual, step, floating)
+            share, found = min(1.0, longest / _largest(step)), energy
+            for _ in range(_HALVINGS):
+                for j in range(number):
+                    there[j] = here[j] + share * step[j]
+                found = _assemble(springs, k, held, there, kept, trial)
+                if found <= energy + _ROUNDING * abs(energy):
+                    break
+                share *= 0.5
+            for j in range(number):
+                here[j] = there[j]
+            energy = found
+            system, trial = trial, system
+            left = _largest(system.residual) / scale
+        if _largest(drag) > 0.0 and not left <= BALANCED:  # it is the friction that has grown beyond all bounds
+            left, change = 0.0, max(change, 1.0)
+            break
+        if not (rough and left <= BALANCED):
+            break
+        _press(springs, k, here, force)
+        change = _rub(springs, k, here, force, drag, step) / scale
+        if change <= BALANCED:
+            break
+    _press(springs, k, here, force)
+    return Left(left, change)
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _smoothed(springs: Springs) -> Springs:
+    """Give springs whose widths go on without a step."""
+    return Springs(*springs[:-1], True)
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
