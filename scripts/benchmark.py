@@ -45,6 +45,8 @@ from passes import (
 )
 from sweeping import sweep_table
 
+from cycloid_mj.design import PRESETS, override
+from cycloid_mj.mjcf import build
 from cycloid_mj.run import reducer_model
 
 Row = dict[str, list[float]]
@@ -209,6 +211,29 @@ def scaling_table(passes: int) -> Table:
     return table
 
 
+def discs_table(passes: int) -> Table:
+    """Step loop of two discs against one, under the same load a disc; us per step.
+
+    The preset twodisc at its own step, 58 N m a disc; the paper's designs, all their parts rigid, at 36 N m a disc.
+    """
+    table: Table = {}
+    for name in ("twodisc", *KINDS):
+        one, two = (partial(loop_cost, *_of_discs(name, discs)) for discs in (1, 2))
+        row = in_turn(passes, **{"1 disc": one, "2 discs": two})
+        table[name] = row | ratio(row, "2 discs", "1 disc")
+    return table
+
+
+def _of_discs(name: str, discs: int) -> Case:
+    """Give a case with so many discs; the preset turns slowly, so that a sample each 100 steps sees every tooth."""
+    if name in KINDS:
+        return example(name, 36.0 * discs, 10_000, f"gear.discs={discs}")
+    step = float(build(PRESETS[name]).model.opt.timestep)
+    run = ["drive.ramp_s=0", "drive.speed_rpm=100", f"settings.timestep_us={1e6 * step!r}", *_lasting(10_000, step)]
+    design = override(PRESETS[name], [f"gear.discs={discs}", f"load.torque_nm={58 * discs}", *run])
+    return design, build(design)
+
+
 def exudyn_table(passes: int) -> Table:
     """CPU time of a simulated second at rated load [s], here, each design at its own step, and in Exudyn (published).
 
@@ -255,6 +280,7 @@ SECTIONS: dict[str, Callable[[int], Table]] = {
     "mesh": mesh_table,
     "teeth": teeth_table,
     "scaling": scaling_table,
+    "discs": discs_table,
     "exudyn": exudyn_table,
     "threads": threads_table,
     "command": command_table,

@@ -48,6 +48,19 @@ def test_the_number_of_teeth_fits() -> None:
         assert sum(pair.kind == "pin_gear" for pair in reducer.pairs) == teeth
 
 
+def test_two_discs_are_held_against_one_under_the_same_load_a_disc(monkeypatch) -> None:
+    def cost(design, reducer):
+        assert reducer.model.opt.timestep == design.settings.timestep
+        assert passes.schedule(design).steps == benchmark.WARM + 10_000
+        return design.gear.discs * design.load.torque
+
+    monkeypatch.setattr(benchmark, "loop_cost", cost)
+    table = benchmark.discs_table(1)
+    assert table["twodisc"]["1 disc"] == [58.0]
+    assert list(table) == ["twodisc", *benchmark.KINDS]
+    assert all(row["2 discs / 1 disc"] == [4.0] for row in table.values())
+
+
 def test_scaling_holds_steps_that_resolve_the_pins_alike(monkeypatch) -> None:
     seen = {}
 

@@ -28,8 +28,10 @@ from cycloid_mj.measure.reaction import of_discs, unbalance
 from cycloid_mj.mechanism.reducer import phases
 from cycloid_mj.mjcf import build
 from cycloid_mj.mjcf.mesh import build_mesh
+from cycloid_mj.plots import figures
 from cycloid_mj.plots.animation import film, take
 from cycloid_mj.record import Run
+from cycloid_mj.report import report
 from cycloid_mj.run import simulate
 from cycloid_mj.scene import contact_forces, poses
 from cycloid_mj.scene.drawing import gaps
@@ -115,6 +117,21 @@ def test_a_log_has_columns_of_each_disc_and_figures_of_each(run: Run) -> None:
         assert disc.speed.mean_rad_s == pytest.approx(-run["crank_speed"].mean() / 29.0, rel=1e-3)
         assert disc.q_path.max_error_um < 15.0
     assert found.efficiency == pytest.approx(1.0, abs=0.002)
+
+
+def test_figures_over_time_tell_which_disc_they_are_of(run: Run) -> None:
+    page = report({"runs/two.mcap": run})
+    for told in (
+        "those of gear 1 of 2",
+        "gear 1 of 2: transmission error, p-p",
+        "3 mm between them",
+        "gear 2 speed, mean",
+    ):
+        assert told in page
+    assert "point q of the gear</th><td>(0, 34) mm of gear 1 of 2" in page
+    for figure in figures(series(run)).values():
+        assert figure.get_suptitle().endswith("; gear and q: gear 1 of 2")
+    assert figures(series(run).of_disc(1))["fig6_gear_speed"].get_suptitle().endswith("gear 2 of 2")
 
 
 def test_half_a_turn_later_the_second_disc_does_what_the_first_does(run: Run) -> None:

@@ -136,6 +136,12 @@ class Series:
         """Name of the disc: ``gear``, or of several ``gear_1``."""
         return names.gears(self.design.gear.discs)[self.disc]
 
+    @property
+    def gear_words(self) -> str:
+        """Name of the disc in words: ``gear``, or of several ``gear 1 of 2``."""
+        discs = self.design.gear.discs
+        return "gear" if discs == 1 else f"gear {self.disc + 1} of {discs}"
+
     def of_disc(self, disc: int) -> "Series":
         """Give the same with the motion of another disc, by its index."""
         motion: dict[str, Any] = _disc_motion(self.run, self.design, self.q, disc)

@@ -46,6 +46,7 @@ def figures(run: Run | Series, q: npt.ArrayLike | None = None) -> dict[str, Figu
     if motion.pin_1:
         drawn["fig9_pin1"] = pin_figure(motion, motion.pin_1)
     ended = "" if motion.phase == "hold" else ", a run that ended in its ramp"
+    followed = f"; gear and q: {motion.gear_words}" if motion.design.gear.discs > 1 else ""
     for figure in drawn.values():
-        state(figure, f"{motion.design.name}, {condition(motion.design)}{ended}")
+        state(figure, f"{motion.design.name}, {condition(motion.design)}{ended}{followed}")
     return drawn

@@ -57,7 +57,7 @@ def _numbers(item: Reviewed) -> Iterator[tuple[str, str]]:
     yield "efficiency", none if found.efficiency is None else f"{100 * found.efficiency:.2f} %"
     for part, error, speed in (
         ("output", found.transmission_error, found.output_speed),
-        ("gear", found.gear_transmission_error, found.gear_speed),
+        (item.motion.gear_words, found.gear_transmission_error, found.gear_speed),
     ):
         yield f"{part}: transmission error, p-p", f"{error.peak_to_peak_arcsec:.3g} arcsec"
         yield f"{part}: speed, rms error", f"{1e3 * speed.rms_error_rad_s:.3g} mrad/s"

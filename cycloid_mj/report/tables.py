@@ -87,6 +87,8 @@ def _facts(item: Reviewed) -> Iterator[tuple[str, str]]:
     ring, drive, load = design.ring, design.drive, design.load
     yield "ring", f"{ring.teeth} {ring.pins} pins" if ring.kind == "pin" else f"internal gear with {ring.teeth} lobes"
     yield "reduction", f"{design.reduction} : 1, the {design.output.member} turns"
+    gap = f", {MILLIMETRE.from_si(design.gear.disc_gap):g} mm between them" if design.gear.discs > 1 else ""
+    yield "discs", f"{design.gear.discs}{gap}"
     lengths = (design.gear.eccentricity, ring.pin_circle_radius, ring.pin_radius)
     yield "eccentricity, pin circle, pin", " / ".join(f"{MILLIMETRE.from_si(each):g}" for each in lengths) + " mm"
     kinds = design.pair_kinds
@@ -95,7 +97,8 @@ def _facts(item: Reviewed) -> Iterator[tuple[str, str]]:
     yield "crank", f"{RPM.from_si(drive.speed):g} rpm, ramp {drive.ramp:g} s"
     yield "load", f"{load.torque:g} N m" if load.torque else "none"
     x, y = item.findings.q_path.q_mm
-    yield "point q of the gear", f"({x:.6g}, {y:.6g}) mm"
+    on = f" of {item.motion.gear_words}" if design.gear.discs > 1 else ""
+    yield "point q of the gear", f"({x:.6g}, {y:.6g}) mm{on}"
     span = float(run.time[-1] - run.time[0])
     turns = abs(DEGREE.from_si(float(run["crank_angle"][-1] - run["crank_angle"][0]))) / 360
     yield "simulated", f"{span:.4g} s, {turns:.1f} crank turns, {len(run):,} samples"
