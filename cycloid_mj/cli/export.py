@@ -125,11 +125,8 @@ def export(
     say_table("clearance in the outlines [um]", ("pair", "asked for", "offset", "least", "most"), rows)
     if printed:
         size = " x ".join(f"{MILLIMETRES * length:.1f}" for length in printed.size)
-        say_table(
-            f"parts on the plate, {size} mm",
-            ("part", "count"),
-            [(part, str(count)) for part, count in printed.counts.items()],
-        )
+        say(f"plate of {size} mm")
+        say_table("parts on the plate", ("part", "count"), [(part, str(n)) for part, n in printed.counts.items()])
         columns = ("item", "count", "size", "material", "made or bought")
         lines = [tuple(str(value) for value in asdict(item).values()) for item in items]
         say_table("bill of materials", columns, lines, words=(2, 3, 4))

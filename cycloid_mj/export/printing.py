@@ -40,7 +40,10 @@ def widened(design: Design, offset: float) -> Design:
     try:
         return design.but(clearance=clearance, ring=ring)
     except DesignError as error:
-        raise DesignError(f"an offset of {1e6 * offset:g} um is too much for the design: {error}") from error
+        raise DesignError(
+            f"an offset of {1e6 * offset:g} um is too much for the design: a clearance would be wider than a design "
+            "may have it, or nothing left of the sleeves; give a smaller offset"
+        ) from error
 
 
 def is_printed(design: Design, part: str) -> bool:
