@@ -183,6 +183,36 @@ def test_parts_stand_on_their_larger_end_as_they_are_and_not_mirrored() -> None:
     np.testing.assert_allclose(middle, [0.0, -design.gear.eccentricity], atol=CHORD_ERROR)
 
 
+@pytest.mark.parametrize(("name", "seat"), [("pin", 1e-2), ("3_discs", 12e-3)])
+def test_cams_are_as_thick_as_the_bore_of_their_bearing(name: str, seat: float) -> None:
+    """About the same axis as before, each in its own direction; the bill tells the bore; nothing else changes."""
+    design = DESIGNS[name]
+    drawn, seated = made(design, CHORD_ERROR), made(design, CHORD_ERROR, seat)
+    changed = [part for part in drawn if seated[part].solid is not drawn[part].solid and part not in ("housing",)]
+    cams = ["shaft"] if design.gear.discs == 1 else ["cam_1", "cam_2", "cam_3"]
+    assert set(changed) - {"output", "output_2"} == set(cams)
+    for part, phase in zip(cams, phases(design), strict=True):
+        pairs = zip(drawn[part].solid.prisms, seated[part].solid.prisms, strict=True)
+        (outline,) = [new.outline for old, new in pairs if len(old.outline) != len(new.outline)]
+        centre = design.gear.eccentricity * np.array([-np.sin(phase), np.cos(phase)])
+        np.testing.assert_allclose(np.linalg.norm(outline - centre, axis=1), seat, rtol=1e-9)
+    (bearing,) = [item for item in bill(design, seat) if item.item == "cam_bearing"]
+    assert f"outside diameter 30 x bore {2e3 * seat:g} x length" in bearing.size
+    assert plate(design, CHORD_ERROR, seat).counts == plate(design, CHORD_ERROR).counts
+
+
+def test_a_bore_that_does_not_fit_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    for name, seat in (("pin", 15e-3), ("pin", 1e-3), ("3_discs", 9e-3)):
+        with pytest.raises(DesignError, match=rf"bore of {2e3 * seat:g} mm does not fit"):
+            made(DESIGNS[name], CHORD_ERROR, seat)
+    with pytest.raises(DesignError, match="it has no bearing"):
+        made(DESIGNS["plastic"], CHORD_ERROR, 10e-3)
+    arguments = ["export", "--design", "pin", "--cam-bearing-bore-mm", "20", "--out", str(tmp_path / "no")]
+    assert main(arguments) == 2
+    assert "add --plate" in capsys.readouterr().err
+    assert not (tmp_path / "no").exists()
+
+
 def test_shelves_keep_rectangles_apart_and_the_plate_about_square() -> None:
     sizes = [(3.0, 2.0), (1.0, 4.0), (2.0, 2.0), (6.0, 1.0), (1.0, 1.0), (2.0, 3.0)] * 4
     corners = shelves(sizes, 0.5)

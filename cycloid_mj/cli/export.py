@@ -8,6 +8,7 @@ from cyclopts import Parameter
 from cycloid_mj.cli.flags import FLAT, DesignOptions, JsonFlag, within
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import say, say_json, say_table
+from cycloid_mj.errors import UsageError
 
 EXAMPLES = """Examples:
   cycloid-mj export --design pin --format stl
@@ -17,6 +18,7 @@ EXAMPLES = """Examples:
 
 SMALLEST_UM, LARGEST_UM = 0.001, 100.0
 LARGEST_OFFSET_UM = 1000.0
+SMALLEST_BORE_MM, LARGEST_BORE_MM = 0.001, 10000.0
 PLATE, BILL = "plate.stl", "bom.csv"
 
 FormatFlag = Annotated[
@@ -60,6 +62,16 @@ OffsetFlag = Annotated[
         "puts on; press fits stay. Default: 0.",
     ),
 ]
+CamFlag = Annotated[
+    float | None,
+    Parameter(
+        name="--cam-bearing-bore-mm",
+        metavar="X",
+        validator=within(SMALLEST_BORE_MM, LARGEST_BORE_MM),
+        help="Bore of the cam's rolling bearing, by its catalogue [mm]; with --plate: cams are made as thick as that. "
+        "Default: as thick as its outside, 2 gear.bore_radius_mm.",
+    ),
+]
 
 
 def export(
@@ -70,6 +82,7 @@ def export(
     chord_error_um: ChordFlag = 1.0,
     plate: PlateFlag = False,
     offset_um: OffsetFlag = 0.0,
+    cam_bearing_bore_mm: CamFlag = None,
     json: JsonFlag = False,
 ) -> int:
     """Write every part of a design for CAD or printing.
@@ -83,8 +96,9 @@ def export(
     On the plate, each part stands on its larger end. Ring pins, sleeves, output
     pins and the straight shaft of several discs are on it if they are of a
     plastic, and bought otherwise; output pins that are bought have bores to be
-    pressed into. Bolt holes and seats of bearings are not drawn, and a cam is
-    as thick as the outside of its bearing.
+    pressed into. Bolt holes and seats of bearings in housing and output are
+    not drawn; cams are as thick as the outside of their bearing, unless its
+    bore is given.
 
     JSON: files, clearances (pair, asked, least, most [m]), offset [m]; with
     --plate also plate (file, size [m], parts: name -> count) and bom (item,
@@ -96,10 +110,13 @@ def export(
     from cycloid_mj.units import MILLIMETRES
     from cycloid_mj.whole import write_whole
 
+    if cam_bearing_bore_mm is not None and not plate:
+        raise UsageError("--cam-bearing-bore-mm is for the plate: add --plate")
+    seat = (cam_bearing_bore_mm or 0.0) / 2.0 / MILLIMETRES
     design, offset, chord_error = chosen.sound(), offset_um * 1e-6, chord_error_um * 1e-6
     made = exported(design, format_, chord_error, offset)
-    printed = laid_out(widened(design, offset), chord_error) if plate else None
-    items = bill(design) if plate else ()
+    printed = laid_out(widened(design, offset), chord_error, seat) if plate else None
+    items = bill(design, seat) if plate else ()
     into = folder(f"{design.name}-{format_}" if out is None else out, "the parts")
     files = {into / name: content for name, content in made.files.items()}
     if printed:

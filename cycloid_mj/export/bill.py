@@ -44,8 +44,10 @@ class Item:
     made_or_bought: Literal["made", "bought"]
 
 
-def bill(design: Design) -> tuple[Item, ...]:
+def bill(design: Design, cam_seat: float = 0.0) -> tuple[Item, ...]:
     """Give the bill of materials of a design: what is made, as `printing.made` has it, then what is bought.
+
+    `cam_seat` is the radius of the bore of the cam's bearing [m]; 0: not chosen yet.
 
     Covers, seals, motor and lubricant are not part of the design. A bearing has the size of the seat that the design
     gives it; the other diameter is the catalogue's.
@@ -55,7 +57,7 @@ def bill(design: Design) -> tuple[Item, ...]:
     DesignError
         A part cannot be made.
     """
-    return (*_made(design), *_bought(design))
+    return (*_made(design, cam_seat), *_bought(design, cam_seat))
 
 
 def bill_csv(items: tuple[Item, ...]) -> bytes:
@@ -67,15 +69,15 @@ def bill_csv(items: tuple[Item, ...]) -> bytes:
     return text.getvalue().encode()
 
 
-def _made(design: Design) -> Iterator[Item]:
-    for name, part in made(design, VISUAL_CHORD_ERROR).items():
+def _made(design: Design, cam_seat: float) -> Iterator[Item]:
+    for name, part in made(design, VISUAL_CHORD_ERROR, cam_seat).items():
         family = "output" if name.startswith(f"{names.OUTPUT}_") and name != OUTPUT_PIN else names.family(name)
         material = _material(design, MADE_OF.get(family, family))
         item = names.SLEEVE if name == names.PIN and design.ring.has_sleeves else name
         yield Item(item, part.count, _extent(part), material, "made")
 
 
-def _bought(design: Design) -> Iterator[Item]:
+def _bought(design: Design, cam_seat: float) -> Iterator[Item]:
     ring, output, gear, shaft = design.ring, design.output, design.gear, design.shaft
     if ring.kind == "pin" and not is_printed(design, names.PIN):
         material = _material(design, names.PIN)
@@ -99,7 +101,8 @@ def _bought(design: Design) -> Iterator[Item]:
         size = _round(*sizes, length=gear.face_width)
         yield Item("output_roller", output.pins * gear.discs, size, "", "bought")
     if gear.bearing == "rolling":
-        size = _round(("outside diameter", gear.bore_radius), length=gear.face_width)
+        bore = (("bore", cam_seat),) if cam_seat else ()
+        size = _round(("outside diameter", gear.bore_radius), *bore, length=gear.face_width)
         yield Item("cam_bearing", gear.discs, size, "", "bought")
     seats = bearing_seats(design, crank_stretches(design))
     size = _round(("bore", shaft.radius), length=seats[0][1] - seats[0][0])

@@ -61,7 +61,7 @@ class Plate:
         return {part: found.count(part) for part in dict.fromkeys(found)}
 
 
-def plate(design: Design, chord_error: float) -> Plate:
+def plate(design: Design, chord_error: float, cam_seat: float = 0.0) -> Plate:
     """Lay all parts that are made on a plate, each on its end with the larger face.
 
     Parameters
@@ -70,13 +70,15 @@ def plate(design: Design, chord_error: float) -> Plate:
         The design; its clearances are in the outlines.
     chord_error
         Largest distance of a chord from its curve [m].
+    cam_seat
+        Radius of the bore of the cam's bearing [m], as thick as which cams are made; 0: as its outside.
 
     Raises
     ------
     DesignError
         A part cannot be made, or its mesh is not watertight.
     """
-    lying = [(name, part.count, *_lying(part.solid)) for name, part in made(design, chord_error).items()]
+    lying = [(name, part.count, *_lying(part.solid)) for name, part in made(design, chord_error, cam_seat).items()]
     meshes = [(name, mesh(solid), over) for name, count, solid, over in lying for _ in range(count)]
     boxes = [(shape.vertices.min(axis=0), shape.vertices.max(axis=0)) for _, shape, _ in meshes]
     spots = shelves([(high[0] - low[0], high[1] - low[1]) for low, high in boxes], GAP)

@@ -6,7 +6,9 @@ from cycloid_mj import names
 from cycloid_mj.design import Design
 from cycloid_mj.design.materials import SOFTEST_METAL
 from cycloid_mj.errors import DesignError
-from cycloid_mj.solid import Prism, Solid, circle, output_centres, parts, sleeve_core_radius
+from cycloid_mj.mechanism.reducer import phases
+from cycloid_mj.solid import Prism, Solid, circle, crank_stretches, output_centres, parts, sleeve_core_radius
+from cycloid_mj.solid.polygon import turned
 
 SECOND_OUTPUT = "output_2"
 """The output disc on the motor's side, where both ends of the output pins are held."""
@@ -57,7 +59,7 @@ def in_one_piece(design: Design) -> bool:
     return is_printed(design, names.OUTPUT) and not output.rollers and output.support == "cantilever"
 
 
-def made(design: Design, chord_error: float) -> dict[str, Made]:
+def made(design: Design, chord_error: float, cam_seat: float = 0.0) -> dict[str, Made]:
     """Give every part that is made, in its own frame, by name.
 
     Housing, gears and output are made of whatever material; so is the crank of one disc, and cams and spacers on the
@@ -70,6 +72,8 @@ def made(design: Design, chord_error: float) -> dict[str, Made]:
         The design; its clearances are in the outlines.
     chord_error
         Largest distance of a chord from its curve [m].
+    cam_seat
+        Radius of the bore of the cam's bearing [m], as thick as which cams are made; 0: as its outside, as drawn.
 
     Raises
     ------
@@ -77,6 +81,8 @@ def made(design: Design, chord_error: float) -> dict[str, Made]:
         A part cannot be made.
     """
     solids, discs = parts(design, chord_error), design.gear.discs
+    if cam_seat:
+        solids |= _seated(design, solids, chord_error, cam_seat)
     housing = solids[names.HOUSING]
     wheel, *pressed = housing.prisms
     found = {names.HOUSING: Made(1, Solid(housing.name, (wheel,), housing.density))}
@@ -99,6 +105,29 @@ def output_pin_length(design: Design) -> float:
     """Give the length of an output pin through discs and gaps, with what is pressed into each output disc [m]."""
     output, drawn = design.output, parts(design)[names.OUTPUT].prisms[1]
     return drawn.height + output.disc_thickness * (2 if output.support == "both_ends" else 1)
+
+
+def _seated(design: Design, solids: dict[str, Solid], chord_error: float, seat: float) -> dict[str, Solid]:
+    """Give the parts of the crank that have cams, with cams of the radius `seat` [m]."""
+    gear, discs = design.gear, design.gear.discs
+    least = gear.eccentricity + (design.shaft.radius if discs > 1 else 0.0)
+    if gear.bearing != "rolling":
+        raise DesignError("the cam slides in the gear (gear.bearing = 'plain'): it has no bearing with a bore")
+    if not least < seat < gear.bore_radius:
+        raise DesignError(
+            f"a cam's bearing with a bore of {2e3 * seat:g} mm does not fit: it must be more than {2e3 * least:g} mm, "
+            f"for the eccentric cam, and less than {2e3 * gear.bore_radius:g} mm, its outside (gear.bore_radius_mm)"
+        )
+    cam = circle(seat, chord_error, (0.0, gear.eccentricity))
+    if discs == 1:
+        stretches = zip(crank_stretches(design), solids[names.SHAFT].prisms, strict=True)
+        prisms = [Prism(cam, (), one.z0, one.z1) if name == names.CAM else one for name, one in stretches]
+        return {names.SHAFT: Solid(names.SHAFT, tuple(prisms), solids[names.SHAFT].density)}
+    found = {}
+    for name, phase in zip(names.all_numbered(names.CAM, discs), phases(design), strict=True):
+        (one,) = solids[name].prisms
+        found[name] = Solid(name, (Prism(turned(cam, phase), one.holes, one.z0, one.z1),), solids[name].density)
+    return found
 
 
 def _output(design: Design, drawn: Solid, chord_error: float) -> dict[str, Made]:
