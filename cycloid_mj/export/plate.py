@@ -71,7 +71,7 @@ def plate(design: Design, chord_error: float, cam_seat: float = 0.0) -> Plate:
     chord_error
         Largest distance of a chord from its curve [m].
     cam_seat
-        Radius of the bore of the cam's bearing [m], as thick as which cams are made; 0: as its outside.
+        Radius of cams as they are made, that of their bearing's bore [m]; 0: that of its outside, as drawn.
 
     Raises
     ------
@@ -79,7 +79,7 @@ def plate(design: Design, chord_error: float, cam_seat: float = 0.0) -> Plate:
         A part cannot be made, or its mesh is not watertight.
     """
     lying = [(name, part.count, *_lying(part.solid)) for name, part in made(design, chord_error, cam_seat).items()]
-    meshes = [(name, mesh(solid), over) for name, count, solid, over in lying for _ in range(count)]
+    meshes = [(name, shape, over) for name, count, solid, over in lying for shape in [mesh(solid)] * count]
     boxes = [(shape.vertices.min(axis=0), shape.vertices.max(axis=0)) for _, shape, _ in meshes]
     spots = shelves([(high[0] - low[0], high[1] - low[1]) for low, high in boxes], GAP)
     shifts = [np.array([*spot, 0.0]) - low for spot, (low, _) in zip(spots, boxes, strict=True)]

@@ -73,7 +73,7 @@ def made(design: Design, chord_error: float, cam_seat: float = 0.0) -> dict[str,
     chord_error
         Largest distance of a chord from its curve [m].
     cam_seat
-        Radius of the bore of the cam's bearing [m], as thick as which cams are made; 0: as its outside, as drawn.
+        Radius of cams as they are made, that of their bearing's bore [m]; 0: that of its outside, as drawn.
 
     Raises
     ------
