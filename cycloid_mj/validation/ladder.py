@@ -1,13 +1,11 @@
 """The ladder: every rung's parts, and how they are run, two at a time in processes of their own."""
 
-import multiprocessing
-import os
-import signal
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
+from cycloid_mj.engine import Engine
 from cycloid_mj.errors import CycloidError, CycloidWarning, UsageError
 from cycloid_mj.validation import (
     backlash,
@@ -104,17 +102,11 @@ def climb(parts: Sequence[Part], quick: bool = False, workers: int = WORKERS) ->
     A part that cannot be run gives one row, which fails and says why.
     """
     order = sorted(range(len(parts)), key=lambda number: parts[number].cost[not quick], reverse=True)
-    work = [(number, parts[number], quick) for number in order]
-    workers = min(workers, len(parts), os.cpu_count() or 1)
-    if workers <= 1:
-        yield from map(_run, work)
-        return
-    context = multiprocessing.get_context("spawn")
-    with context.Pool(workers, initializer=_leave_interrupts) as pool:
-        for number, rows, issued in pool.imap_unordered(_run_apart, work):
-            for text in issued:
-                warnings.warn(text, CycloidWarning, stacklevel=2)
-            yield number, rows
+    work = [(parts[number], quick) for number in order]
+    for place, (rows, issued) in Engine(workers).stream(_run, work):
+        for text in issued:
+            warnings.warn(text, CycloidWarning, stacklevel=2)
+        yield order[place], rows
 
 
 def in_order(found: Iterable[tuple[int, list[Row]]]) -> list[Row]:
@@ -122,22 +114,13 @@ def in_order(found: Iterable[tuple[int, list[Row]]]) -> list[Row]:
     return [row for _, rows in sorted(found, key=lambda one: one[0]) for row in rows]
 
 
-def _run(work: tuple[int, Part, bool]) -> tuple[int, list[Row]]:
-    number, part, quick = work
-    try:
-        rows = part.rows(quick)
-    except CycloidError as error:
-        rows = [broken(str(error))]
-    return number, [replace(row, rung=part.rung) for row in rows]
-
-
-def _run_apart(work: tuple[int, Part, bool]) -> tuple[int, list[Row], list[str]]:
-    """Run a part in a process of its own; give also what it was warned of, which would not leave that process."""
+def _run(work: tuple[Part, bool]) -> tuple[list[Row], list[str]]:
+    """Run a part; give also what it was warned of, which would not leave a process of its own."""
+    part, quick = work
     with warnings.catch_warnings(record=True) as issued:
         warnings.simplefilter("always")
-        return *_run(work), [str(one.message) for one in issued]
-
-
-def _leave_interrupts() -> None:
-    """Let the parent alone see Ctrl-C; it ends its workers."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+        try:
+            rows = part.rows(quick)
+        except CycloidError as error:
+            rows = [broken(str(error))]
+    return [replace(row, rung=part.rung) for row in rows], [str(one.message) for one in issued]
