@@ -110,8 +110,9 @@ def structure_told(design: Design) -> str:
     twisting = ", ".join(f"{part} {ARCMINUTE * one:.3g}" for part, one in twisting_stiffness(design).items())
     held = {"cantilever": "at one end", "both_ends": "at both ends"}[design.output.support]
     return (
-        f"output pins bend as beams held {held}, {twisting} N m/arcmin twist, each about its own axis; the shaft's "
-        "bending, the discs' own give and that of all bearings but the cams' are left out"
+        f"output pins bend as beams held {held}, {twisting} N m/arcmin twist, each about its own axis, which adds "
+        "to the output's turn and not to the gear's; the shaft's bending, the discs' own give and that of all bearings "
+        "but the cams' are left out"
     )
 
 

@@ -29,6 +29,7 @@ from cycloid_mj.scene.drawing import gaps
 from cycloid_mj.scene.force import contact_forces
 from cycloid_mj.scene.pose import poses
 from cycloid_mj.stress.loads import part_loads
+from cycloid_mj.structure import wind_up
 from cycloid_mj.units import ARCSECONDS
 
 PIN, PRINTED = PRESETS["pin"], PRESETS["printed"]
@@ -202,6 +203,30 @@ RIGID = PIN.but(ring={"pins": "fixed"})
 @pytest.fixture(scope="module")
 def at_the_ring() -> Design:
     return RIGID.but(output=RING)
+
+
+@pytest.mark.parametrize("turning", ["carrier", "ring"])
+def test_what_twists_turns_the_output_and_not_the_gear(turning: str) -> None:
+    """A carrier that twists more changes the output's turn alone, in statics and in a run, forward and in reverse."""
+    stiff = PRESETS["twodisc"].but(output={"member": turning}, friction=FREE_OF_LOSSES["friction"])
+    torque = stiff.rated_torque
+    stiff = working_at(stiff, torque)
+    soft = stiff.but(springs={"carrier": 1e5})
+    more = wind_up(soft) - wind_up(stiff)
+    assert more > 5e-6
+    found = [windups(one, [0.7], torque)[0] for one in (stiff, soft)]
+    parts = [one.series(design) for one, design in zip(found, (stiff, soft), strict=True)]
+    assert parts[1] == pytest.approx(parts[0] | {"output": parts[0]["output"] + more}, rel=1e-6)
+    assert found[1].gear_turn == pytest.approx(found[0].gear_turn, rel=1e-9)
+    for way, sign in (("forward", 1.0), ("reverse", -1.0)):
+        case = Case("loaded", way, "speed", torque, sign * stiff.drive.speed)
+        first, second = (trace(one, build(one), 0.02, case) for one in (stiff, soft))
+        twist = sign * member.sense(stiff) * more * torque * ARCSECONDS
+        assert second.output - first.output == pytest.approx(np.full(first.output.size, twist), rel=1e-3)
+        assert second.gear == pytest.approx(first.gear, rel=1e-4)
+        solved = ARCSECONDS * member.sense(stiff) * transmission_error(soft, second.crank, sign * torque)
+        assert second.gear.mean() == pytest.approx(solved[:, 0].mean(), rel=0.05)
+        assert second.output.mean() == pytest.approx(solved[:, 1].mean(), rel=0.05)
 
 
 def test_backlash_at_the_ring_is_measured_as_the_programme_has_it(at_the_ring) -> None:

@@ -75,7 +75,9 @@ def loads(design: Design, springs: Springs, torque: float, follow: bool = False)
         lost = sum(float(np.mean(power)) for power in _friction_losses(seen, springs, found).values())
         carried *= torque / (carried + carried / design.lobes + lost / speed)
         found = _balanced(seen, springs, carried, follow)
-    return replace(found, gear_turn=found.output_turn - found.gear_turn, output_turn=of * found.output_turn)
+    # what twists is beyond the contacts: the gear has no share in it, whichever member turns
+    gear_turn = found.output_turn - wind_up(seen) * carried - found.gear_turn
+    return replace(found, gear_turn=gear_turn, output_turn=of * found.output_turn)
 
 
 def _balanced(design: Design, springs: Springs, torque: float, follow: bool) -> Loads:

@@ -15,6 +15,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.loaded.balance import loads
 from cycloid_mj.loaded.springs import springs_of
 from cycloid_mj.mechanism.reducer import phases
+from cycloid_mj.structure import wind_up
 from cycloid_mj.types import Array
 
 LOST_MOTION_SHARE = 0.03
@@ -64,11 +65,11 @@ class Windup:
 def in_series(design: Design, turn: float, gear_turn: float, centre_lead: float) -> dict[str, float]:
     """Tell the parts of a compliance [rad/(N m)] from those of turn, gear and gear's centre [m/(N m)].
 
-    Where the ring turns, the gear turns against a carrier that is held.
+    What twists counts with the output's contacts. Where the ring turns, the gear turns against a carrier that is held.
     """
     cam, of = -centre_lead / (design.gear.eccentricity * design.lobes), member.share(design)
     carrier = turn / of
-    gear = carrier - gear_turn if design.output.turns_ring else gear_turn
+    gear = carrier - wind_up(design) / of - gear_turn if design.output.turns_ring else gear_turn
     return {part: of * seen for part, seen in (("output", carrier - gear), ("cam", cam), ("mesh", gear - cam))}
 
 

@@ -1,0 +1,113 @@
+"""The commands on the presets of a drive with two discs and of a printed one."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from cycloid_mj.cli import main
+
+STATIC = (
+    ("design", "show", "{name}"),
+    ("design", "check", "{name}"),
+    ("design", "new", "mine", "--from", "{name}"),
+    ("statics", "--design", "{name}"),
+    ("tolerance", "--design", "{name}", "--set", 'tolerance.cam="normal 0.5"', "--samples", "4"),
+    ("rate", "--design", "{name}", "--html", "rate.html"),
+    ("kinematics", "--design", "{name}", "--until-s", "0.01", "--csv", "k.csv"),
+    ("profile", "--design", "{name}", "--csv", "p.csv"),
+    ("export", "--design", "{name}", "--format", "dxf", "--out", "parts"),
+)
+OF_A_LOG = (
+    ("analyze", "{log}"),
+    ("plot", "{log}"),
+    ("report", "{log}"),
+    ("animate", "{log}", "film.gif", "--frames", "1", "--width", "320"),
+    ("log", "info", "{log}"),
+    ("log", "columns", "{log}"),
+    ("log", "csv", "{log}", "run.csv", "--columns", "crank_angle"),
+    ("log", "layout", "{log}"),
+    ("log", "repair", "{log}", "again.mcap"),
+)
+SLOW = (
+    ("datasheet", "--design", "{name}", "--out", "sheet"),
+    ("reduce", "--design", "{name}", "--out", "joint"),
+    ("build", "--design", "{name}", "--out", "model"),
+    ("export", "--design", "{name}", "--format", "stl", "--out", "parts"),
+    ("export", "--design", "{name}", "--format", "obj", "--out", "parts"),
+    ("sweep", "--design", "{name}", "--vary", "clearance.cam_um=5,20", "--out", "sweep", "--workers", "1"),
+    *(("measure", one, "--design", "{name}", "--quick") for one in ("te", "backlash", "lost-motion", "loads")),
+    ("measure", "torque", "{name}", "--quick"),
+)
+NAMES = ("twodisc", "printed")
+
+
+@pytest.fixture
+def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
+    """Call a command in a folder of its own, and give what it printed."""
+    monkeypatch.chdir(tmp_path)
+
+    def called(words: tuple[str, ...], **filling: str) -> str:
+        assert main([word.format(**filling) if "{" in word else word for word in words]) == 0
+        found = capsys.readouterr()
+        assert "Traceback" not in found.err
+        return found.out
+
+    return called
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("words", STATIC, ids=lambda words: "_".join(words[:2]))
+def test_a_static_command_takes_the_preset(words: tuple[str, ...], name: str, call: Callable[..., str]) -> None:
+    call(words, name=name)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("words", SLOW, ids=lambda words: "_".join(words[:2]))
+def test_a_long_command_takes_the_preset(words: tuple[str, ...], name: str, call: Callable[..., str]) -> None:
+    call(words, name=name)
+
+
+@pytest.fixture(scope="module")
+def logs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """Run each preset for a moment, and give its log."""
+    folder = tmp_path_factory.mktemp("logs")
+    for name, hold in zip(NAMES, ("0.03", "0.15"), strict=True):
+        out = ["--out", str(folder), "--quiet"]
+        assert main(["simulate", "--design", name, "--ramp-s", "0", "--hold-s", hold, "--load-nm", "10", *out]) == 0
+    return {name: str(folder / f"{name}.mcap") for name in NAMES}
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("words", OF_A_LOG, ids=lambda words: "_".join(words[:2]).replace("{", "").replace("}", ""))
+def test_a_command_takes_a_log_of_the_preset(
+    words: tuple[str, ...], name: str, logs: dict[str, str], call: Callable[..., str]
+) -> None:
+    call(words, log=logs[name])
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_viewer_without_a_display_is_one_line(
+    name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for variable in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(variable, raising=False)
+    assert main(["view", name]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_statics_states_what_each_disc_carries(capsys: pytest.CaptureFixture[str]) -> None:
+    held = ["--set", "structure=springs", "--set", "output.support=cantilever"]
+    assert main(["statics", "--design", "twodisc", "--json"]) == 0
+    even = json.loads(capsys.readouterr().out)["quantities"]
+    assert main(["statics", "--design", "twodisc", *held, "--json"]) == 0
+    uneven = json.loads(capsys.readouterr().out)["quantities"]
+    assert even["disc_1_share"]["value"] == pytest.approx(0.5, rel=0.01)
+    # from their roots beside disc 2 the pins give way to disc 1 far more
+    assert uneven["disc_1_share"]["value"] < 0.4
+    assert uneven["disc_1_share"]["value"] + uneven["disc_2_share"]["value"] == pytest.approx(1.0)
+    assert uneven["stiffness_ideal"]["value"] < even["stiffness_ideal"]["value"]
+    assert uneven["stiffness_contacts"]["value"] == pytest.approx(even["stiffness_contacts"]["value"])
+    assert "output_bearing_far_force" not in uneven
