@@ -5,6 +5,7 @@ several: ``gear_2_cam``; a drive of one disc has a ``gear`` and a ``cam``.
 """
 
 import re
+from functools import cache
 
 REDUCER, PINS, FORCES = "/reducer", "/pins", "/forces"
 """Topics of a log."""
@@ -61,6 +62,7 @@ def number_of(pair: str) -> int:
     return int(pair.rpartition("_")[2]) if pair[-1].isdigit() else 1
 
 
+@cache
 def disc_of(pair: str) -> int:
     """Give the index of the disc that a mating pair is of, by its name: 0, 1, ...; 0 where it is of none."""
     found = _OF_DISC.match(pair)

@@ -655,7 +655,7 @@ MOTION = ("kinematics", "--design", "pin", "--csv", "x.csv")
         (("frob",), ("frob", "simulate")),
         (("simulat",), ("did you mean", "simulate")),
         (("sim",), ("did you mean simulate?",)),
-        (("re",), ("did you mean report or render or reproduce?",)),
+        (("re",), ("did you mean report or render or reduce or reproduce?",)),
         (("measure", "frob"), ("'frob'", "te, backlash", "vibration", "measure --help")),
         (("measure", "los"), ("did you mean lost-motion?",)),
         (("log", "frob"), ("'frob'", "info", "layout")),

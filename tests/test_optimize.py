@@ -142,7 +142,7 @@ def test_figures_are_those_of_statics_and_of_the_checks() -> None:
     assert set(whole) <= set(there)
     for key in ("backlash", "pin_gear_pressure", "efficiency", "output_peak_to_peak_loaded_forward_speed"):
         assert there[key][1].value == whole[key].value
-    assert sheet_part(PIN, "loads")["least_convex_radius_mm"] == whole["least_convex_radius_mm"]
+    assert sheet_part(PIN, "loads")["capacity"] == whole["capacity"]
     gear = CycloidGear(
         PIN.ring.teeth,
         *(

@@ -66,12 +66,12 @@ def test_the_period_is_that_of_inertia_on_stiffness() -> None:
     known = 2.0 * math.pi * math.sqrt(moving_inertia(loaded) / closed_stiffness(loaded))
     assert swing_period(loaded) == pytest.approx(known)
     ring = PRINTED.but(output={"member": "ring"})
-    assert moving_inertia(ring) > 1.5 * moving_inertia(PRINTED)
+    assert moving_inertia(ring) > 1.3 * moving_inertia(PRINTED)
     assert closed_stiffness(ring) == pytest.approx((14 / 13) ** 2 * closed_stiffness(PRINTED), rel=0.05)
 
 
 def test_the_depth_allowed_follows_the_load_and_stays_below_the_teeth() -> None:
-    heavy = PRINTED.but(load={"torque": 25.0})
+    heavy = PRINTED.but(load={"torque": 20.0})
     pressed = [working_force(heavy, kind) / contact_stiffness(heavy, kind) for kind in heavy.pair_kinds]
     assert deepest(heavy) == pytest.approx(10.0 * max(pressed))
     assert deepest(heavy) > 2.0 * DEEPEST

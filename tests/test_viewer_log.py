@@ -24,13 +24,14 @@ from cycloid_mj.errors import CycloidError, LogError, UsageError
 from cycloid_mj.log import LogWriter, load, read
 from cycloid_mj.log import write as write_run
 from cycloid_mj.log.viewer import due
+from cycloid_mj.names import gears
 from cycloid_mj.record import Run
 from cycloid_mj.scene import RATE, Scene, contact_forces, poses, ring_places
 from cycloid_mj.scene.glb import CREASE, glb
 from cycloid_mj.scene.layout import layout
 from cycloid_mj.scene.messages import FORCES, FRAMES, PARTS, ROOT
 from cycloid_mj.scene.shape import CHORD_ERROR, shapes
-from cycloid_mj.solid import mass_properties, parts
+from cycloid_mj.solid import carried, mass_properties, parts
 from cycloid_mj.solid.gear import tooth_profile
 
 DATA = Path(__file__).parent / "data"
@@ -142,15 +143,20 @@ def test_scene_has_every_part_once_in_its_own_frame(logged):
 def test_parts_are_the_solids_seen_through_a_gltf_viewer(kind):
     """Foxglove turns glTF's y to its z; what it then shows has the volume and the place of the solid."""
     design = PRESETS[kind]
+    solids = parts(design, CHORD_ERROR)
+    planes = dict(zip(gears(design.gear.discs), design.gear.disc_planes, strict=True))
     to_z_up = np.array([[1.0, 0, 0, 0], [0, 0, -1.0, 0], [0, 1.0, 0, 0], [0, 0, 0, 1.0]])
     for name, pieces in shapes(design).items():
         scene = trimesh.load_scene(trimesh.util.wrap_as_stream(glb(pieces)), file_type="glb")
         mesh = scene.to_mesh().apply_transform(to_z_up)
         mesh.merge_vertices(merge_norm=True)
-        truth = mass_properties(parts(design, CHORD_ERROR)[name])
+        stands = [(name, planes.get(name, 0.0)), *(carried(design).values() if name == "shaft" else ())]
+        truths = [(mass_properties(solids[part]), z) for part, z in stands]
+        volume = sum(truth.volume for truth, _ in truths)
+        centroid = sum(truth.volume * (truth.centroid + np.array([0.0, 0.0, z])) for truth, z in truths) / volume
         assert mesh.is_watertight, name
-        assert mesh.volume == pytest.approx(truth.volume, rel=2e-6)  # single precision
-        np.testing.assert_allclose(mesh.center_mass, truth.centroid, atol=1e-8)
+        assert mesh.volume == pytest.approx(volume, rel=2e-6)  # single precision
+        np.testing.assert_allclose(mesh.center_mass, centroid, atol=1e-8)
         corners = np.concatenate([piece.mesh.vertices for piece in pieces])
         np.testing.assert_allclose(mesh.bounds, [corners.min(axis=0), corners.max(axis=0)], atol=1e-8)
 

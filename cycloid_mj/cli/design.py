@@ -37,7 +37,7 @@ DiscsFlag = Annotated[int | None, Parameter(help="Discs on the crank of a new si
 
 EXAMPLES = """Examples:
   cycloid-mj design new mine --ratio 20 --diameter-mm 60 --torque-nm 5
-  cycloid-mj design new pair --ratio 29 --diameter-mm 80 --torque-nm 20 --discs 2
+  cycloid-mj design new two --ratio 9 --diameter-mm 80 --torque-nm 9 --discs 2
   cycloid-mj design new my --from nonpin
   cycloid-mj design check my.toml --set ring.pin_radius_mm=2
   cycloid-mj design check nonpin --json
