@@ -103,7 +103,8 @@ def climb(parts: Sequence[Part], quick: bool = False, workers: int = WORKERS) ->
     """
     order = sorted(range(len(parts)), key=lambda number: parts[number].cost[not quick], reverse=True)
     work = [(parts[number], quick) for number in order]
-    for place, (rows, issued) in Engine(workers).stream(_run, work):
+    # a single part needs no process of its own
+    for place, (rows, issued) in Engine(workers if len(work) > 1 else 1).stream(_run, work):
         for text in issued:
             warnings.warn(text, CycloidWarning, stacklevel=2)
         yield order[place], rows
