@@ -523,6 +523,39 @@ def test_kinematics_takes_ramp_hold_and_one_degree_by_default(tmp_path):
     assert np.array_equal(rows[:, 1], law.angle_at(rows[:, 0]))
 
 
+# --- changes of the design --------------------------------------------------------------------------------------------
+
+
+def test_kinematics_and_profile_take_changes_of_the_design(tmp_path):
+    file = tmp_path / "k.csv"
+    argv = ("--until-s", "0.002", "--step-s", "0.001", "--csv", str(file))
+    assert (
+        told("kinematics", "--design", "pin", "--set", "drive.ramp_s=0", "--set", "drive.speed_rpm=600", *argv)[0] == 0
+    )
+    _, rows = table_of(file)
+    assert rows[:, 1] == pytest.approx(20.0 * math.pi * np.array([0.0, 0.001, 0.002]))
+    assert told("kinematics", "--design", "pin", "--set", "drive.speed_rpm=600", "--speed-rpm", "60", *argv)[0] == 0
+    assert table_of(file)[1][-1, 1] == pytest.approx(2.0 * math.pi * 0.002**2 / 2.0)
+    outline = tmp_path / "p.csv"
+    assert told("profile", "--design", "pin", "--set", "ring.pin_radius_mm=2", "--csv", str(outline))[0] == 0
+    largest = np.hypot(*table_of(outline)[1][:, :2].T).max()
+    assert largest == pytest.approx(40.75 - 2.0 + 1.0, abs=1e-9)
+
+
+def test_design_show_takes_changes_and_forgets_their_reasons():
+    _, shown, _ = told("design", "show", "twodisc", "--set", "gear.disc_gap_mm=5")
+    assert loads(shown) == PRESETS["twodisc"].but(gear={"disc_gap": 0.005})
+    (line,) = [line for line in shown.splitlines() if line.startswith("disc_gap_mm")]
+    assert "worked calculation" not in line
+    assert "worked calculation" in next(line for line in shown.splitlines() if line.startswith("face_width_mm"))
+
+
+@pytest.mark.parametrize("words", [("kinematics", "--csv", "x.csv"), ("profile", "--csv", "x.csv")], ids=lambda w: w[0])
+def test_a_change_that_no_design_takes_is_wrong_usage(words):
+    code, message = rejected(*words, "--design", "pin", "--set", "ring.teth=3")
+    assert (code, "ring.teth" in message) == (2, True)
+
+
 # --- files ------------------------------------------------------------------------------------------------------------
 
 

@@ -10,7 +10,7 @@ from cyclopts import App, Parameter
 
 from cycloid_mj.cli.flags import NAMES, JsonFlag, SetFlag, designed
 from cycloid_mj.cli.terminal import say, say_json
-from cycloid_mj.design import PRESETS, Design, dump, override, reasons, resolve
+from cycloid_mj.design import PRESETS, Design, dump, override, reasons
 from cycloid_mj.errors import CycloidError, UsageError
 from cycloid_mj.whole import write_whole
 
@@ -41,7 +41,8 @@ EXAMPLES = """Examples:
   cycloid-mj design new my --from nonpin
   cycloid-mj design check my.toml --set ring.pin_radius_mm=2
   cycloid-mj design check nonpin --json
-  cycloid-mj design show pin"""
+  cycloid-mj design show pin
+  cycloid-mj design show twodisc --set gear.disc_gap_mm=5"""
 
 
 def commands(sort_key: int) -> App:
@@ -121,13 +122,13 @@ def _carried(design: Design) -> list[str]:
     return [*(_lines(summed, _rated(design)) if summed else []), *(f"{_word(item)}  {item}" for item in found)]
 
 
-def show(design: DesignName, /) -> int:
-    """Print the complete, commented design file of a preset or of a file.
+def show(design: DesignName, /, *, set_: SetFlag = ()) -> int:
+    """Print the complete, commented design file of a preset or of a file, with the changes of --set.
 
     Each value that the paper (Hsieh 2014) does not give is marked as
     assumed. A file may leave keys out: they keep the values of the preset pin.
     """
-    found = resolve(design)
+    found = designed(design, set_, ())
     say(dump(found, reasons(design, found)).rstrip("\n"))
     return 0
 

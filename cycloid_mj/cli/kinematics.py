@@ -5,7 +5,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import MOST_ROWS, RAMP, SPEED, DesignFlag, PointFlag, designed, point, within
+from cycloid_mj.cli.flags import FLAT, MOST_ROWS, RAMP, SPEED, DesignOptions, PointFlag, point, within
 from cycloid_mj.cli.outfile import STDOUT, Columns, CsvFlag, write_csv
 from cycloid_mj.cli.terminal import tell
 from cycloid_mj.design import Design
@@ -13,7 +13,8 @@ from cycloid_mj.errors import UsageError
 
 EXAMPLES = """Examples:
   cycloid-mj kinematics --design pin --q 0,24 --csv q.csv
-  cycloid-mj kinematics --design pin --q 26,0 --ramp-s 0 --until-s 0.1 --csv -"""
+  cycloid-mj kinematics --design pin --q 26,0 --ramp-s 0 --until-s 0.1 --csv -
+  cycloid-mj kinematics --design twodisc --set output.member=ring --csv q.csv"""
 
 SHORTEST, LONGEST = 1e-12, 1e6
 ROUNDING = 1e-6
@@ -41,7 +42,7 @@ StepFlag = Annotated[
 
 def kinematics(
     *,
-    design: DesignFlag,
+    chosen: Annotated[DesignOptions, FLAT],
     q: PointFlag = None,
     csv: CsvFlag,
     ramp_s: Annotated[float | None, RAMP.flag("Duration of the linear ramp from rest; 0: full speed at once")] = None,
@@ -59,8 +60,8 @@ def kinematics(
     Samples are at the times k DT, k = 0, 1, ..., up to T. Numbers have every
     digit.
     """
-    chosen = designed(design, (), [(RAMP, ramp_s), (SPEED, speed_rpm)])
-    columns = _motion(chosen, point(q) or (0.0, chosen.output.pin_circle_radius), until_s, step_s)
+    design = chosen.resolved([(RAMP, ramp_s), (SPEED, speed_rpm)])
+    columns = _motion(design, point(q) or (0.0, design.output.pin_circle_radius), until_s, step_s)
     write_csv(csv, columns)
     if csv != STDOUT:
         tell(f"wrote {len(columns['t_s'])} samples to {csv}")

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import MOST_ROWS, DesignFlag, designed, whole, within
+from cycloid_mj.cli.flags import FLAT, MOST_ROWS, DesignOptions, whole, within
 from cycloid_mj.cli.outfile import STDOUT, Columns, CsvFlag, write_csv
 from cycloid_mj.cli.terminal import tell
 from cycloid_mj.design import Design
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 EXAMPLES = """Examples:
   cycloid-mj profile --design pin --csv gear.csv --points 7000
+  cycloid-mj profile --design pin --set ring.pin_radius_mm=2 --csv gear.csv
   cycloid-mj profile --design nonpin --part ring --csv -
   cycloid-mj profile --design nonpin --part curvature --csv lines.csv"""
 
@@ -41,7 +42,13 @@ PartFlag = Annotated[
 ]
 
 
-def profile(*, design: DesignFlag, csv: CsvFlag, points: PointsFlag = None, part: PartFlag = "gear") -> int:
+def profile(
+    *,
+    chosen: Annotated[DesignOptions, FLAT],
+    csv: CsvFlag,
+    points: PointsFlag = None,
+    part: PartFlag = "gear",
+) -> int:
     """Write the outline of the gear as CSV, for CAD or for a check.
 
     Columns: x_mm, y_mm, nx, ny (outward unit normal), curvature_per_mm
@@ -66,8 +73,7 @@ def profile(*, design: DesignFlag, csv: CsvFlag, points: PointsFlag = None, part
     teeth's working force at the rated torque: working_force.*_n and
     contact.working_force_n, or ideal sharing).
     """
-    chosen = designed(design, (), ())
-    columns = {"gear": _gear, "ring": _ring, "curvature": _curvature}[part](chosen, points)
+    columns = {"gear": _gear, "ring": _ring, "curvature": _curvature}[part](chosen.resolved(), points)
     write_csv(csv, columns)
     if csv != STDOUT:
         tell(f"wrote {len(columns['x_mm'])} points to {csv}")
