@@ -36,6 +36,9 @@ DRIVE, LOAD = "drive", "load"
 SPACER = "spacer"
 """The ring on the crank between two discs, a part of the shaft."""
 
+ROLLER = "output_roller"
+"""What turns on an output pin in a disc's hole, a part of the output."""
+
 TEETH, BORE, CAM, HOLE, OUTPUT_PIN = "teeth", "bore", "cam", "hole", "output_pin"
 LOBE, SOCKET, SLEEVE, CORE = "lobe", "socket", "sleeve", "core"
 """Surfaces, with those of ``PIN``; a mating pair is named after one of its two."""

@@ -5,6 +5,7 @@ import importlib
 import io
 import itertools
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -267,6 +268,21 @@ def test_the_crank_of_several_discs_comes_apart_in_named_parts() -> None:
     for name in ("spacer", "cam_2"):
         hole = sections[name][0].loops[1][0]
         assert hole == Circle((0.0, 0.0), THREE.shaft.radius)
+
+
+def test_rollers_of_output_pins_are_tubes_in_every_format() -> None:
+    """Where their cores are given; the pins of the output that they turn on are as thick as those."""
+    pytest.importorskip("gmsh")
+    design = PRESETS["printed"]
+    sections, true = part_sections(design), mass_properties(parts(design)["output_roller"]).volume
+    (tube,) = sections["output_roller"]
+    assert [loop[0] for loop in tube.loops] == [Circle((0.0, 0.0), 4.5e-3), Circle((0.0, 0.0), 2.5e-3)]
+    assert (tube.z0, tube.z1) == (-12.5e-3, 12.5e-3)
+    assert {section.loops[0][0].radius for section in sections["output"] if section.name == "pins"} == {2.5e-3}
+    assert read_volume(step_part("output_roller", (tube,))) == pytest.approx(true, rel=1e-6)
+    assert true == pytest.approx(math.pi * (4.5**2 - 2.5**2) * 25.0 * 1e-9, rel=1e-6)
+    assert "output_roller.stl" in export(design, "stl", 1e-5).files
+    assert "output_roller.dxf" in export(design, "dxf").files
 
 
 def test_step_of_a_sleeved_pinwheel_holds_its_pins() -> None:

@@ -9,9 +9,11 @@ import trimesh
 from matplotlib.path import Path as PolygonPath
 
 from cycloid_mj import profile
+from cycloid_mj.checks.summary import masses
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import DesignError
 from cycloid_mj.kinematics import gear_centre, gear_rotation
+from cycloid_mj.mjcf import build
 from cycloid_mj.solid import (
     VISUAL_CHORD_ERROR,
     Prism,
@@ -530,3 +532,40 @@ def test_a_chord_error_that_is_not_positive_is_refused(chord_error: float) -> No
     for builder in (gear_solid, pin_solid, housing_solid, shaft_solid, output_solid):
         with pytest.raises(DesignError, match=r"chord error .* must be positive"):
             builder(PIN, chord_error)
+
+
+@pytest.mark.parametrize("discs", [1, 2])
+def test_rollers_are_parts_of_their_own_where_their_cores_are_given(discs: int) -> None:
+    """The output that moves weighs discs, cores and rollers, each by its closed form, and turns with all of them."""
+    design = override(PIN, [f"gear.discs={discs}", "output.core_radius_mm=2.5", "output.support=both_ends"])
+    found, output, gear = parts(design), design.output, design.gear
+    (roller,) = found["output_roller"].prisms
+    assert (roller.z0, roller.z1) == (-gear.face_width / 2, gear.face_width / 2)
+    density, orbit = design.material_of("output").density, output.pin_circle_radius
+    rim, eye = orbit + 1.5 * output.pin_radius, gear.bore_radius + gear.eccentricity
+    tube = math.pi * density * gear.face_width * (output.pin_radius**2 - output.core_radius**2)
+    core = math.pi * density * (gear.stack_width + 2e-3) * output.core_radius**2
+    plate = math.pi * density * output.disc_thickness
+    apart = mass_properties(found["output"])
+    whole = mass_properties(body_solids(design)["output"])
+    assert mass_properties(found["output_roller"]).mass == pytest.approx(tube, rel=CLOSED_FORM)
+    assert apart.mass == pytest.approx(plate * (2.0 * rim**2 - eye**2) + output.pins * core, rel=CLOSED_FORM)
+    assert whole.mass == pytest.approx(apart.mass + output.pins * discs * tube, rel=CLOSED_FORM)
+    turning = tube * (orbit**2 + 0.5 * (output.pin_radius**2 + output.core_radius**2))
+    assert whole.inertia[2, 2] == pytest.approx(apart.inertia[2, 2] + output.pins * discs * turning, rel=CLOSED_FORM)
+    assert whole.centroid[2] * whole.mass == pytest.approx(apart.centroid[2] * apart.mass, rel=1e-6)
+    assert masses(design)["output_roller"] == pytest.approx(output.pins * discs * tube, rel=1e-3)
+    body = build(design).model.body("output")
+    assert body.mass[0] == whole.mass
+    assert body.geomnum[0] >= 1 + output.pins * discs
+
+
+@pytest.mark.parametrize("name", ["pin", "nonpin", "twodisc"])
+def test_without_a_core_pin_and_roller_are_one_solid(name: str) -> None:
+    design = PRESETS[name]
+    found = parts(design)
+    assert "output_roller" not in found
+    assert body_solids(design)["output"] is found["output"]
+    pins = found["output"].prisms[1 : 1 + design.output.pins]
+    radii = [np.hypot(*(pin.outline - pin.outline.mean(axis=0)).T).max() for pin in pins]
+    assert radii == pytest.approx([design.output.pin_radius] * len(pins))

@@ -150,10 +150,10 @@ def test_parts_are_the_solids_seen_through_a_gltf_viewer(kind):
         scene = trimesh.load_scene(trimesh.util.wrap_as_stream(glb(pieces)), file_type="glb")
         mesh = scene.to_mesh().apply_transform(to_z_up)
         mesh.merge_vertices(merge_norm=True)
-        stands = [(name, planes.get(name, 0.0)), *(carried(design).values() if name == "shaft" else ())]
-        truths = [(mass_properties(solids[part]), z) for part, z in stands]
+        own = np.array([0.0, 0.0, planes.get(name, 0.0)])
+        truths = [(mass_properties(solids[part]), at) for part, at in [(name, own), *carried(design, name).values()]]
         volume = sum(truth.volume for truth, _ in truths)
-        centroid = sum(truth.volume * (truth.centroid + np.array([0.0, 0.0, z])) for truth, z in truths) / volume
+        centroid = sum(truth.volume * (truth.centroid + at) for truth, at in truths) / volume
         assert mesh.is_watertight, name
         assert mesh.volume == pytest.approx(volume, rel=2e-6)  # single precision
         np.testing.assert_allclose(mesh.center_mass, centroid, atol=1e-8)

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from cycloid_mj import names
 from cycloid_mj.checks.rated import rated
 from cycloid_mj.contact.pressure import YIELD_PRESSURE, pair_strength
 from cycloid_mj.design import Design, material_limits
@@ -99,8 +100,9 @@ def _backlash(design: Design) -> float:
 
 
 def masses(design: Design) -> dict[str, float]:
-    """Give the masses of the parts [kg] by their names, every ring pin (or sleeve) and every spacer counted."""
-    counts = {"pin": design.ring.teeth, "spacer": design.gear.discs - 1}
+    """Give the masses of the parts [kg] by their names, every ring pin (or sleeve), spacer and roller counted."""
+    discs = design.gear.discs
+    counts = {names.PIN: design.ring.teeth, names.SPACER: discs - 1, names.ROLLER: design.output.pins * discs}
     return {
         name: mass_properties(solid).mass * counts.get(name, 1) for name, solid in parts(design, CHORD_ERROR).items()
     }

@@ -89,9 +89,12 @@ def export(
 
     Parts: housing, shaft, gear, output, and pin (one of N) where the ring has
     pins. Several discs are gear_1, gear_2, ..., on a crank built up of the
-    shaft, cam_1, cam_2, ... and spacer. The outlines contain the clearances that the design asks for; what
-    they really contain is measured and told. A part that is not watertight, or
-    has the wrong volume or clearance, is an error and writes nothing.
+    shaft, cam_1, cam_2, ... and spacer. Rollers of output pins are output_roller
+    (one for each pin and disc) where output.core_radius_mm is given; else pin and
+    roller are one cylinder of the output. The outlines contain the clearances that
+    the design asks for; what they really contain is measured and told. A part that
+    is not watertight, or has the wrong volume or clearance, is an error and writes
+    nothing.
 
     On the plate, each part stands on its larger end. Ring pins, sleeves, output
     pins and the straight shaft of several discs are on it if they are of a

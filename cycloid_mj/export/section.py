@@ -17,6 +17,7 @@ from cycloid_mj.solid import (
     output_centres,
     output_solid,
     parts,
+    pin_radius,
     sleeve_core_radius,
     spacer_radius,
 )
@@ -51,7 +52,7 @@ def part_sections(design: Design, splines: int = 1) -> dict[str, tuple[Section, 
     DesignError
         A part cannot be made.
     """
-    parts(design, VISUAL_CHORD_ERROR)  # refuses what does not fit together
+    solids = parts(design, VISUAL_CHORD_ERROR)  # refuses what does not fit together
     half, width = design.gear.stack_width / 2.0, design.gear.face_width / 2.0
     ring = _internal_gear(design, splines) if design.ring.kind == "nonpin" else _pinwheel(design)
     wheel = Section("housing", ((_circle(design.housing.outer_radius),), ring), -half, half)
@@ -64,6 +65,9 @@ def part_sections(design: Design, splines: int = 1) -> dict[str, tuple[Section, 
     if design.ring.kind == "pin":
         bore = ((_circle(design.ring.sleeve_bore_radius),),) if design.ring.has_sleeves else ()
         found["pin"] = (Section("pin", ((_circle(design.ring.pin_radius),), *bore), -half, half),)
+    if names.ROLLER in solids:
+        tube = ((_circle(design.output.pin_radius),), (_circle(design.output.core_radius),))
+        found[names.ROLLER] = (Section("roller", tube, -width, width),)
     return found
 
 
@@ -192,7 +196,7 @@ def _output(design: Design) -> tuple[Section, ...]:
     rim = float(np.linalg.norm(disc.outline, axis=1).max())
     centres = output_centres(design)
     pins, second = others[: len(centres)], others[len(centres) :]
-    pin, eye = design.output.pin_radius, design.gear.bore_radius + design.gear.eccentricity
+    pin, eye = pin_radius(design), design.gear.bore_radius + design.gear.eccentricity
     return (
         Section("disc", ((_circle(rim),),), disc.z0, disc.z1),
         *(

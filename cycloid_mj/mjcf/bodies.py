@@ -29,6 +29,7 @@ COLOURS = {
     names.OUTPUT: (0.36, 0.62, 0.42, 1.0),
     names.CAM: (0.90, 0.72, 0.36, 1.0),
     names.SPACER: (0.62, 0.52, 0.34, 1.0),
+    names.ROLLER: (0.72, 0.84, 0.74, 1.0),
 }
 """Of what a part is; see `colour`."""
 
@@ -55,7 +56,7 @@ def add_shapes(spec: Any, reducer: Mechanism) -> None:
     """Add to the bodies what is seen, by meshes named as the parts, and the cylinders for the exact collider."""
     planes = {body.name: body.plane for body in reducer.bodies}
     for body in reducer.bodies:
-        for part, z in seen(reducer.design, body):
+        for part, place in seen(reducer.design, body):
             spec.body(body.name).add_geom(
                 type=mujoco.mjtGeom.mjGEOM_MESH,
                 meshname=part,
@@ -64,7 +65,7 @@ def add_shapes(spec: Any, reducer: Mechanism) -> None:
                 conaffinity=0,
                 mass=0.0,
                 rgba=list(colour(part)),
-                pos=[0.0, 0.0, z],
+                pos=point(place[:2], float(place[2])),
             )
     for surfaces in reducer.surfaces:
         middle, half_width = span(reducer.design, surfaces)
@@ -89,9 +90,9 @@ def crank_inertia(design: Design, shaft: MassProperties) -> float:
     return float(shaft.inertia[2, 2] + shaft.mass * np.sum(shaft.centroid[:2] ** 2) + design.drive.rotor_inertia)
 
 
-def seen(design: Design, body: Body) -> list[tuple[str, float]]:
-    """Give the parts that a body is seen by, and how far up z each is in its frame [m]."""
-    return [(body.part, 0.0), *(carried(design).values() if body.part == names.SHAFT else ())]
+def seen(design: Design, body: Body) -> list[tuple[str, Array]]:
+    """Give the parts that a body is seen by, and the place (x, y, z) of each in its frame, shape (3,) [m]."""
+    return [(body.part, np.zeros(3)), *carried(design, body.part).values()]
 
 
 def colour(part: str) -> Colour:

@@ -172,9 +172,9 @@ def _add_visuals(spec: Any, reducer: Mechanism) -> None:
 
 def _homes(reducer: Mechanism, part: str) -> Iterator[tuple[str, list[float]]]:
     """Give the body that each copy of a part belongs to, and its place in it [m]."""
-    shown = [(body.name, z) for body in reducer.bodies for one, z in seen(reducer.design, body) if one == part]
-    for body, z in shown:
-        yield body, point(np.zeros(2), z)
+    shown = [(body.name, at) for body in reducer.bodies for one, at in seen(reducer.design, body) if one == part]
+    for body, at in shown:
+        yield body, point(at[:2], float(at[2]))
     if not shown:  # pins that do not move belong to the housing
         ring = tooth_profile(reducer.design)
         for place in ring.pin_circle_radius * profile.unit(profile.pin_angles(ring)):

@@ -18,7 +18,7 @@ from cycloid_mj.names import HOUSING, OUTPUT, SHAFT, gears, planar_joints
 from cycloid_mj.plots.style import BLACK, BLUE, GREEN, PURPLE, VERMILION, styled
 from cycloid_mj.record import Run
 from cycloid_mj.scene import ContactForces, cams, contact_forces, moved, poses, ring_places
-from cycloid_mj.solid import VISUAL_CHORD_ERROR, Prism, output_centres, parts, sleeve_core_radius
+from cycloid_mj.solid import VISUAL_CHORD_ERROR, Prism, output_centres, parts, pin_radius, sleeve_core_radius
 from cycloid_mj.types import Array
 
 CRANK_ANGLE = math.radians(35.0)
@@ -122,6 +122,8 @@ def _draw_parts(axes: Axes, design: Design, place: Mapping[str, Array]) -> None:
         draw_region(axes, solids[gear].prisms[0], "gear", place[gear], 1.0 if disc == 0 else BEFORE_OTHERS)
     for centre in moved(place[OUTPUT], output_centres(design)):
         draw_disc(axes, centre, design.output.pin_radius, "output")
+        if design.output.has_roller_parts:
+            draw_disc(axes, centre, pin_radius(design), "output")
     for disc, cam in enumerate(cams(design, place[SHAFT][np.newaxis])[0]):
         draw_disc(axes, cam, design.gear.bore_radius, "cam", 1.0 if disc == 0 else BEFORE_OTHERS)
     draw_disc(axes, axis, design.shaft.radius, "shaft")

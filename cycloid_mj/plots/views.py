@@ -14,7 +14,7 @@ from cycloid_mj.names import GEAR, HOUSING, OUTPUT, PIN, SHAFT, family, gears
 from cycloid_mj.plots.dimension import TEXT, along, leader
 from cycloid_mj.plots.mechanism import LOOKS, draw_disc, draw_region
 from cycloid_mj.scene import ring_places
-from cycloid_mj.solid import Prism, body_solids, output_centres, parts, sleeve_core_radius
+from cycloid_mj.solid import Prism, body_solids, output_centres, parts, pin_radius, sleeve_core_radius
 from cycloid_mj.solid.cut import cut
 from cycloid_mj.solid.polygon import turned
 from cycloid_mj.types import Array
@@ -60,6 +60,8 @@ def _front(axes: Axes, design: Design, outer: float) -> None:
     draw_region(axes, solids[name].prisms[0], "gear", np.array([*centre, 0.0]))
     for place in output_centres(design):
         draw_disc(axes, place, output.pin_radius, "output")
+        if output.has_roller_parts:
+            draw_disc(axes, place, pin_radius(design), "output")
     draw_disc(axes, centre, design.gear.bore_radius, "cam")
     draw_disc(axes, here[:2], design.shaft.radius, "shaft")
     for radius in (ring.pin_circle_radius, output.pin_circle_radius):

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.design import Design
-from cycloid_mj.names import OUTPUT, SHAFT, family, gears
+from cycloid_mj.names import OUTPUT, ROLLER, SHAFT, SPACER, family, gears
 from cycloid_mj.solid import Mesh, Solid, carried, mesh, parts
 from cycloid_mj.solid.tint import Colour, tinted
+from cycloid_mj.types import Array
 
 CHORD_ERROR = 1e-5
 """Largest distance of a drawn chord from its curve [m]."""
@@ -19,7 +20,8 @@ COLOURS: dict[str, Colour] = {
     "pin": (0.83, 0.84, 0.86, 1.0),
     "output": (0.36, 0.62, 0.42, 1.0),
     "cam": (0.90, 0.72, 0.36, 1.0),
-    "spacer": (0.62, 0.52, 0.34, 1.0),
+    SPACER: (0.62, 0.52, 0.34, 1.0),
+    ROLLER: (0.72, 0.84, 0.74, 1.0),
     "disc": (0.36, 0.62, 0.42, 0.25),
 }
 
@@ -37,26 +39,29 @@ def shapes(design: Design) -> dict[str, tuple[Piece, ...]]:
     """Give housing, shaft, gears, pin (where the ring has pins) and output, each in the frame of its pose in the plane.
 
     The disc of the output is a piece of its own that can be seen through: the mechanism is looked at from its side,
-    where x points right and y up. A built-up crank is the shaft with its cams and spacers; several discs stand in their
-    planes.
+    where x points right and y up. A built-up crank is the shaft with its cams and spacers, the output has its rollers;
+    several discs stand in their planes.
 
     Raises
     ------
     DesignError
         A part of the design cannot be made.
     """
-    found, on_crank = parts(design, CHORD_ERROR), carried(design)
-    planes = dict(zip(gears(design.gear.discs), design.gear.disc_planes, strict=True))
-    seen = {name: _pieces(name, solid, planes.get(name, 0.0), design) for name, solid in found.items()}
-    for part in {part for part, _ in on_crank.values()}:
-        del seen[part]
-    crank = [_piece(name, found[part], z) for name, (part, z) in on_crank.items()]
-    return seen | {SHAFT: (*seen[SHAFT], *crank)}
+    found, copies = parts(design, CHORD_ERROR), {by: carried(design, by) for by in (SHAFT, OUTPUT)}
+    planes = {
+        name: np.array([0.0, 0.0, plane])
+        for name, plane in zip(gears(design.gear.discs), design.gear.disc_planes, strict=True)
+    }
+    seen = {name: _pieces(name, solid, planes.get(name, np.zeros(3)), design) for name, solid in found.items()}
+    for by, borne in copies.items():
+        seen[by] += tuple(_piece(name, found[part], place) for name, (part, place) in borne.items())
+    apart = {part for borne in copies.values() for part, _ in borne.values()}
+    return {name: pieces for name, pieces in seen.items() if name not in apart}
 
 
-def _pieces(name: str, solid: Solid, z: float, design: Design) -> tuple[Piece, ...]:
+def _pieces(name: str, solid: Solid, place: Array, design: Design) -> tuple[Piece, ...]:
     if name != OUTPUT:
-        return (_piece(name, solid, z),)
+        return (_piece(name, solid, place),)
     disc, *others = solid.prisms
     pins, second = others[: design.output.pins], others[design.output.pins :]
     discs = [
@@ -66,8 +71,8 @@ def _pieces(name: str, solid: Solid, z: float, design: Design) -> tuple[Piece, .
     return Piece("pins", mesh(Solid("output", tuple(pins), solid.density)), COLOURS[OUTPUT]), *discs
 
 
-def _piece(name: str, solid: Solid, z: float) -> Piece:
-    """Give a solid as a piece, up z by some metres."""
+def _piece(name: str, solid: Solid, place: Array) -> Piece:
+    """Give a solid as a piece that stands at a place (x, y, z), shape (3,) [m]."""
     shape = mesh(solid)
-    raised = Mesh(shape.vertices + np.array([0.0, 0.0, z]), shape.faces) if z else shape
-    return Piece(name, raised, tinted(COLOURS[family(name)], name))
+    placed = Mesh(shape.vertices + place, shape.faces) if place.any() else shape
+    return Piece(name, placed, tinted(COLOURS[family(name)], name))

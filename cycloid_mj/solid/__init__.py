@@ -9,7 +9,7 @@ from cycloid_mj.solid.housing import housing_solid, pin_solid, sleeve_core_radiu
 from cycloid_mj.solid.inertia import MassProperties, mass_properties
 from cycloid_mj.solid.mesh import Mesh, mesh
 from cycloid_mj.solid.moving import moving_masses, output_inertia
-from cycloid_mj.solid.output import output_centres, output_solid
+from cycloid_mj.solid.output import output_centres, output_solid, pin_radius
 from cycloid_mj.solid.parts import body_solids, carried, crank_stretches, parts
 from cycloid_mj.solid.polygon import circle
 from cycloid_mj.solid.prism import Prism, Solid
@@ -35,6 +35,7 @@ __all__ = [
     "output_inertia",
     "output_solid",
     "parts",
+    "pin_radius",
     "pin_solid",
     "shaft_solid",
     "sleeve_core_radius",

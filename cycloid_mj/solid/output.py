@@ -1,7 +1,8 @@
-"""The output disc with its pins, and where they stand."""
+"""The output disc with its pins, the rollers on them, and where they stand."""
 
 import numpy as np
 
+from cycloid_mj import names
 from cycloid_mj.design import Design
 from cycloid_mj.profile import unit
 from cycloid_mj.solid.accuracy import drawing_error
@@ -32,6 +33,7 @@ def output_solid(design: Design, chord_error: float | None = None) -> Solid:
     """Give the output disc behind the gear (+z) with its pins through all discs, in the frame of the output axis.
 
     Where both ends of the pins are held, a second disc lies before the gear; the crank with its cams fits through it.
+    Pins under rollers that are parts of their own (`roller_solid`) are as thick as their cores.
 
     Parameters
     ----------
@@ -45,10 +47,34 @@ def output_solid(design: Design, chord_error: float | None = None) -> Solid:
     face = half + AXIAL_GAP
     held = output.support == "both_ends"
     rim = circle(output.pin_circle_radius + (1 + RIM) * output.pin_radius, chord_error)
-    pin = circle(output.pin_radius, chord_error)
+    pin = circle(pin_radius(design), chord_error)
     disc = Prism(rim, (), face, face + output.disc_thickness)
     start = -face if held else -half
     pins = [Prism(pin + centre, (), start, face) for centre in output_centres(design)]
     eye = circle(gear.bore_radius + gear.eccentricity, chord_error)
     second = [Prism(rim, (eye,), -face - output.disc_thickness, -face)] if held else []
-    return Solid("output", (disc, *pins, *second), design.material_of("output").density)
+    return Solid(names.OUTPUT, (disc, *pins, *second), design.material_of("output").density)
+
+
+def pin_radius(design: Design) -> float:
+    """Give the radius of an output pin as it is drawn [m]: of its core under a roller that is a part of its own."""
+    return design.output.core_radius if design.output.has_roller_parts else design.output.pin_radius
+
+
+def roller_solid(design: Design, chord_error: float | None = None) -> Solid:
+    """Give the roller of one output pin in one disc, in its own frame: a tube of the pins' material.
+
+    It is as wide as the disc, and its bore has the core's radius: needles between the two weigh as if they filled their
+    room.
+
+    Parameters
+    ----------
+    design
+        The design, with rollers that are parts of their own.
+    chord_error
+        Largest distance of a chord from its circle [m]; right for mass properties when left out.
+    """
+    chord_error = drawing_error(design, chord_error)
+    output, half = design.output, design.gear.face_width / 2
+    tube = Prism(circle(output.pin_radius, chord_error), (circle(output.core_radius, chord_error),), -half, half)
+    return Solid(names.ROLLER, (tube,), design.material_of("output").density)

@@ -3,13 +3,16 @@
 from collections.abc import Mapping
 from functools import lru_cache
 
+import numpy as np
+
 from cycloid_mj import names
 from cycloid_mj.design import Design
 from cycloid_mj.solid.gear import gear_solid
 from cycloid_mj.solid.housing import housing_solid, pin_solid
-from cycloid_mj.solid.output import output_solid
+from cycloid_mj.solid.output import output_centres, output_solid, roller_solid
 from cycloid_mj.solid.prism import Prism, Solid
 from cycloid_mj.solid.shaft import crank_parts, stretches
+from cycloid_mj.types import Array
 
 SHAPING_NOTHING = (
     *("name", "errors", "friction", "drag", "contact", "stiffness", "damping", "working_force"),
@@ -23,6 +26,7 @@ def parts(design: Design, chord_error: float | None = None) -> dict[str, Solid]:
 
     The pin of a sleeved ring is the sleeve; the pressed-in pins are the housing's. With D discs there are ``gear_1`` to
     ``gear_D``, each in the frame of its disc, ``cam_1`` to ``cam_D`` in that of the shaft, and one ``spacer`` of D - 1.
+    Rollers that are parts of their own are one ``output_roller`` of D times the output pins.
 
     Parameters
     ----------
@@ -40,30 +44,40 @@ def parts(design: Design, chord_error: float | None = None) -> dict[str, Solid]:
 
 
 def body_solids(design: Design) -> dict[str, Solid]:
-    """Give what moves together as one solid each, by the part that names it: as `parts`, but the whole crank as shaft.
+    """Give what moves together as one solid each, by the part that names it: as `parts`, but with what each carries.
+
+    The shaft is the whole crank then, and the output has its rollers, after its own prisms.
 
     Raises
     ------
     DesignError
         As `parts`.
     """
-    found = parts(design)
-    if design.gear.discs == 1:
-        return found
-    whole = _whole_crank(_shape(design))
-    on_crank = {part for part, _ in carried(design).values()}
-    return {name: whole if name == names.SHAFT else solid for name, solid in found.items() if name not in on_crank}
+    whole = {
+        by: make(_shape(design))
+        for by, make in ((names.SHAFT, _whole_crank), (names.OUTPUT, _whole_output))
+        if carried(design, by)
+    }
+    borne = {part for by in whole for part, _ in carried(design, by).values()}
+    return {name: whole.get(name, solid) for name, solid in parts(design).items() if name not in borne}
 
 
-def carried(design: Design) -> dict[str, tuple[str, float]]:
-    """Give what a built-up crank carries on its shaft: name of each copy -> its part, and how far up z it is [m]."""
+def carried(design: Design, by: str) -> dict[str, tuple[str, Array]]:
+    """Give what the shaft or the output carries beside the part of its name: cams and spacers, or rollers.
+
+    Name of each copy -> its part, and its place (x, y, z) in the frame of what carries it, shape (3,) [m].
+    """
     gear = design.gear
-    if gear.discs == 1:
-        return {}
-    cams = {name: (name, 0.0) for name in names.all_numbered(names.CAM, gear.discs)}
-    middles = [plane + gear.disc_spacing / 2 for plane in gear.disc_planes[:-1]]
-    spacers = zip(names.all_numbered(names.SPACER, len(middles)), middles, strict=True)
-    return cams | {name: (names.SPACER, middle) for name, middle in spacers}
+    if by == names.SHAFT and gear.discs > 1:
+        cams = {name: (name, np.zeros(3)) for name in names.all_numbered(names.CAM, gear.discs)}
+        middles = [plane + gear.disc_spacing / 2 for plane in gear.disc_planes[:-1]]
+        spacers = zip(names.all_numbered(names.SPACER, len(middles)), middles, strict=True)
+        return cams | {name: (names.SPACER, np.array([0.0, 0.0, middle])) for name, middle in spacers}
+    if by == names.OUTPUT and design.output.has_roller_parts:
+        places = [np.array([*centre, plane]) for plane in gear.disc_planes for centre in output_centres(design)]
+        copies = zip(names.all_numbered(names.ROLLER, len(places)), places, strict=True)
+        return {name: (names.ROLLER, place) for name, place in copies}
+    return {}
 
 
 def _shape(design: Design) -> Design:
@@ -88,6 +102,19 @@ def _whole_crank(design: Design) -> Solid:
 
 
 @lru_cache(maxsize=32)
+def _whole_output(design: Design) -> Solid:
+    found = _parts(design, None)
+    (tube,) = found[names.ROLLER].prisms
+    rollers = [
+        Prism(tube.outline + place[:2], tuple(hole + place[:2] for hole in tube.holes), tube.z0 + z, tube.z1 + z)
+        for _, place in carried(design, names.OUTPUT).values()
+        for z in (float(place[2]),)
+    ]
+    own = found[names.OUTPUT]
+    return Solid(names.OUTPUT, (*own.prisms, *rollers), own.density)
+
+
+@lru_cache(maxsize=32)
 def _stretches(design: Design, chord_error: float | None) -> Mapping[str, Prism]:
     return stretches(design, chord_error, _gears(design, chord_error)[0])
 
@@ -105,6 +132,8 @@ def _parts(design: Design, chord_error: float | None) -> dict[str, Solid]:
     if design.ring.kind == "pin":
         solids.append(pin_solid(design, chord_error))
     solids.append(output_solid(design, chord_error))
+    if design.output.has_roller_parts:
+        solids.append(roller_solid(design, chord_error))
     return {solid.name: solid for solid in solids}
 
 
