@@ -32,6 +32,8 @@ from cycloid_mj.convex import (
 from cycloid_mj.convex.surface import convex_slice
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import DesignError
+from cycloid_mj.export.clearance import flank_distance
+from cycloid_mj.modification import tooth_profile
 from cycloid_mj.solid import Prism, circle, mass_properties, mesh, parts
 from cycloid_mj.solid.inertia import region_moments
 from cycloid_mj.solid.polygon import area_moments
@@ -257,6 +259,17 @@ def test_surfaces_follow_the_kind_of_ring() -> None:
     assert names(PIN) == ["teeth", "bore", "hole", "socket"]
     assert names(NONPIN) == ["teeth", "bore", "hole", "lobe"]
     assert names(override(PIN, ["ring.pins=fixed"])) == ["teeth", "bore", "hole"]
+
+
+def test_discs_of_unlike_size_have_teeth_of_their_own() -> None:
+    """Those of a disc larger by 2 um stand out by that; the discs that are alike share what they are."""
+    design = override(PIN, ["gear.discs=3", "errors.disc_dr_um={2=2.0}"])
+    found = {surface.key: surface for surface in surfaces(design, SETTINGS)}
+    assert list(found) == ["teeth", "gear_2_teeth", "bore", "hole", "socket"]
+    larger = found["gear_2_teeth"]
+    beyond = flank_distance(tooth_profile(PIN), larger.points) - PIN.ring.pin_radius - PIN.clearance.pin_gear
+    np.testing.assert_allclose(beyond, -2e-6, atol=1e-12)
+    assert surface_quality(larger).max_overfill < larger.overfill_bound
 
 
 def test_a_surface_is_a_value() -> None:

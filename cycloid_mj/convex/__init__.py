@@ -13,6 +13,7 @@ from cycloid_mj.convex.settings import CoacdSettings, ConvexSettings
 from cycloid_mj.convex.surface import Place, Slice, Surface, placed_outline, prism
 from cycloid_mj.convex.teeth import gear_teeth, ring_lobes
 from cycloid_mj.design import Design
+from cycloid_mj.deviations import deviations
 
 __all__ = [
     "CoacdSettings",
@@ -48,6 +49,9 @@ __all__ = [
 def surfaces(design: Design, settings: ConvexSettings) -> tuple[Surface, ...]:
     """Give every sliced working surface of a design: teeth, bore and holes of the gear, and what they roll in.
 
+    Discs whose size is not the first one's have teeth of their own; all have the first one's holes here, which stand
+    elsewhere on each.
+
     Raises
     ------
     DesignError
@@ -58,4 +62,6 @@ def surfaces(design: Design, settings: ConvexSettings) -> tuple[Surface, ...]:
         ring = (ring_lobes(design, settings),)
     elif design.ring.has_sockets:
         ring = (pin_sockets(design, settings),)
-    return (gear_teeth(design, settings), gear_bore(design, settings), gear_holes(design, settings), *ring)
+    sizes = deviations(design).disc_radius
+    teeth = [gear_teeth(design, settings, disc) for disc, size in enumerate(sizes) if disc == 0 or size != sizes[0]]
+    return (*teeth, gear_bore(design, settings), gear_holes(design, settings), *ring)

@@ -89,7 +89,7 @@ def _gear(design: Design, settings: ConvexSettings) -> tuple[Sector, Sector]:
     depth, error, output = gear_depth(design, settings), settings.rest_chord_error, design.output
     half = design.gear.face_width / 2.0
     hole = output.hole_radius + design.clearance.output + depth
-    base = gear_base(design, depth, chord_error=error)
+    base = gear_base(design, depth, error)
     waist = 0.5 * (output.pin_circle_radius + hole + float(np.linalg.norm(base, axis=1).min()))
     inner = design.gear.bore_radius + design.clearance.cam + depth
     eye = circle(hole, error, (0.0, output.pin_circle_radius))

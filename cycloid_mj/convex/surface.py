@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cycloid_mj import names
 from cycloid_mj.errors import DesignError
 from cycloid_mj.solid import Prism
 from cycloid_mj.types import Array
@@ -66,6 +67,8 @@ class Surface:
         Least thickness of the slices along the normal [m].
     overfill_bound, underfill_bound
         How far the slices may leave the true surface, out of the material and into it [m].
+    disc
+        Index of the one disc whose surface it is, where that differs from the first disc's; 0: of all others.
     """
 
     name: str
@@ -78,6 +81,12 @@ class Surface:
     depth: float
     overfill_bound: float
     underfill_bound: float
+    disc: int = 0
+
+    @property
+    def key(self) -> str:
+        """Its name among all surfaces of a design, in files, too: ``teeth``, and ``gear_2_teeth`` where they differ."""
+        return names.column(names.numbered(names.GEAR, self.disc + 1), self.name) if self.disc else self.name
 
 
 def prism(surface: Surface, number: int) -> Prism:

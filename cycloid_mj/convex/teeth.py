@@ -28,32 +28,28 @@ SAMPLES = 5000
 _MESH_GRID = 512
 
 
-def gear_teeth(design: Design, settings: ConvexSettings) -> Surface:
-    """Give the flanks of the cycloid gear, gear frame, valley 1 on +y; `member` is the valley, with the lobe after it.
+def gear_teeth(design: Design, settings: ConvexSettings, disc: int = 0) -> Surface:
+    """Give the flanks of a disc, as made, its frame, valley 1 on +y; `member` is the valley, with the lobe after it.
 
     Raises
     ------
     DesignError
-        The gear is undercut, its flanks are turned, its size is not as drawn, or a slice is not convex.
+        The gear is undercut, its flanks are turned, or a slice is not convex.
     """
     if design.modification.rotation:
         raise DesignError(
             "modification.rotation_arcsec has no convex slices: turned flanks meet by their exact profiles only; "
             "set it to 0, or use the contact profile"
         )
-    if deviations(design).disc_radius.any():
-        raise DesignError(
-            "errors.disc_dr_um and errors.disc_size_um have no convex slices: discs of unlike size meet by their exact "
-            "profiles only; set them to 0, or use the contact profile"
-        )
-    gear, offset, depth = gear_profile(design), profile_offset(design), gear_depth(design, settings)
+    gear, depth = gear_profile(design), gear_depth(design, settings)
+    offset = profile_offset(design) - float(deviations(design).disc_radius[disc])
     half = _gear_nodes(gear, offset, 2.0 * settings.chord_error)
     face, base = (profile.outline(gear, half, offset + into) for into in (settings.chord_error, depth))
     between = profile.curvature(gear, (half[:-1] + half[1:]) / 2.0, offset)
     quads = _quads("teeth", face, base, between + 1.0 / gear.pin_radius, settings)
-    slices = [*quads, *_gear_tip(design, settings, depth)]
+    slices = [*quads, *_gear_tip(gear, offset, settings, depth)]
     seen = profile.sample(gear, SAMPLES, offset)
-    base_area = -area_moments(_all_round(gear_base(design, depth, half), gear.lobes)).area
+    base_area = -area_moments(_all_round(_symmetric(base), gear.lobes)).area
     return Surface(
         name="teeth",
         slices=tuple(slices),
@@ -65,6 +61,7 @@ def gear_teeth(design: Design, settings: ConvexSettings) -> Surface:
         depth=depth,
         overfill_bound=TOLERANCE * max(settings.chord_error, settings.hull_chord_error),
         underfill_bound=TOLERANCE * max(settings.chord_error, settings.hull_chord_error),
+        disc=disc,
     )
 
 
@@ -99,15 +96,13 @@ def ring_lobes(design: Design, settings: ConvexSettings) -> Surface:
     )
 
 
-def gear_base(design: Design, depth: float, nodes: Array | None = None, chord_error: float = 1e-5) -> Array:
-    """Give the far ends of the gear's slices over one pitch, clockwise, valley 1 in the middle, (n, 2) [m].
+def gear_base(design: Design, depth: float, chord_error: float) -> Array:
+    """Give the far ends of the slices of a gear as drawn over one pitch, clockwise, valley 1 in the middle, (n, 2) [m].
 
-    At the given `nodes` of the trochoid parameter (from 0 to the inflection), or else by `chord_error` [m].
+    Chords leave them by `chord_error` [m].
     """
     gear, offset = gear_profile(design), profile_offset(design)
-    nodes = _gear_nodes(gear, offset, chord_error) if nodes is None else nodes
-    right = profile.outline(gear, nodes, offset + depth)
-    return _symmetric(right)
+    return _symmetric(profile.outline(gear, _gear_nodes(gear, offset, chord_error), offset + depth))
 
 
 def ring_base(design: Design, depth: float, nodes: Array | None = None, chord_error: float = 1e-5) -> Array:
@@ -174,9 +169,9 @@ def _longer(points: Array, overlap: float) -> Array:
     return longer
 
 
-def _gear_tip(design: Design, settings: ConvexSettings, depth: float) -> list[Slice]:
+def _gear_tip(gear: CycloidGear, offset: float, settings: ConvexSettings, depth: float) -> list[Slice]:
     """Give the convex half of the lobe after valley 1, from the inflection to the tip, as polygons on one base."""
-    gear, offset, error = gear_profile(design), profile_offset(design), settings.hull_chord_error
+    error = settings.hull_chord_error
     inflection, tip = profile.inflection_phase(gear) / gear.lobes, math.pi / gear.lobes
     t = _sagitta(gear, offset, inflection, tip, 2.0 * error)
     face = profile.outline(gear, t, offset - error)

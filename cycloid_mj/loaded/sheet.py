@@ -176,11 +176,12 @@ def _motions(design: Design, load: float) -> Iterator[Quantity]:
     yield Quantity("stiffness_ideal", name, stiffness, "N m/arcmin")
     give = {part: float(np.mean([one.series(design)[part] for one in found])) / ARCMINUTE for part in SERIES}
     if design.structure == "springs":
-        bare = windups(design.but(structure="rigid"), turn_evenly(), load)
+        rigid = design.but(structure="rigid")
+        bare = windups(rigid, turn_evenly(), load)
         name = f"torsional stiffness of the contacts alone, 50 to 100 % of the load, {ideal}"
         yield Quantity("stiffness_contacts", name, _stiffness(bare), "N m/arcmin")
         twisted = {part: one / ARCMINUTE for part, one in twisting_compliance(design).items()}
-        alone = float(np.mean([one.series(design)["output"] for one in bare])) / ARCMINUTE
+        alone = float(np.mean([one.series(rigid)["output"] for one in bare])) / ARCMINUTE
         bent = give["output"] - alone - sum(twisted.values())
         give = {**give, "output": alone, "bending": bent, **twisted}
     for part, one in give.items():

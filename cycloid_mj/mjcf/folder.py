@@ -65,7 +65,7 @@ def model_files(design: Design, settings: ConvexSettings | None = None) -> dict[
     """
     settings, design = settings or ConvexSettings(), for_slices(design)
     made = mesh_spec(design, settings)
-    measured = {surface.name: _checked(surface, settings) for surface in made.surfaces}
+    measured = {surface.key: _checked(surface, settings) for surface in made.surfaces}
     rests = [decompose(sector, settings) for sector in sectors(design, settings)]
     for number, rest in enumerate(rests, start=1):
         add_rest(made.spec, design, number, rest)

@@ -119,8 +119,11 @@ def mesh_spec(design: Design, settings: ConvexSettings) -> MeshSpec:
     working = surfaces(design, settings)
     collision = spec.add_default(COLLISION, spec.default)
     collision.geom.group, collision.geom.contype, collision.geom.conaffinity = 3, 0, 0
+    apart = {surface.disc for surface in working if surface.disc}
     for surface in working:
-        _add_surface(spec, reducer, surface, laws, weights, settings)
+        discs = range(design.gear.discs if surface.name in _OF_DISCS else 1)
+        of = [disc for disc in discs if surface.name != names.TEETH or disc not in apart]
+        _add_surface(spec, reducer, surface, [surface.disc] if surface.disc else of, laws, weights, settings)
     _add_round_parts(spec, reducer)
     return MeshSpec(spec, working, stiffest(laws), crank_inertia(design, masses[names.SHAFT]))
 
@@ -195,17 +198,17 @@ def _add_surface(
     spec: Any,
     reducer: Mechanism,
     surface: Surface,
+    discs: Sequence[int],
     laws: Sequence[Laws],
     weights: Mapping[str, float],
     settings: ConvexSettings,
 ) -> None:
-    """Add the meshes of a surface's slices, and its geoms: on every disc, or on the housing."""
-    design = reducer.design
+    """Add the meshes of a surface's slices, and its geoms: on some discs, or (disc 0 alone) on the housing."""
     for number, _ in enumerate(surface.slices):
-        _add_stl(spec, f"{surface.name}_{number + 1}", stl_bytes(mesh(prism(surface, number))))
-    for disc in range(design.gear.discs if surface.name in _OF_DISCS else 1):
+        _add_stl(spec, f"{surface.key}_{number + 1}", stl_bytes(mesh(prism(surface, number))))
+    for disc in discs:
         # the holes of each disc have errors of their own
-        own = gear_holes(design, settings, disc) if surface.name == "hole" and disc else surface
+        own = gear_holes(reducer.design, settings, disc) if surface.name == "hole" and disc else surface
         _add_slices(spec, reducer, own, disc, laws, weights)
 
 
@@ -234,7 +237,7 @@ def _add_slices(
         factor = curve.factor(part.curvature) if kind == design.tooth_pair else 1.0
         parameters = solver_parameters(slice_law(law, factor, part, force), weight)
         default = _sub_default(spec, names.of_disc(name, disc, own))
-        default.geom.type, default.geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, name
+        default.geom.type, default.geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, f"{surface.key}_{number + 1}"
         if rubs:
             _meet_by_pair(default.pair, parameters)
         else:
