@@ -198,20 +198,24 @@ def test_the_same_seed_gives_the_same_parts(band: Sector) -> None:
         np.testing.assert_array_equal(one.faces, other.faces)
 
 
+def bent_bar(bound: float) -> Sector:
+    """Give a bar whose bend is 1 mm deep."""
+    bent = np.array([[0.0, 0.0], [10.0, 1.0], [20.0, 0.0], [20.0, 2.0], [10.0, 3.0], [0.0, 2.0]]) * 1e-3
+    return Sector("bar", Prism(bent, (), -1e-3, 1e-3), bound)
+
+
 def test_a_rest_that_comes_through_its_slices_is_an_error(band: Sector) -> None:
     found = decompose(band, SETTINGS).quality
     assert 0.0 < found.max_overfill < band.bound
     assert found.max_underfill < 5e-6
     assert found.volume_error > 0.0
     with pytest.raises(DesignError, match="overfill"):
-        decompose(dataclasses.replace(band, bound=1e-9), SETTINGS)
+        decompose(bent_bar(1e-12), dataclasses.replace(SETTINGS, coacd=CoacdSettings(threshold=0.9)))
 
 
 def test_coacd_fills_what_is_not_convex() -> None:
-    """A bent bar at a coarse threshold: the measured overfill is the depth of its bend, 1 mm."""
-    bent = np.array([[0.0, 0.0], [10.0, 1.0], [20.0, 0.0], [20.0, 2.0], [10.0, 3.0], [0.0, 2.0]]) * 1e-3
-    region = Prism(bent, (), -1e-3, 1e-3)
-    rest = decompose(Sector("bar", region, 2e-3), dataclasses.replace(SETTINGS, coacd=CoacdSettings(threshold=0.9)))
+    """At a coarse threshold the measured overfill of a bent bar is the depth of its bend."""
+    rest = decompose(bent_bar(2e-3), dataclasses.replace(SETTINGS, coacd=CoacdSettings(threshold=0.9)))
     assert rest.quality.parts == 1
     assert rest.quality.max_overfill == pytest.approx(1e-3, rel=0.02)
     assert rest.quality.volume_error == pytest.approx(0.25, rel=0.01)
