@@ -2,7 +2,9 @@
 
 import io
 import math
+import re
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -265,6 +267,18 @@ def test_pins_that_discs_bend_for_each_other_are_warned_of() -> None:
     assert "output pins bend: where gear 2 bears" in told
     rigid = override(PRESETS["twodisc"], [*slender, "structure=rigid"])
     assert not any("bend" in told for told in build(rigid).warnings)
+
+
+@pytest.mark.parametrize("core", [3.0, 4.0])
+def test_the_warning_tells_how_much_the_coupling_of_bent_pins_moves(core: float) -> None:
+    """Statics with the whole flexibility of the pins against statics whose discs do not know of each other."""
+    slender = ["output.support=cantilever", "output.rollers=true", f"output.core_radius_mm={core}"]
+    design = override(PRESETS["twodisc"], [*slender, "load.torque_nm=116"])
+    springs = springs_of(design, np.linspace(0.0, 2.0, 20), friction=False)
+    alone = springs.contacts._replace(bending=np.diag(springs.contacts.bending.diagonal()))
+    whole, apart = (static_loads(design, one, 116.0).share for one in (springs, replace(springs, contacts=alone)))
+    moved = 0.01 * float(re.search(r"up to about ([\d.]+)%", " ".join(build(design).warnings))[1])
+    assert 0.6 * moved < np.abs(whole - apart).max() < 1.1 * moved
 
 
 def test_discs_balance_each_other_but_for_couples(run: Run) -> None:

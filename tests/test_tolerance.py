@@ -152,6 +152,24 @@ def test_the_worst_samples_are_designs_that_have_that_play() -> None:
         assert play(design) == pytest.approx(value, rel=5e-3)
 
 
+def test_errors_of_each_disc_are_drawn_and_budgeted() -> None:
+    """Sizes and cams of two discs depart each by itself; the play is that of the rigid drive made so."""
+    zones = {
+        "tolerance.disc_size": "normal 0.4",
+        "tolerance.cam_position": "normal 0.4",
+        "tolerance.cam": "uniform 0.1",
+    }
+    found = tolerance(override(PRESETS["twodisc"], zones), 40, 5)
+    widest = np.sort(found.figures["backlash_arcmin"])[-1]
+    made = found.worst[0]
+    assert made.errors.disc_dr[0] != made.errors.disc_dr[1]
+    assert made.errors.cam_x[0] != made.errors.cam_x[1]
+    assert play(made) == pytest.approx(widest, rel=5e-3)
+    shares = {share.source: share.total for share in found.budget}
+    assert set(shares) == {"disc_size", "cam_position", "cam"}
+    assert min(shares["disc_size"], shares["cam_position"]) > shares["cam"]
+
+
 def test_parts_larger_than_their_clearances_jam() -> None:
     jammed = tolerance(override(PIN, {"tolerance.mesh": "between -6 -5"}), 20, 0)
     assert jammed.jams.all()

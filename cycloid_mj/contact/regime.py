@@ -145,18 +145,25 @@ def _bent(design: Design) -> Iterator[str]:
 
     They do where they bend there by more than the contact of that disc gives way with both clearances; up to that the
     discs' contacts do not know of each other, and a run leaves it out (docs/decisions/11-bent-output-pins.md).
+
+    With C the flexibility and g = C(d, d) + 1/k what gives way at a disc, a pin that bears F in disc d reaches behind
+    disc d' by s = F (C(d', d) - g) - twice the clearance, and presses there with f. Disc d bears that, too, which bends
+    the pin farther: f g' = s + f (C(d', d) - g). So much of F goes from the one disc to the other: at the most, since
+    disc d seldom bears all of the load.
     """
     flexibility, force = pin_flexibility(design), design.gear.discs * working_force(design, "output")
     gives = flexibility.diagonal() + 1.0 / pair_stiffness(design, "output")
-    surplus = force * (flexibility - gives) - 2.0 * design.clearance.output
+    beyond = flexibility - gives
+    surplus = force * beyond - 2.0 * design.clearance.output
     if surplus.max() > 0.0:
-        other, disc = (1 + int(place) for place in np.unravel_index(int(surplus.argmax()), surplus.shape))
-        reach = 1e6 * surplus.max()
+        other, disc = np.unravel_index(int(surplus.argmax()), surplus.shape)
+        reach, softness = float(surplus[other, disc]), float(gives[other] - beyond[other, disc])
+        moved = min(reach / (softness * force), 1.0) if softness > 0.0 else 1.0
         yield (
-            f"output pins bend: where gear {disc} bears {force:.3g} N, they reach gear {other}'s holes from behind, "
-            f"by {reach:.3g} um. A run leaves that out: its shares of discs and its wind-up are not those of statics "
-            '(`measure loads`); stiffen the pins by output.support = "both_ends", output.rollers = false or '
-            "output.core_radius_mm"
+            f"output pins bend: where gear {disc + 1} bears {force:.3g} N, they reach gear {other + 1}'s holes from "
+            f"behind, by {1e6 * reach:.3g} um. A run leaves that out, which moves up to about {moved:.1%} of the load "
+            "from disc to disc: its shares of discs and its wind-up are not those of statics (`measure loads`); "
+            'stiffen the pins by output.support = "both_ends", output.rollers = false or output.core_radius_mm'
         )
 
 

@@ -18,6 +18,7 @@ from cycloid_mj.units import ARCMINUTE
 STATICS, RIGID = "statics: springs in balance", "rigid contacts: linear programme"
 IDEAL = "without friction and weight"
 _PARTS = {"output": "output pins", "cam": "cam", "mesh": "teeth, pins and sockets"}
+_OF_SPRINGS = {**_PARTS, "output": "output pins, with all that bends and twists"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,13 +141,14 @@ def _stiffness(found: Found) -> Iterator[Quantity]:
     yield _quantity("stiffness", name, stiffness, *pair, unit, solved, STATICS, note)
     yield from _extremes("stiffness", "stiffness", stiffness, *pair, unit)
     yield _quantity("stiffness_ideal", f"{name}, {IDEAL}", stiffness, *ideal, unit, solved, STATICS)
+    called = _OF_SPRINGS if found.design.structure == "springs" else _PARTS
     for part in SERIES:
         closed = [one.series(found.design)[part] / ARCMINUTE for one in found.statics]
 
         def compliance(loop: Loop, part: str = part) -> float:
             return loop_series(found.design, loop)[part] / ARCMINUTE
 
-        name = f"compliance of {_PARTS[part]}, in series, {IDEAL}"
+        name = f"compliance of {called[part]}, in series, {IDEAL}"
         yield _quantity(f"compliance_{part}", name, compliance, *ideal, "arcmin/(N m)", closed, STATICS)
 
 
