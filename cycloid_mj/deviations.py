@@ -53,6 +53,12 @@ class Deviations:
         radii = np.concatenate([self.pin_radius, self.disc_radius, self.waves.ravel()])
         return float(max(np.linalg.norm(places, axis=1).max(), np.abs(radii).max(), abs(self.eccentricity)))
 
+    @property
+    def waves_in_use(self) -> Array:
+        """The waves up to the last order that is not 0 [m], shape (orders, 2)."""
+        there = np.flatnonzero(np.any(self.waves != 0.0, axis=1))
+        return self.waves[: there[-1] + 1 if there.size else 0]
+
 
 def deviations(design: Design) -> Deviations:
     """Give the departures of a design's parts; the same design gives the same ones."""
@@ -73,7 +79,9 @@ def profile_error(waves: Array, t: Array) -> Array:
     """Give how far the flanks stand back [m] at parameters t [rad] of the gear's trochoid, in the shape of t.
 
     It is the sum of a_k cos(k t) + b_k sin(k t) over the orders k = 1, 2, ..., with the `waves` (a_k, b_k) of
-    `Deviations`: cycles in a turn of the gear, as measuring machines give a profile's error by order.
+    `Deviations`: cycles in a turn of the gear, as measuring machines give a profile's error by order. The trochoid
+    stands back by it along its normals, and the flanks are its parallel: what a grinding wheel of a pin's radius leaves
+    that strays by as much. Statics takes it at the foot of the ideal profile, to first order.
     """
     error = np.zeros(np.shape(t))
     for place in np.flatnonzero(np.any(waves != 0.0, axis=1)):

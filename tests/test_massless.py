@@ -71,7 +71,7 @@ def test_the_stiffness_follows_the_curvature_as_that_of_two_springs():
     with installed():
         mujoco.mj_forward(reducer.model, data)
     law, seat, rho = curvature_law(design), pair_stiffness(design, "pin_socket"), design.ring.pin_radius
-    flank = teeth_of(reducer.model.geom("teeth").user.tolist()).flank
+    flank = teeth_of(reducer.model.geom("teeth").user).flank
     teeth, turned = reducer.model.geom("teeth").id, data.joint("gear_angle").qpos[0]
     to_gear = np.array([[np.cos(turned), np.sin(turned)], [-np.sin(turned), np.cos(turned)]])
     factors = []

@@ -12,7 +12,7 @@ from cycloid_mj.mechanism import limits
 from cycloid_mj.mechanism.gaps import arc_gaps, cam_places, gaps, ideal_motion
 from cycloid_mj.mechanism.kernel import gap
 from cycloid_mj.modification import gear_profile, profile_offset, tooth_profile
-from cycloid_mj.validation.gaps import Flanks, Pose, pin_gaps, ring_gaps, rotate
+from cycloid_mj.validation.gaps import Flanks, Pose, flanks_of, pin_gaps, ring_gaps, rotate
 
 ERRORS = (
     "errors.pin_position_um=1.0",
@@ -30,7 +30,7 @@ def exact(design: Design, crank: float, z: np.ndarray) -> tuple[np.ndarray, np.n
     centre = kinematics.gear_centre(gear, crank) + z[:2]
     turned = float(kinematics.gear_rotation(gear, crank))
     angle, out = turned + z[2] / output.pin_circle_radius, turned + z[3] / output.pin_circle_radius
-    flanks = Flanks(gear_profile(design), profile_offset(design), design.modification.rotation)
+    flanks = flanks_of(design)
     pins = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear)) + made.pin_place
     mesh = pin_gaps(gear, Pose(centre, angle), pins, flanks)
     teeth = mesh.distance + profile_offset(design) - gear.pin_radius - made.pin_radius

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from cycloid_mj.contact.gap import Flank, Trochoid, trochoid_curvature, trochoid_distance
+from cycloid_mj.contact.gap import NO_WAVES, Flank, Trochoid, trochoid_curvature, trochoid_distance
 from cycloid_mj.contact.near import Start, distance_near, pin_distance, turned_times
 
 GEARS = {
@@ -74,6 +74,6 @@ def test_only_gaps_that_are_open_are_left_out() -> None:
 
 def test_a_pin_without_a_home_is_searched() -> None:
     gear = GEARS["paper"]
-    flank = Flank(gear, 0.00225, 0.0, 0.0, 0.0, 0.0, 0.0)
+    flank = Flank(gear, 0.00225, 0.0, 0.0, 0.0, 0.0, 0.0, NO_WAVES)
     point = place(gear, 0.3) + 1e-6
     assert pin_distance(*point, flank, Start(0.0, 0.0, 0.0, 1.0), FAR_OUT)[0] == trochoid_distance(*point, gear)[1]

@@ -195,8 +195,11 @@ def test_samples_without_a_balance_jam_and_the_others_keep_their_figures(monkeyp
 
 
 def test_dynamics_of_a_sample_stand_beside_its_statics() -> None:
-    """Without friction a slow run is the statics; a load that no contact bears is told, and no error."""
-    design = override(unlike("light"), {"drive.speed_rpm": 900, "errors.hole_x_um": {"1": 2.0}})
+    """Without friction a slow run is the statics, waves included; a load that nothing bears is told, and no error."""
+    design = override(
+        unlike("light"),
+        {"drive.speed_rpm": 900, "errors.hole_x_um": {"1": 2.0}, "errors.profile_sin_um": {"2": 0.5}},
+    )
     smooth = design.but(friction=dict.fromkeys(type(design.friction).model_fields, 0.0))
     found = verified(smooth)
     assert set(found.dynamics) == {"te_loaded_arcsec", "tooth_force_n", "output_pin_force_n", "cam_force_n"}

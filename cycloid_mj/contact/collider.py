@@ -46,7 +46,8 @@ def _places(layout: Layout) -> tuple[int, ...]:
     compiled = (gap, mating, memory, near, ring, teeth)
     sources = [Path(module.__file__).read_bytes() for module in compiled if module.__file__]
     digest = zlib.crc32(b"".join(sources))
-    return (layout.geom_size, layout.geom_priority, layout.geom_user, layout.geom_xpos, layout.geom_xmat, digest)
+    arrays = (layout.geom_size, layout.geom_priority, layout.geom_user, layout.geom_xpos, layout.geom_xmat)
+    return (*arrays, layout.nuser_geom, digest)
 
 
 def _compile_pins(layout: Layout) -> Any:

@@ -96,10 +96,10 @@ def _exact_teeth(model: Any) -> tuple[Array, npt.NDArray[np.int32], tuple[Flank,
     number = np.full(model.ngeom, -1, dtype=np.int32)
     number[found] = np.arange(found.size)
     if not found.size:
-        return reach, number, (teeth_of([0.0] * USER_DATA).flank,)
+        return reach, number, (teeth_of(np.zeros(USER_DATA)).flank,)
     for role, play in ((Role.PIN, user[:, PLAY]), (Role.LOBE, 0.0)):
         reach = np.where(priority == int(role), model.geom_size[:, 0] - play, reach)
-    return reach, number, tuple(teeth_of(user[geom].tolist()).flank for geom in found)
+    return reach, number, tuple(teeth_of(np.array(user[geom])).flank for geom in found)
 
 
 def surface_name(model: Any, geom: int) -> str:

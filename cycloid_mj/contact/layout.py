@@ -5,7 +5,7 @@ address stands somewhere in ``mjModel`` or ``mjData``; the offset of that place 
 """
 
 import ctypes
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -33,7 +33,7 @@ _BALL = '<body pos="0 0 0.9"><joint type="slide" axis="0 0 1"/><geom type="spher
 
 @dataclass(frozen=True)
 class Layout:
-    """Byte offsets of pointers: four in ``mjModel``, two in ``mjData``."""
+    """Byte offsets of pointers, four in ``mjModel`` and two in ``mjData``, and of the number ``nuser_geom``."""
 
     geom_size: int
     geom_priority: int
@@ -41,6 +41,7 @@ class Layout:
     geom_type: int
     geom_xpos: int
     geom_xmat: int
+    nuser_geom: int
 
 
 @dataclass(frozen=True)
@@ -71,12 +72,16 @@ def discover() -> Layout:
     ContactError
         The structures are not as expected; the message names the field and the release.
     """
-    first = _layout(mujoco.MjModel.from_xml_string(_PROBE.format(user=3, more="")))
     body = '<body><joint/><geom type="box" size="1 1 1" user="5"/></body>'
-    second = _layout(mujoco.MjModel.from_xml_string(_PROBE.format(user=7, more=body * 5)))
+    wide = {7919: "", 6101: body * 5}
+    models = [mujoco.MjModel.from_xml_string(_PROBE.format(user=user, more=more)) for user, more in wide.items()]
+    first, second = map(_pointers, models)
     if first != second:
-        raise ContactError(_strange(f"two models disagree: {astuple(first)} and {astuple(second)}"))
-    return first
+        raise ContactError(_strange(f"two models disagree: {first} and {second}"))
+    numbers = [set(_numbers(model._address, _SIZES, user)) for model, user in zip(models, wide, strict=True)]
+    if not (common := set.intersection(*numbers)):
+        raise ContactError(_strange("mjModel.nuser_geom was not found"))
+    return Layout(**first, nuser_geom=min(common))
 
 
 @cache
@@ -133,19 +138,19 @@ class _StepPlaces:
         return cls(**places, ncon=frozenset(touching) & frozenset(fewer), fields=(contact.dist.strides[0], *offsets))
 
 
-def _layout(model: Any) -> Layout:
+def _pointers(model: Any) -> dict[str, int]:
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     # Pointers of mjModel follow its sizes, which start the structure; those of mjData follow the energies.
     in_data = data.energy.ctypes.data - data._address
-    return Layout(
-        geom_size=_offset(model._address, 0, model.geom_size, "mjModel.geom_size"),
-        geom_priority=_offset(model._address, 0, model.geom_priority, "mjModel.geom_priority"),
-        geom_user=_offset(model._address, 0, model.geom_user, "mjModel.geom_user"),
-        geom_type=_offset(model._address, 0, model.geom_type, "mjModel.geom_type"),
-        geom_xpos=_offset(data._address, in_data, data.geom_xpos, "mjData.geom_xpos", _DATA_SPAN),
-        geom_xmat=_offset(data._address, in_data, data.geom_xmat, "mjData.geom_xmat", _DATA_SPAN),
-    )
+    return {
+        "geom_size": _offset(model._address, 0, model.geom_size, "mjModel.geom_size"),
+        "geom_priority": _offset(model._address, 0, model.geom_priority, "mjModel.geom_priority"),
+        "geom_user": _offset(model._address, 0, model.geom_user, "mjModel.geom_user"),
+        "geom_type": _offset(model._address, 0, model.geom_type, "mjModel.geom_type"),
+        "geom_xpos": _offset(data._address, in_data, data.geom_xpos, "mjData.geom_xpos", _DATA_SPAN),
+        "geom_xmat": _offset(data._address, in_data, data.geom_xmat, "mjData.geom_xmat", _DATA_SPAN),
+    }
 
 
 def _offset(structure: int, start: int, array: Any, name: str, span: int = _SPAN) -> int:

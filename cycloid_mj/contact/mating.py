@@ -11,18 +11,18 @@ from typing import NamedTuple
 from numba import njit
 
 from cycloid_mj.contact.gap import Pose, circle_in_circle, flank_distance, inwards, outwards, placed, trochoid_curvature
-from cycloid_mj.contact.memory import read_address, read_float, write_float
+from cycloid_mj.contact.memory import read_address, read_float, read_int, write_float
 from cycloid_mj.contact.near import Start, pin_distance, turned_times
 from cycloid_mj.contact.ring import is_monotone, offset_root, root_minimum, root_slope, root_start
-from cycloid_mj.contact.teeth import USER_DATA, Teeth, read_teeth
+from cycloid_mj.contact.teeth import Teeth, read_teeth
 
 CONTACT = 80
 """Bytes of an ``mjPreContact``."""
 
-SIZE, PRIORITY, USER, XPOS, XMAT = range(5)
-"""What the places are of."""
+SIZE, PRIORITY, USER, XPOS, XMAT, NUMBERS = range(6)
+"""What the places are of; the last of how many numbers each geom has in ``geom user``."""
 
-Places = tuple[int, int, int, int, int, int]
+Places = tuple[int, int, int, int, int, int, int]
 
 _SCAN = 64
 """Pieces of a root that are searched apart, where the gap may have several minima in it."""
@@ -77,6 +77,17 @@ def _pose(data: int, at: Places, geom: int) -> Pose:
 
 
 @njit(inline="always")
+def _user(model: int, at: Places, geom: int) -> int:
+    """Give the address of the ``geom user`` of a geom."""
+    return read_address(model + at[USER]) + 8 * read_int(model + at[NUMBERS]) * geom
+
+
+@njit(inline="always")
+def _teeth(model: int, at: Places, geom: int) -> Teeth:
+    return read_teeth(_user(model, at, geom), read_int(model + at[NUMBERS]))
+
+
+@njit(inline="always")
 def _radius(model: int, at: Places, geom: int) -> float:
     return read_float(read_address(model + at[SIZE]) + 24 * geom)
 
@@ -105,11 +116,10 @@ def pin_on_teeth(at: Places, model: int, data: int, out: int, teeth: int, pin: i
     pair's stiffness K/(1 + x) acts f (1 + x)/(1 + x f) times as much. A pin that has no home is carried by a ring that
     turns about the world's origin.
     """
-    users = read_address(model + at[USER])
-    profile = read_teeth(users + 8 * USER_DATA * teeth)
+    profile = _teeth(model, at, teeth)
     offset = profile.flank.offset
     pin_radius = _radius(model, at, pin)
-    own = users + 8 * USER_DATA * pin
+    own = _user(model, at, pin)
     reach, yielding = pin_radius - read_float(own + 16), read_float(own + 24)
     gear, (px, py, _) = _pose(data, at, teeth), _place(data, at, pin)
     x, y = inwards(gear, px - gear.x, py - gear.y)
@@ -179,7 +189,7 @@ def lobe_on_teeth(
     at: Places, model: int, data: int, out: int, teeth: int, geom: int, sign: float, margin: float
 ) -> int:
     """Bring a lobe of the internal gear, with half a root on either side, and the gear's teeth in contact."""
-    profile = read_teeth(read_address(model + at[USER]) + 8 * USER_DATA * teeth)
+    profile = _teeth(model, at, teeth)
     flank, ring, offset = profile.flank, profile.ring, profile.flank.offset
     arc_radius = _radius(model, at, geom)
     lobe, gear, z = _pose(data, at, geom), _pose(data, at, teeth), _place(data, at, teeth)[2]
@@ -201,7 +211,7 @@ def lobe_on_teeth(
         arc_factor = _stiffness_factor(profile, bend / (1.0 - offset * bend) + 1.0 / arc_radius)
 
     count = 0
-    modified = flank.curve.radius != ring.radius or flank.rotation != 0.0
+    modified = flank.curve.radius != ring.radius or flank.rotation != 0.0 or len(flank.waves) > 0
     monotone = is_monotone(ring)
     aside = math.sqrt(1.0 - share * share)
     # Of a conjugate gear, only roots near the eccentric direction are in touch: |crank| < acos(share) and a bit.

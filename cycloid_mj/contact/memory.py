@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from numba import types
+from numba import carray, njit, types
 from numba.extending import intrinsic
 
 
@@ -21,6 +21,20 @@ def _reader(number: types.Number, name: str) -> Any:
 read_float = _reader(types.float64, "read_float")
 read_int = _reader(types.int32, "read_int")
 read_address = _reader(types.intp, "read_address")
+
+
+@intrinsic
+def _pointer(typing_context: Any, address: types.Integer) -> Any:
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return builder.inttoptr(args[0], context.get_value_type(signature.return_type))
+
+    return types.CPointer(types.float64)(types.intp), codegen
+
+
+@njit(inline="always")
+def array_at(address: int, rows: int, columns: int) -> Any:
+    """Give the numbers at an address as an array (rows, columns) that is a view on them."""
+    return carray(_pointer(address), (rows, columns))
 
 
 def _writer(number: types.Number, name: str) -> Any:

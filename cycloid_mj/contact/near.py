@@ -98,8 +98,8 @@ def distance_near(x: float, y: float, curve: Trochoid, start: Start, most: float
 
 @njit(inline="always")
 def pin_distance(x: float, y: float, flank: Flank, start: Start, most: float) -> tuple[float, float, float, float]:
-    """Give what ``distance_near`` gives for a gear's flanks; by search where they are turned, or with no start."""
-    if flank.rotation == 0.0 and (start.st != 0.0 or start.ct != 0.0):
+    """Give what ``distance_near`` gives for a gear's flanks; by search if turned, with waves, or with no start."""
+    if flank.rotation == 0.0 and len(flank.waves) == 0 and (start.st != 0.0 or start.ct != 0.0):
         return distance_near(x, y, flank.curve, start, most)
     t, distance, nx, ny, _ = flank_distance(x, y, flank)
     return distance, nx, ny, trochoid_curvature(t, flank.curve)

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from numba import njit
 
-from cycloid_mj.contact.gap import Flank, Pose, Trochoid, flank_distance, inwards, outwards, trochoid_curvature
+from cycloid_mj.contact.gap import Flank, Pose, Trochoid, flank_curvature, flank_distance, inwards, outwards
 
 _MARGIN = 0.03
 """Crank angle [rad] beyond the ideal range of a root in which a displaced gear may touch it."""
@@ -119,7 +119,7 @@ def _distance_slope(
     slope = -wx * math.cos(psi) + wy * math.sin(psi)
     # Both curvatures are large and nearly equal: that of the trochoid's parallel through S(B) counts; of a corner, that
     # of the circle around it.
-    parallel = 1.0 / flank.offset if at_corner else trochoid_curvature(t, flank.curve)
+    parallel = 1.0 / flank.offset if at_corner else flank_curvature(t, flank)
     bend = parallel / (1.0 + parallel * distance) - curvature
     return distance, slope, rate * bend, t, wx, wy
 

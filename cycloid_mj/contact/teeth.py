@@ -1,12 +1,12 @@
 """What the collider must know of the gear's teeth and of a pin, as it stands in ``geom user`` of the model."""
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 from numba import njit
 
 from cycloid_mj.contact.gap import Flank, Trochoid
-from cycloid_mj.contact.memory import read_float
+from cycloid_mj.contact.memory import array_at, read_float
+from cycloid_mj.types import Array
 
 
 class Teeth(NamedTuple):
@@ -31,8 +31,9 @@ class Teeth(NamedTuple):
 
 
 USER_DATA = 13
-"""Numbers of ``geom user`` in a model of ours: of the teeth, `user_data`; of a pin, sine and cosine of its home angle,
-clockwise from +y, and of a massless one its play [m] and the stiffness of a pin on a flat over that of its seat."""
+"""Numbers of ``geom user`` in a model of ours: of the teeth, `user_data`, after which those of waves stand; of a pin,
+sine and cosine of its home angle, clockwise from +y, and of a massless one its play [m] and the stiffness of a pin on a
+flat over that of its seat."""
 
 DEFLECTION = 6
 """Which of the teeth's is the deflection."""
@@ -42,15 +43,18 @@ PLAY = 2
 
 
 def user_data(teeth: Teeth) -> tuple[float, ...]:
-    """Give teeth as ``geom user``, shape (``USER_DATA``,)."""
-    curve, offset, *ends = teeth.flank
-    return (*curve, offset, teeth.reference, teeth.constant, teeth.deflection, teeth.ring.radius, *ends)
+    """Give teeth as ``geom user``, shape (``USER_DATA`` + 2 orders of waves,)."""
+    curve, offset, *ends, waves = teeth.flank
+    law = (teeth.reference, teeth.constant, teeth.deflection)
+    return (*curve, offset, *law, teeth.ring.radius, *ends, *waves.ravel().tolist())
 
 
-def teeth_of(numbers: Sequence[float]) -> Teeth:
+def teeth_of(numbers: Array) -> Teeth:
     """Give the teeth that `user_data` made numbers of."""
-    radius, eccentricity, number, offset, reference, constant, deflection, ring, *ends = numbers
-    flank = Flank(Trochoid(radius, eccentricity, number), offset, *ends)
+    radius, eccentricity, number, offset, reference, constant, deflection, ring = numbers[:8].tolist()
+    rotation, tip, tip_radius, valley, valley_radius = numbers[8:USER_DATA].tolist()
+    curve, waves = Trochoid(radius, eccentricity, number), numbers[USER_DATA:].reshape(-1, 2)
+    flank = Flank(curve, offset, rotation, tip, tip_radius, valley, valley_radius, waves)
     return Teeth(flank, reference, constant, deflection, Trochoid(ring, eccentricity, number))
 
 
@@ -60,8 +64,8 @@ def _number(user: int, place: int) -> float:
 
 
 @njit(inline="always")
-def read_teeth(user: int) -> Teeth:
-    """Read teeth at the address of their ``geom user``."""
+def read_teeth(user: int, numbers: int) -> Teeth:
+    """Read teeth at the address of their ``geom user``, of so many numbers."""
     eccentricity, number = _number(user, 1), _number(user, 2)
     flank = Flank(
         Trochoid(_number(user, 0), eccentricity, number),
@@ -71,6 +75,7 @@ def read_teeth(user: int) -> Teeth:
         _number(user, 10),
         _number(user, 11),
         _number(user, 12),
+        array_at(user + 8 * USER_DATA, (numbers - USER_DATA) // 2, 2),
     )
     ring = Trochoid(_number(user, 7), eccentricity, number)
     return Teeth(flank, _number(user, 4), _number(user, 5), _number(user, 6), ring)

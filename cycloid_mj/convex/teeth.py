@@ -34,15 +34,21 @@ def gear_teeth(design: Design, settings: ConvexSettings, disc: int = 0) -> Surfa
     Raises
     ------
     DesignError
-        The gear is undercut, its flanks are turned, or a slice is not convex.
+        The gear is undercut, its flanks are turned or waved, or a slice is not convex.
     """
     if design.modification.rotation:
         raise DesignError(
             "modification.rotation_arcsec has no convex slices: turned flanks meet by their exact profiles only; "
             "set it to 0, or use the contact profile"
         )
+    made = deviations(design)
+    if made.waves.any():
+        raise DesignError(
+            "errors.profile_cos_um and errors.profile_sin_um have no convex slices, which are the same on every lobe: "
+            "waves of the profile meet by its exact form only; set them to 0, or use the contact profile"
+        )
     gear, depth = gear_profile(design), gear_depth(design, settings)
-    offset = profile_offset(design) - float(deviations(design).disc_radius[disc])
+    offset = profile_offset(design) - float(made.disc_radius[disc])
     half = _gear_nodes(gear, offset, 2.0 * settings.chord_error)
     face, base = (profile.outline(gear, half, offset + into) for into in (settings.chord_error, depth))
     between = profile.curvature(gear, (half[:-1] + half[1:]) / 2.0, offset)

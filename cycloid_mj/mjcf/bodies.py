@@ -13,7 +13,6 @@ from cycloid_mj.contact.teeth import Teeth, user_data
 from cycloid_mj.design import Design
 from cycloid_mj.deviations import deviations
 from cycloid_mj.digits import on_grid, significant
-from cycloid_mj.errors import DesignError
 from cycloid_mj.mechanism.reducer import Body, Mechanism, Role, Surfaces
 from cycloid_mj.modification import FlankEnds, flank_ends, gear_profile, profile_offset
 from cycloid_mj.solid import MassProperties, carried
@@ -164,16 +163,12 @@ def _attributes(design: Design, surfaces: Surfaces, i: int) -> dict[str, Any]:
 
 
 def _teeth(design: Design, disc: int) -> Teeth:
-    if any(design.errors.profile_cos + design.errors.profile_sin):
-        raise DesignError(
-            "errors.profile_cos_um and profile_sin_um: a simulation has no waves of the profile, statics alone have; "
-            "leave them out, or use `statics` or `tolerance`"
-        )
-    law, gear = curvature_law(design), gear_profile(design)
-    offset = profile_offset(design) - float(deviations(design).disc_radius[disc])
+    law, gear, made = curvature_law(design), gear_profile(design), deviations(design)
+    offset = profile_offset(design) - float(made.disc_radius[disc])
     rotation = design.modification.rotation
     ends = flank_ends(gear, offset, rotation) if rotation else FlankEnds(0.0, 0.0, 0.0, 0.0)
     curve = Trochoid(gear.pin_circle_radius, gear.eccentricity, float(gear.ring_teeth))
-    flank = Flank(curve, offset, rotation, ends.tip, ends.tip_radius, ends.valley, ends.valley_radius)
+    corners = (ends.tip, ends.tip_radius, ends.valley, ends.valley_radius)
+    flank = Flank(curve, offset, rotation, *corners, made.waves_in_use)
     ring = curve._replace(radius=design.ring.pin_circle_radius)
     return Teeth(flank, law.reference, law.constant, law.deflection, ring)

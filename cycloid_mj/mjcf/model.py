@@ -18,6 +18,7 @@ from cycloid_mj.contact.regime import warnings
 from cycloid_mj.contact.teeth import USER_DATA
 from cycloid_mj.contact.timestep import timestep
 from cycloid_mj.design import Design
+from cycloid_mj.deviations import deviations
 from cycloid_mj.digits import significant
 from cycloid_mj.mechanism.reducer import Pair, mechanism
 from cycloid_mj.mjcf.bodies import add_bodies, add_shapes, crank_inertia
@@ -117,7 +118,7 @@ def empty_spec(design: Design) -> Any:
     """Give an editable model with the options of every model of a design, and nothing in it but light and camera."""
     spec = mujoco.MjSpec()
     spec.modelname = f"cycloid_{design.name}"
-    spec.nuser_geom = USER_DATA
+    spec.nuser_geom = USER_DATA + deviations(design).waves_in_use.size
     option = spec.option
     option.timestep = timestep(design)
     option.gravity = [design.environment.gravity_x, design.environment.gravity_y, 0.0]

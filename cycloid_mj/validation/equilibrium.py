@@ -19,10 +19,10 @@ from cycloid_mj import envelope, kinematics, profile
 from cycloid_mj.design import Design
 from cycloid_mj.deviations import Deviations, deviations
 from cycloid_mj.errors import RunError
-from cycloid_mj.modification import gear_profile, profile_offset, tooth_profile
+from cycloid_mj.modification import profile_offset, tooth_profile
 from cycloid_mj.profile import CycloidGear, unit
 from cycloid_mj.types import Array, Integers
-from cycloid_mj.validation.gaps import Flanks, Gaps, Pose, pin_gaps, ring_gaps, rotate
+from cycloid_mj.validation.gaps import Flanks, Gaps, Pose, flanks_of, pin_gaps, ring_gaps, rotate
 from cycloid_mj.validation.stiffness import tooth_stiffness
 
 _SCALE = 1e-6
@@ -197,8 +197,7 @@ def _locked(design: Design, stiffness: Mapping[str, float], crank: float) -> Loc
         roots = np.unique((ideal[:, np.newaxis] + [-1, 0, 1]) % gear.ring_teeth)
     load = np.zeros(4 + (2 * gear.ring_teeth if design.ring.has_moving_pins else 0))
     load[3] = design.load.torque / design.output.pin_circle_radius
-    flanks = Flanks(gear_profile(design), profile_offset(design), design.modification.rotation)
-    return Locked(design, gear, stiffness, crank, load, roots, flanks, deviations(design))
+    return Locked(design, gear, stiffness, crank, load, roots, flanks_of(design), deviations(design))
 
 
 def _energy(locked: Locked, z: Array) -> float:

@@ -2,7 +2,7 @@
 
 The gear is the inward parallel of its trochoid, so the gap of a point of the ring, offset outwards by the pin radius,
 is its signed distance from the trochoid and the clearance. Where its flanks are modified, they have a trochoid of their
-own, and may be turned. Lengths [m], angles [rad]; rotations counter-clockwise.
+own, which waves may move, and may be turned. Lengths [m], angles [rad]; rotations counter-clockwise.
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,9 @@ import numpy.typing as npt
 from scipy.spatial import cKDTree
 
 from cycloid_mj import envelope, profile
-from cycloid_mj.modification import FlankEnds, flank_ends
+from cycloid_mj.design import Design
+from cycloid_mj.deviations import deviations
+from cycloid_mj.modification import FlankEnds, flank_ends, gear_profile, profile_offset
 from cycloid_mj.profile import CycloidGear, unit
 from cycloid_mj.types import Array, Integers, Mask
 
@@ -39,14 +41,23 @@ class Pose:
 
 @dataclass(frozen=True)
 class Flanks:
-    """Modified flanks: the `gear` that they are generated for, at `offset` [m] from its trochoid, turned by `rotation`.
+    """Flanks as made: those of the `gear` that they are generated for, at `offset` [m] from its trochoid.
 
-    The `rotation` [rad] is towards the middle of their lobes, >= 0.
+    They are turned by `rotation` [rad] towards the middle of their lobes, >= 0. Their trochoid stands back by `waves`:
+    orders k, cycles in a turn, with the amplitudes [m] of cos(k t) and sin(k t).
     """
 
     gear: CycloidGear
     offset: float
     rotation: float
+    waves: tuple[tuple[int, float, float], ...] = ()
+
+
+def flanks_of(design: Design) -> Flanks:
+    """Give the flanks of a design."""
+    amplitudes = enumerate(deviations(design).waves.tolist(), start=1)
+    waves = tuple((order, cosine, sine) for order, (cosine, sine) in amplitudes if cosine or sine)
+    return Flanks(gear_profile(design), profile_offset(design), design.modification.rotation, waves)
 
 
 @dataclass(frozen=True)
@@ -111,7 +122,7 @@ def flank_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
     foot beyond the end of its flank is moved to that end.
     """
     if not flanks.rotation:
-        return trochoid_distance(flanks.gear, points)
+        return _path_distance(flanks, points)
     families = [_family_distance(flanks, points, side) for side in (1, -1)]
     first = (families[0][0] <= families[1][0])[:, np.newaxis]
     distance, normals, t = (
@@ -120,17 +131,51 @@ def flank_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
     return distance, normals, t
 
 
+def _path_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
+    """Give what `trochoid_distance` gives, of the trochoid that stands back by the flanks' waves."""
+    distance, normals, t = trochoid_distance(flanks.gear, points)
+    if not flanks.waves:
+        return distance, normals, t
+    for _ in range(_NEWTON_ROUNDS):
+        path, first = _path(flanks, t)
+        lead, second = path - points, profile.trochoid_derivatives(flanks.gear, t)[1]
+        t = t - _dot(lead, first) / (_dot(first, first) + _dot(lead, second))
+    path, first = _path(flanks, t)
+    normals = _outwards(first)
+    return _dot(points - path, normals), normals, t
+
+
+def _path(flanks: Flanks, t: Array) -> tuple[Array, Array]:
+    """Give the points [m] of the trochoid that stands back by w(t), T - w n, and its derivative, (n, 2) each."""
+    gear = flanks.gear
+    back, slope = np.zeros(t.shape), np.zeros(t.shape)
+    for order, cosine, sine in flanks.waves:
+        back += cosine * np.cos(order * t) + sine * np.sin(order * t)
+        slope += order * (sine * np.cos(order * t) - cosine * np.sin(order * t))
+    normals = profile.normals(gear, t)
+    turning = profile.turning_rate(gear, t)[:, np.newaxis] * rotate(normals, -np.pi / 2)
+    moved = profile.trochoid(gear, t) - back[:, np.newaxis] * normals
+    first = profile.trochoid_derivatives(gear, t)[0] - slope[:, np.newaxis] * normals - back[:, np.newaxis] * turning
+    return moved, first
+
+
+def _outwards(along: Array) -> Array:
+    """Give the outward unit normals (n, 2) of a clockwise curve from its derivative."""
+    return rotate(along / np.linalg.norm(along, axis=1, keepdims=True), np.pi / 2)
+
+
 def _family_distance(flanks: Flanks, points: Array, side: int) -> tuple[Array, Array, Array]:
     """Give the distance from the flanks before (1) or after (-1) the tips, clockwise."""
     gear, ends = flanks.gear, _ends(flanks)
     turned = rotate(points, side * flanks.rotation)
-    t = trochoid_distance(gear, turned)[2]
+    t = _path_distance(flanks, turned)[2]
     pitch = 2 * np.pi / gear.lobes
     # From the valley of its lobe half; feet beyond the middle between tip and valley belong to the next valley.
     lobe = np.floor(side * t / pitch + 1 / 4)
     within = np.clip(side * t - lobe * pitch, -ends.valley, pitch / 2 - ends.tip)
     t = side * (within + lobe * pitch)
-    away = turned - profile.outline(gear, t, flanks.offset)
+    path, first = _path(flanks, t)
+    away = turned - path + flanks.offset * _outwards(first)
     size = np.linalg.norm(away, axis=1)
     return size - flanks.offset, rotate(away / size[:, np.newaxis], -side * flanks.rotation), t
 

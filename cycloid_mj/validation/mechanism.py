@@ -23,10 +23,10 @@ from cycloid_mj.mechanism.limits import best_fit, stops
 from cycloid_mj.mechanism.reducer import mechanism
 from cycloid_mj.mjcf import build
 from cycloid_mj.mjcf.keyframe import joint_state
-from cycloid_mj.modification import gear_profile, profile_offset, tooth_profile
+from cycloid_mj.modification import profile_offset, tooth_profile
 from cycloid_mj.types import Array, Mask
 from cycloid_mj.validation import equilibrium, rig
-from cycloid_mj.validation.gaps import Flanks, Pose, pin_gaps, ring_gaps, rotate
+from cycloid_mj.validation.gaps import Pose, flanks_of, pin_gaps, ring_gaps, rotate
 from cycloid_mj.validation.rig import FIXED, FREE, NONPIN, SLEEVED, reducer_of
 from cycloid_mj.validation.row import Row, deviation
 
@@ -142,9 +142,13 @@ def exact_gaps(design: Design, crank: float, z: Array, aside: Array | float = 0.
     """
     gear, made, output = tooth_profile(design), deviations(design), design.output
     pose, out = _pose(design, crank, z)
-    flanks = Flanks(gear_profile(design), profile_offset(design), design.modification.rotation)
     pins = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear)) + made.pin_place + aside
-    teeth = pin_gaps(gear, pose, pins, flanks).distance + profile_offset(design) - gear.pin_radius - made.pin_radius
+    teeth = (
+        pin_gaps(gear, pose, pins, flanks_of(design)).distance
+        + profile_offset(design)
+        - gear.pin_radius
+        - made.pin_radius
+    )
     around = output.pin_circle_radius * profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins)
     between = rotate(around, out) - pose.centre - rotate(around + made.hole_place[0], pose.angle)
     room = output.hole_radius + design.clearance.output - output.pin_radius
