@@ -279,7 +279,7 @@ def _advance(
     taken: list[_Sample] = []
     problem = ""
     for number in samples:
-        mujoco.mj_step(reducer.model, data, nstep=plan.stride if number else 1)
+        recorder.each_step.advance(reducer.model, plan.stride if number else 1)
         sample, problem = recorder.sample()
         taken.append(sample)
         if problem:

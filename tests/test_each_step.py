@@ -89,6 +89,41 @@ def test_a_log_holds_what_came_between_its_samples(preset: str) -> None:
         np.testing.assert_array_equal(some, [every[0], *since])
         between += int(np.sum(some > 1.001 * every[::STRIDE][: len(some)]))
     assert between > 20, "most peaks fall between samples"
+    read = [name for name in whole.columns if not name.endswith("_peak_force")]
+    assert {"potential_energy", "kinetic_energy", "crank_torque", "solver_iterations", "cam_force_x"} < set(read)
+    for name in read:
+        # Steps between samples leave out what nobody reads: the motion is the same to the last bit.
+        np.testing.assert_array_equal(thinned[name], whole[name][::STRIDE][: len(thinned[name])], name)
+
+
+@pytest.mark.parametrize("steps", [1, 2, 3, 10])
+def test_as_many_steps_are_taken_as_were_asked_for(steps: int) -> None:
+    design = short("pin")
+    reducer = build(design)
+    data, course = initial_state(reducer, design), ramp_and_hold(reducer, design)
+    kept = EachStep(data, pair_index(reducer.model, reducer.pairs))
+    kept.command(course.commands(1e-6 * np.arange(STEPS)))
+    with collider.installed(), each_step.installed():
+        for _ in range(3):
+            kept.advance(reducer.model, steps)
+    assert data.time == pytest.approx(3 * steps * 1e-6, rel=1e-9)
+    np.testing.assert_array_equal(data.ctrl, course.commands(np.array([3 * steps * 1e-6]))[0])
+
+
+def test_a_fatal_error_of_mujocos_between_samples_is_an_error_of_python(monkeypatch, tmp_path) -> None:
+    """Too little memory for the solver, once the load is on."""
+    monkeypatch.chdir(tmp_path)  # MuJoCo writes its warnings to a file there
+    design = short("pin")
+    reducer = build(design)
+    reducer.spec.memory = 80_000
+    model, start = reducer.spec.compile(), initial_state(reducer, design)
+    data = mujoco.MjData(model)
+    data.qpos[:], data.qvel[:] = start.qpos, start.qvel
+    kept = EachStep(data, pair_index(model, reducer.pairs))
+    kept.command(ramp_and_hold(reducer, design).commands(1e-6 * np.arange(STEPS)))
+    with collider.installed(), each_step.installed(), pytest.raises(mujoco.FatalError, match="out of memory"):
+        kept.advance(model, STEPS)
+    assert 1 < round(1e6 * data.time) < STEPS - 2
 
 
 def test_frictionless_pairs_peak_at_the_size_of_their_force() -> None:

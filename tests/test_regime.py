@@ -13,7 +13,7 @@ from designs import UNLIKE, unlike
 from cycloid_mj.cli.app import main
 from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.contact.regime import FEWEST_SAMPLES, at_rest, pace, warnings
-from cycloid_mj.contact.timestep import FEWEST_STEPS, LONGEST, RESOLVED, ROLLING, chosen, limits, timestep
+from cycloid_mj.contact.timestep import FEWEST_STEPS, LONGEST, RESOLVED, ROLLING, SEATED, chosen, limits, timestep
 from cycloid_mj.contact.working import working_force
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.log import read
@@ -39,7 +39,7 @@ def told(preset: str, *changes: str) -> tuple[str, ...]:
         ("pin", SLEEVED),
         ("nonpin", "settings.timestep_us=17"),
         ("pin", FIXED, "settings.timestep_us=17"),
-        ("pin", "settings.timestep_us=2.5"),
+        ("pin", "settings.timestep_us=3.1"),
         ("nonpin", "stiffness.cam_n_m=1e12"),
         ("pin", "gear.bearing=plain", "output.rollers=false", "friction.output=0.02", "friction.cam=0.02"),
     ],
@@ -51,7 +51,7 @@ def test_the_default_designs_and_the_steps_they_bear_give_no_warning(made: tuple
 @pytest.mark.parametrize(
     ("made", "kinds"),
     [
-        (("pin", "settings.timestep_us=3"), {"pin_socket"}),
+        (("pin", "settings.timestep_us=3.3"), {"pin_socket"}),
         (("pin", "settings.timestep_us=4"), {"settings.timestep_us", "pin_socket", "pin_gear"}),
         (("pin", "clearance.pin_socket_um=0.01", "settings.timestep_us=2.4"), {"settings.timestep_us"}),
         (("pin", SLEEVED, "settings.timestep_us=2.5"), {"pin_sleeve"}),
@@ -150,7 +150,7 @@ def test_simulate_tells_before_the_run_and_the_log_keeps_it(tmp_path: Path, caps
 
 def test_a_remedy_lies_well_within_the_limit() -> None:
     """Sockets of 21 light pins ask for 1.98 us instead of 2 us: the remedy is a round step below it."""
-    stiffness = 0.612e-3 * 6.4 / 1.98e-6**2
+    stiffness = 0.612e-3 * SEATED / 1.98e-6**2
     design = override(PRESETS["pin"], [f"stiffness.pin_socket_n_m={stiffness!r}", "settings.timestep_us=2"])
     found = warnings(design, build(design))
     assert [text for text in found if "shorten settings.timestep_us to 1 or" in text] == list(found) != []
@@ -179,12 +179,15 @@ def test_the_step_follows_mass_stiffness_play_force_and_speed() -> None:
     model, found = build(design).model, limits(design)
     pin = float(model.body("pin_1").mass[0])
     seat, force = pair_stiffness(design, "pin_socket"), working_force(design, "pin_socket")
-    assert found["stiffness of pin_socket"] == pytest.approx((RESOLVED * 0.5 * pin / seat) ** 0.5, rel=1e-6)
+    assert found["stiffness of pin_socket"] == pytest.approx((SEATED * 0.5 * pin / seat) ** 0.5, rel=1e-6)
+    cam = pair_stiffness(design, "cam")
+    gear = float(model.body("gear").mass[0])
+    assert found["stiffness of cam"] == pytest.approx((RESOLVED * gear / cam) ** 0.5, rel=1e-6)
     bowl = force / (1e-6 + force / seat)
     assert found["rolling of pins in their play"] == pytest.approx(ROLLING * 2.0 * (pin / bowl) ** 0.5, rel=1e-6)
     passing = 36 * 1640.0 / 60.0
     assert found["the passing of teeth"] == pytest.approx(1.0 / (FEWEST_STEPS * passing), rel=1e-6)
-    assert timestep(design) == pytest.approx(2.5e-6)
+    assert timestep(design) == pytest.approx(3.125e-6)
     assert timestep(override(design, ["settings.timestep_us=0.7"])) == pytest.approx(0.7e-6)
     assert str(chosen(override(design, ["settings.timestep_us=0.7"]))) == "0.7 us (given)"
 

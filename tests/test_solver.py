@@ -14,6 +14,7 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.mjcf import build
 
 NEWTON, CG = mujoco.mjtSolver.mjSOL_NEWTON, mujoco.mjtSolver.mjSOL_CG
+NO_ISLANDS = int(mujoco.mjtDisableBit.mjDSBL_ISLAND)
 
 
 @pytest.mark.parametrize(
@@ -36,8 +37,25 @@ def test_gradients_are_taken_where_the_step_resolves_moving_pins(design: Design,
     assert (option.jacobian == mujoco.mjtJacobian.mjJAC_SPARSE) == design.ring.has_moving_pins
 
 
+@pytest.mark.parametrize(
+    ("design", "load", "islands"),
+    [
+        (PRESETS["pin"], 0.0, False),
+        (PRESETS["pin"], 10.0, True),
+        (unlike("large"), -10.0, True),
+        (PRESETS["nonpin"], 10.0, False),
+    ],
+    ids=lambda value: value.name if isinstance(value, Design) else str(value),
+)
+def test_islands_are_found_where_pins_that_do_not_carry_can_be_left_out(
+    design: Design, load: float, islands: bool
+) -> None:
+    flags = build(override(design, [f"load.torque_nm={load}"])).model.opt.disableflags
+    assert bool(flags & NO_ISLANDS) != islands
+
+
 @pytest.mark.parametrize("name", ["pin", "few", "large"])
-def test_both_solvers_find_the_same_forces(name: str) -> None:
+def test_both_solvers_find_the_same_forces_with_islands_and_without(name: str) -> None:
     """From one state: a run between flanks is chaotic, and two that differ by a rounding part ways."""
     design = PRESETS["pin"] if name == "pin" else unlike(name)
     load = design.drive.torque * design.lobes
@@ -46,25 +64,30 @@ def test_both_solvers_find_the_same_forces(name: str) -> None:
     reducer = build(design)
     course = ramp_and_hold(reducer, design)
     data = initial_state(reducer, design, course)
-    model, worst, loaded = reducer.model, 0.0, 0
+    model, worst, loaded, islands = reducer.model, 0.0, 0, 0
     with installed():
         for step, command in enumerate(course.commands(reducer.model.opt.timestep * np.arange(2000))):
             data.ctrl[:] = command
             mujoco.mj_step(model, data)
             if step % 100 == 99 and data.nefc:
-                forces = [_forces(model, data, solver) for solver in (NEWTON, CG)]
-                scale = np.abs(forces[0]).max()
+                known, *others = (
+                    _forces(model, data, *how) for how in ((NEWTON, NO_ISLANDS), (CG, NO_ISLANDS), (NEWTON, 0))
+                )
+                scale = np.abs(known).max()
                 loaded += scale > 1.0
-                worst = max(worst, float(np.abs(forces[1] - forces[0]).max()) / scale)
+                islands = max(islands, data.nisland)
+                worst = max(worst, *(float(np.abs(forces - known).max()) / scale for forces in others))
     assert loaded > 10
+    assert islands > 1
     assert worst < 1e-9
 
 
-def _forces(model: Any, data: Any, solver: int) -> Any:
+def _forces(model: Any, data: Any, solver: int, islands: int) -> Any:
     """Find the constraint forces of a state with a solver, on a copy that does not start from the known answer."""
-    before, other = model.opt.solver, copy.copy(data)
+    option, other = model.opt, copy.copy(data)
+    before = option.solver, option.disableflags
     other.qacc_warmstart[:] = 0.0
-    model.opt.solver = solver
+    option.solver, option.disableflags = solver, (option.disableflags & ~NO_ISLANDS) | islands
     mujoco.mj_forward(model, other)
-    model.opt.solver = before
+    option.solver, option.disableflags = before
     return other.efc_force.copy()

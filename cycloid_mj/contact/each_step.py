@@ -1,9 +1,13 @@
 """What happens in every step of a run, inside MuJoCo: the largest forces are noted, the next commands are set.
 
 A sample is one step in many, and an impact of a few steps falls between two of them; a shaft follows its command at
-every step. Both are done by MuJoCo's callback for sensors, at the end of the forward dynamics, so that the steps from
-one sample to the next are one call of ``mj_step``. A model of ours has a user sensor, which the callback answers, and
-one number of user data: the address of what the run keeps. Without a run that is 0, and nothing happens.
+every step. Both are done by MuJoCo's callback for sensors, at the end of the forward dynamics. A model of ours has a
+user sensor, which the callback answers, and one number of user data: the address of what the run keeps. Without a run
+that is 0, and nothing happens.
+
+Sensors and energies, which take a tenth of a step, are read at samples alone: after the first step since the last
+sample the callback itself takes all that follow, but the sampled one, by the stages of ``mj_step`` that move anything.
+So they are inside one call from Python, whose error a fatal one of MuJoCo's becomes.
 """
 
 import ctypes
@@ -12,6 +16,7 @@ from contextlib import contextmanager
 from functools import cache
 from typing import Any
 
+import llvmlite.binding
 import mujoco
 import numpy as np
 from numba import cfunc, njit, types
@@ -19,7 +24,7 @@ from numba import cfunc, njit, types
 from cycloid_mj.compiling import announced, cacheable
 from cycloid_mj.contact.forces import PairIndex
 from cycloid_mj.contact.layout import StepLayout, discover_steps
-from cycloid_mj.contact.library import library
+from cycloid_mj.contact.library import function_address, library
 from cycloid_mj.contact.memory import read_address, read_float, read_int, write_address, write_float
 from cycloid_mj.contact.shared import Shared
 from cycloid_mj.errors import ContactError
@@ -29,9 +34,22 @@ SENSOR = "each_step"
 """Name of the user sensor: it reads 0."""
 
 _CONTACTS, _COUNT, _FORCES, _STRIDE, _GEOM, _ROW = range(6)
-_SURFACE, _PAIR, _SURFACES, _SUM, _PEAK, _CTRL, _ACTUATORS, _COMMAND, _LAST = range(6, 15)
+_SURFACE, _PAIR, _SURFACES, _SUM, _PEAK, _CTRL, _ACTUATORS, _COMMAND, _LAST, _SILENT = range(6, 16)
 
 _LAST_STAGE = int(mujoco.mjtStage.mjSTAGE_ACC)
+
+_STAGE, _PREFIX = types.void(types.intp, types.intp), "cycloid_mj_"
+_integrate, _position, _velocity, _actuation, _acceleration, _constraint = (
+    types.ExternalFunction(_PREFIX + name, _STAGE)
+    for name in (
+        "mj_Euler",
+        "mj_fwdPosition",
+        "mj_fwdVelocity",
+        "mj_fwdActuation",
+        "mj_fwdAcceleration",
+        "mj_fwdConstraint",
+    )
+)
 
 
 def add_sensor(spec: Any) -> None:
@@ -67,6 +85,11 @@ class EachStep:
         self._table[_COMMAND] = self._commands.ctypes.data + width
         self._table[_LAST] = self._commands.ctypes.data + width * len(self._commands)
 
+    def advance(self, model: Any, steps: int) -> None:
+        """Take steps; what sensors and energies read afterwards is of the start of the last of them."""
+        self._table[_SILENT] = max(0, steps - 2)
+        mujoco.mj_step(model, self._data, nstep=min(steps, 2))
+
     def peaks(self) -> Array:
         """Give the largest normal force of each pair [N] since the last time, shape (pairs,), and begin anew."""
         peak = self._peak.copy()
@@ -74,7 +97,7 @@ class EachStep:
         return peak
 
     def _places(self, at: StepLayout) -> Integers:
-        table, data = np.zeros(_LAST + 1, dtype=np.int64), self._data
+        table, data = np.zeros(_SILENT + 1, dtype=np.int64), self._data
         table[_CONTACTS], table[_FORCES] = data._address + at.contact, data._address + at.efc_force
         table[_COUNT] = data._address + at.ncon
         table[_STRIDE], table[_GEOM], table[_ROW] = at.stride, at.geom, at.efc_address
@@ -118,6 +141,8 @@ _installation = Shared(_install, _uninstall)
 def _compiled() -> Any:
     layout = discover_steps()
     nuserdata, userdata = layout.nuserdata, layout.userdata
+    for stage in (_integrate, _position, _velocity, _actuation, _acceleration, _constraint):
+        llvmlite.binding.add_symbol(stage.symbol, function_address(stage.symbol.removeprefix(_PREFIX)))
 
     @cfunc(types.void(types.intp, types.intp, types.int32), cache=cacheable())
     def answer(model: int, data: int, stage: int) -> None:
@@ -127,6 +152,17 @@ def _compiled() -> Any:
         if table:
             _note(table)
             _command(table)
+            steps = read_address(table + 8 * _SILENT)
+            write_address(table + 8 * _SILENT, 0)
+            for _ in range(steps):
+                _integrate(model, data)
+                _position(model, data)
+                _velocity(model, data)
+                _actuation(model, data)
+                _acceleration(model, data)
+                _constraint(model, data)
+                _note(table)
+                _command(table)
 
     with announced():
         return answer

@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from cycloid_mj.contact.law import LEAST_IMPEDANCE, ContactLaw, pair_stiffness
-from cycloid_mj.contact.timestep import RESOLVED, passing_limit, rolling_limits, timestep
+from cycloid_mj.contact.timestep import passing_limit, resolved, rolling_limits, timestep
 from cycloid_mj.contact.working import working_force
 from cycloid_mj.design import Design, Friction
 from cycloid_mj.member import against_ring
@@ -104,13 +104,13 @@ def _rolling(design: Design) -> Iterator[str]:
 
 def _resolution(design: Design, kind: str, law: ContactLaw) -> Iterator[str]:
     """Tell of a contact that the step does not resolve."""
-    step = timestep(design)
+    step, most = timestep(design), resolved(design, kind)
     ratio = steps_ratio(law, step)
-    if ratio > RESOLVED * (1.0 + 1e-9):
-        longest = step * math.sqrt(RESOLVED / ratio)
+    if ratio > most * (1.0 + 1e-9):
+        longest = step * math.sqrt(most / ratio)
         yield (
             f"{kind}: a stiffness of {law.stiffness:.3g} N/m is too large for a step of {1e6 * step:g} us: K dt^2/m = "
-            f"{ratio:.3g}, and the figures hold up to {RESOLVED:g}; shorten settings.timestep_us to "
+            f"{ratio:.3g}, and the figures hold up to {most:g}; shorten settings.timestep_us to "
             f"{_below(1e6 * longest)} or lower stiffness.{kind}_n_m"
         )
 

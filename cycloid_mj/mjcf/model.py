@@ -98,7 +98,8 @@ def build(design: Design, held: Held = "crank") -> ReducerModel:
     add_sensors(spec, design)
     each_step.add_sensor(spec)
     laws = laws_of_discs(design)
-    set_solver(spec, stiffest(laws), design.ring.has_pin_bodies)
+    if design.ring.has_pin_bodies:
+        set_solver(spec, stiffest(laws), loaded=design.load.torque != 0.0)
     model = _add_pairs(spec, reducer.pairs, laws)
     return judged(ReducerModel(spec, model, reducer.pairs, stiffest(laws), gains, crank), design)
 
@@ -128,7 +129,7 @@ def empty_spec(design: Design) -> Any:
     option.impratio = IMPRATIO
     option.iterations = 100
     option.tolerance = 1e-10
-    # One island holds everything in contact: looking for more only costs time.
+    # Mostly one island holds everything in contact: looking for more costs time. `set_solver` knows where not.
     option.disableflags = int(mujoco.mjtDisableBit.mjDSBL_AUTORESET | mujoco.mjtDisableBit.mjDSBL_ISLAND)
     option.enableflags = int(mujoco.mjtEnableBit.mjENBL_ENERGY)
     reach = design.housing.outer_radius
