@@ -9,10 +9,12 @@ import trimesh
 from matplotlib.path import Path as PolygonPath
 
 from cycloid_mj import profile
+from cycloid_mj.checks.body import balance
 from cycloid_mj.checks.summary import masses
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import DesignError
 from cycloid_mj.kinematics import gear_centre, gear_rotation
+from cycloid_mj.measure.reaction import unbalance
 from cycloid_mj.mjcf import build
 from cycloid_mj.solid import (
     VISUAL_CHORD_ERROR,
@@ -273,6 +275,20 @@ def test_the_counterweight_balances_the_gear(design: Design) -> None:
         moment = gear.mass * design.gear.eccentricity
         assert moment + shaft.mass * shaft.centroid[1] == pytest.approx(0.0, abs=1e-9 * moment)
         assert shaft.mass * shaft.centroid[0] == pytest.approx(0.0, abs=1e-9 * moment)
+
+
+def test_the_counterweight_balances_a_gear_of_another_material() -> None:
+    """A printed gear on a steel shaft: 2.49 mm of steel; the check of the shaft's length reckons with as much."""
+    design = PRESETS["printed"]
+    gear, shaft = mass_properties(gear_solid(design)), mass_properties(shaft_solid(design))
+    assert gear.mass * design.gear.eccentricity == pytest.approx(-shaft.mass * shaft.centroid[1], rel=1e-9)
+    found = unbalance(design)
+    assert abs(found.balanced) < 1e-6 * found.bare
+    assert balance(override(design, ["shaft.length_mm=2.6"])).passed
+    short = override(design, ["shaft.length_mm=2.4"])
+    assert not balance(short).passed
+    with pytest.raises(DesignError, match="no counterweight within the shaft's length"):
+        shaft_solid(short)
 
 
 def test_the_counterweight_has_the_closed_thickness() -> None:

@@ -52,8 +52,8 @@ def balance(design: Design) -> Check:
 
     Needs a sound gear and a counterweight that stands out from the shaft.
 
-    Static moments about the axis: w c (S_gear + S_cam) < 2/3 (R^3 - r^3) L with the face width w, areas S, radii R and
-    r of counterweight and shaft, and the shaft's length L.
+    Static moments about the axis: w c (q S_gear + S_cam) < 2/3 (R^3 - r^3) L with the face width w, areas S, the gear's
+    density over the shaft's q, radii R and r of counterweight and shaft, and the shaft's length L.
     """
     shaft = design.shaft
     moment, moment_per_length = _static_moments(design)
@@ -87,10 +87,15 @@ def bearings(design: Design) -> Check:
 
 
 def _static_moments(design: Design) -> tuple[float, float]:
-    """Give the static moment of gear and cam [m4], and that of the counterweight per thickness [m3]."""
+    """Give the static moment of gear and cam [m4], and that of the counterweight per thickness [m3].
+
+    Both over the shaft's density.
+    """
     gear, shaft = design.gear, design.shaft
+    lighter = design.material_of("gear").density / design.material_of("shaft").density
     cut_out = math.pi * (_bore(design) ** 2 + design.output.pins * _hole(design) ** 2)
-    area = profile.area(gear_profile(design), profile_offset(design)) - cut_out + math.pi * gear.bore_radius**2
+    area = profile.area(gear_profile(design), profile_offset(design)) - cut_out
+    area = lighter * area + math.pi * gear.bore_radius**2
     moment = gear.face_width * gear.eccentricity * area
     return moment, 2 / 3 * (shaft.counterweight_radius**3 - shaft.radius**3)
 

@@ -164,11 +164,14 @@ def _counterweight(design: Design, chord_error: float) -> Array:
 
 
 def _balancing_thickness(design: Design, gear: Solid, cam: Prism, counterweight: Array) -> float:
-    """Solve the balance of static moments [m4] about the axis for the counterweight's thickness t [m].
+    """Solve the balance of static moments about the axis, over the shaft's density [m4], for its thickness t [m].
 
-    t S_counterweight + w S_cam + V_gear c = 0, with S the integral of y over a cross-section.
+    t S_counterweight + w S_cam + V_gear c rho_gear/rho_shaft = 0, with S the integral of y over a cross-section.
     """
-    unbalance = cam.height * area_moments(cam.outline).y + mass_properties(gear).volume * design.gear.eccentricity
+    lighter = gear.density / design.material_of("shaft").density
+    unbalance = (
+        cam.height * area_moments(cam.outline).y + mass_properties(gear).volume * lighter * design.gear.eccentricity
+    )
     thickness = -unbalance / area_moments(counterweight).y
     shaft = design.shaft
     if thickness >= shaft.length:
