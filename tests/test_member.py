@@ -18,7 +18,8 @@ from cycloid_mj.measure import bench, hysteresis, play
 from cycloid_mj.measure.backlash import press
 from cycloid_mj.measure.closed_form import ideal_efficiency
 from cycloid_mj.measure.orders import causes
-from cycloid_mj.measure.trace import Case, trace
+from cycloid_mj.measure.te_table import quantities
+from cycloid_mj.measure.trace import Case, Errors, trace
 from cycloid_mj.mechanism.limits import best_fit, stops
 from cycloid_mj.mjcf import build
 from cycloid_mj.modification import tooth_profile
@@ -261,6 +262,25 @@ def test_the_transmission_error_of_the_ring_is_that_of_statics(at_the_ring) -> N
     assert found.gear == pytest.approx(theory[:, 0], abs=0.02 * np.abs(theory[:, 0]).max())
     assert found.output == pytest.approx(theory[:, 1], abs=0.02 * np.abs(theory[:, 1]).max())
     assert found.output.mean() < 0.0
+
+
+@pytest.mark.parametrize("turning", ["carrier", "ring"])
+def test_backlash_and_wind_up_are_positive_whichever_way_the_output_turns(turning: str) -> None:
+    """An output that lags by 5 arcsec of play and 30 of wind-up: behind the crank's sense for the ring, before it."""
+    design = RIGID.but(output={"member": turning})
+    points, lag = 8 * 35 * 36, {"unloaded": 5.0, "loaded": 35.0}
+    crank = 2.0 * np.pi * (36 if turning == "ring" else 35) * np.arange(points) / points
+    made = {
+        Case(load, way, "speed", 1.0, sign): Errors(
+            crank, *2 * [np.full(points, sign * member.sense(design) * lag[load])]
+        )
+        for load in lag
+        for way, sign in (("forward", 1.0), ("reverse", -1.0))
+    }
+    found = {one.key: one for one in quantities(design, made, {}, made)}
+    for shaft in ("gear", "output"):
+        assert (found[f"{shaft}_reversal"].value, found[f"{shaft}_reversal"].reference) == pytest.approx((10.0, 10.0))
+        assert (found[f"{shaft}_wind_up"].value, found[f"{shaft}_wind_up"].reference) == pytest.approx((30.0, 30.0))
 
 
 def test_causes_of_orders_at_the_ring() -> None:

@@ -1,12 +1,14 @@
 """The commands on the presets of a drive with two discs and of a printed one."""
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from cycloid_mj.cli import main
+from cycloid_mj.explore import tolerances
 
 STATIC = (
     ("design", "show", "{name}"),
@@ -17,6 +19,7 @@ STATIC = (
     ("rate", "--design", "{name}", "--html", "rate.html"),
     ("kinematics", "--design", "{name}", "--until-s", "0.01", "--csv", "k.csv"),
     ("profile", "--design", "{name}", "--csv", "p.csv"),
+    ("profile", "--design", "{name}", "--part", "curvature", "--points", "4", "--csv", "p.csv"),
     ("export", "--design", "{name}", "--format", "dxf", "--out", "parts"),
 )
 OF_A_LOG = (
@@ -30,6 +33,8 @@ OF_A_LOG = (
     ("log", "layout", "{log}"),
     ("log", "repair", "{log}", "again.mcap"),
 )
+SEARCH = ("--vary", "clearance.cam_um=5:12", "--minimize", "backlash_max", "--evaluations", "6")
+MEASURES = ("te", "backlash", "lost-motion", "loads", "efficiency", "vibration")
 SLOW = (
     ("datasheet", "--design", "{name}", "--out", "sheet"),
     ("reduce", "--design", "{name}", "--out", "joint"),
@@ -37,21 +42,30 @@ SLOW = (
     ("export", "--design", "{name}", "--format", "stl", "--out", "parts"),
     ("export", "--design", "{name}", "--format", "obj", "--out", "parts"),
     ("sweep", "--design", "{name}", "--vary", "clearance.cam_um=5,20", "--out", "sweep", "--workers", "1"),
-    *(("measure", one, "--design", "{name}", "--quick") for one in ("te", "backlash", "lost-motion", "loads")),
+    ("export", "--design", "{name}", "--format", "step", "--plate", "--out", "parts"),
+    ("optimize", "--design", "{name}", *SEARCH, "--quick", "--workers", "1", "--out", "best"),
+    ("compare", "{name}", "--quick", "--ramp-s", "0", "--hold-s", "0.9", "--jobs", "1", "--out", "side"),
+    ("stress", "--design", "{name}", "--quick", "--part", "output", "--out", "stress"),
+    *(("measure", one, "--design", "{name}", "--quick") for one in MEASURES),
     ("measure", "torque", "{name}", "--quick"),
 )
 NAMES = ("twodisc", "printed")
+CHANGES = {"as it is": (), "ring turns": ("--set", "output.member=ring")}
+NONSENSE = re.compile(r"\b(nan|inf|None)\b")
+"""What no command prints where a number belongs."""
 
 
 @pytest.fixture
 def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
     """Call a command in a folder of its own, and give what it printed."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(tolerances, "BUDGET_SAMPLES", 16)
 
     def called(words: tuple[str, ...], **filling: str) -> str:
         assert main([word.format(**filling) if "{" in word else word for word in words]) == 0
         found = capsys.readouterr()
         assert "Traceback" not in found.err
+        assert not NONSENSE.search(found.out), found.out
         return found.out
 
     return called
@@ -64,10 +78,28 @@ def test_a_static_command_takes_the_preset(words: tuple[str, ...], name: str, ca
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES.keys())
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("words", SLOW, ids=lambda words: "_".join(words[:2]))
-def test_a_long_command_takes_the_preset(words: tuple[str, ...], name: str, call: Callable[..., str]) -> None:
-    call(words, name=name)
+def test_a_long_command_takes_the_preset(
+    words: tuple[str, ...], name: str, change: tuple[str, ...], call: Callable[..., str]
+) -> None:
+    call((*words, *change), name=name)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("words", STATIC, ids=lambda words: "_".join(words[:2]))
+def test_a_static_command_takes_a_ring_that_turns(words: tuple[str, ...], call: Callable[..., str]) -> None:
+    call((*words, "--set", "output.member=ring"), name="twodisc")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NAMES)
+def test_vibration_knows_whether_there_is_a_counterweight(name: str, call: Callable[..., str]) -> None:
+    found = json.loads(call(("measure", "vibration", "--design", "{name}", "--quick", "--json"), name=name))
+    balanced = [key for key, one in found["quantities"].items() if "counterweight" in one["name"]]
+    assert bool(balanced) == (name == "printed")
+    assert found["quantities"]["housing_rotating"]["reference"] == pytest.approx(0.0, abs=1e-6)
 
 
 @pytest.fixture(scope="module")

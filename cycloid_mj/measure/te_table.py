@@ -9,6 +9,7 @@ from cycloid_mj.analysis.spectrum import Orders, periodic_orders
 from cycloid_mj.design import Design
 from cycloid_mj.measure.orders import causes
 from cycloid_mj.measure.trace import Case, Errors, Trace
+from cycloid_mj.member import sense
 from cycloid_mj.result import Curve, Quantity
 from cycloid_mj.types import Array
 
@@ -45,7 +46,7 @@ def quantities(design: Design, found: Found, finer: Finer, statics: Statics) -> 
         for shaft in ("gear", "output")
         for name, (words, _) in _LEVELS.items()
     ]
-    return [*levels, *_shifts(found, finer, statics), *_caused(design, found, finer, statics)]
+    return [*levels, *_shifts(design, found, finer, statics), *_caused(design, found, finer, statics)]
 
 
 def curves(design: Design, found: Found, statics: Statics) -> tuple[Curve, ...]:
@@ -93,14 +94,23 @@ def chosen(found: Found) -> list[Case]:
     return [case for case in found if case.way == "forward" and case.pace == first]
 
 
-def _shifts(found: Found, finer: Finer, statics: Statics) -> Iterator[Quantity]:
-    """Give what lies between the mean errors of two cases: backlash between directions, wind-up between loads."""
+def _shifts(design: Design, found: Found, finer: Finer, statics: Statics) -> Iterator[Quantity]:
+    """Give what lies between the mean errors of two cases: backlash between directions, wind-up between loads.
+
+    Both are positive: a carrier turns against the crank, so lags at a larger angle; a ring, with it, at a smaller.
+    """
     case = chosen(found)[0]
     cases = {(one.load, one.way): one for one in found if one.pace == case.pace}
+    back, ahead, loaded = ("unloaded", "forward"), ("unloaded", "reverse"), ("loaded", "forward")
     pairs = {
-        "reversal": ("forward less reverse, unloaded: backlash", ("unloaded", "forward"), ("unloaded", "reverse")),
-        "wind_up": ("loaded less unloaded, forward: elastic wind-up", ("loaded", "forward"), ("unloaded", "forward")),
+        "reversal": ("forward less reverse, unloaded: backlash", back, ahead),
+        "wind_up": ("loaded less unloaded, forward: elastic wind-up", loaded, back),
     }
+    if sense(design) < 0:
+        pairs = {
+            "reversal": ("reverse less forward, unloaded: backlash", ahead, back),
+            "wind_up": ("unloaded less loaded, forward: elastic wind-up", back, loaded),
+        }
     for shaft in ("gear", "output"):
         for key, (words, one, other) in pairs.items():
             value, reference = (

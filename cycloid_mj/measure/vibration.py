@@ -30,8 +30,9 @@ _SIGNALS = {
     "gear_centre": ("acceleration of the gear's centre", "m/s2"),
     "output": ("acceleration of the output", "rad/s2"),
     "housing": ("force on the housing", "N"),
-    "housing_bare": ("force on the housing, no counterweight", "N"),
 }
+_OF_COUNTERWEIGHT = {"housing_bare": ("force on the housing, no counterweight", "N")}
+"""Signals of a single disc, which a counterweight balances."""
 _OF_PLANES = {
     "shaft_tilting": ("tilting moment of the discs on the shaft", "N m"),
     "output_tilting": ("tilting moment of the discs on the output", "N m"),
@@ -39,7 +40,7 @@ _OF_PLANES = {
     "shaft_bearing_near": ("force of the shaft's bearing near the discs", "N"),
 }
 """Signals of several discs, which pull in planes of their own."""
-_ALL = _SIGNALS | _OF_PLANES
+_ALL = _SIGNALS | _OF_COUNTERWEIGHT | _OF_PLANES
 
 
 def vibration(
@@ -115,7 +116,7 @@ def vibration(
 
 def _signals(design: Design) -> tuple[str, ...]:
     """Give the keys of what is measured of a design."""
-    return (*_SIGNALS, *(_OF_PLANES if design.gear.discs > 1 else ()))
+    return (*_SIGNALS, *(_OF_PLANES if design.gear.discs > 1 else _OF_COUNTERWEIGHT))
 
 
 def _shown(design: Design) -> tuple[str, ...]:
@@ -151,15 +152,14 @@ def _levels(design: Design, at_speed: Sequence[Sway], checks: Mapping[str, Sway]
 
 def _unbalance(design: Design, at_speed: Sequence[Sway], checks: Mapping[str, Sway]) -> Iterator[Quantity]:
     """Give the unbalance of gear and shaft, from the solids, and the rotating force that the first run shows."""
-    found, square = unbalance(design), design.drive.speed**2
+    found, square, single = unbalance(design), design.drive.speed**2, design.gear.discs == 1
     one, check = at_speed[0], checks.get(at_speed[0].load)
-    for key, name, closed in (
-        ("housing_bare", "without counterweight", found.bare),
-        ("housing", "with counterweight", found.balanced),
-    ):
+    without, balanced = (", without counterweight", ", with counterweight") if single else ("", "")
+    bare = [("housing_bare", without, found.bare)] if single else []
+    for key, how, closed in (*bare, ("housing", balanced, found.balanced)):
         yield Quantity(
             key=f"{key}_rotating",
-            name=f"force that goes round with the crank, {name}",
+            name=f"force that goes round with the crank{how}",
             value=one.rotating(key),
             unit="N",
             error=_error(one, check, methodcaller("rotating", key)),
@@ -167,10 +167,10 @@ def _unbalance(design: Design, at_speed: Sequence[Sway], checks: Mapping[str, Sw
             source="sum of m c omega^2",
         )
     couple = abs(found.couple) * square
-    beside = "the counterweight lies beside the gear" if design.gear.discs == 1 else "discs balance each other"
+    beside = "the counterweight lies beside the gear" if single else "discs balance each other"
     note = f"{beside}: the force is balanced, the couple is not"
-    yield Quantity("unbalance", "unbalance without counterweight", 1e6 * found.bare, "g mm")
-    yield Quantity("couple", "rocking couple with counterweight", couple, "N m", note=note)
+    yield Quantity("unbalance", f"unbalance{without or ' of discs and cams'}", 1e6 * found.bare, "g mm")
+    yield Quantity("couple", f"rocking couple{balanced}", couple, "N m", note=note)
 
 
 def _error(one: Sway, check: Sway | None, read: Callable[[Sway], float]) -> float | None:
