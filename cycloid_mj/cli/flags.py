@@ -50,6 +50,16 @@ PointFlag = Annotated[
 ]
 JsonFlag = Annotated[bool, Parameter(name="--json", help="Print one JSON object and nothing else on stdout.")]
 QuietFlag = Annotated[bool, Parameter(help="No progress and no messages but errors on stderr.")]
+FollowFlag = Annotated[
+    tuple[str, ...],
+    Parameter(
+        name="--follow",
+        metavar="KEY=FORMULA",
+        help="A key that changes with those that vary, by numbers and keys with + - * / and brackets: "
+        "'output.hole_radius_mm=output.pin_radius_mm+gear.eccentricity_mm'. KEY alone: output.hole_radius_mm keeps the "
+        "room that its pin has, drive.torque_nm the rated torque on the output. Repeatable.",
+    ),
+]
 
 FLAT = Parameter(name="*")
 """Of a dataclass: its fields are flags of the command."""

@@ -6,7 +6,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import FLAT, HERE, PRESET, DesignOptions, EngineOptions, JsonFlag, QuietFlag, whole, within
+from cycloid_mj.cli.flags import (
+    FLAT,
+    HERE,
+    PRESET,
+    DesignOptions,
+    EngineOptions,
+    FollowFlag,
+    JsonFlag,
+    QuietFlag,
+    whole,
+    within,
+)
 from cycloid_mj.cli.terminal import say, say_json, show, tell
 from cycloid_mj.errors import CycloidError, DesignError, RunError, UsageError
 from cycloid_mj.interrupt import cause
@@ -75,6 +86,7 @@ def optimize(
     maximize: MaximizeFlag = (),
     limit: LimitFlag = (),
     strict: StrictFlag = False,
+    follow: FollowFlag = (),
     evaluations: EvaluationsFlag = 600,
     starts: StartsFlag = 3,
     seed: SeedFlag = 0,
@@ -90,7 +102,7 @@ def optimize(
     are tried one by one, the better half of the combinations going on. A point must
     pass the checks of `design check` and keep the limits: what refused how many is
     told. The hole of an output pin follows pin and eccentricity, and the torque of
-    the drive the ratio, unless they vary themselves.
+    the drive the ratio, unless they vary themselves or --follow says otherwise.
 
     Every point is in DIR/history.csv (and .parquet) and on disk as it comes: the same
     command goes on where it was stopped. The best is DIR/best.toml; its full statics
@@ -103,7 +115,7 @@ def optimize(
     from cycloid_mj.explore.problem import problem
 
     engine = where.engine()
-    task = problem(chosen.resolved(), _ranges(vary), minimize, maximize, limit, strict)
+    task = problem(chosen.resolved(), _ranges(vary), minimize, maximize, limit, strict, follow)
     into = folder(str(out), "the history")
     if not os.access(into, os.W_OK | os.X_OK):
         raise CycloidError(f"cannot write the history to {out}: no permission; choose another folder with --out")

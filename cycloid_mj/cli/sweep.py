@@ -12,6 +12,7 @@ from cycloid_mj.cli.flags import (
     PRESET,
     DesignOptions,
     EngineOptions,
+    FollowFlag,
     JsonFlag,
     QuietFlag,
     within,
@@ -34,6 +35,7 @@ EXAMPLES = """Examples:
   cycloid-mj sweep --design pin --vary clearance.cam_um=1:5:5 --measure statics
   cycloid-mj sweep --design my.toml --vary load.torque_nm=5:40:8 --vary ring.kind=pin,nonpin --measure simulate,mass
   cycloid-mj sweep --design pin --vary clearance.cam_um=1:5 --vary errors.pin_position_um=0:2 --sample sobol --points 64
+  cycloid-mj sweep --design pin --vary gear.eccentricity_mm=0.6:1:5 --follow output.hole_radius_mm --measure statics
   cycloid-mj sweep --design pin --table points.csv --measure backlash --quick --scheduler 10.0.0.1:8786"""
 
 VaryFlag = Annotated[
@@ -100,6 +102,7 @@ def sweep(
     measure: MeasureFlag = ("statics",),
     quick: QuickFlag = False,
     real_pins: RealPinsFlag = False,
+    follow: FollowFlag = (),
     show_: Annotated[ShowFlag, Parameter(name="--show")] = "",
     out: OutFlag = OUT,
     where: Annotated[EngineOptions, FLAT] = HERE,
@@ -108,8 +111,9 @@ def sweep(
 ) -> int:
     """Measure a design at many points: a grid, samples of ranges, or a table of points.
 
-    Any key of the design file can be varied: numbers, words and switches. Each point
-    is a row of DIR/sweep.csv and DIR/sweep.parquet: its inputs, every quantity with
+    Any key of the design file can be varied: numbers, words and switches; others
+    follow with --follow, such as the hole of an output pin with the eccentricity. Each
+    point is a row of DIR/sweep.csv and DIR/sweep.parquet: inputs, every quantity with
     its unit in the column's name, the error where it failed, CPU time and versions.
     Rows are on disk as they come: a sweep that was stopped, even killed, goes on
     where it was when the same command is given again.
@@ -124,7 +128,7 @@ def sweep(
 
     wanted = _points(vary, table, sample, points, seed)
     engine = where.engine()
-    task = task_of(chosen.resolved(), wanted, measure, quick, real_pins)
+    task = task_of(chosen.resolved(), wanted, measure, quick, real_pins, follow)
     into = folder(out, "the sweep")
     if not os.access(into, os.W_OK | os.X_OK):
         raise CycloidError(f"cannot write the sweep to {out}: no permission; choose another folder with --out")

@@ -59,6 +59,7 @@ def optimize(
     starts: int = STARTS,
     seed: int = 0,
     strict: bool = False,
+    follow: str | Sequence[str] = (),
     verify: bool = True,
     out: str | Path | None = None,
     engine: Engine = PROCESSES,
@@ -82,6 +83,10 @@ def optimize(
         About how many points; searches from different starts; seed of all draws.
     strict
         Whether warnings of the checks refuse a point, too.
+    follow
+        Keys that change with those of `vary`: ``KEY=FORMULA`` of numbers and keys, in the file's units. By themselves
+        the hole of an output pin follows pin and eccentricity, and the drive's torque the ratio; ``KEY=NUMBER`` holds
+        one of them.
     verify
         Whether the best is run in full dynamics, and within its tolerances where it has some.
     out
@@ -100,7 +105,7 @@ def optimize(
     CycloidError
         The folder cannot be written; what was there is kept.
     """
-    task = problem(design, vary, _several(minimize), _several(maximize), _several(limits), strict)
+    task = problem(design, vary, _several(minimize), _several(maximize), _several(limits), strict, follow)
     found = explored(task, evaluations, starts, seed, out, engine, progress)
     if found.best is None:
         raise DesignError(found.hopeless)
@@ -250,6 +255,7 @@ def _kept(task: Problem, evaluations: int, starts: int, seed: int, out: str | Pa
         "objectives": [str(one) for one in task.objectives],
         "limits": [str(one) for one in task.limits],
         "strict": task.strict,
+        "follows": task.follows,
         "evaluations": evaluations,
         "starts": starts,
         "seed": seed,

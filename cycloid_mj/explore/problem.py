@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from cycloid_mj.design import Design, declared, override, value_of
 from cycloid_mj.errors import CycloidError, CycloidWarning, DesignError, UsageError
+from cycloid_mj.explore.followers import Follower, by_themselves, followed, following
 from cycloid_mj.explore.limit import FigureLimit, limit
 from cycloid_mj.explore.points import Value, Wanted, all_values, axis_of
 from cycloid_mj.explore.quantities import catalogue, figures, known, refusals
@@ -22,9 +23,6 @@ FEASIBLE, REFUSED, VIOLATION = "feasible", "refused", "violation"
 
 BROKEN, UNBUILT, UNSOLVED, NO_DESIGN = 1.0, 1e3, 1e6, 1e9
 """Violations begin here: of limits, of checks, where no figure was found, where the file itself refuses a value."""
-
-HOLE_LEADERS = {"gear.eccentricity_mm", "output.pin_radius_mm"}
-RATIO_LEADERS = {"ring.teeth", "output.member"}
 
 FILE, STATICS, RANGES = "design file", "statics", "ranges"
 """Names of what refuses a point besides checks and limits."""
@@ -77,6 +75,8 @@ class Problem:
         Of figures that are computed, see `quantities.GROUPS`.
     strict
         Whether warnings of the checks refuse a point, too.
+    followers
+        Keys that change with those of the points.
     """
 
     design: Design
@@ -86,6 +86,7 @@ class Problem:
     limits: tuple[FigureLimit, ...]
     groups: tuple[str, ...]
     strict: bool
+    followers: tuple[Follower, ...] = ()
 
     @property
     def variables(self) -> tuple[Range | Choice, ...]:
@@ -105,24 +106,12 @@ class Problem:
     @property
     def follows(self) -> dict[str, str]:
         """Keys that change with those of the points, and how."""
-        followers = {
-            "output.hole_radius_mm": ("output pin and eccentricity, with the room that the start has", HOLE_LEADERS),
-            "drive.torque_nm": ("the rated torque on the output stays", RATIO_LEADERS),
-        }
-        varied = set(self.keys)
-        return {key: how for key, (how, leaders) in followers.items() if leaders & varied and key not in varied}
+        return {one.key: one.words for one in self.followers}
 
     def at(self, values: Sequence[Value]) -> Design:
         """Give the design at a point; raise DesignError where its file does not allow a value."""
         design = override(self.design, dict(zip(self.keys, values, strict=True)))
-        changes: dict[str, dict[str, float]] = {}
-        own = self.design
-        if "output.hole_radius_mm" in self.follows:
-            room = own.output.hole_radius - own.output.pin_radius - own.gear.eccentricity
-            changes["output"] = {"hole_radius": design.output.pin_radius + design.gear.eccentricity + room}
-        if "drive.torque_nm" in self.follows:
-            changes["drive"] = {"torque": design.drive.torque * own.rated_torque / design.rated_torque}
-        return design.but(**changes) if changes else design
+        return followed(self.design, design, self.followers)
 
     @property
     def combinations(self) -> int:
@@ -150,13 +139,14 @@ def problem(
     maximize: Sequence[str] = (),
     limits: Sequence[str] = (),
     strict: bool = False,
+    follow: str | Sequence[str] = (),
 ) -> Problem:
     """Put a problem together; see `optimize` for the arguments.
 
     Raises
     ------
     UsageError
-        There is no such key or figure, a range is none, or there are no or too many objectives.
+        There is no such key or figure, a range or formula is none, or there are no or too many objectives.
     """
     if not vary:
         raise UsageError("nothing may change: name a key with --vary KEY=LO:HI, e.g. gear.eccentricity_mm=0.5:1.1")
@@ -175,7 +165,9 @@ def problem(
     asked = tuple(limit(text, there) for text in limits)
     wanted = [*(one.key for one in objectives), *(one.key for one in asked)]
     groups = tuple(dict.fromkeys(there[key][0] for key in wanted))
-    found = Problem(design, ranges, choices, objectives, asked, groups, strict)
+    told = following(design, follow, vary)
+    followers = (*told, *by_themselves(told, vary))
+    found = Problem(design, ranges, choices, objectives, asked, groups, strict, followers)
     if found.combinations > MOST_COMBINATIONS:
         raise UsageError(
             f"{found.combinations:,} combinations of whole numbers and words: at most {MOST_COMBINATIONS:,} are tried; "

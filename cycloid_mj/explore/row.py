@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from cycloid_mj.design import Design, override
 from cycloid_mj.errors import CycloidError, CycloidWarning
+from cycloid_mj.explore.followers import Follower, followed, values_of
 from cycloid_mj.explore.measured import MEASURED, Measured, Options
 from cycloid_mj.explore.points import Value
 from cycloid_mj.frame import Cell
@@ -26,12 +27,15 @@ class Task:
         What is measured.
     options
         How.
+    followers
+        Keys that change with those of the points.
     """
 
     design: Design
     keys: tuple[str, ...]
     measures: tuple[str, ...]
     options: Options
+    followers: tuple[Follower, ...] = ()
 
     def column(self, measure: str, name: str) -> str:
         """Give the column of a measure's number: it says which measure, where there are several."""
@@ -46,6 +50,8 @@ class Row:
     ----------
     values, units
         By column.
+    followed
+        What the keys that follow came to.
     error
         Why the point, or one of its measures, failed; empty where all went well.
     warnings, assumptions
@@ -60,13 +66,15 @@ class Row:
     warnings: tuple[str, ...] = ()
     assumptions: tuple[str, ...] = ()
     cpu: float = 0.0
+    followed: dict[str, Cell] = field(default_factory=dict)
 
 
 def measured_row(task: Task, values: Sequence[Value]) -> Row:
     """Measure the design at a point; whatever goes wrong is told in its row, since other points may go well."""
     start = time.thread_time()
     try:
-        design = override(task.design, dict(zip(task.keys, values, strict=True)))
+        changed = override(task.design, dict(zip(task.keys, values, strict=True)))
+        design = followed(task.design, changed, task.followers)
     except CycloidError as error:
         return Row(error=one_line(error), cpu=time.thread_time() - start)
     found: dict[str, Measured] = {}
@@ -84,6 +92,7 @@ def measured_row(task: Task, values: Sequence[Value]) -> Row:
         warnings=tuple(dict.fromkeys(text for one in found.values() for text in one.warnings)),
         assumptions=tuple(dict.fromkeys(text for one in found.values() for text in one.assumptions)),
         cpu=time.thread_time() - start,
+        followed=dict(values_of(design, task.followers)),
     )
 
 

@@ -14,6 +14,7 @@ from cycloid_mj.design import Design, declared, dump
 from cycloid_mj.design.units import unit_of
 from cycloid_mj.engine import Engine, Progress, silent, versions
 from cycloid_mj.errors import CycloidError, UsageError
+from cycloid_mj.explore.followers import following
 from cycloid_mj.explore.journal import journal
 from cycloid_mj.explore.measured import Options, require_measures
 from cycloid_mj.explore.points import Method, Points, Wanted, grid, sampled, tabled
@@ -85,14 +86,15 @@ class Sweep(Tabular):
     def frame(self) -> Frame:
         """One row a point: its number, inputs, quantities, warnings, error, CPU time [s], and versions."""
         made_by = ", ".join(f"{name} {version}" for name, version in versions())
-        units = {key: unit_of(declared(key)).suffix for key in self.task.keys} | {CPU: "s"}
+        follows = tuple(one.key for one in self.task.followers)
+        units = {key: unit_of(declared(key)).suffix for key in (*self.task.keys, *follows)} | {CPU: "s"}
         rows: list[dict[str, Cell]] = []
         for place, row in sorted(self.rows.items()):
             units |= row.units
             own: dict[str, Cell] = {WARNINGS: " ".join(row.warnings), ERROR: row.error, CPU: row.cpu, VERSIONS: made_by}
             inputs = dict(zip(self.task.keys, self.points.rows[place], strict=True))
-            rows.append({POINT: place + 1, **inputs, **row.values, **own})
-        names = (POINT, *self.task.keys, *self.quantities, WARNINGS, ERROR, CPU, VERSIONS)
+            rows.append({POINT: place + 1, **inputs, **row.followed, **row.values, **own})
+        names = (POINT, *self.task.keys, *follows, *self.quantities, WARNINGS, ERROR, CPU, VERSIONS)
         return framed(rows, dict.fromkeys(names), {name: unit for name, unit in units.items() if unit})
 
 
@@ -107,6 +109,7 @@ def sweep(
     seed: int = 0,
     quick: bool = False,
     real_pins: bool = False,
+    follow: str | Sequence[str] = (),
     out: str | Path | None = None,
     engine: Engine = PROCESSES,
     progress: Progress = silent,
@@ -129,6 +132,10 @@ def sweep(
         Whether measures take fewer angles and runs, as by their own option of that name.
     real_pins
         Whether loaded runs of `simulate` keep the inertia of moving pins, as they do where ``ring.pins`` is varied.
+    follow
+        Keys that change with those of the points: ``KEY=FORMULA`` of numbers and keys, in the file's units, or ``KEY``
+        of one that knows how: `output.hole_radius_mm`, which leaves the room that the design has, and
+        `drive.torque_nm`, which keeps the rated torque on the output. They are columns of their own.
     out
         Folder for the rows as they come; a sweep that was stopped goes on there. None: nothing is written.
     engine
@@ -150,7 +157,7 @@ def sweep(
         The engine's workers are lost, or of other versions.
     """
     where = chosen(vary, table, sample, points, seed)
-    task = task_of(design, where, [measure] if isinstance(measure, str) else measure, quick, real_pins)
+    task = task_of(design, where, [measure] if isinstance(measure, str) else measure, quick, real_pins, follow)
     if out is None:
         rows: dict[int, Row] = {}
         _fill(task, where, rows, rows.__setitem__, engine, progress)
@@ -158,16 +165,24 @@ def sweep(
     return in_folder(task, where, _made(Path(out)), engine, progress)
 
 
-def task_of(design: Design, points: Points, measures: Iterable[str], quick: bool, real_pins: bool) -> Task:
+def task_of(
+    design: Design,
+    points: Points,
+    measures: Iterable[str],
+    quick: bool,
+    real_pins: bool,
+    follow: str | Sequence[str] = (),
+) -> Task:
     """Give what is done at each point; measures are named one by one or as ``a,b``.
 
     Raises
     ------
     UsageError
-        There is no such measure.
+        There is no such measure, or no such key to follow.
     """
     names = require_measures(name.strip() for words in measures for name in words.split(","))
-    return Task(design, points.keys, names, Options(quick, real_pins or "ring.pins" in points.keys))
+    options = Options(quick, real_pins or "ring.pins" in points.keys)
+    return Task(design, points.keys, names, options, following(design, follow, points.keys))
 
 
 def in_folder(task: Task, points: Points, into: Path, engine: Engine, progress: Progress) -> Sweep:
@@ -236,6 +251,7 @@ def _plan(task: Task, points: Points) -> dict[str, Any]:
         "points": {"count": len(points), "digest": points.digest},
         "measures": list(task.measures),
         "options": asdict(task.options),
+        "follows": {one.key: one.words for one in task.followers},
         "versions": dict(versions()),
     }
 

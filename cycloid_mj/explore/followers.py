@@ -1,0 +1,200 @@
+"""Keys that follow: what changes together with the keys that a sweep or an optimisation varies."""
+
+import ast
+import operator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from cycloid_mj.design import Design, declared, override, value_of
+from cycloid_mj.errors import DesignError, UsageError
+from cycloid_mj.explore.points import TIDY_DIGITS, Value
+
+_EXAMPLE = "'output.hole_radius_mm=output.pin_radius_mm+gear.eccentricity_mm'"
+
+_OPERATIONS: Mapping[type[ast.AST], Callable[..., float]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.USub: operator.neg,
+    ast.UAdd: operator.pos,
+}
+
+
+@dataclass(frozen=True)
+class Rule:
+    """How a key follows without a formula: in words, after which `leaders`, and by which design of start and point."""
+
+    words: str
+    leaders: frozenset[str]
+    put: Callable[[Design, Design], Design]
+
+
+def _hole(start: Design, design: Design) -> Design:
+    room = start.output.hole_radius - start.output.pin_radius - start.gear.eccentricity
+    return design.but(output={"hole_radius": design.output.pin_radius + design.gear.eccentricity + room})
+
+
+def _torque(start: Design, design: Design) -> Design:
+    return design.but(drive={"torque": design.drive.torque * start.rated_torque / design.rated_torque})
+
+
+RULES: Mapping[str, Rule] = {
+    "output.hole_radius_mm": Rule(
+        "output pin and eccentricity, with the room that the start has",
+        frozenset({"gear.eccentricity_mm", "output.pin_radius_mm"}),
+        _hole,
+    ),
+    "drive.torque_nm": Rule(
+        "the rated torque on the output stays", frozenset({"ring.teeth", "output.member"}), _torque
+    ),
+}
+"""Keys that know how to follow."""
+
+
+@dataclass(frozen=True)
+class Follower:
+    """A key that is set after others, in the words and units of the design file.
+
+    Attributes
+    ----------
+    key
+        Which.
+    formula
+        Sums, products and quotients of numbers and keys; empty: as its own rule in `RULES` has it.
+    """
+
+    key: str
+    formula: str = ""
+
+    @property
+    def words(self) -> str:
+        """How it follows."""
+        return self.formula or RULES[self.key].words
+
+    def at(self, start: Design, design: Design) -> Design:
+        """Give a design with the key set; `start` is what all points change.
+
+        Raises
+        ------
+        DesignError
+            The formula gives no number there, or one that the key does not allow.
+        """
+        if not self.formula:
+            return RULES[self.key].put(start, design)
+        try:
+            value = _tidy(_value(_parsed(self.formula), design))
+        except ArithmeticError as error:
+            raise DesignError(f"{self.key} = {self.formula} has no value: {error}") from error
+        whole = declared(self.key).annotation is int and value.is_integer()
+        return override(design, {self.key: int(value) if whole else value})
+
+
+def following(design: Design, given: str | Sequence[str], varied: Iterable[str]) -> tuple[Follower, ...]:
+    """Read which keys follow: ``KEY=FORMULA``, or ``KEY`` for one that knows how.
+
+    Parameters
+    ----------
+    design
+        What all points change.
+    given
+        In the order in which they are set; a later one may be of an earlier one.
+    varied
+        Keys that the points have values of.
+
+    Raises
+    ------
+    UsageError
+        There is no such key, it varies itself or holds no number, or its formula is none.
+    """
+    found: dict[str, Follower] = {}
+    varied = set(varied)
+    for text in (given,) if isinstance(given, str) else given:
+        key, equals, formula = (part.strip() for part in text.partition("="))
+        told = f"--follow {text!r:.80}"
+        if not key or (equals and not formula):
+            raise UsageError(f"{told}: expected KEY=FORMULA, e.g. {_EXAMPLE}")
+        if declared(key).annotation not in (int, float):
+            raise UsageError(f"{told}: {key} holds no single number; only such keys can follow")
+        if key in varied or key in found:
+            raise UsageError(f"{told}: {key} {'varies itself' if key in varied else 'is there twice'}; leave one out")
+        if not formula and key not in RULES:
+            raise UsageError(
+                f"{told}: say how, --follow '{key}=FORMULA'; {' and '.join(RULES)} alone know it themselves"
+            )
+        if formula:
+            _require_numbers(told, key, formula, design)
+        found[key] = Follower(key, formula)
+    return tuple(found.values())
+
+
+def by_themselves(given: Iterable[Follower], varied: Iterable[str]) -> tuple[Follower, ...]:
+    """Give the keys that follow in an optimisation unless they vary or follow otherwise: of a leader that varies."""
+    varied = set(varied)
+    taken = varied | {one.key for one in given}
+    return tuple(Follower(key) for key, rule in RULES.items() if rule.leaders & varied and key not in taken)
+
+
+def followed(start: Design, design: Design, followers: Iterable[Follower]) -> Design:
+    """Give the design of a point with all keys set that follow; raise DesignError where one cannot be."""
+    for one in followers:
+        design = one.at(start, design)
+    return design
+
+
+def values_of(design: Design, followers: Iterable[Follower]) -> dict[str, Value]:
+    """Give what followers came to, key -> value in the file's unit."""
+    values = {one.key: value_of(design, one.key) for one in followers}
+    return {key: value if isinstance(value, int) else _tidy(value) for key, value in values.items()}
+
+
+def _tidy(value: float) -> float:
+    """Give a number without the last digits, which rounding leaves."""
+    return float(f"{value:.{TIDY_DIGITS}g}")
+
+
+def _parsed(formula: str) -> ast.expr:
+    return ast.parse(formula, mode="eval").body
+
+
+def _require_numbers(told: str, key: str, formula: str, design: Design) -> None:
+    """Raise UsageError where a formula is not of numbers and of keys that hold one."""
+    try:
+        keys = list(_keys(_parsed(formula)))
+    except (SyntaxError, ValueError) as error:
+        raise UsageError(
+            f"{told}: expected sums, products and quotients of numbers and keys, e.g. {_EXAMPLE}"
+        ) from error
+    if key in keys:
+        raise UsageError(f"{told}: {key} cannot follow itself")
+    for one in keys:
+        value = value_of(design, one)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise UsageError(f"{told}: {one} holds no single number")
+
+
+def _keys(node: ast.expr) -> Iterator[str]:
+    """Give the keys in a formula; raise ValueError where there is anything but keys, numbers and operations."""
+    match node:
+        case ast.Constant(value=int() | float()):
+            return
+        case ast.Name() | ast.Attribute():
+            yield ast.unparse(node)
+        case ast.UnaryOp() if type(node.op) in _OPERATIONS:
+            yield from _keys(node.operand)
+        case ast.BinOp() if type(node.op) in _OPERATIONS:
+            yield from _keys(node.left)
+            yield from _keys(node.right)
+        case _:
+            raise ValueError(ast.unparse(node))
+
+
+def _value(node: ast.expr, design: Design) -> float:
+    match node:
+        case ast.Constant():
+            return float(node.value)  # type: ignore[arg-type]  # of numbers alone, see `_keys`
+        case ast.UnaryOp():
+            return _OPERATIONS[type(node.op)](_value(node.operand, design))
+        case ast.BinOp():
+            return _OPERATIONS[type(node.op)](_value(node.left, design), _value(node.right, design))
+    return float(value_of(design, ast.unparse(node)))
