@@ -12,6 +12,7 @@ sys.path.insert(0, str(HERE))
 
 import drawings  # noqa: E402  (found beside this file)
 import reference  # noqa: E402
+from pydantic import BaseModel  # noqa: E402
 
 import cycloid_mj  # noqa: E402
 
@@ -31,6 +32,7 @@ exclude_patterns = ["_build", "_gallery/GALLERY_HEADER.rst", "**/sg_execution_ti
 suppress_warnings = ["config.cache"]  # the sorting of the gallery is an object, which cannot be kept
 myst_enable_extensions = ["dollarmath", "attrs_block"]
 myst_heading_anchors = 3
+smartquotes_action = "qe"  # quotes and dots, no dashes: `--json` stays two hyphens
 autodoc_typehints = "none"
 autodoc_preserve_defaults = True
 napoleon_google_docstring = False
@@ -43,6 +45,12 @@ html_css_files = ["pages.css"]
 html_show_sphinx = False
 pygments_style, pygments_dark_style = "friendly", "monokai"
 
+
+def by_number(name: str) -> int:
+    """Order the examples as they are numbered: the tenth does not come after the first."""
+    return int(name.split("_")[1])
+
+
 sphinx_gallery_conf = {
     "examples_dirs": "../examples",
     "gallery_dirs": "_gallery",
@@ -54,12 +62,19 @@ sphinx_gallery_conf = {
     "show_signature": False,
     "matplotlib_animations": False,
     "reset_modules": ("matplotlib",),
-    "within_subsection_order": "FileNameSortKey",
+    "capture_repr": (),
+    "within_subsection_order": by_number,
     "min_reported_time": 5,
 }
 
 
+def without_defaults(app: Any, what: str, name: str, value: Any, *rest: Any) -> tuple[str, None] | None:
+    """Leave out the signatures of parts of a design: their values are in the reference of the design file."""
+    return ("", None) if isinstance(value, type) and issubclass(value, BaseModel) else None
+
+
 def setup(app: Any) -> None:
     """Write the references and the drawings before the pages are read."""
+    app.connect("autodoc-process-signature", without_defaults)
     app.connect("builder-inited", lambda app: reference.write(HERE / "_reference"), priority=100)
     app.connect("builder-inited", lambda app: drawings.write(HERE / "_drawings"), priority=100)

@@ -38,6 +38,9 @@ radius_mm = 4.0
 )
 """Seven pins, 6:1: few enough to see each."""
 
+WIDTH, TEXT = 5.2, 10.0
+"""Of a drawing [in], and of its letters [pt]: small enough for a phone, on which they are shown at two thirds."""
+
 ARCMIN, ARCSEC = math.pi / 10800.0, math.pi / 648000.0
 
 
@@ -49,7 +52,8 @@ def write(folder: Path) -> None:
     for draw in (parts, backlash, error, play):
         path = folder / f"{draw.__name__}.svg"
         if not path.exists():
-            with rc_context(STYLE | {"svg.fonttype": "path"}):
+            sizes = dict.fromkeys(("font.size", "axes.titlesize", "legend.fontsize"), TEXT)
+            with rc_context(STYLE | sizes | {"svg.fonttype": "path"}):
                 draw().savefig(path, metadata={"Date": None})
 
 
@@ -58,17 +62,16 @@ def parts() -> Figure:
     figure = mechanism(FEW, crank_angle=0.6)
     axes = figure.axes[0]
     figure.legends[0].remove()
+    figure.set_size_inches(WIDTH, 0.86 * WIDTH)
     gear, reach = tooth_profile(FEW), 1e3 * FEW.housing.outer_radius
     centre, turn = 1e3 * kinematics.gear_centre(gear, 0.6), float(kinematics.gear_rotation(gear, 0.6))
     pin = 1e3 * gear.pin_circle_radius * profile.unit(2.0 * math.pi / 7.0)
     hole = 1e3 * FEW.output.pin_circle_radius * profile.unit(math.pi / 2.0 - turn)
-    _name(axes, "ring pin, in its socket", pin, (0.75 * reach, 0.92 * reach))
-    _name(axes, "gear: 6 lobes on 7 pins", centre + np.array([-14.0, -17.0]), (-0.78 * reach, -0.95 * reach))
-    _name(axes, "output pin in a hole of the gear", hole, (0.72 * reach, -0.95 * reach))
-    _name(
-        axes, "cam of the crank, on the eccentricity c", centre + np.array([-4.5, 4.5]), (-0.62 * reach, 0.95 * reach)
-    )
-    axes.set(xlim=(-1.25 * reach, 1.25 * reach), ylim=(-1.1 * reach, 1.1 * reach))
+    _name(axes, "ring pin,\nin its socket", pin, (1.0 * reach, 0.88 * reach))
+    _name(axes, "gear: 6 lobes\non 7 pins", centre + np.array([-14.0, -17.0]), (-1.0 * reach, -0.98 * reach))
+    _name(axes, "output pin in\na hole of the gear", hole, (1.0 * reach, -0.98 * reach))
+    _name(axes, "cam of the crank,\nbeside its axis by c", centre + np.array([-4.5, 4.5]), (-1.0 * reach, 0.88 * reach))
+    axes.set(xlim=(-1.4 * reach, 1.4 * reach), ylim=(-1.15 * reach, 1.15 * reach))
     return figure
 
 
@@ -79,7 +82,7 @@ def backlash() -> Figure:
     torque = np.concatenate([-np.geomspace(rated, 1e-3, 40), np.geomspace(1e-3, rated, 40)])
     springs = springs_of(design, [0.4], friction=False)
     turn = np.array([balanced(design, springs, float(one)).output_turn[0] for one in torque]) / ARCMIN
-    figure = Figure(figsize=(6.5, 3.2), layout="constrained")
+    figure = Figure(figsize=(WIDTH, 3.4), layout="constrained")
     axes = figure.subplots()
     axes.plot(torque, turn, color=BLUE, linewidth=1.6)
     below, above = turn[torque < 0.0].max(), turn[torque > 0.0].min()
@@ -88,7 +91,8 @@ def backlash() -> Figure:
     axes.text(-0.8, 0.1, f"backlash {above - below:.2f} arcmin", color=VERMILION, ha="right")
     axes.hlines(lost, [-0.03 * rated, 0.03 * rated], 12.0, color=GREEN, linewidth=0.8)
     axes.annotate("", (12.0, lost[0]), (12.0, lost[1]), arrowprops={"arrowstyle": "<->", "color": GREEN})
-    axes.text(12.5, 0.1, f"lost motion {lost[1] - lost[0]:.2f} arcmin,\nbetween +-3 % of the rated torque", color=GREEN)
+    told = f"lost motion {lost[1] - lost[0]:.2f} arcmin,\nbetween +-3 % of\nthe rated torque"
+    axes.text(13.0, 0.0, told, color=GREEN, va="center")
     slope = (np.interp(rated, torque, turn) - np.interp(0.5 * rated, torque, turn)) / (0.5 * rated)
     axes.text(
         20.0, np.interp(20.0, torque, turn) + 0.1, f"stiffness {1.0 / slope:.0f} N m/arcmin", color=BLUE, ha="right"
@@ -103,8 +107,8 @@ def error() -> Figure:
     crank = np.linspace(0.0, 2.0 * np.pi, 721)[:-1]
     found = transmission_error(design, crank, 36.68)[:, 1] / ARCSEC
     found = found - found.mean()
-    figure = Figure(figsize=(6.5, 2.6), layout="constrained")
-    curve, orders = figure.subplots(1, 2, width_ratios=(3, 2))
+    figure = Figure(figsize=(WIDTH, 4.4), layout="constrained")
+    curve, orders = figure.subplots(2, 1)
     curve.plot(np.degrees(crank), found, color=BLUE)
     curve.set(xlabel="crank angle [deg]", ylabel="transmission error\nof the output [arcsec]", xlim=(0.0, 360.0))
     size = 2.0 * np.abs(np.fft.rfft(found)) / found.size
@@ -116,7 +120,7 @@ def error() -> Figure:
 
 def play() -> Figure:
     """Draw a pin between gear and housing, free, pressed and massless, with the clearance drawn wide."""
-    figure = Figure(figsize=(6.5, 2.7), layout="constrained")
+    figure = Figure(figsize=(WIDTH, 2.5), layout="constrained")
     free, pressed, massless = figure.subplots(1, 3)
     for axes, title, shift, gear in (
         (free, "free pin, no load", 0.0, -1.12),
@@ -128,15 +132,17 @@ def play() -> Figure:
         axes.fill_between([-1.7, 1.7], gear, -1.9, color="#8DBFE3")
         fill = "none" if axes is massless else "#F3C969"
         axes.add_patch(Circle((0.0, shift), 1.0, facecolor=fill, edgecolor=ORANGE, linewidth=1.4))
-        axes.text(0.0, 1.3, "socket in the housing", ha="center", color=GREY)
+        axes.text(0.0, 1.3, "socket", ha="center", color=GREY)
         axes.text(0.0, -1.55, "gear", ha="center")
-        axes.set(xlim=(-1.8, 1.8), ylim=(-2.0, 1.7), aspect="equal")
+        axes.set(xlim=(-1.8, 1.8), ylim=(-2.9, 1.7), aspect="equal")
         axes.set_title(title, loc="center")
         axes.axis("off")
     for axes, shift in ((free, 0.0), (pressed, 0.12)):
         axes.text(0.0, shift, "pin", ha="center", va="center")
     massless.plot([0.0, -0.3, 0.3, -0.3, 0.3, 0.0], np.linspace(-0.88, 1.12, 6), color=VERMILION)
-    massless.text(0.0, -1.2, "one contact: both clearances, both springs", ha="center", fontsize=6.5)
+    free.text(0.0, -2.7, "two contacts,\none at a time", ha="center")
+    pressed.text(0.0, -2.7, "two contacts\nin series", ha="center")
+    massless.text(0.0, -2.7, "one contact:\nboth springs", ha="center")
     return figure
 
 
@@ -146,6 +152,6 @@ def _name(axes: Axes, text: str, at: Array, beside: tuple[float, float]) -> None
         tuple(at),
         beside,
         ha="center",
-        fontsize=9,
+        fontsize=TEXT,
         arrowprops={"arrowstyle": "-", "color": "#222222", "linewidth": 0.8, "shrinkB": 0},
     )

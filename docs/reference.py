@@ -90,6 +90,8 @@ def commands() -> str:
     """Give the page of the commands, from their help."""
     text = application().generate_docs(output_format="markdown")
     body = text[text.index("\n## cycloid-mj ") :]
+    # of `python -m sphinx`, under whose name the build runs, cyclopts drops the first word alone
+    body = re.sub(r"^(cycloid-mj .*?)-m sphinx ", r"\1", body, flags=re.MULTILINE)
     return COMMANDS + "\n" + re.sub(r"\n{3,}", "\n\n", body)
 
 

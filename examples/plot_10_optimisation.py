@@ -18,7 +18,7 @@ found = cm.optimize(
     vary={"gear.eccentricity_mm": (0.6, 1.1), "ring.pin_radius_mm": (1.5, 3.2)},
     minimize="pin_gear_pressure",
     limits=["backlash<=1.0"],
-    evaluations=60,
+    evaluations=40,
     starts=1,
     seed=1,
     verify=False,
@@ -36,6 +36,6 @@ pressure = [found.figures(place)["pin_gear_pressure"] for place in good]
 figure, axes = plt.subplots(layout="constrained")
 for place in set(places) - set(good):
     axes.plot(*places[place], "x", color="0.7")
-shown = axes.scatter(*zip(*(places[place] for place in good), strict=True), c=pressure, cmap="viridis_r")
+shown = axes.scatter(*zip(*(places[place] for place in good), strict=True), c=pressure, cmap="turbo", norm="log")
 figure.colorbar(shown, label="largest Hertz pressure of the teeth [MPa]")
 axes.set(xlabel="eccentricity [mm]", ylabel="pin radius [mm]")

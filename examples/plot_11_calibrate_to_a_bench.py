@@ -2,10 +2,11 @@
 Calibrate to a bench
 ====================
 
-A measured hysteresis loop, and the clearances that explain it: a published loop of the printed drive, as drawn with
-clearances of 0.05 mm.
+A measured hysteresis loop, and the clearance, stiffness and friction that explain it: a published loop of the printed
+drive, whose clearances were drawn as 0.05 mm.
 
-What the loop cannot tell apart, as play in the mesh and in the holes, is said so.
+`play` is one clearance for teeth and holes; `tooth_stiffness` is that of the teeth and of all that carries them, over
+that of the contacts alone. What the loop does not determine, the search says.
 """
 
 from pathlib import Path
@@ -17,10 +18,12 @@ import cycloid_mj as cm
 from cycloid_mj.bench import read_loop
 
 here = Path(__file__).parent if "__file__" in globals() else Path.cwd()
-loop = read_loop(here.parent / "tests" / "data" / "bench" / "play_loop.csv")
-found = cm.calibrate(cm.load("printed"), [loop], keys=("mesh_play", "tooth_stiffness"))
+loop = read_loop(here.parent / "tests" / "data" / "bench" / "stiffness_loop.csv")
+keys = ("play", "tooth_stiffness", "friction", "drag", "drag_travel")
+found = cm.calibrate(cm.load("printed"), [loop], keys=keys)
 for key, one in found.estimates.items():
-    print(f"{key}: {one.value:.4g} {one.unit}, 95 % {one.ci95[0]:.4g} to {one.ci95[1]:.4g}")
+    unsure = "" if one.identified else ": not determined"
+    print(f"{key}: {one.value:.4g} {one.unit}, 95 % {one.ci95[0]:.4g} to {one.ci95[1]:.4g}{unsure}")
 print(f"play {np.degrees(found.play[0]):.2f} deg, residual {np.degrees(found.rms):.3f} deg rms")
 
 # %%

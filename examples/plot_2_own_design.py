@@ -40,4 +40,5 @@ found = loads(design, springs_of(design, crank, friction=False), design.load.tor
 figure, axes = plt.subplots(layout="constrained")
 shown = axes.pcolormesh(np.degrees(crank), np.arange(1, 22), found.teeth.T, cmap="magma_r", shading="nearest")
 figure.colorbar(shown, label="force [N]")
-axes.set(xlabel="crank angle [deg]", ylabel="pin", title=f"{design.load.torque:g} N m, clearance 5 um")
+axes.set(xlabel="crank angle [deg]", ylabel="number of the pin", title=f"{design.load.torque:g} N m, clearance 5 um")
+axes.set_yticks(range(1, 22, 4))

@@ -18,16 +18,16 @@ ARCSEC, ARCMIN = np.pi / 648000.0, np.pi / 10800.0
 crank = np.linspace(0.0, 2.0 * np.pi / 6.0, 121)
 torque = np.concatenate([-np.geomspace(36.68, 0.01, 25), np.geomspace(0.01, 36.68, 25)])
 
-figure, (left, right) = plt.subplots(1, 2, figsize=(9.0, 3.6), layout="constrained")
+figure, (above, below) = plt.subplots(2, 1, figsize=(6.4, 6.4), layout="constrained")
 for name in ("pin", "nonpin"):
     design = cm.load(name)
     error = transmission_error(design, crank, 36.68)[:, 1] / ARCSEC
-    left.plot(np.degrees(crank), error - error.mean(), label=f"{name}: {np.ptp(error):.2f} arcsec")
+    above.plot(np.degrees(crank), error - error.mean(), label=f"{name}: {np.ptp(error):.2f} arcsec")
     still = cm.load(name, {"drive.speed_rpm": 0.0, "environment.gravity_y_m_s2": 0.0})
     springs = springs_of(still, [0.4], friction=False)
     turn = [loads(still, springs, float(one)).output_turn[0] / ARCMIN for one in torque]
-    right.plot(torque, turn, label=name)
-left.set(xlabel="crank angle [deg]", ylabel="transmission error [arcsec]", title="about its mean, at 36.68 N m")
-right.set(xlabel="torque on the output [N m]", ylabel="turn of the output [arcmin]", title="crank locked at 0.4 rad")
-left.legend()
-right.legend()
+    below.plot(torque, turn, label=name)
+above.set(xlabel="crank angle [deg]", ylabel="transmission error [arcsec]", title="about its mean, at 36.68 N m")
+below.set(xlabel="torque on the output [N m]", ylabel="turn of the output [arcmin]", title="crank locked at 0.4 rad")
+above.legend()
+below.legend()

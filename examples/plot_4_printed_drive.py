@@ -27,5 +27,6 @@ for label, changes in {
     turn = np.degrees([loads(design, springs, float(one)).output_turn[0] for one in torque])
     backlash = turn[torque > 0.0].min() - turn[torque < 0.0].max()
     axes.plot(torque, turn, label=f"{label}: backlash {backlash:.2f} deg")
-axes.set(xlabel="torque on the output [N m]", ylabel="turn of the output [deg]", title="crank locked at 0.3 rad")
-axes.legend()
+axes.set(xlabel="torque on the output [N m]", ylabel="turn of the output [deg]", ylim=(-0.8, 1.1))
+axes.set_title("crank locked at 0.3 rad")
+axes.legend(loc="upper left")

@@ -29,4 +29,5 @@ x, y = 1e3 * found.points.T
 shown = axes.tripcolor(x, y, found.cells[:, :3], 1e-6 * found.von_mises, vmax=30.0, shading="gouraud", cmap="viridis")
 figure.colorbar(shown, label="von Mises stress [MPa]", extend="max")
 axes.set(xlabel="x [mm]", ylabel="y [mm]", aspect="equal", title="gear at 36.68 N m")
-print(f"largest away from the contacts: {1e-6 * np.max(found.von_mises[found.bulk]):.1f} MPa")
+largest = 1e-6 * np.max(found.von_mises[found.bulk])
+print(f"largest beyond {1e3 * grid.bulk_distance:.2g} mm from the contacts: {largest:.1f} MPa")

@@ -4,8 +4,8 @@ Two discs
 
 Most reducers on the market have two discs, half a turn apart on the crank. What does the second one buy?
 
-The preset `twodisc` is a published 29:1 drive. Its discs share the load; bent output pins make the sharing uneven, and
-the forces of both discs on the crank nearly cancel.
+The preset `twodisc` is a published 29:1 drive whose output pins are held at both ends. Its discs share the load evenly,
+and their forces on the crank cancel. With pins held at one end alone, the disc next to their roots carries most of it.
 """
 
 import matplotlib.pyplot as plt
@@ -14,22 +14,22 @@ import numpy as np
 import cycloid_mj as cm
 from cycloid_mj.loaded import loads, springs_of
 
-design = cm.load("twodisc")
 crank = np.linspace(0.0, 2.0 * np.pi, 181)
-found = loads(design, springs_of(design, crank, friction=False), design.rated_torque, follow=True)
 
-# %%
-# The cams' forces on the two discs, and what is left of both for the bearings of the crank.
+figure, (shares, forces) = plt.subplots(2, 1, figsize=(6.4, 6.4), sharex=True, layout="constrained")
+for support, held, line in (("both_ends", "both ends", "-"), ("cantilever", "one end", "--")):
+    design = cm.load("twodisc", {"output.support": support})
+    found = loads(design, springs_of(design, crank, friction=False), design.rated_torque, follow=True)
+    for disc, colour in enumerate(("tab:blue", "tab:orange")):
+        label = f"disc {disc + 1}, pins held at {held}"
+        shares.plot(
+            np.degrees(crank), 1e2 * found.share[:, disc], line, color=colour, linewidth=4.0 - 2.5 * disc, label=label
+        )
 
-cams = np.linalg.norm(found.cam, axis=-1)
-left = np.linalg.norm(found.cam.sum(axis=1), axis=-1)
-
-figure, (forces, shares) = plt.subplots(2, 1, sharex=True, layout="constrained")
-for disc in range(2):
-    forces.plot(np.degrees(crank), cams[:, disc], label=f"cam of disc {disc + 1}")
-    shares.plot(np.degrees(crank), 1e2 * found.share[:, disc], label=f"disc {disc + 1}")
-forces.plot(np.degrees(crank), left, label="both together", color="black")
-forces.set(ylabel="force [N]", title=f"at {design.rated_torque:.3g} N m")
-shares.set(xlabel="crank angle [deg]", ylabel="share of the torque [%]", ylim=(0.0, 100.0))
-forces.legend()
-shares.legend()
+    # the cams' forces on both discs, and so on the bearings of the crank
+    left = np.linalg.norm(found.cam.sum(axis=1), axis=-1)
+    forces.plot(np.degrees(crank), left, line, color="black", label=f"pins held at {held}")
+shares.set(ylabel="share of the torque [%]", ylim=(0.0, 100.0), title=f"at {design.rated_torque:.3g} N m")
+forces.set(xlabel="crank angle [deg]", ylabel="force on the crank [N]", title="both cams together")
+shares.legend(loc="upper center", bbox_to_anchor=(0.5, 0.82), ncols=2, fontsize=8)
+forces.legend(loc="center right")

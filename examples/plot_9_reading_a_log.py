@@ -12,6 +12,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import cycloid_mj as cm
+from cycloid_mj.analysis.spectrum import tapered_orders
 from cycloid_mj.log import write
 
 design = cm.load("nonpin", {"drive.ramp_s": 0.0, "drive.hold_s": 0.08, "load.torque_nm": 36.68})
@@ -22,15 +23,18 @@ print(run)
 print(sorted(run.attachments))
 
 # %%
-# The last two turns, evenly over the crank angle: whole orders then stand in single lines.
+# The orders of its transmission error, once the load is on. In a turn of the crank against the gear, 35/36 of a turn,
+# each of the eight output pins comes by once: so the strongest orders are multiples of 8 x 36/35 = 8.23.
 
-crank = run["crank_angle"]
-even = crank[-1] - 4.0 * np.pi + np.linspace(0.0, 4.0 * np.pi, 4001)[:-1]
-error = np.interp(even, crank, run["output_angle"] + crank / design.lobes) * 206264.8
-size = 2.0 * np.abs(np.fft.rfft(error - error.mean())) / error.size
-order = np.arange(size.size) / 2.0
+late = run.time > 0.01
+crank = run["crank_angle"][late]
+error = (run["output_angle"][late] + crank / design.lobes) * 206264.8
+found = tapered_orders(crank, error, most=60.0)
 
 figure, axes = plt.subplots(layout="constrained")
-axes.stem(order[1:161], size[1:161], markerfmt=" ", basefmt=" ")
-axes.annotate("mesh order 36", (36.0, size[72]), (45.0, 0.9 * size[1:161].max()), arrowprops={"arrowstyle": "-"})
+axes.fill_between(found.order, found.amplitude)
+for multiple in (1, 2, 3):
+    order = multiple * design.output.pins * design.ring.teeth / design.lobes
+    peak = np.interp(order, found.order, found.amplitude)
+    axes.annotate(f"{order:.2f}", (order, peak), (order + 2.0, peak))
 axes.set(xlabel="order: cycles a crank turn", ylabel="amplitude [arcsec]", title="transmission error, 36.68 N m")

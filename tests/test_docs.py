@@ -47,6 +47,19 @@ def test_walks_name_functions_that_are_there_in_ten_lines_each() -> None:
         assert callable(getattr(found, name)), f"{module}:{name}"
 
 
+def test_every_section_of_the_physics_names_tests_that_are_there() -> None:
+    text = (ROOT / "docs" / "physics.md").read_text(encoding="utf-8")
+    sections = [part for part in re.split(r"^###? ", text, flags=re.MULTILINE)[1:] if "\n\n" in part.strip()]
+    assert len(sections) > 12
+    for section in sections:
+        named = re.findall(r"\[`(test_\w+)`\]\(\.\./(tests/test_\w+\.py)\)", section)
+        assert named, section.splitlines()[0]
+        for name, file in named:
+            assert f"\ndef {name}(" in (ROOT / file).read_text(encoding="utf-8"), f"{file}: {name}"
+            section = section.replace(f"`{name}`", "")
+        assert "`test_" not in section, "a test without its file"
+
+
 def test_every_decision_is_numbered_once() -> None:
     numbers = [int(page.name.split("-")[0]) for page in (ROOT / "docs" / "decisions").glob("[0-9]*.md")]
     assert sorted(numbers) == list(range(1, len(numbers) + 1))

@@ -1,0 +1,245 @@
+"""Every command and code block of the README and of every page runs; what takes minutes is understood to its last flag.
+
+A page that is added is tested as it is: nothing here names the pages but where a run must be shortened.
+"""
+
+import io
+import itertools
+import re
+import shlex
+from collections.abc import Iterator
+from contextlib import redirect_stdout
+from dataclasses import fields, is_dataclass
+from pathlib import Path
+
+import mujoco
+import pytest
+from cyclopts import CycloptsError
+
+from cycloid_mj.cli import main
+from cycloid_mj.cli.app import application
+from cycloid_mj.design import resolve
+
+ROOT = Path(__file__).parent.parent
+PAGES = {
+    path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8")
+    for path in [
+        ROOT / "README.md",
+        ROOT / "CONTRIBUTING.md",
+        *sorted(path for path in (ROOT / "docs").rglob("*.md") if "/docs/_" not in path.as_posix()),
+        *sorted((ROOT / "models").rglob("*.md")),
+    ]
+}
+LANGUAGES = {"sh", "console", "text", "python"}
+"""Of code blocks. What is ``sh`` runs as it stands; the others have placeholders, or are Python."""
+
+WHOLE = "docs/tutorial.md"
+"""The page whose commands all run by default, at their full length."""
+
+QUICK = ["--ramp-s", "0", "--hold-s", "0.006", "--quiet"]
+SLOW = ("validate", "reproduce", "compare", "render", "view", "build", "export", "measure", "stress", "calibrate")
+SLOW += ("reduce", "datasheet")
+"""Commands that are parsed by default, and run in the tests of their own."""
+
+OTHERS = ("python3 -m venv", ".venv/bin/", "pip install", "dask ", "python -m mujoco.viewer", ". .venv/bin/activate")
+"""What other lines of a shell begin with."""
+
+
+def blocks(text: str) -> list[tuple[str, str]]:
+    """Give the code blocks of a page with their languages, without Sphinx's directives."""
+    return [
+        (language, block)
+        for language, block in re.findall(r"^```(\S*)\n(.*?)^```", text, flags=re.DOTALL | re.MULTILINE)
+        if not language.startswith("{")
+    ]
+
+
+def lines(text: str, *languages: str) -> Iterator[str]:
+    """Give the shell's lines of a page, one for each program that is called, without prompts and comments."""
+    for language, block in blocks(text):
+        if language in languages:
+            for line in block.replace("\\\n", " ").splitlines():
+                yield from line.removeprefix("$ ").split("  #")[0].strip().split(" && ")
+
+
+def commands(text: str, *languages: str) -> list[str]:
+    """Give the commands of this package on a page, from its name on."""
+    return [line[line.index("cycloid-mj ") :] for line in lines(text, *languages) if _is_own(line)]
+
+
+def _is_own(line: str) -> bool:
+    return bool(re.match(r"(\.venv/bin/)?cycloid-mj ", line))
+
+
+def words_of(command: str) -> list[str]:
+    """Give what stands behind ``cycloid-mj`` in a command, without its redirection."""
+    return shlex.split(command.split(" > ")[0], comments=True)[1:]
+
+
+def parsed(words: list[str]) -> dict[str, object]:
+    """Give the values that a command would be called with: every flag is known, and its value read and tested."""
+    _, bound, unknown = application().parse_args(words, exit_on_error=False, print_error=False)[:3]
+    assert not unknown
+    values = dict(bound.arguments)
+    for options in [value for value in values.values() if is_dataclass(value)]:
+        values |= {field.name: getattr(options, field.name) for field in fields(options)}
+    return values
+
+
+def shortened(words: list[str]) -> list[str]:
+    """Give the same command with the shortest run."""
+    if words[0] != "simulate":
+        return words
+    for flag in ("--ramp-s", "--hold-s"):
+        if flag in words:
+            at = words.index(flag)
+            words = [*words[:at], *words[at + 2 :]]
+    return [*words, *QUICK]
+
+
+def run(command: str, words: list[str]) -> None:
+    """Run a command, which must succeed, and redirect what it prints as its line does."""
+    with redirect_stdout(io.StringIO()) as printed:
+        assert main([*words]) == 0, command
+    if " > " in command:
+        Path(command.split(" > ")[1].split()[0]).write_text(printed.getvalue(), encoding="utf-8")
+
+
+SHELL = [page for page, text in PAGES.items() if commands(text, "sh") and page != WHOLE]
+NAMED = sorted(
+    {command for text in PAGES.values() for command in re.findall(r"`(cycloid-mj [^`\n]+)`", text)},
+)
+CALLED = sorted({command for text in PAGES.values() for command in commands(text, "sh", "console", "text")})
+
+
+@pytest.fixture(scope="module")
+def tutored(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Give the folder in which a reader of the tutorial has run its commands."""
+    folder = tmp_path_factory.mktemp("tutorial")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        for command in commands(PAGES[WHOLE], "sh"):
+            run(command, words_of(command))
+    return folder
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Stand in an empty folder that has what a clone's pages speak of."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "tests").symlink_to(ROOT / "tests")
+    return tmp_path
+
+
+def test_every_block_is_of_a_kind_that_is_tested() -> None:
+    assert len(PAGES) > 30
+    for page, text in PAGES.items():
+        assert {language for language, _ in blocks(text)} <= LANGUAGES, page
+        for line in lines(text, "sh", "console", "text"):
+            assert _is_own(line) or line.startswith(OTHERS), f"{page}: {line}"
+            for word in re.findall(r"\b(?:scripts|models|docs|tests)/[\w./]+", line):
+                assert (ROOT / word).exists() or word == "docs/_build", f"{page}: {line}"
+
+
+def test_the_tutorial_leads_from_a_requirement_to_parts_and_a_joint_in_under_ten_commands(tutored: Path) -> None:
+    assert len(commands(PAGES[WHOLE], "sh")) < 10
+    made = {"drive.toml", "runs/drive.html", "made/drive-tolerance.html", "parts/gear.step", "joint/scene.xml"}
+    assert all((tutored / name).stat().st_size > 0 for name in made)
+
+
+@pytest.mark.parametrize("page", SHELL)
+@pytest.mark.usefixtures("here")
+def test_the_commands_of_a_page_run_in_order(page: str) -> None:
+    for command in commands(PAGES[page], "sh"):
+        if words_of(command)[0] not in SLOW:
+            run(command, shortened(words_of(command)))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", SHELL)
+@pytest.mark.usefixtures("here")
+def test_the_commands_of_a_page_run_as_printed(page: str) -> None:
+    for command in commands(PAGES[page], "sh"):
+        if words_of(command)[0] != "view":
+            run(command, words_of(command))
+
+
+@pytest.mark.parametrize("command", CALLED)
+def test_every_command_is_understood_to_its_last_flag(command: str) -> None:
+    words = words_of(command)
+    parsed(words)
+    with pytest.raises(CycloptsError):
+        parsed([*words, "--no-such-flag"])
+    for at, word in enumerate(words):
+        if word.startswith("--"):
+            with pytest.raises(CycloptsError):
+                parsed([*words[:at], f"{word}-misspelt", *words[at + 1 :]])
+
+
+def test_designs_of_commands_that_are_only_parsed_are_there() -> None:
+    named = []
+    for words in [words_of(command) for command in CALLED if words_of(command)[0] in SLOW]:
+        values = parsed(words)
+        for name in ("design", "designs", "sources"):
+            given = values.get(name, ())
+            named += [given] if isinstance(given, str) else list(given)
+    presets = {name for name in named if not name.endswith(".toml")}
+    assert len(named) > 10
+    assert {resolve(name).name for name in presets} == presets
+
+
+@pytest.mark.parametrize("command", NAMED)
+def test_commands_in_the_text_exist(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    words = words_of(command)
+    flags = [word for word in words if word.startswith("--")]
+    called = list(itertools.takewhile(lambda word: re.fullmatch(r"[a-z][a-z-]*", word), words))
+    assert main([*called, "--help"]) == 0
+    told = capsys.readouterr().out
+    assert told.startswith(" ".join(["Usage: cycloid-mj", *called]))
+    assert all(flag in told for flag in flags)
+
+
+def test_flags_in_the_text_exist(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "docs"))
+    import reference
+
+    known = set(re.findall(r"--[a-z][\w-]*", reference.commands()))
+    assert len(known) > 50
+    for page, text in PAGES.items():
+        if not page.startswith("models/"):
+            named = set(re.findall(r"(?<=`)--[a-z][\w-]*", text))
+            assert named <= known, f"{page}: {sorted(named - known)}"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", [page for page in PAGES if page.startswith("models/") and "```python" in PAGES[page]])
+def test_the_python_of_a_model_runs(page: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+    for language, block in blocks(PAGES[page]):
+        if language == "python":
+            exec(compile(block, page, "exec"), {})
+
+
+def test_the_python_of_the_joint_runs(tutored: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tutored)
+    spec = mujoco.MjSpec()
+    arm = spec.worldbody.add_body()
+    arm.add_joint(name="elbow", axis=[0.0, 0.0, 1.0])
+    arm.add_geom(size=[0.05, 0.0, 0.0])
+    (code,) = [block for language, block in blocks(PAGES["docs/joint.md"]) if language == "python"]
+    exec(compile(code, "joint.md", "exec"), {"spec": spec})
+    assert spec.compile().ntendon > 0
+
+
+def test_the_python_of_other_pages_is_tested_elsewhere() -> None:
+    with_python = {page for page, text in PAGES.items() if any(language == "python" for language, _ in blocks(text))}
+    assert {page for page in with_python if not page.startswith("models/")} == {"README.md", "docs/joint.md"}
+
+
+def test_a_page_with_a_broken_command_is_seen() -> None:
+    page = "```sh\ncycloid-mj statics --design pin --torq 3\n```\n```text\n$ cycloid-mj nothing \\\n  --x\n```\n"
+    assert commands(page, "sh", "text") == ["cycloid-mj statics --design pin --torq 3", "cycloid-mj nothing    --x"]
+    for command in commands(page, "sh", "text"):
+        with pytest.raises(CycloptsError):
+            parsed(words_of(command))
+    assert blocks("```toml\nx = 1\n```\n") == [("toml", "x = 1\n")]
