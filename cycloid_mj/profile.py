@@ -289,10 +289,10 @@ def sample(gear: CycloidGear, points: int, offset: float | None = None) -> Outli
     return _outline_at(gear, lobe_angle * lobe + within_lobe, offset)
 
 
-def sample_by_sagitta(gear: CycloidGear, chord_error: float, offset: float | None = None) -> Outline:
-    """Outline whose chords leave the curve by at most `chord_error` [m], with few points; every lobe the same.
+def sagitta_parameters(gear: CycloidGear, chord_error: float, offset: float | None = None) -> Array:
+    """Parameters t [rad] of an outline whose chords leave the curve by at most `chord_error` [m]; every lobe the same.
 
-    Each half lobe is cut at its inflection, so that each chord spans a purely concave or purely convex arc.
+    They are few: each half lobe is cut at its inflection, so that each chord spans a purely concave or convex arc.
 
     Raises
     ------
@@ -311,7 +311,7 @@ def sample_by_sagitta(gear: CycloidGear, chord_error: float, offset: float | Non
     rising = np.concatenate(pieces)
     lobe_angle = 2 * np.pi / gear.lobes
     one_lobe = np.concatenate([rising, [lobe_angle / 2], lobe_angle - rising[:0:-1]])
-    return _outline_at(gear, (lobe_angle * np.arange(gear.lobes)[:, None] + one_lobe).ravel(), offset)
+    return np.asarray((lobe_angle * np.arange(gear.lobes)[:, None] + one_lobe).ravel())
 
 
 @dataclass(frozen=True)

@@ -2,10 +2,13 @@
 
     python scripts/app_latency.py [--design pin] [--moves 40]
 
-Needs Chromium and its driver. Times are by the browser's clock: from the key that moves the slider to the new page.
+Needs Chromium and its driver. Times are by the browser's clock, from the key that moves the slider: until the event is
+sent, the answer with the drawing comes, it stands in the page, it is painted, and the figures of statics and rating
+stand there. What each step computes is timed beside them, as CPU time, without browser and server.
 """
 
 import argparse
+import os
 import shutil
 import socket
 import statistics
@@ -13,74 +16,122 @@ import subprocess
 import sys
 import time
 import urllib.request
+from collections.abc import Callable, Iterable
 from typing import Any
 
+from cycloid_mj.app.drawing import mechanism_svg
+from cycloid_mj.app.knobs import turned
+from cycloid_mj.app.shown import check_lines, error_lines, life_lines, static_lines
+from cycloid_mj.design import Design, resolve
+
+SLIDER = "eccentricity [mm]"
+KEY = "gear.eccentricity_mm"
+
+STEPS = ("sent", "answered", "drawn", "painted", "solved", "rated")
+
 WATCH = """
-const picture = () => document.querySelector('svg[aria-label]').outerHTML;
-window.figures = () => document.body.innerText.match(/backlash[^]*?largest force of the cam\\s+\\S+/)?.[0];
-window.begin = () => {
-  window.moved = window.drawn = window.solved = null;
-  window.before = [picture(), window.figures()];
+window.times = {};
+const note = key => { window.times[key] ??= performance.now() };
+document.addEventListener('keydown', () => { window.times = {}; note('moved') }, true);
+const {send} = WebSocket.prototype;
+WebSocket.prototype.send = function (data) {
+  if (String(data).includes('"event"')) note('sent');
+  return send.call(this, data);
 };
-document.addEventListener('keydown', () => { window.moved ??= performance.now() }, true);
-new MutationObserver(() => {
-  if (!window.moved) return;
-  const now = performance.now();
-  if (picture() !== window.before[0]) window.drawn ??= now;
-  if (window.figures() !== window.before[1] && window.figures()) window.solved ??= now;
-}).observe(document.body, {childList: true, subtree: true, characterData: true});
+const {set} = Object.getOwnPropertyDescriptor(WebSocket.prototype, 'onmessage');
+Object.defineProperty(WebSocket.prototype, 'onmessage', {set(handle) {
+  set.call(this, event => { if (String(event.data).includes('"mechanism"')) note('answered'); handle(event) });
+}});
+new MutationObserver(records => {
+  for (const {target} of records) {
+    if (!target.matches?.('.mechanism, .statics, .life')) continue;
+    if (target.matches('.statics')) note('solved');
+    if (target.matches('.life')) note('rated');
+    if (!target.matches('.mechanism')) continue;
+    note('drawn');
+    requestAnimationFrame(() => setTimeout(() => note('painted')));
+  }
+}).observe(document, {childList: true, subtree: true});
 """
 
 
 def main() -> int:
-    """Serve the page, move a slider again and again, print both times."""
-    from selenium import webdriver
-    from selenium.webdriver.common.by import By
-    from selenium.webdriver.common.keys import Keys
-
+    """Serve the page, move a slider again and again, print the times of each step."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--design", default="pin")
     parser.add_argument("--moves", type=int, default=40)
     options = parser.parse_args()
+    found = _in_browser(options.design, options.moves)
+    print(
+        f"in the browser [ms from the key]: median, least and most of {options.moves} moves; load {os.getloadavg()[0]}"
+    )
+    for step in STEPS:
+        taken = [times[step] - times["moved"] for times in found if step in times]
+        if taken:
+            print(f"  {step:9} {statistics.median(taken):6.0f} {min(taken):6.0f} {max(taken):6.0f}")
+    print("computed alone [ms of CPU]: median and least of 8 designs")
+    for name, taken in _computed(resolve(options.design)):
+        print(f"  {name:9} {statistics.median(taken):6.1f} {min(taken):6.1f}")
+    return 0
+
+
+def _in_browser(design: str, moves: int) -> list[dict[str, float]]:
+    """Give the times of each move by the browser's clock [ms]."""
+    from selenium import webdriver
+    from selenium.webdriver.common.by import By
+    from selenium.webdriver.common.keys import Keys
+
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-    words = [
-        sys.executable,
-        "-m",
-        "cycloid_mj.cli",
-        "app",
-        "--no-browser",
-        "--design",
-        options.design,
-        "--port",
-        str(port),
-    ]
-    found: dict[str, list[float]] = {"drawn": [], "solved": []}
+    words = [sys.executable, "-m", "cycloid_mj.cli", "app", "--no-browser", "--design", design, "--port", str(port)]
+    found = []
     with subprocess.Popen(words) as server:
-        driver = _chromium(webdriver)
-        _reach(f"http://127.0.0.1:{port}")
-        driver.get(f"http://127.0.0.1:{port}")
-        driver.execute_script(WATCH)
-        for _ in range(300):
-            if driver.execute_script("return !!window.figures()"):
-                break
-            time.sleep(0.1)
-        thumb = driver.find_elements(By.CSS_SELECTOR, ".q-slider [tabindex]")[3]
-        for move in range(options.moves):
-            driver.execute_script("window.begin()")
-            thumb.send_keys(Keys.ARROW_LEFT if move % 2 else Keys.ARROW_RIGHT)
-            time.sleep(3.0)
-            for key, times in found.items():
-                if taken := driver.execute_script(f"return window.{key} && window.{key} - window.moved"):
-                    times.append(taken)
-        driver.quit()
-        server.terminate()
-    for key, times in found.items():
-        print(
-            f"{key}: median {statistics.median(times):.0f} ms, {min(times):.0f} to {max(times):.0f}, {len(times)} moves"
-        )
-    return 0
+        try:
+            driver = _chromium(webdriver)
+            driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": WATCH})
+            _reach(f"http://127.0.0.1:{port}")
+            driver.get(f"http://127.0.0.1:{port}")
+            _wait_for(driver, ("solved", "rated"), 60.0)
+            thumb = driver.find_element(By.CSS_SELECTOR, f".q-slider[aria-label='{SLIDER}'] [tabindex]")
+            for move in range(moves):
+                time.sleep(0.5)
+                thumb.send_keys(Keys.ARROW_LEFT if move % 2 else Keys.ARROW_RIGHT)
+                found.append(_wait_for(driver, STEPS, 10.0))
+            driver.quit()
+        finally:
+            server.terminate()
+    return found
+
+
+def _wait_for(driver: Any, steps: Iterable[str], seconds: float) -> dict[str, float]:
+    """Give the times once all steps have theirs, or those that have after some seconds."""
+    for _ in range(int(seconds / 0.2)):
+        time.sleep(0.2)
+        times: dict[str, float] = driver.execute_script("return window.times")
+        if all(step in times for step in steps):
+            break
+    return times
+
+
+def _computed(design: Design) -> Iterable[tuple[str, list[float]]]:
+    """Give what each step computes, and its CPU times on designs that differ a little [ms]."""
+    design = design.but(load={"torque": design.rated_torque})
+    designs = [turned(design, {KEY: 1e3 * design.gear.eccentricity * (1.0 - 1e-4 * step)}) for step in range(9)]
+    works: dict[str, Callable[[Design], object]] = {
+        "drawing": lambda one: mechanism_svg(one, 0.3),
+        "errors": error_lines,
+        "statics": static_lines,
+        "rating": life_lines,
+        "checks": check_lines,
+    }
+    for name, work in works.items():
+        taken = []
+        for one in designs:
+            start = time.process_time()
+            work(one)
+            taken.append(1e3 * (time.process_time() - start))
+        yield name, taken[1:]  # the first loads its code
 
 
 def _chromium(webdriver: Any) -> Any:

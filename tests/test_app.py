@@ -16,12 +16,14 @@ from pathlib import Path
 
 import pytest
 from designs import UNLIKE, unlike
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.keys import Keys
 
 from cycloid_mj.app.drawing import mechanism_svg
-from cycloid_mj.app.knobs import knobs, turned
+from cycloid_mj.app.knobs import SHAPES, knobs, shape_of, turned
 from cycloid_mj.app.made import FILES
 from cycloid_mj.app.running import Runner
-from cycloid_mj.app.shown import failed, life_lines, static_lines
+from cycloid_mj.app.shown import check_lines, error_lines, life_lines, static_lines
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import CycloidError
@@ -62,32 +64,68 @@ def test_figures_follow_the_design() -> None:
     backlash = [float(one["backlash"].split()[0]) for one in told]
     assert backlash[1] - backlash[0] == pytest.approx(4.0e-6 * 2.0 / (1e-3 * 35) * 10800 / 3.14159265, rel=0.05)
     assert "30 N m" in told[0]["by statics, at"]
-    assert any(line.name.startswith("weakest") for line in life_lines(pin))
+    rated = [life_lines(override(pin, [f"load.torque_nm={torque}"])) for torque in (10, 20)]
+    assert [lines[0].value.partition(" at ")[0] for lines in rated] == ["10 N m", "20 N m"]
+    hours = [float(lines[2].value.removesuffix(" h")) for lines in rated]
+    assert hours[0] > 4.0 * hours[1]
+
+
+@pytest.mark.parametrize("design", DESIGNS.values(), ids=DESIGNS)
+def test_every_design_has_its_figures(design: Design) -> None:
+    wanted = {"backlash", "lost motion at +-3 %", "transmission error, peak to peak", "efficiency"}
+    assert wanted <= {line.name for line in static_lines(design)}
+    head, weakest, *bearings = life_lines(design)
+    assert head.name == "by rating, at"
+    assert weakest.name.startswith("weakest: ")
+    assert weakest.value
+    assert all(line.value.endswith((" h", "endless")) for line in bearings)
+    assert len(bearings) == 1
+    assert not error_lines(design)
+    assert all(line.name.startswith(("warning: ", "checks")) for line in check_lines(design))
 
 
 def test_what_breaks_is_told_with_its_reason_errors_first() -> None:
     broken = override(PRESETS["pin"], ["output.pin_circle_radius_mm=17", "load.torque_nm=80"])
-    found = failed(broken)
-    assert [one.severity for one in found] == sorted((one.severity for one in found), key=lambda one: one != "error")
-    assert any("bore" in one.name for one in found)
+    told, errors = check_lines(broken), error_lines(broken)
+    assert told[: len(errors)] == errors
+    assert errors[0].name.startswith("error: ")
+    assert any("bore" in line.value for line in errors)
     with pytest.raises(CycloidError):
         mechanism_svg(turned(PRESETS["pin"], {"gear.eccentricity_mm": 3.0}), 0.0)
 
 
-@pytest.mark.parametrize("name", ["TOML", "STL", "DXF", "STEP", "Datasheet"])
+def test_no_place_of_the_sliders_crashes() -> None:
+    """Wherever sliders stand, there are figures or a reason for which there are none."""
+    rng = random.Random(3)
+    for _ in range(12):
+        base = rng.choice(list(DESIGNS.values()))
+        places = {knob.key: rng.choice([knob.low, knob.high]) for knob in rng.sample(knobs(base), 2)}
+        try:
+            design = turned(base, places)
+            mechanism_svg(design, 0.0)
+        except CycloidError:
+            continue
+        lines = error_lines(design) or (*static_lines(design), *life_lines(design), *check_lines(design))
+        assert all(line.value for line in lines)
+
+
+def test_the_switch_shows_what_a_design_is() -> None:
+    assert {name: shape_of(override(PRESETS["pin"], shape)) for name, shape in SHAPES.items()} == {
+        name: name for name in SHAPES
+    }
+    assert shape_of(override(PRESETS["pin"], {"gear.discs": 3})) is None
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "MJCF")) for name in FILES])
 def test_every_button_gives_a_file(name: str) -> None:
-    ((file, content),) = FILES[name](PRESETS["nonpin"]).items()
-    assert file.startswith("nonpin")
+    ((file, content),) = FILES[name](unlike("few")).items()
+    assert file.startswith(unlike("few").name)
     assert content.startswith({"TOML": b"#", "Datasheet": b"%PDF"}.get(name, b"PK"))
 
 
-def test_a_run_of_the_page_ends_with_its_report() -> None:
-    runner = Runner()
-    page = runner.run(override(PRESETS["nonpin"], ["load.torque_nm=30"]))
-    assert runner.share == 1.0
-    assert page.lstrip().startswith("<!")
+def test_a_crank_that_stands_still_is_not_run() -> None:
     with pytest.raises(CycloidError, match="stands still"):
-        runner.run(PRESETS["nonpin"].but(drive={"speed": 0.0}))
+        Runner().run(PRESETS["nonpin"].but(drive={"speed": 0.0}))
 
 
 def test_mistakes_are_one_line(capsys: pytest.CaptureFixture[str]) -> None:
@@ -101,7 +139,7 @@ def test_mistakes_are_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     assert "is taken" in errors[1]
 
 
-# --- in a browser
+# --- in a browser: one server and one browser for all
 
 
 @pytest.fixture(scope="module")
@@ -125,7 +163,8 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, Path
 
 
 @pytest.fixture(scope="module")
-def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator:
+def page(served: tuple[str, Path], tmp_path_factory: pytest.TempPathFactory) -> Iterator:
+    """Open the page in Chromium, and wait for its figures."""
     if not (BROWSER and DRIVER):
         pytest.skip("needs Chromium and its driver (Debian: chromium, chromium-driver)")
     from selenium import webdriver
@@ -139,8 +178,20 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator:
         options.add_argument(word)
     driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
     driver.folder = folder
+    driver.get(served[0])
+    wait(lambda: solved(driver), "the first figures")
     yield driver
     driver.quit()
+
+
+@pytest.fixture(autouse=True)
+def quiet(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Hold every test in the browser to leave no exception in the server or on the console."""
+    yield
+    if "page" in request.fixturenames:
+        page, (_, log) = request.getfixturevalue("page"), request.getfixturevalue("served")
+        assert not [entry for entry in page.get_log("browser") if entry["level"] == "SEVERE"]
+        assert "Traceback" not in log.read_text()
 
 
 def wait(found, what: str, seconds: float = 60.0):
@@ -152,57 +203,98 @@ def wait(found, what: str, seconds: float = 60.0):
     raise AssertionError(what)
 
 
-def text(browser) -> str:
-    return browser.execute_script("return document.body.innerText")
+def text(page, part: str) -> str:
+    return page.execute_script("return document.querySelector(arguments[0]).innerText", f".{part}")
 
 
-def test_the_page_in_a_browser(served: tuple[str, Path], browser) -> None:
-    from selenium.webdriver.common.action_chains import ActionChains
-    from selenium.webdriver.common.by import By
+def solved(page) -> bool:
+    return "efficiency" in text(page, "statics") and "weakest" in text(page, "life") and bool(text(page, "checks"))
 
-    address, log = served
-    browser.get(address)
-    wait(lambda: "cam bearing" in text(browser), "figures and life come up")
-    sliders = browser.find_elements(By.CSS_SELECTOR, ".q-slider")
-    assert len(sliders) == 15
-    drawn = "return document.querySelector('svg[aria-label]').outerHTML"
 
-    # ten drags at random: each redraws, and nothing is thrown here or there
+def drawn(page) -> str:
+    return page.execute_script("return document.querySelector('.mechanism').innerHTML")
+
+
+def slider(page, label: str):
+    return page.find_element("css selector", f".q-slider[aria-label^='{label}']")
+
+
+def drag(page, label: str, by: int) -> None:
+    ActionChains(page, duration=30).click_and_hold(slider(page, label)).move_by_offset(by, 0).release().perform()
+
+
+def typed(page, label: str, value: float) -> None:
+    box = page.find_element("css selector", f"input[aria-label^='{label}']")
+    box.send_keys(Keys.CONTROL + "a")
+    box.send_keys(f"{value}", Keys.ENTER)
+
+
+def press(page, word: str) -> None:
+    next(one for one in page.find_elements("tag name", "button") if one.text == word).click()
+
+
+def test_drags_redraw_and_throw_nothing(page) -> None:
     rng = random.Random(7)
+    labels = ("ring teeth", "pin circle", "pin radius", "eccentricity", "bore radius", "output pin [", "crank [")
     for _ in range(10):
-        before = browser.execute_script(drawn)
-        slider = sliders[rng.choice([0, 1, 2, 3, 5, 7, 8, 14])]
-        ActionChains(browser, duration=30).click_and_hold(slider).move_by_offset(
-            rng.randint(-45, 45), 0
-        ).release().perform()
-        wait(lambda was=before: browser.execute_script(drawn) != was or "not allowed" in text(browser), "it is redrawn")
-    severe = [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"]
-    assert not severe
-    assert "Traceback" not in log.read_text()
+        before = drawn(page)
+        drag(page, rng.choice(labels), rng.choice([-1, 1]) * rng.randint(5, 45))
+        wait(lambda was=before: drawn(page) != was or "not possible" in text(page, "checks"), "it is redrawn")
 
-    # a check that breaks is told
-    browser.get(address)
-    wait(lambda: "cam bearing" in text(browser), "the page starts anew")
-    slider = browser.find_elements(By.CSS_SELECTOR, ".q-slider")[8]
-    ActionChains(browser, duration=30).click_and_hold(slider).move_by_offset(-60, 0).release().perform()
-    wait(lambda: re.search(r"error: |not allowed", text(browser)), "the hole circle no longer fits")
 
-    # the switch, a download, a run
-    browser.get(address)
-    wait(lambda: "cam bearing" in text(browser), "the page starts anew")
-    next(one for one in browser.find_elements(By.TAG_NAME, "button") if one.text == "NONPIN").click()
-    wait(lambda: "largest force on a tooth" in text(browser), "nonpin's figures")
-    next(one for one in browser.find_elements(By.TAG_NAME, "button") if one.text == "TOML").click()
-    file = wait(lambda: next(browser.folder.glob("*.toml"), None), "the design is downloaded")
+def test_a_check_that_breaks_is_told_and_mended_by_a_number(page) -> None:
+    page.refresh()
+    wait(lambda: solved(page), "a new page has the design as it was")
+    box = page.find_element("css selector", "input[aria-label^='their circle']")
+    ActionChains(page, duration=30).click_and_hold(slider(page, "their circle")).move_by_offset(
+        -60, 0
+    ).release().perform()
+    wait(lambda: re.search(r"error: |not possible", text(page, "checks")), "the holes no longer fit")
+    assert not text(page, "statics")
+    assert not text(page, "life")
+    assert float(box.get_attribute("value")) < 26.0
+    press(page, "RUN IN MUJOCO")
+    wait(lambda: "mend them first" in page.execute_script("return document.body.innerText"), "no run of such a design")
+    typed(page, "their circle", 26)
+    wait(lambda: solved(page) and "error" not in text(page, "checks"), "it fits again")
+
+    # what cannot even be drawn says so, also while the crank is turned
+    typed(page, "eccentricity", 3)
+    wait(lambda: "not possible" in text(page, "checks"), "its teeth are undercut")
+    slider(page, "crank [").find_element("css selector", "[tabindex]").send_keys(Keys.ARROW_RIGHT)
+    typed(page, "eccentricity", 1)
+    wait(lambda: solved(page), "and is drawn again")
+
+
+def test_each_window_has_a_design_of_its_own(page, served: tuple[str, Path]) -> None:
+    before = drawn(page)
+    first = page.current_window_handle
+    page.switch_to.new_window("tab")
+    page.get(served[0])
+    wait(lambda: solved(page), "a second window")
+    typed(page, "ring teeth", 30)
+    wait(lambda: drawn(page) != before, "it has other teeth")
+    page.close()
+    page.switch_to.window(first)
+    assert drawn(page) == before
+
+
+def test_the_switch_a_file_and_a_run(page) -> None:
+    press(page, "NONPIN")
+    wait(lambda: "largest force on a tooth" in text(page, "statics"), "nonpin's figures")
+    press(page, "TOML")
+    file = wait(lambda: next(page.folder.glob("*.toml"), None), "the design is downloaded")
     assert tomllib.loads(file.read_text())["ring"]["kind"] == "nonpin"
-    next(one for one in browser.find_elements(By.TAG_NAME, "button") if one.text == "RUN IN MUJOCO").click()
-    link = wait(lambda: browser.find_elements(By.PARTIAL_LINK_TEXT, "report of the run"), "the run ends", 120.0)
-    browser.get(link[0].get_attribute("href"))
-    assert "transmission error" in text(browser).lower()
+    press(page, "RUN IN MUJOCO")
+    wait(lambda: page.find_element("css selector", "[role=progressbar]").is_displayed(), "its progress")
+    link = wait(lambda: page.find_elements("partial link text", "report of the run"), "the run ends", 120.0)[0]
+    with urllib.request.urlopen(link.get_attribute("href")) as report:
+        assert b"transmission error" in report.read().lower()
 
-    # on a phone nothing sticks out
-    browser.set_window_size(420, 900)
-    browser.get(address)
-    wait(lambda: "cam bearing" in text(browser), "the page on a phone")
-    assert browser.execute_script("return document.documentElement.scrollWidth <= window.innerWidth")
-    assert "Traceback" not in log.read_text()
+
+def test_nothing_sticks_out_on_a_phone(page) -> None:
+    size = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
+    page.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    assert page.execute_script("return document.documentElement.scrollWidth") == 390
+    page.execute_script("window.scrollTo(0, 500)")
+    assert page.execute_script("return document.querySelector('.mechanism').getBoundingClientRect().top") >= 0.0

@@ -215,7 +215,7 @@ def test_undercut_is_refused_at_its_limit_and_not_just_below():
     with pytest.raises(DesignError, match="undercut"):
         profile.sample(PAPER, 100, offset=2.7e-3)
     with pytest.raises(DesignError, match="undercut"):
-        profile.sample_by_sagitta(dataclasses.replace(PAPER, pin_radius=2.7e-3), 1e-6)
+        profile.sagitta_parameters(dataclasses.replace(PAPER, pin_radius=2.7e-3), 1e-6)
 
 
 @pytest.mark.parametrize(
@@ -267,9 +267,9 @@ def test_sample_works_close_to_undercut(gear):
     assert np.all(np.diff(outline.t) > 0)
 
 
-def polygon_error(gear: CycloidGear, outline: profile.Outline, offset: float | None = None) -> np.ndarray:
+def polygon_error(gear: CycloidGear, t: np.ndarray, offset: float | None = None) -> np.ndarray:
     """Largest deviation of every chord, from 100 points of its arc."""
-    ends = np.append(outline.t, 2 * np.pi)
+    ends = np.append(t, 2 * np.pi)
     inside = ends[:-1, None] + np.diff(ends)[:, None] * np.linspace(0, 1, 100)
     arcs = profile.outline(gear, inside, offset)
     chord = arcs[:, -1] - arcs[:, 0]
@@ -280,24 +280,24 @@ def polygon_error(gear: CycloidGear, outline: profile.Outline, offset: float | N
 @each_gear_and_convex
 @pytest.mark.parametrize("chord_error", [1e-7, 1e-6, 5e-5])
 def test_chords_keep_their_sagitta_and_waste_little(gear, chord_error):
-    outline = profile.sample_by_sagitta(gear, chord_error)
-    deviation = polygon_error(gear, outline)
+    t = profile.sagitta_parameters(gear, chord_error)
+    deviation = polygon_error(gear, t)
     # 100 points of an arc see its sagitta to 1e-4.
     assert deviation.max() <= chord_error
-    if outline.t.size > 40 * gear.lobes:
+    if t.size > 40 * gear.lobes:
         assert deviation.min() > 0.5 * chord_error
 
 
 @each_gear_and_convex
 def test_adaptive_outline_is_symmetric_and_the_same_in_every_lobe(gear):
-    outline = profile.sample_by_sagitta(gear, 1e-7, offset=0.9 * gear.pin_radius)
-    per_lobe, rest = divmod(outline.t.size, gear.lobes)
+    t = profile.sagitta_parameters(gear, 1e-7, offset=0.9 * gear.pin_radius)
+    per_lobe, rest = divmod(t.size, gear.lobes)
     assert rest == 0
     angle = 2 * np.pi / gear.lobes
-    lobes = outline.t.reshape(gear.lobes, per_lobe) - angle * np.arange(gear.lobes)[:, None]
+    lobes = t.reshape(gear.lobes, per_lobe) - angle * np.arange(gear.lobes)[:, None]
     assert np.abs(lobes - lobes[0]).max() < 1e-14
     assert np.abs(lobes[0, 1:] + lobes[0, :0:-1] - angle).max() < 1e-15
-    assert np.abs(polygon_error(gear, outline, 0.9 * gear.pin_radius)).max() <= 1e-7
+    assert np.abs(polygon_error(gear, t, 0.9 * gear.pin_radius)).max() <= 1e-7
 
 
 def test_sampling_refuses_what_makes_no_outline():
@@ -305,7 +305,7 @@ def test_sampling_refuses_what_makes_no_outline():
         profile.sample(PAPER, 2)
     for chord_error in (0.0, -1e-6, math.nan):
         with pytest.raises(DesignError, match="chord_error"):
-            profile.sample_by_sagitta(PAPER, chord_error)
+            profile.sagitta_parameters(PAPER, chord_error)
 
 
 def test_solve_monotone_inverts_rising_and_falling_functions_and_stays_in_its_bracket():

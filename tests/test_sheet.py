@@ -13,7 +13,9 @@ from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import DesignError, RunError, UsageError
 from cycloid_mj.loaded import loads, powers, springs_of
-from cycloid_mj.loaded.sheet import KNOWN, KNOWN_OF_KINDS, known_difference, sheet, sheet_part
+from cycloid_mj.loaded.sheet import KNOWN, KNOWN_OF_KINDS, glance, known_difference, sheet, sheet_part
+from cycloid_mj.loaded.springs import turn_evenly
+from cycloid_mj.loaded.windup import windups
 from cycloid_mj.measure import steady
 
 MEASURED = json.loads((Path(__file__).parent / "data" / "measured.json").read_text())
@@ -45,6 +47,8 @@ def test_every_design_has_every_figure(name: str) -> None:
         found = sheet(one)
         for key, quantity in found.quantities.items():
             assert math.isfinite(quantity.value) or quantity.note, key
+        for key, quantity in glance(one).quantities.items():
+            assert repr(quantity) == repr(found.quantities[key])
         value = {key: quantity.value for key, quantity in found.quantities.items()}
         assert 0.0 < value["backlash_min"] <= value["backlash"] <= value["backlash_max"]
         assert value["backlash"] < value["lost_motion_ideal"]
@@ -56,6 +60,18 @@ def test_every_design_has_every_figure(name: str) -> None:
         assert value["input_power"] == pytest.approx(value["output_power"] + losses + value["seals_power"], rel=1e-9)
         for kind in one.pair_kinds:
             assert value[f"{kind}_mean_force"] <= value[f"{kind}_peak_force"]
+
+
+@pytest.mark.parametrize("design", [*PRESETS.values(), unlike("large")], ids=lambda design: design.name)
+def test_angles_that_follow_each_other_have_the_balances_of_each_alone(design: Design) -> None:
+    torque, cranks = design.rated_torque, np.sort(turn_evenly(31))
+    alone, following = (windups(design, cranks, torque, follow) for follow in (False, True))
+    for one, other in zip(alone, following, strict=True):
+        for share, turn in one.turn.items():
+            assert other.turn[share] == pytest.approx(turn, rel=1e-6)
+    springs = springs_of(design, cranks)
+    one, other = (loads(design, springs, torque, follow) for follow in (False, True))
+    assert other.teeth == pytest.approx(one.teeth, abs=1e-5 * one.teeth.max())
 
 
 def test_without_friction_nothing_is_lost_and_seals_take_theirs() -> None:

@@ -10,7 +10,7 @@ from cycloid_mj.mechanism.reducer import phases
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.names import HOUSING, gears
 from cycloid_mj.scene import moved, ring_places
-from cycloid_mj.solid import VISUAL_CHORD_ERROR, Prism, output_centres, parts
+from cycloid_mj.solid import Prism, output_centres, parts
 from cycloid_mj.types import Array
 
 LOOKS = {
@@ -26,6 +26,9 @@ LOOKS = {
 
 MARGIN = 1.03
 
+FINENESS = 4000.0
+"""What is drawn is as fine as half of the picture's width by this: finer than a screen shows."""
+
 
 def mechanism_svg(design: Design, crank: float) -> str:
     """Give the ideal mechanism at a crank angle [rad] as an SVG element, one unit a millimetre, +y up.
@@ -35,14 +38,14 @@ def mechanism_svg(design: Design, crank: float) -> str:
     DesignError
         A part cannot be made.
     """
-    solids = parts(design, VISUAL_CHORD_ERROR)
+    solids = parts(design, design.housing.outer_radius / FINENESS)
     reach = MARGIN * 1e3 * design.housing.outer_radius
     body = "".join(
         _shapes(design, solids[HOUSING].prisms[0], [solids[name].prisms[0] for name in gears(design.gear.discs)], crank)
     )
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{-reach:.3f} {-reach:.3f} {2 * reach:.3f} {2 * reach:.3f}" '
-        f'role="img" aria-label="the mechanism" style="width:100%;height:auto" stroke-width="{reach / 300:.3f}">'
+        f'role="img" aria-label="the mechanism" stroke-width="{reach / 300:.3f}">'
         f'<g transform="scale(1,-1)">{body}</g></svg>'
     )
 
@@ -64,7 +67,7 @@ def _shapes(design: Design, ring: Prism, discs: list[Prism], crank: float) -> It
 
 def _region(prism: Prism, pose: Array, look: str) -> str:
     loops = (1e3 * moved(pose, loop) for loop in (prism.outline, *prism.holes))
-    path = "".join(f"M{' '.join(f'{x:.3f},{y:.3f}' for x, y in loop.tolist())}Z" for loop in loops)
+    path = "".join(f"M{' '.join(f'{x:.5g},{y:.5g}' for x, y in loop.tolist())}Z" for loop in loops)
     return f'<path fill-rule="evenodd" d="{path}" {_look(look)}/>'
 
 

@@ -8,6 +8,13 @@ from typing import Any
 from cycloid_mj.design import Design, override
 from cycloid_mj.design.units import file_key, unit_of
 
+SHAPES: Mapping[str, Mapping[str, Any]] = {
+    "pin": {"ring.kind": "pin", "gear.discs": 1},
+    "nonpin": {"ring.kind": "nonpin", "gear.discs": 1},
+    "two discs": {"ring.kind": "pin", "gear.discs": 2},
+}
+"""The switch above the sliders -> values of the design."""
+
 
 @dataclass(frozen=True)
 class Knob:
@@ -49,7 +56,7 @@ LABELS = {
 }
 """``table.name`` of the model -> label; the clearance of the teeth is that of the design's own kind of ring."""
 
-UNITS = {"mm": "mm", "um": "um", "nm": "N m", "rpm": "rpm"}
+UNITS = {"mm": "mm", "um": "um", "nm": "N\u00a0m", "rpm": "rpm"}
 COUNTS = {"ring.teeth": (4.0, 100.0), "output.pins": (2.0, 24.0)}
 SPAN = 3.0
 """How many times more, and less, than the value that the page starts with a slider goes."""
@@ -64,6 +71,12 @@ WIDE_UM = 100.0
 def knobs(design: Design) -> tuple[Knob, ...]:
     """Give the sliders of a design."""
     return tuple(_knob(design, name, label) for name, label in LABELS.items())
+
+
+def shape_of(design: Design) -> str | None:
+    """Give which of `SHAPES` a design has; none where it has, say, three discs."""
+    own = {"ring.kind": design.ring.kind, "gear.discs": design.gear.discs}
+    return next((name for name, values in SHAPES.items() if values == own), None)
 
 
 def _knob(design: Design, name: str, label: str) -> Knob:

@@ -1,8 +1,9 @@
 """The page itself, by NiceGUI: sliders, the mechanism, checks, figures, and what can be made of the design."""
 
-import asyncio
 import math
 from collections.abc import Callable
+from contextlib import suppress
+from functools import partial
 from html import escape
 from typing import Any
 
@@ -10,39 +11,46 @@ from nicegui import app, run, ui
 from starlette.responses import HTMLResponse
 
 from cycloid_mj.app.drawing import mechanism_svg
-from cycloid_mj.app.knobs import Knob, knobs, turned
+from cycloid_mj.app.knobs import SHAPES, Knob, knobs, shape_of, turned
 from cycloid_mj.app.made import FILES
+from cycloid_mj.app.newest import Newest
 from cycloid_mj.app.running import Runner
-from cycloid_mj.app.shown import Line, failed, life_lines, static_lines
-from cycloid_mj.checks import Check
+from cycloid_mj.app.shown import Line, check_lines, error_lines, life_lines, refused, static_lines
+from cycloid_mj.app.workers import Workers
 from cycloid_mj.design import Design, override
 from cycloid_mj.errors import CycloidError
 
-WAIT = 0.04
-"""Seconds between two redraws while a slider moves."""
-
-START_DEG = 17.0
-"""Crank angle that the page starts with."""
-
-SHAPES = {
-    "pin": {"ring.kind": "pin", "gear.discs": 1},
-    "nonpin": {"ring.kind": "nonpin", "gear.discs": 1},
-    "two discs": {"ring.kind": "pin", "gear.discs": 2},
-}
-"""The switch above the sliders -> values of the design."""
+CRANK = Knob("crank", "crank [deg]", 17.0, 0.0, 360.0, 1.0)
+"""The slider that turns the mechanism and is no value of the design."""
 
 STYLE = """
-body { overflow-x: hidden }
+.page { display: grid; width: 100%; gap: 1rem 1.5rem; align-items: start }
+.page { grid: "sliders picture figures" / 23rem minmax(0, 1.2fr) minmax(0, 1fr) }
+.sliders { grid-area: sliders } .picture { grid-area: picture } .figures { grid-area: figures }
 .knob { display: grid; grid-template-columns: 11rem 1fr 4.5rem; align-items: center; column-gap: .6rem; width: 100% }
 .knob input { text-align: right }
-.told { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); column-gap: .8rem; padding: .1rem 0 }
-@media (max-width: 700px) { .knob { grid-template-columns: 8.5rem 1fr 4rem; font-size: .85rem } }
+.told { display: grid; grid-template-columns: minmax(0, 1.2fr) minmax(0, 1fr); column-gap: .8rem; padding: .1rem 0 }
+.checks .told { display: block; padding-bottom: .4rem } .checks .told span { display: block }
+.checks .told :first-child { font-weight: 600 }
+.mechanism svg { display: block; width: 100%; height: auto }
+.stale { opacity: .35 }
+@media (max-width: 1150px) {
+  .page { grid: "sliders picture" auto "sliders figures" 1fr / 23rem minmax(0, 1fr) }
+}
+@media (max-width: 720px) {
+  .page { grid: "picture" "sliders" "figures" / minmax(0, 1fr) }
+  .picture { position: sticky; top: 0; z-index: 1; background: white; padding-bottom: .5rem }
+  .body--dark .picture { background: var(--q-dark-page) }
+  .mechanism svg { max-height: 36vh }
+  .knob { grid-template-columns: 9rem 1fr 4rem; font-size: .85rem }
+}
 """
 
 
 def serve(design: Design, port: int, show: bool) -> None:
     """Serve the page on this machine alone until the process is stopped; every window has a design of its own."""
     reports: dict[str, str] = {}
+    workers = Workers((static_lines, life_lines, check_lines))
 
     @app.get("/report/{number}", response_class=HTMLResponse)
     def report(number: str) -> str:
@@ -50,44 +58,50 @@ def serve(design: Design, port: int, show: bool) -> None:
 
     @ui.page("/")
     def page() -> None:
-        _Page(design, reports)
+        _Page(design, reports, workers)
 
-    ui.run(
-        host="127.0.0.1",
-        port=port,
-        show=show,
-        reload=False,
-        title="cycloid_mj",
-        favicon="⚙",
-        dark=None,
-        show_welcome_message=False,
-    )
+    try:
+        ui.run(
+            host="127.0.0.1",
+            port=port,
+            show=show,
+            reload=False,
+            title="cycloid_mj",
+            favicon="⚙",
+            dark=None,
+            show_welcome_message=False,
+        )
+    finally:
+        workers.close()
+
+
+class _Slider(ui.slider):
+    """A slider that follows the hand at once: the server does not send it the value that it has."""
+
+    LOOPBACK = False
 
 
 class _Page:
     """One window: its design, and the elements that show it."""
 
-    def __init__(self, design: Design, reports: dict[str, str]) -> None:
-        load = {"torque": design.load.torque or design.rated_torque}
+    def __init__(self, design: Design, reports: dict[str, str], workers: Workers) -> None:
+        load = {"torque": abs(design.load.torque) or design.rated_torque}
         self._base, self._reports, self._runner = design.but(load=load), reports, Runner()
         self._values: dict[str, Any] = {}
-        self._design, self._sound, self._crank = self._base, False, math.radians(START_DEG)
-        self._stale, self._working = False, False
+        self._design, self._sound, self._crank = self._base, False, math.radians(CRANK.value)
         ui.add_css(STYLE)
-        with ui.row().classes("w-full items-start gap-4"):
-            with ui.column().classes("w-full md:w-96 gap-1 order-2 md:order-1"):
-                start = "two discs" if design.gear.discs > 1 else design.ring.kind
-                ui.toggle(list(SHAPES), value=start, on_change=lambda event: self._shape(event.value))
+        with ui.element("div").classes("page"):
+            with ui.column().classes("sliders gap-1"):
+                self._shape = ui.toggle(list(SHAPES), value=shape_of(design), on_change=self._reshape)
                 self._sliders = ui.column().classes("w-full gap-0")
-                with ui.element("div").classes("knob"):
-                    ui.label("crank [deg]")
-                    ui.slider(min=0, max=360, value=START_DEG).on("update:model-value", self._turn, throttle=WAIT)
-            with ui.column().classes("w-full md:w-1/3 order-1 md:order-2"):
-                self._picture = ui.html("", sanitize=False).classes("w-full").mark("mechanism")
-            with ui.column().classes("w-full md:w-96 order-3"):
-                self._figures = ui.html("", sanitize=False).classes("w-full").mark("figures")
-                self._checks = ui.html("", sanitize=False).classes("w-full").mark("checks")
+                _row(CRANK, self._turn)
+            with ui.element("div").classes("picture"):
+                self._picture = _html("mechanism")
+            with ui.column().classes("figures"):
+                self._statics, self._life, self._checks = _html("statics"), _html("life"), _html("checks")
                 self._making()
+        shown = {static_lines: self._statics, life_lines: self._life, check_lines: self._checks}
+        self._solved = Newest(workers, {work: partial(_tell, element) for work, element in shown.items()})
         self._knobs()
         self._redraw()
 
@@ -96,16 +110,7 @@ class _Page:
         self._sliders.clear()
         with self._sliders:
             for knob in knobs(self._base):
-                self._knob(knob)
-
-    def _knob(self, knob: Knob) -> None:
-        with ui.element("div").classes("knob"):
-            ui.label(knob.label)
-            slider = ui.slider(min=knob.low, max=knob.high, step=knob.step, value=knob.value).mark(knob.key)
-            number = ui.number(value=knob.value, step=knob.step, format="%.6g").props("dense borderless")
-            number.bind_value(slider)
-            slider.on("update:model-value", lambda event: self._set(knob.key, event.args), throttle=WAIT)
-            number.on("change", lambda: self._set(knob.key, number.value))
+                _row(knob, partial(self._set, knob.key))
 
     def _making(self) -> None:
         with ui.row().classes("gap-2"):
@@ -116,66 +121,57 @@ class _Page:
         with ui.row().classes("items-center gap-2 w-full"):
             self._run_button = ui.button("Run in MuJoCo", on_click=self._run).props("dense").mark("run")
             self._progress = ui.linear_progress(value=0.0, show_value=False).classes("w-40")
-            self._outcome = ui.html("", sanitize=False).mark("outcome")
+            self._outcome = _html("outcome")
         self._progress.visible = False
 
-    def _shape(self, name: str) -> None:
+    def _reshape(self, event: Any) -> None:
         try:
-            self._base = override(self._design, SHAPES[name])
+            self._base = override(self._design, SHAPES[event.value])
         except CycloidError as error:
-            self._refuse(str(error))
+            self._refuse(error)
             return
         self._values = {}
         self._knobs()
         self._redraw()
 
-    def _set(self, key: str, value: Any) -> None:
-        if isinstance(value, (int, float)):
-            self._values[key] = value
-            self._redraw()
+    def _set(self, key: str, value: float) -> None:
+        self._values[key] = value
+        self._redraw()
 
-    def _turn(self, event: Any) -> None:
-        self._crank = math.radians(float(event.args))
-        self._draw()
+    def _turn(self, degrees: float) -> None:
+        self._crank = math.radians(degrees)
+        with suppress(CycloidError):  # its reason stands among the checks
+            self._draw()
 
     def _redraw(self) -> None:
         """Draw the design with the values of the sliders and say what breaks; have its figures solved."""
         try:
             self._design = turned(self._base, self._values)
             self._draw()
-            broken = failed(self._design)
+            errors = error_lines(self._design)
         except CycloidError as error:
-            self._refuse(str(error))
+            self._refuse(error)
             return
-        self._sound = not any(one.severity == "error" for one in broken)
-        self._checks.set_content(_told_checks(broken))
-        self._stale = True
-        if not self._working:
-            asyncio.get_running_loop().create_task(self._solve())
+        self._sound = not errors
+        if errors:
+            self._unsound(errors)
+        else:
+            self._solved.ask(self._design)
 
     def _draw(self) -> None:
         self._picture.set_content(mechanism_svg(self._design, self._crank))
+        self._picture.classes(remove="stale")
 
-    async def _solve(self) -> None:
-        """Solve the newest design until none is newer."""
-        self._working = True
-        while self._stale:
-            self._stale = False
-            if not self._sound:
-                self._figures.set_content("")
-                continue
-            content = ""
-            for make in (static_lines, life_lines):
-                content += await run.io_bound(_solved, make, self._design) or ""
-                if self._stale:
-                    break
-                self._figures.set_content(content)
-        self._working = False
-
-    def _refuse(self, text: str) -> None:
+    def _refuse(self, error: CycloidError) -> None:
         self._sound = False
-        self._checks.set_content(_row("not allowed", escape(text)))
-        self._figures.set_content("")
+        self._picture.classes(add="stale")
+        self._unsound(refused(error))
+
+    def _unsound(self, reasons: tuple[Line, ...]) -> None:
+        self._solved.drop()
+        self._statics.set_content("")
+        self._life.set_content("")
+        self._checks.set_content(_told(reasons))
 
     async def _give(self, button: ui.button, make: Callable[[Design], dict[str, bytes]]) -> None:
         button.disable()
@@ -199,7 +195,7 @@ class _Page:
         try:
             page = await run.io_bound(self._runner.run, self._design)
         except CycloidError as error:
-            self._outcome.set_content(_row("failed", escape(str(error))))
+            self._outcome.set_content(_told((Line("failed", str(error)),)))
         else:
             number = str(len(self._reports) + 1)
             self._reports[number] = page or ""
@@ -210,20 +206,32 @@ class _Page:
             self._run_button.enable()
 
 
-def _solved(make: Callable[[Design], tuple[Line, ...]], design: Design) -> str:
-    """Give figures as rows of a table, or why there are none."""
-    try:
-        lines = make(design)
-    except CycloidError as error:
-        return _row("no figures", escape(str(error)))
-    return "".join(_row(line.name, f'<b title="{escape(line.note)}">{escape(line.value)}</b>') for line in lines)
+def _row(knob: Knob, changed: Callable[[float], None]) -> None:
+    """Put a slider between its label and its value, which can be typed as well."""
+    with ui.element("div").classes("knob"):
+        ui.label(knob.label)
+        slider = _Slider(min=knob.low, max=knob.high, step=knob.step, value=knob.value).mark(knob.key)
+        number = ui.number(value=knob.value, step=knob.step, format="%.6g").props("dense borderless")
+        for one in (slider, number):
+            one.props["aria-label"] = knob.label
+        slider.on_value_change(lambda event: number.set_value(event.value))
+        slider.on_value_change(lambda event: changed(event.value))
+        # what is typed counts when it is whole
+        number.on("change", lambda: slider.set_value(slider.value if number.value is None else number.value))
 
 
-def _told_checks(broken: tuple[Check, ...]) -> str:
-    if not broken:
-        return _row("checks", "all hold")
-    return "".join(_row(f"{one.severity}: {one.name}", escape(str(one).partition(": ")[2])) for one in broken)
+def _html(name: str) -> ui.html:
+    """Put an element that shows what it is given; its class is its name."""
+    return ui.html("", sanitize=False).classes(f"w-full {name}").mark(name)
 
 
-def _row(name: str, text: str) -> str:
-    return f"<div class=told><span>{name}</span><span>{text}</span></div>"
+def _tell(element: ui.html, lines: tuple[Line, ...]) -> None:
+    element.set_content(_told(lines))
+
+
+def _told(lines: tuple[Line, ...]) -> str:
+    return "".join(
+        f"<div class=told><span>{escape(line.name)}</span>"
+        f'<span title="{escape(line.note)}">{escape(line.value)}</span></div>'
+        for line in lines
+    )

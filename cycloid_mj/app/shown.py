@@ -1,11 +1,16 @@
 """What the page says of a design: its failed checks, and its figures by statics and rating."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import islice
 
-from cycloid_mj.checks import Check, check
+from cycloid_mj.checks import Check, check, soundness
 from cycloid_mj.design import Design
-from cycloid_mj.loaded.sheet import sheet
+from cycloid_mj.errors import CycloidError
+from cycloid_mj.loaded.sheet import glance
 from cycloid_mj.rating import Item, rate
+from cycloid_mj.rating.duty import steady
+from cycloid_mj.rating.rated import is_bearing_life
 from cycloid_mj.result import Quantity
 
 KEYS = {
@@ -24,9 +29,6 @@ KEYS = {
 }
 """Keys of the data sheet -> short names, in their order on the page."""
 
-CAM = "cam_bearing"
-"""Key of the item that stands beside the weakest."""
-
 
 @dataclass(frozen=True)
 class Line:
@@ -37,38 +39,48 @@ class Line:
     note: str = ""
 
 
-def failed(design: Design) -> tuple[Check, ...]:
-    """Give the checks that do not hold, errors before warnings."""
-    found = [one for one in check(design) if not one.passed]
-    return tuple(sorted(found, key=lambda one: one.severity != "error"))
+def refused(error: CycloidError) -> tuple[Line, ...]:
+    """Give what stands in the place of figures and checks that an error leaves nothing of."""
+    return (Line("not possible", str(error)),)
+
+
+def error_lines(design: Design) -> tuple[Line, ...]:
+    """Give the reasons for which a design cannot be built; none of a sound one."""
+    return _broken(one for one in soundness(design) if one.severity == "error")
+
+
+def check_lines(design: Design) -> tuple[Line, ...]:
+    """Give the checks that do not hold, errors before warnings, or that all do."""
+    ordered = sorted(check(design), key=lambda one: one.severity != "error")
+    return _broken(ordered) or (Line("checks", "all hold"),)
 
 
 def static_lines(design: Design) -> tuple[Line, ...]:
-    """Give the figures of a sound design by statics, at its load.
-
-    Raises
-    ------
-    CycloidError
-        As `sheet`.
-    """
-    found = sheet(design, design.load.torque or None)
+    """Give the figures of a sound design by statics, at its load, or why there are none."""
+    try:
+        found = glance(design, design.load.torque or None)
+    except CycloidError as error:
+        return (Line("no figures by statics", str(error)),)
     quantities = [found.quantities[key] for key in KEYS if key in found.quantities]
     head = Line("by statics, at", found.condition)
-    return (head, *(Line(KEYS[one.key], _written(one), found.condition) for one in quantities))
+    return (head, *(Line(KEYS[one.key], _written(one), one.note or found.condition) for one in quantities))
 
 
 def life_lines(design: Design) -> tuple[Line, ...]:
-    """Give the weakest item of a sound design and the life of its cam's bearing.
+    """Give the weakest item of a sound design at its load and its shortest-lived bearing, or why there are none."""
+    try:
+        rating = rate(design, steady(design.load.torque or design.rated_torque, design.drive.speed))
+    except CycloidError as error:
+        return (Line("no rating", str(error)),)
+    named = {f"weakest: {rating.weakest.name}": rating.weakest}
+    bearings = (item for key, item in rating.items.items() if is_bearing_life(key))
+    named |= {item.name: item for item in islice(bearings, 1)}
+    head = Line("by rating, at", rating.duty)
+    return (head, *(Line(name, _verdict(item), item.source) for name, item in named.items()))
 
-    Raises
-    ------
-    CycloidError
-        As `rate`.
-    """
-    rating = rate(design)
-    weakest, cam = rating.weakest, rating.items[CAM]
-    lines = [Line("by rating, at", rating.duty), Line(f"weakest: {weakest.name}", _verdict(weakest), weakest.source)]
-    return (*lines, Line(cam.name, _verdict(cam), cam.source)) if weakest.key != CAM else tuple(lines)
+
+def _broken(checks: Iterable[Check]) -> tuple[Line, ...]:
+    return tuple(Line(f"{one.severity}: {one.name}", str(one).partition(": ")[2]) for one in checks if not one.passed)
 
 
 def _verdict(one: Item) -> str:

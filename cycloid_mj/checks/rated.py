@@ -48,7 +48,7 @@ class Rated:
     def torque_at(self, kind: str, pressure: float) -> float:
         """Give the torque on the output at which a kind of contact has a peak pressure [Pa]; NaN if none is found."""
         try:
-            return abs(torque_at_pressure(self.design, self.springs, kind, pressure, self.torque))
+            return abs(torque_at_pressure(self.design, self.springs, kind, pressure, self.torque, self.found))
         except RunError:
             return math.nan
 

@@ -29,10 +29,19 @@ def peak_pressure(design: Design, springs: Springs, found: Loads, kind: str) -> 
     return float(hertz_pressure(design, kind, forces(found, kind) * line_share(design, kind), curvature).max())
 
 
-def torque_at_pressure(design: Design, springs: Springs, kind: str, pressure: float, torque: float) -> float:
+def torque_at_pressure(
+    design: Design,
+    springs: Springs,
+    kind: str,
+    pressure: float,
+    torque: float,
+    found: Loads | None = None,
+    follow: bool = False,
+) -> float:
     """Give the torque on the output at which a kind of contact has a peak pressure [Pa], to a thousandth [N m].
 
-    `torque` [N m] is the first guess, not 0; better ones follow, as if the pressure rose with its square root.
+    `torque` [N m] is the first guess, not 0, and `found` what it loads, if that is known; better guesses follow, as if
+    the pressure rose with the square root of the torque. `follow` is that of `loads`.
 
     Raises
     ------
@@ -40,8 +49,9 @@ def torque_at_pressure(design: Design, springs: Springs, kind: str, pressure: fl
         No balance was found at a guess.
     """
     for _ in range(GUESSES):
-        factor = (pressure / peak_pressure(design, springs, loads(design, springs, torque), kind)) ** 2
-        torque *= factor
+        found = found or loads(design, springs, torque, follow)
+        factor = (pressure / peak_pressure(design, springs, found, kind)) ** 2
+        torque, found = factor * torque, None
         if abs(factor - 1.0) < TOLERANCE:
             break
     return torque

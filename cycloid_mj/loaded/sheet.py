@@ -1,7 +1,7 @@
 """What a maker's data sheet has of a reducer, by statics alone, under the keys of the measures."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,11 +24,19 @@ from cycloid_mj.structure import structure_told, twisting_compliance
 from cycloid_mj.types import Array
 from cycloid_mj.units import ARCMINUTE, ARCSECOND, RPM
 
+Part = Callable[[Design, float], Iterator[Quantity]]
+"""What makes some figures of a design under a load [N m]."""
+
 SMALL = 1e-4
 """Torque that presses the parts to their stops, as a share of the load; a line through twice that leads to zero."""
 
 DRAG = 0.01
 """Torque of the unloaded transmission error as a share of the rated one, as in `measure te`."""
+
+CASES = {"unloaded": DRAG, "loaded": 1.0}
+"""Shares of the load under which the transmission error is solved."""
+
+WAYS = {"forward": 1.0, "reverse": -1.0}
 
 PER_MESH_PERIOD = 8
 """Crank angles in a mesh period over which the transmission error is solved."""
@@ -52,6 +60,12 @@ PARTS = {
     "shaft": "the twisted crank",
     "housing": "the twisted housing",
 }
+
+LIMITS = (
+    ("capacity", "capacity: torque at which a contact first yields, below its surface", YIELD_PRESSURE),
+    ("capacity_shakedown", "shakedown: torque up to which rolling turns elastic again", SHAKEDOWN_PRESSURE),
+)
+"""Key and name of torques that bring a contact to a pressure, over its strength in tension."""
 
 POSES_OF_SEVERAL = 241
 """Crank angles for the forces of several discs: of few output pins, too, peaks are within 0.1 % of the turn's."""
@@ -124,8 +138,21 @@ def sheet(design: Design, load: float | None = None) -> Sheet:
     RunError
         No static balance was found, as where friction jams the reducer.
     """
+    return _sheet(design, load, PARTS_OF_SHEET.values())
+
+
+def glance(design: Design, load: float | None = None) -> Sheet:
+    """Give the figures of `sheet` that a designer watches, in less than half of the time; errors as there.
+
+    They are the motions, the transmission error forward under the load, the loads up to first yield, and the
+    efficiency.
+    """
+    return _sheet(design, load, (_motions, _loaded_error, _loads_and_yield, _efficiency))
+
+
+def _sheet(design: Design, load: float | None, parts: Iterable[Part]) -> Sheet:
     design, load = _under(design, load)
-    quantities = keyed(*(part(design, load) for part in PARTS_OF_SHEET.values()))
+    quantities = keyed(*(part(design, load) for part in parts))
     return Sheet(
         design=design.name,
         condition=f"{load:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm, at rest but for the gear's own force",
@@ -159,16 +186,17 @@ def known_difference(one: Quantity) -> float | None:
 def _motions(design: Design, load: float) -> Iterator[Quantity]:
     """Give backlash, lost motion and stiffness at a locked crank, without friction and weight."""
     still = design.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
-    springs = springs_of(still, friction=False)
+    evenly = np.sort(turn_evenly())
+    springs = springs_of(still, turns_of_crank(design, evenly), friction=False)
     ends = []
     for way in (-1.0, 1.0):
-        near, far = (loads(still, springs, way * times * SMALL * load).output_turn for times in (1.0, 2.0))
+        near, far = (loads(still, springs, way * times * SMALL * load, follow=True).output_turn for times in (1.0, 2.0))
         ends.append(2.0 * near - far)
     width = (ends[1] - ends[0]) / ARCMINUTE
     yield Quantity("backlash", "backlash of the output, mean", float(width.mean()), "arcmin")
     yield Quantity("backlash_min", "backlash, least over the crank angle", float(width.min()), "arcmin")
     yield Quantity("backlash_max", "backlash, largest over the crank angle", float(width.max()), "arcmin")
-    found = windups(design, turn_evenly(), load)
+    found = windups(design, evenly, load, follow=True)
     ideal = "without friction and weight"
     lost = float(np.mean([one.lost_motion for one in found])) / ARCMINUTE
     yield Quantity("lost_motion_ideal", f"lost motion at +-3 % of the load, {ideal}", lost, "arcmin")
@@ -177,7 +205,7 @@ def _motions(design: Design, load: float) -> Iterator[Quantity]:
     give = {part: float(np.mean([one.series(design)[part] for one in found])) / ARCMINUTE for part in SERIES}
     if design.structure == "springs":
         rigid = design.but(structure="rigid")
-        bare = windups(rigid, turn_evenly(), load)
+        bare = windups(rigid, evenly, load, follow=True)
         name = f"torsional stiffness of the contacts alone, 50 to 100 % of the load, {ideal}"
         yield Quantity("stiffness_contacts", name, _stiffness(bare), "N m/arcmin")
         twisted = {part: one / ARCMINUTE for part, one in twisting_compliance(design).items()}
@@ -195,20 +223,12 @@ def _stiffness(found: Sequence[Windup]) -> float:
 
 def _errors(design: Design, load: float) -> Iterator[Quantity]:
     """Give the transmission errors, loaded and unloaded, both ways, with friction."""
-    crank = np.linspace(0.0, 2.0 * np.pi, PER_MESH_PERIOD * design.mesh_periods + 1)
     mean: dict[tuple[str, str, str], float] = {}
-    for case, torque in (("unloaded", DRAG * load), ("loaded", load)):
-        for way, sign in (("forward", 1.0), ("reverse", -1.0)):
-            turning = design.but(drive={"speed": sign * abs(design.drive.speed)})
-            found = loads(turning, springs_of(turning, crank), sign * torque, follow=True)
-            for shaft, turn in (("gear", found.gear_turn), ("output", found.output_turn)):
-                mean[shaft, case, way] = float(turn.mean()) / ARCSECOND
-                for key, words, value in (
-                    ("peak_to_peak", "peak to peak", np.ptp(turn)),
-                    ("rms", "rms about its mean", turn.std()),
-                ):
-                    name = f"transmission error, {words}, {shaft}, {case}, {way}"
-                    yield Quantity(f"{shaft}_{key}_{case}_{way}_speed", name, float(value) / ARCSECOND, "arcsec")
+    for case in CASES:
+        for way in WAYS:
+            turns = _turns(design, load, case, way)
+            mean |= {(shaft, case, way): float(turn.mean()) / ARCSECOND for shaft, turn in turns.items()}
+            yield from _widths(turns, case, way)
     for shaft in ("gear", "output"):
         reversal = mean[shaft, "unloaded", "forward"] - mean[shaft, "unloaded", "reverse"]
         yield Quantity(f"{shaft}_reversal", f"mean of the {shaft}, forward less reverse, unloaded", reversal, "arcsec")
@@ -216,11 +236,35 @@ def _errors(design: Design, load: float) -> Iterator[Quantity]:
         yield Quantity(f"{shaft}_wind_up", f"mean of the {shaft}, loaded less unloaded, forward", wound, "arcsec")
 
 
-def _loads(design: Design, load: float) -> Iterator[Quantity]:
-    """Give forces, pressures and margins by kind, and the capacity."""
+def _loaded_error(design: Design, load: float) -> Iterator[Quantity]:
+    """Give the transmission error forward under the load alone."""
+    return _widths(_turns(design, load, "loaded", "forward"), "loaded", "forward")
+
+
+def _turns(design: Design, load: float, case: str, way: str) -> dict[str, Array]:
+    """Give the turns of gear and output from their ideal angles [rad] in one of `CASES` and one of `WAYS`."""
+    crank, sign = np.linspace(0.0, 2.0 * np.pi, PER_MESH_PERIOD * design.mesh_periods + 1), WAYS[way]
+    turning = design.but(drive={"speed": sign * abs(design.drive.speed)})
+    found = loads(turning, springs_of(turning, crank), sign * CASES[case] * load, follow=True)
+    return {"gear": found.gear_turn, "output": found.output_turn}
+
+
+def _widths(turns: Mapping[str, Array], case: str, way: str) -> Iterator[Quantity]:
+    """Give how far turns spread."""
+    for shaft, turn in turns.items():
+        for key, words, value in (
+            ("peak_to_peak", "peak to peak", np.ptp(turn)),
+            ("rms", "rms about its mean", turn.std()),
+        ):
+            name = f"transmission error, {words}, {shaft}, {case}, {way}"
+            yield Quantity(f"{shaft}_{key}_{case}_{way}_speed", name, float(value) / ARCSECOND, "arcsec")
+
+
+def _loads(design: Design, load: float, limits: int = len(LIMITS)) -> Iterator[Quantity]:
+    """Give forces, pressures and margins by kind, and the torques at the first of `LIMITS`."""
     torque = math.copysign(load, design.drive.speed)
     springs = springs_of(design, _angles(design))
-    found = loads(design, springs, torque)
+    found = loads(design, springs, torque, follow=True)
     spare = {
         kind: pair_strength(design, kind) / peak_pressure(design, springs, found, kind)
         for kind in design.pair_kinds
@@ -231,22 +275,24 @@ def _loads(design: Design, load: float) -> Iterator[Quantity]:
         yield from _of_kind(springs, found, kind, design, spare.get(kind, math.nan))
     if found.discs > 1:
         yield from reaction_quantities(reactions(design, springs, found))
-    for key, name, allowed in (
-        ("capacity", "capacity: torque at which a contact first yields, below its surface", YIELD_PRESSURE),
-        ("capacity_shakedown", "shakedown: torque up to which rolling turns elastic again", SHAKEDOWN_PRESSURE),
-    ):
+    for key, name, allowed in LIMITS[:limits]:
         if not spare:
             yield Quantity(key, name, math.nan, "N m", note="none: no contact is narrow enough for Hertz")
             continue
         weakest = min(spare, key=lambda kind: spare[kind])
         pressure = allowed * pair_strength(design, weakest)
-        reached = abs(torque_at_pressure(design, springs, weakest, pressure, torque))
+        reached = abs(torque_at_pressure(design, springs, weakest, pressure, torque, found, follow=True))
         yield Quantity(key, name, reached, "N m", note=f"{weakest} decides")
 
 
+def _loads_and_yield(design: Design, load: float) -> Iterator[Quantity]:
+    """Give the loads, and the torque at the first of `LIMITS` alone."""
+    return _loads(design, load, limits=1)
+
+
 def _angles(design: Design) -> Array:
-    """Give the crank angles for forces [rad]."""
-    return turns_of_crank(design, turn_evenly(POSES if design.gear.discs == 1 else POSES_OF_SEVERAL))
+    """Give the crank angles for forces [rad], which follow each other."""
+    return turns_of_crank(design, np.sort(turn_evenly(POSES if design.gear.discs == 1 else POSES_OF_SEVERAL)))
 
 
 def disc_shares(share: Array) -> Iterator[Quantity]:
@@ -278,6 +324,18 @@ def _mean(values: Array) -> float:
 
 def _losses(design: Design, load: float) -> Iterator[Quantity]:
     """Give efficiency and losses, and those of the reducer driven by its output."""
+    yield from _efficiency(design, load)
+    back, held = driven(design, load)
+    against = f"against {load / design.reduction:.4g} N m on the crank"
+    locked = SELF_LOCKING if math.isnan(held) else ""
+    yield Quantity("back_driving_torque_rated", f"output torque that drives {against}", held, "N m", note=locked)
+    yield Quantity(
+        "back_driving_efficiency", f"efficiency of back-driving, {against}", 100.0 * back.efficiency, "%", note=locked
+    )
+
+
+def _efficiency(design: Design, load: float) -> Iterator[Quantity]:
+    """Give efficiency and losses of the reducer driven by its crank."""
     found = powers(design, load)
     yield Quantity("efficiency", f"efficiency at {load:.4g} N m", 100.0 * found.efficiency, "%")
     for kind, part in {design.tooth_pair: "teeth", "cam": "cam", "output": "output"}.items():
@@ -286,13 +344,6 @@ def _losses(design: Design, load: float) -> Iterator[Quantity]:
     yield Quantity("seals_power", "drag of seals and lubricant", found.losses["seals"], "W")
     yield Quantity("input_power", "input power", found.supplied, "W")
     yield Quantity("output_power", "output power", found.supplied * found.efficiency, "W")
-    back, held = driven(design, load)
-    against = f"against {load / design.reduction:.4g} N m on the crank"
-    locked = SELF_LOCKING if math.isnan(held) else ""
-    yield Quantity("back_driving_torque_rated", f"output torque that drives {against}", held, "N m", note=locked)
-    yield Quantity(
-        "back_driving_efficiency", f"efficiency of back-driving, {against}", 100.0 * back.efficiency, "%", note=locked
-    )
 
 
 def driven(design: Design, load: float) -> tuple[Powers, float]:
@@ -310,7 +361,7 @@ def driven(design: Design, load: float) -> tuple[Powers, float]:
     return found, torque
 
 
-PARTS_OF_SHEET = {"motions": _motions, "errors": _errors, "loads": _loads, "losses": _losses}
+PARTS_OF_SHEET: Mapping[str, Part] = {"motions": _motions, "errors": _errors, "loads": _loads, "losses": _losses}
 """What makes the figures of a sheet, by name."""
 
 

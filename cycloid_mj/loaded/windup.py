@@ -73,8 +73,10 @@ def in_series(design: Design, turn: float, gear_turn: float, centre_lead: float)
     return {part: of * seen for part, seen in (("output", carrier - gear), ("cam", cam), ("mesh", gear - cam))}
 
 
-def windups(design: Design, cranks: Sequence[float] | Array, rated: float) -> list[Windup]:
+def windups(design: Design, cranks: Sequence[float] | Array, rated: float, follow: bool = False) -> list[Windup]:
     """Solve for the static poses at crank angles [rad] under shares of a rated torque [N m] on the output.
+
+    `follow` is that of `loads`: angles that follow each other take half of the time.
 
     Raises
     ------
@@ -83,7 +85,7 @@ def windups(design: Design, cranks: Sequence[float] | Array, rated: float) -> li
     """
     still = design.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
     springs = springs_of(still, cranks, friction=False)
-    found = {side * share: loads(still, springs, side * share * rated) for side in (-1, 1) for share in SHARES}
+    found = {side * share: loads(still, springs, side * share * rated, follow) for side in (-1, 1) for share in SHARES}
     ahead = springs.crank[:, np.newaxis] + np.array(phases(design))
     along = -np.stack([np.cos(ahead), np.sin(ahead)], axis=-1)
 

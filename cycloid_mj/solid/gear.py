@@ -62,7 +62,7 @@ def gear_outline(design: Design, chord_error: float) -> Array:
     teeth, offset, rotation = gear_profile(design), profile_offset(design), design.modification.rotation
     if rotation:
         return sample_turned(teeth, chord_error, offset, rotation)
-    return profile.sample_by_sagitta(teeth, chord_error, offset).points
+    return profile.outline(teeth, profile.sagitta_parameters(teeth, chord_error, offset), offset)
 
 
 def _require_room(design: Design) -> None:

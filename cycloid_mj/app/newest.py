@@ -1,0 +1,45 @@
+"""What is shown of the newest design alone: designs that come while an older one is solved replace each other."""
+
+import asyncio
+from collections.abc import Callable, Mapping
+
+from nicegui import background_tasks
+
+from cycloid_mj.app.shown import Line
+from cycloid_mj.app.workers import Work, Workers
+from cycloid_mj.design import Design
+
+
+class Newest:
+    """Has works done on the newest design it is asked for, and shows what they give."""
+
+    def __init__(self, workers: Workers, shown: Mapping[Work, Callable[[tuple[Line, ...]], None]]) -> None:
+        """Take what shows the lines of each work; the longest works should come first."""
+        self._workers, self._shown = workers, shown
+        self._asked: Design | None = None
+        self._round, self._busy = 0, False
+
+    def ask(self, design: Design) -> None:
+        """Have a design solved as soon as the one before it is done."""
+        self._asked = design
+        if not self._busy:
+            self._busy = True
+            background_tasks.create(self._solve())
+
+    def drop(self) -> None:
+        """Show nothing of what was asked for so far."""
+        self._asked = None
+        self._round += 1
+
+    async def _solve(self) -> None:
+        try:
+            while design := self._asked:
+                self._asked = None
+                await asyncio.gather(*(self._one(work, design, self._round) for work in self._shown))
+        finally:
+            self._busy = False
+
+    async def _one(self, work: Work, design: Design, asked_in: int) -> None:
+        lines = await self._workers.do(work, design)
+        if asked_in == self._round:
+            self._shown[work](lines)

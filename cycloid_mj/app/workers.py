@@ -1,0 +1,61 @@
+"""Processes beside the page's own that check and solve: it redraws at once whatever they are busy with."""
+
+import asyncio
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+
+from cycloid_mj.app.shown import Line
+from cycloid_mj.design import PRESETS, Design
+
+Work = Callable[[Design], tuple[Line, ...]]
+
+COUNT = 2
+"""Processes: two share what a page shows of a design about evenly."""
+
+
+class Workers:
+    """A few processes, which all windows share. They end with this one, however it ends."""
+
+    def __init__(self, works: Sequence[Work]) -> None:
+        """Start them, each of which does the `works` once, for their code to be loaded when somebody waits."""
+        self._works = tuple(works)
+        self._pool = self._started()
+
+    async def do(self, work: Work, design: Design) -> tuple[Line, ...]:
+        """Give what a work makes of a design; if a process has died, as for want of memory, with new ones."""
+        loop = asyncio.get_running_loop()
+        try:
+            return await loop.run_in_executor(self._pool, work, design)
+        except BrokenProcessPool:
+            self._pool = self._started()
+            return await loop.run_in_executor(self._pool, work, design)
+
+    def close(self) -> None:
+        """End them as soon as they are done with what they have."""
+        self._pool.shutdown(wait=False, cancel_futures=True)
+
+    def _started(self) -> ProcessPoolExecutor:
+        pool = ProcessPoolExecutor(COUNT, multiprocessing.get_context("spawn"), _prepare, (self._works,))
+        for _ in range(COUNT):
+            pool.submit(os.getpid)
+        return pool
+
+
+def _prepare(works: Sequence[Work]) -> None:
+    """Leave Ctrl-C to the page's process, end with it, and load what the works need."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    for work in works:
+        work(PRESETS["pin"])
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent:
+        parent.join()
+        os._exit(1)
