@@ -58,4 +58,4 @@ def _end_with_parent() -> None:
     parent = multiprocessing.parent_process()
     if parent:
         parent.join()
-        os._exit(1)
+        os.kill(os.getpid(), signal.SIGTERM)
