@@ -158,15 +158,10 @@ class Output(Section):
     hole_radius: float = quantity(
         5.0, "radius of a hole without its clearance: output pin + eccentricity", u.MILLIMETRE, ge=0.001, le=5000.0
     )
-    rollers: bool = switch(
-        True,
-        "true: the output pins carry rollers, parts of their own where core_radius is given; false: they slide in "
-        "their holes",
-    )
+    rollers: bool = switch(True, "true: the output pins carry rollers; false: they slide in their holes")
     core_radius: float = quantity(
         0.0,
-        "radius of the core pin under a roller; 0: three quarters of pin_radius, and pin and roller are drawn and "
-        "weighed as one solid pin (as without rollers)",
+        "radius of the core pin under a roller; 0: three quarters of pin_radius (without rollers the pin is solid)",
         u.MILLIMETRE,
         ge=0.0,
         le=5000.0,
@@ -187,7 +182,10 @@ class Output(Section):
 
     @property
     def has_roller_parts(self) -> bool:
-        """Whether the rollers are parts of their own: where the core pins that they turn on are given."""
+        """Whether the rollers are parts of their own: where the core pins that they turn on are given.
+
+        Where they are not, pin and roller are drawn and weighed as one cylinder of ``pin_radius``.
+        """
         return self.rollers and self.core_radius > 0.0
 
     @property
