@@ -98,6 +98,7 @@ def test_wrong_wishes_are_refused(given: str, message: str) -> None:
 
 def test_the_command_has_the_same_words(tmp_path: Path) -> None:
     words = ["sweep", "--vary", "gear.eccentricity_mm=0.8,1", "--follow", "output.hole_radius_mm", "--measure", "mass"]
+    words += ["--set", "gear.face_width_mm=9"]  # without --design: of the preset pin
     assert main([*words, "--workers", "1", "--out", str(tmp_path), "--quiet"]) == 0
     with (tmp_path / "sweep.csv").open(encoding="utf-8") as stream:
         assert [row["output.hole_radius_mm"] for row in csv.DictReader(stream)] == ["4.8", "5.0"]

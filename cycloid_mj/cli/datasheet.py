@@ -4,7 +4,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import FLAT, PRESET, DesignOptions, JsonFlag
+from cycloid_mj.cli.flags import FLAT, PRESET, JsonFlag, PresetOptions
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import say, say_json
 from cycloid_mj.errors import UsageError
@@ -24,7 +24,7 @@ EXAMPLES = """Examples:
 
 def datasheet(
     *,
-    chosen: Annotated[DesignOptions, FLAT] = PRESET,
+    chosen: Annotated[PresetOptions, FLAT] = PRESET,
     out: OutFlag = RUNS,
     life_h: LifeFlag = 6000.0,
     json: JsonFlag = False,

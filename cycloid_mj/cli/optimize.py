@@ -10,10 +10,10 @@ from cycloid_mj.cli.flags import (
     FLAT,
     HERE,
     PRESET,
-    DesignOptions,
     EngineOptions,
     FollowFlag,
     JsonFlag,
+    PresetOptions,
     QuietFlag,
     whole,
     within,
@@ -27,6 +27,9 @@ if TYPE_CHECKING:
     from cycloid_mj.explore.optimum import Optimum
 
 OUT = "runs/optimize"
+SEARCHED = (
+    "Every point whose figures are known: over the evaluations or over the other objective; below, over each key."
+)
 MOST_EVALUATIONS, MOST_STARTS = 1_000_000, 1000
 
 VaryFlag = Annotated[
@@ -80,7 +83,7 @@ EXAMPLES = """Examples:
 
 def optimize(
     *,
-    chosen: Annotated[DesignOptions, FLAT] = PRESET,
+    chosen: Annotated[PresetOptions, FLAT] = PRESET,
     vary: VaryFlag = (),
     minimize: MinimizeFlag = (),
     maximize: MaximizeFlag = (),
@@ -189,8 +192,8 @@ def _page(found: "Optimum") -> str:
     numbers |= {key: f"{value:.5g}" for key, value in found.best_figures.items()}
     parts = [
         Part("The best design", tables=[values, figures]),
-        Part("The search", figures={found.words: tradeoff_figure(found)}),
-        *(Part(table.title.capitalize(), tables=[table]) for table in rest),
+        Part("The search", figures={SEARCHED: tradeoff_figure(found)}),
+        *(Part(table.title[:1].upper() + table.title[1:], tables=[table]) for table in rest),
         Part("What the numbers stand on", notes=found.notes),
     ]
     return study_page(f"cycloid_mj: {found.task.design.name} optimised", [found.words], numbers, parts)

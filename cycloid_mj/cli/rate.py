@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import FLAT, LOAD, PRESET, SPEED, DesignOptions, JsonFlag
+from cycloid_mj.cli.flags import FLAT, LOAD, PRESET, SPEED, JsonFlag, PresetOptions
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import say, say_json, say_table
 from cycloid_mj.design import Design
@@ -54,7 +54,7 @@ EXAMPLES = """Examples:
 
 def rate(
     *,
-    chosen: Annotated[DesignOptions, FLAT] = PRESET,
+    chosen: Annotated[PresetOptions, FLAT] = PRESET,
     load_nm: LoadFlag = None,
     speed_rpm: SpeedFlag = None,
     duty: DutyFlag = None,

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import FLAT, PRESET, DesignOptions
+from cycloid_mj.cli.flags import FLAT, PRESET, PresetOptions
 from cycloid_mj.cli.terminal import tell
 from cycloid_mj.errors import CycloidError, UsageError
 
@@ -20,7 +20,7 @@ BrowserFlag = Annotated[bool, Parameter(name="--no-browser", help="Do not open t
 
 
 def app(
-    *, chosen: Annotated[DesignOptions, FLAT] = PRESET, port: PortFlag = PORT, no_browser: BrowserFlag = False
+    *, chosen: Annotated[PresetOptions, FLAT] = PRESET, port: PortFlag = PORT, no_browser: BrowserFlag = False
 ) -> int:
     """Open a page with a design under sliders: redrawn, checked and solved as they move.
 

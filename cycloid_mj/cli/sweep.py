@@ -10,10 +10,10 @@ from cycloid_mj.cli.flags import (
     FLAT,
     HERE,
     PRESET,
-    DesignOptions,
     EngineOptions,
     FollowFlag,
     JsonFlag,
+    PresetOptions,
     QuietFlag,
     within,
 )
@@ -93,7 +93,7 @@ OutFlag = Annotated[
 
 def sweep(
     *,
-    chosen: Annotated[DesignOptions, FLAT] = PRESET,
+    chosen: Annotated[PresetOptions, FLAT] = PRESET,
     vary: VaryFlag = (),
     table: TableFlag = None,
     sample: SampleFlag = None,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import FLAT, HERE, PRESET, DesignOptions, EngineOptions, JsonFlag, QuietFlag, whole
+from cycloid_mj.cli.flags import FLAT, HERE, PRESET, EngineOptions, JsonFlag, PresetOptions, QuietFlag, whole
 from cycloid_mj.cli.terminal import finite, say, say_json, show, tell
 from cycloid_mj.errors import UsageError
 from cycloid_mj.whole import write_whole
@@ -42,7 +42,7 @@ EXAMPLES = """Examples:
 
 def tolerance(
     *,
-    chosen: Annotated[DesignOptions, FLAT] = PRESET,
+    chosen: Annotated[PresetOptions, FLAT] = PRESET,
     samples: SamplesFlag = 10_000,
     seed: SeedFlag = 0,
     limit: LimitFlag = (),

@@ -44,11 +44,12 @@ def tradeoff_figure(found: Optimum) -> Figure:
         y = np.asarray(columns[objectives[0].key], dtype=float)
         _scatter(first, found, np.asarray(columns["evaluation"], dtype=float), y)
         first.set(xlabel="evaluation", ylabel=objectives[0].key)
-    legend_above(first, *LOOKS)
+    breaks = len(found.feasible) < np.isfinite(y).sum()
+    legend_above(first, *(look for look in LOOKS if breaks or look is not LOOKS[1]))
     for place, one in enumerate(varied):
         axes = figure.add_subplot(grid[1 + place // 3, place % 3])
         _scatter(axes, found, np.asarray(columns[one.key], dtype=float), np.asarray(columns[objectives[0].key], float))
-        axes.set_xlabel(one.key)
+        axes.set(xlabel=one.key, ylabel="" if place % 3 else objectives[0].key)
     state(figure, found.words)
     return figure
 

@@ -47,12 +47,14 @@ def _varied(found: Sweep) -> Table:
         else:
             told = ", ".join(map(str, values))
         rows.append((key, told))
+    rows += [(one.key, f"follows: {one.words}") for one in found.task.followers]
     return Table("varied", ("key of the design file", "values"), tuple(rows))
 
 
 def _rows(found: Sweep, quantities: Sequence[str]) -> Table:
     """Give the first points, with the quantities shown."""
-    names = ("point", *found.task.keys, *quantities, "error")
+    follows = (one.key for one in found.task.followers)
+    names = ("point", *found.task.keys, *follows, *quantities, "error")
     columns = [found[name][:MOST_ROWS].tolist() for name in names]
     cells = ((str(point), *map(_cell, rest)) for point, *rest in zip(*columns, strict=True))
     return Table("points", names, tuple(cells))
