@@ -1,6 +1,7 @@
 """The page itself, by NiceGUI: sliders, the mechanism, checks, figures, and what can be made of the design."""
 
 import math
+import sys
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
@@ -22,6 +23,9 @@ from cycloid_mj.errors import CycloidError
 
 CRANK = Knob("crank", "crank [deg]", 17.0, 0.0, 360.0, 1.0)
 """The slider that turns the mechanism and is no value of the design."""
+
+SWITCH = 1e-3
+"""Seconds after which a thread that runs a design or makes a file lets the page go on."""
 
 STYLE = """
 .page { display: grid; width: 100%; gap: 1rem 1.5rem; align-items: start }
@@ -60,6 +64,7 @@ def serve(design: Design, port: int, show: bool) -> None:
     def page() -> None:
         _Page(design, reports, workers)
 
+    sys.setswitchinterval(SWITCH)
     try:
         ui.run(
             host="127.0.0.1",
@@ -199,7 +204,9 @@ class _Page:
         else:
             number = str(len(self._reports) + 1)
             self._reports[number] = page or ""
-            self._outcome.set_content(f'<a href="/report/{number}" target="_blank">report of the run</a>')
+            self._outcome.set_content(
+                f'<a href="/report/{number}" target="_blank" class="text-primary underline">report of the run</a>'
+            )
         finally:
             watch.cancel()
             self._progress.visible = False
