@@ -3,7 +3,6 @@
 import math
 import sys
 from collections.abc import Callable
-from contextlib import suppress
 from functools import partial
 from html import escape
 from typing import Any
@@ -133,7 +132,7 @@ class _Page:
         try:
             self._base = override(self._design, SHAPES[event.value])
         except CycloidError as error:
-            self._refuse(error)
+            self._refuse(refused(error))
             return
         self._values = {}
         self._knobs()
@@ -145,34 +144,35 @@ class _Page:
 
     def _turn(self, degrees: float) -> None:
         self._crank = math.radians(degrees)
-        with suppress(CycloidError):  # its reason stands among the checks
-            self._draw()
+        self._draw()
 
     def _redraw(self) -> None:
         """Draw the design with the values of the sliders and say what breaks; have its figures solved."""
         try:
             self._design = turned(self._base, self._values)
-            self._draw()
-            errors = error_lines(self._design)
         except CycloidError as error:
-            self._refuse(error)
+            self._refuse(refused(error))
             return
-        self._sound = not errors
-        if errors:
-            self._unsound(errors)
+        undrawn, errors = self._draw(), error_lines(self._design)
+        if reasons := errors or undrawn:
+            self._refuse(reasons)
         else:
+            self._sound = True
             self._solved.ask(self._design)
 
-    def _draw(self) -> None:
-        self._picture.set_content(mechanism_svg(self._design, self._crank))
+    def _draw(self) -> tuple[Line, ...]:
+        """Draw the design, or give why it cannot be; what was drawn before then stays, but pale."""
+        try:
+            self._picture.set_content(mechanism_svg(self._design, self._crank))
+        except CycloidError as error:
+            self._picture.classes(add="stale")
+            return refused(error)
         self._picture.classes(remove="stale")
+        return ()
 
-    def _refuse(self, error: CycloidError) -> None:
+    def _refuse(self, reasons: tuple[Line, ...]) -> None:
+        """Say why there are no figures."""
         self._sound = False
-        self._picture.classes(add="stale")
-        self._unsound(refused(error))
-
-    def _unsound(self, reasons: tuple[Line, ...]) -> None:
         self._solved.drop()
         self._statics.set_content("")
         self._life.set_content("")
@@ -221,10 +221,16 @@ def _row(knob: Knob, changed: Callable[[float], None]) -> None:
         number = ui.number(value=knob.value, step=knob.step, format="%.6g").props("dense borderless")
         for one in (slider, number):
             one.props["aria-label"] = knob.label
-        slider.on_value_change(lambda event: number.set_value(event.value))
-        slider.on_value_change(lambda event: changed(event.value))
-        # what is typed counts when it is whole
-        number.on("change", lambda: slider.set_value(slider.value if number.value is None else number.value))
+
+    def typed() -> None:
+        if number.value is None:  # the box was emptied
+            number.set_value(slider.value)
+        else:
+            slider.set_value(number.value)
+
+    slider.on_value_change(lambda event: number.set_value(event.value))
+    slider.on_value_change(lambda event: changed(event.value))
+    number.on("change", typed)  # once what is typed is whole
 
 
 def _html(name: str) -> ui.html:

@@ -41,7 +41,7 @@ class Line:
 
 def refused(error: CycloidError) -> tuple[Line, ...]:
     """Give what stands in the place of figures and checks that an error leaves nothing of."""
-    return (Line("not possible", str(error)),)
+    return (Line("not possible", str(error).removeprefix("override: ")),)
 
 
 def error_lines(design: Design) -> tuple[Line, ...]:
