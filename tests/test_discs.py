@@ -17,7 +17,13 @@ from cycloid_mj.loaded.sheet import sheet
 from cycloid_mj.mechanism.reducer import are_one_part
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.solid.shaft import bearing_seats
-from cycloid_mj.structure import beam_flexibility, pin_flexibility, twisting_compliance
+from cycloid_mj.structure import (
+    beam_flexibility,
+    crank_flexibility,
+    pin_flexibility,
+    structure_told,
+    twisting_compliance,
+)
 
 PAIRS = ("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output")
 UNIFORM = {"stiffness_law": "uniform"}
@@ -305,6 +311,25 @@ def test_unlike_discs_share_as_an_independent_search_of_the_least_energy_finds(l
         np.testing.assert_allclose(found.share, 0.5, rtol=0.01)
     elif structure == "rigid":
         assert found.share[0, 0 if larger.startswith("[1") else 1] > 0.55
+
+
+def test_the_crank_bends_at_its_cams_as_handbooks_have_it() -> None:
+    """Overhung a^2 (l + a)/(3 E I), between its bearings a^2 b^2/(3 E I l), and Maxwell's symmetry; told in um."""
+    one, two = PRESETS["printed"], PRESETS["twodisc"]
+    stiff = {
+        design: design.material_of("shaft").youngs_modulus * np.pi * design.shaft.radius**4 / 4.0
+        for design in (one, two)
+    }
+    far, near = (0.5 * sum(seat) for seat in bearing_seats(one))
+    overhung = near**2 * -far / (3.0 * stiff[one])
+    assert crank_flexibility(one) == pytest.approx(np.array([[overhung]]), rel=1e-9)
+    assert f"{1e9 * overhung:.3g} um at a cam under 1 kN" in structure_told(one)
+    far, near = (0.5 * sum(seat) for seat in bearing_seats(two))
+    found, planes = crank_flexibility(two), np.array(two.gear.disc_planes)
+    between = ((planes - near) * (far - planes)) ** 2 / (3.0 * stiff[two] * (far - near))
+    assert found.diagonal() == pytest.approx(between, rel=1e-9)
+    assert found[0, 1] == pytest.approx(found[1, 0], rel=1e-12)
+    assert 0.0 < found[0, 1] < np.sqrt(between.prod())
 
 
 def test_samples_of_two_discs_are_the_statics_of_designs_made_so() -> None:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from designs import UNLIKE, design_file
 
 from cycloid_mj.cli import main
 from cycloid_mj.explore import tolerances
@@ -44,7 +45,6 @@ SLOW = (
     ("sweep", "--design", "{name}", "--vary", "clearance.cam_um=5,20", "--out", "sweep", "--workers", "1"),
     ("export", "--design", "{name}", "--format", "step", "--plate", "--out", "parts"),
     ("optimize", "--design", "{name}", *SEARCH, "--quick", "--workers", "1", "--out", "best"),
-    ("compare", "{name}", "--quick", "--ramp-s", "0", "--hold-s", "0.9", "--jobs", "1", "--out", "side"),
     ("stress", "--design", "{name}", "--quick", "--part", "output", "--out", "stress"),
     *(("measure", one, "--design", "{name}", "--quick") for one in MEASURES),
     ("measure", "torque", "{name}", "--quick"),
@@ -91,6 +91,32 @@ def test_a_long_command_takes_the_preset(
 @pytest.mark.parametrize("words", STATIC, ids=lambda words: "_".join(words[:2]))
 def test_a_static_command_takes_a_ring_that_turns(words: tuple[str, ...], call: Callable[..., str]) -> None:
     call((*words, "--set", "output.member=ring"), name="twodisc")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", UNLIKE)
+@pytest.mark.parametrize("words", STATIC, ids=lambda words: "_".join(words[:2]))
+def test_a_static_command_takes_other_designs(words: tuple[str, ...], name: str, call: Callable[..., str]) -> None:
+    call(words, name=str(design_file(name)))
+
+
+@pytest.mark.slow
+def test_two_logs_of_several_discs_are_compared(logs: dict[str, str], call: Callable[..., str]) -> None:
+    wide = (
+        "--set",
+        "name=wide",
+        "--set",
+        "clearance.cam_um=15",
+        "--ramp-s",
+        "0",
+        "--hold-s",
+        "0.03",
+        "--load-nm",
+        "10",
+    )
+    call(("simulate", "--design", "twodisc", *wide, "--out", "runs"))
+    found = call(("compare", "{log}", "runs/wide.mcap", "--out", "side"), log=logs["twodisc"])
+    assert "gear and q of gear 1" in " ".join(found.split())
 
 
 @pytest.mark.slow

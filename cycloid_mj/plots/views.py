@@ -88,7 +88,9 @@ def _pin_angle(design: Design) -> float:
 
 def _pins_told(design: Design) -> str:
     output, mm = design.output, MILLIMETRES
-    return f"{output.pins} output pins Ø{2 * mm * output.pin_radius:.4g}\non Ø{2 * mm * output.pin_circle_radius:.4g}"
+    core = f"Ø{2 * mm * output.core_radius:.4g}, rollers " if output.has_roller_parts else ""
+    round_ = f"{core}Ø{2 * mm * output.pin_radius:.4g}"
+    return f"{output.pins} output pins {round_}\non Ø{2 * mm * output.pin_circle_radius:.4g}"
 
 
 def _centres(design: Design) -> list[Array]:
