@@ -8,6 +8,7 @@ from pathlib import Path
 from urllib.parse import unquote
 
 import pytest
+from browser import CHROMIUM, DRIVER, MISSING, OVERHANG, UNDRAWN, browser, errors, show
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
@@ -64,6 +65,26 @@ def test_links_between_pages_lead_somewhere(site: dict[Path, _Links]) -> None:
             assert target.exists(), f"{page.name}: {link}"
             if anchor and target in site:
                 assert unquote(anchor) in site[target].anchors, f"{page.name}: {link}"
+
+
+@pytest.mark.skipif(not (CHROMIUM and DRIVER), reason=MISSING)
+def test_pages_fit_a_phone_and_follow_its_theme(site: dict[Path, _Links], tmp_path: Path) -> None:
+    alike = {"_gallery": "plot_7", "decisions": "11-", "_modules": "none"}
+    seen = {page.stem: page for page in site if page.stem.startswith(alike.get(page.parent.name, ""))}
+    with browser() as driver:
+        assert len(seen) > 20
+        for page in seen.values():
+            show(driver, page)
+            assert not driver.execute_script(OVERHANG), page.name
+            assert not driver.execute_script(UNDRAWN), page.name
+            assert not errors(driver), page.name
+        for scheme in ("light", "dark"):
+            show(driver, seen["concepts"], scheme=scheme)
+            drawing = 'getComputedStyle(document.querySelector("article img")).filter'
+            assert (driver.execute_script(f"return {drawing}") == "none") == (scheme == "light")
+        (tmp_path / "wide.html").write_text("<p style='width: 500px'>too wide</p>", encoding="utf-8")
+        show(driver, tmp_path / "wide.html")
+        assert driver.execute_script(OVERHANG)
 
 
 def test_every_example_drew_its_figure(site: dict[Path, _Links]) -> None:

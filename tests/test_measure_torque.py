@@ -53,6 +53,12 @@ def test_braked_and_crank_held_runs_agree(torque):
     assert torque["output_rate"] == pytest.approx(torque["efficiency"], abs=0.15)
 
 
+def test_both_name_their_condition(torque, efficiency, folder):
+    told = json.loads((folder / "torque-nonpin.json").read_text(encoding="utf-8"))
+    assert told["condition"] == "1.048 N m on the crank, 1640 rpm"
+    assert efficiency.condition == f"up to {FIXED.rated_torque:.4g} N m and 1640 rpm"
+
+
 def test_mean_input_torque_is_the_one_given(torque):
     # the motor's slope takes nothing in the mean
     assert torque["input_torque"] == pytest.approx(1.048, rel=2e-3)

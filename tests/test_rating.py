@@ -154,6 +154,7 @@ def test_what_heat_does_to_clearances() -> None:
     """One material grows as a whole: a clearance by its own share. Steel pins in a plastic gear close, as by hand."""
     alpha = PIN.material.expansion
     assert clearance_growth(PIN, "cam") == clearance_growth(PIN, "pin_socket") == 0.0
+    assert str(rate(PIN).items["cam_hot_clearance"].value) == "0.0", "and not less than nothing"
     assert clearance_growth(PIN, "pin_gear") == pytest.approx(0.0, abs=1e-12)
     assert clearance_growth(PIN, "output") == pytest.approx(0.0, abs=1e-12)
     plastic = override(PIN, {"gear_material.name": "POM"})

@@ -75,6 +75,7 @@ def efficiency(
     return Measurement(
         measure="efficiency",
         design=own,
+        condition=f"up to {max(torques):.4g} N m and {max(map(abs, speeds)) / RPM:.0f} rpm",
         quantities=keyed(_rated(own, found), _losses(found.rated), _driven(own, found)),
         curves=_curves(found),
         tables=(

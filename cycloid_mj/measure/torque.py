@@ -23,6 +23,7 @@ from cycloid_mj.measure.spread import Moved
 from cycloid_mj.measure.steady import Powers, first_half, powers, steady_design, whole_periods
 from cycloid_mj.record import Run
 from cycloid_mj.result import Curve, Quantity, keyed
+from cycloid_mj.units import RPM
 
 PERIODS, QUICK_PERIODS = 12, 4
 """Fewest mesh periods of the main run: a third of a crank turn, or less."""
@@ -86,6 +87,7 @@ def torque(
     return Measurement(
         measure="torque",
         design=own,
+        condition=f"{own.drive.torque:.4g} N m on the crank, {abs(own.drive.speed) / RPM:.0f} rpm",
         quantities=keyed(_quantities(own, ours, finer, held, by_input), friction_quantities(beside)),
         curves=(*_curves(own, ours), *sensitivity.curves(found, beside)),
         tables=(

@@ -61,7 +61,7 @@ def heat(design: Design, found: Sequence[Loading]) -> Iterator[Item]:
         yield Item(
             f"{kind}_hot_clearance",
             f"clearance of {kind.replace('_', ' ')} lost by heat",
-            -1e6 * grown,
+            0.0 - 1e6 * grown,
             1e6 * clearance,
             "um",
             clearance / -grown if grown < 0.0 else math.inf,
