@@ -42,7 +42,7 @@ def browser() -> Iterator[Any]:
 
 def show(driver: Any, page: Path, width: int = 390, scheme: str = "dark") -> None:
     """Open a page on a screen so many pixels wide, in a light or dark scheme."""
-    screen = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 600}
+    screen = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False}
     driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
     liking = [{"name": "prefers-color-scheme", "value": scheme}]
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": liking})

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import mujoco
 import pytest
+from browser import CHROMIUM, DRIVER, MISSING, OVERHANG, UNDRAWN, browser, errors, show
 from cyclopts import CycloptsError
 
 from cycloid_mj.cli import main
@@ -145,6 +146,20 @@ def test_the_tutorial_leads_from_a_requirement_to_parts_and_a_joint_in_under_ten
     assert len(commands(PAGES[WHOLE], "sh")) < 10
     made = {"drive.toml", "runs/drive.html", "made/drive-tolerance.html", "parts/gear.step", "joint/scene.xml"}
     assert all((tutored / name).stat().st_size > 0 for name in made)
+
+
+@pytest.mark.skipif(not (CHROMIUM and DRIVER), reason=MISSING)
+def test_pages_that_commands_write_fit_a_phone(tutored: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tutored)
+    run("", ["rate", "--design", "drive.toml", "--html", "rating.html"])
+    pages = {page.name: page for page in tutored.rglob("*.html")}
+    assert pages.keys() == {"drive.html", "drive-tolerance.html", "reducer.html", "rating.html"}
+    with browser() as driver:
+        for page in pages.values():
+            show(driver, page)
+            assert not driver.execute_script(OVERHANG), page.name
+            assert not driver.execute_script(UNDRAWN), page.name
+            assert not errors(driver), page.name
 
 
 @pytest.mark.parametrize("page", SHELL)

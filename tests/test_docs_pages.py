@@ -82,7 +82,7 @@ def test_pages_fit_a_phone_and_follow_its_theme(site: dict[Path, _Links], tmp_pa
             show(driver, seen["concepts"], scheme=scheme)
             drawing = 'getComputedStyle(document.querySelector("article img")).filter'
             assert (driver.execute_script(f"return {drawing}") == "none") == (scheme == "light")
-        (tmp_path / "wide.html").write_text("<p style='width: 500px'>too wide</p>", encoding="utf-8")
+        (tmp_path / "wide.html").write_text("<!doctype html><p style='width: 500px'>too wide</p>", encoding="utf-8")
         show(driver, tmp_path / "wide.html")
         assert driver.execute_script(OVERHANG)
 

@@ -21,8 +21,10 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import CycloidError, LogError, UsageError
 from cycloid_mj.plots import FigureError, figures, mechanism, save
 from cycloid_mj.plots.pin import pin_figure
+from cycloid_mj.plots.stress import map_figure
 from cycloid_mj.profile import CycloidGear
 from cycloid_mj.record import Run
+from cycloid_mj.stress.field import StressMap
 
 GEAR = CycloidGear(36, 1e-3, 40.75e-3, 2.25e-3)
 DT = 1e-4
@@ -251,6 +253,16 @@ def _inside(box, page) -> bool:
 @pytest.mark.parametrize("name", NAMES)
 def test_texts_stay_on_the_page_and_apart(drawn, name):
     assert crowded(drawn[name]) == []
+
+
+def test_maps_of_stress_name_the_load_and_keep_their_titles_apart():
+    corners = 0.05 * np.array([[-1.0, -1.0], [1.0, -1.0], [0.0, 1.0]])
+    nodes = np.concatenate([corners, (corners + np.roll(corners, -1, axis=0)) / 2.0])
+    stress = np.linspace(1e6, 123.4e6, 6)
+    found = StressMap("gear", 2.1, nodes, np.arange(6)[np.newaxis], nodes, nodes, stress, nodes, stress > 0.0)
+    figure = map_figure(dict.fromkeys(("shaft", "gear", "ring", "output"), found), "nonpin, 36.68 N m")
+    assert figure.get_suptitle().startswith("nonpin, 36.68 N m")
+    assert crowded(figure) == []
 
 
 def test_a_long_title_would_be_found(motion):

@@ -169,7 +169,7 @@ def test_stress_maps_are_written_whole(tmp_path, monkeypatch):
 
     class Study:
         design = DESIGN
-        findings = SimpleNamespace(as_json=lambda: {"x": np.pi})
+        findings = SimpleNamespace(as_json=lambda: {"x": np.pi}, load=36.0)
 
         @property
         def parts(self):

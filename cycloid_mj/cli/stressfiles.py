@@ -54,7 +54,8 @@ def _drawn(studies: "Sequence[StressStudy]", into: Path) -> list[Path]:
         figures[f"fig10_grid_{study.design.name}"] = grid_figure(
             {one.findings.part: one.grid for one in study.parts}, study.design.name
         )
-        figures[f"fig11_map_{study.design.name}"] = map_figure(maps, study.design.name)
+        condition = f"{study.design.name}, {study.findings.load:g} N m"
+        figures[f"fig11_map_{study.design.name}"] = map_figure(maps, condition)
     write_whole(vtu)
     return [*save(figures, into, FORMATS), *vtu]
 

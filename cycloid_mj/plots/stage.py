@@ -99,7 +99,8 @@ def set_stage(script: Script, width: int) -> Stage:
     parts = _parts(axes, design, script.drawn)
     arrows = {kind: _arrows(axes, design, acting.of(kind)) for kind in FORCES if kind in acting.kinds}
     figure.text(0.025, 0.972, _title(design, script.drawn), fontsize=9.5, weight="bold")
-    figure.text(0.025, 0.945, str(condition(design)) + _followed(script.drawn, design), fontsize=8.5)
+    told = (str(condition(design)), *_followed(script.drawn, design))
+    figure.text(0.025, 0.961, "\n".join(told), fontsize=8.5, va="top")
     clock = figure.text(0.975, 0.972, "", fontsize=9.5, ha="right", family="DejaVu Sans Mono")
     _legend(figure, acting)
     bars, steps = _load_axes(figure, acting.of(*RING), script.ideal)
@@ -147,10 +148,10 @@ def _title(design: Design, drawn: Drawing) -> str:
     return design.name + (f",  gaps drawn {drawn.magnification:g} times as wide" if drawn.magnification > 1 else "")
 
 
-def _followed(drawn: Drawing, design: Design) -> str:
+def _followed(drawn: Drawing, design: Design) -> tuple[str, ...]:
     """Say which of several discs is shown with its forces, and from where."""
-    disc = f"; gear {drawn.gaps.disc + 1}, the others dashed" if design.gear.discs > 1 else ""
-    return disc + ("; seen from the ring" if design.output.turns_ring else "")
+    disc = (f"gear {drawn.gaps.disc + 1},", "others dashed") if design.gear.discs > 1 else ()
+    return (*disc, "seen from the ring") if design.output.turns_ring else disc
 
 
 def _other_discs(design: Design, disc: int) -> list[int]:

@@ -63,7 +63,7 @@ def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
     bottom.set_title("Largest stress below a contact (von Mises, by Hertz)")
     for panel in (top, bottom):
         panel.set_ylabel("[MPa]")
-        panel.set_ylim(bottom=0.0)
+        panel.set_ylim(0.0, 1.05 * panel.get_ylim()[1])
         crank_axis(panel, np.concatenate([np.degrees(one.angle) for _, _, one in found]))
     top.set_xlabel("")
     entries: Entries = [(f"{each.design}, {each.load:g} N m", {"color": _color(number)}) for number, each, _ in found]
@@ -74,14 +74,17 @@ def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
 
 
 @styled
-def map_figure(maps: Mapping[str, StressMap], design: str) -> Figure:
-    """Draw the von Mises stress on every part at its crank angle; colours end at the largest bulk stress there."""
-    figure, panels = _panels(list(maps), f"{design}: von Mises stress")
+def map_figure(maps: Mapping[str, StressMap], condition: str) -> Figure:
+    """Draw the von Mises stress on every part at its crank angle; colours end at the largest bulk stress there.
+
+    The `condition` is the design with its load.
+    """
+    figure, panels = _panels(list(maps), f"{condition}: von Mises stress")
     for axes, (part, drawn) in zip(panels, maps.items(), strict=False):
         top = float(drawn.von_mises[drawn.bulk].max()) / MEGAPASCAL
         image = _coloured(axes, drawn, drawn.von_mises / MEGAPASCAL, top)
         figure.colorbar(image, ax=axes, extend="max", shrink=0.85, label="[MPa]")
-        axes.set_title(f"{TITLES[part]} at {np.degrees(drawn.angle):.0f} deg: at most {top:.3g} MPa in bulk")
+        axes.set_title(f"{TITLES[part]} at {np.degrees(drawn.angle):.0f} deg:\nat most {top:.3g} MPa in bulk")
     return figure
 
 

@@ -71,7 +71,7 @@ def _plates(found: Mapping[str, IdleStress]) -> Iterator[Plate]:
         maps = {part: each.map for part, each in parts.items()}
         words = f"{name}, no load: von Mises stress on every part at the crank angle where its own is largest."
         yield Plate(f"fig10_grid_{name}", "Fig. 10", f"{name}: grids of the parts.", grid_figure(grids, name))
-        yield Plate(f"fig11_map_{name}", "Fig. 11", words, map_figure(maps, name))
+        yield Plate(f"fig11_map_{name}", "Fig. 11", words, map_figure(maps, f"{name}, no load"))
     findings = [one.study.findings for one in found.values()]
     for number, (part, figure) in enumerate(FIGURES.items(), start=12):
         words = f"No load, impact peaks of one start: largest von Mises stress of {part.replace('_', ' ')} over a crank"
