@@ -1,25 +1,28 @@
 """Flip every single sign in `mechanism`, one at a time, and show that a test and a row of `validate` fail.
 
-    python scripts/flip_signs.py [--sample 20] [--only gaps.py] [--workers 2]
+    python scripts/flip_signs.py [--sample 20] [--only gaps.py] [--lines 400-900] [--workers 2]
 
-Every unary minus and every plus and minus between two terms counts. Each flip runs in a process of its own, on a copy
-of the tree in a temporary folder. A flip that no value depends on is listed in ``EQUIVALENT`` with its reason.
+Every unary minus and every plus and minus between two terms counts. Each flip is tried in a process of its own, forked
+from one that has loaded the libraries, which reads the file with its sign flipped instead of the file: nothing is
+written, and the kernel runs uncompiled. The tree as it is comes first: nothing may fail there. A sign that no row can
+see is listed in ``UNSEEN`` with the reason.
 """
 
 import argparse
 import ast
-import contextlib
-import io
+import importlib
+import importlib.abc
+import importlib.machinery
+import importlib.util
 import os
-import queue
-import shutil
-import subprocess
+import resource
 import sys
-import tempfile
+import types
 import warnings
+from collections import deque
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from enum import Enum
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -27,35 +30,21 @@ ROOM = Path("cycloid_mj/mechanism")
 MODEL = "reducer.py"
 """The file that models are made from; what the others hold is seen without one, and without compiling."""
 
-SECONDS = 300
-"""After which a flip counts as seen: it does not come to an end."""
+TESTS = ("test_kernel.py", "test_mechanism.py")
+MODEL_TESTS = ("test_reducer.py",)
 
-SEARCH = "a way to the balance, not the balance: what is found is checked by its residual"
-PHASE = "the one disc that is offered is in phase with the crank; a test on two discs sees it"
-ONLY = "of the one disc that is offered, 2 and -2 are the same of four unknowns"
-EQUIVALENT: dict[tuple[str, str], str] = {
-    ("gaps.py", "crank[..., np.newaxis] + phases(design)[disc]"): PHASE,
-    ("gaps.py", "crank + phases(design)[disc]"): PHASE,
-    ("gaps.py", "angles + phase"): PHASE,
-    ("gaps.py", "np.asarray(crank, dtype=np.float64)[..., np.newaxis] + np.array(phases(design))"): PHASE,
-    ("gaps.py", "3 * disc + 2"): ONLY,
-    ("kernel.py", "3 * disc + 2"): ONLY,
-    ("limits.py", "3 * disc + 2"): ONLY,
-    ("kernel.py", "k - 1"): "of one before the first, the last of its array: " + SEARCH,
-    ("kernel.py", "xy += stiffness * (1.0 - around) * u * v"): SEARCH,
-    ("kernel.py", "stiffness * at * at + turning * bt * bt + alone * bt"): SEARCH,
-    ("kernel.py", "stiffness * ay * at + turning * by * bt"): SEARCH,
-    ("kernel.py", "value -= matrix[i, m] * matrix[j, m]"): SEARCH,
-    (
-        "reducer.py",
-        "gear.eccentricity + made.largest",
-    ): "a cylinder that reaches all mates reaches farther than it must",
-    ("reducer.py", "gear.pin_circle_radius + 2.0 * (gear.eccentricity + made.largest)"): (
-        "within the bounding boxes that MuJoCo compares; a test sees it"
-    ),
-    ("reducer.py", "-ahead"): PHASE,
-    ("reducer.py", "first + _angles(len(numbered))"): PHASE,
-}
+SECONDS = 60
+"""CPU time after which a flip counts as seen: it does not come to an end."""
+
+
+class Unseen(Enum):
+    """Why no row can see a sign; its value tells people."""
+
+    TIME = "costs only time: a way to the balance, which is found by its residual; a test counts the steps"
+    SAME = "the same either way"
+
+
+UNSEEN: dict[tuple[str, str], Unseen] = {}
 """File and the expression of the sign -> why no row of `validate` depends on it."""
 
 
@@ -78,7 +67,6 @@ class Flip:
 class Found:
     """What saw a flip: a test, a row of `validate`."""
 
-    flip: Flip
     by_test: bool
     by_row: bool
 
@@ -114,67 +102,116 @@ def flipped(content: bytes, flip: Flip) -> bytes:
     return content[: flip.place] + other + content[flip.place + 1 :]
 
 
-def tested(folder: Path, models: bool) -> bool:
-    """Tell whether a test fails on the tree in a folder."""
+class Flipped(importlib.abc.Loader):
+    """Loads the module of a flip with its sign flipped; it stands before all other finders of modules."""
+
+    def __init__(self, flip: Flip) -> None:
+        self._flip, self._path = flip, ROOT / ROOM / flip.file
+        self._name = ".".join([*ROOM.parts, self._path.stem])
+
+    def find_spec(self, name: str, path: object, target: object = None) -> importlib.machinery.ModuleSpec | None:
+        """Find the one module."""
+        if name != self._name:
+            return None
+        return importlib.util.spec_from_file_location(name, self._path, loader=self)
+
+    def exec_module(self, module: types.ModuleType) -> None:
+        """Run it."""
+        content = flipped(self._path.read_bytes(), self._flip)
+        exec(compile(content, str(self._path), "exec"), module.__dict__)
+
+
+def tested(models: bool) -> bool:
+    """Tell whether a test fails."""
     import pytest
 
-    arguments = ["-x", "-q", "-p", "no:cacheprovider", "-o", "addopts="]
-    tests = "tests/test_reducer.py" if models else "tests/test_mechanism.py"
-    return pytest.main([*arguments, str(folder / tests)]) != 0
+    arguments = ["-x", "-q", "-p", "no:cacheprovider", "-o", "addopts=", "--noconftest", f"--rootdir={ROOT}"]
+    tests = MODEL_TESTS if models else TESTS
+    return pytest.main([*arguments, *(str(ROOT / "tests" / test) for test in tests)]) != 0
 
 
 def validated(models: bool) -> bool:
     """Tell whether a row of the rung `mechanism` fails, or cannot be given."""
-    from cycloid_mj.validation import mechanism
+    from cycloid_mj.validation import balance, mechanism
 
     try:
-        parts = (*mechanism.STATICS, *(mechanism.MODELS if models else ()))
+        parts = mechanism.MODELS if models else (*balance.STATICS, *mechanism.STATICS)
         return any(row.verdict == "fail" for part in parts for row in part())
     except Exception:
         return True
 
 
-def see(folder: Path, models: bool) -> None:
-    """Print what fails on the tree in a folder; in a process of its own."""
-    sys.path[:0] = [str(folder), str(folder / "tests")]
+def warm() -> None:
+    """Load the libraries, and nothing of the project, so that what is forked from here begins with them."""
+    for library in ("jinja2", "mujoco", "numba", "numpy", "pydantic", "pytest", "scipy.optimize", "scipy.spatial"):
+        importlib.import_module(library)
+
+
+def see(flip: Flip | None, models: bool, told: int) -> None:
+    """Write what fails to a pipe, with a sign flipped or none; in a process of its own."""
+    import numba
+
+    resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
+    numba.config.DISABLE_JIT = not models
     warnings.simplefilter("ignore")
-    by_row = validated(models)
-    with contextlib.redirect_stdout(io.StringIO()):
-        by_test = tested(folder, models)
-    print(f"row={by_row} test={by_test}")
+    sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
+    if flip:
+        sys.meta_path.insert(0, Flipped(flip))
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    os.dup2(nowhere, 2)
+    for question in (validated, tested):
+        os.write(told, b"yes " if question(models) else b"no ")
 
 
-def copied(folder: Path) -> None:
-    """Copy what the tests need, with what is compiled already."""
-    for name in ("cycloid_mj", "tests", "papers"):
-        shutil.copytree(ROOT / name, folder / name)
-    for name in ("pyproject.toml", "README.md"):
-        shutil.copy2(ROOT / name, folder / name)
+@dataclass(frozen=True)
+class Trial:
+    """A flip, or none, that is being tried in a process of its own."""
+
+    flip: Flip | None
+    child: int
+    told: int
+
+    @classmethod
+    def start(cls, flip: Flip | None, models: bool) -> "Trial":
+        """Fork the process."""
+        told, tell = os.pipe()
+        child = os.fork()
+        if not child:
+            try:
+                see(flip, models, tell)
+            finally:
+                os._exit(0)
+        os.close(tell)
+        return cls(flip, child, told)
+
+    def end(self) -> Found:
+        """Wait for what it finds; a process that is stopped for its time has seen what it had not judged yet."""
+        with open(self.told, encoding="ascii") as pipe:
+            row, test, *_ = [*pipe.read().split(), "yes", "yes"]
+        os.waitpid(self.child, 0)
+        return Found(by_test=test == "yes", by_row=row == "yes")
 
 
-def judged(flip: Flip, folder: Path) -> Found:
-    """Judge one flip in a copy of the tree; nothing seen for ``SECONDS`` is a search that does not come to its end."""
-    path = folder / ROOM / flip.file
-    shutil.copy2(ROOT / ROOM / flip.file, path)
-    path.write_bytes(flipped(path.read_bytes(), flip))
-    models = flip.file == MODEL
-    command = [sys.executable, str(Path(__file__).resolve()), "--see", str(folder), "--only", flip.file]
-    plain = os.environ | ({} if models else {"NUMBA_DISABLE_JIT": "1"})
-    try:
-        ended = subprocess.run(
-            command, capture_output=True, text=True, timeout=SECONDS, cwd=folder, env=plain, check=False
-        )
-        told = ended.stdout
-    except subprocess.TimeoutExpired:
-        told = ""
-    shutil.copy2(ROOT / ROOM / flip.file, path)
-    return Found(flip, by_test="test=False" not in told, by_row="row=False" not in told)
+def tried(chosen: list[Flip], workers: int) -> Iterator[tuple[Flip, Found]]:
+    """Try flips, so many at a time, in their order."""
+    running: deque[tuple[Flip, Trial]] = deque()
+    for flip in chosen:
+        if len(running) == workers:
+            first, trial = running.popleft()
+            yield first, trial.end()
+        running.append((flip, Trial.start(flip, flip.file == MODEL)))
+    for first, trial in running:
+        yield first, trial.end()
 
 
-def wanted(only: str, sample: int) -> list[Flip]:
-    """Give the flips to try: all, those of one file, or so many spread evenly over them."""
+def wanted(only: str, lines: str, sample: int) -> list[Flip]:
+    """Give the flips to try: all, those of one file or of some of its lines, or so many spread evenly over them."""
     files = sorted((ROOT / ROOM).glob("*.py"))
     every = [flip for path in files for flip in flips(path) if only in ("", path.name)]
+    if lines:
+        first, last = (int(end) for end in lines.split("-"))
+        every = [flip for flip in every if first <= flip.line <= last]
     if not 0 < sample < len(every):
         return every
     return [every[round(i * (len(every) - 1) / max(1, sample - 1))] for i in range(sample)]
@@ -184,40 +221,31 @@ def main(arguments: list[str] | None = None) -> int:
     """Try flips and report those that nothing sees; give the exit code."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", default="", help="flip the signs of one file: gaps.py, kernel.py, ...")
+    parser.add_argument("--lines", default="", help="flip those of some lines: 400-900")
     parser.add_argument("--sample", type=int, default=0, help="flip this many, spread over all; 0: every one")
-    parser.add_argument("--see", type=Path, default=None, help=argparse.SUPPRESS)
     parser.add_argument("--workers", type=int, default=2, help="processes at a time")
     options = parser.parse_args(arguments)
-    if options.see:
-        see(options.see, options.only == MODEL)
-        return 0
-    every = wanted(options.only, options.sample)
-    tried = [flip for flip in every if (flip.file, flip.expression) not in EQUIVALENT]
-    survivors: list[Found] = []
-    with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor(options.workers) as pool:
-        folders: queue.SimpleQueue[Path] = queue.SimpleQueue()
-        for worker in range(options.workers):
-            folders.put(Path(name) / str(worker))
-            copied(Path(name) / str(worker))
-
-        def in_a_copy(flip: Flip) -> Found:
-            folder = folders.get()
-            found = judged(flip, folder)
-            folders.put(folder)
-            return found
-
-        for number, found in enumerate(pool.map(in_a_copy, tried), start=1):
-            if not (found.by_test and found.by_row):
-                survivors.append(found)
-                missed = [what for what, by in (("test", found.by_test), ("row", found.by_row)) if not by]
-                print(f"no {' and no '.join(missed)} sees  {found.flip}", flush=True)
-            print(f"\r{number} of {len(tried)} signs flipped", end="", file=sys.stderr, flush=True)
+    every = wanted(options.only, options.lines, options.sample)
+    warm()
+    for models in sorted({flip.file == MODEL for flip in every}):
+        unspoiled = Trial.start(None, models).end()
+        if unspoiled.by_test or unspoiled.by_row:
+            print(f"a {'test' if unspoiled.by_test else 'row'} fails as it is: nothing can be said of any sign")
+            return 1
+    missed = 0
+    for number, (flip, found) in enumerate(tried(every, options.workers), start=1):
+        reason = UNSEEN.get((flip.file, flip.expression))
+        unseen = [what for what, by in (("test", found.by_test), ("row", found.by_row)) if not by]
+        if reason is None or (reason is Unseen.TIME and not found.by_test):
+            missed += bool(unseen)
+            if unseen:
+                print(f"no {' and no '.join(unseen)} sees  {flip}", flush=True)
+        elif unseen:
+            print(f"no {' and no '.join(unseen)} sees  {flip}: {reason.value}", flush=True)
+        print(f"\r{number} of {len(every)} signs flipped", end="", file=sys.stderr, flush=True)
     print(file=sys.stderr)
-    for flip in every:
-        if reason := EQUIVALENT.get((flip.file, flip.expression)):
-            print(f"equivalent  {flip}: {reason}")
-    print(f"{len(tried)} signs flipped, {len(survivors)} not seen by a test and a row of validate")
-    return 1 if survivors else 0
+    print(f"{len(every)} signs flipped, {missed} not seen by a test and a row of validate")
+    return 1 if missed else 0
 
 
 if __name__ == "__main__":

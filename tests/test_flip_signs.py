@@ -2,12 +2,15 @@
 
 import ast
 import importlib.util
+import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from cycloid_mj.validation import mechanism
+from cycloid_mj.design import PRESETS
+from cycloid_mj.mechanism import gaps as unspoiled
+from cycloid_mj.validation import balance, mechanism
 
 SCRIPT = Path(__file__).resolve().parents[1] / "scripts" / "flip_signs.py"
 SPEC = importlib.util.spec_from_file_location("flip_signs", SCRIPT)
@@ -29,7 +32,20 @@ def test_every_sign_is_found_and_flipped_alone(tmp_path: Path) -> None:
         assert ast.dump(ast.parse(other)) != ast.dump(ast.parse(content))
 
 
-@pytest.mark.parametrize("part", [*mechanism.STATICS, *mechanism.MODELS])
+def test_a_module_is_loaded_with_its_sign_flipped(monkeypatch) -> None:
+    flip = next(flip for flip in flip_signs.wanted("gaps.py", "", 0) if flip.expression == "self.room + self.distance")
+    finder = flip_signs.Flipped(flip)
+    assert finder.find_spec("cycloid_mj.mechanism.limits", None) is None
+    spec = finder.find_spec("cycloid_mj.mechanism.gaps", None)
+    module = importlib.util.module_from_spec(spec)
+    monkeypatch.setitem(sys.modules, spec.name, module)
+    spec.loader.exec_module(module)
+    ours, spoiled = (gaps(PRESETS["pin"], 1.9) for gaps in (unspoiled.gaps, module.gaps))
+    assert abs(ours.width - (ours.room + ours.distance)).max() == 0.0
+    assert abs(spoiled.width - (spoiled.room - spoiled.distance)).max() == 0.0
+
+
+@pytest.mark.parametrize("part", [*mechanism.STATICS, *mechanism.MODELS, *balance.STATICS])
 def test_every_row_of_the_mechanism_passes(part) -> None:
     for row in part():
         assert row.verdict == "pass", row
@@ -37,4 +53,7 @@ def test_every_row_of_the_mechanism_passes(part) -> None:
 
 @pytest.mark.slow
 def test_a_sample_of_flips_is_seen_by_tests_and_rows() -> None:
-    assert flip_signs.main(["--sample", "8", "--workers", "1"]) == 0
+    """In a process of its own, where nothing of the project is loaded before a sign is flipped."""
+    command = [sys.executable, str(SCRIPT), "--sample", "8", "--workers", "1"]
+    ended = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert ended.returncode == 0, ended.stdout

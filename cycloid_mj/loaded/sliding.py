@@ -83,14 +83,17 @@ def turn_along(design: Design, torque: Array, crank: float, losses: Losses, held
     path[:, -1] = torque / springs.contacts.radius
     z = np.zeros_like(path)
     with announced():
-        left = follow_path(springs.contacts, _rubbing(still, springs.contacts, crank, losses, held), path, z)
+        left = follow_path(springs.contacts, rubbing_of(still, springs.contacts, crank, losses, held), path, z).force
     if left:
         raise RunError(f"no static balance along the loop: {left:.3g} of the load is left over")
     return np.asarray(z[:, -1] / springs.contacts.radius)
 
 
-def _rubbing(design: Design, springs: Springs, crank: float, losses: Losses, held: Held) -> Rubbing:
-    """Give the friction of contacts, cams and seals, and how far each slides with the unknowns."""
+def rubbing_of(design: Design, springs: Springs, crank: float, losses: Losses, held: Held) -> Rubbing:
+    """Give the friction of contacts, cams and seals, and how far each slides with the unknowns; as `turn_along`.
+
+    The springs are those at the crank angle [rad].
+    """
     found = arc_gaps(design, [crank])
     contacts, discs = found.kind.size, springs.cam_place.shape[1]
     radius, teeth, bore = springs.radius, design.ring.teeth, design.gear.bore_radius

@@ -117,10 +117,25 @@ class Curved(NamedTuple):
 
 
 class Left(NamedTuple):
-    """What no balance was found for, each as a share of the largest load: `force` left over, `friction` unsettled."""
+    """What no balance was found for, each as a share of the largest load: `force` left over, `friction` unsettled.
+
+    `work` counts how often the system was put together on the way.
+    """
 
     force: float
     friction: float
+    work: int
+
+
+class State(NamedTuple):
+    """Springs at some departures: `energy` less the work of the load [J] and forces left over (u,) [N], its descent.
+
+    `stiffness` (u, u) [N/m] is the second derivative of that energy.
+    """
+
+    energy: float
+    residual: Array
+    stiffness: Array
 
 
 class Effects(NamedTuple):
@@ -190,7 +205,8 @@ def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool)
 
     Returns
     -------
-    The worst of all angles: where one of them is above ``BALANCED``, no balance was found, and that angle is the last.
+    The worst of all angles, and their work together: where one of them is above ``BALANCED``, no balance was found,
+    and that angle is the last.
     """
     count, number = load.shape
     work = _Work(
@@ -202,7 +218,7 @@ def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool)
         np.zeros(number),
         np.zeros(springs.disc.size + springs.cam_place.shape[1], np.bool_),
     )
-    start, worst, unsettled = np.zeros(number), 0.0, 0.0
+    start, worst, unsettled, done = np.zeros(number), 0.0, 0.0, 0
     for k in range(count):
         here = z[k]
         for j in range(number):
@@ -214,17 +230,20 @@ def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool)
                 here[j] = z[k - 1, j]
         if follow and k:
             _lead(springs, k, load[k], z, force, work)
+            done += 1
         for j in range(number):
             start[j] = here[j]
         left = _search(springs, k, load[k], here, force, work)
+        done += left.work
         if not springs.smooth and not (left.force <= BALANCED and left.friction <= BALANCED):
             for j in range(number):
                 here[j], work.drag[j] = start[j], 0.0
             left = _search(_smoothed(springs), k, load[k], here, force, work)
+            done += left.work
         worst, unsettled = max(worst, left.force), max(unsettled, left.friction)
         if not (left.force <= BALANCED and left.friction <= BALANCED):
             break
-    return Left(worst, unsettled)
+    return Left(worst, unsettled, done)
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
@@ -252,10 +271,11 @@ def _search(springs: Springs, k: int, load: Array, here: Array, force: Array, wo
     system, trial, number = work.system, work.trial, load.size
     rough, scale = springs.rubbing.shape[0] > 0, _largest(load) or 1.0
     longest, floating = _NEAR / _largest(springs.bend[k]), FLOATING * springs.cam_stiffness
-    left = change = 0.0
+    left, change, done = 0.0, 0.0, 0
     for _ in range(ROUNDS):
         for j in range(number):
             held[j] = load[j] + drag[j]
+        done += 1
         energy = _assemble(springs, k, held, here, kept, system)
         left = _largest(system.residual) / scale
         for _ in range(ROUNDS):
@@ -268,6 +288,7 @@ def _search(springs: Springs, k: int, load: Array, here: Array, force: Array, wo
             for _ in range(_HALVINGS):
                 for j in range(number):
                     there[j] = here[j] + share * step[j]
+                done += 1
                 found = _assemble(springs, k, held, there, kept, trial)
                 if found <= energy + _ROUNDING * abs(energy):
                     break
@@ -287,7 +308,7 @@ def _search(springs: Springs, k: int, load: Array, here: Array, force: Array, wo
         if change <= BALANCED:
             break
     _press(springs, k, here, force)
-    return Left(left, change)
+    return Left(left, change, done)
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
@@ -302,15 +323,16 @@ def balance_along(springs: Springs, load: Array, z: Array, force: Array) -> Left
 
     As `balance`, but z starts with every disc where its cam is.
     """
-    left = Left(np.inf, np.inf)
+    left, done = Left(np.inf, np.inf, 0), 0
     for follow in (True, False):
         z[:] = 0.0
         for disc in range(springs.cam_place.shape[1]):
             z[:, 3 * disc : 3 * disc + 2] = springs.cam_place[:, disc]
         left = balance(springs, load, z, force, follow)
+        done += left.work
         if left.force <= BALANCED and left.friction <= BALANCED:
             break
-    return left
+    return Left(left.force, left.friction, done)
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
@@ -403,6 +425,19 @@ def gap(springs: Springs, k: int, i: int, z: Array) -> Curved:
     """Give a gap at departures z [m], shape (u,)."""
     q, p = _apart(springs, k, i, z)
     return _curved(springs, k, i, z, q, p)
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def state(springs: Springs, k: int, load: Array, z: Array) -> State:
+    """Give the springs of a crank angle under a load (u,) [N] at departures z (u,) [m], which need be no balance."""
+    number = z.size
+    system = _System(np.zeros(number), np.zeros((number, number)))
+    none = np.zeros(springs.disc.size + springs.cam_place.shape[1], np.bool_)
+    energy = _assemble(springs, k, load, z, none, system)
+    for j in range(number):
+        for m in range(j + 1, number):
+            system.tangent[j, m] = system.tangent[m, j]
+    return State(energy, system.residual, system.tangent)
 
 
 # Arrays are read before any branch: numba counts references to those that are read in one.
@@ -891,7 +926,7 @@ class _Step(NamedTuple):
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def follow_path(springs: Springs, rubbing: Rubbing, path: Array, z: Array) -> float:
+def follow_path(springs: Springs, rubbing: Rubbing, path: Array, z: Array) -> Left:
     """Follow loads along a path (m, u) [N] at the first crank angle, with friction that remembers.
 
     The departures z (m, u) [m] are filled in; the first row is where the path begins, at rest. Each step is the balance
@@ -899,7 +934,7 @@ def follow_path(springs: Springs, rubbing: Rubbing, path: Array, z: Array) -> fl
 
     Returns
     -------
-    0, or where no balance was found, what was left over there as a share of the largest load.
+    Of force 0, or where no balance was found, what was left over there as a share of the largest load.
     """
     count, number = path.shape
     elements = rubbing.stick.size
@@ -932,14 +967,14 @@ def follow_path(springs: Springs, rubbing: Rubbing, path: Array, z: Array) -> fl
                 left = _settle(springs, rubbing, FOLLOWED * scale, one, old, new) / scale
             if not left <= FOLLOWED:
                 if share <= _SHORTEST or one.work[0] > _MOST_WORK * count:
-                    return left
+                    return Left(left, 0.0, one.work[0])
                 share *= 0.5
                 continue
             done += share
             share *= 2.0
             old, new = new, old
         z[m] = old.z
-    return 0.0
+    return Left(0.0, 0.0, one.work[0])
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")

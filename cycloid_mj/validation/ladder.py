@@ -9,6 +9,7 @@ from cycloid_mj.engine import Engine
 from cycloid_mj.errors import CycloidError, CycloidWarning, UsageError
 from cycloid_mj.validation import (
     backlash,
+    balance,
     cam_load,
     energy,
     incline,
@@ -55,6 +56,7 @@ def _parts() -> Iterator[Part]:
     yield Part("two-body", two_bodies.rows, (1.0, 1.0))
     yield Part("friction", incline.rows, (0.2, 0.2))
     yield Part("mechanism", mechanism.rows, (9.0, 9.0))
+    yield Part("mechanism", balance.rows, (9.0, 9.0))
     yield Part("backlash", backlash.rows, (4.0, 4.0))
     for kind in KINDS:
         yield Part("sharing", partial(sharing.ideal_rows, kind), (1.0, 2.0))

@@ -26,7 +26,8 @@ from cycloid_mj.mjcf.keyframe import joint_state
 from cycloid_mj.modification import profile_offset, tooth_profile
 from cycloid_mj.types import Array, Mask
 from cycloid_mj.validation import equilibrium, rig
-from cycloid_mj.validation.gaps import Pose, flanks_of, pin_gaps, ring_gaps, rotate
+from cycloid_mj.validation.displaced import exact_gaps, pose_of
+from cycloid_mj.validation.gaps import pin_gaps, ring_gaps, rotate
 from cycloid_mj.validation.rig import FIXED, FREE, NONPIN, SLEEVED, reducer_of
 from cycloid_mj.validation.row import Row, deviation
 
@@ -109,7 +110,7 @@ def curvature_rows(kind: str) -> list[Row]:
     design = reducer_of(kind)
     found, gear, output = gaps(design, CRANK), tooth_profile(design), design.output
     mesh = pin_gaps(
-        gear, _pose(design, CRANK, np.zeros(4))[0], gear.pin_circle_radius * profile.unit(profile.pin_angles(gear))
+        gear, pose_of(design, CRANK, np.zeros(4)), gear.pin_circle_radius * profile.unit(profile.pin_angles(gear))
     )
     teeth = 1.0 / gear.pin_radius + profile.curvature(gear, mesh.t)
     holes = np.full(output.pins, 1.0 / output.pin_radius - 1.0 / output.hole_radius)
@@ -123,7 +124,7 @@ def flank_rows() -> list[Row]:
     design, z = reducer_of(NONPIN), 1e-1 * WAY
     gear, found = tooth_profile(design), gaps(design, CRANK)
     flank = (found.kind == "tooth") & (np.arange(found.owner.size) >= design.ring.teeth)
-    mesh = ring_gaps(gear, _pose(design, CRANK, z)[0], np.unique(found.owner[flank]))
+    mesh = ring_gaps(gear, pose_of(design, CRANK, z), np.unique(found.owner[flank]))
     exact = mesh.distance[np.isfinite(mesh.B)] + profile_offset(design) - gear.pin_radius
     ours = found.width[flank] + found.slope[flank] @ z
     nearest = exact[np.abs(exact[np.newaxis] - ours[:, np.newaxis]).argmin(axis=1)]
@@ -133,33 +134,6 @@ def flank_rows() -> list[Row]:
 def _arcs_and_output(design: Design, kinds: npt.NDArray[np.str_]) -> Mask:
     arcs = (kinds == design.tooth_pair) & (np.arange(kinds.size) < design.ring.teeth)
     return np.asarray(arcs | (kinds == "output"))
-
-
-def exact_gaps(design: Design, crank: float, z: Array, aside: Array | float = 0.0) -> Array:
-    """Give the gaps of pins or arcs, then of output pins [m], at the unknowns z [m] of ``mechanism``, by search.
-
-    All pins are `aside` of their places [m].
-    """
-    gear, made, output = tooth_profile(design), deviations(design), design.output
-    pose, out = _pose(design, crank, z)
-    pins = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear)) + made.pin_place + aside
-    teeth = (
-        pin_gaps(gear, pose, pins, flanks_of(design)).distance
-        + profile_offset(design)
-        - gear.pin_radius
-        - made.pin_radius
-    )
-    around = output.pin_circle_radius * profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins)
-    between = rotate(around, out) - pose.centre - rotate(around + made.hole_place[0], pose.angle)
-    room = output.hole_radius + design.clearance.output - output.pin_radius
-    return np.concatenate([teeth, room - np.linalg.norm(between, axis=1)])
-
-
-def _pose(design: Design, crank: float, z: Array) -> tuple[Pose, float]:
-    """Give the pose of the gear, and the output's angle [rad], at departures z [m]."""
-    gear, lever = tooth_profile(design), design.output.pin_circle_radius
-    turned = float(kinematics.gear_rotation(gear, crank))
-    return Pose(kinematics.gear_centre(gear, crank) + z[:2], turned + z[2] / lever), turned + z[3] / lever
 
 
 def sliding_rows(kind: str) -> list[Row]:
@@ -182,8 +156,8 @@ def _points(design: Design, crank: float) -> tuple[Array, Array, Array]:
     """
     gear, output = tooth_profile(design), design.output
     pins = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear))
-    touching, out = _pose(design, CRANK, np.zeros(4))
-    pose, turned = _pose(design, crank, np.zeros(4))
+    touching, pose = (pose_of(design, at, np.zeros(4)) for at in (CRANK, crank))
+    out, turned = touching.angle, pose.angle
     inwards = -pin_gaps(gear, touching, pins).normals
     on_ring = pins + gear.pin_radius * inwards
     studs = rotate(output.pin_circle_radius * profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins), out)

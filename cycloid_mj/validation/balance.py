@@ -1,0 +1,238 @@
+"""Rung 3 also: energy, forces, stiffness and balance of the springs, against exact gaps of any number of discs.
+
+Without a simulation. Every clearance and manufacturing error is there, and unlike discs share pins that bend.
+"""
+
+from collections.abc import Callable, Iterator
+from functools import partial
+
+import numpy as np
+
+from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.loaded import loads, springs_of
+from cycloid_mj.loaded.samples import alike, solve_samples
+from cycloid_mj.loaded.sliding import Held, Losses, rubbing_of
+from cycloid_mj.mechanism.gaps import arc_gaps
+from cycloid_mj.mechanism.kernel import Rubbing, Springs, follow_path, state
+from cycloid_mj.member import seen_from_ring, share
+from cycloid_mj.types import Array
+from cycloid_mj.validation import rig
+from cycloid_mj.validation.displaced import Pressed, cam_ways, held_back
+from cycloid_mj.validation.row import Row, deviation
+
+CRANK = 1.9
+"""A crank angle with no symmetry [rad]."""
+
+ONE, TWO, THREE = "one disc", "two discs", "three discs on pins that bend"
+
+MADE = (
+    *("errors.seed=4", "errors.eccentricity_um=1.5", "errors.pin_position_um=1.0", "errors.pin_radius_um=0.5"),
+    *("errors.hole_position_um=1.0", "errors.disc_size_um=0.7", "errors.cam_position_um=0.8"),
+    *("errors.profile_cos_um={1=0.5,5=0.3}", "errors.profile_sin_um={2=0.4}"),
+    *("modification.equidistant_um=0.4", "modification.pin_circle_um=-0.7", "modification.rotation_arcsec=4.0"),
+)
+BUILT = {
+    ONE: (),
+    TWO: ("gear.discs=2", "structure=rigid"),
+    THREE: ("gear.discs=3", "structure=springs"),
+}
+
+NEAR, AWAY, FAR = 2e-6, 2e-5, 1e-4
+"""Displacements [m]: near, gaps are exact to a part in 10^5; away, contacts leave the part of their curves that is
+known to third order, and far, all of them have."""
+
+TURN = tuple(2.0 * np.pi * np.arange(3) / 3)
+"""Crank angles of a sample [rad]."""
+
+LOOP = np.concatenate([np.linspace(0.0, 1.0, 7), np.linspace(1.0, -1.0, 13)[1:], np.linspace(-1.0, 0.5, 9)[1:]])
+"""Course of torque, as shares of the rated one: there, back to the other side, and part of the way again."""
+
+FRICTION = 0.1
+"""Coefficient of friction where there is any: of all pairs."""
+
+SOURCE = "exact curves"
+
+
+def made(built: str, *changes: str) -> Design:
+    """Give the paper's gear on fixed pins with all errors, some discs, without friction and gravity."""
+    still = (*rig.without_friction(), *rig.without_gravity(), "drive.speed_rpm=1.0", f"load.torque_nm={rig.RATED_LOAD}")
+    uniform = 'contact.stiffness_law="uniform"'
+    return override(PRESETS["pin"], ["ring.pins=fixed", *BUILT[built], *MADE, *still, uniform, *changes])
+
+
+def pressed(design: Design, crank: float = CRANK) -> tuple[Springs, Pressed]:
+    """Give the springs of a design at a crank angle [rad], and the same on exact gaps."""
+    springs = springs_of(design, [crank], friction=False)
+    contacts, angle = springs.contacts, float(springs.crank[0])
+    seen = seen_from_ring(design)
+    return contacts, Pressed(
+        seen, angle, contacts.stiffness[0], contacts.cam_stiffness, arc_gaps(seen, angle).play, contacts.bending
+    )
+
+
+def way(unknowns: int, size: float) -> Array:
+    """Give a pose in which many contacts press [m], shape (u,): turns three times as far as places."""
+    drawn = np.random.default_rng(2).uniform(-size, size, unknowns)
+    drawn[2::3] *= 3.0
+    drawn[-1] *= 3.0
+    return drawn
+
+
+def state_rows(built: str) -> list[Row]:
+    """Hold energy and forces of displaced parts against exact gaps, and the stiffness against differences of forces."""
+    springs, exact = pressed(made(built))
+    number = springs.slope.shape[2]
+    z, load = way(number, NEAR), 100.0 * way(number, 1.0)
+    found = state(springs, 0, load, z)
+    energy, force = exact.energy(z) - load @ z, load + exact.push(z)
+    return [
+        deviation(
+            f"energy of displaced parts, {built}",
+            np.array([1e3 * found.energy]),
+            np.array([1e3 * energy]),
+            "mJ",
+            SOURCE,
+            0.02,
+        ),
+        deviation(f"forces on displaced parts, {built}", found.residual, force, "N", SOURCE, 0.02),
+        *(stiffness_row(springs, built, size) for size in (NEAR, FAR)),
+    ]
+
+
+def stiffness_row(springs: Springs, built: str, size: float) -> Row:
+    """Hold the stiffness of displaced parts against differences of the forces on them."""
+    number = springs.slope.shape[2]
+    z, load, step = way(number, size), np.zeros(number), 1e-9
+    sides = [[state(springs, 0, load, z + sign * step * axis).residual for axis in np.eye(number)] for sign in (-1, 1)]
+    softer = (np.array(sides[0]) - np.array(sides[1])) / (2.0 * step)
+    stiffness = state(springs, 0, load, z).stiffness
+    name, bound = ("near", 3e-5) if size == NEAR else ("far", 1.0)
+    return deviation(
+        f"stiffness of parts displaced {name}, {built}",
+        1e-6 * stiffness.ravel(),
+        1e-6 * softer.ravel(),
+        "N/um",
+        "differences of forces",
+        bound,
+    )
+
+
+def work_rows(built: str) -> list[Row]:
+    """Hold the energy that is stored along a way against the work of the forces, with no step on it."""
+    springs, _ = pressed(made(built))
+    number = springs.slope.shape[2]
+    end, load = way(number, AWAY), np.zeros(number)
+    shares = np.linspace(0.0, 1.0, 201)
+    states = [state(springs, 0, load, share * end) for share in shares]
+    pushed = np.array([-one.residual @ end for one in states])
+    work = np.concatenate([[0.0], np.cumsum((pushed[1:] + pushed[:-1]) / 2.0 * np.diff(shares))])
+    energy = np.array([one.energy for one in states]) - states[0].energy
+    return [deviation(f"energy stored on a way, {built}", 1e3 * energy, 1e3 * work, "mJ", "work of the forces", 0.03)]
+
+
+def balance_rows(built: str, *changes: str) -> list[Row]:
+    """Hold the forces at the balance that is found against the load, by exact gaps."""
+    design = made(built, *changes)
+    springs = springs_of(design, [CRANK], friction=False)
+    _, exact = pressed(design)
+    z = loads(design, springs, rig.RATED_LOAD).departures[0]
+    load = springs.load(share(design) * rig.RATED_LOAD)[0]
+    name = ", ".join([built, *(f"{change}" for change in changes)])
+    return [deviation(f"forces in balance, {name}", exact.push(z), -load, "N", SOURCE, 0.1)]
+
+
+def sample_rows() -> list[Row]:
+    """Hold the figures of a sample of two discs over some crank angles against the balances of exact gaps."""
+    design, count = made(TWO), len(TURN)
+    given = dict.fromkeys(design.pair_kinds, 3e8)  # a sample's springs are those of the design without its errors
+    design = design.but(stiffness=given)
+    figures = solve_samples(design, alike(design, 1), [rig.RATED_LOAD], count)[0]
+    springs = springs_of(design, TURN, friction=False)
+    found, load = loads(design, springs, rig.RATED_LOAD), springs.load(rig.RATED_LOAD)
+    z, force = [], []
+    for number, crank in enumerate(TURN):
+        _, exact = pressed(design, crank)
+        z.append(exact.balance(load[number], found.departures[number]))
+        force.append(exact.forces(z[-1]))
+    places, pushes = np.array(z), np.array(force)
+    gear, output = places[:, [2, 5]].mean(axis=1), places[:, -1]
+    turns = [value for one in (gear, output) for value in (one.mean(), np.ptp(one))]
+    teeth = 2 * design.ring.teeth
+    peaks = [pushes[:, part].max() for part in (slice(teeth), slice(teeth, -2), slice(-2, None))]
+    carrying = np.sum(pushes[:, :teeth] > 0.01 * peaks[0]) / count
+    lever = 1e6 / design.output.pin_circle_radius
+    of_turns = ("gear_mean", "gear_range", "output_mean", "output_range")
+    ours = {name: getattr(figures, name) for name in (*of_turns, "tooth", "output_pin", "cam", "carrying")}
+    return [
+        *(
+            deviation(
+                f"{name.replace('_', ', ')} of a sample",
+                1e6 * ours[name],
+                np.array([lever * turn]),
+                "urad",
+                SOURCE,
+                0.1,
+            )
+            for name, turn in zip(of_turns, turns, strict=True)
+        ),
+        *(
+            deviation(f"{name} force of a sample", ours[name], np.array([peak]), "N", SOURCE, 0.1)
+            for name, peak in zip(("tooth", "output_pin", "cam"), peaks, strict=True)
+        ),
+        deviation("teeth that carry in a sample", ours["carrying"], np.array([carrying]), "", SOURCE, 1e-3),
+    ]
+
+
+def path_rows(built: str, held: Held) -> list[Row]:
+    """Hold a loop of torque with friction that remembers against the law of friction on exact gaps: what is left over.
+
+    Of each step: springs on exact gaps push; the surfaces stick on springs that slip at their limit, and so does what
+    the material holds back.
+    """
+    design = made(built, *(f"friction.{kind}={FRICTION}" for kind in rig.MATING))
+    springs, exact = pressed(design)
+    rubbing = rubbing_of(design, springs, CRANK, Losses(drag=1.0, travel=1e-4, material=0.1), held)
+    load = np.zeros((len(LOOP), springs.slope.shape[2]))
+    load[:, -1] = rig.RATED_LOAD / springs.radius * LOOP
+    z = np.zeros_like(load)
+    follow_path(springs, rubbing, load, z)
+    left = load + np.array(list(_pushes(exact, rubbing, z)))
+    most = np.abs(load).max()
+    return [deviation(f"a loop with friction, {held} held, {built}", load + most, load + most - left, "N", SOURCE, 0.1)]
+
+
+def _pushes(exact: Pressed, rubbing: Rubbing, path: Array) -> Iterator[Array]:
+    """Give the generalised force of springs and friction [N], (u,), at each pose of a path that begins at rest."""
+    count, discs = rubbing.stick.size, exact.design.gear.discs
+    bearing = exact.stiffness.size + discs
+    before, side, material, depth = np.zeros(path.shape[1]), np.zeros(count), np.zeros(bearing), np.zeros(bearing)
+    for z in path:
+        slip = rubbing.slip.copy()
+        for disc, (x, y) in enumerate(cam_ways(exact.design, exact.crank, before)):
+            # a disc that slides across its cam does so at right angles to the way from the cam's centre
+            slip[bearing - discs + disc, 3 * disc : 3 * disc + 2] += np.array([-y, x]) / (np.hypot(x, y) or 1.0)
+        (gaps, slopes), spring = exact.contacts(z), exact.forces(z)
+        deeper = np.maximum(-gaps, 0.0)
+        material = held_back(material, deeper - depth, rubbing.loss[:bearing] * spring, rubbing.backing[:bearing])
+        pressed_by = spring + material
+        limit = np.concatenate([rubbing.coefficient[:bearing] * pressed_by, rubbing.drag])
+        side = held_back(side, slip @ (z - before), limit, rubbing.stick)
+        yield slopes.T @ pressed_by - slip.T @ side
+        before, depth = z, deeper
+
+
+STATICS: tuple[Callable[[], list[Row]], ...] = (
+    *(partial(state_rows, built) for built in BUILT),
+    *(partial(balance_rows, built) for built in BUILT),
+    partial(balance_rows, TWO, "output.member=ring"),
+    *(partial(work_rows, built) for built in (TWO, THREE)),
+    partial(path_rows, ONE, "crank"),
+    partial(path_rows, TWO, "output"),
+    sample_rows,
+)
+"""Give the rows, the quick ones first."""
+
+
+def rows(quick: bool) -> list[Row]:
+    """Give the rows of this part of the rung."""
+    return [row for part in STATICS for row in part()]
