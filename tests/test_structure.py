@@ -18,6 +18,8 @@ PUBLIC_DESPITE_THE_UNDERSCORE = {
     *("_fields", "_replace", "_asdict"),
     # MuJoCo's bindings: the address of a structure
     "_address",
+    # of os: how a forked process ends
+    "_exit",
 }
 JUDGED_BY_WORDS = {
     # a file of the Linux kernel, whose lines have no other key
