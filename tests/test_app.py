@@ -1,9 +1,11 @@
 """The designer's page: what it shows of any design, and the page in a real browser."""
 
+import asyncio
 import os
 import random
 import re
 import shutil
+import signal
 import socket
 import subprocess
 import sys
@@ -12,6 +14,7 @@ import tomllib
 import urllib.request
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -23,7 +26,8 @@ from cycloid_mj.app.drawing import mechanism_svg
 from cycloid_mj.app.knobs import SHAPES, knobs, shape_of, turned
 from cycloid_mj.app.made import FILES
 from cycloid_mj.app.running import Runner
-from cycloid_mj.app.shown import check_lines, error_lines, life_lines, static_lines
+from cycloid_mj.app.shown import Line, check_lines, error_lines, life_lines, static_lines
+from cycloid_mj.app.workers import Workers
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import CycloidError
@@ -97,7 +101,7 @@ def test_what_breaks_is_told_with_its_reason_errors_first() -> None:
 def test_no_place_of_the_sliders_crashes() -> None:
     """Wherever sliders stand, there are figures or a reason for which there are none."""
     rng = random.Random(3)
-    for _ in range(12):
+    for _ in range(8):
         base = rng.choice(list(DESIGNS.values()))
         places = {knob.key: rng.choice([knob.low, knob.high]) for knob in rng.sample(knobs(base), 2)}
         try:
@@ -116,7 +120,9 @@ def test_the_switch_shows_what_a_design_is() -> None:
     assert shape_of(override(PRESETS["pin"], {"gear.discs": 3})) is None
 
 
-@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "MJCF")) for name in FILES])
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in {"MJCF", "Datasheet"})) for name in FILES]
+)
 def test_every_button_gives_a_file(name: str) -> None:
     ((file, content),) = FILES[name](unlike("few")).items()
     assert file.startswith(unlike("few").name)
@@ -126,6 +132,30 @@ def test_every_button_gives_a_file(name: str) -> None:
 def test_a_crank_that_stands_still_is_not_run() -> None:
     with pytest.raises(CycloidError, match="stands still"):
         Runner().run(PRESETS["nonpin"].but(drive={"speed": 0.0}))
+
+
+def dying(mark: Path, _: Design) -> tuple[Line, ...]:
+    """End the process it is done in, as a system without memory does, but the first time alone."""
+    if mark.exists():
+        mark.unlink()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return (Line("process", str(os.getpid())),)
+
+
+@pytest.mark.slow
+def test_a_process_that_dies_is_replaced(tmp_path: Path) -> None:
+    mark, workers = tmp_path / "mark", Workers(())
+    mark.touch()
+
+    async def all_done() -> list[tuple[Line, ...]]:
+        return await asyncio.gather(*(workers.do(partial(dying, mark), PRESETS["pin"]) for _ in range(3)))
+
+    try:
+        found = asyncio.run(all_done())
+    finally:
+        workers.close()
+    assert not mark.exists()
+    assert all(int(line.value) != os.getpid() for (line,) in found)
 
 
 def test_mistakes_are_one_line(capsys: pytest.CaptureFixture[str]) -> None:

@@ -28,11 +28,12 @@ class Workers:
 
     async def do(self, work: Work, design: Design) -> tuple[Line, ...]:
         """Give what a work makes of a design; if a process has died, as for want of memory, with new ones."""
-        loop = asyncio.get_running_loop()
+        loop, pool = asyncio.get_running_loop(), self._pool
         try:
-            return await loop.run_in_executor(self._pool, work, design)
+            return await loop.run_in_executor(pool, work, design)
         except BrokenProcessPool:
-            self._pool = self._started()
+            if self._pool is pool:  # else another work has found it broken before
+                self._pool = self._started()
             return await loop.run_in_executor(self._pool, work, design)
 
     def close(self) -> None:
