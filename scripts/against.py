@@ -101,7 +101,7 @@ class Trial:
     ours
         Further words for this tree.
     reference
-        Further words for another run of the other tree, which the figures are held against; none without.
+        Further words for another run of both trees, whose figures the others are held against; none without.
     figures
         What both are held against each other by.
     logged
@@ -203,7 +203,7 @@ def ended(tree: Path, trial: Trial, further: tuple[str, ...], out: Path) -> Ende
 def compare(trial: Trial, other: Path, passes: int) -> tuple[list[Ended], list[Ended], dict[str, Figures]]:
     """Run a trial in this tree and in another in turn; give how each pass ended here and there, and the figures.
 
-    The figures are those of this tree, of the other one, and of the other one's reference. A run before them compiles.
+    The figures are those of this tree, of the other one, and of the reference of both. A run before them compiles.
     """
     ours: list[Ended] = []
     theirs: list[Ended] = []
@@ -217,16 +217,16 @@ def compare(trial: Trial, other: Path, passes: int) -> tuple[list[Ended], list[E
             theirs.append(ended(other, trial, (), out / f"other{number}"))
         found = {"this tree": trial.figures(ours[0]), "other": trial.figures(theirs[0])}
         if trial.reference:
-            found["reference"] = trial.figures(ended(other, trial, trial.reference, out / "reference"))
+            for name, tree in (("this tree, fine", ROOT), ("other, fine", other)):
+                found[name] = trial.figures(ended(tree, trial, trial.reference, out / name))
     return ours, theirs, found
 
 
-def difference(found: Mapping[str, Figures]) -> tuple[str, float, int]:
-    """Give the figure that differs most between this tree and the last of the others, by how much, and of how many.
+def difference(ours: Figures, theirs: Figures) -> tuple[str, float, int]:
+    """Give the figure that differs most between two runs, by how much, and of how many.
 
     The difference is a share of the other's figure; figures that only one side has are left out.
     """
-    ours, *_, theirs = found.values()
     common = {name: abs(ours[name] / theirs[name] - 1.0) for name in ours if theirs.get(name)}
     worst = max(common, key=lambda name: common[name], default="")
     return worst, common.get(worst, math.nan), len(common)

@@ -9,13 +9,13 @@ from functools import lru_cache
 
 import numpy as np
 
-from cycloid_mj import statics
+from cycloid_mj import names, statics
 from cycloid_mj.contact.law import contact_stiffness, pair_stiffness
 from cycloid_mj.contact.working import at_rated_load, working_force
 from cycloid_mj.design import Design, Drive, Friction, Settings
 from cycloid_mj.member import share
 from cycloid_mj.modification import tooth_profile
-from cycloid_mj.solid import gear_solid, mass_properties, output_inertia
+from cycloid_mj.solid import moving_masses, output_inertia
 from cycloid_mj.structure import wind_up
 
 SETTLING = 0.005
@@ -60,8 +60,10 @@ def moving_inertia(design: Design) -> float:
 
 @lru_cache(maxsize=16)
 def _inertia(design: Design) -> float:
-    gear = 0.0 if design.output.turns_ring else float(mass_properties(gear_solid(design)).inertia[2, 2])
-    return design.gear.discs * gear + output_inertia(design)
+    if design.output.turns_ring:
+        return output_inertia(design)
+    gear = moving_masses(design)[names.of_disc(names.GEAR, 0, design.gear.discs)]
+    return design.gear.discs * float(gear.inertia[2, 2]) + output_inertia(design)
 
 
 def swing_period(design: Design) -> float:
