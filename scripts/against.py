@@ -116,10 +116,9 @@ class Trial:
     logged: bool = True
 
 
-def loaded(design: str, *flags: str) -> tuple[str, ...]:
-    """Give the words of a run at full speed under the rated load, of one crank turn after it has settled."""
-    hold = repr(SETTLING + TURN)
-    return ("simulate", "--design", design, "--load-nm", "36.68", "--ramp-s", "0", "--hold-s", hold, *flags)
+def loaded(design: str, *flags: str, hold: float = SETTLING + TURN) -> tuple[str, ...]:
+    """Give the words of a run at full speed under the rated load, by default of one crank turn after it has settled."""
+    return ("simulate", "--design", design, "--load-nm", "36.68", "--ramp-s", "0", "--hold-s", repr(hold), *flags)
 
 
 FINE = ("--timestep-us", "0.5")
@@ -142,7 +141,39 @@ json.dump(found, sys.stdout)
 """
 """Static transmission error of ten toleranced reducers over a turn, by what each revision has for it."""
 
+LOOPS = """import json, sys, time
+from cycloid_mj.design import PRESETS, override
+from cycloid_mj.mjcf import build
+try:
+    from cycloid_mj.run import blocks
+except ImportError:
+    from cycloid_mj.simulate import blocks
+newer = "cycloid_mj.run" in sys.modules
+massless = ["ring.pins=massless"] if newer else []
+cases = {
+    "free pins, no load": ("pin", 0.0, 0.03, []),
+    "the same, half speed": ("pin", 0.0, 0.03, ["drive.speed_rpm=820"]),
+    "free pins, 36.68 N m": ("pin", 36.68, 0.03, []),
+    "massless pins, 36.68 N m": ("pin", 36.68, 0.03, massless),
+    "fixed pins, 36.68 N m": ("pin", 36.68, 0.1, ["ring.pins=fixed"]),
+    "nonpin, 36.68 N m": ("nonpin", 36.68, 0.1, []),
+}
+found = {}
+for name, (preset, load, hold, changes) in cases.items():
+    run = ["drive.ramp_s=0", f"drive.hold_s={hold}", f"load.torque_nm={load}", *changes]
+    design = override(PRESETS[preset], run)
+    samples = blocks(build(design), design)
+    next(samples)
+    start = time.thread_time()
+    taken = sum(len(block.time) for block in samples)
+    found[name] = (time.thread_time() - start) * design.settings.log_rate / taken
+json.dump(found, sys.stdout)
+"""
+"""CPU time of a simulated second [s] in the step loop alone, from the first block of samples on; each at the step that
+the revision runs it at. A revision that has no massless pins runs free ones instead."""
+
 TRIALS = (
+    Trial("start and end of a run", loaded("pin", hold=0.001), figures=of_the_json),
     Trial("default run", ("simulate", "--design", "pin")),
     Trial("free pins, 36.68 N m", loaded("pin"), reference=FINE),
     Trial("massless pins, 36.68 N m", loaded("pin"), ("--set", 'ring.pins="massless"'), reference=FINE),
@@ -220,6 +251,19 @@ def compare(trial: Trial, other: Path, passes: int) -> tuple[list[Ended], list[E
             for name, tree in (("this tree, fine", ROOT), ("other, fine", other)):
                 found[name] = trial.figures(ended(tree, trial, trial.reference, out / name))
     return ours, theirs, found
+
+
+def loops(other: Path, passes: int) -> dict[str, tuple[list[float], list[float]]]:
+    """Give what `LOOPS` finds of each case in this tree and in another, in turn, pass by pass."""
+    found: dict[str, tuple[list[float], list[float]]] = {}
+    trial = Trial("loops", (LOOPS,), figures=of_the_json, logged=False)
+    with TemporaryDirectory() as folder:
+        for number in range(passes):
+            for side, tree in enumerate((ROOT, other)):
+                costs = trial.figures(ended(tree, trial, (), Path(folder) / f"{number}-{side}"))
+                for name, cost in costs.items():
+                    found.setdefault(name, ([], []))[side].append(cost)
+    return found
 
 
 def difference(ours: Figures, theirs: Figures) -> tuple[str, float, int]:

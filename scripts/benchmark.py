@@ -28,7 +28,7 @@ from typing import Any
 import mujoco
 import numba
 import numpy as np
-from against import TRIALS, compare, difference, laid_out, of_the_log
+from against import TRIALS, compare, difference, laid_out, loops, of_the_log
 from passes import (
     FIXED,
     FREE,
@@ -144,29 +144,40 @@ def teeth_table(passes: int) -> Table:
 
 
 def threads_table(passes: int) -> Table:
-    """As many independent runs at once, in threads, as there are cores, against one; wall time [s].
+    """As many independent runs at once, in threads, as there are cores, against one: wall [s] and CPU time.
 
-    What needs no Python at all, hashing, tells how much of the cores there is to have.
+    What needs no Python at all, hashing, tells how much of the cores there is to have. Wall times are right on an idle
+    machine alone. CPU times, us per step of a thread, tell what threads take from each other's caches and cores; what
+    they wait for Python is in the wall times only.
     """
 
-    def together(runs: int, work: Callable[[], object]) -> float:
-        start = time.perf_counter()
-        with ThreadPoolExecutor(runs) as pool:
-            for run in [pool.submit(work) for _ in range(runs)]:
-                run.result()
-        return time.perf_counter() - start
+    def hashing() -> float:
+        start = time.thread_time_ns()
+        sha256(zeros)
+        return 1e-3 * (time.thread_time_ns() - start)
 
     zeros = bytes(10**9)
-    works: dict[str, Callable[[], object]] = {
+    works: dict[str, Callable[[], float]] = {
         FREE: partial(loop_cost, *example(FREE, 36.0, 10_000)),
         NONPIN: partial(loop_cost, *example(NONPIN, 36.0, 60_000)),
-        "hashing": lambda: sha256(zeros),
+        f"{NONPIN}, own step": partial(loop_cost, *_at_own_step(NONPIN, 60_000)),
+        "hashing": hashing,
     }
     table: Table = {}
     for name, work in works.items():
-        row = in_turn(passes, one=partial(together, 1, work), all=partial(together, cores(), work))
-        table[f"{name}, {cores()} runs"] = row | ratio(row, "all", "one")
+        pairs = [(together(1, work), together(cores(), work)) for _ in range(passes)]
+        wall = {part: [pair[k][0] for pair in pairs] for k, part in enumerate(("one", "all"))}
+        cpu = {f"{part}, CPU": [pair[k][1] for pair in pairs] for k, part in enumerate(wall)}
+        table[f"{name}, {cores()} runs"] = wall | ratio(wall, "all", "one") | cpu | ratio(cpu, "all, CPU", "one, CPU")
     return table
+
+
+def together(runs: int, work: Callable[[], float]) -> tuple[float, float]:
+    """Do so many works at once, in threads; give the wall time [s] and the mean of what they give."""
+    start = time.perf_counter()
+    with ThreadPoolExecutor(runs) as pool:
+        given = [run.result() for run in [pool.submit(work) for _ in range(runs)]]
+    return time.perf_counter() - start, statistics.mean(given)
 
 
 def command_table(passes: int) -> Table:
@@ -234,6 +245,12 @@ def _of_discs(name: str, discs: int) -> Case:
     return design, build(design)
 
 
+def _at_own_step(kind: str, steps: int) -> Case:
+    """Give a case at the step that its design chooses at 36 N m."""
+    step = float(example(kind, 36.0, 0, OWN_STEP)[1].model.opt.timestep)
+    return example(kind, 36.0, 0, OWN_STEP, *_lasting(steps, step))
+
+
 def exudyn_table(passes: int) -> Table:
     """CPU time of a simulated second at rated load [s], here, each design at its own step, and in Exudyn (published).
 
@@ -241,8 +258,8 @@ def exudyn_table(passes: int) -> Table:
     """
     table: Table = {}
     for kind, published in EXUDYN.items():
-        step = float(example(kind, 36.0, 0, OWN_STEP)[1].model.opt.timestep)
-        case = example(kind, 36.0, 0, OWN_STEP, *_lasting(20_000, step))
+        case = _at_own_step(kind, 20_000)
+        step = float(case[1].model.opt.timestep)
         here = [loop_cost(*case) / (1e6 * step) for _ in range(passes)]
         row = {"here": here, "Exudyn": list(published)}
         table[kind] = row | {"Exudyn / here": [cost / statistics.median(here) for cost in published]}
@@ -250,12 +267,16 @@ def exudyn_table(passes: int) -> Table:
 
 
 def against_table(revision: str, passes: int) -> Table:
-    """Show commands here and in another revision, in turn: CPU time [s], peak memory [MB], and figures of both.
+    """Show step loops and commands here and in another revision, in turn: CPU time [s], peak memory [MB], figures.
 
     What the step changes is the difference to this tree's own fine step; the other's also has another physics.
     """
     table: Table = {}
     with laid_out(revision) as other:
+        for name, (here, there) in loops(other, passes).items():
+            costs = {"this tree": here, revision: there}
+            table[f"1 s of {name}"] = costs | ratio(costs, revision, "this tree")
+        show(table)
         for trial in TRIALS:
             ours, theirs, found = compare(trial, other, passes)
             row = {"this tree": [one.cpu for one in ours], revision: [one.cpu for one in theirs]}

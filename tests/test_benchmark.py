@@ -2,6 +2,7 @@
 
 import json
 import sys
+import threading
 from pathlib import Path
 
 import pytest
@@ -37,6 +38,18 @@ def test_passes_are_taken_in_turn() -> None:
     row = benchmark.in_turn(3, a=lambda: one("a"), b=lambda: one("b"))
     assert "".join(taken) == "ababab"
     assert benchmark.ratio(row, "b", "a") == {"b / a": [2.0, 4.0 / 3.0, 6.0 / 5.0]}
+
+
+def test_threads_are_timed_together() -> None:
+    met = threading.Barrier(3)
+
+    def work() -> float:
+        met.wait(timeout=10.0)  # nobody goes on before all three are there
+        return float(threading.get_ident() != threading.main_thread().ident)
+
+    wall, given = benchmark.together(3, work)
+    assert 0.0 < wall < 10.0
+    assert given == 1.0
 
 
 def test_the_number_of_teeth_fits() -> None:
@@ -146,6 +159,14 @@ def test_a_tree_against_itself_has_the_same_figures(tmp_path, monkeypatch) -> No
     assert all(figures == here for figures in rest)
     assert here["cam [N]"] > 0.0
     assert against.difference(here, rest[0])[1] == 0.0
+
+
+@pytest.mark.slow
+def test_the_loops_of_two_trees_are_timed_in_turn() -> None:
+    found = against.loops(against.ROOT, 1)
+    assert len(found) == 6
+    assert all(0.2 < here / there < 5.0 for (here,), (there,) in found.values())
+    assert found["massless pins, 36.68 N m"][0][0] < 0.3 * found["free pins, 36.68 N m"][0][0]
 
 
 @pytest.mark.slow
