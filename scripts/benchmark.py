@@ -42,6 +42,7 @@ from passes import (
     logged_cost,
     loop_cost,
     own_cost,
+    run_cost,
 )
 from sweeping import sweep_table
 
@@ -146,9 +147,9 @@ def teeth_table(passes: int) -> Table:
 def threads_table(passes: int) -> Table:
     """As many independent runs at once, in threads, as there are cores, against one: wall [s] and CPU time.
 
-    What needs no Python at all, hashing, tells how much of the cores there is to have. Wall times are right on an idle
-    machine alone. CPU times, us per step of a thread, tell what threads take from each other's caches and cores; what
-    they wait for Python is in the wall times only.
+    What needs no Python at all, hashing, tells how much of the cores there is to have; at 10 us a sample is ten steps.
+    Wall times are right on an idle machine alone. CPU times, us per step of a thread, tell what threads take from each
+    other's caches and cores; what they wait for Python is in the wall times only.
     """
 
     def hashing() -> float:
@@ -160,7 +161,7 @@ def threads_table(passes: int) -> Table:
     works: dict[str, Callable[[], float]] = {
         FREE: partial(loop_cost, *example(FREE, 36.0, 10_000)),
         NONPIN: partial(loop_cost, *example(NONPIN, 36.0, 60_000)),
-        f"{NONPIN}, own step": partial(loop_cost, *_at_own_step(NONPIN, 60_000)),
+        f"{NONPIN}, 10 us": partial(run_cost, *example(NONPIN, 36.0, 0, OWN_STEP, "drive.hold_s=0.6")),
         "hashing": hashing,
     }
     table: Table = {}
@@ -245,12 +246,6 @@ def _of_discs(name: str, discs: int) -> Case:
     return design, build(design)
 
 
-def _at_own_step(kind: str, steps: int) -> Case:
-    """Give a case at the step that its design chooses at 36 N m."""
-    step = float(example(kind, 36.0, 0, OWN_STEP)[1].model.opt.timestep)
-    return example(kind, 36.0, 0, OWN_STEP, *_lasting(steps, step))
-
-
 def exudyn_table(passes: int) -> Table:
     """CPU time of a simulated second at rated load [s], here, each design at its own step, and in Exudyn (published).
 
@@ -258,8 +253,8 @@ def exudyn_table(passes: int) -> Table:
     """
     table: Table = {}
     for kind, published in EXUDYN.items():
-        case = _at_own_step(kind, 20_000)
-        step = float(case[1].model.opt.timestep)
+        step = float(example(kind, 36.0, 0, OWN_STEP)[1].model.opt.timestep)
+        case = example(kind, 36.0, 0, OWN_STEP, *_lasting(20_000, step))
         here = [loop_cost(*case) / (1e6 * step) for _ in range(passes)]
         row = {"here": here, "Exudyn": list(published)}
         table[kind] = row | {"Exudyn / here": [cost / statistics.median(here) for cost in published]}

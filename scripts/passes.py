@@ -138,6 +138,13 @@ def loop_cost(design: Design, reducer: ReducerModel, log: LogWriter | None = Non
     return 1e-3 * (time.thread_time_ns() - start) / (schedule(design).steps - WARM)
 
 
+def run_cost(design: Design, reducer: ReducerModel) -> float:
+    """CPU time of a step [us] over the whole of a run, from its start on."""
+    start = time.thread_time_ns()
+    steps = schedule(design).stride * (sum(len(block.time) for block in blocks(reducer, design)) - 1) + 1
+    return 1e-3 * (time.thread_time_ns() - start) / steps
+
+
 def logged_cost(design: Design, reducer: ReducerModel) -> float:
     """CPU time of a step of ``simulate`` [us] into a log as ``cycloid-mj simulate`` writes it."""
     groups = {topic: list(units.items()) for topic, units in columns(reducer, design).items()}

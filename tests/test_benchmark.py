@@ -25,6 +25,7 @@ def test_a_step_is_its_parts() -> None:
     assert min(own, narrow) > 0.3
     assert own + narrow == pytest.approx(bare, rel=0.5)
     assert passes.loop_cost(*case) > 0.7 * bare
+    assert passes.run_cost(*case) > 0.7 * bare
     assert passes.logged_cost(*case) > 0.7 * bare
 
 
