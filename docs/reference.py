@@ -19,8 +19,8 @@ DESIGN = """# Reference: the design file
 A design file is TOML. Every key is listed here with its unit, its value in the preset `pin`, what is allowed, and where
 the value comes from; `cycloid-mj design show pin` prints them as a file. A key that is left out keeps this value.
 
-Which value counts: that of the file; over it that of `--set table.key=value`, for a single command; over both that of a
-flag (`--load-nm`, `--speed-rpm`, ...).
+Which value counts: `--set table.key=value` overrides the file for a single command, and a flag (`--load-nm`,
+`--speed-rpm`, ...) overrides both.
 """
 
 COMMANDS = """# Reference: the commands
@@ -106,5 +106,5 @@ def _directives() -> Iterator[str]:
         kind = "module" if inspect.ismodule(value) else "class" if inspect.isclass(value) else "function"
         if not (inspect.ismodule(value) or callable(value)):
             continue
-        members = "   :members:\n" if kind == "class" else ""
+        members = "   :members:\n   :exclude-members: model_config\n" if kind == "class" else ""
         yield f"\n## `{name}`\n\n```{{eval-rst}}\n.. auto{kind}:: cycloid_mj.{name}\n{members}```\n"

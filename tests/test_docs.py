@@ -7,6 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from cycloid_mj.design import PRESETS
+from cycloid_mj.loaded.sheet import sheet
+from cycloid_mj.rating.items import rate
+
 ROOT = Path(__file__).parent.parent
 WRITTEN = [
     page
@@ -34,6 +38,37 @@ def test_files_and_modules_exist(page: Path) -> None:
         elif re.fullmatch(r"(mechanism|loaded|cycloid_mj)\.[a-z_.]+", word):
             module = word if word.startswith("cycloid_mj") else f"cycloid_mj.{word}"
             assert importlib.util.find_spec(module), word
+
+
+def test_figures_of_statics_are_those_of_the_code() -> None:
+    """What pages print of `pin` at its rated load, from statics and rating, to the digits that they have."""
+    design = PRESETS["pin"]
+    found = {key: one.value for key, one in sheet(design).quantities.items()}
+    items = rate(design).items
+    printed = {
+        "explore": (
+            f"| largest pressure on the teeth [MPa] | {found['pin_gear_pressure']:.0f} |",
+            f"| capacity, first yield of any contact [N m] | {found['capacity']:.1f} |",
+            f"| backlash, mean [arcmin] | {found['backlash']:.3f} |",
+            f"| stiffness [N m/arcmin] | {found['stiffness_ideal']:.1f} |",
+            f"largest tooth force [N] | {found['pin_gear_peak_force']:.0f} |",
+            f"| friction of the teeth [W] | {found['pin_gear_friction_power']:.1f} |",
+            f"[arcsec] | {found['output_peak_to_peak_loaded_forward_speed']:.2f} |",
+            f"| the same, unloaded [arcsec] | {found['output_peak_to_peak_unloaded_forward_speed']:.2f} |",
+        ),
+        "rating": (
+            f"| {found['cam_mean_force']:.0f} N mean, {found['cam_peak_force']:.0f} N largest |",
+            f"| {items['cam_bearing'].value:.0f} N | 1687 rpm | {round(items['cam_bearing'].life, -2):,.0f} h |",
+            f"as a beam: {items['shaft_bearing_near'].value:.0f} N and {items['shaft_bearing_far'].value:.0f} N",
+            f"{items['output_pin_fatigue'].safety:.2f} with its core of 3 mm",
+            f"| {items['power_lost'].value:.1f} W, {items['temperature'].value:.0f} °C",
+            f"| {found['backlash']:.2f} arcmin |",
+            f"| {found['efficiency']:.1f} % |",
+        ),
+    }
+    for page, figures in printed.items():
+        text = (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8").replace(",", " ")
+        assert not [figure for figure in figures if figure.replace(",", " ") not in text], page
 
 
 def test_walks_name_functions_that_are_there_in_ten_lines_each() -> None:
