@@ -96,7 +96,7 @@ class _Page:
         ui.add_css(STYLE)
         with ui.element("div").classes("page"):
             with ui.column().classes("sliders gap-1"):
-                self._shape = ui.toggle(list(SHAPES), value=shape_of(design), on_change=self._reshape)
+                ui.toggle(list(SHAPES), value=shape_of(design), on_change=self._reshape)
                 self._sliders = ui.column().classes("w-full gap-0")
                 _row(CRANK, self._turn)
             with ui.element("div").classes("picture"):
