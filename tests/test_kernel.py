@@ -42,16 +42,17 @@ def pose(contacts: Springs, size: float) -> np.ndarray:
 
 @pytest.mark.parametrize("name", ["pin", "twodisc", "light"])
 def test_no_contact_that_is_closed_is_passed_over(name: str) -> None:
-    """The energy is that of all gaps, however far the parts are displaced."""
+    """The energy is that of all gaps, with curves apart and displaced along each other at random."""
     contacts = springs(name, "structure=rigid")
-    number = contacts.slope.shape[2]
-    for size in (5e-6, 2e-5, 5e-5):
-        for z in np.random.default_rng(3).uniform(-size, size, (8, number)):
-            widths = np.array([gap(contacts, 0, i, z).width for i in range(contacts.disc.size)])
-            ways = z[:-1].reshape(-1, 3)[:, :2] - contacts.cam_place[0]
-            deep = np.maximum(np.linalg.norm(ways, axis=1) - contacts.cam_clearance, 0.0)
-            stored = contacts.stiffness[0] @ np.minimum(widths, 0.0) ** 2 + contacts.cam_stiffness * deep @ deep
-            assert state(contacts, 0, np.zeros(number), z).energy == pytest.approx(0.5 * stored, rel=1e-12)
+    rest, shape = np.zeros(contacts.slope.shape[2]), contacts.distance.shape
+    away = np.linalg.norm(contacts.cam_place[0], axis=1)
+    deep = np.maximum(away - contacts.cam_clearance, 0.0)
+    draw = np.random.default_rng(3).uniform
+    for size in np.outer(np.repeat((1e-6, 5e-6), 20), np.where(contacts.turning, 1.0, 200.0)):  # holes are circles
+        apart = contacts._replace(distance=draw(-size, size, shape), shift=draw(-size, size, shape))
+        widths = np.array([gap(apart, 0, i, rest).width for i in range(contacts.disc.size)])
+        stored = contacts.stiffness[0] @ np.minimum(widths, 0.0) ** 2 + contacts.cam_stiffness * deep @ deep
+        assert state(apart, 0, rest, rest).energy == pytest.approx(0.5 * stored, rel=1e-12)
 
 
 def test_figures_of_a_sample_are_those_of_its_balances() -> None:
@@ -91,7 +92,7 @@ def test_forces_are_the_descent_of_the_energy_and_stiffness_that_of_the_forces(n
     )
     if size < 1e-5:  # farther away a curve that turns counts as its circle: its stiffness as a way to the balance
         stiffness = -differences(contacts, load, z, "residual")
-        np.testing.assert_allclose(stiffness, found.stiffness, rtol=0.0, atol=1e-6 * np.abs(stiffness).max())
+        np.testing.assert_allclose(stiffness, found.stiffness, rtol=0.0, atol=2e-7 * np.abs(stiffness).max())
 
 
 TURN = (0.3, 0.375, 0.45)
