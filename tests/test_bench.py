@@ -2,7 +2,9 @@
 
 import json
 import math
-from functools import cache
+from collections import Counter
+from dataclasses import dataclass
+from functools import cache, cached_property
 from itertools import pairwise
 from pathlib import Path
 
@@ -11,7 +13,6 @@ import pytest
 from designs import UNLIKE, design_file, unlike
 
 from cycloid_mj.bench import (
-    Calibration,
     MeasuredLoop,
     calibrate,
     compare_bench,
@@ -20,8 +21,10 @@ from cycloid_mj.bench import (
     read_loop,
     read_te,
 )
-from cycloid_mj.bench.fit import Bench, memory, model_branches
-from cycloid_mj.bench.parameters import DEFAULT, Model
+from cycloid_mj.bench.fit import Fitted, fit
+from cycloid_mj.bench.overlay import Bench, model_branches, put_all
+from cycloid_mj.bench.parameters import DEFAULT, Model, parameters
+from cycloid_mj.bench.spread import memory
 from cycloid_mj.cli.app import main
 from cycloid_mj.design import Design, load, resolve
 from cycloid_mj.errors import UsageError
@@ -33,6 +36,8 @@ from cycloid_mj.units import DEGREE
 
 DATA = Path(__file__).parent / "data" / "bench"
 BENCH = [DATA / "play_loop.csv", DATA / "stiffness_loop.csv"]
+NEAR = (44.0, 0.006, 0.3, 2.2, 0.1)
+"""About the values of `FIVE` that the printed drive's loops ask for."""
 FIVE = ("play", "tooth_stiffness", "friction", "drag", "drag_travel")
 FRICTIONLESS = dict.fromkeys(type(Design().friction).model_fields, 0.0)
 
@@ -109,76 +114,143 @@ def test_a_loop_takes_work_that_grows_with_friction() -> None:
     assert 0.0 < areas[0] < areas[1] < areas[2]
 
 
-def made_loop(
-    design: Design, losses: Losses, most: float, seed: int, noise: float = 0.01, name: str = "made"
-) -> MeasuredLoop:
-    """Make a loop by the model, with noise of a share of its ranges, an offset, and points at uneven torques."""
+COUNT, FINER = 60, 4
+"""Points of a branch of a made loop, and how much finer the model goes there: not the steps of the fit."""
+
+
+def made_loop(model: Model, most: float, seed: int, name: str = "made", begin: float = 0.3) -> MeasuredLoop:
+    """Make a loop by the model, with an offset, and noise of 1 % of its height and of 0.3 % of its range of torque."""
     generator = np.random.default_rng(seed)
-    torque = course(0.3 * most, most, -most, 0.3 * most, count=60)
-    ends = measured_loop(name, torque, torque + 0.0)
-    branches = model_branches(Model(design, losses), Bench("crank", 0.0), ends)
-    turn = np.empty(len(torque))
-    for number, (loads_, turns) in enumerate(branches):
-        here, order = ends.branch == number, np.argsort(loads_)
-        turn[here] = np.interp(torque[here], loads_[order], turns[order])
-    torque = torque + noise * 2.0 * most * generator.standard_normal(len(torque)) * 0.3
-    turn = turn + noise * np.ptp(turn) * generator.standard_normal(len(turn))
-    return measured_loop(name, torque, turn / DEGREE + 0.2)
-
-
-TRUE = {"play": 80.0, "tooth_stiffness": 0.02, "friction": 0.22, "drag": 2.0, "drag_travel": 0.1}
+    torque, turn = clean_loop(model, most, begin)
+    noisy = turn + 0.01 * np.ptp(turn) * generator.standard_normal(len(turn))
+    return measured_loop(name, torque + 0.006 * most * generator.standard_normal(len(torque)), noisy / DEGREE + 0.2)
 
 
 @cache
-def known() -> Design:
-    from cycloid_mj.bench.parameters import parameters
-
-    model = Model(resolve("printed"), Losses())
-    for one in parameters(model.design, tuple(TRUE)[:3], 20.0, 0.02):
-        model = one.put(model, TRUE[one.key])
-    return model.design
+def clean_loop(model: Model, most: float, begin: float) -> tuple[Array, Array]:
+    lead = course(0.0, -most, begin * most)[:-1] if begin else np.zeros(0)
+    loop = course(begin * most, most, -most, begin * most, count=FINER * COUNT)
+    turn = turn_along(model.design, np.concatenate([lead, loop]), 0.0, model.losses)[len(lead) :]
+    return loop[::FINER], turn[::FINER]
 
 
-def recovered(seed: int, *to: float) -> Calibration:
-    losses = Losses(TRUE["drag"], DEGREE * TRUE["drag_travel"])
-    loops = [made_loop(known(), losses, most, 2 * seed + place, name=f"to_{most:g}") for place, most in enumerate(to)]
-    return calibrate(resolve("printed"), loops, FIVE)
+@dataclass(frozen=True)
+class Known:
+    """A design with known values, the torque of its loop [N m], and in how many of 20 each came back."""
+
+    design: Design
+    values: dict[str, float]
+    most: float
+
+    @cached_property
+    def model(self) -> Model:
+        ends = measured_loop("ends", *[course(0.0, 1.0, -1.0, 0.0)] * 2)
+        return put_all(
+            Model(self.design, Losses()),
+            parameters(self.design, tuple(self.values), [ends]),
+            np.array(list(self.values.values())),
+        )
+
+    def hits(self, keys: tuple[str, ...], seed: int) -> dict[str, bool]:
+        """Fit some of the values to one loop, all others known: which of them are in their intervals."""
+        rest = {key: value for key, value in self.values.items() if key not in keys}
+        given = Known(self.design, rest, self.most).model.design if rest else self.design
+        found = calibrate(given, [made_loop(self.model, self.most, seed)], keys)
+        return {key: one.ci95[0] <= self.values[key] <= one.ci95[1] for key, one in found.estimates.items()}
+
+
+KNOWN = {
+    "printed": Known(
+        resolve("printed"),
+        {"play": 80.0, "tooth_stiffness": 0.02, "friction": 0.22, "drag": 2.0, "drag_travel": 0.1},
+        20.0,
+    ),
+    "few": Known(
+        unlike("few"),
+        {"play": 60.0, "tooth_stiffness": 0.3, "friction": 0.12, "drag": 0.25, "drag_travel": 0.02},
+        3.0,
+    ),
+}
+"""A printed drive of 13:1, and a steel one of 6:1 with free pins."""
 
 
 def test_known_values_come_back() -> None:
-    found = recovered(0, 20.0)
-    assert sum(one.ci95[0] <= TRUE[key] <= one.ci95[1] for key, one in found.estimates.items()) >= 4
-    assert all(one.identified for one in found.estimates.values())
-    assert found.estimates["tooth_stiffness"].value == pytest.approx(TRUE["tooth_stiffness"], rel=0.05)
+    """Both kinds of friction, which a loop hardly tells apart, from starts far off, in intervals of 95 %."""
+    known = Known(KNOWN["printed"].design, KNOWN["printed"].values | {"drag_travel": 0.0}, 20.0)
+    keys = ("friction", "drag")
+    hits = [known.hits(keys, seed) for seed in range(2)]
+    assert sum(hit for one in hits for hit in one.values()) == 4, hits
 
 
 @pytest.mark.slow
-def test_known_values_come_back_for_most_seeds() -> None:
-    hits = dict.fromkeys(TRUE, 0)
+@pytest.mark.parametrize("name", KNOWN)
+def test_known_values_come_back_for_most_seeds(name: str) -> None:
+    """All five at once from one loop: each is in its interval in 17 of 20 at least."""
+    counts = Counter[str]()
     for seed in range(20):
-        for key, one in recovered(seed, 4.0, 20.0).estimates.items():
-            hits[key] += one.ci95[0] <= TRUE[key] <= one.ci95[1]
-    assert all(count >= 17 for count in hits.values()), hits
+        counts.update(KNOWN[name].hits(FIVE, 100 * seed))
+    assert all(counts[key] >= 17 for key in FIVE), counts
+
+
+def test_the_way_to_the_loop_is_left_out() -> None:
+    """A bench that starts from rest begins inside the loop; one that goes round has no such points."""
+    model = KNOWN["printed"].model
+    assert made_loop(model, 20.0, 0, begin=0.0).lead == pytest.approx(COUNT, abs=3)
+    assert made_loop(model, 20.0, 0).lead == 0
+    assert [read_loop(path).lead for path in BENCH] == [0, 0]
+
+
+def test_a_loop_turns_round_where_its_torque_does() -> None:
+    """Neither noise nor few points cut off the tips, at which parts stick and from which on they remember."""
+    for seed in range(3):
+        loop = made_loop(KNOWN["printed"].model, 20.0, seed)
+        assert loop.ends == pytest.approx((-20.0, 20.0), rel=0.02)
+
+
+def test_a_leap_has_its_own_torque() -> None:
+    """Under a torque that grows the output leaps across its play: at constant friction, however coarse the course."""
+    model = KNOWN["printed"].model
+    for most in (19.0, 20.0, 21.0):
+        ends = measured_loop("ends", *[most * course(0.0, 1.0, -1.0, 0.0)] * 2)
+        for torque, turn in model_branches(model, Bench("crank", 0.0), ends):
+            leap = int(np.argmax(np.abs(np.diff(turn))))
+            assert abs(torque[leap]) == pytest.approx(KNOWN["printed"].values["drag"], rel=0.01)
 
 
 @pytest.fixture(scope="module")
-def bench() -> Calibration:
-    return calibrate(resolve("printed"), [read_loop(path) for path in BENCH], FIVE)
+def bench() -> Fitted:
+    """Give the fit to the printed drive's loops, from near where the search of many starts ends."""
+    loops, design = [read_loop(path) for path in BENCH], resolve("printed")
+    chosen = parameters(design, FIVE, loops)
+    near = [one.place(value) for one, value in zip(chosen, NEAR, strict=True)]
+    return fit(
+        Model(design, Losses()),
+        chosen,
+        loops,
+        Bench("crank", 0.0),
+        start=np.concatenate([near, np.zeros(2 * len(loops))]),
+        intervals=False,
+    )
 
 
-def test_the_printed_drive_is_explained(bench: Calibration) -> None:
-    shares = [bench.fitted.rms(place) / loop.height for place, loop in enumerate(bench.fitted.loops)]
+def test_the_printed_drive_is_explained(bench: Fitted) -> None:
+    shares = [bench.rms(place) / loop.height for place, loop in enumerate(bench.loops)]
     assert shares[0] < 0.08
     assert shares[1] < 0.04
-    assert bench.estimates["friction"].ci95[0] > 0.1
-    assert math.degrees(bench.play[0]) < 1.24
-    for name in ("play_loop", "stiffness_loop"):
-        assert any(loop.name == name for loop in bench.fitted.loops)
+    friction = FIVE.index("friction")
+    assert bench.parameters[friction].value(bench.ends[friction, 0]) > 0.1
+    low, high = stops(bench.calibrated.design, 0.0)
+    assert math.degrees(high - low) < 1.24
 
 
 @pytest.mark.slow
-def test_friction_of_contacts_explains_what_constant_friction_does_not(bench: Calibration) -> None:
-    found = compare_losses(bench)
+def test_friction_of_contacts_explains_what_constant_friction_does_not() -> None:
+    so_far: list[int] = []
+    loops = [read_loop(path) for path in BENCH]
+    found = compare_losses(
+        calibrate(resolve("printed"), loops, FIVE), done=lambda one: so_far.append(len(one.variants))
+    )
+    assert so_far == [1, 2, 3, 4]
     criteria = {one.key: one.criterion for one in found.variants}
     assert criteria["friction"] < criteria["constant"] - 10.0
     assert criteria["friction"] < criteria["material"] - 10.0
@@ -264,21 +336,20 @@ def test_what_cannot_be_fitted_is_refused(
 
 
 def test_the_command_writes_the_design_and_the_rest(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["calibrate", "--design", "printed", "--loop", str(BENCH[0]), "--fit", "play,drag,tooth_stiffness"]
+    words = ["calibrate", "--design", "printed", "--loop", str(BENCH[0]), "--fit", "drag"]
     assert main([*words, "--out", str(tmp_path), "--json", "--quiet"]) == 0
     found = json.loads(capsys.readouterr().out)
-    assert set(found["parameters"]) == {"play", "drag", "tooth_stiffness"}
+    assert set(found["parameters"]) == {"drag"}
     for one in found["parameters"].values():
         assert one["ci95"][0] <= one["value"] <= one["ci95"][1]
     for key in ("play_deg", "stiffness_nm_per_rad", "coulomb_nm"):
         assert found[key] > 0.0
     calibrated = load(tmp_path / "printed-calibrated.toml")
     assert calibrated.name == found["design"]
-    assert 1e6 * calibrated.clearance.output == pytest.approx(found["parameters"]["play"]["value"])
     assert calibrated.drag.output == pytest.approx(found["parameters"]["drag"]["value"])
     page = (tmp_path / "printed-calibrated.html").read_text(encoding="utf-8")
     assert "<svg" in page
-    assert "tooth_stiffness" in page
+    assert ">drag<" in page
     lines = rows(tmp_path / "printed-calibrated-residuals.csv")
     left = np.array([float(line.split(",")[-1]) for line in lines[1:]])
     assert len(left) == 167

@@ -148,7 +148,7 @@ def looped(name: str, held: Held) -> Left:
     found = springs_of(design, [CRANK], friction=False)
     load = np.concatenate([found.load(share * design.rated_torque) for share in LOOP])
     rubbing = rubbing_of(design, found.contacts, CRANK, Losses(drag=1.0, travel=1e-4, material=0.1), held)
-    return follow_path(found.contacts, rubbing, load, np.zeros_like(load))
+    return follow_path(found.contacts, rubbing, load, np.inf, np.zeros(len(load)), np.zeros_like(load))[0]
 
 
 @pytest.mark.parametrize("name", LOOPS)

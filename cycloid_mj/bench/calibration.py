@@ -5,10 +5,13 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from scipy.stats import t
 
-from cycloid_mj.bench.fit import COVERED, Bench, Fitted, fit, model_branches, put_all
+from cycloid_mj.bench.fit import COVERED, Fitted, fit
 from cycloid_mj.bench.loop import MeasuredLoop
+from cycloid_mj.bench.overlay import Bench, model_branches, put_all
 from cycloid_mj.bench.parameters import DEFAULT, Model, Parameter, parameters
+from cycloid_mj.bench.search import STEP, Search
 from cycloid_mj.design import Design
 from cycloid_mj.errors import RunError, UsageError
 from cycloid_mj.loaded.sliding import Held, Losses, turn_along
@@ -36,7 +39,8 @@ DEFINITIONS = {
     "measured, mean of both sides",
     "coulomb_nm": "half the torque between the measured branches half-way up the deflection of the lowest loop, where "
     "the teeth carry nothing",
-    "residual_rms_deg": "rms difference of all measured deflections from the fitted loop's at the same torque",
+    "residual_rms_deg": "rms difference of all measured deflections from the fitted loop's at the same torque, without "
+    "those on the way to the loop",
 }
 """How the figures of a calibration are read."""
 
@@ -59,7 +63,7 @@ class Estimate:
     ci95
         The ends of its interval of 95 %.
     identified
-        Whether the loop determines it: the interval is no wider than the value itself, and it is not at a bound.
+        Whether the loop determines it: the interval is no wider than twice the value, and it is not at a bound.
     """
 
     value: float
@@ -149,7 +153,7 @@ class Calibration:
                 loop.height / DEGREE,
                 self.fitted.rms(place) / DEGREE,
                 f"{self.fitted.rms(place) / loop.height:.1%}",
-                2.0 * float(max(map(abs, loop.ends))),
+                2.0 * loop.most,
             )
             for place, loop in enumerate(self.fitted.loops)
         )
@@ -194,7 +198,6 @@ class Calibration:
     def as_json(self) -> dict[str, Any]:
         """Give all of it for a program."""
         loops = self.fitted.loops
-        count = len(self.fitted.parameters)
         return {
             "design": self.design.name,
             "held": self.fitted.bench.held,
@@ -230,8 +233,9 @@ class Calibration:
                     "residual_rms_deg": self.fitted.rms(place) / DEGREE,
                     "residual_share": self.fitted.rms(place) / loop.height,
                     "width_at_zero_torque_deg": loop.middle()[0] / DEGREE,
-                    "offset_torque_nm": float(self.fitted.values[count + 2 * place]),
-                    "offset_deg": float(self.fitted.values[count + 2 * place + 1]) / DEGREE,
+                    "offset_torque_nm": float(self.fitted.offsets[place, 0]),
+                    "offset_deg": float(self.fitted.offsets[place, 1]) / DEGREE,
+                    "points_left_out": loop.lead,
                     "sign_turned": loop.flipped,
                 }
                 for place, loop in enumerate(loops)
@@ -287,13 +291,19 @@ def calibrate(
     drag = design.drag.output + (design.lobes * design.drag.crank if held == "output" else 0.0)
     model, bench = Model(design, Losses(drag)), Bench(held, crank)
     _require_degrees(model, loops, bench)
-    most, turn = max(max(map(abs, loop.ends)) for loop in loops), min(loop.height for loop in loops)
-    fitted = fit(model, parameters(design, keys, most, turn), loops, bench, _counting(progress))
-    return _told(fitted)
+    chosen, counted = parameters(design, keys, loops), _counting(progress)
+    _require_answers(Search(model, chosen, tuple(loops), bench, counted))
+    return _told(fit(model, chosen, loops, bench, counted))
 
 
-def compare_losses(found: Calibration, progress: Progress = lambda done: None) -> Calibration:
+def compare_losses(
+    found: Calibration,
+    progress: Progress = lambda done: None,
+    done: Callable[[Calibration], object] = lambda found: None,
+) -> Calibration:
     """Fit constant friction alone, with that of the contacts, with a lossy material, and with both, to the same loops.
+
+    Each search has starts of its own; `done` is called after each with what there is by then.
 
     Raises
     ------
@@ -303,9 +313,7 @@ def compare_losses(found: Calibration, progress: Progress = lambda done: None) -
     fitted = found.fitted
     common = [one.key for one in fitted.parameters if one.key not in ("friction", "material_loss")]
     smooth = fitted.model.design.but(friction=dict.fromkeys(type(fitted.model.design.friction).model_fields, 0.0))
-    most = max(max(map(abs, loop.ends)) for loop in fitted.loops)
-    turn = min(loop.height for loop in fitted.loops)
-    variants = []
+    found, counted = replace(found, variants=()), _counting(progress)
     for key, meaning, extra, rough in (
         ("constant", "constant friction alone", (), False),
         ("friction", "and friction of the contacts", ("friction",), True),
@@ -313,18 +321,19 @@ def compare_losses(found: Calibration, progress: Progress = lambda done: None) -
         ("both", "and both", ("friction", "material_loss"), True),
     ):
         base = replace(fitted.model, design=fitted.model.design if rough else smooth)
-        chosen = parameters(fitted.model.design, [*common, *extra], most, turn)
-        one = fit(base, chosen, fitted.loops, fitted.bench, _counting(progress))
+        chosen = parameters(fitted.model.design, [*common, *extra], fitted.loops)
+        one = fit(base, chosen, fitted.loops, fitted.bench, counted, intervals=False)
         shares = tuple(one.rms(place) / loop.height for place, loop in enumerate(one.loops))
-        values = {name.key: float(value) for name, value in zip(chosen, one.values, strict=False)}
-        variants.append(Variant(key, meaning, shares, one.criterion, values))
-    return replace(found, variants=tuple(variants))
+        values = {name.key: float(value) for name, value in zip(chosen, one.values, strict=True)}
+        found = replace(found, variants=(*found.variants, Variant(key, meaning, shares, one.criterion, values)))
+        done(found)
+    return found
 
 
 def correlations(fitted: Fitted) -> Array:
     """Give the correlations of the parameters, shape (p, p); 0 of those at a bound."""
     count = len(fitted.parameters)
-    covariance = fitted.covariance[:count, :count]
+    covariance = fitted.spread.covariance[:count, :count]
     size = np.sqrt(np.diag(covariance))
     both = np.outer(size, size)
     return np.asarray(np.divide(covariance, both, out=np.eye(count), where=both > 0.0))
@@ -341,20 +350,11 @@ def _counting(progress: Progress) -> Callable[[], None]:
 
 
 def _told(fitted: Fitted) -> Calibration:
-    from scipy.stats import t
-
-    count, reach = len(fitted.parameters), float(t.ppf(0.5 + 0.5 * COVERED, fitted.freedom))
-    errors = fitted.errors[:count]
+    count = len(fitted.parameters)
     estimates = {
-        one.key: _estimate(one, float(value), float(reach * error))
-        for one, value, error in zip(fitted.parameters, fitted.values, errors, strict=False)
+        one.key: _estimate(one, float(place), ends, bool(bound))
+        for one, place, ends, bound in zip(fitted.parameters, fitted.places, fitted.ends, fitted.at_bound, strict=False)
     }
-    answers = np.abs(fitted.slopes[:, :count]).max(axis=0) * [one.scale for one in fitted.parameters]
-    if not np.any(answers > SILENT):
-        raise UsageError(
-            f"--fit {','.join(estimates)}: the loop determines none of these; fit what it answers to, such as "
-            f"{','.join(DEFAULT)}"
-        )
     related = correlations(fitted)
     keys = list(estimates)
     alike = tuple(
@@ -367,36 +367,33 @@ def _told(fitted: Fitted) -> Calibration:
         design=model.design.but(name=f"{model.design.name}-calibrated"[:64]),
         estimates=estimates,
         alike=alike,
-        play=_derived(fitted, reach, _play),
-        stiffness=_derived(fitted, reach, _slope),
+        play=_derived(fitted, _play),
+        stiffness=_derived(fitted, _slope),
         coulomb=0.5 * lowest.middle()[1],
         notes=_notes(fitted),
     )
 
 
-def _estimate(one: Parameter, value: float, reach: float) -> Estimate:
-    low, high = max(value - reach, one.least), min(value + reach, one.most)
-    identified = 0.0 < reach < max(abs(value), one.scale * 1e-6)
-    if reach == 0.0:  # at a bound: the interval is not known
-        low, high = (one.least, value) if value > 0.5 * (one.least + one.most) else (value, value + one.scale)
+def _estimate(one: Parameter, place: float, ends: Array, at_bound: bool) -> Estimate:
+    value, low, high = (one.value(float(at)) for at in (place, *ends))
+    identified = not at_bound and high - low < 2.0 * abs(value)
     return Estimate(value, one.unit, one.meaning, (low, high), identified)
 
 
-def _derived(fitted: Fitted, reach: float, read: Callable[[Fitted, Model], float]) -> tuple[float, float, float]:
+def _derived(fitted: Fitted, read: Callable[[Fitted, Model], float]) -> tuple[float, float, float]:
     """Give a figure of the fitted model and its interval, by how it answers to each value."""
     count = len(fitted.parameters)
 
-    def at(values: Array) -> float:
-        return read(fitted, put_all(fitted.model, fitted.parameters, values))
+    def at(places: Array) -> float:
+        return read(fitted, put_all(fitted.model, fitted.parameters, fitted.values_at(places)))
 
-    value, slopes = at(fitted.values), np.zeros(count)
-    for place, one in enumerate(fitted.parameters):
-        moved = fitted.values.copy()
-        step = 0.01 * one.scale if moved[place] + 0.01 * one.scale < one.most else -0.01 * one.scale
-        moved[place] += step
-        slopes[place] = (at(moved) - value) / step
-    variance = float(slopes @ fitted.covariance[:count, :count] @ slopes)
-    spread = reach * max(variance, 0.0) ** 0.5
+    value, slopes = at(fitted.places), np.zeros(count)
+    for place in np.flatnonzero(~fitted.at_bound[:count]):
+        moved = np.stack([fitted.places, fitted.places])
+        moved[:, place] += [-STEP, STEP]
+        slopes[place] = (at(moved[1]) - at(moved[0])) / (2.0 * STEP)
+    variance = float(slopes @ fitted.spread.covariance[:count, :count] @ slopes)
+    spread = float(t.ppf(0.5 + 0.5 * COVERED, fitted.spread.freedom)) * max(variance, 0.0) ** 0.5
     return value, max(value - spread, 0.0), value + spread
 
 
@@ -411,7 +408,7 @@ def _play(fitted: Fitted, model: Model) -> float:
 
 def _slope(fitted: Fitted, model: Model) -> float:
     smooth = model.design.but(friction=dict.fromkeys(type(model.design.friction).model_fields, 0.0))
-    most = max(max(map(abs, loop.ends)) for loop in fitted.loops)
+    most = max(loop.most for loop in fitted.loops)
     low, high = STRAIGHT
     rise = []
     for way in (-1.0, 1.0):
@@ -426,9 +423,14 @@ def _notes(fitted: Fitted) -> tuple[str, ...]:
         f"{loop.name} counts deflection against torque: its sign was turned" for loop in fitted.loops if loop.flipped
     ]
     notes += [
-        f"{one.key} came out at the end of what is looked for, {value:.4g} {one.unit}: its interval is not known"
-        for one, value, error in zip(fitted.parameters, fitted.values, fitted.errors, strict=False)
-        if error == 0.0
+        f"{loop.name}: its first {loop.lead} points are the way to the loop, not the loop itself, and are left out"
+        for loop in fitted.loops
+        if loop.lead
+    ]
+    notes += [
+        f"{one.key} came out at the end of what is looked for, {value:.4g} {one.unit}: its interval is one-sided"
+        for one, value, bound in zip(fitted.parameters, fitted.values, fitted.at_bound, strict=False)
+        if bound
     ]
     return tuple(notes)
 
@@ -447,3 +449,13 @@ def _require_degrees(model: Model, loops: Sequence[MeasuredLoop], bench: Bench) 
                 f"{expected / DEGREE:.3g} deg: is deflection_deg in radians? then "
                 "multiply it by 57.2958; if not, give the design clearances nearer to the drive's"
             )
+
+
+def _require_answers(search: Search) -> None:
+    """Refuse values none of which any loop answers to."""
+    own = np.array([one.place(one.start) for one in search.parameters] + [0.0] * (2 * len(search.loops)))
+    if not np.any(np.abs(search.slopes(own, range(len(search.parameters)), central=True)) > SILENT):
+        raise UsageError(
+            f"--fit {','.join(one.key for one in search.parameters)}: the loop determines none of these; fit what it "
+            f"answers to, such as {','.join(DEFAULT)}"
+        )

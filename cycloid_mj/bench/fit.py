@@ -1,49 +1,37 @@
-"""The least squares of a calibration: loops of a model laid over measured ones, with intervals and correlations.
+"""A model laid over measured loops: the values that bring it nearest, and how far each of them can be from there.
 
-A point's residual is its distance from the model's own branch, with torque and deflection as shares of their ranges:
-where the loop crosses its play a little torque is a large turn, and where it sticks it is none, so that neither alone
-would do. Each loop has an offset of its own in torque and in deflection, which are no part of the drive.
+An interval ends where the loops are missed by too much even with all other values fitted anew: that of the profile
+likelihood (Venzon and Moolgavkar, Appl. Statist. 37, 1988, 87-94). Where values lie in a long bent valley, as friction
+of contacts and constant friction do, that of the straight neighbourhood would be far too narrow.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
+from operator import itemgetter
 
 import numpy as np
+from scipy.stats import t
 
 from cycloid_mj.bench.loop import MeasuredLoop
+from cycloid_mj.bench.overlay import Bench, Branches, model_branches, put_all
 from cycloid_mj.bench.parameters import Model, Parameter
+from cycloid_mj.bench.search import FAILED, LONG, SHORT, Search, offset_scales
+from cycloid_mj.bench.spread import Spread, memory, spread
 from cycloid_mj.errors import RunError
-from cycloid_mj.loaded.sliding import Held, turn_along
 from cycloid_mj.types import Array, Mask
 
-GRID, LEAD = 32, 8
-"""Torques of a branch of the model, and of each that only leads to the loop."""
-
-OUTLIER = 0.03
-"""Residual, as a share of a loop's range, from which a point counts less and less (soft L1)."""
-
-FAILED = 1.0
-"""Residual of every point where the model has no balance."""
-
-STEP = 0.02
-"""Step of differences, as a share of a parameter's scale."""
-
-STEPS = 30
-"""Most steps of the search."""
+AT_BOUND = 1e-3
+"""Distance from a bound, on a value's scale, at which a value is at it."""
 
 COVERED = 0.95
-LONGEST_MEMORY = 0.25
-"""Largest lag over which residuals count as one, as a share of a loop's points."""
+"""What an interval covers."""
 
+PROFILED, DOUBLED = 4, 4
+"""Steps of the search for all other values with one of them held, and how often that one is moved twice as far."""
 
-@dataclass(frozen=True, eq=False)
-class Bench:
-    """Under what the loops were taken: what was held, and at which crank angle [rad]."""
-
-    held: Held
-    crank: float
+GAINED, RENEWED = 1e-3, 3
+"""Relative gain at which a place found on the way is where the search goes on, and how often it may."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,47 +42,67 @@ class Fitted:
     ----------
     model, parameters, bench, loops
         What was fitted to what.
-    values
-        Of the parameters, then each loop's offsets of torque [N m] and deflection [rad].
+    places
+        Of the parameters, then each loop's offsets of torque and deflection, on their scales.
     residuals
         Of each loop's points, as shares of its range.
     slopes
-        Of all residuals by all values, shape (points, values).
-    covariance
-        Of the values; of those at a bound, which is no measurement, 0.
+        Of all residuals by all places, shape (points, values).
+    spread
+        How sure the places are; of those at a bound, which is no measurement, 0.
+    at_bound
+        Which of them are.
+    ends
+        Of the interval of each place that covers `COVERED`, shape (values, 2); one-sided at a bound.
     """
 
     model: Model
     parameters: tuple[Parameter, ...]
     bench: Bench
     loops: tuple[MeasuredLoop, ...]
-    values: Array
+    places: Array
     residuals: tuple[Array, ...]
     slopes: Array
-    covariance: Array
-    freedom: float
+    spread: Spread
+    at_bound: Mask
+    ends: Array
+
+    @property
+    def values(self) -> Array:
+        """The parameters' values, in their units."""
+        return self.values_at(self.places)
+
+    @cached_property
+    def calibrated(self) -> Model:
+        """The model with them."""
+        return put_all(self.model, self.parameters, self.values)
+
+    @property
+    def offsets(self) -> Array:
+        """Of each loop in torque [N m] and deflection [rad], shape (loops, 2)."""
+        shares = self.places[len(self.parameters) :].reshape(-1, 2)
+        return shares * np.array([offset_scales(loop) for loop in self.loops])
+
+    @cached_property
+    def branches(self) -> tuple[Branches, ...]:
+        """Torque [N m] and deflection [rad] of the model along each branch of each loop, with the loop's offsets."""
+        found = []
+        for loop, (torque, deflection) in zip(self.loops, self.offsets, strict=True):
+            branches = model_branches(self.calibrated, self.bench, loop, float(torque))
+            found.append([(loads + torque, turns + deflection) for loads, turns in branches])
+        return tuple(found)
 
     @cached_property
     def turns(self) -> tuple[Array, ...]:
         """The model's deflection at every measured point [rad]: that of its branch at the measured torque."""
-        count = len(self.parameters)
-        model = put_all(self.model, self.parameters, self.values)
         found = []
-        for place, loop in enumerate(self.loops):
-            shift = self.values[count + 2 * place : count + 2 * place + 2]
-            branches = model_branches(model, self.bench, loop, float(shift[0]))
+        for loop, branches in zip(self.loops, self.branches, strict=True):
             turn = np.empty(len(loop.torque))
             for number, (torque, deflection) in enumerate(branches):
-                here = loop.branch == number
-                order = np.argsort(torque)
-                turn[here] = np.interp(loop.torque[here], torque[order] + shift[0], deflection[order]) + shift[1]
+                here, order = loop.branch == number, np.argsort(torque)
+                turn[here] = np.interp(loop.torque[here], torque[order], deflection[order])
             found.append(turn)
         return tuple(found)
-
-    @property
-    def errors(self) -> Array:
-        """Standard errors of the values."""
-        return np.sqrt(np.diag(self.covariance))
 
     @property
     def criterion(self) -> float:
@@ -104,37 +112,16 @@ class Fitted:
             count = len(one) / memory(one)
             total += count * float(np.log(np.mean(one**2)))
             points += count
-        return total + len(self.values) * float(np.log(points))
+        return total + len(self.places) * float(np.log(points))
+
+    def values_at(self, places: Array) -> Array:
+        """Give the parameters' values at other places."""
+        return np.array([one.value(place) for one, place in zip(self.parameters, places, strict=False)])
 
     def rms(self, place: int) -> float:
         """Give the rms difference of a loop's deflection from the model's at the measured torque [rad]."""
-        return float(np.sqrt(np.mean((self.turns[place] - self.loops[place].deflection) ** 2)))
-
-
-def put_all(model: Model, parameters: Sequence[Parameter], values: Array) -> Model:
-    """Give a model with the values of parameters."""
-    for parameter, value in zip(parameters, values, strict=False):
-        model = parameter.put(model, float(value))
-    return model
-
-
-def model_branches(model: Model, bench: Bench, loop: MeasuredLoop, shift: float = 0.0) -> list[tuple[Array, Array]]:
-    """Give torque [N m] and turn [rad] of a model along each branch of a loop, less a `shift` of torque [N m].
-
-    The course before the loop is a loop as large, so that its first branch is that of a loop which closes.
-
-    Raises
-    ------
-    RunError
-        There is no balance.
-    """
-    ends = [end - shift for end in loop.turns]
-    lead = [np.linspace(a, b, LEAD, endpoint=False) for a, b in ((0.0, ends[1]), (ends[1], ends[0]))]
-    each = [np.linspace(a, b, GRID) for a, b in pairwise(ends)]
-    course = np.concatenate([*lead, *each])
-    turn = turn_along(model.design, course, bench.crank, model.losses, bench.held)
-    parts = np.split(turn[2 * LEAD :], len(each))
-    return list(zip(each, parts, strict=True))
+        loop = self.loops[place]
+        return float(np.sqrt(np.mean((self.turns[place] - loop.deflection)[loop.lead :] ** 2)))
 
 
 def fit(
@@ -144,172 +131,79 @@ def fit(
     bench: Bench,
     told: Callable[[], None] = lambda: None,
     start: Array | None = None,
+    intervals: bool = True,
 ) -> Fitted:
-    """Fit parameters to loops by robust least squares; `told` is called at each trial.
+    """Fit parameters to loops by robust least squares, from several starts or from one; `told` is called at each trial.
+
+    Without `intervals` they are those of the straight neighbourhood, which take no further search.
 
     Raises
     ------
     RunError
         The model has no balance where the search begins, or where it ends.
     """
-    from scipy.optimize import least_squares
+    search = Search(model, tuple(parameters), tuple(loops), bench, told)
+    starts = search.starts() if start is None else [start]
+    place = min((search.run(one, SHORT, "dogbox") for one in starts), key=itemgetter(0))[1]
+    for _ in range(RENEWED):
+        cost, place = search.run(place, LONG, "trf")
+        found = _fitted(search, place)
+        better = _widen(search, found, cost) if intervals else None
+        if better is None:
+            break
+        place = better
+    return found
 
-    first = _first(model, parameters, loops, bench) if start is None else start
-    scale = np.concatenate([[one.scale for one in parameters], *[_scales(loop) for loop in loops]])
-    low = np.concatenate([[one.least for one in parameters], np.full(2 * len(loops), -np.inf)])
-    high = np.concatenate([[one.most for one in parameters], np.full(2 * len(loops), np.inf)])
-    margin = 1e-9 * scale
 
-    def residuals(scaled: Array) -> Array:
-        told()
-        parts = _residuals(model, parameters, loops, bench, np.clip(scaled * scale, low, high))
-        return np.concatenate([part / np.sqrt(len(part)) for part in parts])
-
-    def slopes(scaled: Array) -> Array:
-        here, columns = residuals(scaled), []
-        for place in range(len(scaled)):
-            step = STEP if scaled[place] + STEP < high[place] / scale[place] else -STEP
-            moved = scaled.copy()
-            moved[place] += step
-            columns.append((residuals(moved) - here) / step)
-        return np.stack(columns, axis=1)
-
-    found = least_squares(
-        residuals,
-        np.clip(first, low + margin, high - margin) / scale,
-        jac=slopes,
-        bounds=(low / scale, high / scale),
-        loss="soft_l1",
-        f_scale=OUTLIER / np.sqrt(min(len(loop.torque) for loop in loops)),
-        xtol=1e-6,
-        ftol=1e-6,
-        gtol=1e-9,
-        max_nfev=STEPS,
-    )
-    values = np.clip(found.x * scale, low, high)
-    parts = _residuals(model, parameters, loops, bench, values)
+def _fitted(search: Search, places: Array) -> Fitted:
+    """Give the fit at places, with the intervals of the straight neighbourhood."""
+    low, high = search.bounds
+    parts = search.parts(places)
     if all(np.all(part == FAILED) for part in parts):
         raise RunError("no model of the loop has a static balance near the design: is its friction too large?")
-    jacobian = slopes(found.x) / scale
-    free = (values > low + 1e-3 * scale) & (values < high - 1e-3 * scale)
-    covariance, freedom = _covariance(jacobian, parts, free, scale)
-    return Fitted(model, tuple(parameters), bench, tuple(loops), values, tuple(parts), jacobian, covariance, freedom)
+    slopes = search.slopes(places, range(len(places)), central=True)
+    at_bound = ~((places > low + AT_BOUND) & (places < high - AT_BOUND))
+    of_loops = np.split(slopes, np.cumsum([len(part) for part in parts])[:-1])
+    weighted = [part / np.sqrt(len(part)) for part in parts]
+    sure = spread(of_loops, weighted, ~at_bound)
+    whole = spread(of_loops, weighted, np.ones_like(at_bound)) if at_bound.any() else sure
+    reach = float(t.ppf(0.5 + 0.5 * COVERED, sure.freedom)) * np.where(at_bound, whole.errors, sure.errors)
+    ends = np.clip(places[:, np.newaxis] + np.outer(reach, [-1.0, 1.0]), low[:, np.newaxis], high[:, np.newaxis])
+    return Fitted(
+        model=search.model,
+        parameters=search.parameters,
+        bench=search.bench,
+        loops=search.loops,
+        places=places,
+        residuals=tuple(parts),
+        slopes=slopes,
+        spread=sure,
+        at_bound=at_bound,
+        ends=ends,
+    )
 
 
-def _first(model: Model, parameters: Sequence[Parameter], loops: Sequence[MeasuredLoop], bench: Bench) -> Array:
-    """Give where the search begins: the design's own values and the middle of each loop.
-
-    Where its stiffness or its play is fitted, those that bring the model's loops nearest to the height of the measured.
-    """
-    own = np.array([one.start for one in parameters])
-    shifts = np.concatenate([[0.5 * sum(loop.ends), _centre(loop)] for loop in loops])
-    best, least = own, np.inf
-    places = {one.key: place for place, one in enumerate(parameters)}
-    tried = [
-        (play, stiffness)
-        for play in ((1.0, 2.0, 0.5, 4.0) if {"mesh_play", "play", "output_play"} & set(places) else (1.0,))
-        for stiffness in ((1.0, 0.3, 0.1, 0.03, 3.0) if "tooth_stiffness" in places else (1.0,))
-    ]
-    for play, stiffness in tried:
-        trial = own.copy()
-        for key, factor in (
-            ("mesh_play", play),
-            ("output_play", play),
-            ("play", play),
-            ("tooth_stiffness", stiffness),
-        ):
-            if key in places:
-                trial[places[key]] *= factor
-        values = np.concatenate([trial, shifts])
-        worst = sum(float(np.mean(np.abs(part))) for part in _residuals(model, parameters, loops, bench, values))
-        best, least = (values, worst) if worst < least else (best, least)
-    return best if len(best) > len(own) else np.concatenate([own, shifts])
-
-
-def _centre(loop: MeasuredLoop) -> float:
-    return 0.5 * float(loop.deflection.max() + loop.deflection.min())
-
-
-def _scales(loop: MeasuredLoop) -> Array:
-    return np.array([0.02 * float(np.ptp(loop.torque)), 0.02 * loop.height])
-
-
-def _residuals(
-    model: Model, parameters: Sequence[Parameter], loops: Sequence[MeasuredLoop], bench: Bench, values: Array
-) -> list[Array]:
-    count, changed = len(parameters), put_all(model, parameters, values)
-    found = []
-    for place, loop in enumerate(loops):
-        torque, deflection = values[count + 2 * place : count + 2 * place + 2]
-        try:
-            branches = model_branches(changed, bench, loop, float(torque))
-        except RunError:
-            found.append(np.full(len(loop.torque), FAILED))
-            continue
-        found.append(_distances(loop, branches, float(torque), float(deflection)))
-    return found
-
-
-def _distances(loop: MeasuredLoop, branches: list[tuple[Array, Array]], torque: float, deflection: float) -> Array:
-    """Give the signed distance of every point from the model's branch, as shares of the loop's ranges."""
-    ranges = float(np.ptp(loop.torque)), loop.height
-    found = np.zeros(len(loop.torque))
-    for number, (loads, turns) in enumerate(branches):
-        here = loop.branch == number
-        points = np.stack([loop.torque[here] / ranges[0], loop.deflection[here] / ranges[1]], axis=-1)
-        line = np.stack([(loads + torque) / ranges[0], (turns + deflection) / ranges[1]], axis=-1)
-        found[here] = _from_line(points, line)
-    return found
-
-
-def _from_line(points: Array, line: Array) -> Array:
-    """Give the distance of points (n, 2) from a line through points (m, 2), positive to the right of its way."""
-    begin, along = line[:-1], np.diff(line, axis=0)
-    square = np.maximum(np.sum(along**2, axis=1), 1e-30)
-    way = points[:, np.newaxis] - begin
-    share = np.clip(np.sum(way * along, axis=-1) / square, 0.0, 1.0)
-    apart = way - share[..., np.newaxis] * along
-    distance = np.linalg.norm(apart, axis=-1)
-    nearest = np.argmin(distance, axis=1)
-    rows = np.arange(len(points))
-    beside, direction = apart[rows, nearest], along[nearest]
-    cross = direction[:, 0] * beside[:, 1] - direction[:, 1] * beside[:, 0]
-    return np.asarray(np.where(cross < 0.0, -1.0, 1.0) * distance[rows, nearest])
-
-
-def memory(residuals: Array) -> float:
-    """Give how many residuals that follow each other count as one: 1 for noise, more for what a model leaves out.
-
-    That is 1 + 2 sum rho_k, up to the first lag k whose correlation rho_k is not above 0 (Geyer's initial sequence).
-    """
-    centred = residuals - residuals.mean()
-    variance = float(np.mean(centred**2))
-    total = 1.0
-    for lag in range(1, int(LONGEST_MEMORY * len(residuals))):
-        correlation = float(np.mean(centred[lag:] * centred[:-lag])) / variance if variance else 0.0
-        if correlation <= 2.0 / np.sqrt(len(residuals)):
-            break
-        total += 2.0 * correlation
-    return total
-
-
-def _covariance(jacobian: Array, parts: Sequence[Array], free: Mask, scale: Array) -> tuple[Array, float]:
-    """Give the covariance of the values, and the degrees of freedom behind it.
-
-    Each loop has noise of its own size, and its residuals count as often as `memory` allows. What no residual answers
-    to has an infinite error, here one of a million of its scales.
-    """
-    ends = np.cumsum([len(part) for part in parts])[:-1]
-    slopes = np.split(jacobian * scale, ends)
-    information = np.sum([rows.T @ rows for rows in slopes], axis=0)
-    points = sum(len(part) / memory(part) for part in parts)
-    freedom = max(points - int(free.sum()), 1.0)
-    noise = np.zeros_like(information)
-    for part, rows in zip(parts, slopes, strict=True):
-        noise += points / freedom * float(np.mean(part**2)) * memory(part) / len(part) * rows.T @ rows
-    inverse = np.zeros_like(information)
-    chosen = np.ix_(free, free)
-    values, vectors = np.linalg.eigh(information[chosen])
-    values = np.maximum(values, 1e-12 * max(float(values.max(initial=0.0)), 1e-300))
-    inverse[chosen] = (vectors / values) @ vectors.T
-    return inverse @ noise @ inverse * np.outer(scale, scale), freedom
+def _widen(search: Search, found: Fitted, cost: float) -> Array | None:
+    """Put the ends of each interval where the loops are missed by too much; or give a place that misses them less."""
+    inverse = found.spread.inverse
+    for place in np.flatnonzero(~found.at_bound[: len(search.parameters)]):
+        along = inverse[:, place] / inverse[place, place]
+        for side, end in enumerate(found.ends[place]):
+            way, most = end - found.places[place], search.bounds[side][place] - found.places[place]
+            # what the sum of squares rises by there, where it is a paraboloid
+            allowed, before, reached = 0.5 * way**2 / inverse[place, place], 0.0, 0.0
+            for _ in range(DOUBLED):
+                start = np.clip(found.places + way * along, *search.bounds)
+                now, trial = search.run(start, PROFILED, "dogbox", held=int(place))
+                if now < (1.0 - GAINED) * cost:
+                    return trial
+                rise = max(now - cost, 0.0)
+                if rise >= allowed or way == most:
+                    break
+                reached, before = way, rise
+                way = max(2.0 * way, most) if side == 0 else min(2.0 * way, most)
+            if rise > allowed:
+                ratio = (allowed**0.5 - before**0.5) / (rise**0.5 - before**0.5)
+                way = reached + ratio * (way - reached)
+            found.ends[place, side] = found.places[place] + way
+    return None

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from cycloid_mj.errors import UsageError
-from cycloid_mj.types import Array, Integers, Mask
+from cycloid_mj.types import Array, Integers
 from cycloid_mj.units import DEGREE
 
 TORQUE, DEFLECTION = COLUMNS = ("torque_output_Nm", "deflection_deg")
@@ -21,6 +21,10 @@ REVERSAL = 0.2
 
 SMOOTHED = 5
 """Neighbours whose median stands for a torque where the course turns round: single outliers are no ends."""
+
+OFF_LOOP, NEAR_END = 1.0 / 3.0, 0.9
+"""Distance of a beginning from the loop's own branch, as a share of its width there, from which it is not of the loop;
+and torque, as a share of the largest, from which a beginning is at the loop's end."""
 
 LEAST_HEIGHT, MOST_HEIGHT = 1e-4, 90.0
 """Height of a loop [deg] that can be in degrees: an output that turns further is not held."""
@@ -42,6 +46,8 @@ class MeasuredLoop:
         Of each point: how often the course has turned round before, shape (n,).
     flipped
         Whether the file counts deflection against the torque: then its sign has been turned here.
+    lead
+        How many of the first points are the way to the loop, as from rest, and not of the loop.
     """
 
     name: str
@@ -50,6 +56,7 @@ class MeasuredLoop:
     turns: tuple[float, ...]
     branch: Integers
     flipped: bool = False
+    lead: int = 0
 
     @property
     def height(self) -> float:
@@ -62,6 +69,11 @@ class MeasuredLoop:
         return min(self.turns), max(self.turns)
 
     @property
+    def most(self) -> float:
+        """The largest torque at which the course turns round, of either sign [N m]."""
+        return max(map(abs, self.turns))
+
+    @property
     def rising(self) -> bool:
         """Whether the torque of the first branch rises."""
         return self.turns[1] > self.turns[0]
@@ -70,18 +82,31 @@ class MeasuredLoop:
         """Give the loop's width in deflection at zero torque [rad] and in torque half-way up the deflection [N m].
 
         Each is the distance of the means of the branches there, over a window of a tenth of the range; no number where
-        a branch has no points.
+        a branch does not get there.
         """
-        rises = (self.branch % 2 == 0) == self.rising
-        half = 0.5 * (self.deflection.max() + self.deflection.min())
-        at = np.abs(self.torque) <= 0.05 * np.ptp(self.torque)
-        level = np.abs(self.deflection - half) <= 0.05 * self.height
-        return _apart(self.deflection, at, rises), -_apart(self.torque, level, rises)
+        half = 0.5 * float(self.deflection.max() + self.deflection.min())
+        return self._apart(self.torque, self.deflection, 0.0), -self._apart(self.deflection, self.torque, half)
+
+    def _apart(self, along: Array, values: Array, level: float) -> float:
+        """Give how far the falling branches lie above the rising ones where what is `along` is at a level."""
+        sides = []
+        for rises in (False, True):
+            chosen = ((self.branch % 2 == 0) == self.rising) == rises
+            near = chosen & (np.abs(along - level) <= 0.05 * np.ptp(along))
+            # where a branch leaps past the window, its points on either side
+            if np.any(near):
+                sides.append(float(np.mean(values[near])))
+            elif np.any(chosen) and along[chosen].min() < level < along[chosen].max():
+                sides.append(_between(along[chosen], values[chosen], level))
+            else:
+                return math.nan
+        return sides[0] - sides[1]
 
 
-def _apart(values: Array, near: Mask, rises: Mask) -> float:
-    sides = [values[near & side] for side in (~rises, rises)]
-    return float(np.mean(sides[0]) - np.mean(sides[1])) if all(len(side) for side in sides) else math.nan
+def _between(along: Array, values: Array, level: float) -> float:
+    """Give the value at a level by the straight line between the points next to it on either side."""
+    order = np.argsort(along)
+    return float(np.interp(level, along[order], values[order]))
 
 
 def read_loop(path: Path) -> MeasuredLoop:
@@ -170,7 +195,30 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, where: str = 
         )
     flipped = float(np.polyfit(torque, deflection_deg, 1)[0]) < 0.0
     deflection = DEGREE * deflection_deg * (-1.0 if flipped else 1.0)
-    return MeasuredLoop(name, torque, deflection, turns, branch, flipped)
+    lead = _lead(torque, deflection, branch)
+    return MeasuredLoop(name, torque, deflection, turns, branch, flipped, lead)
+
+
+def _lead(torque: Array, deflection: Array, branch: Integers) -> int:
+    """Give how many points come before the loop: those of a first branch that begins off the others that go its way.
+
+    A bench that starts from rest begins in the middle of the loop, and a loop that has closed, on its own branch.
+    """
+    same, other = (branch > 0) & (branch % 2 == 0), branch == 1
+    if not same.any() or abs(torque[0]) > NEAR_END * np.abs(torque).max():
+        return 0
+    begun = float(np.median(deflection[:SMOOTHED]))
+    at = float(np.median(torque[:SMOOTHED]))
+    again, across = (_between(torque[one], deflection[one], at) for one in (same, other))
+    return int(np.sum(branch == 0)) if abs(begun - again) > OFF_LOOP * abs(across - again) else 0
+
+
+def _end(torque: Array, smooth: Array, place: int) -> float:
+    """Give the torque at which a course turns round near a place: the outermost there, unless it is an outlier."""
+    near = torque[max(place - SMOOTHED, 0) : place + SMOOTHED + 1]
+    outermost = float(near.max() if smooth[place] >= np.median(near) else near.min())
+    usual = 3.0 * float(np.median(np.abs(torque - smooth))) + 2.0 * float(np.median(np.abs(np.diff(torque))))
+    return float(np.clip(outermost, smooth[place] - usual, smooth[place] + usual))
 
 
 def _turns(torque: Array) -> tuple[tuple[float, ...], Integers]:
@@ -199,7 +247,7 @@ def _turns(torque: Array) -> tuple[tuple[float, ...], Integers]:
             way, best = -way, place
     if not places:
         return (), np.zeros(len(torque), int)
-    inner = [float(smooth[place]) for place in places]
+    inner = [_end(torque, smooth, place) for place in places]
     # where the first branch comes from, and the last goes to: where the torque is at its other end
     first = inner[1] if len(inner) > 1 else float(smooth[: places[0] + 1][0])
     last = inner[-2] if len(inner) > 1 else float(smooth[places[-1] :][-1])

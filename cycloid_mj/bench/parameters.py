@@ -1,11 +1,14 @@
 """What a calibration can fit: names for the values that a loop depends on, beside every number of the design file."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from typing import Any
 
 from pydantic.fields import FieldInfo
 
+from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.contact.working import at_rated_load
 from cycloid_mj.design import Design, override
@@ -40,6 +43,8 @@ class Parameter:
         Its bounds.
     put
         A model with another value of it.
+    by_factor
+        Whether it is looked for by factors, as what is known to within a decade at first; `scale` is then one of them.
     """
 
     key: str
@@ -50,6 +55,16 @@ class Parameter:
     least: float
     most: float
     put: Callable[[Model, float], Model]
+    by_factor: bool = False
+
+    def place(self, value: float) -> float:
+        """Give where a value is on the scale on which it is looked for."""
+        return math.log(value) / self.scale if self.by_factor else value / self.scale
+
+    def value(self, place: float) -> float:
+        """Give the value at a place, or the bound that is nearest to it."""
+        found = math.exp(self.scale * place) if self.by_factor else self.scale * place
+        return min(max(found, self.least), self.most)
 
 
 DEFAULT = ("mesh_play", "output_play", "cam_play", "tooth_stiffness", "friction", "drag", "drag_travel")
@@ -59,8 +74,8 @@ NAMED = (*DEFAULT, "play", "material_loss")
 """Every name that is no key of the design file."""
 
 
-def parameters(design: Design, keys: Sequence[str], torque: float, turn: float) -> tuple[Parameter, ...]:
-    """Give the parameters of some keys, for loops of up to a `torque` [N m] and about a `turn` [rad].
+def parameters(design: Design, keys: Sequence[str], loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
+    """Give the parameters of some keys: where the search for them begins, on which scale and between which bounds.
 
     Raises
     ------
@@ -71,11 +86,14 @@ def parameters(design: Design, keys: Sequence[str], torque: float, turn: float) 
         raise UsageError(f"--fit: give what to fit, such as {','.join(DEFAULT)}")
     if twice := next((key for place, key in enumerate(keys) if key in keys[:place]), None):
         raise UsageError(f"--fit: {twice} is given twice")
-    known = _named(design, torque, turn)
+    known = _named(design, loops)
     return tuple(known[key] if key in known else _of_file(design, key) for key in keys)
 
 
-def _named(design: Design, torque: float, turn: float) -> Mapping[str, Parameter]:
+def _named(design: Design, loops: Sequence[MeasuredLoop]) -> Mapping[str, Parameter]:
+    most, lowest = max(loop.most for loop in loops), min(loops, key=attrgetter("height"))
+    turn, coulomb = lowest.height / DEGREE, 0.5 * lowest.middle()[1]
+    drag = coulomb if 0.0 < coulomb < 0.5 * most else 0.02 * most
     tooth, clearance = design.tooth_pair, design.clearance
     mesh = getattr(clearance, tooth) + design.pin_play
     um = MICROMETRE.from_si
@@ -95,10 +113,11 @@ def _named(design: Design, torque: float, turn: float) -> Mapping[str, Parameter
             "1",
             "stiffness of the teeth and of what carries them, over that of their contacts alone",
             1.0,
-            0.2,
+            0.1,
             1e-3,
             20.0,
             _stiffness(mated),
+            by_factor=True,
         ),
         Parameter(
             "friction",
@@ -110,17 +129,15 @@ def _named(design: Design, torque: float, turn: float) -> Mapping[str, Parameter
             1.5,
             _friction,
         ),
-        Parameter(
-            "drag", "N m", "constant friction, at the output", 0.02 * torque, 0.02 * torque, 0.0, 0.9 * torque, _drag
-        ),
+        Parameter("drag", "N m", "constant friction, at the output", drag, 0.02 * most, 0.0, 0.9 * most, _drag),
         Parameter(
             "drag_travel",
             "deg",
             "turn of the output over which the constant friction comes on",
-            0.05 * turn / DEGREE,
-            0.05 * turn / DEGREE,
-            1e-5,
-            10.0 * turn / DEGREE,
+            0.05 * turn,
+            0.05 * turn,
+            1e-4 * turn,
+            turn,
             lambda model, value: replace(model, losses=replace(model.losses, travel=DEGREE * value)),
         ),
         Parameter(

@@ -115,8 +115,7 @@ def calibrate(
     found = calibrated(design, loops, keys, held, math.radians(crank_deg), progress)
     written = _write(found, into)
     if losses:
-        found = compare_losses(found, progress)
-        written = _write(found, into)
+        found = compare_losses(found, progress, lambda so_far: _write(so_far, into))
     if not quiet:
         tell(f"wrote {', '.join(map(str, written))}")
     if json:
@@ -184,7 +183,7 @@ class _Trials:
         now = monotonic()
         if not self._quiet and now - self._told > SECONDS_BETWEEN:
             self._told = now
-            tell(f"calibrate: {done} trials in {now - self._start:.0f} s; a fit takes some 100 to 400")
+            tell(f"calibrate: {done} trials in {now - self._start:.0f} s; a fit takes some 500 to 2000")
 
 
 def _write(found: "Calibration", into: Path) -> list[Path]:

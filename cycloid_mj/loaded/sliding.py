@@ -9,6 +9,7 @@ next to those that give. Constant friction comes on over a travel, as that of a 
 limits are shared by elements that slip one after the other, so that from rest it grows as 1 - exp(-turn/travel).
 """
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -35,6 +36,9 @@ SEALS = 8
 
 LEAST_TRAVEL = 1e-6
 """Travel over which constant friction comes on at least [rad]."""
+
+MOST_ROWS = 4
+"""Most rows of a course that follows leaps, for each of its points on average."""
 
 
 @dataclass(frozen=True)
@@ -77,16 +81,30 @@ def turn_along(design: Design, torque: Array, crank: float, losses: Losses, held
     RunError
         A step has no balance, as where friction jams the reducer.
     """
+    return course_along(design, torque, crank, losses, held)[1]
+
+
+def course_along(
+    design: Design, torque: Array, crank: float, losses: Losses, held: Held = "crank", reach: float = math.inf
+) -> tuple[Array, Array]:
+    """Give where along a course of torque the output is, and its turn [rad], shape (rows,) each, as `turn_along`.
+
+    Where is counted in points of `torque` from its first. Each of them has a row; where the output turns by more than
+    `reach` [rad] between two, there are rows between them, so that a leap across the play has the torque that it has.
+    """
     still = design.but(drive={"speed": 0.0})
     springs = springs_of(still, [crank], friction=False)
+    radius = springs.contacts.radius
     path = np.repeat(springs.load(0.0), len(torque), axis=0)
-    path[:, -1] = torque / springs.contacts.radius
-    z = np.zeros_like(path)
+    path[:, -1] = torque / radius
+    rubbing = rubbing_of(still, springs.contacts, crank, losses, held)
+    most = len(path) * (1 if math.isinf(reach) else MOST_ROWS)
+    z, when = np.zeros((most, path.shape[1])), np.zeros(most)
     with announced():
-        left = follow_path(springs.contacts, rubbing_of(still, springs.contacts, crank, losses, held), path, z).force
-    if left:
-        raise RunError(f"no static balance along the loop: {left:.3g} of the load is left over")
-    return np.asarray(z[:, -1] / springs.contacts.radius)
+        left, rows = follow_path(springs.contacts, rubbing, path, reach * radius, when, z)
+    if left.force:
+        raise RunError(f"no static balance along the loop: {left.force:.3g} of the load is left over")
+    return when[:rows], z[:rows, -1] / radius
 
 
 def rubbing_of(design: Design, springs: Springs, crank: float, losses: Losses, held: Held) -> Rubbing:

@@ -51,6 +51,9 @@ FOLLOWED = 1e-6
 _LEAPS, _RENEWALS, _SHORTEST = 12, 40, 1.0 / 16.0
 """Newton steps that a step along a path is given before the slower search, rounds of that, and its least share."""
 
+FINEST = 1024
+"""Most parts of a step along a path in which the output leaps."""
+
 _MOST_WORK, _MOST_SETTLING = 150, 2000
 """How often a system may be put together, for each step of a path on average, and in one slow search."""
 
@@ -926,15 +929,21 @@ class _Step(NamedTuple):
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def follow_path(springs: Springs, rubbing: Rubbing, path: Array, z: Array) -> Left:
+def follow_path(
+    springs: Springs, rubbing: Rubbing, path: Array, reach: float, when: Array, z: Array
+) -> tuple[Left, int]:
     """Follow loads along a path (m, u) [N] at the first crank angle, with friction that remembers.
 
-    The departures z (m, u) [m] are filled in; the first row is where the path begins, at rest. Each step is the balance
-    with the forces of friction that the step itself leaves (backward Euler); one that finds none is halved.
+    The departures z (rows, u) [m] are filled in, and `when` (rows,) each was, in steps of the path from its first load,
+    which is at 0; the first of z is where the path begins, at rest. Each step is the balance with the forces of
+    friction that the step itself leaves (backward Euler); one that finds none is halved. One in which the output moves
+    by more than `reach` [m] is halved too, down to ``FINEST`` parts, while there are rows for them: under a load that
+    only grows a reducer leaps across its play, and the leap is no wider than that.
 
     Returns
     -------
-    Of force 0, or where no balance was found, what was left over there as a share of the largest load.
+    Of force 0, or where no balance was found, what was left over there as a share of the largest load; and the number of
+    rows.
     """
     count, number = path.shape
     elements = rubbing.stick.size
@@ -951,11 +960,12 @@ def follow_path(springs: Springs, rubbing: Rubbing, path: Array, z: Array) -> Le
         np.zeros(1, np.int64),
     )
     old.z[:] = z[0]
-    scale = 0.0
+    scale, rows, spare = 0.0, 0, when.size - count
+    finest = 1.0 / FINEST if spare > 0 else 1.0
     for m in range(count):
         scale = max(scale, _largest(path[m]))
     for m in range(count):
-        share, done = 1.0, 0.0
+        share, done, shortest = 1.0, 0.0, finest
         while done < 1.0:
             share = min(share, 1.0 - done)
             for j in range(number):
@@ -963,18 +973,32 @@ def follow_path(springs: Springs, rubbing: Rubbing, path: Array, z: Array) -> Le
                 one.load[j] = before + (path[m, j] - before) * (done + share)
             _slips(springs, rubbing, old)
             left = _leap(springs, rubbing, FOLLOWED * scale, one, old, new) / scale
+            far = not left <= FOLLOWED or abs(new.z[number - 1] - old.z[number - 1]) > reach
+            if far and m > 0 and share > shortest and spare > 0:
+                share *= 0.5
+                continue
             if not left <= FOLLOWED and one.work[0] <= _MOST_WORK * count:
                 left = _settle(springs, rubbing, FOLLOWED * scale, one, old, new) / scale
             if not left <= FOLLOWED:
+                if share < _SHORTEST and shortest < _SHORTEST:
+                    # so close to a leap there is nothing to find: it is taken in a longer step
+                    share, shortest = _SHORTEST, _SHORTEST
+                    continue
                 if share <= _SHORTEST or one.work[0] > _MOST_WORK * count:
-                    return Left(left, 0.0, one.work[0])
+                    return Left(left, 0.0, one.work[0]), rows
                 share *= 0.5
                 continue
             done += share
             share *= 2.0
             old, new = new, old
-        z[m] = old.z
-    return Left(0.0, 0.0, one.work[0])
+            if done >= 1.0:
+                z[rows], when[rows] = old.z, float(m)
+                rows += 1
+            elif m > 0 and spare > 0:
+                z[rows], when[rows] = old.z, m - 1.0 + done
+                rows += 1
+                spare -= 1
+    return Left(0.0, 0.0, one.work[0]), rows
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")

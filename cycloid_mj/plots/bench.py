@@ -4,7 +4,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from cycloid_mj.bench import BenchComparison, Calibration
-from cycloid_mj.bench.fit import model_branches, put_all
 from cycloid_mj.plots.style import BLUE, GREY, ORANGE, THEORY, VERMILION, centred, legend_above, sheet, state, styled
 from cycloid_mj.units import ARCSECOND, DEGREE
 
@@ -18,13 +17,11 @@ def calibration_figure(found: Calibration) -> Figure:
     fitted, loops = found.fitted, found.fitted.loops
     figure = sheet(4.4)
     grid = figure.subplots(2, len(loops), squeeze=False, sharex="col", height_ratios=(3.0, 1.0))
-    model = put_all(fitted.model, fitted.parameters, fitted.values)
     for place, loop in enumerate(loops):
         above, below = grid[0, place], grid[1, place]
-        offset = fitted.values[len(fitted.parameters) + 2 * place :][:2]
         above.plot(loop.torque, loop.deflection / DEGREE, **MEASURED)
-        for torque, turn in model_branches(model, fitted.bench, loop, float(offset[0])):
-            above.plot(torque + offset[0], (turn + offset[1]) / DEGREE, **MODEL)
+        for torque, turn in fitted.branches[place]:
+            above.plot(torque, turn / DEGREE, **MODEL)
         above.set_title(loop.name)
         above.margins(x=0.02)
         below.plot(loop.torque, (loop.deflection - fitted.turns[place]) / DEGREE, **MEASURED)

@@ -218,7 +218,7 @@ def path_rows(built: str) -> list[Row]:
     load = np.zeros((len(LOOP), springs.slope.shape[2]))
     load[:, -1] = rig.RATED_LOAD / springs.radius * LOOP
     z = np.zeros_like(load)
-    follow_path(springs, rubbing, load, z)
+    follow_path(springs, rubbing, load, np.inf, np.zeros(len(load)), z)
     left = load + np.array(list(_pushes(exact, rubbing, z)))
     most = np.abs(load).max()
     return [deviation(f"a loop with friction, {built}", load + most, load + most - left, "N", SOURCE, 0.1)]

@@ -1,0 +1,94 @@
+"""A model's loop laid over a measured one: the model's branches, and how far each measured point lies from its own.
+
+A point's distance counts torque and deflection as shares of their ranges: where the loop crosses its play a little
+torque is a large turn, and where it sticks it is none, so that neither alone would do.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from cycloid_mj.bench.loop import MeasuredLoop
+from cycloid_mj.bench.parameters import Model, Parameter
+from cycloid_mj.loaded.sliding import Held, course_along
+from cycloid_mj.types import Array
+
+GRID, LEAD = 24, 8
+"""Torques of a branch of the model, and of each that only leads to the loop."""
+
+REACH = 0.05
+"""Turn between two points of the model, as a share of the loop's height, from which on there are more between them."""
+
+Branches = list[tuple[Array, Array]]
+
+
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """Under what the loops were taken: what was held, and at which crank angle [rad]."""
+
+    held: Held
+    crank: float
+
+
+def put_all(model: Model, parameters: Sequence[Parameter], values: Array) -> Model:
+    """Give a model with the values of parameters."""
+    for parameter, value in zip(parameters, values, strict=False):
+        model = parameter.put(model, float(value))
+    return model
+
+
+def model_branches(model: Model, bench: Bench, loop: MeasuredLoop, shift: float = 0.0) -> Branches:
+    """Give torque [N m] and turn [rad] of a model along each branch of a loop, less a `shift` of torque [N m].
+
+    The course before the loop is a loop as large, so that its first branch is that of a loop which closes.
+
+    Raises
+    ------
+    RunError
+        There is no balance.
+    """
+    ends = [end - shift for end in loop.turns]
+    ways = list(pairwise(ends))
+    lead = [np.linspace(a, b, LEAD, endpoint=False) for a, b in ((0.0, ends[1]), (ends[1], ends[0]))]
+    first = [way for place, way in enumerate(ways) if ways.index(way) == place]
+    each = [np.linspace(a, b, GRID) for a, b in first]
+    course = np.concatenate([*lead, *each])
+    when, turn = course_along(model.design, course, bench.crank, model.losses, bench.held, REACH * loop.height)
+    load = np.interp(when, np.arange(len(course)), course)
+    parts = np.searchsorted(when, 2 * LEAD + GRID * np.arange(len(each) + 1))
+    found = [(load[a:b], turn[a:b]) for a, b in pairwise(parts)]
+    # a closed loop takes the same way again
+    return [found[first.index(way)] for way in ways]
+
+
+def distances(loop: MeasuredLoop, branches: Branches, torque: float, deflection: float) -> Array:
+    """Give the signed distance of every point from the model's branch, as shares of the loop's ranges.
+
+    Points that only lead to the loop have none, shape (n - lead,). The model's loop is moved by an offset of `torque`
+    [N m] and of `deflection` [rad].
+    """
+    ranges = float(np.ptp(loop.torque)), loop.height
+    found = np.zeros(len(loop.torque))
+    for number, (loads, turns) in enumerate(branches):
+        here = loop.branch == number
+        points = np.stack([loop.torque[here] / ranges[0], loop.deflection[here] / ranges[1]], axis=-1)
+        line = np.stack([(loads + torque) / ranges[0], (turns + deflection) / ranges[1]], axis=-1)
+        found[here] = _from_line(points, line)
+    return found[loop.lead :]
+
+
+def _from_line(points: Array, line: Array) -> Array:
+    """Give the distance of points (n, 2) from a line through points (m, 2), positive to the right of its way."""
+    begin, along = line[:-1], np.diff(line, axis=0)
+    square = np.maximum(np.sum(along**2, axis=1), 1e-30)
+    way = points[:, np.newaxis] - begin
+    share = np.clip(np.sum(way * along, axis=-1) / square, 0.0, 1.0)
+    apart = way - share[..., np.newaxis] * along
+    distance = np.linalg.norm(apart, axis=-1)
+    nearest = np.argmin(distance, axis=1)
+    rows = np.arange(len(points))
+    beside, direction = apart[rows, nearest], along[nearest]
+    cross = direction[:, 0] * beside[:, 1] - direction[:, 1] * beside[:, 0]
+    return np.asarray(np.where(cross < 0.0, -1.0, 1.0) * distance[rows, nearest])

@@ -1,0 +1,166 @@
+"""The search of a calibration: residuals of measured loops by where all values are, and robust least squares of them.
+
+Each loop has an offset of its own in torque and in deflection, which are no part of the drive. All values are looked
+for on scales of their own, on which a step of one matters (`Parameter.place`).
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from itertools import product
+from operator import itemgetter
+from typing import Literal
+
+import numpy as np
+
+from cycloid_mj.bench.loop import MeasuredLoop
+from cycloid_mj.bench.overlay import Bench, Branches, distances, model_branches, put_all
+from cycloid_mj.bench.parameters import Model, Parameter
+from cycloid_mj.errors import RunError
+from cycloid_mj.types import Array
+
+OUTLIER = 0.03
+"""Residual, as a share of a loop's range, from which a point counts less and less (soft L1)."""
+
+FAILED = 1.0
+"""Residual of every point where the model has no balance."""
+
+STEP = 0.05
+"""Step of differences, on a value's scale."""
+
+SHORT, LONG = 12, 60
+"""Most steps of a search from each of the starts, and of the one that goes on from the best of them."""
+
+STARTS: tuple[dict[str, float], ...] = ({}, {"friction": 2.5, "drag": 0.5})
+"""Where searches start, in factors on what a loop suggests: friction of contacts and constant friction, which make a
+loop wide, are told apart by little, so that there is a valley between them in which a single search stops."""
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """The residuals of a model, and their slopes, by where all values are on their scales."""
+
+    model: Model
+    parameters: tuple[Parameter, ...]
+    loops: tuple[MeasuredLoop, ...]
+    bench: Bench
+    told: Callable[[], None]
+
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """The least and the greatest places."""
+        free = np.full(2 * len(self.loops), np.inf)
+        low, high = ([one.place(getattr(one, end)) for one in self.parameters] for end in ("least", "most"))
+        return np.concatenate([low, -free]), np.concatenate([high, free])
+
+    @cached_property
+    def _branches(self) -> Callable[[tuple[float, ...], int, float], Branches | None]:
+        @lru_cache(maxsize=4 * len(self.loops))
+        def branches(places: tuple[float, ...], loop: int, shift: float) -> Branches | None:
+            values = [one.value(place) for one, place in zip(self.parameters, places, strict=True)]
+            try:
+                changed = put_all(self.model, self.parameters, np.array(values))
+                return model_branches(changed, self.bench, self.loops[loop], shift)
+            except RunError:
+                return None
+
+        return branches
+
+    def parts(self, places: Array) -> list[Array]:
+        """Give the residuals of each loop's points."""
+        count, found = len(self.parameters), []
+        for number, loop in enumerate(self.loops):
+            offset = offset_scales(loop) * places[count + 2 * number : count + 2 * number + 2]
+            branches = self._branches(tuple(places[:count].tolist()), number, float(offset[0]))
+            failed = np.full(len(loop.torque) - loop.lead, FAILED)
+            found.append(failed if branches is None else distances(loop, branches, *offset.tolist()))
+        return found
+
+    def residuals(self, places: Array) -> Array:
+        """Give them in one, so that each loop counts the same."""
+        self.told()
+        return np.concatenate([part / np.sqrt(len(part)) for part in self.parts(places)])
+
+    def slopes(self, places: Array, by: Sequence[int], central: bool = False) -> Array:
+        """Give their slopes by some of the places, shape (points, by): forward differences, or central ones."""
+        low, high = self.bounds
+        columns = []
+        for place in by:
+            ends = np.stack([places, places])
+            ends[1, place] += STEP
+            ends[0, place] -= STEP if central else 0.0
+            if ends[1, place] > high[place]:
+                ends[:, place] = places[place] - STEP, places[place]
+            ends[:, place] = np.clip(ends[:, place], low[place], high[place])
+            step = ends[1, place] - ends[0, place]
+            columns.append((self.residuals(ends[1]) - self.residuals(ends[0])) / step)
+        return np.stack(columns, axis=1)
+
+    def starts(self) -> list[Array]:
+        """Give where searches start: by `STARTS`, with the design's own values and the middle of each loop.
+
+        Where stiffness or play is fitted, those that bring the model's loops nearest to the measured ones.
+        """
+        keys = {one.key for one in self.parameters}
+        shifts = [[0.5 * sum(loop.ends), _centre(loop)] / offset_scales(loop) for loop in self.loops]
+        plays = (1.0, 2.0, 0.5, 4.0) if {"mesh_play", "play", "output_play"} & keys else (1.0,)
+        softer = (1.0, 0.3, 0.1, 0.03, 0.01, 3.0) if "tooth_stiffness" in keys else (1.0,)
+        found = []
+        for wide in STARTS:
+            if not set(wide) <= keys:
+                continue
+            tried = []
+            for play, stiffness in product(plays, softer):
+                factors = {"mesh_play": play, "output_play": play, "play": play, "tooth_stiffness": stiffness} | wide
+                own = [
+                    one.place(min(max(one.start * factors.get(one.key, 1.0), one.least), one.most))
+                    for one in self.parameters
+                ]
+                places = np.concatenate([own, *shifts])
+                tried.append((sum(float(np.mean(np.abs(part))) for part in self.parts(places)), places))
+            found.append(min(tried, key=itemgetter(0))[1])
+        return found
+
+    def run(
+        self, start: Array, steps: int, method: Literal["trf", "dogbox"], held: int | None = None
+    ) -> tuple[float, Array]:
+        """Search from a start, with the value at one place `held` if it is given; give the cost and where it ended."""
+        from scipy.optimize import least_squares
+
+        low, high = self.bounds
+        free = [place for place in range(len(start)) if place != held]
+
+        def whole(part: Array) -> Array:
+            places = start.copy()
+            places[free] = part
+            return places
+
+        def residuals(part: Array) -> Array:
+            return self.residuals(whole(part))
+
+        def slopes(part: Array) -> Array:
+            return self.slopes(whole(part), free)
+
+        found = least_squares(
+            residuals,
+            np.clip(start, low + 1e-9, high - 1e-9)[free],
+            jac=slopes,
+            bounds=(low[free], high[free]),
+            method=method,
+            loss="soft_l1",
+            f_scale=OUTLIER / np.sqrt(min(len(loop.torque) for loop in self.loops)),
+            xtol=1e-6,
+            ftol=1e-6,
+            gtol=1e-9,
+            max_nfev=steps,
+        )
+        return float(found.cost), np.clip(whole(found.x), low, high)
+
+
+def _centre(loop: MeasuredLoop) -> float:
+    return 0.5 * float(loop.deflection.max() + loop.deflection.min())
+
+
+def offset_scales(loop: MeasuredLoop) -> Array:
+    """Give the scales of a loop's offsets in torque [N m] and deflection [rad]."""
+    return np.array([0.02 * float(np.ptp(loop.torque)), 0.02 * loop.height])

@@ -1,0 +1,78 @@
+"""How sure fitted values are: their covariance, by how the residuals answer to them and which of those are alike."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.types import Array, Mask
+
+LONGEST_MEMORY = 0.25
+"""Largest lag over which residuals count as one, as a share of a loop's points."""
+
+MOST_LEVERAGE = 0.9
+"""A point that all but decides a value by itself tells no more of its own noise."""
+
+
+def memory(residuals: Array) -> float:
+    """Give how many residuals that follow each other count as one: 1 for noise, more for what a model leaves out.
+
+    That is 1 + 2 sum rho_k, up to the first lag k whose correlation rho_k is not above 0 (Geyer's initial sequence).
+    """
+    centred = residuals - residuals.mean()
+    variance = float(np.mean(centred**2))
+    total = 1.0
+    for lag in range(1, int(LONGEST_MEMORY * len(residuals))):
+        correlation = float(np.mean(centred[lag:] * centred[:-lag])) / variance if variance else 0.0
+        if correlation <= 2.0 / np.sqrt(len(residuals)):
+            break
+        total += 2.0 * correlation
+    return total
+
+
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """How sure fitted values are.
+
+    Attributes
+    ----------
+    covariance
+        Of the values, shape (v, v).
+    inverse
+        Of half the curvature of the sum of squares, which alone would be the covariance for noise of size 1, (v, v).
+    freedom
+        Degrees of freedom behind them.
+    """
+
+    covariance: Array
+    inverse: Array
+    freedom: float
+
+    @property
+    def errors(self) -> Array:
+        """Standard errors, shape (v,)."""
+        return np.sqrt(np.diag(self.covariance))
+
+
+def spread(slopes: Sequence[Array], residuals: Sequence[Array], free: Mask) -> Spread:
+    """Tell how sure fitted values are.
+
+    `slopes` (n, v) and `residuals` (n,) are those of each loop, weighted as in the sum of squares. Noise of a turn is
+    none along a branch that is steep, so that each point brings its own: the sandwich estimate HC3 of MacKinnon and
+    White (J. Econometrics 29, 1985, 305-325), (A'A)^-1 A' diag(r^2/(1-h)^2) A (A'A)^-1 with leverages h, in which a
+    point counts as often as `memory` tells. Values that are not `free` (v,) have none; what no residual answers to has
+    an infinite error, here one of a million.
+    """
+    information = np.sum([rows.T @ rows for rows in slopes], axis=0)
+    inverse = np.zeros_like(information)
+    chosen = np.ix_(free, free)
+    values, vectors = np.linalg.eigh(information[chosen])
+    values = np.maximum(values, 1e-12 * max(float(values.max(initial=0.0)), 1e-300))
+    inverse[chosen] = (vectors / values) @ vectors.T
+    noise, points = np.zeros_like(information), 0.0
+    for part, rows in zip(residuals, slopes, strict=True):
+        leverage = np.minimum(np.sum(rows @ inverse * rows, axis=1), MOST_LEVERAGE)
+        own, alike = part / (1.0 - leverage), memory(part)
+        noise += alike * (rows.T * own**2) @ rows
+        points += len(part) / alike
+    return Spread(inverse @ noise @ inverse, inverse, max(points - int(free.sum()), 1.0))
