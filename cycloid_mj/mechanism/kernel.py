@@ -942,8 +942,8 @@ def follow_path(
 
     Returns
     -------
-    Of force 0, or where no balance was found, what was left over there as a share of the largest load; and the number of
-    rows.
+    Of force 0, or where no balance was found, what was left over there as a share of the largest load; and how many
+    rows there are.
     """
     count, number = path.shape
     elements = rubbing.stick.size
