@@ -8,7 +8,7 @@ import pytest
 import trimesh
 from matplotlib.path import Path as PolygonPath
 
-from cycloid_mj import profile
+from cycloid_mj import names, profile
 from cycloid_mj.checks.body import balance
 from cycloid_mj.checks.summary import masses
 from cycloid_mj.design import PRESETS, Design, override
@@ -22,6 +22,7 @@ from cycloid_mj.solid import (
     Solid,
     body_solids,
     circle,
+    crank_solid,
     gear_solid,
     housing_solid,
     mass_chord_error,
@@ -585,3 +586,10 @@ def test_without_a_core_pin_and_roller_are_one_solid(name: str) -> None:
     pins = found["output"].prisms[1 : 1 + design.output.pins]
     radii = [np.hypot(*(pin.outline - pin.outline.mean(axis=0)).T).max() for pin in pins]
     assert radii == pytest.approx([design.output.pin_radius] * len(pins))
+
+
+@pytest.mark.parametrize("design", PRESETS.values(), ids=PRESETS)
+def test_the_crank_alone_is_that_of_all_bodies(design: Design) -> None:
+    alone, among_all = (mass_properties(one) for one in (crank_solid(design), body_solids(design)[names.SHAFT]))
+    assert alone.mass == among_all.mass
+    assert np.array_equal(alone.inertia, among_all.inertia)

@@ -10,10 +10,9 @@ from cycloid_mj.errors import RunError
 from cycloid_mj.loaded import Loads, Springs, loads, peak_pressure, powers, springs_of
 from cycloid_mj.loaded.springs import turn_evenly
 from cycloid_mj.member import turns_of_crank
-from cycloid_mj.names import SHAFT
 from cycloid_mj.rating.duty import DutyPoint
 from cycloid_mj.rating.rolling import magnitudes
-from cycloid_mj.solid import body_solids, mass_properties
+from cycloid_mj.solid import crank_solid, mass_properties
 from cycloid_mj.stress.shaftgrid import Shaft, shaft_measures
 from cycloid_mj.types import Array
 from cycloid_mj.units import RPM
@@ -162,7 +161,7 @@ def _shaft_forces(design: Design, shaft: Shaft, crank: Array, cam: Array) -> tup
     cosine, sine = np.cos(crank)[:, np.newaxis], np.sin(crank)[:, np.newaxis]
     x, y = cam[..., 0], cam[..., 1]
     turned = np.stack([-(cosine * x + sine * y), -(cosine * y - sine * x)], axis=-1)
-    own = mass_properties(body_solids(design)[SHAFT])
+    own = mass_properties(crank_solid(design))
     flung = np.broadcast_to(own.mass * own.centroid[:2] * design.drive.speed**2, (len(crank), 1, 2))
     far, near = (0.5 * sum(ends) for ends in shaft.bearings)
     acting = np.array([*design.gear.disc_planes, 0.5 * sum(shaft.counterweight)])

@@ -10,7 +10,7 @@ from cycloid_mj.solid.inertia import MassProperties, mass_properties
 from cycloid_mj.solid.mesh import Mesh, mesh
 from cycloid_mj.solid.moving import moving_masses, output_inertia
 from cycloid_mj.solid.output import output_centres, output_solid, pin_radius
-from cycloid_mj.solid.parts import body_solids, carried, crank_stretches, parts
+from cycloid_mj.solid.parts import body_solids, carried, crank_solid, crank_stretches, parts
 from cycloid_mj.solid.polygon import circle
 from cycloid_mj.solid.prism import Prism, Solid
 from cycloid_mj.solid.shaft import shaft_solid, spacer_radius, stretches
@@ -24,6 +24,7 @@ __all__ = [
     "body_solids",
     "carried",
     "circle",
+    "crank_solid",
     "crank_stretches",
     "gear_solid",
     "housing_solid",

@@ -86,14 +86,13 @@ def _shape(design: Design) -> Design:
 
 
 def crank_stretches(design: Design) -> Mapping[str, Prism]:
-    """Give the stretches of the whole crank by name, as right as for its mass; see ``shaft.stretches``.
-
-    Raises
-    ------
-    DesignError
-        As `parts`.
-    """
+    """Give the stretches of the whole crank by name, as right as for its mass; errors as ``shaft.stretches``."""
     return _stretches(_shape(design), None)
+
+
+def crank_solid(design: Design) -> Solid:
+    """Give the whole crank as `body_solids` does, without drawing anything else; errors as ``shaft.stretches``."""
+    return _whole_crank(_shape(design))
 
 
 @lru_cache(maxsize=32)
@@ -116,7 +115,9 @@ def _whole_output(design: Design) -> Solid:
 
 @lru_cache(maxsize=32)
 def _stretches(design: Design, chord_error: float | None) -> Mapping[str, Prism]:
-    return stretches(design, chord_error, _gears(design, chord_error)[0])
+    # several discs balance each other, whatever their weight
+    balanced = _gears(design, chord_error)[0] if design.gear.discs == 1 else None
+    return stretches(design, chord_error, balanced)
 
 
 @lru_cache(maxsize=32)
