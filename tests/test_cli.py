@@ -168,7 +168,7 @@ def test_json_of_a_run_has_the_fixed_keys(run):
     assert found["design"] == "pin"
     assert found["log"] == str(log)
     assert found["timestep_s"] == timestep(PRESETS["pin"])
-    assert found["timestep"] == "3.7037 us (chosen by the design: stiffness of pin_socket)"
+    assert found["timestep"] == "3.44828 us (chosen by the design: stiffness of pin_socket)"
     assert found["steps"] == round(0.01 / found["timestep_s"])
     assert found["wall_s"] > 0
     assert found["q_path"]["q_mm"] == [0.0, 26.0]
@@ -199,7 +199,7 @@ def test_table_of_a_run_goes_to_stdout_and_messages_to_stderr(here, monkeypatch,
     assert code == 0
     first, step, *lines, last = err.splitlines()
     assert first == "preparing the model"
-    assert step == "time step 3.7037 us (chosen by the design: stiffness of pin_socket)"
+    assert step == "time step 3.44828 us (chosen by the design: stiffness of pin_socket)"
     # 0.01 s at 1640 rpm are 0.27 turns, half of which is settling
     assert last.startswith("warning: pin: only 0.13 crank turns")
     assert bool(lines) == progress

@@ -13,7 +13,17 @@ from designs import UNLIKE, unlike
 from cycloid_mj.cli.app import main
 from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.contact.regime import FEWEST_SAMPLES, at_rest, pace, warnings
-from cycloid_mj.contact.timestep import FEWEST_STEPS, LONGEST, RESOLVED, ROLLING, SEATED, chosen, limits, timestep
+from cycloid_mj.contact.timestep import (
+    FEWEST_STEPS,
+    LONGEST,
+    RESOLVED,
+    ROLLING,
+    SEATED,
+    SEATED_IDLE,
+    chosen,
+    limits,
+    timestep,
+)
 from cycloid_mj.contact.working import working_force
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.log import read
@@ -150,7 +160,7 @@ def test_simulate_tells_before_the_run_and_the_log_keeps_it(tmp_path: Path, caps
 
 def test_a_remedy_lies_well_within_the_limit() -> None:
     """Sockets of 21 light pins ask for 1.98 us instead of 2 us: the remedy is a round step below it."""
-    stiffness = 0.612e-3 * SEATED / 1.98e-6**2
+    stiffness = 0.612e-3 * SEATED_IDLE / 1.98e-6**2
     design = override(PRESETS["pin"], [f"stiffness.pin_socket_n_m={stiffness!r}", "settings.timestep_us=2"])
     found = warnings(design, build(design))
     assert [text for text in found if "shorten settings.timestep_us to 1 or" in text] == list(found) != []
@@ -180,6 +190,8 @@ def test_the_step_follows_mass_stiffness_play_force_and_speed() -> None:
     pin = float(model.body("pin_1").mass[0])
     seat, force = pair_stiffness(design, "pin_socket"), working_force(design, "pin_socket")
     assert found["stiffness of pin_socket"] == pytest.approx((SEATED * 0.5 * pin / seat) ** 0.5, rel=1e-6)
+    idle = override(design, ["load.torque_nm=0", "contact.working_load_nm=36.68"])
+    assert limits(idle)["stiffness of pin_socket"] == pytest.approx((SEATED_IDLE * 0.5 * pin / seat) ** 0.5, rel=1e-6)
     cam = pair_stiffness(design, "cam")
     gear = float(model.body("gear").mass[0])
     assert found["stiffness of cam"] == pytest.approx((RESOLVED * gear / cam) ** 0.5, rel=1e-6)
