@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import cycloid_mj.run
 from cycloid_mj.cli import main
@@ -452,6 +453,10 @@ def test_figures_have_a_panel_for_each_run_and_name_it(compared):
             assert [title.split(": about")[0] for title in titles] == cases
             assert figure.get_supylabel()
         assert figure.get_suptitle().endswith("1640 rpm")
+    for figure in drawn.values():
+        FigureCanvasAgg(figure).draw()
+        ends = [axes._left_title.get_window_extent().x1 for axes in figure.axes]
+        assert max(ends) <= figure.bbox.x1, figure.get_suptitle()
     error = drawn["compare_transmission_error"].axes[1].lines[0].get_ydata()
     truth = 3600 * np.degrees(motions[3].output_angle.error[motions[3].one_turn])
     assert error == pytest.approx(truth - truth.mean())

@@ -46,6 +46,9 @@ OVER_A_TURN = {
 }
 """Name of the figure -> its title, and what it shows."""
 
+LONG, SMALL = 40, {"fontsize": 7.2}
+"""Letters from which on a title takes more than a panel's width, and how it is written to fit."""
+
 ROW, HEAD = 1.25, 0.75
 """Height of a row of axes, and of what stands above and below them [in]."""
 
@@ -88,7 +91,7 @@ def _over_a_turn(grid: Grid, title: str, signal: Signal) -> Figure:
             if values.min() < 0.0 < values.max():
                 panel.axhline(0.0, color=BLACK, linewidth=0.5)
             panel.margins(y=0.1)
-            panel.set_title(named)
+            panel.set_title(named, **(SMALL if len(named) > LONG else {}))
             crank_axis(panel, degrees)
             if row + 1 < len(grid):
                 panel.set_xlabel("")
