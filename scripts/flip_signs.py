@@ -46,7 +46,7 @@ class Unseen(Enum):
 
 ON_THE_WAY = {
     "kernel.py": (
-        *("balance", "balance_along", "_lead", "_search", "_solve", "_roll_off"),
+        *("balance", "balance_along", "_lead", "_keep", "_search", "_solve", "_roll_off"),
         *("follow_path", "_leap", "_settle", "_renew", "_weigh", "_bear", "_rub_along", "_stored"),
     )
 }
