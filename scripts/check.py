@@ -27,7 +27,7 @@ def tests(room: str | None) -> tuple[str, ...]:
         No test file is named after the room.
     """
     if room is None:
-        return ("pytest", "-n", "2")
+        return ("pytest", "-n", "2", "--dist", "worksteal")
     files = sorted((ROOT / "tests").glob(f"test_{room}*.py"))
     if not files:
         rooms = sorted({path.stem.removeprefix("test_").split("_")[0] for path in (ROOT / "tests").glob("test_*.py")})
