@@ -838,9 +838,9 @@ def test_plot_into_a_file_is_told(run, tmp_path):
 
 
 def test_a_fault_of_the_program_is_not_taken_for_a_mistake_of_the_user(monkeypatch):
-    def faulty(name_or_file):
+    def faulty(*words):
         raise ZeroDivisionError
 
-    monkeypatch.setattr("cycloid_mj.cli.design.resolve", faulty)
+    monkeypatch.setattr("cycloid_mj.cli.design.designed", faulty)
     with pytest.raises(ZeroDivisionError):
         main(["design", "show", "pin"])
