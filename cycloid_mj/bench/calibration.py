@@ -63,7 +63,8 @@ class Estimate:
     ci95
         The ends of its interval of 95 %.
     identified
-        Whether the loop determines it: the interval is no wider than twice the value, and it is not at a bound.
+        Whether the loop determines it: the interval is no wider than twice the value, and neither of its ends is that
+        of what is looked for.
     """
 
     value: float
@@ -376,7 +377,8 @@ def _told(fitted: Fitted) -> Calibration:
 
 def _estimate(one: Parameter, place: float, ends: Array, at_bound: bool) -> Estimate:
     value, low, high = (one.value(float(at)) for at in (place, *ends))
-    identified = not at_bound and high - low < 2.0 * abs(value)
+    ended = one.place(one.least) < ends[0] and ends[1] < one.place(one.most)
+    identified = bool(not at_bound and ended and high - low < 2.0 * abs(value))
     return Estimate(value, one.unit, one.meaning, (low, high), identified)
 
 

@@ -186,7 +186,8 @@ def _fitted(search: Search, places: Array) -> Fitted:
 def _widen(search: Search, found: Fitted, cost: float) -> Array | None:
     """Put the ends of each interval where the loops are missed by too much; or give a place that misses them less."""
     inverse = found.spread.inverse
-    for place in np.flatnonzero(~found.at_bound[: len(search.parameters)]):
+    unknown = np.all(found.ends == np.stack(search.bounds, axis=1), axis=1)
+    for place in np.flatnonzero(~(found.at_bound | unknown)[: len(search.parameters)]):
         along = inverse[:, place] / inverse[place, place]
         for side, end in enumerate(found.ends[place]):
             way, most = end - found.places[place], search.bounds[side][place] - found.places[place]

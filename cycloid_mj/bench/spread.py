@@ -13,6 +13,9 @@ LONGEST_MEMORY = 0.25
 MOST_LEVERAGE = 0.9
 """A point that all but decides a value by itself tells no more of its own noise."""
 
+UNKNOWN = 1e6
+"""Error of what no residual answers to, on its scale."""
+
 
 def memory(residuals: Array) -> float:
     """Give how many residuals that follow each other count as one: 1 for noise, more for what a model leaves out.
@@ -61,18 +64,21 @@ def spread(slopes: Sequence[Array], residuals: Sequence[Array], free: Mask) -> S
     none along a branch that is steep, so that each point brings its own: the sandwich estimate HC3 of MacKinnon and
     White (J. Econometrics 29, 1985, 305-325), (A'A)^-1 A' diag(r^2/(1-h)^2) A (A'A)^-1 with leverages h, in which a
     point counts as often as `memory` tells. Values that are not `free` (v,) have none; what no residual answers to has
-    an infinite error, here one of a million.
+    an infinite error, here `UNKNOWN`.
     """
     information = np.sum([rows.T @ rows for rows in slopes], axis=0)
     inverse = np.zeros_like(information)
     chosen = np.ix_(free, free)
     values, vectors = np.linalg.eigh(information[chosen])
-    values = np.maximum(values, 1e-12 * max(float(values.max(initial=0.0)), 1e-300))
-    inverse[chosen] = (vectors / values) @ vectors.T
+    least = 1e-12 * max(float(values.max(initial=0.0)), 1e-300)
+    unseen = vectors[:, values <= least]
+    inverse[chosen] = (vectors / np.maximum(values, least)) @ vectors.T
     noise, points = np.zeros_like(information), 0.0
     for part, rows in zip(residuals, slopes, strict=True):
         leverage = np.minimum(np.sum(rows @ inverse * rows, axis=1), MOST_LEVERAGE)
         own, alike = part / (1.0 - leverage), memory(part)
         noise += alike * (rows.T * own**2) @ rows
         points += len(part) / alike
-    return Spread(inverse @ noise @ inverse, inverse, max(points - int(free.sum()), 1.0))
+    covariance = inverse @ noise @ inverse
+    covariance[chosen] += UNKNOWN**2 * unseen @ unseen.T
+    return Spread(covariance, inverse, max(points - int(free.sum()), 1.0))
