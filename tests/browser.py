@@ -24,14 +24,16 @@ UNDRAWN = 'return [...document.images].filter(e => e.loading !== "lazy" && !e.na
 
 
 @contextmanager
-def browser() -> Iterator[Any]:
-    """Open a browser, which logs what its console says."""
+def browser(downloads: Path | None = None) -> Iterator[Any]:
+    """Open a browser of 1400 by 1000 pixels, which logs what its console says; downloads go to a folder."""
     from selenium import webdriver
 
     options = webdriver.ChromeOptions()
     options.binary_location = CHROMIUM
+    if downloads:
+        options.add_experimental_option("prefs", {"download.default_directory": str(downloads)})
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    for word in ("--headless=new", "--no-sandbox", "--disable-gpu"):
+    for word in ("--headless=new", "--no-sandbox", "--disable-gpu", "--window-size=1400,1000"):
         options.add_argument(word)
     driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
     try:

@@ -4,7 +4,6 @@ import asyncio
 import os
 import random
 import re
-import shutil
 import signal
 import socket
 import subprocess
@@ -18,6 +17,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
+from browser import CHROMIUM, DRIVER, MISSING, browser, errors
 from designs import UNLIKE, unlike
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
@@ -33,7 +33,6 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import CycloidError
 
 DESIGNS = {**PRESETS, **{name: unlike(name) for name in UNLIKE}}
-BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 
 
 @pytest.mark.parametrize("design", DESIGNS.values(), ids=DESIGNS)
@@ -195,23 +194,14 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, Path
 @pytest.fixture(scope="module")
 def page(served: tuple[str, Path], tmp_path_factory: pytest.TempPathFactory) -> Iterator:
     """Open the page in Chromium, and wait for its figures."""
-    if not (BROWSER and DRIVER):
-        pytest.skip("needs Chromium and its driver (Debian: chromium, chromium-driver)")
-    from selenium import webdriver
-
-    options = webdriver.ChromeOptions()
-    options.binary_location = BROWSER
+    if not (CHROMIUM and DRIVER):
+        pytest.skip(MISSING)
     folder = tmp_path_factory.mktemp("downloads")
-    options.add_experimental_option("prefs", {"download.default_directory": str(folder)})
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    for word in ("--headless=new", "--no-sandbox", "--disable-gpu", "--window-size=1400,1000"):
-        options.add_argument(word)
-    driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
-    driver.folder = folder
-    driver.get(served[0])
-    wait(lambda: solved(driver), "the first figures")
-    yield driver
-    driver.quit()
+    with browser(folder) as driver:
+        driver.folder = folder
+        driver.get(served[0])
+        wait(lambda: solved(driver), "the first figures")
+        yield driver
 
 
 @pytest.fixture(autouse=True)
@@ -220,7 +210,7 @@ def quiet(request: pytest.FixtureRequest) -> Iterator[None]:
     yield
     if "page" in request.fixturenames:
         page, (_, log) = request.getfixturevalue("page"), request.getfixturevalue("served")
-        assert not [entry for entry in page.get_log("browser") if entry["level"] == "SEVERE"]
+        assert not errors(page)
         assert "Traceback" not in log.read_text()
 
 

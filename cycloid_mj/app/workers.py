@@ -3,14 +3,13 @@
 import asyncio
 import multiprocessing
 import os
-import signal
-import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 
 from cycloid_mj.app.shown import Line
 from cycloid_mj.design import PRESETS, Design
+from cycloid_mj.engine.parent import serve_parent
 
 Work = Callable[[Design], tuple[Line, ...]]
 
@@ -50,15 +49,7 @@ class Workers:
 
 
 def _prepare(works: Sequence[Work]) -> None:
-    """Leave Ctrl-C to the page's process, end with it, and load what the works need."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    """Serve the page's process, and load what the works need."""
+    serve_parent()
     for work in works:
         work(PRESETS["pin"])
-
-
-def _end_with_parent() -> None:
-    parent = multiprocessing.parent_process()
-    if parent:
-        parent.join()
-        os.kill(os.getpid(), signal.SIGTERM)

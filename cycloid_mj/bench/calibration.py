@@ -12,7 +12,7 @@ from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.overlay import Bench, model_branches, put_all
 from cycloid_mj.bench.parameters import DEFAULT, Model, Parameter, parameters
 from cycloid_mj.bench.search import STEP, Search
-from cycloid_mj.design import Design
+from cycloid_mj.design import Design, Friction
 from cycloid_mj.errors import RunError, UsageError
 from cycloid_mj.loaded.sliding import Held, Losses, turn_along
 from cycloid_mj.loaded.windup import STRAIGHT
@@ -313,7 +313,7 @@ def compare_losses(
     """
     fitted = found.fitted
     common = [one.key for one in fitted.parameters if one.key not in ("friction", "material_loss")]
-    smooth = fitted.model.design.but(friction=dict.fromkeys(type(fitted.model.design.friction).model_fields, 0.0))
+    smooth = _smooth(fitted.model.design)
     found, counted = replace(found, variants=()), _counting(progress)
     for key, meaning, extra, rough in (
         ("constant", "constant friction alone", (), False),
@@ -361,11 +361,11 @@ def _told(fitted: Fitted) -> Calibration:
     alike = tuple(
         (keys[i], keys[j], float(related[i, j])) for i in range(count) for j in range(i) if abs(related[i, j]) > ALIKE
     )
-    model = put_all(fitted.model, fitted.parameters, fitted.values)
+    calibrated = fitted.calibrated.design
     lowest = min(fitted.loops, key=_height)
     return Calibration(
         fitted=fitted,
-        design=model.design.but(name=f"{model.design.name}-calibrated"[:64]),
+        design=calibrated.but(name=f"{calibrated.name}-calibrated"[:64]),
         estimates=estimates,
         alike=alike,
         play=_derived(fitted, _play),
@@ -409,7 +409,7 @@ def _play(fitted: Fitted, model: Model) -> float:
 
 
 def _slope(fitted: Fitted, model: Model) -> float:
-    smooth = model.design.but(friction=dict.fromkeys(type(model.design.friction).model_fields, 0.0))
+    smooth = _smooth(model.design)
     most = max(loop.most for loop in fitted.loops)
     low, high = STRAIGHT
     rise = []
@@ -418,6 +418,11 @@ def _slope(fitted: Fitted, model: Model) -> float:
         turn = way * turn_along(smooth, course, fitted.bench.crank, Losses(), fitted.bench.held)
         rise.append(turn[-1] - turn[round(20 * low / high)])
     return (high - low) * most / float(np.mean(rise))
+
+
+def _smooth(design: Design) -> Design:
+    """Give a design whose contacts have no friction."""
+    return design.but(friction=dict.fromkeys(Friction.model_fields, 0.0))
 
 
 def _notes(fitted: Fitted) -> tuple[str, ...]:

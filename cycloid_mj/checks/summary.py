@@ -1,5 +1,6 @@
 """What a sound design is, in a few numbers."""
 
+from collections import Counter
 from dataclasses import dataclass
 
 from cycloid_mj import names
@@ -9,7 +10,7 @@ from cycloid_mj.design import Design, material_limits
 from cycloid_mj.loaded.springs import turn_evenly
 from cycloid_mj.mechanism.limits import stops
 from cycloid_mj.mechanism.reducer import are_one_part
-from cycloid_mj.solid import mass_properties, parts
+from cycloid_mj.solid import carried, mass_properties, parts
 
 POSES = 13
 """Crank angles over which the backlash is averaged."""
@@ -101,8 +102,8 @@ def _backlash(design: Design) -> float:
 
 def masses(design: Design) -> dict[str, float]:
     """Give the masses of the parts [kg] by their names, every ring pin (or sleeve), spacer and roller counted."""
-    discs = design.gear.discs
-    counts = {names.PIN: design.ring.teeth, names.SPACER: discs - 1, names.ROLLER: design.output.pins * discs}
+    borne = Counter(part for by in (names.SHAFT, names.OUTPUT) for part, _ in carried(design, by).values())
+    counts = {names.PIN: design.ring.teeth, **borne}
     return {
         name: mass_properties(solid).mass * counts.get(name, 1) for name, solid in parts(design, CHORD_ERROR).items()
     }

@@ -1,13 +1,10 @@
 """Work in processes of this machine; a process that dies is replaced, and its work tried again."""
 
-import os
-import signal
-import threading
-import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any, TypeVar
 
+from cycloid_mj.engine.parent import serve_parent
 from cycloid_mj.errors import RunError
 
 T = TypeVar("T")
@@ -15,9 +12,6 @@ R = TypeVar("R")
 
 TRIES = 3
 """Times that an item may be under way when a process dies, before it is tried alone to tell whether it is the cause."""
-
-SECONDS_BETWEEN_LOOKS = 1.0
-"""Between two looks of a worker at whether its parent still lives."""
 
 
 def in_processes(
@@ -55,22 +49,10 @@ def _parallel(work: Callable[[T], R], items: dict[int, T], workers: int, begun: 
             begun.add(place)
             yield delayed(_piece)(work, place, item)
 
-    with parallel_config("loky", inner_max_num_threads=1, initializer=_begin):
+    with parallel_config("loky", inner_max_num_threads=1, initializer=serve_parent):
         pool = Parallel(max(2, workers), batch_size=1, return_as="generator_unordered")
     yield from pool(pieces())
 
 
 def _piece(work: Callable[[T], R], place: int, item: T) -> tuple[int, R]:
     return place, work(item)
-
-
-def _begin() -> None:
-    """Leave Ctrl-C to the parent, which ends its workers, and end where the parent was killed."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
-
-
-def _end_with(parent: int) -> None:
-    while os.getppid() == parent:
-        time.sleep(SECONDS_BETWEEN_LOOKS)
-    os.kill(os.getpid(), signal.SIGTERM)

@@ -6,8 +6,9 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from cycloid_mj.design import Design, declared, override, value_of
+from cycloid_mj.digits import significant
 from cycloid_mj.errors import DesignError, UsageError
-from cycloid_mj.explore.points import TIDY_DIGITS, Value
+from cycloid_mj.explore.points import Value
 
 _EXAMPLE = "'output.hole_radius_mm=output.pin_radius_mm+gear.eccentricity_mm'"
 
@@ -83,7 +84,7 @@ class Follower:
         if not self.formula:
             return RULES[self.key].put(start, design)
         try:
-            value = _tidy(_value(_parsed(self.formula), design))
+            value = significant(_value(_parsed(self.formula), design))
         except ArithmeticError as error:
             raise DesignError(f"{self.key} = {self.formula} has no value: {error}") from error
         whole = declared(self.key).annotation is int and value.is_integer()
@@ -145,12 +146,7 @@ def followed(start: Design, design: Design, followers: Iterable[Follower]) -> De
 def values_of(design: Design, followers: Iterable[Follower]) -> dict[str, Value]:
     """Give what followers came to, key -> value in the file's unit."""
     values = {one.key: value_of(design, one.key) for one in followers}
-    return {key: value if isinstance(value, int) else _tidy(value) for key, value in values.items()}
-
-
-def _tidy(value: float) -> float:
-    """Give a number without the last digits, which rounding leaves."""
-    return float(f"{value:.{TIDY_DIGITS}g}")
+    return {key: value if isinstance(value, int) else significant(value) for key, value in values.items()}
 
 
 def _parsed(formula: str) -> ast.expr:

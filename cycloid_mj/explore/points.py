@@ -14,13 +14,11 @@ import numpy as np
 from pydantic.fields import FieldInfo
 
 from cycloid_mj.design import declared
+from cycloid_mj.digits import significant
 from cycloid_mj.errors import UsageError
 from cycloid_mj.types import Array
 
 MOST_POINTS = 1_000_000
-
-TIDY_DIGITS = 12
-"""Significant digits of the values of a range: 0.3, not 0.30000000000000004."""
 
 Value = float | int | str | bool
 Method = Literal["sobol", "lhs", "random"]
@@ -199,7 +197,7 @@ def all_values(axis: Axis) -> tuple[Value, ...]:
     """Give the values of an axis; raise UsageError for a range that misses whole numbers where they must be."""
     if axis.values:
         return axis.values
-    values = [float(f"{value:.{TIDY_DIGITS}g}") for value in np.linspace(axis.low, axis.high, axis.count or 2).tolist()]
+    values = [significant(value) for value in np.linspace(axis.low, axis.high, axis.count or 2).tolist()]
     if axis.field.annotation is float:
         return tuple(values)
     if odd := next((value for value in values if not value.is_integer()), None):

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from cycloid_mj.digits import significant
 from cycloid_mj.explore.points import Value
 from cycloid_mj.explore.problem import FEASIBLE, VIOLATION, Problem
 from cycloid_mj.explore.row import Row
@@ -34,9 +35,6 @@ MOST_REPEATS = 5
 
 WORST = 1e20
 """Score of points that break something, times their violation; no figure is so large."""
-
-TIDY_DIGITS = 12
-"""Significant digits of the values of a point."""
 
 Point = tuple[Value, ...]
 Evaluate = Callable[[Sequence[Point]], list[Row]]
@@ -92,8 +90,7 @@ def _strategy(start: Array, width: float, generator: np.random.Generator) -> Any
 def point_at(ranges: Sequence[Any], shares: Array) -> tuple[float, ...]:
     """Give the real numbers at shares of their ranges."""
     return tuple(
-        float(f"{one.low + (one.high - one.low) * float(share):.{TIDY_DIGITS}g}")
-        for one, share in zip(ranges, shares, strict=False)
+        significant(one.low + (one.high - one.low) * float(share)) for one, share in zip(ranges, shares, strict=False)
     )
 
 

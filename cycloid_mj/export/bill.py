@@ -99,7 +99,7 @@ def _bought(design: Design, cam_seat: float) -> Iterator[Item]:
     if output.rollers:
         sizes = ("outside diameter", output.pin_radius), ("bore", output.root_radius)
         size = _round(*sizes, length=gear.face_width)
-        yield Item("output_roller", output.pins * gear.discs, size, "", "bought")
+        yield Item(names.ROLLER, output.pins * gear.discs, size, "", "bought")
     if gear.bearing == "rolling":
         bore = (("bore", cam_seat),) if cam_seat else ()
         size = _round(("outside diameter", gear.bore_radius), *bore, length=gear.face_width)

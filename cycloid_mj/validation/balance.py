@@ -159,7 +159,7 @@ def balance_rows(built: str, *changes: str) -> list[Row]:
     _, exact = pressed(design)
     z = loads(design, springs, rig.RATED_LOAD).departures[0]
     load = springs.load(share(design) * rig.RATED_LOAD)[0]
-    name = ", ".join([built, *(f"{change}" for change in changes)])
+    name = ", ".join((built, *changes))
     return [deviation(f"forces in balance, {name}", exact.push(z), -load, "N", SOURCE, 0.1)]
 
 

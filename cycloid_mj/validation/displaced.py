@@ -114,7 +114,7 @@ class Pressed:
         By which each contact gives way first [m], shape (n,).
     bending
         Of the output pins by a force at each disc, along the pushes there [m/N], (D, D); the diagonal, which is in
-        `stiffness`, is 0. None where pins of one disc are not those of another.
+        `stiffness`, is 0; empty where no disc bends the pins for another.
     """
 
     design: Design
