@@ -1,7 +1,11 @@
 """Valid designs unlike the paper's, in kind, size, ratio and material: what works on these works on more than one."""
 
+from collections.abc import Collection
 from functools import cache
 from pathlib import Path
+from typing import Any
+
+import pytest
 
 from cycloid_mj.design import Design, load
 
@@ -23,3 +27,12 @@ def design_file(name: str) -> Path:
 def unlike(name: str) -> Design:
     """Load one of `UNLIKE`."""
     return load(design_file(name))
+
+
+def cases(every: Collection[Any], *quick: Any) -> list[Any]:
+    """Give the cases of a test of which the quick ones run by default, and all others with ``-m slow``."""
+    assert all(case in every for case in quick)
+    return [
+        pytest.param(*(case if isinstance(case, tuple) else (case,)), marks=[pytest.mark.slow] * (case not in quick))
+        for case in every
+    ]

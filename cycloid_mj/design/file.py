@@ -3,7 +3,8 @@
 import difflib
 import math
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any, get_origin
 
@@ -77,7 +78,8 @@ def override(design: Design, changes: Sequence[str] | Mapping[str, Any]) -> Desi
         where, pairs = "override", [(path, _plain(value)) for path, value in changes.items()]
     else:
         where, pairs = "--set", [_pair(change) for change in changes]
-    tables, changed = dict(_tables(design)), dict[str, dict[str, Any]]()
+    named = {keys[0] for path, _ in pairs if (keys := _keys(path))}
+    tables, changed = dict(_tables(design, named)), dict[str, dict[str, Any]]()
     for path, value in pairs:
         keys = _keys(path)
         if not keys:
@@ -91,7 +93,7 @@ def override(design: Design, changes: Sequence[str] | Mapping[str, Any]) -> Desi
     for name, change in changed.items():
         section = section_of(field) if (field := Design.model_fields.get(name)) else None
         tables[name] = (section or Section).changed(tables.get(name, {}), change)
-    return _validated(_to_si(Design, tables, where), where) if pairs else design
+    return _validated(_untouched(design, named) | _to_si(Design, tables, where), where) if pairs else design
 
 
 def declared(path: str) -> FieldInfo:
@@ -199,18 +201,35 @@ def _fields(section: Section) -> Iterator[tuple[str, FieldInfo, Any]]:
             yield name, field, value
 
 
-def _tables(section: Section) -> Iterator[tuple[str, Any]]:
-    """Give a section as the keys and values of its file."""
+def _tables(section: Section, chosen: Container[str] | None = None) -> Iterator[tuple[str, Any]]:
+    """Give a section, or what is chosen of it by name, as the keys and values of its file."""
     for name, field, value in _fields(section):
+        if chosen is not None and name not in chosen:
+            continue
         if isinstance(value, Section):
             yield name, dict(_tables(value))
         else:
             yield file_key(name, field), _to_file(field, value)
 
 
+def _untouched(design: Design, named: Container[str]) -> dict[str, Any]:
+    """Give the values of a design in SI, but for those named: they need no way through the units of a file."""
+    return {
+        name: {key: item for key, _, item in _fields(value)} if isinstance(value, Section) else value
+        for name, _, value in _fields(design)
+        if name not in named
+    }
+
+
+@cache
+def _known(section: type[Section]) -> dict[str, tuple[str, FieldInfo]]:
+    """Give key of the file -> name and declaration in the model."""
+    return {file_key(name, field): (name, field) for name, field in section.model_fields.items()}
+
+
 def _to_si(section: type[Section], table: Mapping[str, Any], where: str, prefix: str = "") -> dict[str, Any]:
     """Translate the keys of the file to the names of the model and numbers to SI."""
-    known = {file_key(name, field): (name, field) for name, field in section.model_fields.items()}
+    known = _known(section)
     values: dict[str, Any] = {}
     for key, value in table.items():
         if key not in known:

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any, get_args
 
 from pydantic import BaseModel, Field
@@ -38,9 +39,9 @@ class Unit:
         has none: then the nearest number is given, whose SI value differs in the last bit.
         """
         near = value * self.divisor / self.multiplier
-        shortened = [float(f"{near:.{digits}g}") for digits in (14, 15, 16)]
-        beside = [near + step * math.ulp(near) for step in (0, -1, 1, -2, 2, -3, 3)]
-        return next((number for number in shortened + beside if self.to_si(number) == value), near)
+        shortened = (float(f"{near:.{digits}g}") for digits in (14, 15, 16))
+        beside = (near + step * math.ulp(near) for step in (0, -1, 1, -2, 2, -3, 3))
+        return next((number for number in chain(shortened, beside) if self.to_si(number) == value), near)
 
 
 NONE = Unit("")
