@@ -16,13 +16,13 @@ import importlib.machinery
 import importlib.util
 import os
 import resource
+import signal
 import sys
 import types
 import warnings
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
-from enum import Enum
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -33,32 +33,38 @@ MODEL = "reducer.py"
 TESTS = ("test_kernel.py", "test_mechanism.py")
 MODEL_TESTS = ("test_reducer.py",)
 
-SECONDS = 60
-"""CPU time after which a flip counts as seen: it does not come to an end."""
+SECONDS = 30
+"""CPU time of tests or rows after which they count as failed: they do not come to an end."""
 
 
-class Unseen(Enum):
-    """Why no row can see a sign; its value tells people."""
+TIME = "costs only time: a way to the balance, which is found by its residual; a test counts the steps"
+"""Why no row sees some signs."""
 
-    TIME = "costs only time: a way to the balance, which is found by its residual; a test counts the steps"
-    SAME = "the same either way: where a search begins that always comes to its end"
-
+ALL: frozenset[str] = frozenset()
+"""Of whatever a function makes, its decisions too."""
 
 ON_THE_WAY = {
-    "kernel.py": (
-        *("balance", "balance_along", "_lead", "_keep", "_search", "_solve", "_roll_off"),
-        *("follow_path", "_leap", "_settle", "_renew", "_weigh", "_bear", "_rub_along", "_stored"),
-    )
+    "kernel.py": {
+        **dict.fromkeys(("_lead", "_keep", "_solve", "_roll_off", "_leap", "_settle", "_renew", "_stored"), ALL),
+        "balance": {"here", "done"},
+        "balance_along": {"z", "done"},
+        "_search": {"there", "done", "if"},
+        "_weigh": {"work", "energy", "tangent", "turning", "alone", "across", "force", "row, column, rate"},
+        "_bear": {"energy", "tangent", "rate", "more", "return"},
+        "_rub_along": {"tangent"},
+    }
 }
-"""Functions by file that look for a balance: where no row sees a sign in them, it costs only time."""
+"""What only leads to a balance, by file, function and what is made there: where no row sees a sign, it costs time.
 
-SAME = {("kernel.py", "E * ca - c * N * cb")}
-"""File and expression of the signs on which nothing depends."""
+Newton's steps, and the energy that tells how far to go along them, lead there; the forces left over decide."""
 
 
 @dataclass(frozen=True)
 class Flip:
-    """One sign of a file: where it stands, in bytes, the expression that it is in, and the function."""
+    """One sign of a file: where it stands, in bytes, the expression that it is in, the function, and what that makes.
+
+    What is made is the name that a value is given, or the word for what becomes of it: return, if.
+    """
 
     file: str
     line: int
@@ -66,13 +72,13 @@ class Flip:
     old: str
     expression: str
     within: str
+    makes: str
 
     @property
-    def excuse(self) -> Unseen | None:
-        """Why no row may see it."""
-        if (self.file, self.expression) in SAME:
-            return Unseen.SAME
-        return Unseen.TIME if self.within in ON_THE_WAY.get(self.file, ()) else None
+    def leads(self) -> bool:
+        """Whether it only leads to a balance."""
+        ways = ON_THE_WAY.get(self.file, {}).get(self.within, frozenset())
+        return ways is ALL or self.makes in ways
 
     def __str__(self) -> str:
         """Say where it is."""
@@ -99,21 +105,54 @@ def flips(path: Path) -> Iterator[Flip]:
 
     tree = ast.parse(content)
     functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+    for makes, part in made(tree):
+        for node in ast.walk(part):
+            if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
+                first, last = at(node.lineno, node.col_offset), at(node.operand.lineno, node.operand.col_offset)
+            elif isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub):
+                first = at(node.left.end_lineno or 0, node.left.end_col_offset or 0)
+                last = at(node.right.lineno, node.right.col_offset)
+            elif isinstance(node, ast.AugAssign) and isinstance(node.op, ast.Add | ast.Sub):
+                first = at(node.target.end_lineno or 0, node.target.end_col_offset or 0)
+                last = at(node.value.lineno, node.value.col_offset)
+            else:
+                continue
+            place = next(i for i in range(first, last) if content[i : i + 1] in (b"+", b"-"))
+            around = [one.name for one in functions if one.lineno <= node.lineno <= (one.end_lineno or 0)]
+            sign, within = content[place : place + 1].decode(), around[-1] if around else ""
+            yield Flip(path.name, node.lineno, place, sign, ast.unparse(node), within, makes)
+
+
+def made(tree: ast.AST) -> Iterator[tuple[str, ast.AST]]:
+    """Give the parts of all statements with what each makes, as in `Flip`; every expression is in one of them."""
     for node in ast.walk(tree):
-        if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
-            first, last = at(node.lineno, node.col_offset), at(node.operand.lineno, node.operand.col_offset)
-        elif isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub):
-            first = at(node.left.end_lineno or 0, node.left.end_col_offset or 0)
-            last = at(node.right.lineno, node.right.col_offset)
-        elif isinstance(node, ast.AugAssign) and isinstance(node.op, ast.Add | ast.Sub):
-            first = at(node.target.end_lineno or 0, node.target.end_col_offset or 0)
-            last = at(node.value.lineno, node.value.col_offset)
-        else:
-            continue
-        place = next(i for i in range(first, last) if content[i : i + 1] in (b"+", b"-"))
-        around = [one.name for one in functions if one.lineno <= node.lineno <= (one.end_lineno or 0)]
-        sign, within = content[place : place + 1].decode(), around[-1] if around else ""
-        yield Flip(path.name, node.lineno, place, sign, ast.unparse(node), within)
+        match node:
+            case ast.Assign(targets=[ast.Tuple(elts=names)], value=ast.Tuple(elts=values)) if len(names) == len(values):
+                for name, value in zip(names, values, strict=True):
+                    yield from ((named(name), part) for part in (name, value))
+            case ast.Assign(targets=[target, *_]) | ast.AugAssign(target=target):
+                yield named(target), node
+            case ast.For(target=target, iter=iterated):
+                yield named(target), iterated
+            case ast.If(test=test) | ast.While(test=test):
+                yield "if", test
+            case ast.Return():
+                yield "return", node
+            case ast.stmt():
+                inside = ast.stmt | ast.excepthandler | ast.match_case
+                yield from (("", part) for part in ast.iter_child_nodes(node) if not isinstance(part, inside))
+
+
+def named(target: ast.expr) -> str:
+    """Give the name of what is given a value, without the object that it belongs to and its place there."""
+    match target:
+        case ast.Tuple(elts=targets):
+            return ", ".join(map(named, targets))
+        case ast.Subscript(value=whole):
+            return named(whole)
+        case ast.Attribute(attr=name):
+            return name
+    return ast.unparse(target)
 
 
 def flipped(content: bytes, flip: Flip) -> bytes:
@@ -171,7 +210,8 @@ def see(flip: Flip | None, models: bool, told: int) -> None:
     """Write what fails to a pipe, with a sign flipped or none; in a process of its own."""
     import numba
 
-    resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
+    resource.setrlimit(resource.RLIMIT_CPU, (3 * SECONDS, 3 * SECONDS))  # where Python has no say
+    signal.signal(signal.SIGPROF, out_of_time)
     numba.config.DISABLE_JIT = not models
     warnings.simplefilter("ignore")
     sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
@@ -181,7 +221,13 @@ def see(flip: Flip | None, models: bool, told: int) -> None:
     os.dup2(nowhere, 1)
     os.dup2(nowhere, 2)
     for question in (validated, tested):
+        signal.setitimer(signal.ITIMER_PROF, SECONDS)
         os.write(told, b"yes " if question(models) else b"no ")
+
+
+def out_of_time(*_: object) -> None:
+    """Make fail what does not come to an end."""
+    raise TimeoutError
 
 
 @dataclass(frozen=True)
@@ -228,7 +274,8 @@ def tried(chosen: list[Flip], workers: int) -> Iterator[tuple[Flip, Found]]:
 def wanted(only: str, lines: str, sample: int) -> list[Flip]:
     """Give the flips to try: all, those of one file or of some of its lines, or so many spread evenly over them."""
     files = sorted((ROOT / ROOM).glob("*.py"))
-    every = [flip for path in files for flip in flips(path) if only in ("", path.name)]
+    of_files = (sorted(flips(path), key=lambda flip: flip.place) for path in files if only in ("", path.name))
+    every = [flip for of_file in of_files for flip in of_file]
     if lines:
         first, last = (int(end) for end in lines.split("-"))
         every = [flip for flip in every if first <= flip.line <= last]
@@ -252,17 +299,18 @@ def main(arguments: list[str] | None = None) -> int:
         if unspoiled.by_test or unspoiled.by_row:
             print(f"a {'test' if unspoiled.by_test else 'row'} fails as it is: nothing can be said of any sign")
             return 1
-    missed = 0
+    slower, missed = 0, 0
     for number, (flip, found) in enumerate(tried(every, options.workers), start=1):
         unseen = [what for what, by in (("test", found.by_test), ("row", found.by_row)) if not by]
-        excused = flip.excuse is Unseen.SAME or (flip.excuse is Unseen.TIME and found.by_test)
-        missed += bool(unseen) and not excused
+        excused = unseen == ["row"] and flip.leads
+        slower, missed = slower + excused, missed + (bool(unseen) and not excused)
         if unseen:
-            reason = f": {flip.excuse.value}" if flip.excuse and excused else ""
-            print(f"no {' and no '.join(unseen)} sees  {flip}{reason}", flush=True)
+            print(f"no {' and no '.join(unseen)} sees  {flip}{': ' + TIME if excused else ''}", flush=True)
         print(f"\r{number} of {len(every)} signs flipped", end="", file=sys.stderr, flush=True)
     print(file=sys.stderr)
-    print(f"{len(every)} signs flipped, {missed} not seen by a test and a row of validate")
+    both = len(every) - slower - missed
+    print(f"{len(every)} signs flipped: {both} seen by a test and a row of validate, {slower} cost only time", end="")
+    print(f", {missed} not seen" if missed else "")
     return 1 if missed else 0
 
 

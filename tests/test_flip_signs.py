@@ -32,6 +32,33 @@ def test_every_sign_is_found_and_flipped_alone(tmp_path: Path) -> None:
         assert ast.dump(ast.parse(other)) != ast.dump(ast.parse(content))
 
 
+def test_what_a_sign_is_part_of_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "one.py"
+    path.write_text(
+        "def f(a, b):\n"
+        "    if a - 1:\n"
+        "        g(a - 2)\n"
+        "    a.c[0], b[a - 3] = a - 4, a - 5\n"
+        "    for d, e in (a - 6, a - 7):\n"
+        "        b[d] += a - 8\n"
+        "    c = d = a - 9\n"
+        "    return a - 10\n"
+    )
+    made = {flip.expression: (flip.within, flip.makes) for flip in flip_signs.flips(path)}
+    names = ("if", "", "b", "c", "b", "d, e", "d, e", "b", "c", "return")
+    assert made.pop("b[d] += a - 8") == ("f", "b")
+    assert made == {f"a - {number}": ("f", name) for number, name in enumerate(names, start=1)}
+
+
+def test_what_decides_a_balance_is_never_excused() -> None:
+    found = flip_signs.wanted("kernel.py", "", 0)
+    excused = {(flip.within, flip.makes) for flip in found if flip.leads}
+    assert ("_weigh", "energy") in excused
+    assert ("_solve", "value") in excused
+    assert not {makes for _, makes in excused} & {"residual", "load", "when", "width"}
+    assert not {within for within, _ in excused} & {"_assemble", "_bend", "_hold", "_rounded", "_foot", "_rub", "gap"}
+
+
 def test_a_module_is_loaded_with_its_sign_flipped(monkeypatch) -> None:
     flip = next(flip for flip in flip_signs.wanted("gaps.py", "", 0) if flip.expression == "self.room + self.distance")
     finder = flip_signs.Flipped(flip)

@@ -11,7 +11,20 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.loaded import loads, springs_of
 from cycloid_mj.loaded.samples import alike, solve_samples
 from cycloid_mj.loaded.sliding import Held, Losses, rubbing_of
-from cycloid_mj.mechanism.kernel import BALANCED, Left, Springs, balance, balance_along, follow_path, gap, state
+from cycloid_mj.mechanism.kernel import (
+    BALANCED,
+    FLOATING,
+    FOLLOWED,
+    Left,
+    Rubbing,
+    Springs,
+    balance,
+    balance_along,
+    follow_path,
+    gap,
+    state,
+)
+from cycloid_mj.validation.displaced import held_back
 
 CRANK = 1.9
 HELD: tuple[Held, ...] = ("crank", "output")
@@ -140,13 +153,13 @@ LOOPS = {
 """The same for four large steps of a loop with friction that remembers, crank or output held."""
 
 
-def looped(name: str, held: Held) -> Left:
+def looped(name: str, held: Held, course: np.ndarray = LOOP) -> Left:
     """Follow a loop of torque in large steps."""
     design = design_of(name)
     pairs = design.pair_kinds
     design = design.but(clearance=dict.fromkeys(pairs, 1e-6), friction=dict.fromkeys(pairs, 0.15), drive={"speed": 0.0})
     found = springs_of(design, [CRANK], friction=False)
-    load = np.concatenate([found.load(share * design.rated_torque) for share in LOOP])
+    load = np.concatenate([found.load(share * design.rated_torque) for share in course])
     rubbing = rubbing_of(design, found.contacts, CRANK, Losses(drag=1.0, travel=1e-4, material=0.1), held)
     return follow_path(found.contacts, rubbing, load, np.inf, np.zeros(len(load)), np.zeros_like(load))[0]
 
@@ -157,3 +170,106 @@ def test_a_loop_takes_few_steps(name: str) -> None:
     for left, most in zip(found, LOOPS[name], strict=True):
         assert left.force == 0.0
         assert 0.8 * most < left.work <= 1.02 * most + 1
+
+
+def test_what_was_searched_before_leaves_a_slow_search_its_time() -> None:
+    still = np.zeros(1010)
+    found = looped("few", "crank", np.concatenate([still, LOOP[1:]]))
+    assert found.force == 0.0
+    assert found.work < still.size + 255
+
+
+def test_a_tooth_that_rests_where_its_curve_is_cut_off_is_searched_again() -> None:
+    """At this torque the force of a tooth is too small on one side of the step of its width and too large beyond it."""
+    design = design_of("light")
+    found = springs_of(design, [3.3], friction=False)
+    load = found.load(9.445335319173996)
+    z, force = np.zeros_like(load), np.zeros(found.contacts.distance.shape)
+    left = balance(found.contacts, load, z, force, False)
+    assert left.force <= BALANCED
+    assert left.work > 1000, "the first search must have failed"
+
+
+def rubbing(contacts: Springs, **given: float) -> Rubbing:
+    """Give friction that remembers of nothing, or the same of all."""
+    count = contacts.disc.size + contacts.cam_place.shape[1]
+    none = {name: np.zeros(count) for name in ("coefficient", "stick", "loss", "backing")}
+    values = {name: none[name] + given.get(name, 0.0) for name in none}
+    return Rubbing(slip=np.zeros((count, contacts.slope.shape[2])), drag=np.zeros(0), **values)
+
+
+def untouched(contacts: Springs) -> Springs:
+    """Give springs whose contacts are all open: what is left are the cams."""
+    return contacts._replace(distance=np.ones(contacts.distance.shape), shift=np.zeros(contacts.shift.shape))
+
+
+def test_a_long_way_is_gone_in_parts_while_there_are_rows_for_them() -> None:
+    """Without friction every pose is the balance of the load there."""
+    contacts = springs("few")
+    path = np.zeros((4, contacts.slope.shape[2]))
+    path[:, -1] = np.array([0.02, 1.0, 0.04, 0.6]) * design_of("few").rated_torque / contacts.radius
+    reach, most = 7e-7, np.abs(path).max()
+    steps = []
+    for spare in (20, 3):
+        when = np.full(len(path) + spare, np.nan)
+        z = np.zeros((when.size, path.shape[1]))
+        left, rows = follow_path(contacts, rubbing(contacts), path, reach, when, z)
+        assert left.force == 0.0
+        when, z = when[:rows], z[:rows]
+        assert np.all(np.diff(when) > 0.0)
+        assert set(when) >= set(range(len(path)))
+        for at, pose in zip(when, z, strict=True):
+            load = np.array([np.interp(at, range(len(path)), course) for course in path.T])
+            assert np.abs(state(contacts, 0, load, pose).residual).max() < 2.0 * FOLLOWED * most
+        steps.append((rows, np.abs(np.diff(z[:, -1])).max()))
+    (parted, longest), (spent, _) = steps
+    assert 7 < parted < 24
+    assert longest <= reach
+    assert spent == 7
+
+
+def test_what_nothing_holds_floats() -> None:
+    contacts = untouched(springs("twodisc"))._replace(cam_clearance=1.0)
+    path = np.outer([0.0, 1.0, 0.5], pose(contacts, 1e-6))
+    z = np.zeros_like(path)
+    follow_path(contacts, rubbing(contacts), path, np.inf, np.zeros(len(path)), z)
+    np.testing.assert_allclose(z, np.cumsum(path, axis=0) / (FLOATING * contacts.cam_stiffness), rtol=1e-6)
+
+
+def test_a_disc_rubs_its_cam_across_its_way() -> None:
+    """It sticks, then slips, on both discs: against the law of a circle in a circle."""
+    contacts = untouched(springs("twodisc"))._replace(cam_clearance=1e-6)
+    number, discs, stick, coefficient = contacts.disc.size, contacts.cam_place.shape[1], 1e9, 0.2
+    path = np.zeros((4, contacts.slope.shape[2]))
+    path[:, :2] = [[100.0, 40.0], [95.0, 50.0], [60.0, 90.0], [80.0, 80.0]]
+    path[:, 3:5] = [[-80.0, 150.0], [-85.0, 145.0], [-150.0, 90.0], [-140.0, 95.0]]
+    rubs = rubbing(contacts, stick=stick, coefficient=coefficient)
+    rubs.coefficient[:number] = 0.0
+    z = np.zeros_like(path)
+    left = follow_path(contacts, rubs, path, np.inf, np.zeros(len(path)), z)[0]
+    assert left.force == 0.0
+    for disc in range(discs):
+        way = z[:, 3 * disc : 3 * disc + 2] - contacts.cam_place[0, disc]
+        side, before, slipped = 0.0, -contacts.cam_place[0, disc], 0
+        for here, load in zip(way, path[:, 3 * disc : 3 * disc + 2], strict=True):
+            across = np.array([-before[1], before[0]]) / np.linalg.norm(before)
+            out = np.linalg.norm(here)
+            normal = contacts.cam_stiffness * (out - contacts.cam_clearance)
+            side = float(held_back(side, across @ (here - before), coefficient * normal, stick))
+            slipped += abs(side) == pytest.approx(coefficient * normal)
+            np.testing.assert_allclose(normal * here / out + side * across, load, rtol=0.0, atol=2e-4)
+            before = here
+        assert 0 < slipped < len(path)
+
+
+@pytest.mark.parametrize("name", ["pin", "2", "light", "few"])
+def test_the_normal_turns_at_its_rate(name: str) -> None:
+    """The second derivative of a gap by the place of its disc: how fast its normal turns with the way along it."""
+    contacts, step = springs(name), 1e-8
+    z = pose(contacts, 5e-6)
+    for i, disc in enumerate(contacts.disc):
+        found, ways = gap(contacts, 0, i, z), step * np.eye(z.size)[3 * disc : 3 * disc + 2]
+        sides = [[gap(contacts, 0, i, z + s * way).ahead[:2] for way in ways] for s in (1, -1)]
+        turn = (np.array(sides[0]) - np.array(sides[1])) / (2.0 * step)
+        aside = np.array(found.aside[:2])
+        np.testing.assert_allclose(found.rate * np.outer(aside, aside), turn, rtol=0.0, atol=1e-4 * np.abs(turn).max())

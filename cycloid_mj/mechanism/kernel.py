@@ -552,7 +552,7 @@ def _foot(trochoid: tuple[float, float, float], phase: float, q: float, p: float
     rate = math.sqrt(sa * sa + ca * ca)
     sa, ca = sa / rate, ca / rate
     sb, cb = sine * ca + cosine * sa, cosine * ca - sine * sa
-    t = p / (E * ca - c * N * cb)
+    t = p / rate  # the curve goes on at that rate by t
     for _ in range(20):
         # sine, and cosine less 1, of t and N t
         half, wide = math.sin(0.5 * t), math.sin(0.5 * N * t)
@@ -1171,10 +1171,10 @@ def _bear(
         one.residual[j] += force * ahead[j]
         for m in range(ahead.size):
             one.tangent[j, m] += rate * ahead[j] * ahead[m]
-    coefficient = rubbing.coefficient[i]
-    if given:
-        return energy + _rub_along(rubbing, i, one.side[i], 0.0, one, old, new)
-    return energy + _rub_along(rubbing, i, coefficient * force, coefficient * rate, one, old, new)
+    most, rising = one.side[i], 0.0
+    if not given:
+        most, rising = rubbing.coefficient[i] * force, rubbing.coefficient[i] * rate
+    return energy + _rub_along(rubbing, i, most, rising, one, old, new)
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
