@@ -1,9 +1,12 @@
 """How number-crunching code is compiled: kept in numba's cache where that has a place, and told when it takes time."""
 
 import logging
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
+from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from numba import njit
@@ -25,6 +28,14 @@ def cacheable() -> bool:
     except RuntimeError:
         return False
     return True
+
+
+def digest(*modules: ModuleType) -> int:
+    """Give a digest of the sources of modules whose code is compiled into another's.
+
+    Numba does not follow them into other files: with the digest among what a function closes over, its cache does.
+    """
+    return zlib.crc32(b"".join(Path(module.__file__).read_bytes() for module in modules if module.__file__))
 
 
 @contextmanager

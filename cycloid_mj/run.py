@@ -1,24 +1,25 @@
 """The step loop: ``Design`` -> blocks of samples, or a whole ``Run``.
 
-The loop is plain ``mj_step``, from sample to sample. It checks itself at every sample and ends with a ``RunError``
-that says what went wrong; the samples up to then have been given out already.
+The loop is ``mj_step``, some samples in one call. Every sample is checked, and a run that went wrong ends with a
+``RunError`` that says how; the samples up to then have been given out already.
 """
 
 import math
-from collections.abc import Callable, Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Literal, NamedTuple
+from itertools import chain
+from typing import Any, Literal
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 
-from cycloid_mj.compiling import announced
 from cycloid_mj.contact import collider, each_step
-from cycloid_mj.contact.drag import drag_powers, dragged_joints
+from cycloid_mj.contact.drag import drag_rows
 from cycloid_mj.contact.each_step import EachStep
-from cycloid_mj.contact.forces import PairForces, pair_forces, pair_index
+from cycloid_mj.contact.forces import OF_PAIR, pair_index
 from cycloid_mj.contact.massless import idle
 from cycloid_mj.contact.regime import pace
 from cycloid_mj.contact.shared import Shared
@@ -29,9 +30,8 @@ from cycloid_mj.course import Course, initial_state, ramp_and_hold
 from cycloid_mj.design import Design, dump
 from cycloid_mj.errors import RunError, warn
 from cycloid_mj.mechanism.reducer import mechanism
-from cycloid_mj.mjcf import ReducerModel, build, sensors, xml
+from cycloid_mj.mjcf import ReducerModel, addresses, build, sensors, xml
 from cycloid_mj.names import (
-    CRANK_JOINT,
     DRAGS,
     FORCE_X,
     FORCE_Y,
@@ -39,7 +39,6 @@ from cycloid_mj.names import (
     FRICTION_POWER,
     MOMENT,
     NORMAL_POWER,
-    OUTPUT_JOINT,
     PEAK_FORCE,
     PINS,
     REDUCER,
@@ -56,7 +55,12 @@ Contact = Literal["profile", "mesh"]
 MOST_STEPS = 10**9
 """A run of more steps would take a day and more; it is a slip of a value."""
 
+Marks = npt.NDArray[np.bool_]
+
 _BLOCK = 100
+_STEPS_AT_ONCE = 300
+"""Steps without Python: 5 to 20 ms, a second by mesh; Ctrl-C waits for them."""
+
 # Every sample is checked for MuJoCo's warnings: they need not go to MUJOCO_LOG.TXT in the working folder as well.
 _no_log_file = Shared(
     lambda: mujoco.set_mju_user_warning(lambda message: None), lambda: mujoco.set_mju_user_warning(None)
@@ -119,7 +123,7 @@ def columns(reducer: ReducerModel, design: Design) -> Groups:
         "kinetic_energy": "J",
     }
     groups[REDUCER] |= {column(kind, power): "W" for kind in kinds for power in (FRICTION_POWER, NORMAL_POWER)}
-    groups[REDUCER] |= {column(name, FRICTION_POWER): "W" for name in dragged_joints(reducer.model, DRAGS)}
+    groups[REDUCER] |= {column(name, FRICTION_POWER): "W" for name in drag_rows(reducer.model, DRAGS)}
     acting = {FORCE_X: "N", FORCE_Y: "N", MOMENT: "N m", PEAK_FORCE: "N"}
     groups[FORCES] = {column(pair.name, part): unit for pair in reducer.pairs for part, unit in acting.items()}
     return groups
@@ -248,139 +252,115 @@ def blocks(reducer: ReducerModel, design: Design, course: Course | None = None) 
     plan = schedule(design, reducer.model.opt.timestep)
     course = course or ramp_and_hold(reducer, design)
     data = initial_state(reducer, design, course)
-    recorder = _Recorder(reducer, design, data)
+    recorder = _Recorder(reducer, design, data, plan.stride)
     profile = contact_of(reducer) == "profile"
     exact = collider.installed(design.ring.kind == "nonpin") if profile else nullcontext()
     with exact, each_step.installed(), _no_log_file.made():
-        with announced():
-            recorder.warm()
         for first in range(0, plan.samples, _BLOCK):
-            taken, problem = _advance(
-                reducer, data, plan, course, range(first, min(first + _BLOCK, plan.samples)), recorder
-            )
+            taken, problem = _advance(plan, course, range(first, min(first + _BLOCK, plan.samples)), recorder)
             if len(taken.time):
                 yield taken
             if problem:
                 raise RunError(problem)
 
 
-def _advance(
-    reducer: ReducerModel,
-    data: Any,
-    plan: Schedule,
-    course: Course,
-    samples: range,
-    recorder: "_Recorder",
-) -> tuple[Block, str]:
+def _advance(plan: Schedule, course: Course, samples: range, recorder: "_Recorder") -> tuple[Block, str]:
     """Take the steps up to some samples; a sample is what the solver found at the start of its last step."""
     begin = (samples.start - 1) * plan.stride + 1 if samples.start else 0
     time = plan.timestep * np.arange(begin, (samples.stop - 1) * plan.stride + 1, dtype=np.float64)
     recorder.each_step.command(course.commands(time))
-    taken: list[_Sample] = []
-    problem = ""
-    for number in samples:
-        recorder.each_step.advance(reducer.model, plan.stride if number else 1)
-        sample, problem = recorder.sample()
-        taken.append(sample)
+    taken, problem, at_once = list[Array](), "", max(1, _STEPS_AT_ONCE // plan.stride)
+    for first in samples[::at_once]:
+        rows, problem = recorder.advance(min(at_once, samples.stop - first))
+        taken.append(rows)
         if problem:
-            problem = f"at t = {plan.timestep * number * plan.stride:.6f} s {problem}"
+            problem = f"at t = {plan.timestep * (first + len(rows) - 1) * plan.stride:.6f} s {problem}"
             break
-    return Block(
-        time[-1 - (len(samples) - 1) * plan.stride :: plan.stride][: len(taken)], recorder.tables(taken)
-    ), problem
-
-
-class _Sample(NamedTuple):
-    """One sample as it is read, on the way to the tables of a block."""
-
-    sensors: Array
-    summary: list[float]
-    forces: PairForces
-    peaks: Array
-    drag: Array
+    rows = np.concatenate(taken)
+    time = time[-1 - (len(samples) - 1) * plan.stride :: plan.stride]
+    return Block(time[: len(rows)], recorder.tables(rows)), problem
 
 
 class _Recorder:
-    """Reads samples out of ``MjData`` and judges them.
+    """Takes samples, judges them, and makes tables of them."""
 
-    Arrays that keep their place in ``MjData`` are taken hold of once: a sample comes between steps of a few
-    microseconds each.
-    """
-
-    def __init__(self, reducer: ReducerModel, design: Design, data: Any) -> None:
+    def __init__(self, reducer: ReducerModel, design: Design, data: Any, every: int) -> None:
         groups = sensors(design)
-        self._first_pin = len(groups[REDUCER]) if PINS in groups else None
-        self._index = pair_index(reducer.model, reducer.pairs)
-        self.each_step = EachStep(data, self._index)
-        self._dragged = dragged_joints(reducer.model, DRAGS)
-        kinds = sorted(reducer.laws)
-        self._kinds = [np.array([pair.kind == kind for pair in reducer.pairs]) for kind in kinds]
-        self._deepest, self._design = deepest(design), design
-        self._most_iterations = reducer.model.opt.iterations
-        self._data = data
-        self._sensors = data.sensordata[: sum(len(columns) for columns in groups.values())]
-        self._acceleration, self._energy = data.qacc, data.energy
-        self._warnings, self._iterations = data.warning.number, data.solver_niter
-        self._gears = [data.joint(disc.joints[-1]).qpos for disc in mechanism(design).discs]
-        self._crank, self._output = (data.joint(name).qpos for name in (CRANK_JOINT, OUTPUT_JOINT))
+        names = list(chain.from_iterable(groups.values()))
+        index, drags = pair_index(reducer.model, reducer.pairs), drag_rows(reducer.model, DRAGS)
+        self.each_step = EachStep(reducer.model, data, index, every, addresses(data, design), [*drags.values()])
+        self._read, self._first_pin = len(names), len(groups[REDUCER])
+        self._has_pins = PINS in groups
+        self._kinds = [np.array([pair.kind == kind for pair in reducer.pairs]) for kind in sorted(reducer.laws)]
+        self._deepest, self._most_iterations = deepest(design), reducer.model.opt.iterations
+        self._design, self._data = design, data
+        self._gears = [names.index(disc.joints[-1]) for disc in mechanism(design).discs]
+        self._crank, self._output = names.index("crank_angle"), names.index("output_angle")
 
-    def warm(self) -> None:
-        """Have what reads contacts compiled."""
-        pair_forces(self._data, self._index)
+    def advance(self, samples: int) -> tuple[Array, str]:
+        """Give the rows of the next samples, up to the first with which something is wrong, and what that is."""
+        rows = self.each_step.advance(samples)
+        checks = list(self._checks(rows))
+        wrong = np.any([failed for failed, _ in checks], axis=0)
+        if not wrong.any():
+            return rows, ""
+        first = int(np.argmax(wrong))
+        return rows[: first + 1], next(told(first) for failed, told in checks if failed[first])
 
-    def sample(self) -> tuple[_Sample, str]:
-        """Give one sample, and what is wrong with it."""
-        found = pair_forces(self._data, self._index)
-        iterations = max(self._iterations.tolist())
-        summary = [found.active, found.penetration, found.peak_force, iterations, *self._energy.tolist()]
-        drag = drag_powers(self._data, self._dragged)
-        sample = _Sample(self._sensors.copy(), summary, found, self.each_step.peaks(), drag)
-        return sample, self._problem(sample, iterations)
-
-    def tables(self, samples: Sequence[_Sample]) -> dict[str, Array]:
+    def tables(self, rows: Array) -> dict[str, Array]:
         """Give the values of samples by topic, one row for each."""
-        count = len(samples)
-        seen = np.array([sample.sensors for sample in samples])
-        summary = np.array([sample.summary for sample in samples])
-        friction = self._by_kind([sample.forces.friction_power for sample in samples])
-        normal = self._by_kind([sample.forces.normal_power for sample in samples])
-        powers = np.stack([friction, normal], axis=2).reshape(count, -1)
-        drags = np.array([sample.drag for sample in samples])
-        wrench = np.array([sample.forces.wrench for sample in samples])
-        peak = np.array([sample.peaks for sample in samples])[:, :, np.newaxis]
-        forces = np.concatenate([wrench, peak], axis=2).reshape(count, -1)
-        reducer = np.concatenate([seen[:, : self._first_pin], summary, powers, drags], axis=1)
-        if self._first_pin is None:
-            return {REDUCER: reducer, FORCES: forces}
-        return {REDUCER: reducer, PINS: seen[:, self._first_pin :], FORCES: forces}
+        seen, solver, drags = (
+            rows[:, part] for part in (self.each_step.copied, self.each_step.solver, self.each_step.drags)
+        )
+        pairs = rows[:, self.each_step.pairs].reshape(len(rows), -1, OF_PAIR)
+        powers = np.stack([pairs[:, of_kind, 4:].sum(axis=1) for of_kind in self._kinds], axis=1)
+        energies = seen[:, self._read :]
+        reducer = [seen[:, : self._first_pin], solver[:, :4], energies, powers.reshape(len(rows), -1), drags]
+        tables = {REDUCER: np.concatenate(reducer, axis=1)}
+        if self._has_pins:
+            tables[PINS] = seen[:, self._first_pin : self._read]
+        return tables | {FORCES: pairs[:, :, :4].reshape(len(rows), -1)}
 
-    def _by_kind(self, powers: Sequence[Array]) -> Array:
-        """Add up powers of pairs, shape (pairs,) each, by kind; without BLAS, whose last bits depend on its threads."""
-        table = np.array(powers)
-        return np.stack([table[:, of_kind].sum(axis=1) for of_kind in self._kinds], axis=1)
-
-    def _problem(self, sample: _Sample, iterations: int) -> str:
-        if not (np.isfinite(sample.sensors).all() and np.isfinite(self._acceleration).all()):
-            return "the state is not a number; shorten settings.timestep_us or lower the contact stiffness"
-        if any(self._warnings.tolist()):
-            warning = int(np.argmax(self._warnings > 0))
-            return f"MuJoCo warned: {mujoco.mju_warningText(warning, self._data.warning[warning].lastinfo)}"
-        depth = sample.forces.penetration
-        if depth > self._deepest:
-            return (
-                f"a contact is {depth * 1e6:.1f} um deep, beyond contact.max_penetration_um = "
+    def _checks(self, rows: Array) -> Iterator[tuple[Marks, Callable[[int], str]]]:
+        """Give what can be wrong: of which samples it is, and how it is told of one."""
+        seen = rows[:, self.each_step.copied]
+        _, depth, _, iterations, moving, warnings = rows[:, self.each_step.solver].T
+        sound = np.isfinite(seen).all(axis=1) & np.isfinite(moving)
+        unsound = "the state is not a number; shorten settings.timestep_us or lower the contact stiffness"
+        yield ~sound, lambda sample: unsound
+        yield warnings > 0.0, lambda sample: self._warning()
+        yield (
+            depth > self._deepest,
+            lambda sample: (
+                f"a contact is {depth[sample] * 1e6:.1f} um deep, beyond contact.max_penetration_um = "
                 f"{self._deepest * 1e6:g}; shorten settings.timestep_us or lower the load"
-            )
-        if iterations >= self._most_iterations:
-            return f"the constraint solver did not converge in {iterations} iterations; shorten settings.timestep_us"
+            ),
+        )
+        yield (
+            iterations >= self._most_iterations,
+            lambda sample: (
+                f"the constraint solver did not converge in {iterations[sample]:.0f} iterations; "
+                "shorten settings.timestep_us"
+            ),
+        )
         lobes = self._design.lobes
-        ring = self._output[0] if self._design.output.turns_ring else 0.0
+        ring = seen[:, self._output] if self._design.output.turns_ring else np.zeros(len(rows))
         for number, gear in enumerate(self._gears, start=1):
-            error = gear[0] - ring + (self._crank[0] - ring) / lobes
-            if abs(error) > 0.25 * 2.0 * math.pi / lobes:
-                which = f"gear {number}" if len(self._gears) > 1 else "the gear"
-                return (
-                    f"{which} jumped a tooth: it is {math.degrees(error):.3f} deg from where the crank puts it; "
-                    "check clearances and load"
-                )
-        return ""
+            error = seen[:, gear] - ring + (seen[:, self._crank] - ring) / lobes
+            which = f"gear {number}" if len(self._gears) > 1 else "the gear"
+            yield (
+                np.abs(error) > 0.25 * 2.0 * math.pi / lobes,
+                partial(_jumped, which, error),
+            )
+
+    def _warning(self) -> str:
+        warnings = self._data.warning
+        first = int(np.argmax(warnings.number > 0))
+        return f"MuJoCo warned: {mujoco.mju_warningText(first, warnings[first].lastinfo)}"
+
+
+def _jumped(which: str, error: Array, sample: int) -> str:
+    return (
+        f"{which} jumped a tooth: it is {math.degrees(error[sample]):.3f} deg from where the crank puts it; "
+        "check clearances and load"
+    )

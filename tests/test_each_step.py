@@ -10,12 +10,12 @@ from designs import UNLIKE, unlike
 from cycloid_mj.analysis import analyze
 from cycloid_mj.contact import collider, each_step
 from cycloid_mj.contact.each_step import EachStep
-from cycloid_mj.contact.forces import pair_index, surface_name
+from cycloid_mj.contact.forces import OF_PAIR, pair_index, surface_name
 from cycloid_mj.contact.layout import discover_steps
 from cycloid_mj.contact.timestep import timestep
 from cycloid_mj.course import initial_state, ramp_and_hold
 from cycloid_mj.design import PRESETS, Design, override
-from cycloid_mj.errors import ContactError
+from cycloid_mj.errors import ContactError, RunError
 from cycloid_mj.log import read, write
 from cycloid_mj.mjcf import build
 from cycloid_mj.run import Contact, blocks, reducer_model, schedule, simulate
@@ -62,19 +62,21 @@ def test_peaks_are_the_largest_of_mujocos_own_forces_at_every_step(
     design = short(preset, *changes)
     reducer = reducer_model(design, contact)
     data, course = initial_state(reducer, design), ramp_and_hold(reducer, design)
-    kept = EachStep(data, pair_index(reducer.model, reducer.pairs))
+    index = pair_index(reducer.model, reducer.pairs)
     largest = dict.fromkeys((pair.name for pair in reducer.pairs), 0.0)
     plan = schedule(design)
     commands = course.commands(plan.timestep * np.arange(min(plan.steps, STEPS)))
-    kept.command(commands)
-    with collider.installed(), each_step.installed():
-        for command in commands:
-            np.testing.assert_array_equal(data.ctrl, command)
+    for command in commands:
+        data.ctrl[:] = command
+        with collider.installed():
             mujoco.mj_step(reducer.model, data)
-            largest = {name: max(largest[name], force) for name, force in normal_forces(data, reducer).items()}
-    assert kept.peaks() == pytest.approx(list(largest.values()), rel=1e-12)
+        largest = {name: max(largest[name], force) for name, force in normal_forces(data, reducer).items()}
+    run = EachStep(reducer.model, initial_state(reducer, design, course), index, every=len(commands) - 1)
+    run.command(commands)
+    with collider.installed(), each_step.installed():
+        first, last = (np.array(row[run.pairs]).reshape(-1, OF_PAIR)[:, 3] for row in run.advance(2))
+    assert np.maximum(first, last) == pytest.approx(list(largest.values()), rel=1e-12)
     assert any(force > 0.0 for force in largest.values())
-    assert not kept.peaks().any(), "it begins anew"
 
 
 @pytest.mark.parametrize("preset", ["pin", "nonpin"])
@@ -101,13 +103,17 @@ def test_as_many_steps_are_taken_as_were_asked_for(steps: int) -> None:
     design = short("pin")
     reducer = build(design)
     data, course = initial_state(reducer, design), ramp_and_hold(reducer, design)
-    kept = EachStep(data, pair_index(reducer.model, reducer.pairs))
-    kept.command(course.commands(1e-6 * np.arange(STEPS)))
+    run = EachStep(reducer.model, data, pair_index(reducer.model, reducer.pairs), steps, [data.qpos.ctypes.data])
+    run.command(course.commands(1e-6 * np.arange(STEPS)))
     with collider.installed(), each_step.installed():
-        for _ in range(3):
-            kept.advance(reducer.model, steps)
-    assert data.time == pytest.approx(3 * steps * 1e-6, rel=1e-9)
-    np.testing.assert_array_equal(data.ctrl, course.commands(np.array([3 * steps * 1e-6]))[0])
+        for taken, samples in ((0, 1), (2, 2), (5, 3)):
+            rows = run.advance(samples)
+            assert data.time == pytest.approx((taken * steps + 1) * 1e-6, rel=1e-9)
+            np.testing.assert_array_equal(data.ctrl, course.commands(np.array([taken * steps + 1]) * 1e-6)[0])
+            assert rows.shape[0] == samples
+            # the row is of the start of the last step, which has turned the crank further
+            turned = data.qpos[0] - 1e-6 * data.qvel[0]
+            assert rows[-1, 0] == pytest.approx(turned, rel=1e-12)
 
 
 def test_a_fatal_error_of_mujocos_between_samples_is_an_error_of_python(monkeypatch, tmp_path) -> None:
@@ -119,10 +125,10 @@ def test_a_fatal_error_of_mujocos_between_samples_is_an_error_of_python(monkeypa
     model, start = reducer.spec.compile(), initial_state(reducer, design)
     data = mujoco.MjData(model)
     data.qpos[:], data.qvel[:] = start.qpos, start.qvel
-    kept = EachStep(data, pair_index(model, reducer.pairs))
-    kept.command(ramp_and_hold(reducer, design).commands(1e-6 * np.arange(STEPS)))
+    run = EachStep(model, data, pair_index(model, reducer.pairs), STEPS)
+    run.command(ramp_and_hold(reducer, design).commands(1e-6 * np.arange(STEPS)))
     with collider.installed(), each_step.installed(), pytest.raises(mujoco.FatalError, match="out of memory"):
-        kept.advance(model, STEPS)
+        run.advance(2)
     assert 1 < round(1e6 * data.time) < STEPS - 2
 
 
@@ -136,8 +142,9 @@ def test_frictionless_pairs_peak_at_the_size_of_their_force() -> None:
 
 def test_the_places_in_mujocos_structures_are_found() -> None:
     found = discover_steps()
-    assert len({found.contact, found.efc_force, found.userdata, found.ncon}) == 4
-    assert found.stride > max(found.geom, found.efc_address) > 0
+    assert len({found.contact, found.efc_force, found.efc_vel, found.userdata, found.ncon}) == 5
+    within = [0, found.pos, found.frame, found.dim, found.geom, found.efc_address, found.stride]
+    assert within == sorted(set(within))
     assert all(place % 4 == 0 for place in astuple(found))
 
 
@@ -199,3 +206,28 @@ def test_the_model_of_a_run_is_written_when_it_is_asked_for(monkeypatch: pytest.
     assert not asked
     assert [late.attachments["model.xml"] for _ in range(2)] == [b"<mujoco/>"] * 2
     assert asked == ["model"]
+
+
+def test_timers_stand_still_in_a_run_and_go_on_after_it() -> None:
+    reducer = build(short("nonpin"))
+    data = mujoco.MjData(reducer.model)
+    with each_step.installed():
+        mujoco.mj_step(reducer.model, data)
+    assert not data.timer.duration.any()
+    mujoco.mj_step(reducer.model, data)
+    assert data.timer.duration.any()
+
+
+def test_a_run_that_goes_wrong_gives_its_samples_up_to_there() -> None:
+    """Many samples are taken at a time; the first that is wrong is the last that is given."""
+    design = sampled(short("pin"), 3)
+    depth = simulate(design)["penetration"]
+    limit = 0.5 * float(depth.max())
+    limited = override(design, [f"contact.max_penetration_um={1e6 * limit!r}"])
+    given = blocks(build(limited), limited)
+    kept = []
+    with pytest.raises(RunError, match="max_penetration_um"):
+        kept.extend(block.values["/reducer"] for block in given)
+    wrong = int(np.argmax(depth > limit))
+    assert 0 < wrong < len(depth) - 1
+    assert sum(map(len, kept)) == wrong + 1

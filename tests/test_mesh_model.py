@@ -15,11 +15,11 @@ import mujoco
 import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
+from stepped import stepped
 
 from cycloid_mj import profile
 from cycloid_mj.analysis import analyze
 from cycloid_mj.cli import main
-from cycloid_mj.contact.forces import pair_forces, pair_index
 from cycloid_mj.contact.law import IMPRATIO, curvature_law
 from cycloid_mj.contact.working import for_slices, working_force
 from cycloid_mj.convex import ConvexSettings, Surface, fill, polygon_body, surfaces
@@ -426,8 +426,7 @@ def test_forces_are_gathered_by_pair(reducers: dict[str, Any], kind: str) -> Non
     model = reducer.model
     data.joint("gear_angle").qpos[0], data.joint("gear_x").qpos[0] = 1e-4, 2e-6
     data.joint("crank").qvel[0] = 20.0
-    mujoco.mj_step(model, data)
-    found = pair_forces(data, pair_index(model, reducer.pairs))
+    found = stepped(model, data, reducer.pairs)
     expected, wrench, names = np.zeros((len(reducer.pairs), 2)), np.zeros(6), stems(model)
     for i in range(data.ncon):
         mujoco.mj_contactForce(model, data, i, wrench)

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 from designs import UNLIKE, unlike
 from scipy.spatial import cKDTree
+from stepped import stepped
 
 from cycloid_mj import envelope
 from cycloid_mj.contact.collider import installed
-from cycloid_mj.contact.forces import pair_forces, pair_index
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import RunError
 from cycloid_mj.mjcf import build
@@ -72,7 +72,6 @@ def test_penetration_is_how_deep_the_outlines_are_in_each_other(name: str) -> No
     # So much play in cam and output that nothing but the teeth is in touch.
     design = override(DESIGNS[name], ["clearance.cam_um=100", "clearance.output_um=300"])
     reducer = build(design)
-    index = pair_index(reducer.model, reducer.pairs)
     outlines, rng, factors = Outlines(design), np.random.default_rng(1), []
     play, c = getattr(design.clearance, design.tooth_pair), design.gear.eccentricity
     for crank in (0.0, 0.4, 2.0, 4.4):
@@ -84,8 +83,7 @@ def test_penetration_is_how_deep_the_outlines_are_in_each_other(name: str) -> No
         for joint, value in pose.items():
             data.joint(joint).qpos[0] = value
         with installed():
-            mujoco.mj_forward(reducer.model, data)
-        found = pair_forces(data, index).penetration
+            found = stepped(reducer.model, data, reducer.pairs).penetration
         expected = outlines.deepest(x, y, turn)
         assert expected > 2e-6
         assert found == pytest.approx(expected, abs=3e-9)

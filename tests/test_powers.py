@@ -3,14 +3,13 @@
 import math
 from dataclasses import replace
 
-import mujoco
 import numpy as np
 import pytest
 from designs import UNLIKE, unlike
+from stepped import stepped
 
 from cycloid_mj import run
 from cycloid_mj.contact.collider import installed
-from cycloid_mj.contact.forces import pair_forces, pair_index
 from cycloid_mj.course import initial_state
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import RunError
@@ -32,8 +31,7 @@ def test_powers_are_what_the_forces_on_the_gear_take_from_its_motion(kind: str, 
     data.joint("gear_angle").qvel[0] = spin
     data.joint("gear_x").qvel[0], data.joint("gear_y").qvel[0] = 0.02, -0.01
     with installed():
-        mujoco.mj_forward(reducer.model, data)
-    found = pair_forces(data, pair_index(reducer.model, reducer.pairs))
+        found = stepped(reducer.model, data, reducer.pairs)
     touched = 0
     for number, pair in enumerate(reducer.pairs):
         if pair.kind != design.tooth_pair or not found.wrench[number].any():

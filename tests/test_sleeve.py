@@ -7,11 +7,11 @@ import mujoco
 import numpy as np
 import pytest
 from made_run import made_run
+from stepped import stepped
 
 from cycloid_mj.analysis import analyze, series
 from cycloid_mj.checks import check, require_sound
 from cycloid_mj.contact.collider import installed
-from cycloid_mj.contact.forces import pair_forces, pair_index
 from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.design import PRESETS, Design, dump, loads, override
 from cycloid_mj.errors import DesignError
@@ -72,7 +72,6 @@ def pressed(design: Design, approach: float) -> tuple[float, float]:
     """Push the gear towards pin 1 by `approach` and hold it; give the settled force on it and on the sleeve [N]."""
     reducer = build(design)
     model, data = reducer.model, mujoco.MjData(reducer.model)
-    index = pair_index(model, reducer.pairs)
     names = [pair.name for pair in reducer.pairs]
     held = [model.joint(name).dofadr[0] for name in HELD]
     place = [model.joint(name).qposadr[0] for name in HELD]
@@ -82,7 +81,8 @@ def pressed(design: Design, approach: float) -> tuple[float, float]:
         for _ in range(3000):
             data.qpos[place], data.qvel[held] = start, 0.0
             mujoco.mj_step(model, data)
-    wrench = pair_forces(data, index).wrench
+        data.qpos[place], data.qvel[held] = start, 0.0
+        wrench = stepped(model, data, reducer.pairs).wrench
     return float(wrench[names.index("pin_1"), 1]), float(wrench[names.index("sleeve_1"), 1])
 
 

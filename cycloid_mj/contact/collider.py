@@ -6,17 +6,15 @@ MuJoCo does not use for explicit pairs); every other pair goes on to the origina
 state: all it needs stands in the ``mjModel`` and ``mjData`` that it is called with.
 """
 
-import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import llvmlite.binding
 from numba import cfunc, types
 
-from cycloid_mj.compiling import announced, cacheable
+from cycloid_mj.compiling import announced, cacheable, digest
 from cycloid_mj.contact import gap, mating, memory, near, ring, teeth
 from cycloid_mj.contact.layout import Layout, discover
 from cycloid_mj.contact.library import CYLINDER, TYPES, collision_table
@@ -38,16 +36,9 @@ _PIN, _TEETH, _INNER, _OUTER, _LOBE = (int(role) for role in Role)
 
 
 def _places(layout: Layout) -> tuple[int, ...]:
-    """Give the places that a collider closes over.
-
-    They are in the key of numba's cache; with them stands a digest of the sources compiled into it, which numba does
-    not follow into other files.
-    """
-    compiled = (gap, mating, memory, near, ring, teeth)
-    sources = [Path(module.__file__).read_bytes() for module in compiled if module.__file__]
-    digest = zlib.crc32(b"".join(sources))
+    """Give the places that a collider closes over, and a digest of the sources compiled into it."""
     arrays = (layout.geom_size, layout.geom_priority, layout.geom_user, layout.geom_xpos, layout.geom_xmat)
-    return (*arrays, layout.nuser_geom, digest)
+    return (*arrays, layout.nuser_geom, digest(gap, mating, memory, near, ring, teeth))
 
 
 def _compile_pins(layout: Layout) -> Any:

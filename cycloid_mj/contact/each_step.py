@@ -1,17 +1,17 @@
-"""What happens in every step of a run, inside MuJoCo: the largest forces are noted, the next commands are set.
+"""What happens in every step of a run, inside MuJoCo: commands are set, largest forces noted, samples taken.
 
 A sample is one step in many, and an impact of a few steps falls between two of them; a shaft follows its command at
-every step. Both are done by MuJoCo's callback for sensors, at the end of the forward dynamics. A model of ours has a
-user sensor, which the callback answers, and one number of user data: the address of what the run keeps. Without a run
-that is 0, and nothing happens.
+every step. All is done by MuJoCo's callback for sensors, at the end of the forward dynamics. A model of ours has a user
+sensor, which the callback answers, and one number of user data: the address of what the run keeps. Without a run that
+is 0, and nothing happens.
 
-Sensors and energies, which take a tenth of a step, are read at samples alone: after the first step since the last
-sample the callback itself takes all that follow, but the sampled one, by the stages of ``mj_step`` that move anything.
-So they are inside one call from Python, whose error a fatal one of MuJoCo's becomes.
+The callback takes the steps that follow itself, by the stages of ``mj_step`` that move anything, and writes the samples
+among them: no Python until the call ends. So they are inside one call from Python, whose error a fatal one of MuJoCo's
+becomes.
 """
 
 import ctypes
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
 from typing import Any
@@ -21,25 +21,28 @@ import mujoco
 import numpy as np
 from numba import cfunc, njit, types
 
-from cycloid_mj.compiling import announced, cacheable
-from cycloid_mj.contact.forces import PairIndex
-from cycloid_mj.contact.layout import StepLayout, discover_steps
+from cycloid_mj.compiling import announced, cacheable, digest
+from cycloid_mj.contact import forces, gap, kept, memory, teeth
+from cycloid_mj.contact.forces import OF_PAIR, PairIndex, gather, pair_of
+from cycloid_mj.contact.kept import KEPT, Kept, kept_at
+from cycloid_mj.contact.layout import discover_steps
 from cycloid_mj.contact.library import function_address, library
-from cycloid_mj.contact.memory import read_address, read_float, read_int, write_address, write_float
+from cycloid_mj.contact.memory import read_address, read_float, read_int, write_float
 from cycloid_mj.contact.shared import Shared
 from cycloid_mj.errors import ContactError
-from cycloid_mj.types import Array, Integers
+from cycloid_mj.types import Array
 
 SENSOR = "each_step"
 """Name of the user sensor: it reads 0."""
 
-_CONTACTS, _COUNT, _FORCES, _STRIDE, _GEOM, _ROW = range(6)
-_SURFACE, _PAIR, _SURFACES, _SUM, _PEAK, _CTRL, _ACTUATORS, _COMMAND, _LAST, _SILENT = range(6, 16)
+OF_SOLVER = 6
+"""Numbers of a sample on all contacts and the solver: contacts that carry a force, deepest geometric penetration [m],
+largest force of one contact [N], most iterations of the solver in an island; a sum of all accelerations, which is a
+number if each is one; and warnings that MuJoCo has given."""
 
 _LAST_STAGE = int(mujoco.mjtStage.mjSTAGE_ACC)
-
 _STAGE, _PREFIX = types.void(types.intp, types.intp), "cycloid_mj_"
-_integrate, _position, _velocity, _actuation, _acceleration, _constraint = (
+_STAGES = [
     types.ExternalFunction(_PREFIX + name, _STAGE)
     for name in (
         "mj_Euler",
@@ -48,8 +51,11 @@ _integrate, _position, _velocity, _actuation, _acceleration, _constraint = (
         "mj_fwdActuation",
         "mj_fwdAcceleration",
         "mj_fwdConstraint",
+        "mj_energyPos",
+        "mj_energyVel",
     )
-)
+]
+_integrate, _position, _velocity, _actuation, _acceleration, _constraint, _place_energy, _motion_energy = _STAGES
 
 
 def add_sensor(spec: Any) -> None:
@@ -67,50 +73,120 @@ def add_sensor(spec: Any) -> None:
 class EachStep:
     """What a run keeps for its steps, which must go on under `installed`, on the ``MjData`` that it was made for.
 
-    The normal force of a pair is the sum over its contacts. It is that of the start of a step, as in a sample.
+    The first step is sampled. A sample is of the start of a step. It is a row of what stands at `sources`, then of the
+    potential and the kinetic energy [J] (`copied`), `OF_SOLVER` (`solver`), ``forces.OF_PAIR`` of each pair (`pairs`),
+    and the power that each drag takes [W] (`drags`). The normal force of a pair is the sum over its contacts.
+
+    Parameters
+    ----------
+    model, data
+        What is stepped.
+    index
+        The model's mating pairs.
+    every
+        Steps from one sample to the next.
+    sources
+        Addresses of numbers in ``MjData``.
+    drags
+        Rows of the constraints that brake joints.
     """
 
-    def __init__(self, data: Any, index: PairIndex) -> None:
-        count = len(index.origin)
-        self._data, self._index, self._peak, self._sum = data, index, np.zeros(count), np.zeros(count)
+    def __init__(
+        self,
+        model: Any,
+        data: Any,
+        index: PairIndex,
+        every: int = 1,
+        sources: Sequence[int] = (),
+        drags: Sequence[int] = (),
+    ) -> None:
+        self._model, self._data, self._index = model, data, index
+        energies = data.energy.ctypes.data + 8 * np.arange(2)
+        self._sources = np.array([*sources, *energies], dtype=np.int64)
+        self._drags = np.array(drags, dtype=np.int32)
+        self._peak = np.zeros(len(index.origin))
+        self._sum = np.zeros_like(self._peak)
         self._commands = np.zeros((0, len(data.ctrl)))
-        self._table = self._places(discover_steps())
-        data.userdata[0] = self._table.ctypes.data
+        sizes = [self._sources.size, OF_SOLVER, OF_PAIR * self._peak.size, self._drags.size]
+        ends = np.cumsum([0, *sizes]).tolist()
+        self.copied, self.solver, self.pairs, self.drags = map(slice, ends[:-1], ends[1:])
+        self._every, self._width = every, ends[-1]
+        self._kept = self._places()
+        data.userdata[0] = self._kept.ctypes.data
 
     def command(self, commands: Array) -> None:
         """Set the commands of the next steps, shape (steps, actuators); after them the last one stays."""
         self._commands = np.ascontiguousarray(commands)
         self._data.ctrl[:] = self._commands[0]
         width = self._commands.strides[0]
-        self._table[_COMMAND] = self._commands.ctypes.data + width
-        self._table[_LAST] = self._commands.ctypes.data + width * len(self._commands)
+        self._kept["command"] = self._commands.ctypes.data + width
+        self._kept["last"] = self._commands.ctypes.data + width * len(self._commands)
 
-    def advance(self, model: Any, steps: int) -> None:
-        """Take steps; what sensors and energies read afterwards is of the start of the last of them."""
-        self._table[_SILENT] = max(0, steps - 2)
-        mujoco.mj_step(model, self._data, nstep=min(steps, 2))
+    def advance(self, samples: int) -> Array:
+        """Take the steps up to so many samples, the last of them included; give a row for each sample."""
+        rows = np.zeros((samples, self._width))
+        self._kept["rows"] = rows.ctypes.data
+        self._kept["left"] = self._kept["due"] - 1 + (samples - 1) * self._every
+        mujoco.mj_step(self._model, self._data)
+        return rows
 
-    def peaks(self) -> Array:
-        """Give the largest normal force of each pair [N] since the last time, shape (pairs,), and begin anew."""
-        peak = self._peak.copy()
-        self._peak[:] = 0.0
-        return peak
-
-    def _places(self, at: StepLayout) -> Integers:
-        table, data = np.zeros(_SILENT + 1, dtype=np.int64), self._data
-        table[_CONTACTS], table[_FORCES] = data._address + at.contact, data._address + at.efc_force
-        table[_COUNT] = data._address + at.ncon
-        table[_STRIDE], table[_GEOM], table[_ROW] = at.stride, at.geom, at.efc_address
-        table[_SURFACE], table[_PAIR] = self._index.surface.ctypes.data, self._index.pair.ctypes.data
-        table[_SURFACES] = len(self._index.pair)
-        table[_SUM], table[_PEAK] = self._sum.ctypes.data, self._peak.ctypes.data
-        table[_CTRL], table[_ACTUATORS] = data.ctrl.ctypes.data, len(data.ctrl)
-        return table
+    def _places(self) -> Any:
+        at, model, data, index = discover_steps(), self._model, self._data, self._index
+        start = data._address
+        places = {
+            "contacts": start + at.contact,
+            "count": start + at.ncon,
+            "forces": start + at.efc_force,
+            "speeds": start + at.efc_vel,
+            "stride": at.stride,
+            "pos": at.pos,
+            "frame": at.frame,
+            "dim": at.dim,
+            "geom": at.geom,
+            "row": at.efc_address,
+            "freedoms": model.nv,
+            "numbers": model.nuser_geom,
+            "surfaces": len(index.pair),
+            "mating": len(index.origin),
+            "actuators": len(data.ctrl),
+            "copied": self._sources.size,
+            "braked": self._drags.size,
+            "islands": data.solver_niter.size,
+            "kinds": data.warning.number.size,
+            "apart": data.warning.number.strides[0],
+            "due": 1,
+            "every": self._every,
+            "width": 8 * self._width,
+        }
+        arrays = {
+            "xpos": data.xpos,
+            "geom_xpos": data.geom_xpos,
+            "geom_xmat": data.geom_xmat,
+            "accelerations": data.qacc,
+            "ctrl": data.ctrl,
+            "iterations": data.solver_niter,
+            "warnings": data.warning.number,
+            "surface": index.surface,
+            "pair": index.pair,
+            "origin": index.origin,
+            "reach": index.reach,
+            "teeth": index.teeth,
+            "sources": self._sources,
+            "drags": self._drags,
+            "sum": self._sum,
+            "peak": self._peak,
+        }
+        made = np.zeros((), KEPT)
+        for name, place in (places | {name: array.ctypes.data for name, array in arrays.items()}).items():
+            made[name] = place
+        return made
 
 
 @contextmanager
 def installed() -> Iterator[None]:
     """Do what `EachStep` keeps inside this ``with`` block; nested and parallel blocks are allowed.
+
+    MuJoCo's timers stand still: reading the clock some twenty times takes 4 % of a step.
 
     Raises
     ------
@@ -122,91 +198,125 @@ def installed() -> Iterator[None]:
 
 
 def _install() -> None:
-    callback = ctypes.c_void_p.in_dll(library(), "mjcb_sensor")
+    callback = _callback("mjcb_sensor")
     if callback.value:
         raise ContactError(
             "MuJoCo's callback for sensors is taken, and a run needs it: call mujoco.set_mjcb_sensor(None) before"
         )
     callback.value = _compiled().address
+    timer = _callback("mjcb_time")
+    _timer.value, timer.value = timer.value, None
 
 
 def _uninstall() -> None:
-    ctypes.c_void_p.in_dll(library(), "mjcb_sensor").value = None
+    _callback("mjcb_sensor").value = None
+    _callback("mjcb_time").value = _timer.value
 
 
+def _callback(name: str) -> ctypes.c_void_p:
+    return ctypes.c_void_p.in_dll(library(), name)
+
+
+_timer = ctypes.c_void_p()
 _installation = Shared(_install, _uninstall)
 
 
 @cache
 def _compiled() -> Any:
     layout = discover_steps()
-    nuserdata, userdata = layout.nuserdata, layout.userdata
-    for stage in (_integrate, _position, _velocity, _actuation, _acceleration, _constraint):
+    at = layout.nuserdata, layout.userdata, digest(forces, gap, kept, memory, teeth)
+    for stage in _STAGES:
         llvmlite.binding.add_symbol(stage.symbol, function_address(stage.symbol.removeprefix(_PREFIX)))
 
     @cfunc(types.void(types.intp, types.intp, types.int32), cache=cacheable())
     def answer(model: int, data: int, stage: int) -> None:
-        if stage != _LAST_STAGE or read_int(model + nuserdata) != 1:
+        if stage != _LAST_STAGE or read_int(model + at[0]) != 1:
             return
-        table = int(read_float(read_address(data + userdata)))
-        if table:
-            _note(table)
-            _command(table)
-            steps = read_address(table + 8 * _SILENT)
-            write_address(table + 8 * _SILENT, 0)
-            for _ in range(steps):
-                _integrate(model, data)
-                _position(model, data)
-                _velocity(model, data)
-                _actuation(model, data)
-                _acceleration(model, data)
-                _constraint(model, data)
-                _note(table)
-                _command(table)
+        address = int(read_float(read_address(data + at[1])))
+        if not address:
+            return
+        run = kept_at(address)
+        _end_step(model, data, run)
+        while run.left > 0:
+            run.left -= 1
+            _integrate(model, data)
+            _position(model, data)
+            _velocity(model, data)
+            _actuation(model, data)
+            _acceleration(model, data)
+            _constraint(model, data)
+            _end_step(model, data, run)
 
     with announced():
         return answer
 
 
 @njit
-def _command(table: int) -> None:
-    """Set the commands of the next step."""
-    command = read_address(table + 8 * _COMMAND)
-    if command < read_address(table + 8 * _LAST):
-        ctrl, actuators = read_address(table + 8 * _CTRL), read_address(table + 8 * _ACTUATORS)
-        for k in range(actuators):
-            write_float(ctrl + 8 * k, read_float(command + 8 * k))
-        write_address(table + 8 * _COMMAND, command + 8 * actuators)
+def _end_step(model: int, data: int, run: Kept) -> None:
+    """Do what is done once the forces of a step are known."""
+    _note(run)
+    run.due -= 1
+    if run.due == 0:
+        run.due = run.every
+        _place_energy(model, data)
+        _motion_energy(model, data)
+        _sample(run)
+    _command(run)
 
 
 @njit
-def _note(table: int) -> None:
+def _command(run: Kept) -> None:
+    """Set the commands of the next step."""
+    if run.command < run.last:
+        for k in range(run.actuators):
+            write_float(run.ctrl + 8 * k, read_float(run.command + 8 * k))
+        run.command += 8 * run.actuators
+
+
+@njit
+def _note(run: Kept) -> None:
     """Note the forces of the contacts of this step."""
-    first, force = read_address(read_address(table + 8 * _CONTACTS)), read_address(read_address(table + 8 * _FORCES))
-    stride, geom, row = (
-        read_address(table + 8 * _STRIDE),
-        read_address(table + 8 * _GEOM),
-        read_address(table + 8 * _ROW),
-    )
-    surface, pairs = read_address(table + 8 * _SURFACE), read_address(table + 8 * _PAIR)
-    surfaces, total = read_address(table + 8 * _SURFACES), read_address(table + 8 * _SUM)
-    peak, contacts = read_address(table + 8 * _PEAK), read_int(read_address(table + 8 * _COUNT))
-    for k in range(contacts):
-        contact = first + stride * k
-        pair, address = _pair_of(contact + geom, surface, pairs, surfaces), read_int(contact + row)
-        if pair >= 0 and address >= 0:
-            place = total + 8 * pair
-            write_float(place, read_float(place) + read_float(force + 8 * address))
-    for k in range(contacts):
-        pair = _pair_of(first + stride * k + geom, surface, pairs, surfaces)
+    first, force = read_address(run.contacts), read_address(run.forces)
+    count = read_int(run.count)
+    for k in range(count):
+        contact = first + run.stride * k
+        pair, row = abs(pair_of(run, contact)) - 1, read_int(contact + run.row)
+        if pair >= 0 and row >= 0:
+            place = run.sum + 8 * pair
+            write_float(place, read_float(place) + read_float(force + 8 * row))
+    for k in range(count):
+        pair = abs(pair_of(run, first + run.stride * k)) - 1
         if pair >= 0:
-            place = peak + 8 * pair
-            write_float(place, max(read_float(place), read_float(total + 8 * pair)))
-            write_float(total + 8 * pair, 0.0)
+            place = run.peak + 8 * pair
+            write_float(place, max(read_float(place), read_float(run.sum + 8 * pair)))
+            write_float(run.sum + 8 * pair, 0.0)
 
 
-@njit(inline="always")
-def _pair_of(geoms: int, surface: int, pairs: int, surfaces: int) -> int:
-    """Give the number of the mating pair of a contact, -1 for none."""
-    one, two = read_int(surface + 4 * read_int(geoms)), read_int(surface + 4 * read_int(geoms + 4))
-    return abs(read_int(pairs + 4 * (surfaces * one + two))) - 1
+@njit
+def _sample(run: Kept) -> None:
+    """Write the row of a sample."""
+    row = run.rows
+    run.rows += run.width
+    for k in range(run.copied):
+        write_float(row, read_float(read_address(run.sources + 8 * k)))
+        row += 8
+    pairs = row + 8 * OF_SOLVER
+    for k in range(run.mating):
+        write_float(pairs + 8 * (OF_PAIR * k + 3), read_float(run.peak + 8 * k))
+        write_float(run.peak + 8 * k, 0.0)
+    gather(run, row, pairs)
+    iterations, moving, warned = 0, 0.0, 0
+    for k in range(run.islands):
+        iterations = max(iterations, read_int(run.iterations + 4 * k))
+    for k in range(run.freedoms):
+        moving += read_float(run.accelerations + 8 * k)
+    for k in range(run.kinds):
+        warned += read_int(run.warnings + run.apart * k)
+    write_float(row + 24, float(iterations))
+    write_float(row + 32, moving)
+    write_float(row + 40, float(warned))
+    braked = pairs + 8 * OF_PAIR * run.mating
+    for k in range(run.braked):
+        place = 8 * read_int(run.drags + 4 * k)
+        force, speed = read_float(read_address(run.forces) + place), read_float(read_address(run.speeds) + place)
+        write_float(braked + 8 * k, -force * speed)

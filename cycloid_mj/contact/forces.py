@@ -1,5 +1,6 @@
 """What MuJoCo's solver found in the contacts of one step, gathered by mating pair."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -8,47 +9,25 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from cycloid_mj.compiling import cacheable
-from cycloid_mj.contact.gap import Flank, flank_distance
-from cycloid_mj.contact.teeth import PLAY, USER_DATA, teeth_of
+from cycloid_mj.contact.gap import flank_distance
+from cycloid_mj.contact.kept import Kept
+from cycloid_mj.contact.memory import read_address, read_float, read_int, write_float
+from cycloid_mj.contact.teeth import PLAY, read_teeth
 from cycloid_mj.mechanism.reducer import Role
 from cycloid_mj.types import Array
 
 _ROUND = 1e-9
 """Angle [rad] by which the normal of a contact on a round mate may miss the mate's middle: that of rounding."""
 
-
-@dataclass(frozen=True)
-class PairForces:
-    """Contacts of one step.
-
-    Attributes
-    ----------
-    wrench
-        Force x, y [N] on the ``on`` body of each pair and moment about its origin [N m], shape (pairs, 3).
-    friction_power
-        Power that sliding takes in each pair [W], shape (pairs,), never negative but for rounding.
-    normal_power
-        Power that the normal force takes in each pair [W]: damping, and elastic energy on its way in or out.
-    active
-        Contacts that carry a force.
-    penetration
-        Deepest geometric penetration [m].
-    peak_force
-        Largest force of one contact [N].
-    """
-
-    wrench: Array
-    friction_power: Array
-    normal_power: Array
-    active: int
-    penetration: float
-    peak_force: float
+OF_PAIR = 6
+"""Numbers of a pair: force x, y on its ``on`` body [N], moment about that body's origin [N m], largest normal force
+since the sample before [N], and the powers that friction and normal force take [W]. Friction's is never negative but
+for rounding; the normal force's is damping, and elastic energy on its way in or out."""
 
 
 @dataclass(frozen=True)
 class PairIndex:
-    """Which mating pair two geoms belong to, and the flanks that the collider knows.
+    """Which mating pair two geoms belong to, and the teeth that the collider knows.
 
     Attributes
     ----------
@@ -62,17 +41,14 @@ class PairIndex:
     reach
         Radius of a geom that meets exact teeth, less the play that it gives way by [m], shape (ngeom,); 0 of any other.
     teeth
-        Number of the exact teeth that a geom stands for, one of each disc, -1 for none, shape (ngeom,).
-    flanks
-        The flanks of these teeth.
+        Address of the ``geom user`` of a geom that stands for exact teeth, 0 of any other, shape (ngeom,).
     """
 
     surface: npt.NDArray[np.int32]
     pair: npt.NDArray[np.int32]
     origin: npt.NDArray[np.int32]
     reach: Array
-    teeth: npt.NDArray[np.int32]
-    flanks: tuple[Flank, ...]
+    teeth: npt.NDArray[np.int64]
 
 
 def pair_index(model: Any, pairs: Sequence[Any]) -> PairIndex:
@@ -89,17 +65,15 @@ def pair_index(model: Any, pairs: Sequence[Any]) -> PairIndex:
     return PairIndex(surface, index, origin, *_exact_teeth(model))
 
 
-def _exact_teeth(model: Any) -> tuple[Array, npt.NDArray[np.int32], tuple[Flank, ...]]:
-    """Give reach and number of teeth of each geom, see `PairIndex`, and flanks; of nothing where there are none."""
+def _exact_teeth(model: Any) -> tuple[Array, npt.NDArray[np.int64]]:
+    """Give reach and teeth of each geom, see `PairIndex`; of a model without exact teeth none has any."""
     priority, user, reach = model.geom_priority, model.geom_user, np.zeros(model.ngeom)
-    found = np.flatnonzero(priority == int(Role.TEETH))
-    number = np.full(model.ngeom, -1, dtype=np.int32)
-    number[found] = np.arange(found.size)
-    if not found.size:
-        return reach, number, (teeth_of(np.zeros(USER_DATA)).flank,)
-    for role, play in ((Role.PIN, user[:, PLAY]), (Role.LOBE, 0.0)):
-        reach = np.where(priority == int(role), model.geom_size[:, 0] - play, reach)
-    return reach, number, tuple(teeth_of(np.array(user[geom])).flank for geom in found)
+    exact = priority == int(Role.TEETH)
+    if exact.any():
+        for role, play in ((Role.PIN, user[:, PLAY]), (Role.LOBE, 0.0)):
+            reach = np.where(priority == int(role), model.geom_size[:, 0] - play, reach)
+    address = model.geom_user.ctypes.data + 8 * model.nuser_geom * np.arange(model.ngeom)
+    return reach, np.where(exact, address, 0)
 
 
 def surface_name(model: Any, geom: int) -> str:
@@ -108,109 +82,83 @@ def surface_name(model: Any, geom: int) -> str:
     return name.partition("/")[0]
 
 
-def pair_forces(data: Any, index: PairIndex) -> PairForces:
+@njit(inline="always")
+def pair_of(kept: Kept, contact: int) -> int:
+    """Give the number of the mating pair of a contact at an address, with a minus sign where its first geom is ``on``.
+
+    Numbers begin at 1; 0 is none.
+    """
+    geoms = contact + kept.geom
+    one, two = read_int(kept.surface + 4 * read_int(geoms)), read_int(kept.surface + 4 * read_int(geoms + 4))
+    return read_int(kept.pair + 4 * (kept.surfaces * one + two))
+
+
+@njit
+def gather(kept: Kept, summary: int, of_pairs: int) -> None:
     """Gather the contacts of the step just taken.
 
-    Parameters
-    ----------
-    data
-        ``MjData`` after ``mj_step``: forces, positions and velocities of the start of the step.
-    index
-        From ``pair_index``.
+    Written are, at one address, the number of contacts that carry a force, the deepest geometric penetration [m] and
+    the largest force of one contact [N]; at the other, what `OF_PAIR` says of every pair, where zeros and the largest
+    forces stand already.
     """
-    count = len(index.origin)
-    wrench, friction, normal = np.zeros((count, 3)), np.zeros(count), np.zeros(count)
-    contact = data.contact
-    if not len(contact.dist):
-        # empty arrays have another layout, for which numba would compile all of `_gather` a second time
-        return PairForces(wrench, friction, normal, 0, 0.0, 0.0)
-    active, depth, peak = _gather(
-        contact.geom,
-        contact.efc_address,
-        contact.dim,
-        contact.frame,
-        contact.pos,
-        contact.dist,
-        data.efc_force,
-        data.efc_vel,
-        index.surface,
-        index.pair,
-        data.xpos,
-        index.origin,
-        index.reach,
-        index.teeth,
-        index.flanks,
-        data.geom_xpos,
-        data.geom_xmat,
-        wrench,
-        friction,
-        normal,
-    )
-    return PairForces(wrench, friction, normal, active, depth, peak)
-
-
-@njit(cache=cacheable())
-def _gather(
-    geom: Any,
-    address: Any,
-    dim: Any,
-    frame: Any,
-    pos: Any,
-    dist: Any,
-    force: Any,
-    velocity: Any,
-    surface: Any,
-    pairs: Any,
-    xpos: Any,
-    origin: Any,
-    reach: Any,
-    teeth_number: Any,
-    flanks: Any,
-    geom_xpos: Any,
-    geom_xmat: Any,
-    wrench: Any,
-    friction: Any,
-    normal: Any,
-) -> tuple[int, float, float]:
+    contacts, forces = read_address(kept.contacts), read_address(kept.forces)
     active, depth, peak = 0, 0.0, 0.0
-    for k in range(len(dist)):
-        overlap = -dist[k]
-        teeth, mate = (geom[k, 0], geom[k, 1]) if teeth_number[geom[k, 0]] >= 0 else (geom[k, 1], geom[k, 0])
-        if overlap > 0.0 and teeth_number[teeth] >= 0:
-            # MuJoCo's own distance is scaled: it makes the stiffness follow the local curvature (``mating``).
-            dx, dy = geom_xpos[mate, 0] - pos[k, 0], geom_xpos[mate, 1] - pos[k, 1]
-            away = np.sqrt(dx * dx + dy * dy)
-            if abs(dx * frame[k, 1] - dy * frame[k, 0]) < _ROUND * away:
-                overlap = 2.0 * (reach[mate] - away)
-            else:
-                overlap = _overlap(
-                    pos[k, 0], pos[k, 1], flanks[teeth_number[teeth]], geom_xpos[teeth], geom_xmat[teeth]
-                )
-        depth = max(depth, overlap)
-        number = pairs[surface[geom[k, 0]], surface[geom[k, 1]]]
-        row = address[k]
+    for k in range(read_int(kept.count)):
+        contact = contacts + kept.stride * k
+        depth = max(depth, _overlap(kept, contact))
+        number, row = pair_of(kept, contact), read_int(contact + kept.row)
         if number == 0 or row < 0:
             continue
         pair, sign = abs(number) - 1, (1.0 if number > 0 else -1.0)
-        fx, fy = force[row] * frame[k, 0], force[row] * frame[k, 1]
-        normal[pair] -= force[row] * velocity[row]
-        for axis in range(1, dim[k]):
-            fx += force[row + axis] * frame[k, 3 * axis]
-            fy += force[row + axis] * frame[k, 3 * axis + 1]
-            friction[pair] -= force[row + axis] * velocity[row + axis]
-        body = origin[pair]
-        wrench[pair, 0] += sign * fx
-        wrench[pair, 1] += sign * fy
-        wrench[pair, 2] += sign * ((pos[k, 0] - xpos[body, 0]) * fy - (pos[k, 1] - xpos[body, 1]) * fx)
-        magnitude = np.sqrt(fx * fx + fy * fy)
+        force = forces + 8 * row
+        speed = read_address(kept.speeds) + 8 * row
+        fx = read_float(force) * read_float(contact + kept.frame)
+        fy = read_float(force) * read_float(contact + kept.frame + 8)
+        place = of_pairs + 8 * OF_PAIR * pair
+        for axis in range(1, read_int(contact + kept.dim)):
+            along, tangent = read_float(force + 8 * axis), contact + kept.frame + 24 * axis
+            fx += along * read_float(tangent)
+            fy += along * read_float(tangent + 8)
+            _add(place + 32, -along * read_float(speed + 8 * axis))
+        origin = kept.xpos + 24 * read_int(kept.origin + 4 * pair)
+        x, y = read_float(contact + kept.pos), read_float(contact + kept.pos + 8)
+        _add(place, sign * fx)
+        _add(place + 8, sign * fy)
+        _add(place + 16, sign * ((x - read_float(origin)) * fy - (y - read_float(origin + 8)) * fx))
+        _add(place + 40, -read_float(force) * read_float(speed))
+        magnitude = math.sqrt(fx * fx + fy * fy)
         active += magnitude > 0.0
         peak = max(peak, magnitude)
-    return active, depth, peak
+    write_float(summary, float(active))
+    write_float(summary + 8, depth)
+    write_float(summary + 16, peak)
 
 
 @njit(inline="always")
-def _overlap(x: Any, y: Any, flank: Any, centre: Any, frame: Any) -> Any:
-    """Give how deep a root of the ring is in the gear's teeth [m], from the contact point, which lies half-way."""
-    dx, dy, cosine, sine = x - centre[0], y - centre[1], frame[0], frame[3]
-    distance = flank_distance(cosine * dx + sine * dy, cosine * dy - sine * dx, flank)[1]
-    return -2.0 * (distance + flank.offset)
+def _add(place: int, value: float) -> None:
+    write_float(place, read_float(place) + value)
+
+
+@njit
+def _overlap(kept: Kept, contact: int) -> float:
+    """Give how deep the parts of a contact are in each other [m]; MuJoCo's own distance where no exact teeth meet.
+
+    With them that distance is scaled: it makes the stiffness follow the local curvature (``mating``).
+    """
+    overlap = -read_float(contact)
+    first, second = read_int(contact + kept.geom), read_int(contact + kept.geom + 4)
+    teeth, mate = (first, second) if read_address(kept.teeth + 8 * first) else (second, first)
+    user = read_address(kept.teeth + 8 * teeth)
+    if not user or overlap <= 0.0:
+        return overlap
+    x, y = read_float(contact + kept.pos), read_float(contact + kept.pos + 8)
+    centre = kept.geom_xpos + 24 * mate
+    dx, dy = read_float(centre) - x, read_float(centre + 8) - y
+    away = math.sqrt(dx * dx + dy * dy)
+    if abs(dx * read_float(contact + kept.frame + 8) - dy * read_float(contact + kept.frame)) < _ROUND * away:
+        return 2.0 * (read_float(kept.reach + 8 * mate) - away)
+    # a root of the ring: its depth from the contact point, which lies half-way
+    flank = read_teeth(user, kept.numbers).flank
+    gear, turn = kept.geom_xpos + 24 * teeth, kept.geom_xmat + 72 * teeth
+    gx, gy, cosine, sine = x - read_float(gear), y - read_float(gear + 8), read_float(turn), read_float(turn + 24)
+    return -2.0 * (flank_distance(cosine * gx + sine * gy, cosine * gy - sine * gx, flank)[1] + flank.offset)

@@ -48,17 +48,21 @@ class Layout:
 class StepLayout:
     """What a step leaves: where it stands in ``mjData``, in an ``mjContact``, and the size of user data in ``mjModel``.
 
-    `contact`, `efc_force` and `userdata` are byte offsets of pointers in ``mjData``, `ncon` that of a number there,
-    `nuserdata` that of one in ``mjModel``; `stride` is the size of an ``mjContact``, `geom` and `efc_address` are
-    offsets in it.
+    `contact`, `efc_force`, `efc_vel` and `userdata` are byte offsets of pointers in ``mjData``, `ncon` that of a number
+    there, `nuserdata` that of one in ``mjModel``; `stride` is the size of an ``mjContact``, what comes after it are
+    offsets in it; its distance is at 0.
     """
 
     contact: int
     efc_force: int
+    efc_vel: int
     userdata: int
     ncon: int
     nuserdata: int
     stride: int
+    pos: int
+    frame: int
+    dim: int
     geom: int
     efc_address: int
 
@@ -96,12 +100,13 @@ def discover_steps() -> StepLayout:
     # What lies behind the structure may hold an address by chance, but not for both models at the same place.
     first, second = _StepPlaces.of(balls=1, user=7919), _StepPlaces.of(balls=5, user=6101)
     forces, numbers = sorted(first.efc_force & second.efc_force), sorted(first.ncon & second.ncon)
+    speeds = sorted(first.efc_vel & second.efc_vel)
     # The contacts begin the arena, whose own pointer comes before theirs; their forces come after them.
     contacts = sorted(place for place in first.contact & second.contact if forces and place < forces[0])
     data, sizes = sorted(first.userdata & second.userdata), sorted(first.nuserdata & second.nuserdata)
-    if not (contacts and numbers and data and sizes) or first.fields != second.fields:
+    if not (contacts and speeds and numbers and data and sizes) or first.fields != second.fields:
         raise ContactError(_strange("the contacts, their forces or the user data were not found"))
-    return StepLayout(contacts[-1], forces[0], data[-1], numbers[0], sizes[0], *first.fields)
+    return StepLayout(contacts[-1], forces[0], speeds[0], data[-1], numbers[0], sizes[0], *first.fields)
 
 
 @dataclass(frozen=True)
@@ -110,10 +115,11 @@ class _StepPlaces:
 
     contact: frozenset[int]
     efc_force: frozenset[int]
+    efc_vel: frozenset[int]
     userdata: frozenset[int]
     ncon: frozenset[int]
     nuserdata: frozenset[int]
-    fields: tuple[int, int, int]
+    fields: tuple[int, ...]
 
     @classmethod
     def of(cls, balls: int, user: int) -> "_StepPlaces":
@@ -123,10 +129,12 @@ class _StepPlaces:
         contact, start = data.contact, data.energy.ctypes.data - data._address
         # The distance is the first field of a contact.
         first = contact.dist.ctypes.data
-        offsets = (contact.geom.ctypes.data - first, contact.efc_address.ctypes.data - first)
+        fields = (contact.pos, contact.frame, contact.dim, contact.geom, contact.efc_address)
+        offsets = (field.ctypes.data - first for field in fields)
         places = {
             "contact": frozenset(_places(data._address, start, first, _DATA_SPAN)),
             "efc_force": frozenset(_places(data._address, start, data.efc_force.ctypes.data, _DATA_SPAN)),
+            "efc_vel": frozenset(_places(data._address, start, data.efc_vel.ctypes.data, _DATA_SPAN)),
             "userdata": frozenset(_places(data._address, start, data.userdata.ctypes.data, _DATA_SPAN)),
             "nuserdata": frozenset(_numbers(model._address, _SIZES, user)),
         }

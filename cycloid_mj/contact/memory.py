@@ -50,4 +50,3 @@ def _writer(number: types.Number, name: str) -> Any:
 
 
 write_float = _writer(types.float64, "write_float")
-write_address = _writer(types.intp, "write_address")

@@ -42,6 +42,16 @@ def add_sensors(spec: Any, design: Design) -> None:
         spec.add_sensor(name=sensor.column, type=kind, objtype=what, objname=sensor.of)
 
 
+def addresses(data: Any, design: Design) -> list[int]:
+    """Give the addresses in ``MjData`` of what they read, in their order."""
+    places = {
+        "position": lambda of: data.joint(of).qpos,
+        "speed": lambda of: data.joint(of).qvel,
+        "torque": lambda of: data.actuator(of).force,
+    }
+    return [places[sensor.reads](sensor.of).ctypes.data for sensor in _sensors(design)]
+
+
 def _sensors(design: Design) -> Iterator[_Sensor]:
     for body in mechanism(design).bodies:
         if body.part == names.SHAFT:

@@ -1,0 +1,56 @@
+"""What a run keeps for the compiled code of its steps: one record of addresses, numbers and counters."""
+
+from typing import Any
+
+import numpy as np
+from numba import carray, from_dtype, njit, types
+from numba.extending import intrinsic
+
+Kept = Any
+"""A record of `KEPT` in compiled code."""
+
+_STEP = ("contacts", "count", "forces", "speeds", "xpos", "geom_xpos", "geom_xmat", "accelerations", "freedoms")
+_CONTACT = ("stride", "pos", "frame", "dim", "geom", "row")
+_PAIRS = ("surface", "pair", "surfaces", "mating", "origin", "reach", "teeth", "numbers", "sum", "peak")
+_COMMANDS = ("ctrl", "actuators", "command", "last")
+_SOLVER = ("iterations", "islands", "warnings", "kinds", "apart")
+_SAMPLES = ("sources", "copied", "drags", "braked", "left", "due", "every", "rows", "width")
+
+KEPT = np.dtype([(name, np.int64) for name in _STEP + _CONTACT + _PAIRS + _COMMANDS + _SOLVER + _SAMPLES])
+"""Addresses of arrays of these names in ``MjData``, in the ``PairIndex`` and in the run's own; and:
+
+contacts, forces, speeds
+    Addresses of the pointers to the contacts, and to forces and speeds of the rows of constraints.
+count
+    Address of the number of contacts.
+freedoms, surfaces, mating, actuators, islands, kinds, copied, braked
+    How many accelerations, surfaces, mating pairs, commands, iterations, warnings, sources and drags there are.
+stride, pos, frame, dim, geom, row
+    Bytes of an ``mjContact``, and where in it these stand; its distance comes first.
+numbers
+    How many numbers each ``geom user`` has.
+sum, peak
+    Addresses of the forces of the pairs while they are added up, and of the largest since the sample before.
+command, last
+    Addresses of the commands of the next step, and of the end of all commands.
+apart
+    Bytes from one warning's number to the next.
+left, due, every
+    Steps that the callback is to take itself; the next step that is sampled, counted from 1; steps between samples.
+rows, width
+    Address of the next sample's row, and bytes of a row.
+"""
+
+
+@intrinsic
+def _pointer(typing_context: Any, address: types.Integer) -> Any:
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        return builder.inttoptr(args[0], context.get_value_type(signature.return_type))
+
+    return types.CPointer(from_dtype(KEPT))(types.intp), codegen
+
+
+@njit(inline="always")
+def kept_at(address: int) -> Kept:
+    """Give the record at an address."""
+    return carray(_pointer(address), 1)[0]
