@@ -30,7 +30,7 @@ ROOM = Path("cycloid_mj/mechanism")
 MODEL = "reducer.py"
 """The file that models are made from; what the others hold is seen without one, and without compiling."""
 
-TESTS = ("test_kernel.py", "test_mechanism.py")
+TESTS = ("test_limits.py", "test_kernel.py", "test_mechanism.py")
 MODEL_TESTS = ("test_reducer.py",)
 
 SECONDS = 30

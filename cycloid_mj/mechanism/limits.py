@@ -84,9 +84,9 @@ def stops(design: Design, crank: float, sides: int = CAM_SIDES) -> tuple[float, 
     seen = float(member.against_ring(design, crank))
     slope, room = _limits(design, seen, gaps(design, seen), sides)
     found = []
-    for direction in (-1.0, 1.0):
+    for least in (1.0, -1.0):
         goal = np.zeros(unknowns(design))
-        goal[-1] = -direction
+        goal[-1] = least
         ends = linprog(goal, -slope, room / _SCALE, bounds=(None, None))
         if ends.x is None:
             raise RunError(f"the gear jams at crank angle {crank:.4f} rad: its errors are larger than its clearances")
@@ -108,12 +108,12 @@ def _limits(design: Design, crank: float, found: Gaps, sides: int) -> tuple[Arra
 
 
 def _aside(design: Design, found: Gaps, pose: Array) -> Array:
-    """Put each pin that a disc would cut half-way between the disc and the far side of its play."""
-    moved = np.zeros((design.ring.teeth, 2))
-    if design.ring.has_moving_pins:
-        teeth = found.select(found.kind == design.tooth_pair)
-        gap = teeth.width + teeth.slope @ pose
-        outwards = np.where(gap < 0.0, (teeth.play - gap) / 2.0, 0.0)
-        by_place = teeth.slope[:, :-1].reshape(len(gap), -1, 3)[np.arange(len(gap)), teeth.disc, :2]
-        np.add.at(moved, teeth.owner, outwards[:, np.newaxis] * -by_place)
-    return moved
+    """Put each pin that discs would cut half-way between the one that cuts deepest and the far side of its play."""
+    if not design.ring.has_moving_pins:
+        return np.zeros((design.ring.teeth, 2))
+    teeth = found.select(found.kind == design.tooth_pair)
+    gap = teeth.width + teeth.slope @ pose
+    outwards = -teeth.slope[:, :-1].reshape(len(gap), -1, 3)[np.arange(len(gap)), teeth.disc, :2]
+    deepest = np.lexsort((gap, teeth.owner))[:: design.gear.discs]
+    aside = ((teeth.play - gap) / 2.0)[:, np.newaxis] * outwards
+    return np.asarray(np.where(gap[:, np.newaxis] < 0.0, aside, 0.0)[deepest])

@@ -77,7 +77,7 @@ class Surfaces:
     place
         In the body's frame, with manufacturing errors [m], shape (n, 2).
     radius
-        As made, clearance counted in [m], shape (n,); of teeth, a radius that reaches every mate.
+        As made, clearance counted in [m], shape (n,); of teeth, how far the ring reaches out: no mate is farther.
     play
         How far each gives way before it carries [m], shape (n,): of massless pins; else 0.
     disc
@@ -231,7 +231,7 @@ def mechanism(design: Design) -> Mechanism:
         phases=phases(design),
         bodies=tuple(_bodies(design, made)),
         matings=(
-            *(_mesh(design, made, disc, pins) for disc in discs),
+            *(_mesh(design, disc, pins) for disc in discs),
             *seats,
             *(_cam(design, made, disc) for disc in discs),
             *(_holes(design, made, disc, fixed) for disc in discs),
@@ -282,17 +282,15 @@ def _ring(design: Design, made: Deviations) -> tuple[Surfaces, list[Mating]]:
     return pins, [Mating("pin_sleeve", bores.names, bores, cores)]
 
 
-def _mesh(design: Design, made: Deviations, disc: int, ring: Surfaces) -> Mating:
+def _mesh(design: Design, disc: int, ring: Surfaces) -> Mating:
     """Give the teeth of a disc on the ring: on a disc ahead on the crank they are turned back on it."""
-    gear = tooth_profile(design)
-    reach = gear.pin_circle_radius + 2.0 * (gear.eccentricity + made.largest)
     teeth = Surfaces(
         names=(_of_disc(design, names.TEETH, disc),),
         bodies=(_of_disc(design, names.GEAR, disc),),
         role=Role.TEETH,
-        angle=np.array([phases(design)[disc] / gear.lobes]),
+        angle=np.array([phases(design)[disc] / design.lobes]),
         place=np.zeros((1, 2)),
-        radius=np.array([reach]),
+        radius=np.array([design.ring_root_radius]),
         play=np.zeros(1),
         disc=disc,
     )

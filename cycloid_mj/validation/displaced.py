@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj import kinematics, profile
+from cycloid_mj import kinematics, member, profile
 from cycloid_mj.design import Design
 from cycloid_mj.deviations import deviations
 from cycloid_mj.errors import RunError
@@ -35,6 +35,24 @@ def pose_of(design: Design, crank: float, z: Array, disc: int = 0) -> Pose:
 def phase_of(design: Design, disc: int) -> float:
     """Give how far a disc's eccentric is ahead of the first one's [rad]."""
     return 2.0 * np.pi * disc / design.gear.discs
+
+
+def in_workshop(design: Design, crank: float, shift: Array, turns: Array, output: float) -> tuple[float, Array]:
+    """Give what an observer on the ring sees of parts in the workshop: the crank's angle [rad], and the unknowns z [m].
+
+    The workshop has the crank at an angle [rad], each disc beside its ideal place by a shift [m], seen from the ring,
+    shape (D, 2), and by a turn [rad], shape (D,); and the output, carrier or ring, turned on by an angle [rad].
+    """
+    ring, carrier = float(member.ring_angle(design, crank)), float(member.gear_angle(design, crank))
+    turned = carrier + turns
+    if design.output.turns_ring:
+        ring += output
+    else:
+        carrier += output
+    seen = crank - ring
+    ideal = float(kinematics.gear_rotation(tooth_profile(design), seen))
+    arcs = design.output.pin_circle_radius * (np.append(turned, carrier) - ring - ideal)
+    return seen, np.append(np.column_stack([shift, arcs[:-1]]), arcs[-1])
 
 
 def exact_gaps(design: Design, crank: float, z: Array, aside: Array | float = 0.0) -> Array:

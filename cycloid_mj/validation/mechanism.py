@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj import kinematics, profile
+from cycloid_mj import kinematics, names, profile
 from cycloid_mj.contact.collider import installed
 from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.contact.working import at_rated_load
@@ -22,11 +22,11 @@ from cycloid_mj.mechanism.kernel import gap
 from cycloid_mj.mechanism.limits import best_fit, stops
 from cycloid_mj.mechanism.reducer import mechanism
 from cycloid_mj.mjcf import build
-from cycloid_mj.mjcf.keyframe import joint_state
 from cycloid_mj.modification import profile_offset, tooth_profile
 from cycloid_mj.types import Array, Mask
 from cycloid_mj.validation import equilibrium, rig
-from cycloid_mj.validation.displaced import exact_gaps, pose_of
+from cycloid_mj.validation.balance import NEAR, way
+from cycloid_mj.validation.displaced import cam_ways, exact_gaps, in_workshop, pose_of
 from cycloid_mj.validation.gaps import pin_gaps, ring_gaps, rotate
 from cycloid_mj.validation.rig import FIXED, FREE, NONPIN, SLEEVED, reducer_of
 from cycloid_mj.validation.row import Row, deviation
@@ -49,6 +49,9 @@ MADE = (
 PINS = ("errors.pin_position_um=1.0", "errors.pin_radius_um=0.5")
 ROOM = ("clearance.pin_gear_um=4.0", "clearance.tooth_um=4.0", "clearance.cam_um=3.0", "clearance.output_um=5.0")
 UNIFORM = 'contact.stiffness_law="uniform"'
+
+THREE_DISCS = ("gear.discs=3",)
+"""Unlike two they are no half turn apart: a disc ahead on the crank is not where one behind would be."""
 
 WAY = np.array([0.7e-6, -0.4e-6, 0.5e-6, -0.6e-6])
 """A pose that the parts are displaced to: the unknowns of ``mechanism.gaps`` [m]."""
@@ -106,7 +109,7 @@ def hole_rows() -> list[Row]:
 
 
 def curvature_rows(kind: str) -> list[Row]:
-    """Hold the relative curvature of ideal contacts against that of gear and mate."""
+    """Hold the relative curvature of ideal contacts, and how it changes along a pin's path, against both surfaces."""
     design = reducer_of(kind)
     found, gear, output = gaps(design, CRANK), tooth_profile(design), design.output
     mesh = pin_gaps(
@@ -116,48 +119,70 @@ def curvature_rows(kind: str) -> list[Row]:
     holes = np.full(output.pins, 1.0 / output.pin_radius - 1.0 / output.hole_radius)
     ours = found.relative_curvature[_arcs_and_output(design, found.kind)]
     exact = np.concatenate([teeth, holes])
-    return [deviation(f"relative curvature, {kind}", 1e-3 * ours, 1e-3 * exact, "1/mm", "both surfaces", 1e-3)]
-
-
-def flank_rows() -> list[Row]:
-    """Hold the gaps of an internal gear's flanks, parts displaced a little, against a search along every root."""
-    design, z = reducer_of(NONPIN), 1e-1 * WAY
-    gear, found = tooth_profile(design), gaps(design, CRANK)
-    flank = (found.kind == "tooth") & (np.arange(found.owner.size) >= design.ring.teeth)
-    mesh = ring_gaps(gear, pose_of(design, CRANK, z), np.unique(found.owner[flank]))
-    exact = mesh.distance[np.isfinite(mesh.B)] + profile_offset(design) - gear.pin_radius
-    ours = found.width[flank] + found.slope[flank] @ z
-    nearest = exact[np.abs(exact[np.newaxis] - ours[:, np.newaxis]).argmin(axis=1)]
-    return [deviation("gaps of flanks, nonpin", 1e6 * ours, 1e6 * nearest, "um", "exact curves", 0.1)]
-
-
-def _arcs_and_output(design: Design, kinds: npt.NDArray[np.str_]) -> Mask:
-    arcs = (kinds == design.tooth_pair) & (np.arange(kinds.size) < design.ring.teeth)
-    return np.asarray(arcs | (kinds == "output"))
-
-
-def sliding_rows(kind: str) -> list[Row]:
-    """Hold the sliding of an ideal mesh against points fixed to both parts, over a small turn of the crank."""
-    design = reducer_of(kind)
-    found = gaps(design, CRANK)
-    ours = (found.slip_slope @ ideal_motion(design, CRANK))[_arcs_and_output(design, found.kind)]
-    after, before = (_points(design, CRANK + turn) for turn in (_TURN, -_TURN))
-    here = _points(design, CRANK)
-    slid = np.sum((after[0] - after[1] - before[0] + before[1]) * here[2], axis=1) / (2.0 * _TURN)
+    (before, _), (_, rate), (after, _) = (_bend(gear, mesh.t + step) for step in (-_TURN, 0.0, _TURN))
+    twist = (after - before) / (2.0 * _TURN * rate)
+    ours_of_path = found.twist[: gear.ring_teeth]
     return [
-        deviation(f"sliding of the contacts, {kind}", 1e3 * ours, 1e3 * slid, "mm/rad", "points on both parts", 1e-5)
+        deviation(f"relative curvature, {kind}", 1e-3 * ours, 1e-3 * exact, "1/mm", "both surfaces", 1e-3),
+        deviation(f"rate of curvature, {kind}", 1e-6 * ours_of_path, 1e-6 * twist, "1/mm2", "a pin's path", 1e-3),
     ]
 
 
-def _points(design: Design, crank: float) -> tuple[Array, Array, Array]:
-    """Give where points are that touch at ``CRANK`` in the ideal mesh, on the gear and on its mates [m], (n, 2) each.
+def _bend(gear: profile.CycloidGear, t: Array) -> tuple[Array, Array]:
+    """Give the curvature of a pin's path on the gear [1/m], convex positive, and its speed [m/rad], shape (n,) each."""
+    (dx, dy), (ddx, ddy) = (one.T for one in profile.trochoid_derivatives(gear, t))
+    speed = np.hypot(dx, dy)
+    return (dy * ddx - dx * ddy) / speed**3, speed
+
+
+def flank_rows(*changes: str) -> list[Row]:
+    """Hold the gaps of an internal gear's flanks, parts displaced a little, against a search along every root."""
+    design = reducer_of(NONPIN, *changes)
+    gear, found = tooth_profile(design), gaps(design, CRANK)
+    z = 1e-1 * np.append(np.tile(WAY[:3], design.gear.discs), WAY[3])
+    flank = np.logical_not(_arcs_and_output(design, found.kind))
+    widths, exact = found.width + found.slope @ z, []
+    for disc, roots, width in zip(found.disc[flank], found.owner[flank], widths[flank], strict=True):
+        mesh = ring_gaps(gear, pose_of(design, CRANK, z, disc), np.array([roots]))
+        inside = mesh.distance[np.isfinite(mesh.B)] + profile_offset(design) - gear.pin_radius
+        exact.append(inside[np.abs(inside - width).argmin()])
+    name = ", ".join(("gaps of flanks", NONPIN, *changes))
+    return [deviation(name, 1e6 * widths[flank], 1e6 * np.array(exact), "um", "exact curves", 0.1)]
+
+
+def _arcs_and_output(design: Design, kinds: npt.NDArray[np.str_]) -> Mask:
+    arcs = (kinds == design.tooth_pair) & (np.arange(kinds.size) < design.gear.discs * design.ring.teeth)
+    return np.asarray(arcs | (kinds == "output"))
+
+
+def sliding_rows(kind: str, *changes: str) -> list[Row]:
+    """Hold the sliding of an ideal mesh against points fixed to both parts, over a small turn of the crank."""
+    design = reducer_of(kind, *changes)
+    found, discs = gaps(design, CRANK), range(design.gear.discs)
+    ours = (found.slip_slope @ ideal_motion(design, CRANK))[_arcs_and_output(design, found.kind)]
+    slid = [_slid(design, disc) for disc in discs]
+    exact = np.concatenate([of_disc[part] for part in (0, 1) for of_disc in slid])
+    name = ", ".join(("sliding of the contacts", kind, *changes))
+    return [deviation(name, 1e3 * ours, 1e3 * exact, "mm/rad", "points on both parts", 1e-5)]
+
+
+def _slid(design: Design, disc: int) -> tuple[Array, Array]:
+    """Give how far a disc's teeth (N,) and holes (P,) slide on their mates with the crank [m/rad]."""
+    (gear_on, mate_on, _), (gear_at, mate_at, _) = (_points(design, CRANK + turn, disc) for turn in (_TURN, -_TURN))
+    along = _points(design, CRANK, disc)[2]
+    slid = np.sum((gear_on - mate_on - gear_at + mate_at) * along, axis=1) / (2.0 * _TURN)
+    return slid[: design.ring.teeth], slid[design.ring.teeth :]
+
+
+def _points(design: Design, crank: float, disc: int) -> tuple[Array, Array, Array]:
+    """Give where points are that touch at ``CRANK`` in the ideal mesh, on a disc and on its mates [m], (n, 2) each.
 
     And the unit vectors along which they slide there, (n, 2).
     """
-    gear, output = tooth_profile(design), design.output
+    gear, output, ideal = tooth_profile(design), design.output, np.zeros(3 * design.gear.discs + 1)
     pins = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear))
-    touching, pose = (pose_of(design, at, np.zeros(4)) for at in (CRANK, crank))
-    out, turned = touching.angle, pose.angle
+    touching, pose = (pose_of(design, at, ideal, disc) for at in (CRANK, crank))
+    out, turned = (pose_of(design, at, ideal).angle for at in (CRANK, crank))
     inwards = -pin_gaps(gear, touching, pins).normals
     on_ring = pins + gear.pin_radius * inwards
     studs = rotate(output.pin_circle_radius * profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins), out)
@@ -172,13 +197,14 @@ def _points(design: Design, crank: float) -> tuple[Array, Array, Array]:
 def model_rows(pins: str) -> list[Row]:
     """Hold the distances that the collider finds in the model against exact gaps of the same pose.
 
-    Gear and output are in their ideal places, pins and sleeves displaced by ``ASIDE``.
+    Three discs and the output are displaced, and pins and sleeves by ``ASIDE``.
     """
     tight = [f"clearance.{pair}_um=0.01" for pair in ("pin_gear", "pin_socket", "pin_sleeve", "cam", "output")]
-    design = made(FIXED, UNIFORM, *tight, f"ring.pins={pins}")
-    reducer, moving = build(design), design.ring.has_pin_bodies
-    data = mujoco.MjData(reducer.model)
-    for joint, value in joint_state(reducer_of(FIXED), CRANK, 0.0)[0].items():
+    errors = ("errors.cam_position_um=0.8", "errors.disc_size_um=0.7")
+    design = made(FIXED, UNIFORM, *tight, *errors, *THREE_DISCS, f"ring.pins={pins}")
+    reducer, moving, larger = build(design), design.ring.has_pin_bodies, deviations(design).pin_radius
+    data, z = mujoco.MjData(reducer.model), way(3 * design.gear.discs + 1, NEAR)
+    for joint, value in _joints(design, z).items():
         data.joint(joint).qpos[0] = value
     for pin in mechanism(design).pins:
         data.joint(pin.joints[0]).qpos[0], data.joint(pin.joints[1]).qpos[0] = ASIDE
@@ -188,17 +214,23 @@ def model_rows(pins: str) -> list[Row]:
     mating = [number[frozenset(geoms)].name for geoms in data.contact.geom.tolist()]
     found = dict(zip(mating, data.contact.dist, strict=True))
     ours = np.array([found.get(pair.name, 0.0) for pair in reducer.pairs])
-    exact, larger = (
-        exact_gaps(design, CRANK, np.zeros(4), ASIDE if moving else 0.0),
-        deviations(design).pin_radius,
-    )
+    exact, teeth = exact_gaps(design, CRANK, z, ASIDE if moving else 0.0), design.gear.discs * larger.size
     if design.ring.has_massless_pins:
-        exact[: larger.size] += design.clearance.pin_socket - larger
+        exact[:teeth] += np.tile(design.clearance.pin_socket - larger, design.gear.discs)
     seat = design.pin_play - np.linalg.norm(ASIDE) - (larger if design.ring.has_sockets else 0.0 * larger)
-    cam = np.array([design.clearance.cam - deviations(design).eccentricity])
-    parts = [exact[: larger.size], *([seat] if moving else []), cam, exact[larger.size :]]
-    depths = np.minimum(np.concatenate(parts), 0.0)
+    cams = design.clearance.cam - np.linalg.norm(cam_ways(design, CRANK, z), axis=1)
+    depths = np.minimum(np.concatenate([exact[:teeth], *([seat] if moving else []), cams, exact[teeth:]]), 0.0)
     return [deviation(f"depths in the model, {pins} pins", 1e6 * ours, 1e6 * depths, "um", "exact curves", 1e-3)]
+
+
+def _joints(design: Design, z: Array) -> dict[str, float]:
+    """Give what the joints of crank, discs and output read at the unknowns z [m]: a disc's turn is its holes'."""
+    turned = float(kinematics.gear_rotation(tooth_profile(design), CRANK)) + z / design.output.pin_circle_radius
+    read = {names.CRANK_JOINT: CRANK, names.OUTPUT_JOINT: float(turned[-1])}
+    for disc, gear in enumerate(names.gears(design.gear.discs)):
+        x, y = pose_of(design, CRANK, z, disc).centre
+        read |= dict(zip(names.planar_joints(gear), (x, y, turned[3 * disc + 2]), strict=True))
+    return read
 
 
 def balance_rows(kind: str, turn: Sequence[float]) -> list[Row]:
@@ -244,25 +276,28 @@ def friction_rows() -> list[Row]:
     ]
 
 
-def fit_rows() -> list[Row]:
-    """Hold the pose with the most room against exact gaps: the least of them, and both sides of pins that give way."""
-    design = made(FIXED, *ROOM)
-    fit, crank = best_fit(design, CRANK), design.output.pin_circle_radius
-    z = np.array([*fit.shift[0], fit.gear_turn[0] * crank, fit.output_turn * crank])
-    away = kinematics.gear_centre(tooth_profile(design), CRANK) / design.gear.eccentricity
-    cam = design.clearance.cam - np.linalg.norm(fit.shift[0] - deviations(design).eccentricity * away)
-    least = np.array([min(cam, *exact_gaps(design, CRANK, z))])
-    loose = made(FREE, "clearance.pin_gear_um=0.5", "clearance.pin_socket_um=4.0")
-    found = best_fit(loose, CRANK)
-    z = np.array([*found.shift[0], found.gear_turn[0] * crank, found.output_turn * crank])
+def fit_rows(bound: float, *changes: str) -> list[Row]:
+    """Hold the room of the best fit against the least exact gap of parts that stand in the workshop as it tells."""
+    design = made(FIXED, *ROOM, *changes)
+    fit = best_fit(design, CRANK)
+    seen, z = in_workshop(design, CRANK, fit.shift, fit.gear_turn, fit.output_turn)
+    cams = design.clearance.cam - np.linalg.norm(cam_ways(design, seen, z), axis=1)
+    least = np.array([min(*cams, *exact_gaps(design, seen, z))])
+    name = ", ".join(("least gap of the best fit", FIXED, *changes))
+    return [deviation(name, 1e6 * np.array([fit.room]), 1e6 * least, "um", "exact curves", bound)]
+
+
+def aside_rows(bound: float, *changes: str) -> list[Row]:
+    """Hold the exact gaps of pins that give way against each other: to the nearest disc, and to their sockets."""
+    design = made(FREE, "clearance.pin_gear_um=0.5", "clearance.pin_socket_um=4.0", *changes)
+    found, teeth = best_fit(design, CRANK), design.ring.teeth
+    seen, z = in_workshop(design, CRANK, found.shift, found.gear_turn, found.output_turn)
     moved = np.any(found.pin_shift, axis=1)
-    ahead = exact_gaps(loose, CRANK, z, found.pin_shift)[: loose.ring.teeth][moved]
-    behind = loose.pin_play - deviations(loose).pin_radius - np.linalg.norm(found.pin_shift, axis=1)
-    source = "exact curves"
-    return [
-        deviation("least gap of the best fit, fixed pins", 1e6 * np.array([fit.room]), 1e6 * least, "um", source, 0.1),
-        deviation("pins that give way, both sides", 1e6 * ahead, 1e6 * behind[moved], "um", source, 1.0),
-    ]
+    of_discs = exact_gaps(design, seen, z, found.pin_shift)[: design.gear.discs * teeth].reshape(-1, teeth)
+    ahead = of_discs.min(axis=0)[moved]
+    behind = (design.pin_play - deviations(design).pin_radius - np.linalg.norm(found.pin_shift, axis=1))[moved]
+    name = ", ".join(("pins that give way, both sides", *changes))
+    return [deviation(name, 1e6 * ahead, 1e6 * behind, "um", "exact curves", bound)]
 
 
 def stop_rows(kind: str) -> list[Row]:
@@ -289,9 +324,14 @@ STATICS: tuple[Callable[[], list[Row]], ...] = (
     *(partial(curvature_rows, kind) for kind in (FIXED, NONPIN)),
     hole_rows,
     flank_rows,
+    partial(flank_rows, *THREE_DISCS),
+    partial(sliding_rows, FIXED, *THREE_DISCS),
     *(partial(balance_rows, kind, turn) for kind, turn in ((FREE, TURN), (SLEEVED, TURN), (NONPIN, TURN[:1]))),
     friction_rows,
-    fit_rows,
+    partial(fit_rows, 0.1),
+    partial(fit_rows, 1.0, *THREE_DISCS, "output.member=ring"),
+    partial(aside_rows, 1.0),
+    partial(aside_rows, 5.0, "gear.discs=2"),
     *(partial(stop_rows, kind) for kind in (FIXED, FREE)),
 )
 """Give the rows that need no model, the quick ones first."""
