@@ -98,8 +98,7 @@ def build(design: Design, held: Held = "crank") -> ReducerModel:
     add_sensors(spec, design)
     each_step.add_sensor(spec)
     laws = laws_of_discs(design)
-    if design.ring.has_pin_bodies:
-        set_solver(spec, stiffest(laws), loaded=design.load.torque != 0.0)
+    set_solver(spec, stiffest(laws), design.ring.has_pin_bodies, loaded=design.load.torque != 0.0)
     model = _add_pairs(spec, reducer.pairs, laws)
     return judged(ReducerModel(spec, model, reducer.pairs, stiffest(laws), gains, crank), design)
 
