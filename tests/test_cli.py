@@ -844,3 +844,17 @@ def test_a_fault_of_the_program_is_not_taken_for_a_mistake_of_the_user(monkeypat
     monkeypatch.setattr("cycloid_mj.cli.design.designed", faulty)
     with pytest.raises(ZeroDivisionError):
         main(["design", "show", "pin"])
+
+
+def test_a_short_command_does_not_look_for_circles_of_objects() -> None:
+    script = """
+import atexit, gc, sys
+whole = []
+gc.callbacks.append(lambda phase, info: phase == "stop" and info["generation"] == 2 and whole.append(1))
+atexit.register(lambda: print(len(whole), gc.get_freeze_count() > 10_000))
+sys.argv = ["cycloid-mj", "design", "show", "pin"]
+from cycloid_mj.cli.process import run
+run()
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "0 True"

@@ -32,7 +32,9 @@ NO_ISLANDS = int(mujoco.mjtDisableBit.mjDSBL_ISLAND)
     ],
     ids=lambda value: value.name if isinstance(value, Design) else str(value),
 )
-def test_gradients_are_taken_where_nothing_but_few_bodies_moves_or_the_step_resolves_pins(design: Design, step: float, solver: int) -> None:
+def test_gradients_are_taken_for_few_bodies_and_where_the_step_resolves_moving_pins(
+    design: Design, step: float, solver: int
+) -> None:
     option = build(override(design, [f"settings.timestep_us={step}"])).model.opt
     assert option.solver == solver
     assert (option.jacobian == mujoco.mjtJacobian.mjJAC_SPARSE) == design.ring.has_moving_pins
