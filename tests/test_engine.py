@@ -59,6 +59,13 @@ def test_an_error_of_the_work_ends_it(engine: Engine) -> None:
 
 
 @pytest.mark.parametrize("engine", LOCAL, ids=["here", "processes", "threads"])
+def test_a_loop_that_is_left_early_warns_of_nothing(engine: Engine) -> None:
+    results = engine.stream(square, range(100))
+    next(results)
+    results.close()
+
+
+@pytest.mark.parametrize("engine", LOCAL, ids=["here", "processes", "threads"])
 def test_a_piece_of_work_takes_one_core(engine: Engine) -> None:
     assert inner_workers(0) == 8
     assert engine.each(inner_workers, range(3)) == [1, 1, 1]

@@ -18,7 +18,7 @@ from cycloid_mj.errors import DesignError, UsageError
 from cycloid_mj.explore import budget, draw, figures, tolerance, tolerances
 from cycloid_mj.explore.figures import FIGURES
 from cycloid_mj.explore.limit import limit
-from cycloid_mj.explore.verify import verified
+from cycloid_mj.explore.verify import Verified, verified
 from cycloid_mj.explore.zone import Zone, zone
 from cycloid_mj.loaded.samples import Figures, solve_samples
 from cycloid_mj.mechanism.limits import stops
@@ -148,6 +148,62 @@ def test_the_first_samples_are_the_same_however_many_there_are(monkeypatch) -> N
     few, many = (tolerance(design, count, 1).figures["backlash_arcmin"] for count in (16, 30))
     assert np.array_equal(few, many[:16])
     assert len(np.unique(many)) == 30
+
+
+def stopping_after(count: int):
+    """Give a progress that Ctrl-C comes in as soon as so many samples are balanced."""
+
+    def progress(done: int, _: int) -> None:
+        if done >= count:
+            raise KeyboardInterrupt
+
+    return progress
+
+
+@pytest.mark.parametrize("engine", [Engine(1), Engine(2, "threads")], ids=["alone", "threads"])
+def test_ctrl_c_leaves_the_figures_of_a_shorter_study(monkeypatch, engine: Engine) -> None:
+    monkeypatch.setattr(draw, "BLOCK", 8)
+    design = override(PIN, ['tolerance.cam="uniform 0.3"', 'tolerance.mesh="uniform 0.1"'])
+    with pytest.raises(tolerances.Unfinished) as stopped:
+        tolerance(design, 40, 1, ["backlash_arcmin<=1"], stopping_after(17), engine)
+    found = stopped.value.found
+    shorter = tolerance(design, found.samples, 1, ["backlash_arcmin<=1"])
+    assert found.samples in (8, 16, 24)
+    assert found.asked == 40
+    for key, values in shorter.figures.items():
+        assert np.array_equal(found.figures[key], values)
+    assert found.worst == shorter.worst
+    assert found.budget == ()
+    assert "no error budget" in found.notes[0]
+    assert f"{found.samples} of 40 samples" in found.words
+
+
+def test_ctrl_c_before_the_first_block_is_no_study(monkeypatch) -> None:
+    def pressed(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(tolerances, "balanced", pressed)
+    with pytest.raises(KeyboardInterrupt) as stopped:
+        tolerance(override(PIN, {"tolerance.cam": "uniform 0.3"}), 8, 1, engine=Engine(1))
+    assert not isinstance(stopped.value, tolerances.Unfinished)
+
+
+def test_ctrl_c_among_the_runs_of_the_worst_keeps_those_that_are_done(monkeypatch) -> None:
+    whole = Verified("done", {"cam_force_n": 2.0}, {"cam_force_n": 3.0})
+    runs = iter([whole])
+
+    def run(_: Design) -> Verified:
+        try:
+            return next(runs)
+        except StopIteration:
+            raise KeyboardInterrupt from None
+
+    monkeypatch.setattr(tolerances, "verified", run)
+    design = override(PIN, ['tolerance.cam="uniform 0.3"', 'tolerance.mesh="uniform 0.1"'])
+    with pytest.raises(tolerances.Unfinished) as stopped:
+        tolerance(design, 8, 1, engine=Engine(1), verify=3)
+    assert stopped.value.found.verified == (whole,)
+    assert stopped.value.found.budget == tolerance(design, 8, 1).budget
 
 
 def test_the_worst_samples_are_designs_that_have_that_play() -> None:
@@ -318,6 +374,22 @@ def test_the_command(tmp_path: Path, capsys) -> None:
     assert 'src="http' not in page
     assert len((tmp_path / "pin-samples.csv").read_text().splitlines()) == 51
     assert load(tmp_path / "pin-worst-1.toml").clearance.cam > PIN.clearance.cam
+
+
+def test_the_command_writes_what_is_done_at_ctrl_c(tmp_path: Path, capsys, monkeypatch) -> None:
+    monkeypatch.setattr(draw, "BLOCK", 8)
+    monkeypatch.setattr("cycloid_mj.cli.progress.counted", lambda *_: stopping_after(16))
+    zones = ["--set", 'tolerance.cam="normal 0.2"', "--set", 'tolerance.mesh="normal 0.1"']
+    flags = [*zones, "--samples", "50", "--workers", "1", "--out", str(tmp_path), "--json"]
+    assert main(["tolerance", "--design", "pin", *flags]) == 1
+    said = capsys.readouterr()
+    found = json.loads(said.out)
+    assert (found["samples"], found["asked"], found["budget"]) == (16, 50, [])
+    assert said.err.splitlines()[-1] == f"error: stopped by Ctrl-C; 16 of 50 samples are in {tmp_path}"
+    assert len((tmp_path / "pin-samples.csv").read_text().splitlines()) == 17
+    page = (tmp_path / "pin-tolerance.html").read_text()
+    assert "16 of 50 samples" in page
+    assert "Tighten this first" not in page
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,8 @@ from cyclopts import Parameter
 
 from cycloid_mj.cli.flags import FLAT, HERE, PRESET, EngineOptions, JsonFlag, PresetOptions, QuietFlag, whole
 from cycloid_mj.cli.terminal import finite, say, say_json, show, tell
-from cycloid_mj.errors import UsageError
+from cycloid_mj.errors import RunError, UsageError
+from cycloid_mj.interrupt import cause
 from cycloid_mj.whole import write_whole
 
 if TYPE_CHECKING:
@@ -62,12 +63,14 @@ def tolerance(
     limit's figure (else of the backlash) out to the tolerances, by Sobol indices:
     the one to tighten first comes first. The five worst samples are written as
     design files; --verify runs them at speed under the rated torque, with
-    friction and inertia, and tells how far statics are from that.
+    friction and inertia, and tells how far statics are from that. Ctrl-C writes
+    what the samples so far give, as fewer --samples would have.
     """
     from cycloid_mj.cli.outfile import folder
     from cycloid_mj.cli.progress import counted
     from cycloid_mj.explore.figures import FIGURES
     from cycloid_mj.explore.limit import limit as read
+    from cycloid_mj.explore.tolerances import Unfinished
     from cycloid_mj.explore.tolerances import tolerance as found_in
 
     if not 2 <= samples <= MOST_SAMPLES:
@@ -78,20 +81,29 @@ def tolerance(
     limits = [read(text, FIGURES) for text in limit]
     design = chosen.sound()
     into = folder(str(out), "the samples")
-    found = found_in(design, samples, seed, limits, counted("tolerance", quiet), engine, verify)
+    try:
+        found = found_in(design, samples, seed, limits, counted("tolerance", quiet), engine, verify)
+    except Unfinished as stop:
+        _deliver(stop.found, into, json, quiet)
+        raise RunError(f"stopped by {cause(stop)}; {stop.found.told_samples} are in {into}") from stop
+    _deliver(found, into, json, quiet)
+    return 0
+
+
+def _deliver(found: "Tolerances", into: Path, json: bool, quiet: bool) -> None:
+    """Write the files, and tell what was found."""
     files = _files(found, into)
     write_whole(files)
     if not quiet:
         tell(f"wrote {', '.join(map(str, files))}")
     if json:
         say_json(found.as_json())
-        return 0
+        return
     for table in found.tables():
         show(table)
     for note in found.notes:
         say(note)
     say(found.words)
-    return 0
 
 
 def _files(found: "Tolerances", into: Path) -> dict[Path, bytes]:
@@ -109,16 +121,18 @@ def _files(found: "Tolerances", into: Path) -> dict[Path, bytes]:
         "Shares of the variance, alone and with all that a tolerance acts together with (Sobol indices).": "budget"
     }
     ranked = {caption: figures[name] for caption, name in shared.items() if name in figures}
-    spread, tighten, *checked = found.tables()
+    spread, *others = found.tables()
+    tighten, checked = (others[:1], others[1:]) if found.budget else ([], others)
     low, high = found.yield_interval
     numbers = {
         "yield": f"{found.good.mean():.2%}",
         "95 % confidence": f"{low:.2%} to {high:.2%}",
         "jam": f"{found.jams.mean():.2%}",
-        "tighten first": found.budget[0].source,
+        "samples": found.told_samples.removesuffix(" samples"),
+        **({"tighten first": found.budget[0].source} if found.budget else {}),
     }
     parts = [
-        Part("Tighten this first", figures=ranked, tables=[tighten]),
+        *(Part("Tighten this first", figures=ranked, tables=[table]) for table in tighten),
         Part("Distributions", figures={"Over the samples that do not jam.": figures["distributions"]}, tables=[spread]),
         *(Part("In full dynamics", tables=[table]) for table in checked),
         Part("What the numbers stand on", notes=[found.condition, *found.notes]),

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Any, TypeVar
 
 from cycloid_mj.engine.parent import serve_parent
+from cycloid_mj.engine.results import handed_on
 from cycloid_mj.errors import RunError
 
 T = TypeVar("T")
@@ -51,7 +52,7 @@ def _parallel(work: Callable[[T], R], items: dict[int, T], workers: int, begun: 
 
     with parallel_config("loky", inner_max_num_threads=1, initializer=serve_parent):
         pool = Parallel(max(2, workers), batch_size=1, return_as="generator_unordered")
-    yield from pool(pieces())
+    yield from handed_on(pool(pieces()))
 
 
 def _piece(work: Callable[[T], R], place: int, item: T) -> tuple[int, R]:

@@ -9,6 +9,8 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from typing import TypeVar
 
+from cycloid_mj.engine.results import handed_on
+
 T = TypeVar("T")
 R = TypeVar("R")
 
@@ -23,7 +25,7 @@ def in_threads(work: Callable[[T], R], items: Iterable[T], workers: int) -> Iter
     at_work = _AtWork()
     pieces = (delayed(at_work.do)(work, place, item) for place, item in enumerate(items))
     try:
-        yield from Parallel(workers, backend="threading", return_as="generator_unordered")(pieces)
+        yield from handed_on(Parallel(workers, backend="threading", return_as="generator_unordered")(pieces))
     except BaseException:
         at_work.stop()
         raise

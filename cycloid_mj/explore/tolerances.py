@@ -1,8 +1,8 @@
 """Samples of a design within its tolerances: distributions, yield, jams, and an error budget by Sobol indices."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -55,8 +55,8 @@ class Tolerances(Tabular):
     ----------
     design, condition
         Its name, and under what the figures hold.
-    samples, seed
-        How many, and from which seed.
+    samples, asked, seed
+        How many, of how many that were asked for, and from which seed.
     figures
         Values by key, shape (samples,) each.
     jams
@@ -64,7 +64,7 @@ class Tolerances(Tabular):
     limits
         What was asked for.
     budget
-        Of the figure `budget_of`, the largest share first.
+        Of the figure `budget_of`, the largest share first; none where it was stopped before.
     worst
         Designs of the samples that are furthest out in `budget_of`, the worst first.
     left_out
@@ -76,6 +76,7 @@ class Tolerances(Tabular):
     design: str
     condition: str
     samples: int
+    asked: int
     seed: int
     figures: Mapping[str, Array]
     jams: Mask
@@ -113,14 +114,20 @@ class Tolerances(Tabular):
         asked = " and ".join(map(str, self.limits)) or "no limit but that the parts go together"
         return (
             f"yield {self.good.mean():.2%} (95 %: {low:.2%} to {high:.2%}), {asked}; {self.jams.mean():.2%} jam; "
-            f"{self.samples} samples, seed {self.seed}"
+            f"{self.told_samples}, seed {self.seed}"
         )
+
+    @property
+    def told_samples(self) -> str:
+        """How many samples there are, in words."""
+        return f"{self.samples} samples" if self.samples == self.asked else f"{self.samples} of {self.asked} samples"
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What a reader should know of the samples, a sentence each."""
         lost = [f"{one.design}: not run in full dynamics: {one.note}" for one in self.verified if one.note]
-        return (*self.left_out, *lost)
+        stopped = [] if self.budget else ["no error budget: the study was stopped before its samples were balanced"]
+        return (*stopped, *self.left_out, *lost)
 
     @property
     def distributions(self) -> dict[str, Distribution]:
@@ -128,7 +135,7 @@ class Tolerances(Tabular):
         return {key: _distribution(values[~self.jams], FIGURES[key].unit) for key, values in self.figures.items()}
 
     def tables(self) -> tuple[Table, ...]:
-        """Give distributions and budget as tables of text."""
+        """Give distributions, and where there are some budget and dynamics, as tables of text."""
         header = ("figure", "mean", "std", "5 %", "median", "95 %", "unit")
         rows = tuple(
             (key, *(f"{value:.5g}" for value in (one.mean, one.std, one.p05, one.p50, one.p95)), one.unit)
@@ -138,14 +145,14 @@ class Tolerances(Tabular):
             (one.source, f"{one.first_order:.3f}", f"{one.total:.3f}", f"{one.ci95[0]:.3f} to {one.ci95[1]:.3f}")
             for one in self.budget
         )
-        found = (
-            Table(f"{self.design}: {self.samples} samples", header, rows),
-            Table(f"tighten this first: variance of {self.budget_of}", BUDGET_HEADER, shares),
-        )
-        compared = tuple(row for one in self.verified for row in table_rows(one))
-        if not compared:
-            return found
-        return (*found, Table("the worst samples in full dynamics, at speed, with friction", VERIFIED_HEADER, compared))
+        found = [Table(f"{self.design}: {self.told_samples}", header, rows)]
+        if shares:
+            found.append(Table(f"tighten this first: variance of {self.budget_of}", BUDGET_HEADER, shares))
+        if compared := tuple(row for one in self.verified for row in table_rows(one)):
+            found.append(
+                Table("the worst samples in full dynamics, at speed, with friction", VERIFIED_HEADER, compared)
+            )
+        return tuple(found)
 
     def as_json(self) -> dict[str, Any]:
         """Give all of it for a program."""
@@ -153,6 +160,7 @@ class Tolerances(Tabular):
             "design": self.design,
             "condition": self.condition,
             "samples": self.samples,
+            "asked": self.asked,
             "seed": self.seed,
             "limits": [str(limit) for limit in self.limits],
             "yield": float(self.good.mean()),
@@ -163,6 +171,14 @@ class Tolerances(Tabular):
             "budget": [{**vars(one), "ci95": list(one.ci95)} for one in self.budget],
             "verified": [{**vars(one), "differences": one.differences} for one in self.verified],
         }
+
+
+class Unfinished(KeyboardInterrupt):
+    """Ctrl-C, or a signal of the same effect, came when some samples were done: `found` is what came of them."""
+
+    def __init__(self, stop: KeyboardInterrupt, found: Tolerances) -> None:
+        super().__init__(*stop.args)
+        self.found = found
 
 
 def tolerance(
@@ -199,6 +215,8 @@ def tolerance(
         The design has no tolerances, or a limit is none.
     DesignError
         A tolerance is not of a known form.
+    Unfinished
+        Ctrl-C: it has the figures of the first samples, as many as were balanced without a gap.
     """
     zones = tolerances(design)
     if not zones:
@@ -208,54 +226,94 @@ def tolerance(
         )
     if not 0 <= verify <= WORST:
         raise UsageError(f"cannot verify {verify} samples: give from 0 to {WORST}, the worst that are kept")
-    asked = [limit(one, FIGURES) if isinstance(one, str) else one for one in limits]
-    of = asked[0].key if asked else "backlash_arcmin"
-    compared = budget_blocks(zones, BUDGET_SAMPLES) if len(zones) > 1 else {}
-    figures, values = _balanced_all(design, zones, seed, blocks(samples), compared, of, progress, engine)
-    sets = [departures(design, zones, seed, compared[name]) for name in ("A", "B") if compared]
-    budget = shares(zones, sets, values, np.random.default_rng([seed, len(SOURCES), 1]))
-    towards = -1.0 if not asked or asked[0].at_most else 1.0
-    bad = [int(number) for number in np.argsort(towards * figures[of], kind="stable")[:WORST]]
-    worst = tuple(sample_design(design, zones, seed, number) for number in bad)
-    jams = ~(figures["preload_n"] <= JAM_SHARE * figures["tooth_force_n"])
-    checked = engine.each(verified, worst[:verify])
-    return Tolerances(
-        design=design.name,
-        condition=condition(design),
-        samples=samples,
-        seed=seed,
-        figures=figures,
-        jams=jams,
-        limits=tuple(asked),
-        budget_of=of,
-        budget=budget,
-        worst=worst,
-        left_out=left_out(design, zones),
-        verified=tuple(checked),
+    study = _Study(
+        design, zones, samples, seed, tuple(limit(one, FIGURES) if isinstance(one, str) else one for one in limits)
     )
+    done: dict[int, dict[str, Array]] = {}
+    checked: dict[int, Verified] = {}
+    try:
+        _balance(study, done, progress, engine)
+        found = study.found(done)
+        checked.update(engine.stream(verified, found.worst[:verify]))
+    except KeyboardInterrupt as stop:
+        if 0 not in done:
+            raise
+        raise Unfinished(stop, _with_dynamics(study.found(done), checked)) from stop
+    return _with_dynamics(found, checked)
 
 
-def _balanced_all(
-    design: Design,
-    zones: Mapping[str, Zone],
-    seed: int,
-    main: Sequence[Block],
-    compared: Mapping[str, Block],
-    of: str,
-    progress: Progress,
-    engine: Engine,
-) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Balance the samples, and the sets of the budget; give all figures of the former, one of the latter."""
-    work = [*((block, tuple(FIGURES)) for block in main), *((block, (of,)) for block in compared.values())]
-    whole, done = sum(block.count for block, _ in work), 0
-    found: dict[int, dict[str, Array]] = {}
-    for place, figures in engine.stream(partial(balanced, design, zones, seed, ANGLES), work):
-        found[place] = figures
-        done += work[place][0].count
-        progress(done, whole)
-    in_order = [found[place] for place in range(len(work))]
-    figures = {key: np.concatenate([part[key] for part in in_order[: len(main)]]) for key in FIGURES}
-    return figures, {name: part[of] for name, part in zip(compared, in_order[len(main) :], strict=True)}
+def _balance(study: "_Study", done: dict[int, dict[str, Array]], progress: Progress, engine: Engine) -> None:
+    """Balance the samples of a study, and the sets of its budget; `done` takes their figures by place in its work."""
+    whole, count = sum(block.count for block, _ in study.work), 0
+    work = partial(balanced, study.design, study.zones, study.seed, ANGLES)
+    for place, figures in engine.stream(work, study.work):
+        done[place] = figures
+        count += study.work[place][0].count
+        progress(count, whole)
+
+
+def _with_dynamics(found: Tolerances, checked: Mapping[int, Verified]) -> Tolerances:
+    return replace(found, verified=tuple(one for _, one in sorted(checked.items())))
+
+
+@dataclass(frozen=True)
+class _Study:
+    """Samples that are asked for, block by block, with the sets that their budget compares."""
+
+    design: Design
+    zones: Mapping[str, Zone]
+    samples: int
+    seed: int
+    limits: tuple[FigureLimit, ...]
+
+    @property
+    def of(self) -> str:
+        """The figure of the budget."""
+        return self.limits[0].key if self.limits else "backlash_arcmin"
+
+    @cached_property
+    def main(self) -> list[Block]:
+        return blocks(self.samples)
+
+    @cached_property
+    def compared(self) -> dict[str, Block]:
+        return budget_blocks(self.zones, BUDGET_SAMPLES) if len(self.zones) > 1 else {}
+
+    @cached_property
+    def work(self) -> list[tuple[Block, tuple[str, ...]]]:
+        """Every block with the figures that it is balanced for: those of the samples, then those of the budget."""
+        budget = [(block, (self.of,)) for block in self.compared.values()]
+        return [*((block, tuple(FIGURES)) for block in self.main), *budget]
+
+    def found(self, done: Mapping[int, Mapping[str, Array]]) -> Tolerances:
+        """Give what came of it, from the figures of all work, or of so much as is `done`: its first block at least."""
+        whole = next((place for place in range(len(self.main)) if place not in done), len(self.main))
+        figures = {key: np.concatenate([done[place][key] for place in range(whole)]) for key in FIGURES}
+        outwards = 1.0 if not self.limits or self.limits[0].at_most else -1.0
+        worst = np.argsort(-outwards * figures[self.of], kind="stable")[:WORST].tolist()
+        return Tolerances(
+            design=self.design.name,
+            condition=condition(self.design),
+            samples=sum(block.count for block in self.main[:whole]),
+            asked=self.samples,
+            seed=self.seed,
+            figures=figures,
+            jams=~(figures["preload_n"] <= JAM_SHARE * figures["tooth_force_n"]),
+            limits=self.limits,
+            budget_of=self.of,
+            budget=self._budget(done),
+            worst=tuple(sample_design(self.design, self.zones, self.seed, number) for number in worst),
+            left_out=left_out(self.design, self.zones),
+        )
+
+    def _budget(self, done: Mapping[int, Mapping[str, Array]]) -> tuple[Share, ...]:
+        """Share out the variance; nothing where a set is missing."""
+        places = range(len(self.main), len(self.work))
+        if any(place not in done for place in places):
+            return ()
+        values = {name: done[place][self.of] for name, place in zip(self.compared, places, strict=True)}
+        sets = [departures(self.design, self.zones, self.seed, self.compared[name]) for name in "AB" if values]
+        return shares(self.zones, sets, values, np.random.default_rng([self.seed, len(SOURCES), 1]))
 
 
 def balanced(
