@@ -1,13 +1,16 @@
-"""Signals that end a program: SIGTERM and SIGHUP end it as Ctrl-C does, and none of them in the midst of a file."""
+"""How work is stopped: SIGTERM and SIGHUP end it as Ctrl-C does, never in the midst of a file; threads give way."""
 
 import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import Any
 
 STOPPING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 """The signals that ask a program to end; Windows has no SIGHUP."""
+
+_to_stop: ContextVar[threading.Event | None] = ContextVar("to_stop", default=None)
 
 
 class Stopped(KeyboardInterrupt):
@@ -54,6 +57,26 @@ def unbroken() -> Iterator[None]:
             signal.signal(number, handler)
         if held:
             signal.raise_signal(held[0])
+
+
+@contextmanager
+def stopped_by(event: threading.Event) -> Iterator[None]:
+    """Let `give_way` raise in this block, in the thread that runs it, once the event is set."""
+    token = _to_stop.set(event)
+    try:
+        yield
+    finally:
+        _to_stop.reset(token)
+
+
+def give_way() -> None:
+    """Raise KeyboardInterrupt where this thread does a piece of work that is to stop; long work calls it now and then.
+
+    An exception that another thread raises in this one, at any place, can leave a lock taken for good.
+    """
+    event = _to_stop.get()
+    if event is not None and event.is_set():
+        raise KeyboardInterrupt
 
 
 def _stop(number: int, _: Any) -> None:

@@ -29,6 +29,7 @@ from cycloid_mj.contact.working import for_slices, working_forces_told
 from cycloid_mj.course import Course, initial_state, ramp_and_hold
 from cycloid_mj.design import Design, dump
 from cycloid_mj.errors import RunError, warn
+from cycloid_mj.interrupt import give_way
 from cycloid_mj.mechanism.reducer import mechanism
 from cycloid_mj.mjcf import ReducerModel, addresses, build, sensors, xml
 from cycloid_mj.names import (
@@ -271,6 +272,7 @@ def _advance(plan: Schedule, course: Course, samples: range, recorder: "_Recorde
     recorder.each_step.command(course.commands(time))
     taken, problem, at_once = list[Array](), "", max(1, _STEPS_AT_ONCE // plan.stride)
     for first in samples[::at_once]:
+        give_way()
         rows, problem = recorder.advance(min(at_once, samples.stop - first))
         taken.append(rows)
         if problem:

@@ -5,6 +5,7 @@ import time
 import pytest
 
 from cycloid_mj.errors import RunError
+from cycloid_mj.interrupt import give_way
 from cycloid_mj.measure.pool import each
 
 LONG = 60.0
@@ -28,6 +29,7 @@ def test_the_first_error_stops_the_pieces_under_way(error: type[BaseException]) 
         try:
             for _ in range(int(1e3 * LONG)):
                 time.sleep(1e-3)
+                give_way()
         except BaseException as reason:
             stopped.append(type(reason))
             raise
@@ -39,3 +41,20 @@ def test_the_first_error_stops_the_pieces_under_way(error: type[BaseException]) 
     assert time.monotonic() - start < 0.2 * LONG
     assert set(stopped) == {KeyboardInterrupt}
     assert len(stopped) <= 2
+
+
+def test_a_piece_that_does_not_give_way_comes_to_its_end() -> None:
+    """It may hold a lock: nothing is raised in its midst."""
+    ended: list[bool] = []
+
+    def work(fails: bool) -> None:
+        if fails:
+            time.sleep(0.05)
+            raise KeyboardInterrupt
+        for _ in range(100):
+            time.sleep(2e-3)
+        ended.append(True)
+
+    with pytest.raises(KeyboardInterrupt):
+        each(work, [True, False], workers=2)
+    assert ended == [True]

@@ -3,13 +3,12 @@
 Threads are enough where the work releases Python's lock, as MuJoCo does while it steps.
 """
 
-import ctypes
 import threading
-import time
 from collections.abc import Callable, Iterable, Iterator
 from typing import TypeVar
 
 from cycloid_mj.engine.results import handed_on
+from cycloid_mj.interrupt import give_way, stopped_by
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -18,7 +17,7 @@ R = TypeVar("R")
 def in_threads(work: Callable[[T], R], items: Iterable[T], workers: int) -> Iterator[tuple[int, R]]:
     """Do a piece of work for each item; give the places of the items with their results, as they are done.
 
-    The first error, or Ctrl-C, ends it: pieces not begun are left, those under way are stopped at their next step.
+    The first error, or Ctrl-C, ends it: pieces not begun are left, those under way stop where they next give way.
     """
     from joblib import Parallel, delayed
 
@@ -32,35 +31,28 @@ def in_threads(work: Callable[[T], R], items: Iterable[T], workers: int) -> Iter
 
 
 class _AtWork:
-    """Threads that are at work, and how to stop them."""
+    """Pieces that are under way, and how to stop them."""
 
     def __init__(self) -> None:
-        self._threads: set[int] = set()
-        self._lock = threading.Lock()
-        self._stopped = False
+        self._under_way = 0
+        self._changed = threading.Condition()
+        self._stopped = threading.Event()
 
     def do(self, work: Callable[[T], R], place: int, item: T) -> tuple[int, R]:
         """Do a piece of work, unless all are to stop."""
-        thread = threading.get_ident()
-        with self._lock:
-            if self._stopped:
-                raise KeyboardInterrupt
-            self._threads.add(thread)
+        with self._changed:
+            self._under_way += 1
         try:
-            return place, work(item)
+            with stopped_by(self._stopped):
+                give_way()
+                return place, work(item)
         finally:
-            with self._lock:
-                self._threads.discard(thread)
+            with self._changed:
+                self._under_way -= 1
+                self._changed.notify_all()
 
     def stop(self) -> None:
-        """Raise KeyboardInterrupt in every thread at work: a run takes thousands of steps in Python, and many seconds.
-
-        Under the lock, so that no thread leaves its work meanwhile and is hit in another piece. Gives back when all
-        have ended.
-        """
-        with self._lock:
-            self._stopped = True
-            for thread in self._threads:
-                ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), ctypes.py_object(KeyboardInterrupt))
-        while self._threads:
-            time.sleep(1e-3)
+        """Have every piece stop where it next gives way; come back when all have ended."""
+        self._stopped.set()
+        with self._changed:
+            self._changed.wait_for(lambda: not self._under_way)

@@ -8,6 +8,7 @@ disc; flanks that are turned, as a disc that has turned.
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from cycloid_mj import profile
 from cycloid_mj.compiling import announced
 from cycloid_mj.design import Design, Errors, Modification
 from cycloid_mj.deviations import deviations
+from cycloid_mj.interrupt import give_way
 from cycloid_mj.kinematics import gear_rotation
 from cycloid_mj.loaded.springs import Springs, springs_of
 from cycloid_mj.mechanism import kernel
@@ -29,7 +31,7 @@ ANGLES = 360
 """Crank angles in a turn."""
 
 CHUNKS = 8
-"""Pieces of work for each thread: samples do not all take as long."""
+"""Pieces of work for each thread: samples do not all take as long, and between them it gives way."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,8 +191,14 @@ def solve_samples(
         def balanced(first: int, last: int, load: Array = load, out: Array = out) -> None:
             balance_samples(springs.contacts, effects, made, load, first, last, out)
 
-        with announced(), ThreadPoolExecutor(threads) as pool:
-            list(pool.map(balanced, bounds[:-1], bounds[1:]))
+        if threads == 1:
+            for first, last in pairwise(bounds):
+                give_way()
+                with announced():
+                    balanced(first, last)
+        else:
+            with announced(), ThreadPoolExecutor(threads) as pool:
+                list(pool.map(balanced, bounds[:-1], bounds[1:]))
         out[~(out[:, -1] <= BALANCED)] = np.nan
         seen = Figures(*out[:, :-1].T.copy())
         turned = {"output_mean": of * seen.output_mean + twist * torque, "output_range": of * seen.output_range}
