@@ -49,9 +49,7 @@ ON_THE_WAY = {
         "balance": {"here", "done"},
         "balance_along": {"z", "done"},
         "_search": {"there", "done", "if"},
-        "_weigh": {"work", "energy", "tangent", "turning", "alone", "across", "force", "row, column, rate"},
-        "_bear": {"energy", "tangent", "rate", "more", "return"},
-        "_rub_along": {"tangent"},
+        "_weigh": {"work"},
     }
 }
 """What only leads to a balance, by file, function and what is made there: where no row sees a sign, it costs time.

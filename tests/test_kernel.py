@@ -3,10 +3,13 @@
 All of it runs in a second without compiling, so that `scripts/flip_signs.py` can try every sign.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from designs import UNLIKE, unlike
 
+from cycloid_mj import loaded
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.loaded import loads, springs_of
 from cycloid_mj.loaded.samples import alike, solve_samples
@@ -18,11 +21,13 @@ from cycloid_mj.mechanism.kernel import (
     Left,
     Rubbing,
     Springs,
+    State,
     balance,
     balance_along,
     follow_path,
     gap,
     state,
+    state_after,
 )
 from cycloid_mj.validation.displaced import held_back
 
@@ -44,6 +49,15 @@ def springs(name: str, *changes: str, crank: tuple[float, ...] = (CRANK,), frict
     made = ("errors.seed=4", "errors.hole_position_um=1.0", "errors.eccentricity_um=1.5", "errors.cam_position_um=0.7")
     design = override(design_of(name), [*made, *changes])
     return springs_of(design.but(clearance=dict.fromkeys(design.pair_kinds, 1e-6)), crank, friction).contacts
+
+
+def rubbed(name: str, held: Held) -> tuple[loaded.Springs, Rubbing]:
+    """Give the springs of a design with friction of all kinds, and that friction."""
+    design = design_of(name)
+    pairs = design.pair_kinds
+    design = design.but(clearance=dict.fromkeys(pairs, 1e-6), friction=dict.fromkeys(pairs, 0.15), drive={"speed": 0.0})
+    found = springs_of(design, [CRANK], friction=False)
+    return found, rubbing_of(design, found.contacts, CRANK, Losses(drag=1.0, travel=1e-4, material=0.1), held)
 
 
 def pose(contacts: Springs, size: float) -> np.ndarray:
@@ -85,11 +99,10 @@ def test_figures_of_a_sample_are_those_of_its_balances() -> None:
         assert getattr(found, name)[0] == pytest.approx(exact, rel=2e-3), name
 
 
-def differences(contacts: Springs, load: np.ndarray, z: np.ndarray, what: str) -> np.ndarray:
-    """Give the gradient of energy or forces."""
-    step = 1e-9
-    sides = [[getattr(state(contacts, 0, load, z + s * step * axis), what) for axis in np.eye(z.size)] for s in (1, -1)]
-    return (np.array(sides[0]) - np.array(sides[1])) / (2.0 * step)
+def differences(at: Callable[[np.ndarray], State], z: np.ndarray, what: str, step: float = 1e-9) -> np.ndarray:
+    """Give by how much energy or forces fall with each departure [m]; that of forces is a stiffness."""
+    sides = [[getattr(at(z + s * step * axis), what) for axis in np.eye(z.size)] for s in (-1, 1)]
+    return (np.array(sides[0]) - np.array(sides[1])).T / (2.0 * step)
 
 
 @pytest.mark.parametrize("size", [2e-6, 1e-5])
@@ -100,12 +113,35 @@ def test_forces_are_the_descent_of_the_energy_and_stiffness_that_of_the_forces(n
     load = pose(contacts, 100.0)
     found = state(contacts, 0, load, z)
     assert np.abs(found.residual - load).max() > 10.0, "something presses"
-    np.testing.assert_allclose(
-        -differences(contacts, load, z, "energy"), found.residual, rtol=0.0, atol=2e-7 * np.abs(found.residual).max()
-    )
+
+    def at(z: np.ndarray) -> State:
+        return state(contacts, 0, load, z)
+
+    bound = 2e-7 * np.abs(found.residual).max()
+    np.testing.assert_allclose(differences(at, z, "energy"), found.residual, rtol=0.0, atol=bound)
     if size < 1e-5:  # farther away a curve that turns counts as its circle: its stiffness as a way to the balance
-        stiffness = -differences(contacts, load, z, "residual")
+        stiffness = differences(at, z, "residual")
         np.testing.assert_allclose(stiffness, found.stiffness, rtol=0.0, atol=2e-7 * np.abs(stiffness).max())
+
+
+@pytest.mark.parametrize("held", HELD)
+@pytest.mark.parametrize("name", ["pin", "twodisc", "printed", "few"])
+def test_so_they_are_after_a_step_with_friction(name: str, held: Held) -> None:
+    """With its limits given; where they follow from the normal forces, there is a stiffness, but no energy."""
+    loose, rubs = rubbed(name, held)
+    contacts = loose.contacts
+    before, load = pose(contacts, 2e-6), pose(contacts, 100.0)
+    z = before + pose(contacts, 1e-7)[::-1]
+    for given in (True, False):
+
+        def at(z: np.ndarray, given: bool = given) -> State:
+            return state_after(contacts, rubs, before, load, z, given)
+
+        found, stiffness = at(z), differences(at, z, "residual", 1e-10)
+        np.testing.assert_allclose(stiffness, found.stiffness, rtol=0.0, atol=2e-7 * np.abs(stiffness).max())
+        if given:
+            bound = 2e-7 * np.abs(found.residual).max()
+            np.testing.assert_allclose(differences(at, z, "energy", 1e-10), found.residual, rtol=0.0, atol=bound)
 
 
 TURN = (0.3, 0.375, 0.45)
@@ -155,13 +191,9 @@ LOOPS = {
 
 def looped(name: str, held: Held, course: np.ndarray = LOOP) -> Left:
     """Follow a loop of torque in large steps."""
-    design = design_of(name)
-    pairs = design.pair_kinds
-    design = design.but(clearance=dict.fromkeys(pairs, 1e-6), friction=dict.fromkeys(pairs, 0.15), drive={"speed": 0.0})
-    found = springs_of(design, [CRANK], friction=False)
-    load = np.concatenate([found.load(share * design.rated_torque) for share in course])
-    rubbing = rubbing_of(design, found.contacts, CRANK, Losses(drag=1.0, travel=1e-4, material=0.1), held)
-    return follow_path(found.contacts, rubbing, load, np.inf, np.zeros(len(load)), np.zeros_like(load))[0]
+    found, rubs = rubbed(name, held)
+    load = np.concatenate([found.load(share * design_of(name).rated_torque) for share in course])
+    return follow_path(found.contacts, rubs, load, np.inf, np.zeros(len(load)), np.zeros_like(load))[0]
 
 
 @pytest.mark.parametrize("name", LOOPS)

@@ -948,17 +948,7 @@ def follow_path(
     count, number = path.shape
     elements = rubbing.stick.size
     old, new = _memory(elements, number), _memory(elements, number)
-    one = _Step(
-        np.zeros(number),
-        np.zeros(number),
-        np.zeros((number, number)),
-        np.zeros(number),
-        np.zeros(number),
-        np.zeros(number),
-        np.zeros(elements),
-        np.zeros(elements),
-        np.zeros(1, np.int64),
-    )
+    one = _step(elements, number)
     old.z[:] = z[0]
     scale, rows, spare = 0.0, 0, when.size - count
     finest = 1.0 / FINEST if spare > 0 else 1.0
@@ -999,6 +989,40 @@ def follow_path(
                 rows += 1
                 spare -= 1
     return Left(0.0, 0.0, one.work[0]), rows
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def state_after(springs: Springs, rubbing: Rubbing, before: Array, load: Array, z: Array, given: bool) -> State:
+    """Give a step of a path from rest by way of departures `before` to z (u,) [m] under a load (u,) [N].
+
+    Neither need be a balance. Friction's limits follow from the normal forces at z, as `follow_path` has them; or they
+    are `given`, as they follow from those before: then the forces left over are the descent of the energy.
+    """
+    number, elements = z.size, rubbing.stick.size
+    rest, old, new = _memory(elements, number), _memory(elements, number), _memory(elements, number)
+    one = _step(elements, number)
+    _slips(springs, rubbing, rest)
+    old.z[:], new.z[:], one.load[:] = before, z, load
+    _weigh(springs, rubbing, False, one, rest, old)
+    _slips(springs, rubbing, old)
+    _renew(rubbing, one, old, 1.0)
+    _, energy = _weigh(springs, rubbing, given, one, old, new)
+    return State(energy, one.residual, one.tangent)
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _step(elements: int, number: int) -> _Step:
+    return _Step(
+        np.zeros(number),
+        np.zeros(number),
+        np.zeros((number, number)),
+        np.zeros(number),
+        np.zeros(number),
+        np.zeros(number),
+        np.zeros(elements),
+        np.zeros(elements),
+        np.zeros(1, np.int64),
+    )
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")

@@ -13,7 +13,7 @@ from cycloid_mj.loaded import loads, springs_of
 from cycloid_mj.loaded.samples import alike, solve_samples
 from cycloid_mj.loaded.sliding import Losses, rubbing_of
 from cycloid_mj.mechanism.gaps import arc_gaps
-from cycloid_mj.mechanism.kernel import FLOATING, Rubbing, Springs, follow_path, gap, state
+from cycloid_mj.mechanism.kernel import FLOATING, Rubbing, Springs, State, follow_path, gap, state, state_after
 from cycloid_mj.member import seen_from_ring, share
 from cycloid_mj.types import Array
 from cycloid_mj.validation import rig
@@ -40,6 +40,9 @@ BUILT = {
 NEAR, AWAY, FAR = 2e-6, 2e-5, 1e-4
 """Displacements [m]: near, gaps are exact to a part in 10^5; away, contacts leave the part of their curves that is
 known to third order, and far, all of them have."""
+
+SLIP = 1e-7
+"""Displacements of a step [m] in which some surfaces stick and some slip."""
 
 TURN = tuple(2.0 * np.pi * np.arange(3) / 3)
 """Crank angles of a sample [rad]."""
@@ -155,14 +158,14 @@ def work_rows(built: str) -> list[Row]:
     return [deviation(f"energy stored on a way, {built}", 1e3 * energy, 1e3 * work, "mJ", "work of the forces", 0.03)]
 
 
-def balance_rows(built: str, *changes: str) -> list[Row]:
-    """Hold the forces at the balance that is found against the load, by exact gaps."""
+def balance_rows(built: str, *changes: str, torque: float = rig.RATED_LOAD, crank: float = CRANK) -> list[Row]:
+    """Hold the forces at the balance that is found against the load [N m], by exact gaps."""
     design = made(built, *changes)
-    springs = springs_of(design, [CRANK], friction=False)
-    _, exact = pressed(design)
-    z = loads(design, springs, rig.RATED_LOAD).departures[0]
-    load = springs.load(share(design) * rig.RATED_LOAD)[0]
-    name = ", ".join((built, *changes))
+    springs = springs_of(design, [crank], friction=False)
+    _, exact = pressed(design, crank)
+    z = loads(design, springs, torque).departures[0]
+    load = springs.load(share(design) * torque)[0]
+    name = ", ".join((built, *changes, *([] if torque == rig.RATED_LOAD else [f"{torque:.5g} N m"])))
     return [deviation(f"forces in balance, {name}", exact.push(z), -load, "N", SOURCE, 0.1)]
 
 
@@ -208,6 +211,45 @@ def sample_rows() -> list[Row]:
     ]
 
 
+def rubbed(built: str) -> tuple[Springs, Pressed, Rubbing]:
+    """Give what `pressed` does of a design with friction, and that friction, all that remembers, at a held crank."""
+    rubs = (f"friction.{kind}={FRICTION}" for kind in rig.MATING)
+    design = made(built, *rubs, f"friction.cam_rolling={ROLLING}")
+    springs, exact = pressed(design)
+    return springs, exact, rubbing_of(design, springs, CRANK, Losses(drag=1.0, travel=1e-4, material=0.1), "crank")
+
+
+def step_rows(built: str) -> list[Row]:
+    """Hold a step between displaced poses, with friction that remembers, against its law; and its stiffness and energy.
+
+    Some surfaces stick in it and some slip. Stiffness and energy are held against differences, the energy with the
+    limits of friction given: with others it has none.
+    """
+    springs, exact, rubbing = rubbed(built)
+    number = springs.slope.shape[2]
+    before, load, step = way(number, NEAR), 100.0 * way(number, 1.0), 1e-10
+    z = before + way(number, SLIP)[::-1]
+
+    def after(z: Array, given: bool) -> State:
+        return state_after(springs, rubbing, before, load, z, given)
+
+    *_, push = _pushes(exact, rubbing, np.array([before, z]))
+    rows = [deviation(f"forces after a step, {built}", after(z, False).residual, load + push, "N", SOURCE, 0.02)]
+    for given in (False, True):
+        here, sides = (
+            after(z, given),
+            [[after(z + way, given) for way in sign * step * np.eye(number)] for sign in (-1, 1)],
+        )
+        forces, energies = (
+            np.array([[getattr(one, name) for one in side] for side in sides]) for name in ("residual", "energy")
+        )
+        softer, falls = ((behind - ahead) / (2.0 * step) for behind, ahead in (forces, energies))
+        name = f"{built}, limits given" if given else built
+        ours, source = 1e-6 * here.stiffness.ravel(), "differences of forces"
+        rows.append(deviation(f"stiffness after a step, {name}", ours, 1e-6 * softer.T.ravel(), "N/um", source, 1e-5))
+    return [*rows, deviation(f"forces after a step, {name}", here.residual, falls, "N", "differences of energy", 1e-6)]
+
+
 def path_rows(built: str, reach: float = np.inf, spare: int = 0) -> list[Row]:
     """Hold a loop of torque at a held crank, with friction that remembers, against its law: what is left over.
 
@@ -215,10 +257,7 @@ def path_rows(built: str, reach: float = np.inf, spare: int = 0) -> list[Row]:
     the material holds back. Where the output moves by more than `reach` [m] at once a step is parted, as long as there
     are `spare` rows.
     """
-    rubs = (f"friction.{kind}={FRICTION}" for kind in rig.MATING)
-    design = made(built, *rubs, f"friction.cam_rolling={ROLLING}")
-    springs, exact = pressed(design)
-    rubbing = rubbing_of(design, springs, CRANK, Losses(drag=1.0, travel=1e-4, material=0.1), "crank")
+    springs, exact, rubbing = rubbed(built)
     path = np.zeros((len(LOOP), springs.slope.shape[2]))
     path[:, -1] = rig.RATED_LOAD / springs.radius * LOOP
     when = np.zeros(len(path) + spare)
@@ -270,6 +309,7 @@ def _pushes(exact: Pressed, rubbing: Rubbing, path: Array) -> Iterator[Array]:
 
 STATICS: tuple[Callable[[], list[Row]], ...] = (
     *(partial(state_rows, built) for built in BUILT),
+    *(partial(step_rows, built) for built in (ONE, TWO)),
     *(partial(balance_rows, built) for built in BUILT),
     partial(balance_rows, TWO, "output.member=ring"),
     closed_rows,
@@ -279,8 +319,9 @@ STATICS: tuple[Callable[[], list[Row]], ...] = (
     partial(path_rows, TWO),
     floating_rows,
     sample_rows,
+    partial(balance_rows, ONE, torque=46.242156657309984, crank=0.7),
 )
-"""Give the rows, the quick ones first."""
+"""Give the rows, the quick ones first. In the last a tooth rests where its curve is cut off, and is searched again."""
 
 
 def rows(quick: bool) -> list[Row]:
