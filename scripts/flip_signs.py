@@ -30,12 +30,15 @@ ROOM = Path("cycloid_mj/mechanism")
 MODEL = "reducer.py"
 """The file that models are made from; what the others hold is seen without one, and without compiling."""
 
-TESTS = ("test_limits.py", "test_kernel.py", "test_mechanism.py")
+KERNEL = "kernel.py"
+"""The balance: the rows of gaps and stops, and the search that they are held against, add nothing to its own."""
+
+TESTS = ("test_limits.py", "test_mechanism.py", "test_kernel.py")
+KERNEL_TESTS = ("test_kernel.py", "test_mechanism.py")
 MODEL_TESTS = ("test_reducer.py",)
 
 SECONDS = 30
 """CPU time of tests or rows after which they count as failed: they do not come to an end."""
-
 
 TIME = "costs only time: a way to the balance, which is found by its residual; a test counts the steps"
 """Why no row sees some signs."""
@@ -44,17 +47,17 @@ ALL: frozenset[str] = frozenset()
 """Of whatever a function makes, its decisions too."""
 
 ON_THE_WAY = {
-    "kernel.py": {
-        **dict.fromkeys(("_lead", "_keep", "_solve", "_roll_off", "_leap", "_settle", "_renew", "_stored"), ALL),
-        "balance": {"here", "done"},
+    KERNEL: {
+        **dict.fromkeys(("_lead", "_keep", "_solve", "_roll_off", "_leap", "_settle", "_renew"), ALL),
+        "balance": {"here"},
         "balance_along": {"z", "done"},
-        "_search": {"there", "done", "if"},
+        "_search": {"there", "assembled", "if"},
         "_weigh": {"work"},
     }
 }
 """What only leads to a balance, by file, function and what is made there: where no row sees a sign, it costs time.
 
-Newton's steps, and the energy that tells how far to go along them, lead there; the forces left over decide."""
+Where to begin and Newton's steps lead there; the forces that are left over decide."""
 
 
 @dataclass(frozen=True)
@@ -178,21 +181,26 @@ class Flipped(importlib.abc.Loader):
         exec(compile(content, str(self._path), "exec"), module.__dict__)
 
 
-def tested(models: bool) -> bool:
-    """Tell whether a test fails."""
+def tested(file: str) -> bool:
+    """Tell whether a test fails that may see a sign of a file."""
     import pytest
 
     arguments = ["-x", "-q", "-p", "no:cacheprovider", "-o", "addopts=", "--noconftest", f"--rootdir={ROOT}"]
-    tests = MODEL_TESTS if models else TESTS
+    tests = {MODEL: MODEL_TESTS, KERNEL: KERNEL_TESTS}.get(file, TESTS)
     return pytest.main([*arguments, *(str(ROOT / "tests" / test) for test in tests)]) != 0
 
 
-def validated(models: bool) -> bool:
-    """Tell whether a row of the rung `mechanism` fails, or cannot be given."""
+def validated(file: str) -> bool:
+    """Tell whether a row of the rung `mechanism` fails that may see a sign of a file, or cannot be given."""
     from cycloid_mj.validation import balance, mechanism
 
+    if file == MODEL:
+        parts = mechanism.MODELS
+    elif file == KERNEL:
+        parts = (*balance.STATICS, mechanism.friction_rows)
+    else:
+        parts = (*mechanism.STATICS, *balance.STATICS)
     try:
-        parts = mechanism.MODELS if models else (*balance.STATICS, *mechanism.STATICS)
         return any(row.verdict == "fail" for part in parts for row in part())
     except Exception:
         return True
@@ -204,13 +212,13 @@ def warm() -> None:
         importlib.import_module(library)
 
 
-def see(flip: Flip | None, models: bool, told: int) -> None:
-    """Write what fails to a pipe, with a sign flipped or none; in a process of its own."""
+def see(flip: Flip | None, file: str, told: int) -> None:
+    """Write what fails to a pipe, with a sign of a file flipped or none; in a process of its own."""
     import numba
 
     resource.setrlimit(resource.RLIMIT_CPU, (3 * SECONDS, 3 * SECONDS))  # where Python has no say
     signal.signal(signal.SIGPROF, out_of_time)
-    numba.config.DISABLE_JIT = not models
+    numba.config.DISABLE_JIT = file != MODEL
     warnings.simplefilter("ignore")
     sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
     if flip:
@@ -220,7 +228,7 @@ def see(flip: Flip | None, models: bool, told: int) -> None:
     os.dup2(nowhere, 2)
     for question in (validated, tested):
         signal.setitimer(signal.ITIMER_PROF, SECONDS)
-        os.write(told, b"yes " if question(models) else b"no ")
+        os.write(told, b"yes " if question(file) else b"no ")
 
 
 def out_of_time(*_: object) -> None:
@@ -237,13 +245,13 @@ class Trial:
     told: int
 
     @classmethod
-    def start(cls, flip: Flip | None, models: bool) -> "Trial":
+    def start(cls, flip: Flip | None, file: str) -> "Trial":
         """Fork the process."""
         told, tell = os.pipe()
         child = os.fork()
         if not child:
             try:
-                see(flip, models, tell)
+                see(flip, file, tell)
             finally:
                 os._exit(0)
         os.close(tell)
@@ -264,7 +272,7 @@ def tried(chosen: list[Flip], workers: int) -> Iterator[tuple[Flip, Found]]:
         if len(running) == workers:
             first, trial = running.popleft()
             yield first, trial.end()
-        running.append((flip, Trial.start(flip, flip.file == MODEL)))
+        running.append((flip, Trial.start(flip, flip.file)))
     for first, trial in running:
         yield first, trial.end()
 
@@ -292,8 +300,8 @@ def main(arguments: list[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     every = wanted(options.only, options.lines, options.sample)
     warm()
-    for models in sorted({flip.file == MODEL for flip in every}):
-        unspoiled = Trial.start(None, models).end()
+    for file in sorted({flip.file for flip in every}):
+        unspoiled = Trial.start(None, file).end()
         if unspoiled.by_test or unspoiled.by_row:
             print(f"a {'test' if unspoiled.by_test else 'row'} fails as it is: nothing can be said of any sign")
             return 1

@@ -185,7 +185,7 @@ class _Work(NamedTuple):
     """Arrays of the search at one angle.
 
     Of the shape (u,) are the Newton step, `there` where it leads, the load `held` with friction [N], and friction's
-    part of that, the `drag` [N]. The mask `kept` (n + D,) is that of `_assemble`.
+    part of that, the `drag` [N]. The mask `kept` (n + D,) is that of `_assemble`; `assembled` (1,) counts its calls.
     """
 
     system: _System
@@ -195,6 +195,7 @@ class _Work(NamedTuple):
     held: Array
     drag: Array
     kept: Mask
+    assembled: Integers
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
@@ -220,8 +221,9 @@ def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool)
         np.zeros(number),
         np.zeros(number),
         np.zeros(springs.disc.size + springs.cam_place.shape[1], np.bool_),
+        np.zeros(1, np.int64),
     )
-    start, worst, unsettled, done = np.zeros(number), 0.0, 0.0, 0
+    start, worst, unsettled = np.zeros(number), 0.0, 0.0
     for k in range(count):
         here = z[k]
         for j in range(number):
@@ -233,20 +235,17 @@ def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool)
                 here[j] = z[k - 1, j]
         if follow and k:
             _lead(springs, k, load[k], z, force, work)
-            done += 1
         for j in range(number):
             start[j] = here[j]
         left = _search(springs, k, load[k], here, force, work)
-        done += left.work
         if not springs.smooth and not (left.force <= BALANCED and left.friction <= BALANCED):
             for j in range(number):
                 here[j], work.drag[j] = start[j], 0.0
             left = _search(_smoothed(springs), k, load[k], here, force, work)
-            done += left.work
         worst, unsettled = max(worst, left.force), max(unsettled, left.friction)
         if not (left.force <= BALANCED and left.friction <= BALANCED):
             break
-    return Left(worst, unsettled, done)
+    return Left(worst, unsettled, work.assembled[0])
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
@@ -256,6 +255,7 @@ def _lead(springs: Springs, k: int, load: Array, z: Array, force: Array, work: _
     for j in range(here.size):
         work.held[j] = load[j] + work.drag[j]
     _keep(springs, k - 1, z, force, work.kept)
+    work.assembled[0] += 1
     _assemble(springs, k, work.held, here, work.kept, work.system)
     near = _solve(work.system.tangent, work.system.residual, step, FLOATING * springs.cam_stiffness)
     if near and _largest(step) < _NEAR / _largest(springs.bend[k]):
@@ -274,11 +274,11 @@ def _search(springs: Springs, k: int, load: Array, here: Array, force: Array, wo
     system, trial, number = work.system, work.trial, load.size
     rough, scale = springs.rubbing.shape[0] > 0, _largest(load) or 1.0
     longest, floating = _NEAR / _largest(springs.bend[k]), FLOATING * springs.cam_stiffness
-    left, change, done = 0.0, 0.0, 0
+    left, change = 0.0, 0.0
     for _ in range(ROUNDS):
         for j in range(number):
             held[j] = load[j] + drag[j]
-        done += 1
+        work.assembled[0] += 1
         energy = _assemble(springs, k, held, here, kept, system)
         left = _largest(system.residual) / scale
         for _ in range(ROUNDS):
@@ -291,7 +291,7 @@ def _search(springs: Springs, k: int, load: Array, here: Array, force: Array, wo
             for _ in range(_HALVINGS):
                 for j in range(number):
                     there[j] = here[j] + share * step[j]
-                done += 1
+                work.assembled[0] += 1
                 found = _assemble(springs, k, held, there, kept, trial)
                 if found <= energy + _ROUNDING * abs(energy):
                     break
@@ -311,7 +311,7 @@ def _search(springs: Springs, k: int, load: Array, here: Array, force: Array, wo
         if change <= BALANCED:
             break
     _press(springs, k, here, force)
-    return Left(left, change, done)
+    return Left(left, change, work.assembled[0])
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
