@@ -108,24 +108,6 @@ def test_a_disc_on_the_wrong_phase_is_in_the_ring(monkeypatch: pytest.MonkeyPatc
     assert touching > 0
 
 
-def test_the_gaps_of_several_discs_are_those_of_each() -> None:
-    """A disc ahead on the crank has the teeth's gaps of a single one at a crank that is as far ahead."""
-    design = override(PRESETS["pin"], ["errors.pin_position_um=1.0", "errors.seed=4"])
-    alone = [gaps.gaps(design, 0.7 + disc * 2.0 * math.pi / 3.0) for disc in range(3)]
-    design = three_discs(design)
-    every = gaps.gaps(design, 0.7)
-    for disc in range(3):
-        teeth = every.select((every.kind == "pin_gear") & (every.disc == disc))
-        single = alone[disc].select(alone[disc].kind == "pin_gear")
-        np.testing.assert_allclose(teeth.distance, single.distance, rtol=0.0, atol=1e-18)
-        np.testing.assert_allclose(teeth.slope[:, 3 * disc : 3 * disc + 3], single.slope[:, :3], rtol=0.0, atol=1e-15)
-        assert not np.delete(teeth.slope, range(3 * disc, 3 * disc + 3), axis=1).any()
-    assert every.slope.shape[1] == 10
-    motion = gaps.ideal_motion(design, 0.7)
-    np.testing.assert_allclose(every.slope @ motion, 0.0, rtol=0.0, atol=1e-17)
-    assert math.isclose(np.hypot(*motion[3:5]), design.gear.eccentricity, rel_tol=1e-12)
-
-
 @pytest.mark.parametrize("pins", ["free", "fixed", "sleeved", "massless"])
 def test_clearances_and_errors_are_in_places_and_radii(pins: str) -> None:
     errors = ["errors.pin_position_um=1.0", "errors.pin_radius_um=0.5", "errors.hole_position_um=1.0"]
