@@ -1,7 +1,10 @@
 """What holds for every test."""
 
+import fcntl
+import os
 import signal
 
+import numpy as np
 import pytest
 
 
@@ -14,9 +17,42 @@ def interruptible():
 
 
 @pytest.fixture(scope="session", autouse=True)
-def compiled():
-    """Have the contact code compiled: in a new installation the first command takes longer, and says so."""
+def compiled(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Have the contact code compiled: in a new installation the first command takes longer, and says so.
+
+    Of several workers each compiles another part, and waits for the others' instead of compiling them once more.
+    """
+    worker = os.environ.get("PYTEST_XDIST_WORKER", "")
+    if not worker:
+        _contact()
+        return
+    parts = (_contact_and_sliding, _statics)
+    first = int(worker.removeprefix("gw")) % len(parts)
+    for part in (*parts[first:], *parts[:first]):
+        with (tmp_path_factory.getbasetemp().parent / f"{part.__name__}.lock").open("w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            part()
+
+
+def _contact() -> None:
     from cycloid_mj.contact.collider import installed
 
     with installed():
         pass
+
+
+def _contact_and_sliding() -> None:
+    from cycloid_mj.design import Design
+    from cycloid_mj.loaded.sliding import Losses, turn_along
+
+    _contact()
+    turn_along(Design(), np.linspace(0.0, 1.0, 3), 0.0, Losses())
+
+
+def _statics() -> None:
+    from cycloid_mj.design import Design
+    from cycloid_mj.loaded.samples import alike, solve_samples
+    from cycloid_mj.loaded.sheet import sheet
+
+    sheet(Design())
+    solve_samples(Design(), alike(Design(), 1), [1.0], 2)

@@ -237,6 +237,7 @@ def bench() -> Fitted:
     )
 
 
+@pytest.mark.slow
 def test_the_printed_drive_is_explained(bench: Fitted) -> None:
     shares = [bench.rms(place) / loop.height for place, loop in enumerate(bench.loops)]
     assert shares[0] < 0.08

@@ -178,6 +178,7 @@ def test_the_program_of_the_statics_runs_in_this_tree(tmp_path) -> None:
     assert found["nonpin 4.mean"] > 0.0
 
 
+@pytest.mark.slow
 def test_the_cost_of_a_point_is_its_work_and_its_way() -> None:
     works = sweeping.works(many=50, few=2)
     assert len(works) == 5

@@ -50,6 +50,7 @@ def test_a_sweep_has_the_bits_of_a_local_one_though_a_worker_is_killed(cluster: 
         assert np.array_equal(here[name], there[name], equal_nan=True), name
 
 
+@pytest.mark.slow
 def test_tolerances_have_the_bits_of_local_ones(cluster: Cluster, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(tolerances, "ANGLES", 12)
     monkeypatch.setattr(tolerances, "BUDGET_SAMPLES", 16)

@@ -35,6 +35,7 @@ def ran(folder: Path, *argv: str, code: Path | None = None, **environment: str) 
     return subprocess.run(command, cwd=folder, env=kept | environment, capture_output=True, text=True)
 
 
+@pytest.mark.slow
 def test_first_run_says_that_it_compiles_and_the_next_has_it(tmp_path):
     cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
     first, second = (ran(tmp_path, *RUN, **cache) for _ in range(2))
@@ -60,7 +61,8 @@ def test_it_is_said_of_any_code_but_once_and_not_when_quiet(capsys, monkeypatch,
         assert capsys.readouterr().err.count("compiling the contact code") == lines
 
 
-@pytest.mark.parametrize("argv", [RUN, pytest.param(("design", "check", "pin"), marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("argv", [RUN, ("design", "check", "pin")])
 def test_installation_that_cannot_be_written_runs_and_says_so_once(argv, tmp_path):
     shutil.copytree(
         Path(cycloid_mj.__file__).parent, tmp_path / "code" / "cycloid_mj", ignore=shutil.ignore_patterns("__pycache__")

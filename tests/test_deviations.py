@@ -5,6 +5,7 @@ from functools import cache
 import mujoco
 import numpy as np
 import pytest
+from designs import cases
 from scipy.spatial import cKDTree
 from test_ring import Rig, brute_minima, chain_point, turned
 
@@ -198,7 +199,7 @@ class Polygons:
         return self.tree.query(points)[0]
 
 
-@pytest.mark.parametrize("name", MODIFICATIONS)
+@pytest.mark.parametrize("name", cases(MODIFICATIONS, "all", "waves"))
 def test_pins_touch_the_polygons(name: str) -> None:
     """Gaps of the collider and of the independent statics, in poses that reach flanks and corners.
 
@@ -246,7 +247,7 @@ def gaps_of_pins(reducer, pose: Pose, crank: float) -> np.ndarray:
     return found
 
 
-@pytest.mark.parametrize("name", MODIFICATIONS)
+@pytest.mark.parametrize("name", cases(MODIFICATIONS, "all", "waves"))
 def test_lobes_touch_the_polygons(name: str) -> None:
     """Every minimum of the gap along a lobe that the clearance lets touch is found, and nothing else."""
     design = nonpin(*MODIFICATIONS[name])

@@ -5,7 +5,7 @@ from dataclasses import astuple, replace
 import mujoco
 import numpy as np
 import pytest
-from designs import UNLIKE, unlike
+from designs import UNLIKE, cases, unlike
 
 from cycloid_mj.analysis import analyze
 from cycloid_mj.contact import collider, each_step
@@ -21,6 +21,7 @@ from cycloid_mj.mjcf import build
 from cycloid_mj.run import Contact, blocks, reducer_model, schedule, simulate
 
 STEPS, STRIDE = 300, 15
+BRIEF = (("drive.hold_s=0.0015", "settings.timestep_us=5"), "profile")
 
 
 def short(preset: str, *changes: str) -> Design:
@@ -53,7 +54,7 @@ def normal_forces(data, reducer) -> dict[str, float]:
         ("pin", ("ring.pins=fixed",), "profile"),
         ("pin", ("ring.pins=sleeved",), "profile"),
         ("nonpin", ("drive.hold_s=0.0005", "settings.timestep_us=5"), "mesh"),
-        *((name, ("drive.hold_s=0.0015", "settings.timestep_us=5"), "profile") for name in UNLIKE),
+        *cases([(name, *BRIEF) for name in UNLIKE], ("few", *BRIEF)),
     ],
 )
 def test_peaks_are_the_largest_of_mujocos_own_forces_at_every_step(

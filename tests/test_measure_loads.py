@@ -150,6 +150,7 @@ def test_contacts_that_are_drawn_carry_and_the_most_loaded_is_among_them(found) 
     assert ideal.y.max() > 0.0
 
 
+@pytest.mark.slow
 def test_a_capacity_is_found_for_a_soft_material_or_said_to_have_no_contact_that_decides_it() -> None:
     """Contacts of a printed reducer grow deeper than its own limit before they yield."""
     found = loads(unlike("printed"), quick=True)

@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from designs import cases
 
 from cycloid_mj.cli.app import main
 from cycloid_mj.contact.law import pair_stiffness
@@ -115,7 +116,7 @@ def test_a_free_pin_needs_the_step_of_its_bowl():
 
 
 @pytest.mark.parametrize("changes", [["errors.pin_dr_um={9=0.9}"], ["modification.pin_circle_um=-2.0"]])
-@pytest.mark.parametrize("kind", ["fixed", "free"])
+@pytest.mark.parametrize("kind", cases(["fixed", "free"], "fixed"))
 def test_statics_of_parts_as_made_is_the_independent_balance(kind: str, changes: list[str]):
     design = at_rated_load(override(bench.ideal(PRESETS["pin"]), [f'ring.pins="{kind}"', *changes]))
     solved = windups(design, [CRANK], 36.68)[0]

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from designs import cases
 
 from cycloid_mj import member
 from cycloid_mj.analysis import analyze
@@ -158,7 +159,7 @@ def test_checks_judge_the_same_mesh() -> None:
 # --- dynamics ---------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("kind", ["fixed pins", "free pins", "internal gear"])
+@pytest.mark.parametrize("kind", cases(["fixed pins", "free pins", "internal gear"], "fixed pins", "internal gear"))
 def test_a_superposed_rotation_leaves_the_forces_in_the_mesh(kind: str) -> None:
     changes = {"internal gear": {"kind": "nonpin"}}.get(kind, {"pins": kind.partition(" ")[0]})
     step = 2e-6 if kind == "free pins" else 10e-6
@@ -206,7 +207,7 @@ def at_the_ring() -> Design:
     return RIGID.but(output=RING)
 
 
-@pytest.mark.parametrize("turning", ["carrier", "ring"])
+@pytest.mark.parametrize("turning", cases(["carrier", "ring"], "ring"))
 def test_what_twists_turns_the_output_and_not_the_gear(turning: str) -> None:
     """A carrier that twists more changes the output's turn alone, in statics and in a run, forward and in reverse."""
     stiff = PRESETS["twodisc"].but(output={"member": turning}, friction=FREE_OF_LOSSES["friction"])

@@ -14,6 +14,7 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
+from designs import cases
 from scipy.spatial import ConvexHull
 from stepped import stepped
 
@@ -146,7 +147,7 @@ def _valley(design: Design) -> tuple[float, float, float]:
     return valley, pin, valley + pin
 
 
-@pytest.mark.parametrize("kind", ["pin_gear", "cam"])
+@pytest.mark.parametrize("kind", cases(["pin_gear", "cam"], "pin_gear"))
 def test_stiffness_does_not_grow_with_the_number_of_slices(kind: str) -> None:
     """The slices add up to the line contact at working force; sixteen times the chord error, and it is the same.
 
@@ -323,7 +324,7 @@ def mesh_means(errors: np.ndarray, model: Any, design: Design) -> np.ndarray:
     return np.convolve(errors, np.full(period, 1.0 / period), mode="valid")
 
 
-@pytest.mark.parametrize(("kind", "duration"), [("pin", 0.005), ("nonpin", 0.003)])
+@pytest.mark.parametrize(("kind", "duration"), cases([("pin", 0.005), ("nonpin", 0.003)], ("nonpin", 0.003)))
 def test_a_model_runs_at_full_speed(loaded: dict[str, Any], kind: str, duration: float) -> None:
     errors = keeps_speed(loaded[kind][0], "1640rpm_90", duration)
     assert abs(errors.mean()) < 0.005
@@ -357,7 +358,7 @@ def judged(design: Design, contact: Contact, settings: ConvexSettings | None = N
     }
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", cases(KINDS, "pin"))
 def test_a_short_mesh_run_agrees_with_profile_contact(kind: str) -> None:
     """Two mesh periods under 1 N m: mean transmission errors, cam force and crank torque within 10 %."""
     changes = ["drive.ramp_s=0.0", "drive.hold_s=0.006", "load.torque_nm=1.0", "load.rise_s=0.0015"]
@@ -559,7 +560,8 @@ def rest_volumes(files: dict[str, bytes]) -> dict[str, float]:
     return dict(volumes)
 
 
-@pytest.mark.parametrize("kind", ["pin", pytest.param("nonpin", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", KINDS)
 def test_the_committed_models_come_out_again(kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Byte for byte, by the command, the README by the script; CoACD's pieces, if their bytes differ, by volume."""
     out = tmp_path / kind

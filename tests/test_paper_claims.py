@@ -170,6 +170,7 @@ def rated_turned(which):
     ]
 
 
+@pytest.mark.slow
 def test_starts_that_overlap_leave_an_order_undetermined():
     def scattered(which):
         return [ideal_run(one, 0.001 * (1 + number % 3)) for number, one in enumerate(which)]

@@ -36,6 +36,7 @@ def test_parameters_are_those_of_the_solvers_table():
     assert astuple(in_millimetres("", 2.0, 1.0, 3.0, 0.5))[1:] == pytest.approx((2e3, 1.0, 3e3, 5e-4))
 
 
+@pytest.mark.slow
 def test_stiff_linear_springs_strike_as_hard_as_the_model():
     # another integrator, without friction, added mass or MuJoCo: the cam's largest force of an idle turn
     gear = mass_properties(parts(PIN)["gear"]).mass

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from designs import UNLIKE, unlike
+from designs import UNLIKE, cases, unlike
 
 from cycloid_mj.cli.app import main
 from cycloid_mj.contact.law import pair_stiffness
@@ -168,8 +168,8 @@ def test_a_remedy_lies_well_within_the_limit() -> None:
     assert warnings(shorter, build(shorter)) == ()
 
 
-@pytest.mark.parametrize("name", ["pin", "nonpin", *UNLIKE])
-@pytest.mark.parametrize("share", [0.0, 0.1, 1.0, 3.0])
+@pytest.mark.parametrize("name", cases(["pin", "nonpin", *UNLIKE], "pin", "light", "printed"))
+@pytest.mark.parametrize("share", cases([0.0, 0.1, 1.0, 3.0], 0.0, 1.0))
 def test_a_chosen_step_is_never_warned_of_and_twice_as_long_a_pins_step_is(name: str, share: float) -> None:
     design = unlike(name) if name in UNLIKE else PRESETS[name]
     design = override(design, [f"load.torque_nm={share * design.rated_torque!r}", "settings.timestep_us=0"])

@@ -10,6 +10,7 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+from designs import cases
 from made_run import STEP, made_run
 
 from cycloid_mj.analysis import FIGURES, SIGNALS, judge, series, table
@@ -269,7 +270,7 @@ def test_what_cannot_be_reported(pin):
 
 
 @pytest.mark.skipif(BROWSER is None, reason="no Chromium here")
-@pytest.mark.parametrize(("which", "width"), [("text", 390), ("both", 1280)])
+@pytest.mark.parametrize(("which", "width"), cases([("text", 390), ("both", 1280)], ("both", 1280)))
 def test_page_draws_everything_in_a_browser_without_an_error(which, width, request, tmp_path):
     path = tmp_path / "page.html"
     # what a user would do, at the end of the page's own script

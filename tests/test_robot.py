@@ -10,7 +10,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-from designs import unlike
+from designs import UNLIKE, cases, unlike
 
 import cycloid_mj as cm
 from cycloid_mj import measure
@@ -40,7 +40,7 @@ KEYS = (
 )
 
 
-@pytest.fixture(scope="module", params=["pin", "nonpin"])
+@pytest.fixture(scope="module", params=cases(["pin", "nonpin"], "pin"))
 def files(request, tmp_path_factory) -> Path:
     """The files of a preset."""
     into = tmp_path_factory.mktemp(request.param)
@@ -225,9 +225,7 @@ def test_the_page_is_whole(files: Path) -> None:
         assert word in page
 
 
-@pytest.mark.parametrize(
-    "name", ["printed", "few", *(pytest.param(name, marks=pytest.mark.slow) for name in ("light", "large", "teeth21"))]
-)
+@pytest.mark.parametrize("name", cases(UNLIKE, "few"))
 def test_other_designs_hold_too(name: str) -> None:
     """Wide clearances and a reducer that locks itself; few teeth, whose error is a third of the wind-up."""
     design, reducer = unlike(name), reduced(name)

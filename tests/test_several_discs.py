@@ -12,6 +12,7 @@ import mujoco
 import numpy as np
 import pytest
 import trimesh
+from designs import cases
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 from scipy.spatial import cKDTree
 
@@ -191,7 +192,7 @@ def test_a_disc_is_drawn_where_it_is(run: Run) -> None:
         assert opened.shape == (3, 30)
 
 
-@pytest.mark.parametrize("kind", ["pin", "nonpin"])
+@pytest.mark.parametrize("kind", cases(["pin", "nonpin"], "pin"))
 def test_contacts_lie_on_the_part_that_they_press_on(kind: str) -> None:
     """Where each disc is touched is on its own outline, its bore and its holes; actions and reactions are the same."""
     changes = ["gear.discs=3", "drive.speed_rpm=3000", "drive.ramp_s=0", "drive.hold_s=0.028", "load.torque_nm=60"]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from designs import UNLIKE, design_file, unlike
+from designs import UNLIKE, cases, design_file, unlike
 
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, override
@@ -39,7 +39,7 @@ def test_known_differences_are_those_of_the_measured_runs(name: str) -> None:
     assert seen == {*KNOWN, *KNOWN_OF_KINDS}
 
 
-@pytest.mark.parametrize("name", [*KINDS, *UNLIKE])
+@pytest.mark.parametrize("name", cases([*KINDS, *UNLIKE], "nonpin", "sleeved", "twodisc", "printed"))
 def test_every_design_has_every_figure(name: str) -> None:
     design = unlike(name) if name in UNLIKE else KINDS[name]
     made = override(design, ["errors.hole_position_um=0.3", "modification.equidistant_um=0.2"])

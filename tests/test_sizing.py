@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 
 import pytest
+from designs import cases
 
 from cycloid_mj.cli import main
 from cycloid_mj.design import load, loads
@@ -99,7 +100,10 @@ def test_the_command_says_what_is_missing(tmp_path: Path, monkeypatch, capsys, f
     assert not (tmp_path / "mine.toml").exists()
 
 
-@pytest.mark.parametrize(("ratio", "discs", "process"), [(29, 2, "steel"), (20, 3, "steel"), (15, 2, "printed")])
+@pytest.mark.parametrize(
+    ("ratio", "discs", "process"),
+    cases([(29, 2, "steel"), (20, 3, "steel"), (15, 2, "printed")], (29, 2, "steel")),
+)
 def test_several_discs_share_the_width_and_pass_every_check(ratio: int, discs: int, process: Process) -> None:
     torque, diameter = (20.0, 0.08) if process == "steel" else (1.0, 0.1)
     found = sized("mine", ratio, diameter, torque, process, discs)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from designs import UNLIKE, unlike
+from designs import UNLIKE, cases, unlike
 
 import cycloid_mj as cm
 from cycloid_mj.cli import main
@@ -205,7 +205,7 @@ def test_a_run_that_cannot_be_is_told_in_its_row() -> None:
     assert "1e+10 steps, more than 1e+09: shorten drive.hold_s" in found["error"][0]
 
 
-@pytest.mark.parametrize("name", UNLIKE)
+@pytest.mark.parametrize("name", cases(UNLIKE, "light", "few"))
 def test_other_designs(name: str) -> None:
     found = sweep(unlike(name), {"clearance.cam_um": [1.0, 1.5]}, "statics,mass,checks", engine=HERE)
     assert not any(found["error"])
@@ -353,10 +353,10 @@ def test_a_full_disk_is_told_and_loses_nothing(tmp_path: Path) -> None:
     """A limit on the size of files stands for a full disk."""
     code = (
         "import resource, sys; from cycloid_mj.cli import main;"
-        "resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, resource.RLIM_INFINITY)); sys.exit(main(sys.argv[1:]))"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, resource.RLIM_INFINITY)); sys.exit(main(sys.argv[1:]))"
     )
     words = [sys.executable, "-c", code, *command(tmp_path, "--workers", "1", "--vary", "ring.kind=pin,nonpin")]
-    words += ["--vary", "clearance.output_um=1:2:10"]
+    words += ["--vary", "clearance.output_um=1:2:5"]
     ended = subprocess.run(words, capture_output=True, text=True)
     assert ended.returncode == 1
     assert "cannot write" in ended.stderr
@@ -364,7 +364,7 @@ def test_a_full_disk_is_told_and_loses_nothing(tmp_path: Path) -> None:
     kept = len((tmp_path / journal.rows_file("sweep")).read_bytes().splitlines()) - 1
     assert kept > 10
     assert main([*words[3:], "--quiet"]) == 0
-    assert len(rows_of(tmp_path / "sweep.csv")) == 120
+    assert len(rows_of(tmp_path / "sweep.csv")) == 60
 
 
 @pytest.mark.parametrize(
@@ -426,8 +426,8 @@ def test_every_point_failed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
 
 def test_ctrl_c_and_kill_leave_what_was_done(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Ended twice, then resumed: the table of a sweep that nothing disturbed."""
-    words = ["--vary", "clearance.cam_um=1:3:100", "--measure", "mass", "--workers", "1"]
-    disturbed_twice(tmp_path, capsys, words, 100)
+    words = ["--vary", "clearance.cam_um=1:3:60", "--measure", "mass", "--workers", "1"]
+    disturbed_twice(tmp_path, capsys, words, 60)
 
 
 @pytest.mark.slow
