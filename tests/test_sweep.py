@@ -353,10 +353,10 @@ def test_a_full_disk_is_told_and_loses_nothing(tmp_path: Path) -> None:
     """A limit on the size of files stands for a full disk."""
     code = (
         "import resource, sys; from cycloid_mj.cli import main;"
-        "resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, resource.RLIM_INFINITY)); sys.exit(main(sys.argv[1:]))"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, resource.RLIM_INFINITY)); sys.exit(main(sys.argv[1:]))"
     )
     words = [sys.executable, "-c", code, *command(tmp_path, "--workers", "1", "--vary", "ring.kind=pin,nonpin")]
-    words += ["--vary", "clearance.output_um=1:2:5"]
+    words += ["--vary", "clearance.output_um=1:2:10"]
     ended = subprocess.run(words, capture_output=True, text=True)
     assert ended.returncode == 1
     assert "cannot write" in ended.stderr
@@ -364,7 +364,7 @@ def test_a_full_disk_is_told_and_loses_nothing(tmp_path: Path) -> None:
     kept = len((tmp_path / journal.rows_file("sweep")).read_bytes().splitlines()) - 1
     assert kept > 10
     assert main([*words[3:], "--quiet"]) == 0
-    assert len(rows_of(tmp_path / "sweep.csv")) == 60
+    assert len(rows_of(tmp_path / "sweep.csv")) == 120
 
 
 @pytest.mark.parametrize(
