@@ -1,6 +1,8 @@
 """How work is stopped: SIGTERM and SIGHUP end it as Ctrl-C does, never in the midst of a file; threads give way."""
 
+import ctypes
 import signal
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -9,6 +11,9 @@ from typing import Any
 
 STOPPING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 """The signals that ask a program to end; Windows has no SIGHUP."""
+
+LARGEST_ACTION = 1024
+"""Bytes, more than any system's `struct sigaction` has."""
 
 _to_stop: ContextVar[threading.Event | None] = ContextVar("to_stop", default=None)
 
@@ -34,6 +39,26 @@ def end_on_signals() -> None:
     for number in STOPPING:
         if signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, signal.SIG_DFL)
+
+
+@contextmanager
+def signals_kept() -> Iterator[None]:
+    """Put back after the block what each of `STOPPING` does: gmsh resets it where it starts, past Python.
+
+    In any thread, which Python's own `signal.signal` does not allow.
+    """
+    if sys.platform == "win32":
+        yield
+        return
+    system = ctypes.CDLL(None)
+    before = {number: ctypes.create_string_buffer(LARGEST_ACTION) for number in STOPPING}
+    for number, action in before.items():
+        system.sigaction(number, None, action)
+    try:
+        yield
+    finally:
+        for number, action in before.items():
+            system.sigaction(number, action, None)
 
 
 @contextmanager

@@ -6,6 +6,8 @@ import io
 import itertools
 import json
 import math
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -330,6 +332,30 @@ def test_the_command_refuses_what_cannot_be_made(tmp_path: Path, capsys: pytest.
     assert main(["export", "--design", "pin", *undercut]) == 1
     assert "undercut" in capsys.readouterr().err
     assert not out.exists()
+
+
+SIGTERM_AFTER_STEP = """
+import os, signal, threading
+from cycloid_mj.design import PRESETS
+from cycloid_mj.export import part_sections, step_part
+from cycloid_mj.interrupt import Stopped, raise_on_signals
+
+raise_on_signals()
+worker = threading.Thread(target=step_part, args=("pin_1", part_sections(PRESETS["pin"])["pin_1"]))
+worker.start()
+worker.join()
+try:
+    os.kill(os.getpid(), signal.SIGTERM)
+except Stopped as stop:
+    print(stop)
+"""
+
+
+def test_sigterm_is_heard_after_step_was_made() -> None:
+    """Gmsh resets what it does: a page that has given STEP files, or a log beside a stress study, would end at once."""
+    pytest.importorskip("gmsh")
+    ended = subprocess.run([sys.executable, "-c", SIGTERM_AFTER_STEP], capture_output=True, text=True, timeout=300)
+    assert (ended.returncode, ended.stdout) == (0, "SIGTERM\n"), ended.stderr
 
 
 def test_step_without_gmsh_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:

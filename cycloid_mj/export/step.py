@@ -14,6 +14,7 @@ import numpy as np
 from cycloid_mj.errors import CycloidError
 from cycloid_mj.export.curve import Arc, Circle, Curve, Line, Spline
 from cycloid_mj.export.section import Section
+from cycloid_mj.interrupt import signals_kept
 from cycloid_mj.units import MILLIMETRES
 
 SPLINES = 6
@@ -97,7 +98,8 @@ def _kernel(name: str) -> Iterator[Any]:
         ) from error
     fresh = not gmsh.isInitialized()
     if fresh:
-        gmsh.initialize(interruptible=False)
+        with signals_kept():
+            gmsh.initialize(interruptible=False)
     gmsh.option.setNumber("General.Terminal", 0)
     gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
     gmsh.model.add(name)

@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from cycloid_mj.errors import CycloidError
+from cycloid_mj.interrupt import signals_kept
 from cycloid_mj.units import MILLIMETRES
 
 """gmsh works in mm: its tolerances are absolute."""
@@ -66,7 +67,8 @@ def mesher(part: str, coarsest: float) -> Iterator[Any]:
     gmsh = package("gmsh")
     fresh = not gmsh.isInitialized()
     if fresh:
-        gmsh.initialize(readConfigFiles=False, interruptible=False)
+        with signals_kept():
+            gmsh.initialize(readConfigFiles=False, interruptible=False)
     kept = {name: gmsh.option.getNumber(name) for name in (*_MESHER_OPTIONS, "Mesh.MeshSizeMax")}
     for name, value in {**_MESHER_OPTIONS, "Mesh.MeshSizeMax": coarsest * MILLIMETRES}.items():
         gmsh.option.setNumber(name, value)
