@@ -3,7 +3,7 @@
 import json
 import math
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from itertools import pairwise
 from pathlib import Path
@@ -21,6 +21,7 @@ from cycloid_mj.bench import (
     read_loop,
     read_te,
 )
+from cycloid_mj.bench.calibration import variants
 from cycloid_mj.bench.fit import Fitted, fit
 from cycloid_mj.bench.overlay import Bench, model_branches, put_all
 from cycloid_mj.bench.parameters import DEFAULT, Model, parameters
@@ -259,6 +260,36 @@ def test_friction_of_contacts_explains_what_constant_friction_does_not() -> None
     shares = {one.key: one.shares[1] for one in found.variants}
     assert shares["friction"] < min(0.6 * shares["constant"], 0.8 * shares["material"])
     assert shares["both"] < 1.05 * shares["friction"]
+
+
+def test_criteria_of_variants_compare(bench: Fitted) -> None:
+    """All count what is independent in the fullest: a value that gains nothing costs just ln n, whatever else does."""
+    draw = np.random.default_rng(0).standard_normal
+    noise = tuple(1e-2 * draw(len(one)) for one in bench.residuals)
+    wave = tuple(3.0 * np.sqrt(np.mean(one**2)) * np.sqrt(2.0) * np.sin(np.arange(len(one)) / 9.0) for one in noise)
+    full = replace(bench, residuals=noise)
+    idle = replace(full, parameters=full.parameters[:-1], places=full.places[:-1])
+    poor = replace(idle, residuals=wave)
+    found = variants({("poor", ""): poor, ("idle", ""): idle, ("full", ""): full})
+    points = sum(full.independent)
+    assert sum(poor.independent) < 0.2 * points
+    of_poor, of_idle, of_full = (one.criterion for one in found)
+    assert of_full - of_idle == pytest.approx(np.log(points))
+    ratios = [np.mean(a**2) / np.mean(b**2) for a, b in zip(wave, noise, strict=True)]
+    assert of_poor - of_idle == pytest.approx(np.dot(full.independent, np.log(ratios)))
+
+
+def test_what_is_found_before_ctrl_c_is_kept(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def pressed(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("cycloid_mj.bench.compare_losses", pressed)
+    words = ["calibrate", "--design", "printed", "--loop", str(BENCH[0]), "--fit", "drag", "--losses"]
+    assert main([*words, "--out", str(tmp_path), "--quiet"]) == 1
+    assert f"stopped by Ctrl-C; the calibration, and the losses so far, are in {tmp_path}" in capsys.readouterr().err
+    assert load(tmp_path / "printed-calibrated.toml").drag.output > 0.0
 
 
 @pytest.mark.slow

@@ -341,7 +341,7 @@ from cycloid_mj.export import part_sections, step_part
 from cycloid_mj.interrupt import Stopped, raise_on_signals
 
 raise_on_signals()
-worker = threading.Thread(target=step_part, args=("pin_1", part_sections(PRESETS["pin"])["pin_1"]))
+worker = threading.Thread(target=step_part, args=("pin", part_sections(PRESETS["pin"])["pin"]))
 worker.start()
 worker.join()
 try:

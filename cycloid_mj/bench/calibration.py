@@ -1,6 +1,6 @@
 """A calibration: the design that a measured loop is that of, how sure each of its values is, and what stays open."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -76,7 +76,10 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Variant:
-    """The fit of other losses to the same loops: rms over height of each loop, Bayes's criterion, and its values."""
+    """The fit of other losses to the same loops: rms over height of each loop, Bayes's criterion, and its values.
+
+    The criterion compares with those of the other variants alone.
+    """
 
     key: str
     meaning: str
@@ -313,8 +316,8 @@ def compare_losses(
     """
     fitted = found.fitted
     common = [one.key for one in fitted.parameters if one.key not in ("friction", "material_loss")]
-    smooth = _smooth(fitted.model.design)
-    found, counted = replace(found, variants=()), _counting(progress)
+    smooth, counted = _smooth(fitted.model.design), _counting(progress)
+    fits: dict[tuple[str, str], Fitted] = {}
     for key, meaning, extra, rough in (
         ("constant", "constant friction alone", (), False),
         ("friction", "and friction of the contacts", ("friction",), True),
@@ -323,12 +326,28 @@ def compare_losses(
     ):
         base = replace(fitted.model, design=fitted.model.design if rough else smooth)
         chosen = parameters(fitted.model.design, [*common, *extra], fitted.loops)
-        one = fit(base, chosen, fitted.loops, fitted.bench, counted, intervals=False)
-        shares = tuple(one.rms(place) / loop.height for place, loop in enumerate(one.loops))
-        values = {name.key: float(value) for name, value in zip(chosen, one.values, strict=True)}
-        found = replace(found, variants=(*found.variants, Variant(key, meaning, shares, one.criterion, values)))
+        fits[key, meaning] = fit(base, chosen, fitted.loops, fitted.bench, counted, intervals=False)
+        found = replace(found, variants=variants(fits))
         done(found)
     return found
+
+
+def variants(fits: Mapping[tuple[str, str], Fitted]) -> tuple[Variant, ...]:
+    """Set side by side the fits of several models to the same loops, by their keys and meanings.
+
+    What counts as independent is told by the fullest of them, for all: its residuals are nearest to noise.
+    """
+    independent = max(fits.values(), key=lambda one: len(one.parameters)).independent
+    return tuple(
+        Variant(
+            key,
+            meaning,
+            tuple(one.rms(place) / loop.height for place, loop in enumerate(one.loops)),
+            one.criterion(independent),
+            {name.key: float(value) for name, value in zip(one.parameters, one.values, strict=True)},
+        )
+        for (key, meaning), one in fits.items()
+    )
 
 
 def correlations(fitted: Fitted) -> Array:

@@ -105,14 +105,19 @@ class Fitted:
         return tuple(found)
 
     @property
-    def criterion(self) -> float:
-        """Bayes's information criterion, over the residuals that count as independent (`memory`)."""
-        total, points = 0.0, 0.0
-        for one in self.residuals:
-            count = len(one) / memory(one)
-            total += count * float(np.log(np.mean(one**2)))
-            points += count
-        return total + len(self.places) * float(np.log(points))
+    def independent(self) -> tuple[float, ...]:
+        """How many residuals of each loop count as independent (`memory`)."""
+        return tuple(len(one) / memory(one) for one in self.residuals)
+
+    def criterion(self, independent: Sequence[float]) -> float:
+        """Give Bayes's information criterion over so many independent residuals of each loop.
+
+        Criteria of models compare where they count the same: a model that leaves something out has residuals that
+        follow each other, and by its own count would have less to explain.
+        """
+        each = zip(independent, self.residuals, strict=True)
+        total = sum(count * float(np.log(np.mean(one**2))) for count, one in each)
+        return total + len(self.places) * float(np.log(sum(independent)))
 
     def values_at(self, places: Array) -> Array:
         """Give the parameters' values at other places."""

@@ -8,7 +8,8 @@ from cyclopts import Parameter
 
 from cycloid_mj.cli.flags import FLAT, LOAD, DesignOptions, JsonFlag, QuietFlag
 from cycloid_mj.cli.terminal import json_text, say, say_json, show, tell
-from cycloid_mj.errors import UsageError
+from cycloid_mj.errors import RunError, UsageError
+from cycloid_mj.interrupt import cause
 
 if TYPE_CHECKING:
     from cycloid_mj.bench import Calibration
@@ -115,7 +116,10 @@ def calibrate(
     found = calibrated(design, loops, keys, held, math.radians(crank_deg), progress)
     written = _write(found, into)
     if losses:
-        found = compare_losses(found, progress, lambda so_far: _write(so_far, into))
+        try:
+            found = compare_losses(found, progress, lambda so_far: _write(so_far, into))
+        except KeyboardInterrupt as stop:
+            raise RunError(f"stopped by {cause(stop)}; the calibration, and the losses so far, are in {into}") from stop
     if not quiet:
         tell(f"wrote {', '.join(map(str, written))}")
     if json:
