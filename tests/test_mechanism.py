@@ -70,16 +70,19 @@ def worst(design: Design, z: np.ndarray) -> np.ndarray:
     return np.array([np.abs(ours[:count] - teeth).max(), np.abs(ours[count:] - holes).max()])
 
 
+@pytest.mark.parametrize(("turn", "order"), [(1.0, 3), (0.0, 4)])
 @pytest.mark.parametrize("name", ["pin", *UNLIKE])
-def test_the_errors_of_gaps_are_of_third_order(name: str) -> None:
-    """A tenth of the departure leaves a thousandth of the error, or rounding: what is left is of third order."""
+def test_what_gaps_leave_out_is_of_third_order_of_turns_and_of_fourth_of_displacements(
+    name: str, turn: float, order: int
+) -> None:
+    """A tenth of the departure leaves a thousandth of the error, or a ten-thousandth, or rounding."""
     design = design_of(name)
-    way = 1e-3 * design.gear.eccentricity * np.array([0.7, -0.4, 0.5, -0.6])
+    way = 3e-3 * design.gear.eccentricity * np.array([0.7, -0.4, 0.5 * turn, -0.6 * turn])
     whole, tenth, none = (worst(design, share * way) for share in (1.0, 0.1, 0.0))
     assert none.max() < 3e-16
-    assert np.all(tenth < 1.3e-3 * whole + 3e-16)
-    # Observed: 1.2e-3 of the way in the paper's valleys, 1e-4 and less elsewhere.
-    assert whole.max() < 3e-3 * np.abs(way).max()
+    assert np.all(tenth < 1.3 * 0.1**order * whole + 3e-16)
+    # Observed: 3e-8 of the way.
+    assert whole.max() < 7e-8 * np.abs(way).max()
 
 
 @pytest.mark.parametrize("name", ["pin", "printed", "large", "few", "teeth21"])

@@ -5,10 +5,9 @@ R psi of the output; R is the radius of the circle of output pins, phi and psi a
 normal distance of two surfaces, positive where they are apart. At the ideal pose it is what clearances, manufacturing
 errors and profile modification leave; its gradient is the direction of the force that the contact puts on the parts.
 
-Along the surface a contact moves too: each curve then counts as its circle of curvature with the rate at which that
-changes, so what is left is of fourth order in the displacement, once a balance counts how far the parts turn
-(`kernel.gap`). In the valleys of the paper's gear, where the circle has a radius of 18 um, the balance looks for the
-foot point.
+Along the surface a contact moves too: a balance (`kernel.gap`) counts each curve as its circle of curvature with the
+rate at which that changes, and turns to the second order. What it leaves out is of fourth order in displacements, of
+third in turns. In the valleys of the paper's gear, where the circle has a radius of 18 um, it looks for the foot point.
 
 Angles as in ``kinematics``, tooth geometry as in ``envelope``. A disc at the phase beta on the crank meshes as the gear
 of a crank at theta + beta (Hsieh 2014, Eqs 7 and 11, for one disc); its holes turn with the output.
