@@ -59,8 +59,9 @@ MOST_STEPS = 10**9
 Marks = npt.NDArray[np.bool_]
 
 _BLOCK = 100
-_STEPS_AT_ONCE = 300
-"""Steps without Python: 5 to 20 ms, a second by mesh; Ctrl-C waits for them."""
+_STEPS_AT_ONCE = 1000
+"""Steps without Python: they take 20 to 80 ms, for which Ctrl-C waits. By mesh, where a step takes some ms, it is those
+to the next sample."""
 
 # Every sample is checked for MuJoCo's warnings: they need not go to MUJOCO_LOG.TXT in the working folder as well.
 _no_log_file = Shared(
@@ -256,21 +257,23 @@ def blocks(reducer: ReducerModel, design: Design, course: Course | None = None) 
     recorder = _Recorder(reducer, design, data, plan.stride)
     profile = contact_of(reducer) == "profile"
     exact = collider.installed(design.ring.kind == "nonpin") if profile else nullcontext()
+    at_once = max(1, _STEPS_AT_ONCE // plan.stride) if profile else 1
     with exact, each_step.installed(), _no_log_file.made():
         for first in range(0, plan.samples, _BLOCK):
-            taken, problem = _advance(plan, course, range(first, min(first + _BLOCK, plan.samples)), recorder)
+            samples = range(first, min(first + _BLOCK, plan.samples))
+            taken, problem = _advance(plan, course, samples, recorder, at_once)
             if len(taken.time):
                 yield taken
             if problem:
                 raise RunError(problem)
 
 
-def _advance(plan: Schedule, course: Course, samples: range, recorder: "_Recorder") -> tuple[Block, str]:
+def _advance(plan: Schedule, course: Course, samples: range, recorder: "_Recorder", at_once: int) -> tuple[Block, str]:
     """Take the steps up to some samples; a sample is what the solver found at the start of its last step."""
     begin = (samples.start - 1) * plan.stride + 1 if samples.start else 0
     time = plan.timestep * np.arange(begin, (samples.stop - 1) * plan.stride + 1, dtype=np.float64)
     recorder.each_step.command(course.commands(time))
-    taken, problem, at_once = list[Array](), "", max(1, _STEPS_AT_ONCE // plan.stride)
+    taken, problem = list[Array](), ""
     for first in samples[::at_once]:
         give_way()
         rows, problem = recorder.advance(min(at_once, samples.stop - first))
