@@ -1,9 +1,8 @@
 """How far the output of a rigid reducer turns at a locked crank: the closed forms of backlash.
 
 Rigid contacts only push and parts move by micrometres, so the stops of the output are the ends of a linear programme
-(``mechanism.limits``). Its dual is statics: half the
-backlash is the least sum of F_i delta_i over all loads F_i >= 0 that balance a unit torque on the output. With one
-clearance alone this has a closed form (`parts_alone`):
+(``mechanism.limits``). Its dual is statics: half the backlash is the least sum of F_i delta_i over all loads F_i >= 0
+that balance a unit torque on the output. With one clearance alone this has a closed form (`parts_alone`):
 
 - teeth, and pins in their sockets or sleeves, which are in series with them: the force per torque is least on the
   largest arm l of either sign, at most c (N-1): delta/max l + delta/max(-l), about 2 delta/(c (N-1)).

@@ -121,10 +121,16 @@ def curvature_rows(kind: str) -> list[Row]:
     exact = np.concatenate([teeth, holes])
     (before, _), (_, rate), (after, _) = (_bend(gear, mesh.t + step) for step in (-_TURN, 0.0, _TURN))
     twist = (after - before) / (2.0 * _TURN * rate)
-    ours_of_path = found.twist[: gear.ring_teeth]
     return [
         deviation(f"relative curvature, {kind}", 1e-3 * ours, 1e-3 * exact, "1/mm", "both surfaces", 1e-3),
-        deviation(f"rate of curvature, {kind}", 1e-6 * ours_of_path, 1e-6 * twist, "1/mm2", "a pin's path", 1e-3),
+        deviation(
+            f"rate of curvature, {kind}",
+            1e-6 * found.twist[: twist.size],
+            1e-6 * twist,
+            "1/mm2",
+            "a pin's path",
+            1e-3,
+        ),
     ]
 
 
@@ -142,8 +148,8 @@ def flank_rows(*changes: str) -> list[Row]:
     z = 1e-1 * np.append(np.tile(WAY[:3], design.gear.discs), WAY[3])
     flank = np.logical_not(_arcs_and_output(design, found.kind))
     widths, exact = found.width + found.slope @ z, []
-    for disc, roots, width in zip(found.disc[flank], found.owner[flank], widths[flank], strict=True):
-        mesh = ring_gaps(gear, pose_of(design, CRANK, z, disc), np.array([roots]))
+    for disc, root, width in zip(found.disc[flank], found.owner[flank], widths[flank], strict=True):
+        mesh = ring_gaps(gear, pose_of(design, CRANK, z, disc), np.array([root]))
         inside = mesh.distance[np.isfinite(mesh.B)] + profile_offset(design) - gear.pin_radius
         exact.append(inside[np.abs(inside - width).argmin()])
     name = ", ".join(("gaps of flanks", NONPIN, *changes))
@@ -158,9 +164,9 @@ def _arcs_and_output(design: Design, kinds: npt.NDArray[np.str_]) -> Mask:
 def sliding_rows(kind: str, *changes: str) -> list[Row]:
     """Hold the sliding of an ideal mesh against points fixed to both parts, over a small turn of the crank."""
     design = reducer_of(kind, *changes)
-    found, discs = gaps(design, CRANK), range(design.gear.discs)
+    found = gaps(design, CRANK)
     ours = (found.slip_slope @ ideal_motion(design, CRANK))[_arcs_and_output(design, found.kind)]
-    slid = [_slid(design, disc) for disc in discs]
+    slid = [_slid(design, disc) for disc in range(design.gear.discs)]
     exact = np.concatenate([of_disc[part] for part in (0, 1) for of_disc in slid])
     name = ", ".join(("sliding of the contacts", kind, *changes))
     return [deviation(name, 1e3 * ours, 1e3 * exact, "mm/rad", "points on both parts", 1e-5)]
@@ -168,9 +174,9 @@ def sliding_rows(kind: str, *changes: str) -> list[Row]:
 
 def _slid(design: Design, disc: int) -> tuple[Array, Array]:
     """Give how far a disc's teeth (N,) and holes (P,) slide on their mates with the crank [m/rad]."""
-    (gear_on, mate_on, _), (gear_at, mate_at, _) = (_points(design, CRANK + turn, disc) for turn in (_TURN, -_TURN))
+    after, before = (_points(design, CRANK + turn, disc) for turn in (_TURN, -_TURN))
     along = _points(design, CRANK, disc)[2]
-    slid = np.sum((gear_on - mate_on - gear_at + mate_at) * along, axis=1) / (2.0 * _TURN)
+    slid = np.sum((after[0] - after[1] - before[0] + before[1]) * along, axis=1) / (2.0 * _TURN)
     return slid[: design.ring.teeth], slid[design.ring.teeth :]
 
 
