@@ -16,6 +16,7 @@ from cycloid_mj.loaded.samples import alike, solve_samples
 from cycloid_mj.loaded.sliding import Held, Losses, rubbing_of
 from cycloid_mj.mechanism.kernel import (
     BALANCED,
+    CARRIES,
     FLOATING,
     FOLLOWED,
     Left,
@@ -83,7 +84,10 @@ def test_no_contact_that_is_closed_is_passed_over(name: str) -> None:
 
 
 def test_figures_of_a_sample_are_those_of_its_balances() -> None:
-    design = override(design_of("2"), ["errors.seed=4", "errors.disc_size_um=0.5", "errors.cam_position_um=0.5"])
+    sizes = ("pin_position", "hole_position", "eccentricity", "disc_size", "cam_position")
+    made = ["errors.seed=4", "errors.profile_cos_um={1=0.5}", *(f"errors.{name}_um=0.5" for name in sizes)]
+    design = override(design_of("2"), made)
+    design = design.but(stiffness=dict.fromkeys(design.pair_kinds, 3e8))
     cranks = np.linspace(0.0, 2.0 * np.pi, 4, endpoint=False)
     found = solve_samples(design, alike(design, 1), [36.0], cranks.size)[0]
     alone = loads(design, springs_of(design, cranks, friction=False), 36.0)
@@ -95,8 +99,9 @@ def test_figures_of_a_sample_are_those_of_its_balances() -> None:
         ("tooth", alone.teeth.max()),
         ("output_pin", alone.output.max()),
         ("cam", np.linalg.norm(alone.cam, axis=-1).max()),
+        ("carrying", np.sum(alone.teeth > CARRIES * alone.teeth.max()) / cranks.size),
     ):
-        assert getattr(found, name)[0] == pytest.approx(exact, rel=2e-3), name
+        assert getattr(found, name)[0] == pytest.approx(exact, rel=1e-6), name
 
 
 def differences(at: Callable[[np.ndarray], State], z: np.ndarray, what: str, step: float = 1e-9) -> np.ndarray:
@@ -122,26 +127,6 @@ def test_forces_are_the_descent_of_the_energy_and_stiffness_that_of_the_forces(n
     if size < 1e-5:  # farther away a curve that turns counts as its circle: its stiffness as a way to the balance
         stiffness = differences(at, z, "residual")
         np.testing.assert_allclose(stiffness, found.stiffness, rtol=0.0, atol=2e-7 * np.abs(stiffness).max())
-
-
-@pytest.mark.parametrize("held", HELD)
-@pytest.mark.parametrize("name", ["pin", "twodisc", "printed", "few"])
-def test_so_they_are_after_a_step_with_friction(name: str, held: Held) -> None:
-    """With its limits given; where they follow from the normal forces, there is a stiffness, but no energy."""
-    loose, rubs = rubbed(name, held)
-    contacts = loose.contacts
-    before, load = pose(contacts, 2e-6), pose(contacts, 100.0)
-    z = before + pose(contacts, 1e-7)[::-1]
-    for given in (True, False):
-
-        def at(z: np.ndarray, given: bool = given) -> State:
-            return state_after(contacts, rubs, before, load, z, given)
-
-        found, stiffness = at(z), differences(at, z, "residual", 1e-10)
-        np.testing.assert_allclose(stiffness, found.stiffness, rtol=0.0, atol=2e-7 * np.abs(stiffness).max())
-        if given:
-            bound = 2e-7 * np.abs(found.residual).max()
-            np.testing.assert_allclose(differences(at, z, "energy", 1e-10), found.residual, rtol=0.0, atol=bound)
 
 
 TURN = (0.3, 0.375, 0.45)
@@ -202,6 +187,27 @@ def test_a_loop_takes_few_steps(name: str) -> None:
     for left, most in zip(found, LOOPS[name], strict=True):
         assert left.force == 0.0
         assert 0.8 * most < left.work <= 1.02 * most + 1
+
+
+@pytest.mark.parametrize(
+    ("name", "held"), [("pin", "crank"), ("printed", "crank"), ("few", "output"), ("twodisc", "output")]
+)
+def test_forces_after_a_step_with_friction_are_the_descent_of_the_energy(name: str, held: Held) -> None:
+    """With friction's limits given; where they follow from the normal forces, there is a stiffness, but no energy."""
+    loose, rubs = rubbed(name, held)
+    contacts = loose.contacts
+    before, load = pose(contacts, 2e-6), pose(contacts, 100.0)
+    z = before + pose(contacts, 1e-7)[::-1]
+    for given in (True, False):
+
+        def at(z: np.ndarray, given: bool = given) -> State:
+            return state_after(contacts, rubs, before, load, z, given)
+
+        found, stiffness = at(z), differences(at, z, "residual", 1e-10)
+        np.testing.assert_allclose(stiffness, found.stiffness, rtol=0.0, atol=2e-7 * np.abs(stiffness).max())
+        if given:
+            bound = 2e-7 * np.abs(found.residual).max()
+            np.testing.assert_allclose(differences(at, z, "energy", 1e-10), found.residual, rtol=0.0, atol=bound)
 
 
 def test_what_was_searched_before_leaves_a_slow_search_its_time() -> None:

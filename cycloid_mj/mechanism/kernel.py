@@ -438,7 +438,7 @@ def state(springs: Springs, k: int, load: Array, z: Array) -> State:
     none = np.zeros(springs.disc.size + springs.cam_place.shape[1], np.bool_)
     energy = _assemble(springs, k, load, z, none, system)
     for j in range(number):
-        for m in range(j + 1, number):
+        for m in range(j, number):
             system.tangent[j, m] = system.tangent[m, j]
     return State(energy, system.residual, system.tangent)
 
@@ -865,7 +865,7 @@ def _roll_off(matrix: Array, right: Array, out: Array, floating: float) -> None:
     number = right.size
     for j in range(number):
         out[j] = 0.0
-        for m in range(j + 1, number):
+        for m in range(j, number):
             matrix[j, m] = matrix[m, j]
     values, vectors = np.linalg.eigh(matrix)
     for m in range(number):

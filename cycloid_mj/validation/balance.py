@@ -314,11 +314,11 @@ STATICS: tuple[Callable[[], list[Row]], ...] = (
     partial(balance_rows, TWO, "output.member=ring"),
     closed_rows,
     *(partial(work_rows, built) for built in (TWO, THREE)),
+    sample_rows,
     partial(path_rows, ONE, REACH, 30),
     partial(path_rows, ONE, REACH, 3),
     partial(path_rows, TWO),
     floating_rows,
-    sample_rows,
     partial(balance_rows, ONE, torque=46.242156657309984, crank=0.7),
 )
 """Give the rows, the quick ones first. In the last a tooth rests where its curve is cut off, and is searched again."""
