@@ -34,7 +34,7 @@ KERNEL = "kernel.py"
 """The balance: the rows of gaps and stops, and the search that they are held against, add nothing to its own."""
 
 TESTS = ("test_limits.py", "test_mechanism.py", "test_kernel.py")
-KERNEL_TESTS = ("test_kernel.py", "test_mechanism.py")
+KERNEL_TESTS = ("test_mechanism.py", "test_kernel.py")
 MODEL_TESTS = ("test_reducer.py",)
 
 SECONDS = 30
