@@ -41,6 +41,9 @@ NEAR, AWAY, FAR = 2e-6, 2e-5, 1e-4
 """Displacements [m]: near, gaps are exact to a part in 10^5; away, contacts leave the part of their curves that is
 known to third order, and far, all of them have."""
 
+TURNED = 5e-4
+"""Way of the output pins' circle [m] in a turn of the disc that counts to the second order."""
+
 SLIP = 1e-7
 """Displacements of a step [m] in which some surfaces stick and some slip."""
 
@@ -124,6 +127,17 @@ def stiffness_row(springs: Springs, built: str, size: float) -> Row:
         "differences of forces",
         bound,
     )
+
+
+def turned_rows() -> list[Row]:
+    """Hold the gradient of gaps after a large turn, where it counts to the second order, against their differences."""
+    springs, _ = pressed(made(ONE))
+    z, step = TURNED * np.eye(springs.slope.shape[2])[2], 1e-7
+    pairs = [(i, way) for i in range(springs.disc.size) for way in np.eye(z.size)]
+    ours = np.array([gap(springs, 0, i, z).ahead @ way for i, way in pairs])
+    ahead, behind = (np.array([gap(springs, 0, i, z + side * way).width for i, way in pairs]) for side in (step, -step))
+    source = "differences of gaps"
+    return [deviation("gradient of gaps, far turned", ours, (ahead - behind) / (2.0 * step), "1", source, 5e-6)]
 
 
 def closed_rows() -> list[Row]:
@@ -312,6 +326,7 @@ STATICS: tuple[Callable[[], list[Row]], ...] = (
     *(partial(step_rows, built) for built in (ONE, TWO)),
     *(partial(balance_rows, built) for built in BUILT),
     partial(balance_rows, TWO, "output.member=ring"),
+    turned_rows,
     closed_rows,
     *(partial(work_rows, built) for built in (TWO, THREE)),
     sample_rows,
