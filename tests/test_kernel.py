@@ -300,14 +300,37 @@ def test_a_disc_rubs_its_cam_across_its_way() -> None:
         assert 0 < slipped < len(path)
 
 
-@pytest.mark.parametrize("name", ["pin", "2", "light", "few"])
-def test_the_normal_turns_at_its_rate(name: str) -> None:
-    """The second derivative of a gap by the place of its disc: how fast its normal turns with the way along it."""
-    contacts, step = springs(name), 1e-8
-    z = pose(contacts, 5e-6)
-    for i, disc in enumerate(contacts.disc):
-        found, ways = gap(contacts, 0, i, z), step * np.eye(z.size)[3 * disc : 3 * disc + 2]
-        sides = [[gap(contacts, 0, i, z + s * way).ahead[:2] for way in ways] for s in (1, -1)]
-        turn = (np.array(sides[0]) - np.array(sides[1])) / (2.0 * step)
-        aside = np.array(found.aside[:2])
-        np.testing.assert_allclose(found.rate * np.outer(aside, aside), turn, rtol=0.0, atol=1e-4 * np.abs(turn).max())
+@pytest.mark.parametrize("across", [-2e-5, -1e-6, 1e-6, 2e-5])
+@pytest.mark.parametrize("name", ["pin", "light", "few"])
+def test_gaps_fall_with_their_gradient_and_normals_turn_at_their_rate(name: str, across: float) -> None:
+    """Of curves far apart, too: the exact foot of a normal in a valley is found there, the rate where it has one."""
+    contacts, step = springs(name), 1e-9
+    rest = np.zeros(contacts.slope.shape[2])
+    for along in np.array([-3.5e-4, -1e-4, 8e-5, 3e-4]) * contacts.trochoid[0]:
+        moved = contacts._replace(
+            distance=np.full(contacts.distance.shape, across), shift=np.full(contacts.shift.shape, along)
+        )
+        gradient, rate = [], []
+        for i in np.flatnonzero(contacts.turning):
+            here, ways = gap(moved, 0, i, rest), step * np.eye(rest.size)[:2]
+            sides = [[gap(moved, 0, i, s * way) for way in ways] for s in (1, -1)]
+            widths, normals = ([[getattr(one, what) for one in side] for side in sides] for what in ("width", "ahead"))
+            aside = np.array(here.aside[:2])
+            gradient.append([here.ahead[:2], np.subtract(*widths) / (2.0 * step)])
+            rate.append([here.rate * np.outer(aside, aside), np.subtract(*normals)[:, :2] / (2.0 * step)])
+        np.testing.assert_allclose(*np.swapaxes(gradient, 0, 1), rtol=0.0, atol=1e-7)
+        if abs(across) < 1e-5:
+            ours, exact = np.swapaxes(rate, 0, 1)
+            np.testing.assert_allclose(ours, exact, rtol=0.0, atol=6e-6 * np.abs(exact).max())
+
+
+def test_the_width_goes_on_without_a_step_where_a_curve_is_cut_off() -> None:
+    """Where the third order may no more be relied on, the straight rest of a curve of several discs begins smoothly."""
+    contacts = springs("2")
+    rest, size = np.zeros(contacts.slope.shape[2]), contacts.trochoid[0]
+    step = 2e-6 * size
+    cut = np.flatnonzero(contacts.turning & (contacts.bend[0] > 0.0) & (contacts.twist[0] != 0.0))
+    for i in cut[:: cut.size // 4]:
+        moved = (contacts._replace(shift=np.full(contacts.shift.shape, p)) for p in np.arange(-1e-3, 1e-3, 2e-6) * size)
+        width = np.array([gap(one, 0, i, rest).width for one in moved])
+        assert np.abs(np.diff(width, 2)).max() < 1.02 * step**2 * contacts.bend[0, i]

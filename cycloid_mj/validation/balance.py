@@ -5,6 +5,7 @@ Without a simulation. Every clearance and manufacturing error is there, and unli
 
 from collections.abc import Callable, Iterator
 from functools import partial
+from itertools import product
 
 import numpy as np
 
@@ -43,6 +44,9 @@ known to third order, and far, all of them have."""
 
 TURNED = 5e-4
 """Way of the output pins' circle [m] in a turn of the disc that counts to the second order."""
+
+ACROSS, ALONG = (-2e-5, 2e-5), (-1.4e-5, -5e-6, 3e-6, 1.2e-5)
+"""How far curves are apart, across and along their ideal contact [m]."""
 
 SLIP = 1e-7
 """Displacements of a step [m] in which some surfaces stick and some slip."""
@@ -129,24 +133,69 @@ def stiffness_row(springs: Springs, built: str, size: float) -> Row:
     )
 
 
-def turned_rows() -> list[Row]:
-    """Hold the gradient of gaps after a large turn, where it counts to the second order, against their differences."""
+def gradient_rows() -> list[Row]:
+    """Hold the gradient of gaps against their differences: after a large turn, and of curves far apart.
+
+    A large turn counts to the second order; far from a valley the foot of a normal is hardest to find.
+    """
     springs, _ = pressed(made(ONE))
-    z, step = TURNED * np.eye(springs.slope.shape[2])[2], 1e-7
-    pairs = [(i, way) for i in range(springs.disc.size) for way in np.eye(z.size)]
-    ours = np.array([gap(springs, 0, i, z).ahead @ way for i, way in pairs])
-    ahead, behind = (np.array([gap(springs, 0, i, z + side * way).width for i, way in pairs]) for side in (step, -step))
-    source = "differences of gaps"
-    return [deviation("gradient of gaps, far turned", ours, (ahead - behind) / (2.0 * step), "1", source, 5e-6)]
+    rest, source = np.zeros(springs.slope.shape[2]), "differences of gaps"
+    apart = [
+        springs._replace(distance=np.full(springs.distance.shape, q), shift=np.full(springs.shift.shape, p))
+        for q, p in product(ACROSS, ALONG)
+    ]
+    turned = _gradients(springs, TURNED * np.eye(rest.size)[2], 1e-7)
+    far = np.concatenate([_gradients(one, rest, 1e-9) for one in apart], axis=1)
+    return [
+        deviation("gradient of gaps, far turned", *turned, "1", source, 5e-6),
+        deviation("gradient of gaps, far apart", *far, "1", source, 1e-5),
+    ]
+
+
+def _gradients(springs: Springs, z: Array, step: float) -> Array:
+    """Give the gradients of all gaps [1] and what differences of the gaps make of them, shape (2, n u)."""
+    ways = step * np.eye(z.size)
+    found = []
+    for i in range(springs.disc.size):
+        sides = [[gap(springs, 0, i, z + sign * way).width for way in ways] for sign in (1, -1)]
+        found.append([gap(springs, 0, i, z).ahead, np.subtract(*sides) / (2.0 * step)])
+    return np.concatenate(found, axis=1)
+
+
+def normal_rows() -> list[Row]:
+    """Hold how fast normals turn with the way along the surface against differences of normals.
+
+    The most curved teeth decide: those in valleys, which are taken along the exact curve.
+    """
+    springs, _ = pressed(made(ONE))
+    z, step = way(springs.slope.shape[2], 2.5 * NEAR), 1e-9
+    rates, turns = [], []
+    for i in range(springs.disc.size):
+        found = gap(springs, 0, i, z)
+        aside = np.array(found.aside[:2])
+        rates.append(found.rate * np.outer(aside, aside))
+        sides = [
+            [gap(springs, 0, i, z + sign * one).ahead[:2] for one in step * np.eye(z.size)[:2]] for sign in (1, -1)
+        ]
+        turns.append(np.subtract(*sides) / (2.0 * step))
+    ours, exact, source = 1e-3 * np.ravel(rates), 1e-3 * np.ravel(turns), "differences of normals"
+    return [deviation("rate at which normals turn", ours, exact, "1/mm", source, 1.5e-4)]
 
 
 def closed_rows() -> list[Row]:
-    """Hold the energy of gaps drawn at random, however wide, against the sum over all that are closed."""
+    """Hold the energy of gaps drawn at random, however wide, against the sum over all that are closed.
+
+    And of gaps that are hardly open or closed, which must not pass for open.
+    """
     springs, _ = pressed(made(ONE))
     draw, shape = np.random.default_rng(6).uniform, springs.distance.shape
+    drawn = [
+        springs._replace(distance=draw(-size, size, shape), shift=draw(-size, size, shape))
+        for size in np.outer(np.repeat((1e-6, 5e-6), 40), np.where(springs.turning, 1.0, 200.0))  # holes are circles
+    ]
+    touching = [springs._replace(distance=draw(-1e-9, 1e-9, shape) - springs.room, shift=np.zeros(shape))]
     load, found, exact = np.zeros(springs.slope.shape[2]), [], []
-    for size in np.outer(np.repeat((1e-6, 5e-6), 40), np.where(springs.turning, 1.0, 200.0)):  # holes are circles
-        apart = springs._replace(distance=draw(-size, size, shape), shift=draw(-size, size, shape))
+    for apart in drawn + touching:
         widths = np.array([gap(apart, 0, i, load).width for i in range(springs.disc.size)])
         found.append(state(apart, 0, load, load).energy - state(far_apart(apart), 0, load, load).energy)
         exact.append(0.5 * apart.stiffness[0] @ np.minimum(widths, 0.0) ** 2)
@@ -326,7 +375,8 @@ STATICS: tuple[Callable[[], list[Row]], ...] = (
     *(partial(step_rows, built) for built in (ONE, TWO)),
     *(partial(balance_rows, built) for built in BUILT),
     partial(balance_rows, TWO, "output.member=ring"),
-    turned_rows,
+    gradient_rows,
+    normal_rows,
     closed_rows,
     *(partial(work_rows, built) for built in (TWO, THREE)),
     sample_rows,
