@@ -83,27 +83,6 @@ def test_no_contact_that_is_closed_is_passed_over(name: str) -> None:
         assert state(apart, 0, rest, rest).energy == pytest.approx(0.5 * stored, rel=1e-12)
 
 
-def test_figures_of_a_sample_are_those_of_its_balances() -> None:
-    sizes = ("pin_position", "hole_position", "eccentricity", "disc_size", "cam_position")
-    made = ["errors.seed=4", "errors.profile_cos_um={1=0.5}", *(f"errors.{name}_um=0.5" for name in sizes)]
-    design = override(design_of("2"), made)
-    design = design.but(stiffness=dict.fromkeys(design.pair_kinds, 3e8))
-    cranks = np.linspace(0.0, 2.0 * np.pi, 4, endpoint=False)
-    found = solve_samples(design, alike(design, 1), [36.0], cranks.size)[0]
-    alone = loads(design, springs_of(design, cranks, friction=False), 36.0)
-    for name, exact in (
-        ("gear_mean", alone.gear_turn.mean()),
-        ("gear_range", np.ptp(alone.gear_turn)),
-        ("output_mean", alone.output_turn.mean()),
-        ("output_range", np.ptp(alone.output_turn)),
-        ("tooth", alone.teeth.max()),
-        ("output_pin", alone.output.max()),
-        ("cam", np.linalg.norm(alone.cam, axis=-1).max()),
-        ("carrying", np.sum(alone.teeth > CARRIES * alone.teeth.max()) / cranks.size),
-    ):
-        assert getattr(found, name)[0] == pytest.approx(exact, rel=1e-6), name
-
-
 def differences(at: Callable[[np.ndarray], State], z: np.ndarray, what: str, step: float = 1e-9) -> np.ndarray:
     """Give by how much energy or forces fall with each departure [m]; that of forces is a stiffness."""
     sides = [[getattr(at(z + s * step * axis), what) for axis in np.eye(z.size)] for s in (-1, 1)]
@@ -127,6 +106,27 @@ def test_forces_are_the_descent_of_the_energy_and_stiffness_that_of_the_forces(n
     if size < 1e-5:  # farther away a curve that turns counts as its circle: its stiffness as a way to the balance
         stiffness = differences(at, z, "residual")
         np.testing.assert_allclose(stiffness, found.stiffness, rtol=0.0, atol=2e-7 * np.abs(stiffness).max())
+
+
+def test_figures_of_a_sample_are_those_of_its_balances() -> None:
+    sizes = ("pin_position", "hole_position", "eccentricity", "disc_size", "cam_position")
+    made = ["errors.seed=4", "errors.profile_cos_um={1=0.5}", *(f"errors.{name}_um=0.5" for name in sizes)]
+    design = override(design_of("2"), made)
+    design = design.but(stiffness=dict.fromkeys(design.pair_kinds, 3e8))
+    cranks = np.linspace(0.0, 2.0 * np.pi, 4, endpoint=False)
+    found = solve_samples(design, alike(design, 1), [36.0], cranks.size)[0]
+    alone = loads(design, springs_of(design, cranks, friction=False), 36.0)
+    for name, exact in (
+        ("gear_mean", alone.gear_turn.mean()),
+        ("gear_range", np.ptp(alone.gear_turn)),
+        ("output_mean", alone.output_turn.mean()),
+        ("output_range", np.ptp(alone.output_turn)),
+        ("tooth", alone.teeth.max()),
+        ("output_pin", alone.output.max()),
+        ("cam", np.linalg.norm(alone.cam, axis=-1).max()),
+        ("carrying", np.sum(alone.teeth > CARRIES * alone.teeth.max()) / cranks.size),
+    ):
+        assert getattr(found, name)[0] == pytest.approx(exact, rel=1e-6), name
 
 
 TURN = (0.3, 0.375, 0.45)

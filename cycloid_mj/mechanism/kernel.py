@@ -622,7 +622,7 @@ def _assemble(springs: Springs, k: int, load: Array, z: Array, kept: Mask, syste
     for j in range(number):
         energy -= load[j] * z[j]
         residual[j] = load[j]
-        for m in range(j + 1):
+        for m in range(number):
             tangent[j, m] = 0.0
     straight = _straight(springs)
     for disc in range(springs.cam_place.shape[1]):
