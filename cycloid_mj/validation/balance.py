@@ -144,21 +144,20 @@ def gradient_rows() -> list[Row]:
         springs._replace(distance=np.full(springs.distance.shape, q), shift=np.full(springs.shift.shape, p))
         for q, p in product(ACROSS, ALONG)
     ]
-    turned = _gradients(springs, TURNED * np.eye(rest.size)[2], 1e-7)
-    far = np.concatenate([_gradients(one, rest, 1e-9) for one in apart], axis=1)
+    turned, of_turned = _gradients(springs, TURNED * np.eye(rest.size)[2], 1e-7)
+    far, of_far = np.concatenate([_gradients(one, rest, 1e-9) for one in apart], axis=1)
     return [
-        deviation("gradient of gaps, far turned", *turned, "1", source, 5e-6),
-        deviation("gradient of gaps, far apart", *far, "1", source, 1e-5),
+        deviation("gradient of gaps, far turned", turned, of_turned, "1", source, 5e-6),
+        deviation("gradient of gaps, far apart", far, of_far, "1", source, 1e-5),
     ]
 
 
 def _gradients(springs: Springs, z: Array, step: float) -> Array:
     """Give the gradients of all gaps [1] and what differences of the gaps make of them, shape (2, n u)."""
-    ways = step * np.eye(z.size)
-    found = []
+    ways, found = step * np.eye(z.size), []
     for i in range(springs.disc.size):
-        sides = [[gap(springs, 0, i, z + sign * way).width for way in ways] for sign in (1, -1)]
-        found.append([gap(springs, 0, i, z).ahead, np.subtract(*sides) / (2.0 * step)])
+        ahead, behind = (np.array([gap(springs, 0, i, z + side).width for side in sides]) for sides in (ways, -ways))
+        found.append([gap(springs, 0, i, z).ahead, (ahead - behind) / (2.0 * step)])
     return np.concatenate(found, axis=1)
 
 
@@ -169,15 +168,13 @@ def normal_rows() -> list[Row]:
     """
     springs, _ = pressed(made(ONE))
     z, step = way(springs.slope.shape[2], 2.5 * NEAR), 1e-9
-    rates, turns = [], []
+    ways, rates, turns = step * np.eye(z.size)[:2], [], []
     for i in range(springs.disc.size):
         found = gap(springs, 0, i, z)
         aside = np.array(found.aside[:2])
+        ahead, behind = (np.array([gap(springs, 0, i, z + side).ahead for side in sides]) for sides in (ways, -ways))
         rates.append(found.rate * np.outer(aside, aside))
-        sides = [
-            [gap(springs, 0, i, z + sign * one).ahead[:2] for one in step * np.eye(z.size)[:2]] for sign in (1, -1)
-        ]
-        turns.append(np.subtract(*sides) / (2.0 * step))
+        turns.append((ahead - behind)[:, :2] / (2.0 * step))
     ours, exact, source = 1e-3 * np.ravel(rates), 1e-3 * np.ravel(turns), "differences of normals"
     return [deviation("rate at which normals turn", ours, exact, "1/mm", source, 1.5e-4)]
 
