@@ -18,7 +18,7 @@ from pathlib import Path
 
 import pytest
 from browser import CHROMIUM, DRIVER, MISSING, browser, errors
-from designs import UNLIKE, unlike
+from designs import UNLIKE, cases, unlike
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
 
@@ -73,7 +73,7 @@ def test_figures_follow_the_design() -> None:
     assert hours[0] > 4.0 * hours[1]
 
 
-@pytest.mark.parametrize("design", DESIGNS.values(), ids=DESIGNS)
+@pytest.mark.parametrize("design", cases(DESIGNS.values(), PRESETS["twodisc"], unlike("light")), ids=DESIGNS)
 def test_every_design_has_its_figures(design: Design) -> None:
     wanted = {"backlash", "lost motion at +-3 %", "transmission error, peak to peak", "efficiency"}
     assert wanted <= {line.name for line in static_lines(design)}

@@ -179,6 +179,7 @@ KNOWN = {
 """A printed drive of 13:1, and a steel one of 6:1 with free pins."""
 
 
+@pytest.mark.slow
 def test_known_values_come_back() -> None:
     """Both kinds of friction, which a loop hardly tells apart, from starts far off, in intervals of 95 %."""
     known = Known(KNOWN["printed"].design, KNOWN["printed"].values | {"drag_travel": 0.0}, 20.0)

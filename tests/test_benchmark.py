@@ -16,6 +16,7 @@ import passes  # noqa: E402
 import sweeping  # noqa: E402
 
 
+@pytest.mark.slow
 def test_a_step_is_its_parts() -> None:
     """Own work and narrow phase make up the bare step, and the loop adds to it; a loaded machine costs 50 %."""
     case = passes.example("nonpin", 36.0, 2_000)

@@ -125,7 +125,7 @@ def test_flanks_are_balanced_and_as_many_as_curvature_asks() -> None:
     assert found.max_overfill == pytest.approx(found.max_underfill, rel=0.05)
 
 
-@pytest.mark.parametrize("make", [gear_teeth, ring_lobes])
+@pytest.mark.parametrize("make", cases([gear_teeth, ring_lobes], ring_lobes))
 def test_the_error_is_of_second_order_in_the_width(make: object) -> None:
     """A chord's sagitta goes with its width squared: four times the error, half the slices."""
     coarse, fine = (make(NONPIN, finer(error)) for error in (4e-7, 1e-7))  # type: ignore[operator]
@@ -268,6 +268,7 @@ def test_surfaces_follow_the_kind_of_ring() -> None:
     assert names(override(PIN, ["ring.pins=fixed"])) == ["teeth", "bore", "hole"]
 
 
+@pytest.mark.slow
 def test_discs_of_unlike_size_have_teeth_of_their_own() -> None:
     """Those of a disc larger by 2 um stand out by that; the discs that are alike share what they are."""
     design = override(PIN, ["gear.discs=3", "errors.disc_dr_um={2=2.0}"])

@@ -60,6 +60,7 @@ def test_the_torque_of_the_bearings_goes_by_their_law(sheet) -> None:
     assert told(sheet)["bearing_torque"].value == pytest.approx(by_law, rel=0.03)
 
 
+@pytest.mark.slow
 def test_a_longer_life_is_asked_of_a_smaller_torque() -> None:
     torques = [rated_torque(PIN, PIN.drive.speed, life)[0] for life in (1000.0, 6000.0)]
     assert torques[0] / torques[1] > 1.15
@@ -150,6 +151,7 @@ def test_nothing_is_clipped_and_no_text_lies_on_another(sheet, name: str) -> Non
             assert not first.padded(-0.5).overlaps(second.padded(-0.5)), (one[0], other[0])
 
 
+@pytest.mark.slow
 def test_the_pdf_has_two_pages_and_is_the_same_each_time(sheet) -> None:
     first, second = (document(datasheet_pages(sheet)) for _ in range(2))
     assert first == second

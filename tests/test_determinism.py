@@ -31,6 +31,7 @@ sys.stdout.write(found.hexdigest())
 """Free pins without a ramp rattle from the first step on: a last bit anywhere would be seen."""
 
 
+@pytest.mark.slow
 def test_a_run_is_the_same_bit_for_bit_with_any_number_of_threads() -> None:
     found = []
     for threads in ("1", "2"):

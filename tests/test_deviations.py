@@ -436,7 +436,7 @@ DISPLACED = {
 }
 
 
-@pytest.mark.parametrize("name", DISPLACED)
+@pytest.mark.parametrize("name", cases(DISPLACED, "a fixed pin", "turned flanks", "waves, nonpin"))
 def test_load_sharing_is_the_independent_solution(name: str) -> None:
     """At a standstill's pace, frictionless: forces of the teeth within 2 % of the largest."""
     kind, changes = DISPLACED[name]

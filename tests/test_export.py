@@ -249,6 +249,7 @@ def test_gear_splines_start_and_end_in_the_valleys() -> None:
         np.testing.assert_allclose(ends, root - PIN.clearance.pin_gear, atol=1e-15)
 
 
+@pytest.mark.slow
 def test_step_solids_have_the_parts_volumes() -> None:
     pytest.importorskip("gmsh")
     solids = parts(NONPIN)

@@ -13,6 +13,7 @@ from itertools import pairwise
 
 import pytest
 from cyclopts import App
+from designs import cases
 
 from cycloid_mj.cli import main
 from cycloid_mj.cli.app import application
@@ -55,7 +56,7 @@ def test_pages_are_those_of_every_command():
     assert {("measure", "te"), ("design", "check"), ("log", "repair"), ("simulate",)} <= set(PAGES)
 
 
-@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("width", cases(WIDTHS, WIDTHS[-1]))
 def test_help_in_a_terminal_is_as_wide_as_the_terminal_but_for_very_wide_ones(width):
     ours, theirs = pty.openpty()
     fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 40, width, 0, 0))

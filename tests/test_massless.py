@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import mujoco
 import numpy as np
 import pytest
-from designs import unlike
+from designs import cases, unlike
 
 from cycloid_mj.cli import main
 from cycloid_mj.contact.collider import installed
@@ -90,7 +90,7 @@ def test_the_stiffness_follows_the_curvature_as_that_of_two_springs():
     assert max(factors) > 1.5 * min(factors)
 
 
-@pytest.mark.parametrize("name", ["pin", "large"])
+@pytest.mark.parametrize("name", cases(["pin", "large"], "pin"))
 def test_loaded_means_are_those_of_real_pins(name):
     """At steps that no real pin bears the means are the same."""
     real = loaded(MOVING[name])

@@ -85,6 +85,7 @@ def test_the_same_seed_gives_the_same_points_wherever_they_are_evaluated(monkeyp
     assert one.rows[5].values != other.rows[5].values
 
 
+@pytest.mark.slow
 def test_whole_numbers_are_tried_one_by_one_and_holes_follow() -> None:
     """The fewest teeth have the largest lobes; the ratio changes, and the torque on the output stays."""
     vary = {"ring.teeth": "33:38", "gear.eccentricity_mm": (0.3, 1.0), "output.pins": [6, 8]}
@@ -120,6 +121,7 @@ def test_a_front_trades_one_objective_for_the_other() -> None:
     assert isinstance(found.as_json()["objective"], list)
 
 
+@pytest.mark.slow
 def test_the_paper_s_design_presses_its_teeth_less_in_the_same_housing() -> None:
     """Rated torque, same housing, no more backlash: docs/explore.md has a longer search, and its price."""
     before = sheet(PIN).quantities

@@ -156,6 +156,7 @@ def test_a_fluctuation_depends_on_what_the_paper_leaves_open_alone():
     assert by_key(given)["gear_speed"].verdict == "disagrees"
 
 
+@pytest.mark.slow
 def test_the_rated_load_changes_no_verdict(calm):
     turned = vibration.vibration(FEW, rated_turned, silent)
     assert {key: each.verdict for key, each in by_key(turned).items()} == {
@@ -455,6 +456,7 @@ def all_verdicts(module, idle):
     return {claim.key: claim for claim in found}
 
 
+@pytest.mark.slow
 def test_no_sentence_decides_a_verdict(scrambled, idle):
     plain = all_verdicts(lambda name: globals()[name], idle)
     other = all_verdicts(scrambled, idle)

@@ -122,6 +122,7 @@ def test_the_heaviest_angles_of_a_start_are_solved_for():
     assert both.labels == many.labels
 
 
+@pytest.mark.slow
 def test_a_wider_play_needs_longer_facets_to_jam():
     loose = override(NONPIN, ["clearance.tooth_um=300.0"])
     assert soft_idle(loose, STEEL, 50e-6, 1, 0).tooth < 0.5 * turned(50e-6).tooth

@@ -302,6 +302,7 @@ def test_no_global_figure_state_is_touched():
 # --- files
 
 
+@pytest.mark.slow
 def test_files_come_out_the_same_twice(motion, tmp_path):
     formats = ("png", "svg", "pdf")
     drawn = ({"fig9_pin1": pin_figure(motion, motion.pin_1)} for _ in "ab")

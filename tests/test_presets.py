@@ -55,6 +55,10 @@ def test_the_printed_drive_has_the_backlash_of_its_drawing() -> None:
     assert math.degrees(summary(PRINTED).backlash) == pytest.approx(PLAY, rel=0.01)
     _, turn = play.over_a_turn(PRINTED)
     assert math.degrees(turn.mean()) == pytest.approx(PLAY, rel=0.01)
+
+
+@pytest.mark.slow
+def test_the_printed_drive_is_pressed_to_its_backlash() -> None:
     angles = [float(angle) for angle in bench.crank_angles(PRINTED, 2)]
     found = [press(bench.ideal(PRINTED), angle, longer=2.0).backlash for angle in angles]
     assert found == pytest.approx(play.total(PRINTED, angles).tolist(), rel=0.005)

@@ -191,6 +191,7 @@ def test_decimation_keeps_every_extreme_in_its_place():
     assert same is values
 
 
+@pytest.mark.slow
 def test_page_of_a_long_run_stays_small():
     design = override(PRESETS["nonpin"], ["drive.ramp_s=0", "drive.hold_s=5.0"])
     page = report({"a.mcap": made_run(design, 50_000)})

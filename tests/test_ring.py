@@ -184,12 +184,12 @@ def brute_minima(gaps, coarse: np.ndarray) -> list[float]:
 
 
 def test_gap_equals_brute_force_in_random_poses(rig: Rig) -> None:
-    """250 poses within 5 um and 5e-5 rad: every minimum of the gap along a lobe is found, and nothing else."""
+    """100 poses within 5 um and 5e-5 rad: every minimum of the gap along a lobe is found, and nothing else."""
     gear, rng = rig.gear, np.random.default_rng(3)
     brute = BruteForce(gear, gear.pin_radius + rig.design.clearance.tooth)
     coarse = np.linspace(-2.0, 2.0, 321)
     flanks = 0
-    for _ in range(250):
+    for _ in range(100):
         crank, shift, turn = rng.uniform(0, 2 * np.pi), rng.uniform(-5e-6, 5e-6, 2), rng.uniform(-5e-5, 5e-5)
         lobe = round((-crank + rng.uniform(-0.7, 0.7)) * 36 / (2 * np.pi)) % 36
 
@@ -207,7 +207,7 @@ def test_gap_equals_brute_force_in_random_poses(rig: Rig) -> None:
         on_ring = mine[:, 2:4] + 0.5 * mine[:, 1:2] * mine[:, 4:6]
         seen = brute.gap(turned(on_ring - rig.centre(crank, shift), rig.angle(crank, turn)))
         assert np.abs(seen - mine[:, 1]).max(initial=0.0) < 1e-9
-    assert flanks > 25
+    assert flanks > 8
 
 
 @pytest.mark.parametrize("name", ["paper", "steep"])
@@ -216,7 +216,7 @@ def test_no_contact_is_missed_in_a_sweep(name: str) -> None:
     rig = Rig(nonpin("clearance.tooth_um=20.0", *DESIGNS[name]), margin=1e-4)
     shift, turn = np.array([2.5e-6, -3e-6]), 2e-5
     pitch = 2 * np.pi / rig.design.ring.teeth
-    cranks = np.linspace(0.3, 0.3 + 1.3 * pitch, 1500 if name == "paper" else 250)
+    cranks = np.linspace(0.3, 0.3 + 1.3 * pitch, 600 if name == "paper" else 250)
     smallest = np.array([rig.contacts(crank, shift, turn)[:, 1].min() for crank in cranks])
     steps = np.abs(np.diff(smallest))
     assert steps.max() < 1.5 * 4e-6 * (cranks[1] - cranks[0]) * rig.design.ring.teeth

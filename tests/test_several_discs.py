@@ -385,6 +385,7 @@ def mesh_orders(teeth: int, discs: int) -> dict[int, float]:
     return {k: 2.0 * float(abs(np.mean(error * np.exp(-1j * k * teeth * turn["crank_angle"])))) for k in (1, 2)}
 
 
+@pytest.mark.slow
 def test_two_discs_average_away_odd_mesh_orders_of_odd_rings_alone() -> None:
     """Equal spacing takes the crank orders k N that the number of discs does not divide; an even N gains nothing."""
     even, odd = ([mesh_orders(teeth, discs) for discs in (1, 2)] for teeth in (30, 31))

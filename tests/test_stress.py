@@ -526,7 +526,7 @@ def test_the_swing_of_the_ring_is_that_of_its_bulk(pin_run, tmp_path):
     from cycloid_mj.rating.ranges import read_ranges
     from cycloid_mj.stress.study import StudySettings, stress_study
 
-    study = stress_study(pin_run, PIN, ["ring"], StudySettings(angles=12, refinement=0.4, checked=1))
+    study = stress_study(pin_run, PIN, ["ring"], StudySettings(angles=12, refinement=0.3, checked=1))
     found = study.findings["ring"]
     largest = found.swing.amplitude + abs(found.swing.mean)
     assert 0.6 * found.bulk.max() < largest < 1.05 * found.bulk.max()
