@@ -31,7 +31,7 @@ from cycloid_mj.design import Design, dump
 from cycloid_mj.errors import RunError, warn
 from cycloid_mj.interrupt import give_way
 from cycloid_mj.mechanism.reducer import mechanism
-from cycloid_mj.mjcf import ReducerModel, addresses, build, sensors, xml
+from cycloid_mj.mjcf import ReducerModel, addresses, build, sensors, unused, xml
 from cycloid_mj.names import (
     DRAGS,
     FORCE_X,
@@ -258,7 +258,7 @@ def blocks(reducer: ReducerModel, design: Design, course: Course | None = None) 
     profile = contact_of(reducer) == "profile"
     exact = collider.installed(design.ring.kind == "nonpin") if profile else nullcontext()
     at_once = max(1, _STEPS_AT_ONCE // plan.stride) if profile else 1
-    with exact, each_step.installed(), _no_log_file.made():
+    with exact, each_step.installed(), unused.left_out(reducer.model), _no_log_file.made():
         for first in range(0, plan.samples, _BLOCK):
             samples = range(first, min(first + _BLOCK, plan.samples))
             taken, problem = _advance(plan, course, samples, recorder, at_once)

@@ -11,7 +11,8 @@ from designs import unlike
 from cycloid_mj.contact.collider import installed
 from cycloid_mj.course import initial_state, ramp_and_hold
 from cycloid_mj.design import PRESETS, Design, override
-from cycloid_mj.mjcf import build
+from cycloid_mj.mjcf import build, unused
+from cycloid_mj.run import schedule, simulate
 
 NEWTON, CG = mujoco.mjtSolver.mjSOL_NEWTON, mujoco.mjtSolver.mjSOL_CG
 NO_ISLANDS = int(mujoco.mjtDisableBit.mjDSBL_ISLAND)
@@ -95,3 +96,35 @@ def _forces(model: Any, data: Any, solver: int, islands: int) -> Any:
     mujoco.mj_forward(model, other)
     option.solver, option.disableflags = before
     return other.efc_force.copy()
+
+
+def test_a_run_leaves_out_what_its_model_has_nothing_for() -> None:
+    dragged = build(override(PRESETS["nonpin"], ["drag.crank_nm=0.05"])).model
+    plain = build(PRESETS["nonpin"]).model
+    friction = int(mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS)
+    assert unused.unused(plain) == unused.unused(dragged) | friction
+    assert not unused.unused(dragged) & friction
+    damper = int(mujoco.mjtDisableBit.mjDSBL_DAMPER)
+    before = plain.opt.disableflags
+    with unused.left_out(plain), unused.left_out(plain):
+        assert plain.opt.disableflags & damper
+    assert plain.opt.disableflags == before
+    plain.dof_damping[0] = 1.0
+    with unused.left_out(plain):
+        assert not plain.opt.disableflags & damper
+
+
+@pytest.mark.parametrize("name", ["pin", "nonpin"])
+def test_what_is_left_out_changes_nothing(name: str) -> None:
+    changes = ["drive.ramp_s=0", "drive.hold_s=0.002", "load.torque_nm=20", "load.rise_s=0.0005"]
+    design = override(PRESETS[name], [*changes, "settings.log_rate_hz=20000"])
+    run, reducer = simulate(design), build(design)
+    course, plan = ramp_and_hold(reducer, design), schedule(design)
+    data = initial_state(reducer, design, course)
+    last = (plan.samples - 1) * plan.stride
+    with installed():
+        for command in course.commands(plan.timestep * np.arange(last + 1)):
+            data.ctrl[:] = command
+            mujoco.mj_step(reducer.model, data)
+    assert run["gear_angle"][-1] == data.sensor("gear_angle").data[0]
+    assert run["crank_torque"][-1] == data.sensor("crank_torque").data[0]
