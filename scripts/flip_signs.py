@@ -49,7 +49,7 @@ ALL: frozenset[str] = frozenset()
 ON_THE_WAY = {
     KERNEL: {
         **dict.fromkeys(("_lead", "_keep", "_solve", "_roll_off", "_leap", "_settle", "_renew"), ALL),
-        "balance": {"here"},
+        "balance": {"here", "near"},
         "balance_along": {"z", "done"},
         "_search": {"there", "assembled", "if"},
         "_weigh": {"work"},

@@ -164,6 +164,51 @@ def test_a_balance_takes_few_steps(name: str) -> None:
         assert 0.8 * most < left.work <= 1.02 * most + 1
 
 
+def followed(contacts: Springs, torque: float) -> Left:
+    """Balance crank angles that follow each other under a torque on the output."""
+    load = np.zeros((len(contacts.distance), contacts.slope.shape[2]))
+    load[:, -1] = torque / contacts.radius
+    return balance_along(contacts, load, np.zeros_like(load), np.zeros(contacts.distance.shape))
+
+
+@pytest.mark.parametrize(("share", "most"), [(1.0, 31), (1e-3, 83)])
+def test_balances_lead_to_those_a_degree_on(share: float, most: int) -> None:
+    """Ten angles, observed; with a start of the first order, or without the contacts of the angle before, it is more.
+
+    Under a small load parts are held by few contacts, which must not be lost.
+    """
+    contacts = springs("pin", crank=tuple(1.0 + 0.0175 * np.arange(10)))
+    left = followed(contacts, share * design_of("pin").rated_torque)
+    assert left.force <= BALANCED
+    assert 0.8 * most < left.work <= most
+
+
+@pytest.mark.parametrize("reach", [0.0, 1e-8, 0.9e-6, 1.1e-6, 3e-6])
+def test_a_tight_cam_presses_on_both_sides_until_the_far_one_is_free(reach: float) -> None:
+    tight, way = 1e-6, np.array([0.6, -0.8])
+    contacts = untouched(springs("pin"))._replace(cam_clearance=-tight)
+    z = np.zeros(4)
+    z[:2] = contacts.cam_place[0, 0] + reach * way
+
+    def at(z: np.ndarray) -> State:
+        return state(contacts, 0, np.zeros(4), z)
+
+    found, stiffness = at(z), contacts.cam_stiffness
+    sides = np.maximum([tight + reach, tight - reach], 0.0)
+    assert found.energy == pytest.approx(0.5 * stiffness * sides @ sides, rel=1e-9)
+    np.testing.assert_allclose(found.residual[:2], -stiffness * (sides[0] - sides[1]) * way, rtol=1e-9, atol=1e-6)
+    apart = differences(at, z, "residual")
+    np.testing.assert_allclose(found.stiffness, apart, rtol=0.0, atol=1e-6 * stiffness)
+
+
+def test_a_tight_cam_takes_no_more_steps_than_one_with_play() -> None:
+    turn = tuple(1.0 + 0.0175 * np.arange(10))
+    contacts, torque = springs("pin", crank=turn), 1e-4 * design_of("pin").rated_torque
+    loose, tight = (followed(contacts._replace(cam_clearance=width), torque) for width in (1e-7, -5e-7))
+    assert max(loose.force, tight.force) <= BALANCED
+    assert tight.work <= 1.2 * loose.work
+
+
 LOOP = np.array([0.2, 1.0, -1.0, 1.0])
 LOOPS = {
     "pin": (37, 38),

@@ -57,6 +57,9 @@ FINEST = 1024
 _MOST_WORK, _MOST_SETTLING = 150, 2000
 """How often a system may be put together, for each step of a path on average, and in one slow search."""
 
+_SHORT, _SHORT_AGAIN = 2, 3
+"""How often a system is put together in a short search, of one Newton step, and in one that may follow a short one."""
+
 _HALVINGS = 20
 _ROUNDING = 1e-12
 """By how much energy [1] may seem to grow: next to the balance it is flat, and its differences are rounding."""
@@ -72,7 +75,8 @@ class Springs(NamedTuple):
     `radius` [m] is that of the circle of output pins: an unknown of turning is the angle times that. `trochoid`, on
     which ideal pins have their centres, is E u(t) - c u(N t): E and c [m], and N. `disc` (n,) is that of a contact, and
     `turning` (n,) tells whether its curve turns with the disc: the teeth do, round holes need not. `cam_place`
-    (k, D, 2) [m], `cam_clearance` [m] and `cam_stiffness` [N/m] are those of the cams. `rubbing` (k, n, u) and
+    (k, D, 2) [m], `cam_clearance` [m] and `cam_stiffness` [N/m] are those of the cams; a cam of negative clearance
+    presses on both sides. `rubbing` (k, n, u) and
     `cam_rubbing` [1] are the generalised friction per normal force, of the cam on its disc's turn; k is 0 in `rubbing`
     without friction.
 
@@ -175,10 +179,54 @@ class Made(NamedTuple):
 
 
 class _System(NamedTuple):
-    """Generalised forces left over [N], shape (u,), and the springs' stiffness [N/m], shape (u, u), its lower half."""
+    """Generalised forces left over [N], shape (u,), and the springs' stiffness [N/m], shape (u, u), its lower half.
+
+    `pressed` (n,) [N] are the forces of the springs.
+    """
 
     residual: Array
     tangent: Array
+    pressed: Array
+
+
+class _Pose(NamedTuple):
+    """Departures of a disc in x and y, by its turn and by the output's [m], and both turns, phi and psi [rad]."""
+
+    x: float
+    y: float
+    t: float
+    o: float
+    phi: float
+    psi: float
+
+
+class _Cam(NamedTuple):
+    """Where a disc is from its cam: which way (u, v) [1], and how deep it presses, less what the far side presses [m].
+
+    Force and stiffness of the cam go with that `depth`, with its rates along that way, `along`, and across, `around`
+    [1]; the `energy` [m2] too, and friction with what both sides press, `both` [m].
+    """
+
+    u: float
+    v: float
+    depth: float
+    along: float
+    around: float
+    energy: float
+    both: float
+
+
+class _Apart(NamedTuple):
+    """How far two curves are apart at their ideal contact [m]: across it, q, and along it, p.
+
+    `arm_q` and `arm_p` [m] are that of what turns with the disc: of a curve that turns, less its turn's second order;
+    of a round hole's middle, as it is made.
+    """
+
+    q: float
+    p: float
+    arm_q: float
+    arm_p: float
 
 
 class _Work(NamedTuple):
@@ -202,10 +250,10 @@ class _Work(NamedTuple):
 def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool) -> Left:
     """Solve for the departures z (k, u) [m] at every crank angle under a load (k, u) [N], and the springs' forces.
 
-    z and force (k, n) [N] are filled in. Each row of z is where its search starts; with `follow`, the first row is, and
-    the others start where the balances before them lead, with the same contacts: most angles have no others, and parts
-    that a small load presses do not float. Where no balance is found, a tooth may rest on a step of its width, with too
-    much force on one side and too little on the other: the angle is searched again without steps.
+    z and force (k, n) [N] are filled in. Each row of z is where its search starts. With `follow`, the first row is; the
+    others start where the balances before them lead, and from their row where that leads to no balance, as where
+    contacts change at once. Where there is still none, a tooth may rest on a step of its width, with too much force on
+    one side and too little on the other: the angle is searched again without steps.
 
     Returns
     -------
@@ -214,8 +262,8 @@ def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool)
     """
     count, number = load.shape
     work = _Work(
-        _System(np.zeros(number), np.zeros((number, number))),
-        _System(np.zeros(number), np.zeros((number, number))),
+        _system(springs),
+        _system(springs),
         np.zeros(number),
         np.zeros(number),
         np.zeros(number),
@@ -223,42 +271,54 @@ def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool)
         np.zeros(springs.disc.size + springs.cam_place.shape[1], np.bool_),
         np.zeros(1, np.int64),
     )
-    start, worst, unsettled = np.zeros(number), 0.0, 0.0
+    start, worst, unsettled, near = np.zeros(number), 0.0, 0.0, False
     for k in range(count):
         here = z[k]
-        for j in range(number):
-            if not follow:
-                work.drag[j] = 0.0
-            elif k > 1:
-                here[j] = 2.0 * z[k - 1, j] - z[k - 2, j]
-            elif k:
-                here[j] = z[k - 1, j]
+        start[:] = here
         if follow and k:
-            _lead(springs, k, load[k], z, force, work)
-        for j in range(number):
-            start[j] = here[j]
+            _lead(springs, k, load[k], z, force, near, work)
+        else:
+            work.drag[:] = 0.0
+        begun = work.assembled[0]
         left = _search(springs, k, load[k], here, force, work)
-        if not springs.smooth and not (left.force <= BALANCED and left.friction <= BALANCED):
-            for j in range(number):
-                here[j], work.drag[j] = start[j], 0.0
+        near = work.assembled[0] - begun <= (_SHORT_AGAIN if near else _SHORT)
+        if follow and k and not _is_found(left):
+            here[:], work.drag[:] = start, 0.0
+            left = _search(springs, k, load[k], here, force, work)
+        if not (springs.smooth or _is_found(left)):
+            here[:], work.drag[:] = start, 0.0
             left = _search(_smoothed(springs), k, load[k], here, force, work)
         worst, unsettled = max(worst, left.force), max(unsettled, left.friction)
-        if not (left.force <= BALANCED and left.friction <= BALANCED):
+        if not _is_found(left):
             break
     return Left(worst, unsettled, work.assembled[0])
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _lead(springs: Springs, k: int, load: Array, z: Array, force: Array, work: _Work) -> None:
-    """Take one Newton step at an angle, unless it is long, with the contacts that carried at the angle before."""
+def _is_found(left: Left) -> bool:
+    return left.force <= BALANCED and left.friction <= BALANCED
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _lead(springs: Springs, k: int, load: Array, z: Array, force: Array, near: bool, work: _Work) -> None:
+    """Put the departures at an angle where those before lead.
+
+    Where the search before was short, to the second order. Else to the first, and from there by one Newton step, unless
+    it is long, with the contacts that carried at the angle before: parts that a small load presses stay in touch.
+    """
     here, step = z[k], work.step
     for j in range(here.size):
+        here[j] = 2.0 * z[k - 1, j] - z[k - 2, j] if k > 1 else z[k - 1, j]
+        if near and k > 2:
+            here[j] += z[k - 1, j] - 2.0 * z[k - 2, j] + z[k - 3, j]
         work.held[j] = load[j] + work.drag[j]
+    if near:
+        return
     _keep(springs, k - 1, z, force, work.kept)
     work.assembled[0] += 1
     _assemble(springs, k, work.held, here, work.kept, work.system)
-    near = _solve(work.system.tangent, work.system.residual, step, FLOATING * springs.cam_stiffness)
-    if near and _largest(step) < _NEAR / _largest(springs.bend[k]):
+    short = _solve(work.system.tangent, work.system.residual, step, FLOATING * springs.cam_stiffness)
+    if short and _largest(step) < _NEAR / _largest(springs.bend[k]):
         for j in range(here.size):
             here[j] += step[j]
     work.kept[:] = False
@@ -306,11 +366,11 @@ def _search(springs: Springs, k: int, load: Array, here: Array, force: Array, wo
             break
         if not (rough and left <= BALANCED):
             break
-        _press(springs, k, here, force)
+        force[k] = system.pressed
         change = _rub(springs, k, here, force, drag, step) / scale
         if change <= BALANCED:
             break
-    _press(springs, k, here, force)
+    force[k] = system.pressed
     return Left(left, change, work.assembled[0])
 
 
@@ -322,20 +382,11 @@ def _smoothed(springs: Springs) -> Springs:
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def balance_along(springs: Springs, load: Array, z: Array, force: Array) -> Left:
-    """Balance crank angles that follow each other closely; where contacts change at once, each angle by itself.
-
-    As `balance`, but z starts with every disc where its cam is.
-    """
-    left, done = Left(np.inf, np.inf, 0), 0
-    for follow in (True, False):
-        z[:] = 0.0
-        for disc in range(springs.cam_place.shape[1]):
-            z[:, 3 * disc : 3 * disc + 2] = springs.cam_place[:, disc]
-        left = balance(springs, load, z, force, follow)
-        done += left.work
-        if left.force <= BALANCED and left.friction <= BALANCED:
-            break
-    return Left(left.force, left.friction, done)
+    """Balance crank angles that follow each other closely: `balance`, with every disc where its cam is at first."""
+    z[:] = 0.0
+    for disc in range(springs.cam_place.shape[1]):
+        z[:, 3 * disc : 3 * disc + 2] = springs.cam_place[:, disc]
+    return balance(springs, load, z, force, True)
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
@@ -413,8 +464,7 @@ def _sum_up(springs: Springs, z: Array, force: Array, out: Array) -> None:
             else:
                 pin = max(pin, force[k, i])
         for disc in range(springs.cam_place.shape[1]):
-            x, y = z[k, 3 * disc] - springs.cam_place[k, disc, 0], z[k, 3 * disc + 1] - springs.cam_place[k, disc, 1]
-            cam = max(cam, springs.cam_stiffness * (np.sqrt(x * x + y * y) - springs.cam_clearance))
+            cam = max(cam, springs.cam_stiffness * _cam(springs, k, disc, z[k]).depth)
     carrying = 0
     for k in range(count):
         for i in range(force.shape[1]):
@@ -426,15 +476,14 @@ def _sum_up(springs: Springs, z: Array, force: Array, out: Array) -> None:
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def gap(springs: Springs, k: int, i: int, z: Array) -> Curved:
     """Give a gap at departures z [m], shape (u,)."""
-    q, p = _apart(springs, k, i, z)
-    return _curved(springs, k, i, z, q, p)
+    pose = _pose(springs, springs.disc[i], z)
+    return _curved(springs, k, i, pose, _apart(springs, k, i, pose))
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def state(springs: Springs, k: int, load: Array, z: Array) -> State:
     """Give the springs of a crank angle under a load (u,) [N] at departures z (u,) [m], which need be no balance."""
-    number = z.size
-    system = _System(np.zeros(number), np.zeros((number, number)))
+    system, number = _system(springs), z.size
     none = np.zeros(springs.disc.size + springs.cam_place.shape[1], np.bool_)
     energy = _assemble(springs, k, load, z, none, system)
     for j in range(number):
@@ -443,54 +492,65 @@ def state(springs: Springs, k: int, load: Array, z: Array) -> State:
     return State(energy, system.residual, system.tangent)
 
 
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _system(springs: Springs) -> _System:
+    number = springs.slope.shape[2]
+    return _System(np.zeros(number), np.zeros((number, number)), np.zeros(springs.disc.size))
+
+
 # Arrays are read before any branch: numba counts references to those that are read in one.
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _apart(springs: Springs, k: int, i: int, z: Array) -> tuple[float, float]:
-    """Give how far two curves are apart at their ideal contact [m]: across it, q, and along it, p.
+def _pose(springs: Springs, disc: int, z: Array) -> _Pose:
+    """Give where a disc and the output are at departures z [m], shape (u,)."""
+    x, radius = 3 * disc, springs.radius
+    turned, output = z[x + 2], z[z.size - 1]
+    return _Pose(z[x], z[x + 1], turned, output, turned / radius, output / radius)
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _apart(springs: Springs, k: int, i: int, pose: _Pose) -> _Apart:
+    """Give how far two curves are apart.
 
     Finite turns count to the second order: a curve that turns with its disc by phi sees its mate's place turn the other
     way, q + i p as e^(i phi); a round hole only moves, its middle about the disc's and the pin's about the output's.
     """
-    x = 3 * springs.disc[i]
-    y, t, o = x + 1, x + 2, z.size - 1
-    phi, psi, turning = z[t] / springs.radius, z[o] / springs.radius, springs.turning[i]
+    x, o = 3 * springs.disc[i], springs.slope.shape[2] - 1
+    y, t, turning, phi, psi = x + 1, x + 2, springs.turning[i], pose.phi, pose.psi
     q, p = springs.distance[k, i], springs.shift[k, i]
-    turned_q, turned_p = springs.slope[k, i, t] * z[t], springs.shift_slope[k, i, t] * z[t]
-    out_q, out_p = springs.slope[k, i, o] * z[o], springs.shift_slope[k, i, o] * z[o]
-    moved_q = springs.slope[k, i, x] * z[x] + springs.slope[k, i, y] * z[y]
-    moved_p = springs.shift_slope[k, i, x] * z[x] + springs.shift_slope[k, i, y] * z[y]
+    turned_q, turned_p = springs.slope[k, i, t] * pose.t, springs.shift_slope[k, i, t] * pose.t
+    out_q, out_p = springs.slope[k, i, o] * pose.o, springs.shift_slope[k, i, o] * pose.o
+    moved_q = springs.slope[k, i, x] * pose.x + springs.slope[k, i, y] * pose.y
+    moved_p = springs.shift_slope[k, i, x] * pose.x + springs.shift_slope[k, i, y] * pose.y
     if turning:
-        q, p = q + moved_q + turned_q, p + moved_p + turned_p
-        return q - phi * (p - 0.5 * turned_p), p + phi * (q - 0.5 * turned_q)
+        all_q, all_p = q + moved_q + turned_q, p + moved_p + turned_p
+        return _Apart(all_q - phi * (all_p - 0.5 * turned_p), all_p + phi * (all_q - 0.5 * turned_q), all_q, all_p)
     second_q = phi * (p + 0.5 * turned_p) + 0.5 * psi * out_p
     second_p = phi * (q + 0.5 * turned_q) + 0.5 * psi * out_q
-    return q + moved_q + turned_q + out_q + second_q, p + moved_p + turned_p + out_p - second_p
+    return _Apart(q + moved_q + turned_q + out_q + second_q, p + moved_p + turned_p + out_p - second_p, q, p)
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _curved(springs: Springs, k: int, i: int, z: Array, q: float, p: float) -> Curved:
+def _curved(springs: Springs, k: int, i: int, pose: _Pose, apart: _Apart) -> Curved:
     """Give a gap and its derivatives from what `_apart` gives."""
-    x = 3 * springs.disc[i]
-    y, t, o = x + 1, x + 2, z.size - 1
-    phi, psi, turning, radius = z[t] / springs.radius, z[o] / springs.radius, springs.turning[i], springs.radius
+    x, o = 3 * springs.disc[i], springs.slope.shape[2] - 1
+    y, t, turning, phi, psi = x + 1, x + 2, springs.turning[i], pose.phi, pose.psi
     qx, px = springs.slope[k, i, x], springs.shift_slope[k, i, x]
     qy, py = springs.slope[k, i, y], springs.shift_slope[k, i, y]
     qt, pt = springs.slope[k, i, t], springs.shift_slope[k, i, t]
     qo, po = springs.slope[k, i, o], springs.shift_slope[k, i, o]
-    q0, p0 = springs.distance[k, i], springs.shift[k, i]
     bend, twist, room = springs.bend[k, i], springs.twist[k, i], springs.room[i]
     phase, trochoid, smooth = springs.phase[k, i], springs.trochoid, springs.smooth
+    arm_q, arm_p = apart.arm_q / springs.radius, apart.arm_p / springs.radius
     if turning:
-        # of w + i phi (w - v phi/2), with w linear in the turn phi at the rate v, the rate is v + i w: solved for w
-        q0, p0 = q - 0.5 * phi * pt * z[t], p + 0.5 * phi * qt * z[t]
-        q0, p0 = (q0 + phi * p0) / (1.0 + phi * phi), (p0 - phi * q0) / (1.0 + phi * phi)
-        qt, pt = qt - p0 / radius, pt + q0 / radius
+        # the rate of w + i phi (w - v phi/2), with w, the arm, linear in the turn phi at the rate v, is v + i w
+        qt, pt = qt - arm_p, pt + arm_q
         qx, px, qy, py = qx - phi * px, px + phi * qx, qy - phi * py, py + phi * qy
     else:
-        qt, pt = qt + p0 / radius + phi * pt, pt - q0 / radius - phi * qt
+        qt, pt = qt + arm_p + phi * pt, pt - arm_q - phi * qt
         qo, po = qo + psi * po, po - psi * qo
+    q, p = apart.q, apart.p
     width, c, s, rate = _rounded(trochoid, phase, bend, twist, q, p, turning, smooth)
     ahead = (c * qx + s * px, c * qy + s * py, c * qt + s * pt, c * qo + s * po)
     aside = (c * px - s * qx, c * py - s * qy, c * pt - s * qt, c * po - s * qo)
@@ -516,7 +576,7 @@ def _rounded(
     sharpest = _sharpest(trochoid)
     near = abs(sharpest * p) < _FAR and abs(p) < _SMALL * trochoid[0]
     if near and turning and abs(twist) > _VALLEY * sharpest * sharpest:
-        return _foot(trochoid, phase, q, p)
+        return _foot(trochoid, phase, q, p, along)
     third, aside, rate = twist * p * p * p / 6.0, 0.5 * twist * p * p, twist * p
     if not near or abs(twist * p * p) > _TILT:
         third = aside = rate = 0.0
@@ -527,9 +587,10 @@ def _rounded(
     if along <= 0.0:  # open by more than the curve's radius
         return q, 1.0, 0.0, 0.0
     reach = math.sqrt(along * along + across * across)
+    share = 1.0 / reach
     # (reach - 1) / bend without its cancellation, and what makes the circle a curve of third order
     width = q + across * p / (reach + along) + third
-    return width, along / reach, across / reach + aside, bend / reach + rate
+    return width, along * share, across * share + aside, bend * share + rate
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
@@ -540,11 +601,14 @@ def _sharpest(trochoid: tuple[float, float, float]) -> float:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _foot(trochoid: tuple[float, float, float], phase: float, q: float, p: float) -> tuple[float, float, float, float]:
+def _foot(
+    trochoid: tuple[float, float, float], phase: float, q: float, p: float, along: float
+) -> tuple[float, float, float, float]:
     """Give what `_rounded` does of a point near the trochoid, exactly.
 
     The point is q across and p along from the curve's point at the `phase` (N - 1) t, where the normal is at the angle
-    t - alpha: tan(alpha) = c N sin(phase)/(E - c N cos(phase)). Its foot is found by Newton's method.
+    t - alpha: tan(alpha) = c N sin(phase)/(E - c N cos(phase)). Its foot is found by Newton's method, from that on the
+    circle of curvature, where the curve is p over `along` away.
     """
     E, c, N = trochoid
     sine, cosine = math.sin(phase), math.cos(phase)
@@ -552,7 +616,7 @@ def _foot(trochoid: tuple[float, float, float], phase: float, q: float, p: float
     rate = math.sqrt(sa * sa + ca * ca)
     sa, ca = sa / rate, ca / rate
     sb, cb = sine * ca + cosine * sa, cosine * ca - sine * sa
-    t = p / rate  # the curve goes on at that rate by t
+    t = p / (rate * max(along, 0.5))  # the curve goes on at that rate by t
     for _ in range(20):
         # sine, and cosine less 1, of t and N t
         half, wide = math.sin(0.5 * t), math.sin(0.5 * N * t)
@@ -566,7 +630,7 @@ def _foot(trochoid: tuple[float, float, float], phase: float, q: float, p: float
         square = vq * vq + vp * vp
         step = ((q - xq) * vq + (p - xp) * vp) / max(square - (q - xq) * aq - (p - xp) * ap, 0.1 * square)
         t += step
-        if abs(step) < 1e-11:
+        if abs(step) < 1e-10:
             break
     speed = math.sqrt(square)
     nq, np_ = vp / speed, -vq / speed
@@ -575,8 +639,9 @@ def _foot(trochoid: tuple[float, float, float], phase: float, q: float, p: float
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _is_open(springs: Springs, k: int, i: int, q: float, p: float) -> bool:
+def _is_open(springs: Springs, k: int, i: int, apart: _Apart) -> bool:
     """Tell whether a gap is surely open, by what `_apart` gives: most are, and their roots need not be taken."""
+    q, p = apart.q, apart.p
     bend, width, turning = springs.bend[k, i], springs.room[i] + q - _SURELY, springs.turning[i]
     twist, sharpest = springs.twist[k, i], _sharpest(springs.trochoid)
     if turning and abs(twist) > _VALLEY * sharpest * sharpest:
@@ -586,28 +651,12 @@ def _is_open(springs: Springs, k: int, i: int, q: float, p: float) -> bool:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _press(springs: Springs, k: int, z: Array, force: Array) -> None:
-    """Put the springs' forces at departures z into a row of `force` [N], shape (k, n)."""
-    straight = _straight(springs)
-    if straight < springs.disc.size:
-        none = np.zeros(springs.disc.size, np.bool_)
-        _bend(springs, k, z, force[k], none, _System(np.zeros(0), np.zeros((0, 0))))
-    for i in range(straight):
-        force[k, i] = 0.0
-        q, p = _apart(springs, k, i, z)
-        if _is_open(springs, k, i, q, p):
-            continue
-        stiffness, found = springs.stiffness[k, i], _curved(springs, k, i, z, q, p)
-        force[k, i] = stiffness * max(-found.width, 0.0)
-
-
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _keep(springs: Springs, k: int, z: Array, force: Array, kept: Mask) -> None:
     """Mark the contacts, and then the cams, that carry in the balance at an angle."""
     for i in range(springs.disc.size):
         kept[i] = force[k, i] > 0.0
     for disc in range(springs.cam_place.shape[1]):
-        kept[springs.disc.size + disc] = _cam(springs, k, disc, z[k])[2] > 0.0
+        kept[springs.disc.size + disc] = _cam(springs, k, disc, z[k]).both > 0.0
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
@@ -617,7 +666,7 @@ def _assemble(springs: Springs, k: int, load: Array, z: Array, kept: Mask, syste
     Contacts and then cams that are `kept` (n + D,) count where they are open, too, as springs that also pull.
     """
     number = z.size
-    residual, tangent = system.residual, system.tangent
+    residual, tangent, pressed = system.residual, system.tangent, system.pressed
     energy = 0.0
     for j in range(number):
         energy -= load[j] * z[j]
@@ -628,16 +677,19 @@ def _assemble(springs: Springs, k: int, load: Array, z: Array, kept: Mask, syste
     for disc in range(springs.cam_place.shape[1]):
         # Sums stand in names, not in the arrays, which the compiler would write at every contact.
         rx = ry = rt = ro = xx = xy = yy = xt = yt = tt = xo = yo = to = oo = 0.0
+        pose = _pose(springs, disc, z)
         for i in range(straight):
             if springs.disc[i] != disc:
                 continue
-            (q, p), holds = _apart(springs, k, i, z), kept[i]
-            if not holds and _is_open(springs, k, i, q, p):
+            apart, holds, stiffness = _apart(springs, k, i, pose), kept[i], springs.stiffness[k, i]
+            pressed[i] = 0.0
+            if not holds and _is_open(springs, k, i, apart):
                 continue
-            stiffness, found = springs.stiffness[k, i], _curved(springs, k, i, z, q, p)
+            found = _curved(springs, k, i, pose, apart)
             if not holds and found.width >= 0.0:
                 continue
             force = -stiffness * found.width
+            pressed[i] = force
             energy -= 0.5 * force * found.width
             # The normal's turning stiffens a concave contact and softens a convex one; so do the turns of the parts.
             turning, with_disc = -force * found.rate, force / springs.radius if springs.turning[i] else 0.0
@@ -654,14 +706,15 @@ def _assemble(springs: Springs, k: int, load: Array, z: Array, kept: Mask, syste
             yo += stiffness * ay * ao + turning * by * bo
             to += stiffness * at * ao + turning * bt * bo
             oo += stiffness * ao * ao + turning * bo * bo + alone * bo
-        u, v, depth, around = _cam(springs, k, disc, z)
-        if depth > 0.0 or kept[springs.disc.size + disc]:
-            stiffness = springs.cam_stiffness
-            energy += 0.5 * stiffness * depth * depth
-            rx, ry = rx - stiffness * depth * u, ry - stiffness * depth * v
-            xx += stiffness * (u * u + around * v * v)
-            xy += stiffness * (1.0 - around) * u * v
-            yy += stiffness * (v * v + around * u * u)
+        cam = _cam(springs, k, disc, z)
+        if cam.both > 0.0 or kept[springs.disc.size + disc]:
+            stiffness, u, v = springs.cam_stiffness, cam.u, cam.v
+            along, around = stiffness * (cam.along - cam.around), stiffness * cam.around
+            energy += stiffness * cam.energy
+            rx, ry = rx - stiffness * cam.depth * u, ry - stiffness * cam.depth * v
+            xx += around + along * u * u
+            xy += along * u * v
+            yy += around + along * v * v
         x, y, t, o = 3 * disc, 3 * disc + 1, 3 * disc + 2, number - 1
         residual[x], residual[y], residual[t] = residual[x] + rx, residual[y] + ry, residual[t] + rt
         residual[o] += ro
@@ -670,7 +723,7 @@ def _assemble(springs: Springs, k: int, load: Array, z: Array, kept: Mask, syste
         tangent[o, x], tangent[o, y], tangent[o, t] = xo, yo, to
         tangent[o, o] += oo
     if straight < springs.disc.size:
-        energy += _bend(springs, k, z, np.empty(springs.disc.size), kept, system)
+        energy += _bend(springs, k, z, kept, system)
     return energy
 
 
@@ -681,18 +734,17 @@ def _straight(springs: Springs) -> int:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _bend(springs: Springs, k: int, z: Array, force: Array, kept: Mask, system: _System) -> float:
-    """Press output pins that bend at departures z: put their forces [N] into `force`, shape (n,), add to a system.
+def _bend(springs: Springs, k: int, z: Array, kept: Mask, system: _System) -> float:
+    """Add output pins that bend, at departures z, to a system.
 
     Forces f on one pin in contacts of stiffness K, at widths w of the straight pin, hold where K^-1 f + B f + w = 0 and
-    are 0 where that is positive, B the `bending`; those of contacts that are `kept` hold where they pull, too. A system
-    without unknowns is left alone.
+    are 0 where that is positive, B the `bending`; those of contacts that are `kept` hold where they pull, too.
 
     Returns
     -------
     The energy of contacts and pins [J].
     """
-    discs, wanted, energy = springs.bending.shape[0], system.residual.size > 0, 0.0
+    discs, energy = springs.bending.shape[0], 0.0
     first, o = _straight(springs), z.size - 1
     width, pressed = np.empty(discs), np.empty(discs)
     ahead, aside, rate = np.empty((discs, 4)), np.empty((discs, 4)), np.empty(discs)
@@ -701,8 +753,8 @@ def _bend(springs: Springs, k: int, z: Array, force: Array, kept: Mask, system: 
     for pin in range(springs.pins):
         for d in range(discs):
             i = first + d * springs.pins + pin
-            q, p = _apart(springs, k, i, z)
-            found = _curved(springs, k, i, z, q, p)
+            pose = _pose(springs, d, z)
+            found = _curved(springs, k, i, pose, _apart(springs, k, i, pose))
             width[d], rate[d], held[d] = found.width, found.rate, kept[i]
             for j in range(4):
                 ahead[d, j], aside[d, j] = found.ahead[j], found.aside[j]
@@ -711,9 +763,9 @@ def _bend(springs: Springs, k: int, z: Array, force: Array, kept: Mask, system: 
             flexible[d, d] += 1.0 / springs.stiffness[k, i]
         _hold(flexible, width, held, carries, pressed, stiff)
         for d in range(discs):
-            force[first + d * springs.pins + pin] = pressed[d]
+            system.pressed[first + d * springs.pins + pin] = pressed[d]
             energy -= 0.5 * pressed[d] * width[d]
-        if not (wanted and carries.any()):
+        if not carries.any():
             continue
         for d in range(discs):
             if not carries[d]:
@@ -791,12 +843,15 @@ def _stiffen(flexible: Array, carries: Mask, stiff: Array) -> None:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _cam(springs: Springs, k: int, disc: int, z: Array) -> tuple[float, float, float, float]:
-    """Give the way (u, v) [1] of a disc's centre from the cam's, how deep it presses [m], and that over how far [1]."""
+def _cam(springs: Springs, k: int, disc: int, z: Array) -> _Cam:
+    """Give how a disc presses on its cam: as a circle in a circle, on both sides where it has no clearance."""
     x, y = z[3 * disc] - springs.cam_place[k, disc, 0], z[3 * disc + 1] - springs.cam_place[k, disc, 1]
-    reach = math.sqrt(x * x + y * y)
-    depth, share = reach - springs.cam_clearance, 1.0 / reach if reach > 0.0 else 0.0
-    return x * share, y * share, depth, depth * share
+    reach, clearance = math.sqrt(x * x + y * y), springs.cam_clearance
+    depth, share = reach - clearance, 1.0 / reach if reach > 0.0 else 0.0
+    if reach < -clearance:
+        within = reach * reach + clearance * clearance
+        return _Cam(x * share, y * share, 2.0 * reach, 2.0, 2.0, within, -2.0 * clearance)
+    return _Cam(x * share, y * share, depth, 1.0, depth * share, 0.5 * depth * depth, max(depth, 0.0))
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
@@ -808,8 +863,7 @@ def _rub(springs: Springs, k: int, z: Array, force: Array, drag: Array, new: Arr
         for j in range(z.size if force[k, i] > 0.0 else 0):
             new[j] += force[k, i] * springs.rubbing[k, i, j]
     for disc in range(springs.cam_place.shape[1]):
-        depth = _cam(springs, k, disc, z)[2]
-        new[3 * disc + 2] += springs.cam_rubbing * springs.cam_stiffness * max(depth, 0.0)
+        new[3 * disc + 2] += springs.cam_rubbing * springs.cam_stiffness * _cam(springs, k, disc, z).both
     change = 0.0
     for j in range(z.size):
         change = max(change, abs(new[j] - drag[j]))
@@ -1036,10 +1090,9 @@ def _slips(springs: Springs, rubbing: Rubbing, at: _Memory) -> None:
     """Put how far each surface slides with the unknowns into `at`: on a cam that turns with the way of its disc."""
     at.slip[:] = rubbing.slip
     for disc in range(springs.cam_place.shape[1]):
-        u, v, _, _ = _cam(springs, 0, disc, at.z)
-        row = springs.disc.size + disc
-        at.slip[row, 3 * disc] -= v
-        at.slip[row, 3 * disc + 1] += u
+        cam, row = _cam(springs, 0, disc, at.z), springs.disc.size + disc
+        at.slip[row, 3 * disc] -= cam.v
+        at.slip[row, 3 * disc + 1] += cam.u
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
@@ -1122,11 +1175,12 @@ def _weigh(
             one.tangent[j, m] = floating if j == m else 0.0
     for i in range(contacts):
         x, t, o = 3 * springs.disc[i], 3 * springs.disc[i] + 2, number - 1
-        q, p = _apart(springs, 0, i, z)
+        pose = _pose(springs, springs.disc[i], z)
+        apart = _apart(springs, 0, i, pose)
         ahead[:] = 0.0
         depth = 0.0
-        if not _is_open(springs, 0, i, q, p):
-            found = _curved(springs, 0, i, z, q, p)
+        if not _is_open(springs, 0, i, apart):
+            found = _curved(springs, 0, i, pose, apart)
             depth = max(-found.width, 0.0)
         if depth == 0.0:
             energy += _bear(rubbing, given, i, 0.0, 0.0, one, old, new)
@@ -1155,7 +1209,8 @@ def _weigh(
             tangent[column, row] += rate
     for disc in range(springs.cam_place.shape[1]):
         x, y = 3 * disc, 3 * disc + 1
-        u, v, depth, around = _cam(springs, 0, disc, z)
+        cam = _cam(springs, 0, disc, z)
+        u, v, depth, around = cam.u, cam.v, cam.depth, cam.around
         ahead[:] = 0.0
         if depth > 0.0:
             ahead[x], ahead[y] = -u, -v

@@ -205,6 +205,27 @@ def far_apart(springs: Springs) -> Springs:
     return springs._replace(distance=np.full(springs.distance.shape, 1.0), shift=np.zeros(springs.shift.shape))
 
 
+def tight_rows() -> list[Row]:
+    """Hold force and energy of a cam that is wider than its bore against those of two springs, one on either side."""
+    tight, push = 1e-6, np.array([0.6, -0.8])
+    springs = far_apart(pressed(made(ONE))[0])._replace(cam_clearance=-tight)
+    forces, energies, reaches = [], [], np.linspace(0.0, 3.0 * tight, 7)
+    for reach in reaches:
+        z = np.zeros(springs.slope.shape[2])
+        z[:2] = springs.cam_place[0, 0] + reach * push
+        found = state(springs, 0, np.zeros(z.size), z)
+        forces.append(-found.residual[:2])
+        energies.append(found.energy)
+    near, far = (np.maximum(tight + side * reaches, 0.0) for side in (1.0, -1.0))
+    exact = springs.cam_stiffness * np.outer(near - far, push)
+    stored = 0.5 * springs.cam_stiffness * (near**2 + far**2)
+    source = "two springs, either side"
+    return [
+        deviation("force of a tight cam", np.array(forces), exact, "N", source, 1e-6),
+        deviation("energy of a tight cam", 1e3 * np.array(energies), 1e3 * stored, "mJ", source, 1e-6),
+    ]
+
+
 def work_rows(built: str) -> list[Row]:
     """Hold the energy that is stored along a way against the work of the forces, with no step on it."""
     springs, _ = pressed(made(built))
@@ -375,6 +396,7 @@ STATICS: tuple[Callable[[], list[Row]], ...] = (
     gradient_rows,
     normal_rows,
     closed_rows,
+    tight_rows,
     *(partial(work_rows, built) for built in (TWO, THREE)),
     sample_rows,
     partial(path_rows, ONE, REACH, 30),
