@@ -107,8 +107,8 @@ def test_what_has_no_balance_or_no_motion_is_one_error() -> None:
         sheet(FIXED, -3.0)
 
 
-def test_a_tooth_that_rests_where_its_curve_is_cut_off_is_balanced() -> None:
-    """At 46 N m and one crank angle a tooth in a valley rests on the step of its width, which is worth 0.01 N."""
+def test_a_tooth_whose_foot_point_begins_to_be_looked_for_is_balanced() -> None:
+    """At 46 N m and one crank angle a tooth goes from one way of reckoning its width to the other."""
     capacity = [
         sheet_part(override(unlike("teeth21"), [f"clearance.cam_um={cam}"]), "loads")["capacity_shakedown"].value
         for cam in (1.95, 2.0, 2.05)

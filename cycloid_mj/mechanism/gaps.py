@@ -7,7 +7,8 @@ errors and profile modification leave; its gradient is the direction of the forc
 
 Along the surface a contact moves too: a balance (`kernel.gap`) counts each curve as its circle of curvature with the
 rate at which that changes, and turns to the second order. What it leaves out is of fourth order in displacements, of
-third in turns. In the valleys of the paper's gear, where the circle has a radius of 18 um, it looks for the foot point.
+third in turns. In the valleys of the paper's gear, where the circle has a radius of 18 um, and
+farther along it looks for the foot point.
 
 Angles as in ``kinematics``, tooth geometry as in ``envelope``. A disc at the phase beta on the crank meshes as the gear
 of a crank at theta + beta (Hsieh 2014, Eqs 7 and 11, for one disc); its holes turn with the output.

@@ -36,14 +36,18 @@ that carry on average; what no balance was found for."""
 _NEAR = 0.5
 """Longest step as a share of the least radius of a contact's curve: past its middle the circle pushes the other way."""
 
-_VALLEY = 1e-3
-"""Twist of a curve, over the square of its largest curvature, from which it counts as a valley, which is no circle."""
+_VALLEY, _BOTTOM = 1e-3, 0.5
+"""Twist of a curve, over the square of its largest curvature, from which it counts as a valley, which is no circle; and
+curvature, over the largest, from which it is a valley's bottom, where there is no twist."""
 
-_FAR, _SMALL, _TILT = 0.7, 4e-4, 0.05
-"""Way along a curve, over its least radius and over E, and turn of its normal, beyond which it counts as its circle."""
+_FAR, _SMALL = 0.7, 4e-4
+"""Way along a curve, over its least radius and over E, beyond which its foot point is looked for."""
 
-_SURELY = 1e-9
-"""Width [m] from which on a gap's third order does not matter to whether it is open."""
+_LONGEST = 0.1
+"""Longest step to a foot point, as a turn of the trochoid's generating circle [rad]: it is not to leave its lobe."""
+
+_SURELY = 1e-4
+"""Most that a gap's third order narrows it, as a share of the way along the curve."""
 
 FOLLOWED = 1e-6
 """Largest residual of a step along a path, as a share of the path's largest load."""
@@ -82,9 +86,9 @@ class Springs(NamedTuple):
 
     `bending` (D, D) [m/N] is by how much an output pin that carries several discs gives way to each along its own push,
     for the force of each: off the diagonal alone, which is in `stiffness`. Its size is 0 where no disc's force moves
-    another's contact; else the last D `pins` contacts are those of the output pins, disc after disc. `smooth` tells
-    whether widths go on without a step where a contact leaves the part of its curve that is known to third order:
-    discs that share a load by their wind-up come to rest on such steps often, a single one seldom.
+    another's contact; else the last D `pins` contacts are those of the output pins, disc after disc. `exact` tells
+    whether the foot point of every tooth is looked for: else a width has a step, some 10^-11 m wide, where a tooth
+    leaves the part of its curve that is known to third order.
     """
 
     radius: float
@@ -107,7 +111,7 @@ class Springs(NamedTuple):
     cam_rubbing: float
     bending: Array
     pins: int
-    smooth: bool
+    exact: bool
 
 
 class Curved(NamedTuple):
@@ -253,7 +257,7 @@ def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool)
     z and force (k, n) [N] are filled in. Each row of z is where its search starts. With `follow`, the first row is; the
     others start where the balances before them lead, and from their row where that leads to no balance, as where
     contacts change at once. Where there is still none, a tooth may rest on a step of its width, with too much force on
-    one side and too little on the other: the angle is searched again without steps.
+    one side and too little on the other: the angle is searched again with the foot point of every tooth.
 
     Returns
     -------
@@ -285,9 +289,9 @@ def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool)
         if follow and k and not _is_found(left):
             here[:], work.drag[:] = start, 0.0
             left = _search(springs, k, load[k], here, force, work)
-        if not (springs.smooth or _is_found(left)):
+        if not (springs.exact or _is_found(left)):
             here[:], work.drag[:] = start, 0.0
-            left = _search(_smoothed(springs), k, load[k], here, force, work)
+            left = _search(_exact(springs), k, load[k], here, force, work)
         worst, unsettled = max(worst, left.force), max(unsettled, left.friction)
         if not _is_found(left):
             break
@@ -375,8 +379,8 @@ def _search(springs: Springs, k: int, load: Array, here: Array, force: Array, wo
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _smoothed(springs: Springs) -> Springs:
-    """Give springs whose widths go on without a step."""
+def _exact(springs: Springs) -> Springs:
+    """Give springs whose widths have no step."""
     return Springs(*springs[:-1], True)
 
 
@@ -438,7 +442,7 @@ def balance_samples(
             ideal.cam_rubbing,
             ideal.bending,
             ideal.pins,
-            ideal.smooth,
+            ideal.exact,
         )
         left = balance_along(springs, load, z, force)
         _sum_up(springs, z, force, out[s])
@@ -541,7 +545,7 @@ def _curved(springs: Springs, k: int, i: int, pose: _Pose, apart: _Apart) -> Cur
     qt, pt = springs.slope[k, i, t], springs.shift_slope[k, i, t]
     qo, po = springs.slope[k, i, o], springs.shift_slope[k, i, o]
     bend, twist, room = springs.bend[k, i], springs.twist[k, i], springs.room[i]
-    phase, trochoid, smooth = springs.phase[k, i], springs.trochoid, springs.smooth
+    phase, trochoid, exact = springs.phase[k, i], springs.trochoid, springs.exact
     arm_q, arm_p = apart.arm_q / springs.radius, apart.arm_p / springs.radius
     if turning:
         # the rate of w + i phi (w - v phi/2), with w, the arm, linear in the turn phi at the rate v, is v + i w
@@ -551,7 +555,7 @@ def _curved(springs: Springs, k: int, i: int, pose: _Pose, apart: _Apart) -> Cur
         qt, pt = qt + arm_p + phi * pt, pt - arm_q - phi * qt
         qo, po = qo + psi * po, po - psi * qo
     q, p = apart.q, apart.p
-    width, c, s, rate = _rounded(trochoid, phase, bend, twist, q, p, turning, smooth)
+    width, c, s, rate = _rounded(trochoid, phase, bend, twist, q, p, turning, exact)
     ahead = (c * qx + s * px, c * qy + s * py, c * qt + s * pt, c * qo + s * po)
     aside = (c * px - s * qx, c * py - s * qy, c * pt - s * qt, c * po - s * qo)
     return Curved(room + width, ahead, aside, rate)
@@ -566,31 +570,31 @@ def _rounded(
     q: float,
     p: float,
     turning: bool,
-    smooth: bool,
+    exact: bool,
 ) -> tuple[float, float, float, float]:
     """Give the distance of two round curves [m], cosine and sine of their normal's turn, and the rate of that [1/m].
 
-    Where the third order may no more be relied on the curve is its circle, or with `smooth` that and a straight rest.
+    Where the third order may not be relied on, the foot point on the trochoid is looked for.
     """
     along, across = 1.0 + bend * q, bend * p
-    sharpest = _sharpest(trochoid)
-    near = abs(sharpest * p) < _FAR and abs(p) < _SMALL * trochoid[0]
-    if near and turning and abs(twist) > _VALLEY * sharpest * sharpest:
+    if turning and (exact or not _is_gentle(trochoid, bend, twist, p)):
         return _foot(trochoid, phase, q, p, along)
-    third, aside, rate = twist * p * p * p / 6.0, 0.5 * twist * p * p, twist * p
-    if not near or abs(twist * p * p) > _TILT:
-        third = aside = rate = 0.0
-        if smooth and twist != 0.0:
-            end = min(_FAR / abs(sharpest), _SMALL * trochoid[0], math.sqrt(_TILT / abs(twist)))
-            aside = 0.5 * twist * end * end
-            third = aside * (p - math.copysign(2.0 / 3.0 * end, p))
     if along <= 0.0:  # open by more than the curve's radius
         return q, 1.0, 0.0, 0.0
     reach = math.sqrt(along * along + across * across)
     share = 1.0 / reach
     # (reach - 1) / bend without its cancellation, and what makes the circle a curve of third order
-    width = q + across * p / (reach + along) + third
-    return width, along * share, across * share + aside, bend * share + rate
+    width = q + across * p / (reach + along) + twist * p * p * p / 6.0
+    return width, along * share, across * share + 0.5 * twist * p * p, bend * share + twist * p
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _is_gentle(trochoid: tuple[float, float, float], bend: float, twist: float, p: float) -> bool:
+    """Tell whether the trochoid is known well enough by its curvature and the rate of that, so far along [m]."""
+    sharpest = _sharpest(trochoid)
+    if abs(sharpest * p) >= _FAR or abs(p) >= _SMALL * trochoid[0]:
+        return False
+    return abs(twist) <= _VALLEY * sharpest * sharpest and bend >= min(_BOTTOM * sharpest, 0.0)
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
@@ -629,6 +633,7 @@ def _foot(
         aq, ap = -uq - E * ca + N * N * (wq + c * cb), -up - E * sa + N * N * (wp + c * sb)
         square = vq * vq + vp * vp
         step = ((q - xq) * vq + (p - xp) * vp) / max(square - (q - xq) * aq - (p - xp) * ap, 0.1 * square)
+        step = min(max(step, -_LONGEST / N), _LONGEST / N)
         t += step
         if abs(step) < 1e-10:
             break
@@ -642,12 +647,14 @@ def _foot(
 def _is_open(springs: Springs, k: int, i: int, apart: _Apart) -> bool:
     """Tell whether a gap is surely open, by what `_apart` gives: most are, and their roots need not be taken."""
     q, p = apart.q, apart.p
-    bend, width, turning = springs.bend[k, i], springs.room[i] + q - _SURELY, springs.turning[i]
-    twist, sharpest = springs.twist[k, i], _sharpest(springs.trochoid)
-    if turning and abs(twist) > _VALLEY * sharpest * sharpest:
-        bend = sharpest
-    along = 1.0 + bend * q
-    return width > 0.0 and (bend > 0.0 or along <= 0.0 or width * along > -0.5 * bend * p * p)
+    bend, twist, trochoid = springs.bend[k, i], springs.twist[k, i], springs.trochoid
+    room, turning, exact = springs.room[i] - _SURELY * abs(p), springs.turning[i], springs.exact
+    if room + q <= 0.0:
+        return False
+    if turning and (exact or not _is_gentle(trochoid, bend, twist, p)):
+        bend = _sharpest(trochoid)  # a circle as sharp as the curve is anywhere lies within it
+    along, across, rim = 1.0 + bend * q, bend * p, 1.0 - bend * room
+    return bend > 0.0 or along * along + across * across < rim * rim
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")

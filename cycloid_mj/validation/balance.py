@@ -403,9 +403,9 @@ STATICS: tuple[Callable[[], list[Row]], ...] = (
     partial(path_rows, ONE, REACH, 3),
     partial(path_rows, TWO),
     floating_rows,
-    partial(balance_rows, ONE, torque=46.242156657309984, crank=0.7),
+    partial(balance_rows, ONE, "clearance.cam_um=4", torque=20.558397551377613, crank=0.7),
 )
-"""Give the rows, the quick ones first. In the last a tooth rests where its curve is cut off, and is searched again."""
+"""Give the rows, the quick ones first. In the last a tooth rests where its foot point begins to be looked for."""
 
 
 def rows(quick: bool) -> list[Row]:
