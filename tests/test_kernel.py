@@ -391,8 +391,8 @@ def test_gaps_fall_with_their_gradient_and_normals_turn_at_their_rate(name: str,
             np.testing.assert_allclose(ours, exact, rtol=0.0, atol=6e-6 * np.abs(exact).max())
 
 
-def test_the_width_goes_on_without_a_step_where_a_curve_is_cut_off() -> None:
-    """Where the third order may no more be relied on, the straight rest of a curve of several discs begins smoothly."""
+def test_the_width_goes_on_without_a_step_where_foot_points_begin_to_be_looked_for() -> None:
+    """On a convex flank the third order hands over smoothly: a step would be a leap of the second difference."""
     contacts = springs("2")
     rest, size = np.zeros(contacts.slope.shape[2]), contacts.trochoid[0]
     step = 2e-6 * size
@@ -400,4 +400,4 @@ def test_the_width_goes_on_without_a_step_where_a_curve_is_cut_off() -> None:
     for i in cut[:: cut.size // 4]:
         moved = (contacts._replace(shift=np.full(contacts.shift.shape, p)) for p in np.arange(-1e-3, 1e-3, 2e-6) * size)
         width = np.array([gap(one, 0, i, rest).width for one in moved])
-        assert np.abs(np.diff(width, 2)).max() < 1.02 * step**2 * contacts.bend[0, i]
+        assert np.abs(np.diff(width, 2)).max() < 1.05 * step**2 * contacts.bend[0, i]
