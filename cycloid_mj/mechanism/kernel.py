@@ -662,8 +662,9 @@ def _keep(springs: Springs, k: int, z: Array, force: Array, kept: Mask) -> None:
     """Mark the contacts, and then the cams, that carry in the balance at an angle."""
     for i in range(springs.disc.size):
         kept[i] = force[k, i] > 0.0
-    for disc in range(springs.cam_place.shape[1]):
-        kept[springs.disc.size + disc] = _cam(springs, k, disc, z[k]).both > 0.0
+    cams = kept[springs.disc.size :]
+    for disc in range(cams.size):
+        cams[disc] = _cam(springs, k, disc, z[k]).both > 0.0
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
@@ -680,8 +681,8 @@ def _assemble(springs: Springs, k: int, load: Array, z: Array, kept: Mask, syste
         residual[j] = load[j]
         for m in range(number):
             tangent[j, m] = 0.0
-    straight = _straight(springs)
-    for disc in range(springs.cam_place.shape[1]):
+    straight, cams = _straight(springs), kept[springs.disc.size :]
+    for disc in range(cams.size):
         # Sums stand in names, not in the arrays, which the compiler would write at every contact.
         rx = ry = rt = ro = xx = xy = yy = xt = yt = tt = xo = yo = to = oo = 0.0
         pose = _pose(springs, disc, z)
@@ -714,7 +715,7 @@ def _assemble(springs: Springs, k: int, load: Array, z: Array, kept: Mask, syste
             to += stiffness * at * ao + turning * bt * bo
             oo += stiffness * ao * ao + turning * bo * bo + alone * bo
         cam = _cam(springs, k, disc, z)
-        if cam.both > 0.0 or kept[springs.disc.size + disc]:
+        if cam.both > 0.0 or cams[disc]:
             stiffness, u, v = springs.cam_stiffness, cam.u, cam.v
             along, around = stiffness * (cam.along - cam.around), stiffness * cam.around
             energy += stiffness * cam.energy

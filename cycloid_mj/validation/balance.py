@@ -240,14 +240,18 @@ def work_rows(built: str) -> list[Row]:
 
 
 def balance_rows(built: str, *changes: str, torque: float = rig.RATED_LOAD, crank: float = CRANK) -> list[Row]:
-    """Hold the forces at the balance that is found against the load [N m], by exact gaps."""
+    """Hold the forces at the balance that is found against the load [N m], and each contact's, by exact gaps."""
     design = made(built, *changes)
     springs = springs_of(design, [crank], friction=False)
     _, exact = pressed(design, crank)
-    z = loads(design, springs, torque).departures[0]
-    load = springs.load(share(design) * torque)[0]
+    found = loads(design, springs, torque)
+    z, load = found.departures[0], springs.load(share(design) * torque)[0]
+    ours = np.concatenate([found.teeth[0], found.output[0]])
     name = ", ".join((built, *changes, *([] if torque == rig.RATED_LOAD else [f"{torque:.5g} N m"])))
-    return [deviation(f"forces in balance, {name}", exact.push(z), -load, "N", SOURCE, 0.1)]
+    return [
+        deviation(f"forces in balance, {name}", exact.push(z), -load, "N", SOURCE, 0.1),
+        deviation(f"forces of contacts, {name}", ours, exact.forces(z)[: ours.size], "N", SOURCE, 0.3),
+    ]
 
 
 def sample_rows() -> list[Row]:
