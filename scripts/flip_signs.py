@@ -50,7 +50,7 @@ ON_THE_WAY = {
     KERNEL: {
         **dict.fromkeys(("_lead", "_keep", "_solve", "_roll_off", "_leap", "_settle", "_renew"), ALL),
         "balance": {"here", "near"},
-        "balance_along": {"z", "done"},
+        "balance_along": {"z"},
         "_search": {"there", "assembled", "if"},
         "_weigh": {"work"},
     }
