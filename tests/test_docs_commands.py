@@ -16,6 +16,7 @@ import mujoco
 import pytest
 from browser import CHROMIUM, DRIVER, MISSING, OVERHANG, UNDRAWN, browser, errors, show
 from cyclopts import CycloptsError
+from designs import cases
 
 from cycloid_mj.cli import main
 from cycloid_mj.cli.app import application
@@ -164,7 +165,7 @@ def test_pages_that_commands_write_fit_a_phone(tutored: Path, monkeypatch: pytes
             assert not errors(driver), page.name
 
 
-@pytest.mark.parametrize("page", SHELL)
+@pytest.mark.parametrize("page", cases(SHELL, "README.md", "docs/tour.md"))
 @pytest.mark.usefixtures("here")
 def test_the_commands_of_a_page_run_in_order(page: str) -> None:
     for command in commands(PAGES[page], "sh"):

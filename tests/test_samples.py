@@ -179,12 +179,14 @@ def test_a_sample_that_jams_has_no_numbers_and_leaves_its_neighbours_alone() -> 
     design = override(FIXED, ["friction.pin_gear=0.75"])
     (many, errors), ideal = placed(design, 20), alike(design, 3)
     jams = np.flatnonzero(
-        np.isnan(solve_samples(design, replace(many, **errors), [36.0], friction=True)[0].output_mean)
+        np.isnan(solve_samples(design, replace(many, **errors), [36.0], 90, friction=True)[0].output_mean)
     )
     assert 0 < jams.size < len(many)
     places = {name: np.array(getattr(ideal, name)) for name in errors}
     for name, place in places.items():
         place[1] = errors[name][jams[0]]
-    sound, found = (solve_samples(design, made, [36.0], friction=True)[0] for made in (ideal, replace(ideal, **places)))
+    sound, found = (
+        solve_samples(design, made, [36.0], 90, friction=True)[0] for made in (ideal, replace(ideal, **places))
+    )
     assert np.isnan([getattr(found, field.name)[1] for field in fields(found)]).all()
     assert found.output_mean[[0, 2]].tolist() == sound.output_mean[[0, 2]].tolist()
