@@ -320,7 +320,7 @@ def rubbing(contacts: Springs, **given: float) -> Rubbing:
 
 def untouched(contacts: Springs) -> Springs:
     """Give springs whose contacts are all open: what is left are the cams."""
-    return contacts._replace(distance=np.full(contacts.distance.shape, 1e-4), shift=np.zeros(contacts.shift.shape))
+    return contacts._replace(distance=np.ones(contacts.distance.shape), shift=np.zeros(contacts.shift.shape))
 
 
 def test_a_long_way_is_gone_in_parts_while_there_are_rows_for_them() -> None:

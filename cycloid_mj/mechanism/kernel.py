@@ -46,6 +46,9 @@ _FAR, _SMALL = 0.7, 4e-4
 _LONGEST = 0.1
 """Longest step to a foot point, as a turn of the trochoid's generating circle [rad]: it is not to leave its lobe."""
 
+_SETTLED = 1e-10
+"""Step to a foot point at which it is found [rad]."""
+
 _SURELY = 1e-4
 """Most that a gap's third order narrows it, as a share of the way along the curve."""
 
@@ -574,11 +577,15 @@ def _rounded(
 ) -> tuple[float, float, float, float]:
     """Give the distance of two round curves [m], cosine and sine of their normal's turn, and the rate of that [1/m].
 
-    Where the third order may not be relied on, the foot point on the trochoid is looked for.
+    Where the third order may not be relied on, the foot point on the trochoid is looked for; where there is none near,
+    as of parts that are far apart, the curve counts as its circle.
     """
-    along, across = 1.0 + bend * q, bend * p
-    if turning and (exact or not _is_gentle(trochoid, bend, twist, p)):
-        return _foot(trochoid, phase, q, p, along)
+    along, across, gentle = 1.0 + bend * q, bend * p, _is_gentle(trochoid, bend, twist, p)
+    if turning and (exact or not gentle):
+        found, distance, nq, np_, rate = _foot(trochoid, phase, q, p, along)
+        if found:
+            return distance, nq, np_, rate
+        twist = 0.0
     if along <= 0.0:  # open by more than the curve's radius
         return q, 1.0, 0.0, 0.0
     reach = math.sqrt(along * along + across * across)
@@ -607,8 +614,8 @@ def _sharpest(trochoid: tuple[float, float, float]) -> float:
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _foot(
     trochoid: tuple[float, float, float], phase: float, q: float, p: float, along: float
-) -> tuple[float, float, float, float]:
-    """Give what `_rounded` does of a point near the trochoid, exactly.
+) -> tuple[bool, float, float, float, float]:
+    """Tell whether a point has a foot on the trochoid nearby, and give what `_rounded` does of it, exactly.
 
     The point is q across and p along from the curve's point at the `phase` (N - 1) t, where the normal is at the angle
     t - alpha: tan(alpha) = c N sin(phase)/(E - c N cos(phase)). Its foot is found by Newton's method, from that on the
@@ -635,12 +642,13 @@ def _foot(
         step = ((q - xq) * vq + (p - xp) * vp) / max(square - (q - xq) * aq - (p - xp) * ap, 0.1 * square)
         step = min(max(step, -_LONGEST / N), _LONGEST / N)
         t += step
-        if abs(step) < 1e-10:
+        if abs(step) < _SETTLED:
             break
     speed = math.sqrt(square)
     nq, np_ = vp / speed, -vq / speed
     distance, curvature = (q - xq) * nq + (p - xp) * np_, -(aq * nq + ap * np_) / square
-    return distance, nq, np_, curvature / (1.0 + curvature * distance)
+    bent = 1.0 + curvature * distance
+    return abs(step) < _SETTLED and bent > 0.0, distance, nq, np_, curvature / bent
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")

@@ -407,7 +407,7 @@ STATICS: tuple[Callable[[], list[Row]], ...] = (
     partial(path_rows, ONE, REACH, 3),
     partial(path_rows, TWO),
     floating_rows,
-    partial(balance_rows, ONE, "clearance.cam_um=4", torque=20.558397551377613, crank=0.7),
+    partial(balance_rows, ONE, torque=39.657296727101006, crank=0.8),
 )
 """Give the rows, the quick ones first. In the last a tooth rests where its foot point begins to be looked for."""
 
