@@ -42,7 +42,7 @@ NEAR, AWAY, FAR = 2e-6, 2e-5, 1e-4
 """Displacements [m]: near, gaps are exact to a part in 10^5; away, contacts leave the part of their curves that is
 known to third order, and far, all of them have."""
 
-TURNED = 5e-4
+TURNED = 1e-4
 """Way of the output pins' circle [m] in a turn of the disc that counts to the second order."""
 
 ACROSS, ALONG = (-2e-5, 2e-5), (-1.4e-5, -5e-6, 3e-6, 1.2e-5)
@@ -147,7 +147,7 @@ def gradient_rows() -> list[Row]:
     turned, of_turned = _gradients(springs, TURNED * np.eye(rest.size)[2], 1e-7)
     far, of_far = np.concatenate([_gradients(one, rest, 1e-9) for one in apart], axis=1)
     return [
-        deviation("gradient of gaps, far turned", turned, of_turned, "1", source, 5e-6),
+        deviation("gradient of gaps, far turned", turned, of_turned, "1", source, 2e-5),
         deviation("gradient of gaps, far apart", far, of_far, "1", source, 1e-5),
     ]
 
@@ -202,7 +202,7 @@ def closed_rows() -> list[Row]:
 
 def far_apart(springs: Springs) -> Springs:
     """Give springs whose contacts are all open: the cams are left."""
-    return springs._replace(distance=np.full(springs.distance.shape, 1.0), shift=np.zeros(springs.shift.shape))
+    return springs._replace(distance=np.full(springs.distance.shape, 1e-4), shift=np.zeros(springs.shift.shape))
 
 
 def tight_rows() -> list[Row]:
