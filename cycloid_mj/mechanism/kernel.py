@@ -244,7 +244,6 @@ class _Work(NamedTuple):
     """
 
     system: _System
-    trial: _System
     step: Array
     there: Array
     held: Array
@@ -269,7 +268,6 @@ def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool)
     """
     count, number = load.shape
     work = _Work(
-        _system(springs),
         _system(springs),
         np.zeros(number),
         np.zeros(number),
@@ -324,6 +322,8 @@ def _lead(springs: Springs, k: int, load: Array, z: Array, force: Array, near: b
     _keep(springs, k - 1, z, force, work.kept)
     work.assembled[0] += 1
     _assemble(springs, k, work.held, here, work.kept, work.system)
+    if springs.bending.size:
+        _bend(springs, k, here, work.kept, work.system)
     short = _solve(work.system.tangent, work.system.residual, step, FLOATING * springs.cam_stiffness)
     if short and _largest(step) < _NEAR / _largest(springs.bend[k]):
         for j in range(here.size):
@@ -338,8 +338,8 @@ def _search(springs: Springs, k: int, load: Array, here: Array, force: Array, wo
     Its row of `force` is filled in, and friction comes on from the `drag` in `work`.
     """
     step, there, held, drag, kept = work.step, work.there, work.held, work.drag, work.kept
-    system, trial, number = work.system, work.trial, load.size
-    rough, scale = springs.rubbing.shape[0] > 0, _largest(load) or 1.0
+    system, number = work.system, load.size
+    rough, bends, scale = springs.rubbing.shape[0] > 0, springs.bending.size > 0, _largest(load) or 1.0
     longest, floating = _NEAR / _largest(springs.bend[k]), FLOATING * springs.cam_stiffness
     left, change = 0.0, 0.0
     for _ in range(ROUNDS):
@@ -347,26 +347,31 @@ def _search(springs: Springs, k: int, load: Array, here: Array, force: Array, wo
             held[j] = load[j] + drag[j]
         work.assembled[0] += 1
         energy = _assemble(springs, k, held, here, kept, system)
+        if bends:
+            energy += _bend(springs, k, here, kept, system)
         left = _largest(system.residual) / scale
         for _ in range(ROUNDS):
             if left <= BALANCED:
                 break
             if not _solve(system.tangent, system.residual, step, floating):
                 _assemble(springs, k, held, here, kept, system)
+                if bends:
+                    _bend(springs, k, here, kept, system)
                 _roll_off(system.tangent, system.residual, step, floating)
             share, found = min(1.0, longest / _largest(step)), energy
             for _ in range(_HALVINGS):
                 for j in range(number):
                     there[j] = here[j] + share * step[j]
                 work.assembled[0] += 1
-                found = _assemble(springs, k, held, there, kept, trial)
+                found = _assemble(springs, k, held, there, kept, system)
+                if bends:
+                    found += _bend(springs, k, there, kept, system)
                 if found <= energy + _ROUNDING * abs(energy):
                     break
                 share *= 0.5
             for j in range(number):
                 here[j] = there[j]
             energy = found
-            system, trial = trial, system
             left = _largest(system.residual) / scale
         if _largest(drag) > 0.0 and not left <= BALANCED:  # it is the friction that has grown beyond all bounds
             left, change = 0.0, max(change, 1.0)
@@ -493,6 +498,8 @@ def state(springs: Springs, k: int, load: Array, z: Array) -> State:
     system, number = _system(springs), z.size
     none = np.zeros(springs.disc.size + springs.cam_place.shape[1], np.bool_)
     energy = _assemble(springs, k, load, z, none, system)
+    if springs.bending.size:
+        energy += _bend(springs, k, z, none, system)
     for j in range(number):
         for m in range(j, number):
             system.tangent[j, m] = system.tangent[m, j]
@@ -505,7 +512,8 @@ def _system(springs: Springs) -> _System:
     return _System(np.zeros(number), np.zeros((number, number)), np.zeros(springs.disc.size))
 
 
-# Arrays are read before any branch: numba counts references to those that are read in one.
+# Arrays are read before any branch: numba counts references to those that are read in one. It counts those to all of
+# them where a loop calls what is not inlined: what `_assemble` calls at every contact is.
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
@@ -538,7 +546,7 @@ def _apart(springs: Springs, k: int, i: int, pose: _Pose) -> _Apart:
     return _Apart(q + moved_q + turned_q + out_q + second_q, p + moved_p + turned_p + out_p - second_p, q, p)
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(cache=cacheable(), nogil=True, error_model="numpy", forceinline=True)
 def _curved(springs: Springs, k: int, i: int, pose: _Pose, apart: _Apart) -> Curved:
     """Give a gap and its derivatives from what `_apart` gives."""
     x, o = 3 * springs.disc[i], springs.slope.shape[2] - 1
@@ -564,7 +572,7 @@ def _curved(springs: Springs, k: int, i: int, pose: _Pose, apart: _Apart) -> Cur
     return Curved(room + width, ahead, aside, rate)
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(cache=cacheable(), nogil=True, error_model="numpy", forceinline=True)
 def _rounded(
     trochoid: tuple[float, float, float],
     phase: float,
@@ -611,7 +619,7 @@ def _sharpest(trochoid: tuple[float, float, float]) -> float:
     return (E - c * N * N) / (E - c * N) ** 2
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(cache=cacheable(), nogil=True, error_model="numpy", forceinline=True)
 def _foot(
     trochoid: tuple[float, float, float], phase: float, q: float, p: float, along: float
 ) -> tuple[bool, float, float, float, float]:
@@ -679,7 +687,8 @@ def _keep(springs: Springs, k: int, z: Array, force: Array, kept: Mask) -> None:
 def _assemble(springs: Springs, k: int, load: Array, z: Array, kept: Mask, system: _System) -> float:
     """Put together the system at departures z; give the energy of the springs less the work of the load [J].
 
-    Contacts and then cams that are `kept` (n + D,) count where they are open, too, as springs that also pull.
+    Contacts and then cams that are `kept` (n + D,) count where they are open, too, as springs that also pull. Output
+    pins that bend are not in it: `_bend` adds them.
     """
     number = z.size
     residual, tangent, pressed = system.residual, system.tangent, system.pressed
@@ -738,8 +747,6 @@ def _assemble(springs: Springs, k: int, load: Array, z: Array, kept: Mask, syste
         tangent[t, x], tangent[t, y], tangent[t, t] = xt, yt, tt
         tangent[o, x], tangent[o, y], tangent[o, t] = xo, yo, to
         tangent[o, o] += oo
-    if straight < springs.disc.size:
-        energy += _bend(springs, k, z, kept, system)
     return energy
 
 
