@@ -24,18 +24,15 @@ NO_ISLANDS = int(mujoco.mjtDisableBit.mjDSBL_ISLAND)
         (PRESETS["pin"], 0.5, CG),
         (PRESETS["pin"], 1.0, NEWTON),
         (PRESETS["pin"], 0.0, NEWTON),
-        (PRESETS["nonpin"], 0.0, CG),
-        (PRESETS["twodisc"], 0.0, CG),
+        (PRESETS["nonpin"], 0.5, NEWTON),
         (unlike("few"), 0.5, CG),
         (unlike("large"), 0.5, CG),
         (unlike("large"), 5.0, NEWTON),
-        (unlike("printed"), 0.0, CG),
+        (unlike("printed"), 0.5, NEWTON),
     ],
     ids=lambda value: value.name if isinstance(value, Design) else str(value),
 )
-def test_gradients_are_taken_for_few_bodies_and_where_the_step_resolves_moving_pins(
-    design: Design, step: float, solver: int
-) -> None:
+def test_gradients_are_taken_where_the_step_resolves_moving_pins(design: Design, step: float, solver: int) -> None:
     option = build(override(design, [f"settings.timestep_us={step}"])).model.opt
     assert option.solver == solver
     assert (option.jacobian == mujoco.mjtJacobian.mjJAC_SPARSE) == design.ring.has_moving_pins
@@ -58,13 +55,12 @@ def test_islands_are_found_where_pins_that_do_not_carry_can_be_left_out(
     assert bool(flags & NO_ISLANDS) != islands
 
 
-@pytest.mark.parametrize("name", ["pin", "few", "large", "nonpin", "twodisc", "printed"])
+@pytest.mark.parametrize("name", ["pin", "few", "large"])
 def test_both_solvers_find_the_same_forces_with_islands_and_without(name: str) -> None:
     """From one state: a run between flanks is chaotic, and two that differ by a rounding part ways."""
-    design = PRESETS[name] if name in ("pin", "nonpin", "twodisc") else unlike(name)
+    design = PRESETS["pin"] if name == "pin" else unlike(name)
     load = design.drive.torque * design.lobes
-    step = 0.5 if design.ring.has_moving_pins else 0.0
-    changes = ["drive.ramp_s=0", "load.rise_s=0.0005", f"load.torque_nm={load}", f"settings.timestep_us={step}"]
+    changes = ["drive.ramp_s=0", "load.rise_s=0.0005", f"load.torque_nm={load}", "settings.timestep_us=0.5"]
     design = override(design, changes)
     reducer = build(design)
     course = ramp_and_hold(reducer, design)
@@ -83,7 +79,7 @@ def test_both_solvers_find_the_same_forces_with_islands_and_without(name: str) -
                 islands = max(islands, data.nisland)
                 worst = max(worst, *(float(np.abs(forces - known).max()) / scale for forces in others))
     assert loaded > 10
-    assert (islands > 1) == design.ring.has_moving_pins
+    assert islands > 1
     assert worst < 1e-9
 
 

@@ -98,7 +98,8 @@ def build(design: Design, held: Held = "crank") -> ReducerModel:
     add_sensors(spec, design)
     each_step.add_sensor(spec)
     laws = laws_of_discs(design)
-    set_solver(spec, stiffest(laws), design.ring.has_pin_bodies, loaded=design.load.torque != 0.0)
+    if design.ring.has_pin_bodies:
+        set_solver(spec, stiffest(laws), loaded=design.load.torque != 0.0)
     model = _add_pairs(spec, reducer.pairs, laws)
     return judged(ReducerModel(spec, model, reducer.pairs, stiffest(laws), gains, crank), design)
 

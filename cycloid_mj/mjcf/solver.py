@@ -9,7 +9,7 @@ from cycloid_mj.contact.law import ContactLaw
 from cycloid_mj.contact.regime import steps_ratio
 
 WELL_CONDITIONED = 0.3
-"""Largest K dt^2/m for conjugate gradients with moving pins.
+"""Largest K dt^2/m for conjugate gradients.
 
 The cost is that of the masses plus K dt^2 on each contact, so this ratio bounds its condition number. Up to 0.3 they
 cost 0.8 to 0.97 of Newton's step with its factorisation (36 moving pins, without load and at 36 N m); at 1 they take
@@ -17,23 +17,16 @@ cost 0.8 to 0.97 of Newton's step with its factorisation (36 moving pins, withou
 """
 
 
-def set_solver(spec: Any, laws: Mapping[str, ContactLaw], moving_pins: bool, loaded: bool) -> None:
-    """Set solver, Jacobian and islands of an editable model from the contact laws of its pairs.
+def set_solver(spec: Any, laws: Mapping[str, ContactLaw], loaded: bool) -> None:
+    """Set solver, Jacobian and islands of an editable model with moving pins from the contact laws of its pairs.
 
-    Without moving pins there are five degrees of freedom, and three more for each further disc: gradients need no more
-    iterations than that but where contacts come and go, and cost 0.93 to 0.99 of Newton's step (two discs 0.87), which
-    adds the cones of all contacts to its matrix twice.
-
-    Of moving pins each contact touches a few of many degrees of freedom: sparse matrices, whatever MuJoCo's own choice
-    from 60 degrees of freedom on.
+    Each contact touches a few of many degrees of freedom: sparse matrices, whatever MuJoCo's own choice from 60 degrees
+    of freedom on. Without moving pins there are five, and Newton's exact step is as cheap as any.
 
     Under load the pins that carry are one island with gear and output, and those that do not stay out of its matrix: a
     step costs 0.91 of one without islands at 10 N m and 0.95 at 36.68 N m (36 pins). Without load nearly every pin in
     its socket is an island of its own, and finding them costs more than they save, 1.17.
     """
-    if not moving_pins:
-        spec.option.solver = mujoco.mjtSolver.mjSOL_CG
-        return
     if loaded:
         spec.option.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_ISLAND)
     spec.option.jacobian = mujoco.mjtJacobian.mjJAC_SPARSE
