@@ -9,7 +9,7 @@ from cycloid_mj.compiling import announced
 from cycloid_mj.design import Design
 from cycloid_mj.errors import RunError
 from cycloid_mj.loaded.springs import Springs, springs_of
-from cycloid_mj.mechanism.kernel import BALANCED, Left, balance, balance_along
+from cycloid_mj.mechanism.kernel import BALANCED, Left, balance
 from cycloid_mj.member import seen_from_ring, share
 from cycloid_mj.structure import wind_up
 from cycloid_mj.types import Array
@@ -88,7 +88,7 @@ def _balanced(design: Design, springs: Springs, torque: float, follow: bool) -> 
     of_discs = z[:, :-1].reshape(len(z), -1, 3)
     of_discs[..., :2] = contacts.cam_place
     with announced():
-        search = balance_along(contacts, load, z, force) if follow else balance(contacts, load, z, force, False)
+        search = balance(contacts, load, z, force, follow)
     require_balance(search)
     away = of_discs[..., :2] - contacts.cam_place
     distance = np.maximum(np.linalg.norm(away, axis=-1), np.finfo(float).tiny)

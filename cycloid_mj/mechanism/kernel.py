@@ -276,10 +276,11 @@ def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool)
         np.zeros(springs.disc.size + springs.cam_place.shape[1], np.bool_),
         np.zeros(1, np.int64),
     )
-    start, worst, unsettled, near = np.zeros(number), 0.0, 0.0, False
+    # not the literal: numba would compile `_lead` for it, too
+    start, worst, unsettled, near = np.zeros(number), 0.0, 0.0, count == 0
     for k in range(count):
         here = z[k]
-        start[:] = here
+        _copy(here, start)
         if follow and k:
             _lead(springs, k, load[k], z, force, near, work)
         else:
@@ -288,10 +289,12 @@ def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool)
         left = _search(springs, k, load[k], here, force, work)
         near = work.assembled[0] - begun <= (_SHORT_AGAIN if near else _SHORT)
         if follow and k and not _is_found(left):
-            here[:], work.drag[:] = start, 0.0
+            _copy(start, here)
+            work.drag[:] = 0.0
             left = _search(springs, k, load[k], here, force, work)
         if not (springs.exact or _is_found(left)):
-            here[:], work.drag[:] = start, 0.0
+            _copy(start, here)
+            work.drag[:] = 0.0
             left = _search(_exact(springs), k, load[k], here, force, work)
         worst, unsettled = max(worst, left.force), max(unsettled, left.friction)
         if not _is_found(left):
@@ -378,12 +381,19 @@ def _search(springs: Springs, k: int, load: Array, here: Array, force: Array, wo
             break
         if not (rough and left <= BALANCED):
             break
-        force[k] = system.pressed
+        _copy(system.pressed, force[k])
         change = _rub(springs, k, here, force, drag, step) / scale
         if change <= BALANCED:
             break
-    force[k] = system.pressed
+    _copy(system.pressed, force[k])
     return Left(left, change, work.assembled[0])
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _copy(values: Array, to: Array) -> None:
+    """Put values (m,) into an array: numba takes a second to compile this as an assignment, for its message alone."""
+    for j in range(to.size):
+        to[j] = values[j]
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
