@@ -51,7 +51,8 @@ ON_THE_WAY = {
         **dict.fromkeys(("_lead", "_keep", "_solve", "_roll_off", "_leap", "_settle", "_renew"), ALL),
         "balance": {"here", "near"},
         "balance_along": {"z"},
-        "_search": {"there", "assembled", "if"},
+        "_search": {"there", "energy", "assembled", "if"},
+        "_is_open": {"rim"},
         "_weigh": {"work"},
     }
 }
@@ -197,7 +198,7 @@ def validated(file: str) -> bool:
     if file == MODEL:
         parts = mechanism.MODELS
     elif file == KERNEL:
-        parts = (*balance.STATICS, mechanism.friction_rows)
+        parts = (*balance.STATICS, *mechanism.RUBBED)
     else:
         parts = (*mechanism.STATICS, *balance.STATICS)
     try:

@@ -79,21 +79,22 @@ class Springs(NamedTuple):
     [m]; `distance`, `shift`, `bend`, `twist`, `phase`, `stiffness` (k, n) [m, m, 1/m, 1/m2, rad, N/m]; `slope`,
     `shift_slope` (k, n, u) [1].
 
+    `exact` tells whether the foot point of every tooth is looked for: else a width has a step, some 10^-11 m wide,
+    where a tooth leaves the part of its curve that is known to third order.
+
     `radius` [m] is that of the circle of output pins: an unknown of turning is the angle times that. `trochoid`, on
     which ideal pins have their centres, is E u(t) - c u(N t): E and c [m], and N. `disc` (n,) is that of a contact, and
     `turning` (n,) tells whether its curve turns with the disc: the teeth do, round holes need not. `cam_place`
     (k, D, 2) [m], `cam_clearance` [m] and `cam_stiffness` [N/m] are those of the cams; a cam of negative clearance
-    presses on both sides. `rubbing` (k, n, u) and
-    `cam_rubbing` [1] are the generalised friction per normal force, of the cam on its disc's turn; k is 0 in `rubbing`
-    without friction.
+    presses on both sides. `rubbing` (k, n, u) and `cam_rubbing` [1] are the generalised friction per normal force, of
+    the cam on its disc's turn; k is 0 in `rubbing` without friction.
 
     `bending` (D, D) [m/N] is by how much an output pin that carries several discs gives way to each along its own push,
     for the force of each: off the diagonal alone, which is in `stiffness`. Its size is 0 where no disc's force moves
-    another's contact; else the last D `pins` contacts are those of the output pins, disc after disc. `exact` tells
-    whether the foot point of every tooth is looked for: else a width has a step, some 10^-11 m wide, where a tooth
-    leaves the part of its curve that is known to third order.
+    another's contact; else the last D `pins` contacts are those of the output pins, disc after disc.
     """
 
+    exact: bool
     radius: float
     disc: Integers
     turning: Mask
@@ -114,7 +115,6 @@ class Springs(NamedTuple):
     cam_rubbing: float
     bending: Array
     pins: int
-    exact: bool
 
 
 class Curved(NamedTuple):
@@ -357,6 +357,7 @@ def _search(springs: Springs, k: int, load: Array, here: Array, force: Array, wo
             if left <= BALANCED:
                 break
             if not _solve(system.tangent, system.residual, step, floating):
+                work.assembled[0] += 1
                 _assemble(springs, k, held, here, kept, system)
                 if bends:
                     _bend(springs, k, here, kept, system)
@@ -399,7 +400,7 @@ def _copy(values: Array, to: Array) -> None:
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _exact(springs: Springs) -> Springs:
     """Give springs whose widths have no step."""
-    return Springs(*springs[:-1], True)
+    return Springs(True, *springs[1:])
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
@@ -440,6 +441,7 @@ def balance_samples(
                 cam_place[k, disc, 0] = made.eccentricity[s] * out_x + (cosine * x - sine * y)
                 cam_place[k, disc, 1] = made.eccentricity[s] * out_y + (sine * x + cosine * y)
         springs = Springs(
+            ideal.exact,
             ideal.radius,
             ideal.disc,
             ideal.turning,
@@ -460,7 +462,6 @@ def balance_samples(
             ideal.cam_rubbing,
             ideal.bending,
             ideal.pins,
-            ideal.exact,
         )
         left = balance_along(springs, load, z, force)
         _sum_up(springs, z, force, out[s])
@@ -500,6 +501,12 @@ def gap(springs: Springs, k: int, i: int, z: Array) -> Curved:
     """Give a gap at departures z [m], shape (u,)."""
     pose = _pose(springs, springs.disc[i], z)
     return _curved(springs, k, i, pose, _apart(springs, k, i, pose))
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def is_open(springs: Springs, k: int, i: int, z: Array) -> bool:
+    """Tell whether a gap is surely open at departures z [m], shape (u,), without its width."""
+    return _is_open(springs, k, i, _apart(springs, k, i, _pose(springs, springs.disc[i], z)))
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")

@@ -190,7 +190,10 @@ def closed_rows() -> list[Row]:
         springs._replace(distance=draw(-size, size, shape), shift=draw(-size, size, shape))
         for size in np.outer(np.repeat((1e-6, 5e-6), 40), np.where(springs.turning, 1.0, 200.0))  # holes are circles
     ]
-    touching = [springs._replace(distance=draw(-1e-9, 1e-9, shape) - springs.room, shift=np.zeros(shape))]
+    touching = [
+        springs._replace(distance=draw(-size, size, shape) - springs.room, shift=draw(-aside, aside, shape))
+        for size, aside in ((1e-9, 0.0), (5e-11, 5e-7))
+    ]
     load, found, exact = np.zeros(springs.slope.shape[2]), [], []
     for apart in drawn + touching:
         widths = np.array([gap(apart, 0, i, load).width for i in range(springs.disc.size)])

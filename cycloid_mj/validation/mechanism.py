@@ -20,7 +20,7 @@ from cycloid_mj.loaded import loads, springs_of
 from cycloid_mj.mechanism.gaps import gaps, ideal_motion
 from cycloid_mj.mechanism.kernel import gap
 from cycloid_mj.mechanism.limits import best_fit, stops
-from cycloid_mj.mechanism.reducer import mechanism
+from cycloid_mj.mechanism.reducer import mechanism, phases
 from cycloid_mj.mjcf import build
 from cycloid_mj.modification import profile_offset, tooth_profile
 from cycloid_mj.types import Array, Mask
@@ -260,19 +260,21 @@ def balance_rows(kind: str, turn: Sequence[float]) -> list[Row]:
     ]
 
 
-def friction_rows() -> list[Row]:
-    """Hold the work of the cam over a small turn, with friction, against that of the load and of all sliding."""
+def friction_rows(name: str, *changes: str) -> list[Row]:
+    """Hold the work of the cams over a small turn, with friction, against that of the load and of all sliding."""
     rubs = [f"friction.{kind}={FRICTION}" for kind in (*rig.MATING, "cam_rolling", "output_rolling")]
-    design = reducer_of(FIXED, *rubs, *rig.without_gravity(), f"load.torque_nm={rig.RATED_LOAD}", "drive.speed_rpm=1.0")
+    load = f"load.torque_nm={rig.RATED_LOAD}"
+    design = reducer_of(FIXED, *rubs, *rig.without_gravity(), load, "drive.speed_rpm=1.0", *changes)
     gear, springs = tooth_profile(design), springs_of(design, TURN)
     found, speed = loads(design, springs, rig.RATED_LOAD), design.drive.speed
-    going = speed * rotate(kinematics.gear_centre(gear, np.array(TURN)), np.pi / 2)
-    slow, pressed = speed / gear.lobes, np.linalg.norm(found.cam[:, 0], axis=1)
-    driven = np.sum(found.cam[:, 0] * going, axis=1) - FRICTION * design.gear.bore_radius * pressed * slow
+    turned = np.add.outer(TURN, phases(design))
+    going = speed * rotate(kinematics.gear_centre(gear, turned), np.pi / 2)
+    slow, pressed = speed / gear.lobes, np.linalg.norm(found.cam, axis=2)
+    driven = np.sum(found.cam * going, axis=(1, 2)) - FRICTION * design.gear.bore_radius * pressed.sum(axis=1) * slow
     rubbed = FRICTION * np.sum(np.concatenate([found.teeth, found.output], axis=1) * np.abs(springs.slip), axis=1)
     return [
         deviation(
-            "power through friction, fixed pins",
+            f"power through friction, {name}",
             1e3 * driven,
             1e3 * (rig.RATED_LOAD * slow + rubbed),
             "mW",
@@ -324,6 +326,12 @@ def stop_rows(kind: str) -> list[Row]:
     return [deviation(f"stops of the output, {kind}", ours, solved, "urad", SEARCH, 0.35)]
 
 
+RUBBED: tuple[Callable[[], list[Row]], ...] = (
+    partial(friction_rows, FIXED),
+    partial(friction_rows, "two discs", "gear.discs=2"),
+)
+"""Give those of a balance with friction."""
+
 STATICS: tuple[Callable[[], list[Row]], ...] = (
     *(partial(gap_rows, kind) for kind in (FIXED, NONPIN)),
     *(partial(sliding_rows, kind) for kind in (FIXED, NONPIN)),
@@ -333,7 +341,7 @@ STATICS: tuple[Callable[[], list[Row]], ...] = (
     partial(flank_rows, *THREE_DISCS),
     partial(sliding_rows, FIXED, *THREE_DISCS),
     *(partial(balance_rows, kind, turn) for kind, turn in ((FREE, TURN), (SLEEVED, TURN), (NONPIN, TURN[:1]))),
-    friction_rows,
+    *RUBBED,
     partial(fit_rows, 0.1),
     partial(fit_rows, 1.0, *THREE_DISCS, "output.member=ring"),
     partial(aside_rows, 1.0),
