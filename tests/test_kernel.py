@@ -313,7 +313,7 @@ def test_forces_after_a_step_with_friction_are_the_descent_of_the_energy(name: s
             return state_after(contacts, rubs, before, load, z, given)
 
         found, stiffness = at(z), differences(at, z, "residual", 1e-10)
-        np.testing.assert_allclose(stiffness, found.stiffness, rtol=0.0, atol=2e-7 * np.abs(stiffness).max())
+        np.testing.assert_allclose(stiffness, found.stiffness, rtol=0.0, atol=4e-8 * np.abs(stiffness).max())
         if given:
             bound = 2e-7 * np.abs(found.residual).max()
             np.testing.assert_allclose(differences(at, z, "energy", 1e-10), found.residual, rtol=0.0, atol=bound)

@@ -1222,11 +1222,11 @@ def _weigh(
         if not _is_open(springs, 0, i, apart):
             found = _curved(springs, 0, i, pose, apart)
             depth = max(-found.width, 0.0)
-        if depth == 0.0:
-            energy += _bear(rubbing, given, i, 0.0, 0.0, one, old, new)
-            continue
-        ahead[x], ahead[x + 1], ahead[t], ahead[o] = found.ahead
+            if depth > 0.0:
+                ahead[x], ahead[x + 1], ahead[t], ahead[o] = found.ahead
         energy += _bear(rubbing, given, i, springs.stiffness[0, i], depth, one, old, new)
+        if depth == 0.0:
+            continue
         force = new.pressed[i] + new.normal[i]
         # The normal's turning, and the turns of the parts, as in `_assemble`.
         (bx, by, bt, bo), turning = found.aside, -force * found.rate

@@ -335,7 +335,14 @@ def step_rows(built: str) -> list[Row]:
         name = f"{built}, limits given" if given else built
         ours, source = 1e-6 * here.stiffness.ravel(), "differences of forces"
         rows.append(deviation(f"stiffness after a step, {name}", ours, 1e-6 * softer.T.ravel(), "N/um", source, 1e-5))
-    return [*rows, deviation(f"forces after a step, {name}", here.residual, falls, "N", "differences of energy", 1e-6)]
+    on_the_way = [after(before + share * (z - before), True) for share in np.linspace(0.0, 1.0, 401)]
+    work = np.trapezoid([one.residual @ (before - z) for one in on_the_way], dx=1.0 / 400.0)
+    stored = np.array([on_the_way[-1].energy - on_the_way[0].energy])
+    return [
+        *rows,
+        deviation(f"forces after a step, {name}", here.residual, falls, "N", "differences of energy", 1e-6),
+        deviation(f"energy of a step, {name}", 1e3 * stored, 1e3 * np.array([work]), "mJ", "work of the forces", 0.01),
+    ]
 
 
 def path_rows(built: str, reach: float = np.inf, spare: int = 0) -> list[Row]:
