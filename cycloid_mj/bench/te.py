@@ -25,6 +25,9 @@ CRANK, ERROR = COLUMNS = ("crank_deg", "te_arcsec")
 HARMONICS = 3
 """Multiples of the mesh order up to which orders are matched."""
 
+ROUNDING = 1e-9
+"""By how much less a zero may explain that is as good, as a share of what angles change."""
+
 PER_MESH_PERIOD = 16
 """Angles in a mesh period at which the model is solved, and the crank's zero looked for."""
 
@@ -230,7 +233,10 @@ def _orders(design: Design, measured: MeasuredError) -> Array:
 
 
 def _zero(ideal: Array, measured: MeasuredError, lobes: int) -> float:
-    """Give the crank angle of the model at the bench's zero [rad] that explains most of the measured curve."""
+    """Give the crank angle of the model at the bench's zero [rad] that explains most of the measured curve.
+
+    The least of all that do so: where parts come to the same places after some turns of the crank, all are alike.
+    """
     count, turn = len(ideal), 2.0 * np.pi * lobes
     step = turn / count
     # the measured curve on the model's angles, then all shifts at once
@@ -243,7 +249,7 @@ def _zero(ideal: Array, measured: MeasuredError, lobes: int) -> float:
     cross = np.fft.irfft(np.conj(np.fft.rfft(total)) * spectrum, count)
     power = np.fft.irfft(np.conj(np.fft.rfft(hits)) * np.fft.rfft(ideal**2), count)
     left = power - 2.0 * cross
-    best = int(np.argmin(left))
+    best = int(np.argmax(left <= left.min() + ROUNDING * np.ptp(left)))
     near = [left[(best + way) % count] for way in (-1, 0, 1)]
     bend = near[0] - 2.0 * near[1] + near[2]
     return float((best + (0.5 * (near[0] - near[2]) / bend if bend > 0.0 else 0.0)) * step)
