@@ -146,6 +146,18 @@ def test_a_raised_impedance_is_told() -> None:
     assert warnings(design, Other(reducer.model, reducer.pairs, {**reducer.laws, "cam": heavy})) == ()
 
 
+def test_the_step_of_the_model_is_judged() -> None:
+    """By mesh contact it is shorter than the design's own."""
+    design = override(PRESETS["pin"], ["load.torque_nm=1.0"])
+    reducer = build(design)
+    reducer.model.opt.timestep *= 2.0
+    assert any("pin_socket" in text for text in warnings(design, reducer))
+    longer = design.but(settings={"timestep": 2.0 * timestep(design)})
+    assert any("pin_socket" in text for text in warnings(longer, reducer))
+    reducer.model.opt.timestep /= 2.0
+    assert not warnings(longer, reducer)
+
+
 def test_simulate_tells_before_the_run_and_the_log_keeps_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     flags = ["--ramp-s", "0", "--hold-s", "0.0005", "--out", str(tmp_path), "--set", "friction.cam=0.01"]
     assert main(["simulate", "--design", "nonpin", "--timestep-us", "5", *flags]) == 0

@@ -48,8 +48,9 @@ class Reducer(Protocol):
 
 def warnings(design: Design, reducer: Reducer) -> tuple[str, ...]:
     """Tell every bad regime of a built design: what, where, and what to change; nothing where there is none."""
-    resolved = [text for kind, law in reducer.laws.items() for text in _resolution(design, kind, law)]
-    return (*_rolling(design), *resolved, *_clamped(reducer), *_bent(design), *at_rest(design, reducer.laws))
+    step = reducer.model.opt.timestep  # by mesh contact it may be shorter than the design's
+    resolved = [text for kind, law in reducer.laws.items() for text in _resolution(design, kind, law, step)]
+    return (*_rolling(design, step), *resolved, *_clamped(reducer), *_bent(design), *at_rest(design, reducer.laws))
 
 
 def at_rest(design: Design, kinds: Iterable[str]) -> tuple[str, ...]:
@@ -91,9 +92,8 @@ def steps_ratio(law: ContactLaw, step: float) -> float:
     return law.stiffness * step**2 / law.effective_mass
 
 
-def _rolling(design: Design) -> Iterator[str]:
+def _rolling(design: Design, step: float) -> Iterator[str]:
     """Tell of a step that does not follow what rolls in its play."""
-    step = timestep(design)
     for what, longest in rolling_limits(design).items():
         if step > longest * (1.0 + 1e-9):
             yield (
@@ -102,10 +102,9 @@ def _rolling(design: Design) -> Iterator[str]:
             )
 
 
-def _resolution(design: Design, kind: str, law: ContactLaw) -> Iterator[str]:
+def _resolution(design: Design, kind: str, law: ContactLaw, step: float) -> Iterator[str]:
     """Tell of a contact that the step does not resolve."""
-    step, most = timestep(design), resolved(design, kind)
-    ratio = steps_ratio(law, step)
+    most, ratio = resolved(design, kind), steps_ratio(law, step)
     if ratio > most * (1.0 + 1e-9):
         longest = step * math.sqrt(most / ratio)
         yield (
