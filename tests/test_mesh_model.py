@@ -372,10 +372,10 @@ def test_a_short_mesh_run_agrees_with_profile_contact(kind: str) -> None:
 def test_a_mesh_run_agrees_with_profile_contact(kind: str, load: float) -> None:
     """Over 24 mesh periods, within 7 %: 10 % were asked for, 5 % is what the foundation differs at these loads.
 
-    Each takes its own step: at 5 us the torque of free pins under 1 N m reads 7 % less than at 1 us.
+    At a step that resolves light loads: under 1 N m the crank's torque reads 7 % less at 5 us than at 1 us.
     """
-    own_step = "settings.timestep_us=0"
-    design = changed(kind, own_step, "drive.ramp_s=0.0", "drive.hold_s=0.04", f"load.torque_nm={load}")
+    fine = "settings.timestep_us=2"
+    design = changed(kind, fine, "drive.ramp_s=0.0", "drive.hold_s=0.04", f"load.torque_nm={load}")
     mesh, profile = (judged(design, contact) for contact in ("mesh", "profile"))
     assert mesh == pytest.approx(profile, rel=0.07)
 
