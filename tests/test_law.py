@@ -9,6 +9,7 @@ import pytest
 from cycloid_mj import statics
 from cycloid_mj.contact.collider import installed
 from cycloid_mj.contact.law import (
+    IMPRATIO,
     ContactLaw,
     contact_law,
     curvature_law,
@@ -20,6 +21,7 @@ from cycloid_mj.contact.working import STRIBECK, working_force
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import ContactError
 from cycloid_mj.mechanism.reducer import Role
+from cycloid_mj.mjcf import build
 from cycloid_mj.mjcf.laws import contact_laws
 
 STIFFNESS, MASS = 2.6e8, 0.05
@@ -117,6 +119,33 @@ def test_the_added_mass_keeps_a_body_on_a_contact_stable_at_any_step(ratio: floa
 def test_an_impossible_impedance_is_refused() -> None:
     with pytest.raises(ContactError, match="timestep_us"):
         solver_parameters(ContactLaw(1e14, 0.0, 1e9, 0.0), 1.0)
+
+
+def lead(design: Design, kind: str) -> float:
+    """Give the tangent of friction's lead on a kind of pair, as the built model has it."""
+    law = contact_laws(design)[kind]
+    on_cam = design.gear.eccentricity / design.gear.bore_radius if kind == "cam" else 1.0
+    return build(design).model.opt.impratio * law.added_mass * abs(design.drive.speed) * on_cam / law.creep
+
+
+@pytest.mark.parametrize(("name", "first", "most"), [("nonpin", "tooth", 0.15), ("pin", "pin_socket", 0.05)])
+def test_friction_follows_the_sliding_under_a_light_load(name: str, first: str, most: float) -> None:
+    light, rated = (PRESETS[name].but(load={"torque": torque}) for torque in (1.0, 36.68))
+    assert lead(light, first) == pytest.approx(most, rel=1e-9)
+    assert all(lead(light, kind) < 0.151 for kind in PRESETS[name].pair_kinds if kind != "output")
+    assert build(rated).model.opt.impratio == IMPRATIO
+    still = light.but(drive={"speed": 0.0})
+    assert build(still).model.opt.impratio == IMPRATIO
+
+
+def test_friction_takes_its_creep_at_every_impratio() -> None:
+    law = ContactLaw(STIFFNESS, 100.0, 0.1, 0.05, creep=8.0)
+    for ratio in (0.2, IMPRATIO):
+        parameters = solver_parameters(law, 1.0 / MASS, ratio)
+        impedance = parameters.solimp[0]
+        regularisation = (1.0 - impedance) / (impedance * MASS) / ratio
+        # b/R, with b = -solreffriction[1]/d (MuJoCo, "Computation": direct format)
+        assert -parameters.solreffriction[1] / impedance / regularisation == pytest.approx(law.creep, rel=1e-9)
 
 
 def test_frictionless_contacts_have_one_dimension() -> None:

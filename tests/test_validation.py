@@ -15,6 +15,7 @@ import pytest
 
 from cycloid_mj import envelope, kinematics, profile, statics
 from cycloid_mj.cli import main
+from cycloid_mj.contact import law
 from cycloid_mj.design import PRESETS
 from cycloid_mj.errors import RunError, UsageError
 from cycloid_mj.loaded.friction import ideal_losses
@@ -263,6 +264,12 @@ def test_a_run_that_fails_is_judged_by_its_step():
     assert len(failed(steps.judged(FREE, study, 20.0))) == 1
     with pytest.raises(RunError, match="deep"):
         steps.judged(FREE, {1.0: RunError("a contact is deep"), 2.0: FIGURES}, 2.0)
+
+
+def test_friction_that_leads_by_too_much_is_told_under_a_light_load(monkeypatch):
+    assert failed(steps.light_rows(FIXED)) == []
+    monkeypatch.setattr(law, "LEAD", math.inf)
+    assert len(failed(steps.light_rows(FIXED))) == 2
 
 
 # --- the ladder and its command ---------------------------------------------------------------------------------------

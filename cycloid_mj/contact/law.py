@@ -6,6 +6,7 @@ K and C come from physics; the added mass is as small as the time step allows.
 """
 
 import math
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,10 +21,20 @@ from cycloid_mj.structure import pin_flexibility
 from cycloid_mj.types import Array
 
 IMPRATIO = 10.0
-"""MuJoCo's ``impratio``: the ratio of the normal to the frictional regularisation R.
+"""Largest ``impratio`` of MuJoCo, the ratio of the normal to the frictional regularisation R; see `impratio`.
 
 While a contact slides, MuJoCo's convex cone adds friction * creep * speed / impratio to the normal force. At 1 the
-teeth would push each other apart at every touch, and the gear would chatter the more, the longer the step.
+teeth would push each other apart at every touch, and the gear would chatter the more, the longer the step: under the
+rated load the rms of its speed is 25 % more than at 10.
+"""
+
+LEAD, LEAD_OF_PINS = 0.15, 0.05
+"""Most lead of friction, see `impratio`; and that of moving pins on their seats, which have to change their spin.
+
+Fixed pins and internal gear at 10 us under 1 to 3 N m: friction of the teeth is 5 % too small at 0.84, 1 % at 0.72, and
+right within 0.1 % at 0.3. At 2.2 it points the wrong way, and the efficiency is 111 %. At 20 N m and 20 000 rpm the
+losses are a third too small at 0.3, and right within 1 % at 0.15. Free pins under 1 to 3 N m: the crank's torque is
+0.4 % too small at 0.3, and right within 0.05 % at 0.05.
 """
 
 LEAST_IMPEDANCE, MOST_IMPEDANCE = 1e-4, 0.9999
@@ -246,7 +257,25 @@ def contact_law(
     return ContactLaw(stiffness, damping, added, friction, creep, effective_mass)
 
 
-def solver_parameters(law: ContactLaw, inverse_weight: float) -> SolverParameters:
+def impratio(design: Design, laws: Iterable[Mapping[str, ContactLaw]]) -> float:
+    """Give MuJoCo's ``impratio`` for the laws of a design's discs: `IMPRATIO`, or less under a light load at speed.
+
+    As the normal force has the added mass 1/R, friction has impratio/R, which acts on the acceleration along the
+    contact: below Coulomb's limit it is creep v + impratio/R dv/dt. Parts that circle on the eccentricity c at w slide
+    with c w and accelerate by c w^2; on the cam, of radius r, they slide with r w. So friction leads the sliding by an
+    angle, whose tangent is impratio w/(R creep), on the cam c/r of it. Creep is in proportion to the working force:
+    under a light load friction would come to point against the sliding.
+    """
+    gear, speed = design.gear, abs(design.drive.speed)
+    leads = {design.tooth_pair: LEAD, "cam": LEAD * gear.bore_radius / gear.eccentricity}
+    if design.ring.has_pin_bodies:
+        leads[design.seat_pair] = LEAD_OF_PINS
+    found = [(of_disc[kind], lead) for of_disc in laws for kind, lead in leads.items()]
+    allowed = [lead * law.creep / (law.added_mass * speed) for law, lead in found if law.friction and speed]
+    return significant(min([IMPRATIO, *allowed]))
+
+
+def solver_parameters(law: ContactLaw, inverse_weight: float, impratio: float = IMPRATIO) -> SolverParameters:
     """Translate a contact law for MuJoCo.
 
     Parameters
@@ -255,6 +284,8 @@ def solver_parameters(law: ContactLaw, inverse_weight: float) -> SolverParameter
         What the contact shall do.
     inverse_weight
         Sum of both bodies' translational ``body_invweight0`` [1/kg], MuJoCo's estimate of A in R = (1-d)/d A.
+    impratio
+        That of the model.
 
     MuJoCo allows impedances from 0.0001 to 0.9999: an added mass below 0.0001 of the bodies' own is raised to that,
     which `regime` tells where it matters.
@@ -279,6 +310,6 @@ def solver_parameters(law: ContactLaw, inverse_weight: float) -> SolverParameter
         condim=3 if law.friction > 0.0 else 1,
         friction=slide,
         solref=(significant(-law.stiffness * scale), significant(-law.damping * scale)),
-        solreffriction=(-1.0, significant(-law.creep * scale / IMPRATIO)) if law.friction > 0.0 else (0.0, 0.0),
+        solreffriction=(-1.0, significant(-law.creep * scale / impratio)) if law.friction > 0.0 else (0.0, 0.0),
         solimp=(significant(impedance), significant(impedance), 1.0, 0.5, 1.0),
     )

@@ -12,7 +12,7 @@ import mujoco
 
 from cycloid_mj import names
 from cycloid_mj.contact import each_step
-from cycloid_mj.contact.law import IMPRATIO, ContactLaw, solver_parameters
+from cycloid_mj.contact.law import IMPRATIO, ContactLaw, impratio, solver_parameters
 from cycloid_mj.contact.library import exact_xml
 from cycloid_mj.contact.regime import warnings
 from cycloid_mj.contact.teeth import USER_DATA
@@ -100,6 +100,7 @@ def build(design: Design, held: Held = "crank") -> ReducerModel:
     laws = laws_of_discs(design)
     if design.ring.has_pin_bodies:
         set_solver(spec, stiffest(laws), loaded=design.load.torque != 0.0)
+    spec.option.impratio = impratio(design, laws)
     model = _add_pairs(spec, reducer.pairs, laws)
     return judged(ReducerModel(spec, model, reducer.pairs, stiffest(laws), gains, crank), design)
 
@@ -158,7 +159,7 @@ def _add_pairs(spec: Any, mating: tuple[Pair, ...], laws: Sequence[Laws]) -> Any
     for pair in mating:
         bodies = [model.geom(name).bodyid[0] for name in (pair.on, pair.by)]
         inverse_weight = float(sum(model.body_invweight0[body, 0] for body in bodies))
-        parameters = solver_parameters(laws[pair.disc][pair.kind], inverse_weight)
+        parameters = solver_parameters(laws[pair.disc][pair.kind], inverse_weight, spec.option.impratio)
         spec.add_pair(
             name=pair.name,
             geomname1=pair.on,
