@@ -117,6 +117,28 @@ def test_as_many_steps_are_taken_as_were_asked_for(steps: int) -> None:
             assert rows[-1, 0] == pytest.approx(turned, rel=1e-12)
 
 
+@pytest.mark.parametrize("contact", ["profile", "mesh"])
+def test_speeds_of_a_sample_are_of_the_middle_between_two_steps(contact: Contact) -> None:
+    """MuJoCo's are half a step behind: what the step leaves, and what it found, have the sample's in their middle."""
+    design = short("pin", "load.torque_nm=20", "ring.pins=fixed")
+    reducer = reducer_model(design, contact)
+    data, course = initial_state(reducer, design), ramp_and_hold(reducer, design)
+    with collider.installed():
+        mujoco.mj_step(reducer.model, data, 30)
+    speeds = data.qvel.ctypes.data + 8 * np.arange(reducer.model.nv)
+    run = EachStep(reducer.model, data, pair_index(reducer.model, reducer.pairs), 1, speeds.tolist())
+    run.command(course.commands(1e-6 * np.arange(STEPS)))
+    before = data.qvel.copy()
+    with collider.installed(), each_step.installed():
+        row = run.advance(1)[0]
+    middle = 0.5 * (before + data.qvel)
+    np.testing.assert_allclose(row[: reducer.model.nv], middle, rtol=1e-12, atol=1e-15)
+    assert np.abs(middle - before).max() > 1e-6
+    momentum = np.zeros(reducer.model.nv)
+    mujoco.mj_mulM(reducer.model, data, momentum, middle)
+    assert row[run.copied][-1] == pytest.approx(0.5 * middle @ momentum, rel=1e-9)
+
+
 def test_a_fatal_error_of_mujocos_between_samples_is_an_error_of_python(monkeypatch, tmp_path) -> None:
     """Too little memory for the solver, once the load is on."""
     monkeypatch.chdir(tmp_path)  # MuJoCo writes its warnings to a file there

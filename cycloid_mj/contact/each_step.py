@@ -1,7 +1,8 @@
 """What happens in every step of a run, inside MuJoCo: commands are set, largest forces noted, samples taken.
 
 A sample is one step in many, and an impact of a few steps falls between two of them; a shaft follows its command at
-every step. All is done by MuJoCo's callback for sensors, at the end of the forward dynamics. A model of ours has a user
+every step. MuJoCo's speeds are half a step behind its places and forces: in a sample, all that follows from speeds is of
+speeds half a step on, whose powers are what the energy changes by. All is done by MuJoCo's callback for sensors, at the end of the forward dynamics. A model of ours has a user
 sensor, which the callback answers, and one number of user data: the address of what the run keeps. Without a run that
 is 0, and nothing happens.
 
@@ -56,6 +57,8 @@ _STAGES = [
     )
 ]
 _integrate, _position, _velocity, _actuation, _acceleration, _constraint, _place_energy, _motion_energy = _STAGES
+_times_jacobian = types.ExternalFunction(_PREFIX + "mj_mulJacVec", types.void(*[types.intp] * 4))
+"""Speeds of the constraints' rows, to the third address, from those of the joints at the fourth."""
 
 
 def add_sensor(spec: Any) -> None:
@@ -107,6 +110,7 @@ class EachStep:
         self._peak = np.zeros(len(index.origin))
         self._sum = np.zeros_like(self._peak)
         self._commands = np.zeros((0, len(data.ctrl)))
+        self._half, self._speeds = np.array([0.5 * model.opt.timestep]), np.zeros(model.nv)
         sizes = [self._sources.size, OF_SOLVER, OF_PAIR * self._peak.size, self._drags.size]
         ends = np.cumsum([0, *sizes]).tolist()
         self.copied, self.solver, self.pairs, self.drags = map(slice, ends[:-1], ends[1:])
@@ -163,6 +167,9 @@ class EachStep:
             "geom_xpos": data.geom_xpos,
             "geom_xmat": data.geom_xmat,
             "accelerations": data.qacc,
+            "moving": data.qvel,
+            "half": self._half,
+            "before": self._speeds,
             "ctrl": data.ctrl,
             "iterations": data.solver_niter,
             "warnings": data.warning.number,
@@ -225,7 +232,7 @@ _installation = Shared(_install, _uninstall)
 def _compiled() -> Any:
     layout = discover_steps()
     at = layout.nuserdata, layout.userdata, digest(forces, gap, kept, memory, teeth)
-    for stage in _STAGES:
+    for stage in (*_STAGES, _times_jacobian):
         llvmlite.binding.add_symbol(stage.symbol, function_address(stage.symbol.removeprefix(_PREFIX)))
 
     @cfunc(types.void(types.intp, types.intp, types.int32), cache=cacheable())
@@ -258,10 +265,24 @@ def _end_step(model: int, data: int, run: Kept) -> None:
     run.due -= 1
     if run.due == 0:
         run.due = run.every
+        _half_a_step_on(run)
+        _times_jacobian(model, data, read_address(run.speeds), run.moving)
         _place_energy(model, data)
         _motion_energy(model, data)
         _sample(run)
+        for k in range(run.freedoms):
+            write_float(run.moving + 8 * k, read_float(run.before + 8 * k))
     _command(run)
+
+
+@njit
+def _half_a_step_on(run: Kept) -> None:
+    """Keep the joints' speeds, and let them go on by half a step."""
+    half = read_float(run.half)
+    for k in range(run.freedoms):
+        speed = read_float(run.moving + 8 * k)
+        write_float(run.before + 8 * k, speed)
+        write_float(run.moving + 8 * k, speed + half * read_float(run.accelerations + 8 * k))
 
 
 @njit

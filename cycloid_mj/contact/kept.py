@@ -9,20 +9,23 @@ from numba.extending import intrinsic
 Kept = Any
 """A record of `KEPT` in compiled code."""
 
-_STEP = ("contacts", "count", "forces", "speeds", "xpos", "geom_xpos", "geom_xmat", "accelerations", "freedoms")
+_STEP = ("contacts", "count", "forces", "speeds", "xpos", "geom_xpos", "geom_xmat")
+_MOTION = ("accelerations", "moving", "before", "half", "freedoms")
 _CONTACT = ("stride", "pos", "frame", "dim", "geom", "row")
 _PAIRS = ("surface", "pair", "surfaces", "mating", "origin", "reach", "teeth", "numbers", "sum", "peak")
 _COMMANDS = ("ctrl", "actuators", "command", "last")
 _SOLVER = ("iterations", "islands", "warnings", "kinds", "apart")
 _SAMPLES = ("sources", "copied", "drags", "braked", "left", "due", "every", "rows", "width")
 
-KEPT = np.dtype([(name, np.int64) for name in _STEP + _CONTACT + _PAIRS + _COMMANDS + _SOLVER + _SAMPLES])
+KEPT = np.dtype([(name, np.int64) for name in _STEP + _MOTION + _CONTACT + _PAIRS + _COMMANDS + _SOLVER + _SAMPLES])
 """Addresses of arrays of these names in ``MjData``, in the ``PairIndex`` and in the run's own; and:
 
 contacts, forces, speeds
     Addresses of the pointers to the contacts, and to forces and speeds of the rows of constraints.
 count
     Address of the number of contacts.
+moving, before, half
+    Addresses of the joints' speeds, of room to keep them, and of half a step [s].
 freedoms, surfaces, mating, actuators, islands, kinds, copied, braked
     How many accelerations, surfaces, mating pairs, commands, iterations, warnings, sources and drags there are.
 stride, pos, frame, dim, geom, row
