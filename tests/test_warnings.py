@@ -145,25 +145,18 @@ def test_other_warnings_go_their_own_way() -> None:
 def test_at_high_speed_the_cause_is_named(rpm: float) -> None:
     found = analyze(simulate(fast(rpm)))
     assert found.efficiency is not None
-    causes = ["the crank turns by", "samples of each passing tooth", "power balance is open"]
-    if rpm < 99999.0:
-        assert found.efficiency > 1.0
-        causes.append("the efficiency reads")
-    for cause in causes:
+    assert found.efficiency < 1.0
+    for cause in ("the crank turns by", "samples of each passing tooth"):
         assert sum(cause in text for text in found.warnings) == 1, cause
-    assert sum("half a step late" in text for text in found.warnings) == len(causes) - 2
 
 
-def test_what_a_late_force_does_is_what_the_balance_lacks() -> None:
-    """At 50 000 rpm with no slip, m c^2 omega^4 dt / 2 opens the balance, in proportion to the step."""
-    for step in (2.0, 1.0):
-        design = fast(50000.0, "friction.pin_gear=0", f"settings.timestep_us={step}", f"settings.log_rate_hz={5e5}")
-        reducer = build(design)
-        run = simulate(design, reducer)
-        found = balance(run.select(run.time > 0.006))
-        mass, speed = reducer.model.body("gear").mass[0], design.drive.speed
-        late = 0.5 * mass * design.gear.eccentricity**2 * speed**4 * step * 1e-6
-        assert -found.missing == pytest.approx(late, rel=0.05)
+@pytest.mark.parametrize("step", [10.0, 1.0])
+def test_powers_of_every_step_balance_at_any_speed(step: float) -> None:
+    """The gear's inertia force, m c^2 omega^4 dt / 2 = 1.9 kW at 10 us, would open it if speeds were half a step off."""
+    design = fast(50000.0, f"settings.timestep_us={step}", "settings.log_rate_hz=1e6")
+    run = simulate(design)
+    found = balance(run.select(run.time > 0.006))
+    assert abs(found.missing) < 1e-4 * found.crank
 
 
 def test_within_its_regime_a_run_at_speed_has_no_warning() -> None:

@@ -12,16 +12,17 @@ from cycloid_mj.analysis.findings import ContactSummary, Window
 from cycloid_mj.analysis.series import Series
 from cycloid_mj.contact.regime import pace
 from cycloid_mj.contact.swing import deepest
-from cycloid_mj.contact.timestep import timestep
 from cycloid_mj.design import Design
 from cycloid_mj.design.units import MICROMETRE, RPM
 from cycloid_mj.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.record import Run
-from cycloid_mj.solid import mass_properties, parts
 
-OPEN = 0.02
-"""Share of the power that may be missing from the balance. It is below 0.5 % in whole turns of designs within their
-regimes, loaded or not, and 2.2 % where the efficiency of fixed pins reads 102 % (20 000 rpm at 10 us)."""
+OPEN = 0.002
+"""Share of the power that may be missing from the balance: what samples of it may miss. At every step it closes to some
+1e-9 at any speed, at 20 kHz over whole turns of loaded reducers of nine designs to 2e-5."""
+
+COARSE = "the log is too coarse or the hold too short for these powers: raise settings.log_rate_hz or drive.hold_s"
+"""What opens a balance."""
 
 WHOLE_TURN = 0.99
 """Crank turns from which sampled powers of an idling reducer average out."""
@@ -117,11 +118,11 @@ def unbalanced(run: Run, design: Design) -> tuple[str, ...]:
     if "kinetic_energy" in run.columns and not short and abs(found.missing) > OPEN * scale:
         doubtful.append(
             f"the power balance is open by {found.missing:.3g} of {scale:.4g} W: powers, losses and efficiency are "
-            f"wrong; {_cause(found, design)}"
+            f"wrong; {COARSE}"
         )
     outside = not 0.0 <= found.efficiency <= 1.0 if design.load.torque else found.efficiency > 1.0
     if outside and (design.load.torque or max(found.crank, found.output) > idle):
-        why = "the hold is too short to average over: lengthen drive.hold_s" if short else _cause(found, design)
+        why = "the hold is too short to average over: lengthen drive.hold_s" if short else COARSE
         doubtful.append(f"the efficiency reads {found.efficiency:.2%}, which no reducer has; {why}")
     return tuple(doubtful)
 
@@ -129,23 +130,6 @@ def unbalanced(run: Run, design: Design) -> tuple[str, ...]:
 def _swept(run: Run) -> float:
     angle = run["crank_angle"]
     return float(abs(angle[-1] - angle[0]) / (2.0 * np.pi) * angle.size / (angle.size - 1))
-
-
-def _cause(found: Balance, design: Design) -> str:
-    """Name what opens a balance: the step's own work, or else samples that miss the ripple of the powers.
-
-    Contact forces are those of a step's start, in the mean half a step late: on a gear of mass m that goes round on c
-    they do the work m (c omega)^2 omega (omega dt) / 2 a second.
-    """
-    speed, step = abs(design.drive.speed), timestep(design)
-    mass = mass_properties(parts(design)["gear"]).mass
-    late = 0.5 * mass * design.gear.eccentricity**2 * speed**4 * step
-    if late > 0.5 * abs(found.missing):
-        return (
-            f"a step of {1e6 * step:g} us is too long for this speed: contact forces act half a step late, which alone "
-            f"does {late:.3g} W on the orbiting gear; shorten settings.timestep_us or lower drive.speed_rpm"
-        )
-    return "the log is too coarse or the hold too short for these powers: raise settings.log_rate_hz or drive.hold_s"
 
 
 def _ended_in_ramp(motion: Series) -> str:

@@ -1,14 +1,14 @@
 """What happens in every step of a run, inside MuJoCo: commands are set, largest forces noted, samples taken.
 
 A sample is one step in many, and an impact of a few steps falls between two of them; a shaft follows its command at
-every step. MuJoCo's speeds are half a step behind its places and forces: in a sample, all that follows from speeds is of
-speeds half a step on, whose powers are what the energy changes by. All is done by MuJoCo's callback for sensors, at the end of the forward dynamics. A model of ours has a user
-sensor, which the callback answers, and one number of user data: the address of what the run keeps. Without a run that
-is 0, and nothing happens.
+every step. MuJoCo's speeds are half a step behind its places and forces: what a sample has of speeds is of those half a
+step on, whose powers are what the energy changes by.
 
-The callback takes the steps that follow itself, by the stages of ``mj_step`` that move anything, and writes the samples
-among them: no Python until the call ends. So they are inside one call from Python, whose error a fatal one of MuJoCo's
-becomes.
+All is done by MuJoCo's callback for sensors, at the end of the forward dynamics. A model of ours has a user sensor,
+which the callback answers, and one number of user data: the address of what the run keeps. Without a run that is 0, and
+nothing happens. The callback takes the steps that follow itself, by the stages of ``mj_step`` that move anything, and
+writes the samples among them: no Python until the call ends. So they are inside one call from Python, whose error a
+fatal one of MuJoCo's becomes.
 """
 
 import ctypes

@@ -71,7 +71,7 @@ def _few_steps(design: Design, passing: float) -> Iterator[str]:
         yield (
             f"settings.timestep_us = {1e6 * step:g}: the crank turns by "
             f"{math.degrees(abs(design.drive.speed)) * step:.3g} deg in a step, and a tooth passes in "
-            f"{1.0 / (passing * step):.3g} steps: powers and efficiency are wrong, peaks are cut; shorten it to "
+            f"{1.0 / (passing * step):.3g} steps: forces and ripple are wrong, peaks are cut; shorten it to "
             f"{_below(1e6 * longest)} or lower drive.speed_rpm"
         )
 

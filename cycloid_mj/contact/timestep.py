@@ -43,8 +43,8 @@ stiff cam without play goes wrong between 0.94 and 1.02, and with other contacts
 FEWEST_STEPS = 25.0
 """Fewest steps from tooth to tooth.
 
-Fixed pins at 20 N m, 5000 to 20 000 rpm, against a tenth of the step: at 33 steps the efficiency is right within 0.05
-points and the transmission error within 1 %, at 17 within 0.7 points and 2 %, at 8 the efficiency is 102 %.
+Fixed pins at 20 N m and 20 000 rpm against 1 us: at 25 steps the cam's force is 0.09 % off and the rms of the gear's
+speed 0.1 %, at 17 0.17 and 1 %, at 8 0.5 and 8 %; the efficiency is right within 0.1 points at all of them.
 """
 
 LONGEST = 10e-6
