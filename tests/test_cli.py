@@ -846,6 +846,19 @@ def test_a_fault_of_the_program_is_not_taken_for_a_mistake_of_the_user(monkeypat
         main(["design", "show", "pin"])
 
 
+def test_a_command_with_duckdb_ends_without_a_word(tmp_path: Path) -> None:
+    """Its nanobind tells of every object that is left when Python ends."""
+    pytest.importorskip("duckdb")
+    script = """
+import sys, duckdb
+sys.argv = ["cycloid-mj", "design", "show", "pin"]
+from cycloid_mj.cli.process import run
+run()
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stderr == ""
+
+
 def test_a_short_command_does_not_look_for_circles_of_objects() -> None:
     script = """
 import atexit, gc, sys

@@ -33,7 +33,7 @@ from cycloid_mj.log import read
 from cycloid_mj.mjcf import build, sensors
 from cycloid_mj.mjcf.folder import design_hash, model_files
 from cycloid_mj.mjcf.foundation import flank_patch, hole_patch
-from cycloid_mj.mjcf.keyframe import joint_state
+from cycloid_mj.mjcf.keyframe import add_keyframes, joint_state
 from cycloid_mj.mjcf.mesh import build_mesh
 from cycloid_mj.modification import gear_profile, profile_offset
 from cycloid_mj.record import Run
@@ -299,6 +299,13 @@ def test_keyframes_are_on_the_closed_form_and_free_of_contact(loaded: dict[str, 
         behind, _ = joint_state(design, crank - step * speed, speed)
         for joint in position:
             assert (ahead[joint] - behind[joint]) / (2.0 * step) == pytest.approx(velocity[joint], abs=2e-6)
+
+
+def test_a_crank_that_stands_still_has_keyframes_at_rest_alone() -> None:
+    reducer = build(PRESETS["nonpin"].but(drive={"speed": 0.0}))
+    add_keyframes(reducer.spec, PRESETS["nonpin"].but(drive={"speed": 0.0}))
+    model = reducer.spec.compile()
+    assert [model.key(i).name for i in range(model.nkey)] == ["home", "rest_90", "rest_180", "rest_270"]
 
 
 def keeps_speed(model: Any, keyframe: str, duration: float) -> np.ndarray:

@@ -152,7 +152,7 @@ def test_at_high_speed_the_cause_is_named(rpm: float) -> None:
 
 @pytest.mark.parametrize("step", [10.0, 1.0])
 def test_powers_of_every_step_balance_at_any_speed(step: float) -> None:
-    """The gear's inertia force, m c^2 omega^4 dt / 2 = 1.9 kW at 10 us, would open it if speeds were half a step off."""
+    """Of speeds half a step off the gear's inertia would open it by m c^2 omega^4 dt/2, 1.9 kW at 10 us."""
     design = fast(50000.0, f"settings.timestep_us={step}", "settings.log_rate_hz=1e6")
     run = simulate(design)
     found = balance(run.select(run.time > 0.006))

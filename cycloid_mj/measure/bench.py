@@ -105,7 +105,7 @@ def locked_run(benched: Design, crank: float, torque: Signal) -> Run:
     """Run a design on the bench: crank locked at an angle [rad], a torque [N m] over time [s] on the output."""
     timestep = benched.settings.timestep
     made_for = timestep * STEADIER * (HEAVIER if _rubbing(benched) else 1.0)
-    drive = Drive(speed=0.0, rotor_inertia=benched.drive.rotor_inertia)
+    drive = Drive(rotor_inertia=benched.drive.rotor_inertia)
     same = {"drive": drive, "load": Load(), "settings": Settings(timestep=made_for)}
     reducer = _reducer(benched.model_copy(update=same), timestep)
     return simulate(benched, reducer, locked_crank(reducer, crank, torque))

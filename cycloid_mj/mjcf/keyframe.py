@@ -27,7 +27,7 @@ def keyframe_name(angle: int, speed: float) -> str:
 def add_keyframes(spec: Any, design: Design) -> None:
     """Add keyframes at four crank angles, at rest and at the design's speed, without load."""
     model = spec.compile()
-    for speed in (0.0, design.drive.speed):
+    for speed in dict.fromkeys((0.0, design.drive.speed)):
         for angle in QUARTERS:
             position, velocity = joint_state(design, math.radians(angle), speed)
             qpos, qvel = model.qpos0.copy(), [0.0] * model.nv
