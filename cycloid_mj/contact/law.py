@@ -66,6 +66,11 @@ class ContactLaw:
     creep: float = 0.0
     effective_mass: float = 0.0
 
+    @property
+    def condim(self) -> int:
+        """MuJoCo's number of directions that the contact has a force in."""
+        return 3 if self.friction > 0.0 else 1
+
 
 @dataclass(frozen=True)
 class CurvatureLaw:
@@ -307,7 +312,7 @@ def solver_parameters(law: ContactLaw, inverse_weight: float, impratio: float = 
     scale = regularisation * impedance
     slide = (law.friction, law.friction, 0.0, 0.0, 0.0)
     return SolverParameters(
-        condim=3 if law.friction > 0.0 else 1,
+        condim=law.condim,
         friction=slide,
         solref=(significant(-law.stiffness * scale), significant(-law.damping * scale)),
         solreffriction=(-1.0, significant(-law.creep * scale / impratio)) if law.friction > 0.0 else (0.0, 0.0),

@@ -113,6 +113,7 @@ def judged(reducer: ReducerModel, design: Design) -> ReducerModel:
 def xml(spec: Any) -> str:
     """Give the MJCF of a compiled spec with every digit of every number."""
     with exact_xml():
+        spec.compile()  # else it gives the pairs as they were when they were compiled last
         return str(spec.to_xml())
 
 
@@ -154,22 +155,22 @@ def add_actuators(spec: Any, inertia: float, held: Held = "crank") -> tuple[floa
 
 
 def _add_pairs(spec: Any, mating: tuple[Pair, ...], laws: Sequence[Laws]) -> Any:
-    """Add the explicit pairs with each contact's physics; give the compiled model."""
-    model = spec.compile()
+    """Add the explicit pairs with each contact's physics; give the compiled model.
+
+    The physics need the weights of the compiled bodies, and are put into both: compiling once more takes as long.
+    """
+    added = []
     for pair in mating:
+        law = laws[pair.disc][pair.kind]
+        added.append(spec.add_pair(name=pair.name, geomname1=pair.on, geomname2=pair.by, condim=law.condim))
+    model = spec.compile()
+    for pair, in_spec in zip(mating, added, strict=True):
         bodies = [model.geom(name).bodyid[0] for name in (pair.on, pair.by)]
         inverse_weight = float(sum(model.body_invweight0[body, 0] for body in bodies))
         parameters = solver_parameters(laws[pair.disc][pair.kind], inverse_weight, spec.option.impratio)
-        spec.add_pair(
-            name=pair.name,
-            geomname1=pair.on,
-            geomname2=pair.by,
-            condim=parameters.condim,
-            friction=list(parameters.friction),
-            solref=list(parameters.solref),
-            solreffriction=list(parameters.solreffriction),
-            solimp=list(parameters.solimp),
-            margin=0.0,
-            gap=0.0,
-        )
-    return spec.compile()
+        place = model.pair(pair.name).id
+        for name in ("friction", "solref", "solreffriction", "solimp"):
+            value = getattr(parameters, name)
+            setattr(in_spec, name, list(value))
+            getattr(model, f"pair_{name}")[place] = value
+    return model

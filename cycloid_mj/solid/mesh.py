@@ -1,6 +1,7 @@
 """Triangle meshes of solids: watertight, outward oriented, checked."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import mapbox_earcut
 import numpy as np
@@ -23,12 +24,18 @@ SHAKE = 1e-11
 
 @dataclass(frozen=True)
 class Mesh:
-    """Vertices (n, 3) [m] and triangles (m, 3), counter-clockwise seen from outside."""
+    """Vertices (n, 3) [m] and triangles (m, 3), counter-clockwise seen from outside; read-only."""
 
     vertices: Array
     faces: Faces
 
+    def __post_init__(self) -> None:
+        """Lock the arrays."""
+        self.vertices.setflags(write=False)
+        self.faces.setflags(write=False)
 
+
+@lru_cache(maxsize=32)
 def mesh(part: Prism | Solid) -> Mesh:
     """Give the mesh of a prism, or of a solid: one closed surface for each of its prisms.
 

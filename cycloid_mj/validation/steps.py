@@ -77,7 +77,7 @@ def light_rows(kind: str) -> list[Row]:
     """Hold the step that is chosen under a light load against half of it."""
     load = f"load.torque_nm={LIGHT}"
     step = 1e6 * timestep(rated_design(kind, load))
-    found, finer = (_run(kind, True, load, f"settings.timestep_us={share * step!r}") for share in (1.0, 0.5))
+    found, finer = (_run(kind, 6, load, f"settings.timestep_us={share * step!r}") for share in (1.0, 0.5))
     rows = _compared(kind, f"{LIGHT:g} N m, {step:.3g} us", found, finer, f"{0.5 * step:.3g} us", LIGHTLY_LOADED)
     return _held(rows)
 
@@ -88,7 +88,7 @@ def massless_rows(real: Figures | RunError, quick: bool) -> list[Row]:
         raise real
     changes = 'ring.pins="massless"'
     step = 1e6 * timestep(rated_design(FREE, changes))
-    found = _run(FREE, quick, changes)
+    found = _run(FREE, _periods(quick), changes)
     return _held(_compared(FREE, f"massless, {step:g} us", found, real, "real pins", WITHOUT_INERTIA))
 
 
@@ -137,14 +137,14 @@ def observed_order(steps: tuple[float, float, float], values: tuple[float, float
 def _figures(kind: str, step: float, quick: bool) -> Figures | RunError:
     """Run one step [us]; give the error of a run that fails."""
     try:
-        return _run(kind, quick, f"settings.timestep_us={step!r}")
+        return _run(kind, _periods(quick), f"settings.timestep_us={step!r}")
     except RunError as error:
         return error
 
 
-def _run(kind: str, quick: bool, *changes: str) -> Figures:
-    """Run over a third of a crank turn, or over a whole one."""
-    run, _ = rated_run(kind, 1640.0, 12 if quick else PERIODS, *changes)
+def _run(kind: str, periods: int, *changes: str) -> Figures:
+    """Run over some mesh periods."""
+    run, _ = rated_run(kind, 1640.0, periods, *changes)
     findings = analyze(run)
     cam = run.forces("cam")[:, 0]
     return Figures(
@@ -154,6 +154,11 @@ def _run(kind: str, quick: bool, *changes: str) -> Figures:
         cam_force=float(np.sqrt(np.mean(np.sum(cam**2, axis=1)))),
         efficiency=100.0 * (findings.efficiency or math.nan),
     )
+
+
+def _periods(quick: bool) -> int:
+    """Give the mesh periods of a run: a third of a crank turn, or a whole one."""
+    return 12 if quick else PERIODS
 
 
 def _is_moving(kind: str) -> bool:
