@@ -333,6 +333,7 @@ def test_runs_that_cannot_be_replayed(pin_run, modelled):
         set_sample(model, mujoco.MjData(model), other, 0)
 
 
+@pytest.mark.slow
 def test_picture_has_the_parts_and_arrows_that_reach_the_contacts(modelled, monkeypatch):
     from cycloid_mj.scene import render
 

@@ -97,6 +97,7 @@ def test_what_breaks_is_told_with_its_reason_errors_first() -> None:
         mechanism_svg(turned(PRESETS["pin"], {"gear.eccentricity_mm": 3.0}), 0.0)
 
 
+@pytest.mark.slow
 def test_no_place_of_the_sliders_crashes() -> None:
     """Wherever sliders stand, there are figures or a reason for which there are none."""
     rng = random.Random(3)
@@ -157,6 +158,7 @@ def test_a_process_that_dies_is_replaced(tmp_path: Path) -> None:
     assert all(int(line.value) != os.getpid() for (line,) in found)
 
 
+@pytest.mark.slow
 def test_mistakes_are_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["app", "--design", "pin", "--port", "0"]) == 2
     with socket.socket() as taken:

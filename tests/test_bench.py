@@ -263,6 +263,7 @@ def test_friction_of_contacts_explains_what_constant_friction_does_not() -> None
     assert shares["both"] < 1.05 * shares["friction"]
 
 
+@pytest.mark.slow
 def test_criteria_of_variants_compare(bench: Fitted) -> None:
     """All count what is independent in the fullest: a value that gains nothing costs just ln n, whatever else does."""
     draw = np.random.default_rng(0).standard_normal
@@ -280,6 +281,7 @@ def test_criteria_of_variants_compare(bench: Fitted) -> None:
     assert of_poor - of_idle == pytest.approx(np.dot(full.independent, np.log(ratios)))
 
 
+@pytest.mark.slow
 def test_what_is_found_before_ctrl_c_is_kept(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -380,6 +382,7 @@ def test_what_cannot_be_fitted_is_refused(
     assert told in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_the_command_writes_the_design_and_the_rest(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["calibrate", "--design", "printed", "--loop", str(BENCH[0]), "--fit", "drag"]
     assert main([*words, "--out", str(tmp_path), "--json", "--quiet"]) == 0

@@ -54,6 +54,7 @@ def test_threads_are_timed_together() -> None:
     assert given == 1.0
 
 
+@pytest.mark.slow
 def test_the_number_of_teeth_fits() -> None:
     for teeth, fit in (benchmark.TEETH | benchmark.FREE_PINS).items():
         design, reducer = benchmark.example(
@@ -63,6 +64,7 @@ def test_the_number_of_teeth_fits() -> None:
         assert sum(pair.kind == "pin_gear" for pair in reducer.pairs) == teeth
 
 
+@pytest.mark.slow
 def test_two_discs_are_held_against_one_under_the_same_load_a_disc(monkeypatch) -> None:
     def cost(design, reducer):
         assert reducer.model.opt.timestep == design.settings.timestep
@@ -76,6 +78,7 @@ def test_two_discs_are_held_against_one_under_the_same_load_a_disc(monkeypatch) 
     assert all(row["2 discs / 1 disc"] == [4.0] for row in table.values())
 
 
+@pytest.mark.slow
 def test_scaling_holds_steps_that_resolve_the_pins_alike(monkeypatch) -> None:
     seen = {}
 

@@ -381,6 +381,7 @@ def test_a_passing_counterweight_balances_the_gear_measured_by_its_polygon() -> 
     assert limit < float(remedy.split("=")[1]) < limit * 1.001
 
 
+@pytest.mark.slow
 def test_check_never_crashes_on_what_the_model_accepts() -> None:
     rng = np.random.default_rng(11)
     outcomes: set[tuple[str, bool]] = set()
@@ -396,6 +397,7 @@ def test_check_never_crashes_on_what_the_model_accepts() -> None:
     assert {name for name in names if (name, True) not in outcomes} <= {"balance", "hole_size"}
 
 
+@pytest.mark.slow
 def test_passing_designs_have_a_simple_outline_of_consistent_curvature() -> None:
     rng = np.random.default_rng(5)
     passing = 0
@@ -444,6 +446,7 @@ def test_the_outline_crosses_itself_beyond_the_limit_and_not_before(teeth: int) 
     assert crosses_itself(profile.outline(gear, t, 1.1 * limit))
 
 
+@pytest.mark.slow
 def test_remedies_help_on_random_designs() -> None:
     rng = np.random.default_rng(3)
     helped = set()

@@ -137,6 +137,7 @@ def test_every_flag_of_the_fixed_interface_tells_unit_and_default():
         assert "Default:" in text
 
 
+@pytest.mark.slow
 def test_every_example_of_the_help_is_parsed():
     """An unknown flag at the end is found last: when all that stands before it has been understood."""
     for module in ("simulate", "analyze", "plot", "profile", "kinematics", "design"):
@@ -160,6 +161,7 @@ def test_help_imports_nothing_heavy():
 # --- simulate ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_json_of_a_run_has_the_fixed_keys(run):
     found, log = run
     assert list(found)[: len(FIXED_KEYS)] == list(FIXED_KEYS)
@@ -192,6 +194,7 @@ def test_log_holds_the_design_the_model_and_the_settings(run):
     assert logged.complete
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("between_lines", "progress"), [(math.inf, False), (-1.0, True)])
 def test_table_of_a_run_goes_to_stdout_and_messages_to_stderr(here, monkeypatch, between_lines, progress):
     monkeypatch.setattr("cycloid_mj.cli.progress.SECONDS_BETWEEN_LINES", between_lines)
@@ -246,11 +249,13 @@ def two_samples(monkeypatch):
     return ends
 
 
+@pytest.mark.slow
 def test_next_runs_in_the_usual_folder_take_free_names(here, two_samples):
     for name in ("pin", "pin-2", "pin-3"):
         assert one_object(told("simulate", "--design", "pin", *SHORT, "--json")[1])["log"] == f"runs/{name}.mcap"
 
 
+@pytest.mark.slow
 def test_log_in_a_named_folder_is_replaced_only_by_force(here, two_samples):
     argv = ("simulate", "--design", "pin", *SHORT, "--out", "mine", "--quiet")
     assert told(*argv)[0] == 0
@@ -265,6 +270,7 @@ def test_log_in_a_named_folder_is_replaced_only_by_force(here, two_samples):
     assert [path.name for path in Path("mine").iterdir()] == ["pin.mcap"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("end", "words"), [(KeyboardInterrupt(), "stopped by Ctrl-C"), (RunError("the gear jumped a tooth"), "jumped")]
 )
@@ -385,6 +391,7 @@ def test_analyze_prints_the_table(run):
     assert str(run[1]) in out
 
 
+@pytest.mark.slow
 def test_analysis_and_plots_do_not_import_mujoco(run, tmp_path):
     script = (
         "import sys; from cycloid_mj.cli import main;"
@@ -420,6 +427,7 @@ def test_plot_draws_the_figures_and_prints_their_paths(run, tmp_path):
     assert all(path.stat().st_size > 1000 for path in paths)
 
 
+@pytest.mark.slow
 def test_plot_puts_figures_beside_the_log(run):
     _, log = run
     first = Path(told("plot", str(log))[1].splitlines()[0])
@@ -441,6 +449,7 @@ def test_profile_writes_the_outline_with_every_digit(tmp_path):
     assert np.array_equal(rows, expected)
 
 
+@pytest.mark.slow
 def test_profile_passes_through_the_reference_points(tmp_path):
     """A reference point at the distance s from its nearest row lies kappa s^2/2 inside the tangent there.
 
@@ -590,6 +599,7 @@ def test_csv_follows_a_link_and_keeps_it(tmp_path):
     assert (tmp_path / "real.csv").read_text().startswith("x_mm,")
 
 
+@pytest.mark.slow
 def test_closed_pipe_ends_the_command_in_silence():
     command = [sys.executable, "-m", "cycloid_mj.cli", "kinematics", "--design", "pin", "--csv", "-"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:

@@ -116,6 +116,7 @@ def instant(monkeypatch):
 # --- a comparison by runs
 
 
+@pytest.mark.slow
 def test_json_has_a_run_for_each_design_and_load(compared):
     found, _ = compared
     assert found["designs"] == list(DESIGNS)
@@ -226,6 +227,7 @@ def test_default_hold_is_whole_turns_after_settling(here, planned):
     assert f"{design.drive.hold:.4f}" == "0.2661", "the help says how long"
 
 
+@pytest.mark.slow
 def test_loaded_runs_are_repeated_with_each_assumption_unless_quick(here, instant, undrawn, compared):
     argv = ("compare", "pin", "nonpin", "--hold-s", "0.02", "--json", "--quiet", "--out")
     found = json.loads(told(*argv, "whole")[1])
@@ -246,6 +248,7 @@ def test_loaded_runs_are_repeated_with_each_assumption_unless_quick(here, instan
     assert quick["sensitivity"] == []
 
 
+@pytest.mark.slow
 def test_next_comparisons_take_free_folders(here, instant, undrawn, monkeypatch):
     monkeypatch.setattr("cycloid_mj.cli.compare.QUICK_STARTS", 1)
     for folder in (RUNS, f"{RUNS}-2"):
@@ -255,6 +258,7 @@ def test_next_comparisons_take_free_folders(here, instant, undrawn, monkeypatch)
     assert len(instant) == 2 * len(DESIGNS)
 
 
+@pytest.mark.slow
 def test_logs_in_a_named_folder_are_replaced_only_by_force(here, instant, undrawn, monkeypatch):
     monkeypatch.setattr("cycloid_mj.cli.compare.QUICK_STARTS", 1)
     argv = ("compare", "pin", "nonpin", "--load-nm", "0", "--hold-s", "0.02", "--out", "mine", "--quiet", "--quick")
@@ -279,6 +283,7 @@ def test_the_first_design_rules_the_settings_and_set_changes_all(here, planned):
     assert sorted({design.load.torque for design in planned}) == [0.0, 17.5]
 
 
+@pytest.mark.slow
 def test_sweep_runs_each_different_design_once(here, instant, monkeypatch):
     few = (SWEEP[0], SWEEP[-1])
     monkeypatch.setattr("cycloid_mj.comparison.SWEEP", few)
@@ -303,6 +308,7 @@ def test_sweep_runs_each_different_design_once(here, instant, monkeypatch):
 # --- what goes wrong
 
 
+@pytest.mark.slow
 def test_a_run_that_fails_stops_the_others_and_is_told(here, monkeypatch):
     """The other run ends at its next block, with its log closed and readable."""
     failed = threading.Event()
@@ -440,6 +446,7 @@ def test_curvature_figure_draws_every_line_of_both_designs():
 # --- figures
 
 
+@pytest.mark.slow
 def test_figures_have_a_panel_for_each_run_and_name_it(compared):
     found, _ = compared
     motions = [settled(read(run["findings"]["log"])) for run in found["runs"]]

@@ -33,6 +33,7 @@ def brute_force(gear: CycloidGear, point: np.ndarray) -> float:
     return float(distance.min())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gear", [PAPER, *OTHERS])
 def test_distance_equals_brute_force(gear: CycloidGear) -> None:
     rng = np.random.default_rng(1)

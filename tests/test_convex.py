@@ -103,6 +103,7 @@ def test_fill_in_three_dimensions() -> None:
     assert inside.min() < -1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "design", cases([PIN, NONPIN, FEW_TEETH, MANY_TEETH], NONPIN), ids=["pin", "nonpin", "few", "many"]
 )
@@ -116,6 +117,7 @@ def test_every_surface_keeps_its_bound(design: Design) -> None:
             assert abs(found.volume_error) < 1e-3
 
 
+@pytest.mark.slow
 def test_flanks_are_balanced_and_as_many_as_curvature_asks() -> None:
     """89 pieces to a lobe at 0.1 um (physics: 126 with the error to one side only), plus the cuts of the tip."""
     surface = gear_teeth(PIN, SETTINGS)
@@ -125,6 +127,7 @@ def test_flanks_are_balanced_and_as_many_as_curvature_asks() -> None:
     assert found.max_overfill == pytest.approx(found.max_underfill, rel=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", cases([gear_teeth, ring_lobes], ring_lobes))
 def test_the_error_is_of_second_order_in_the_width(make: object) -> None:
     """A chord's sagitta goes with its width squared: four times the error, half the slices."""
@@ -135,6 +138,7 @@ def test_the_error_is_of_second_order_in_the_width(make: object) -> None:
     assert errors[0] == pytest.approx(4 * errors[1], rel=0.1)
 
 
+@pytest.mark.slow
 def test_a_slice_out_of_place_is_an_error() -> None:
     """One slice half a micrometre outwards, and some slices missing."""
     surface = gear_teeth(PIN, SETTINGS)
@@ -194,6 +198,7 @@ def band() -> Sector:
     return sectors(PIN, SETTINGS)[1]
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_parts(band: Sector) -> None:
     first, again = (decompose(band, SETTINGS) for _ in range(2))
     for one, other in zip(first.pieces, again.pieces, strict=True):
@@ -207,6 +212,7 @@ def bent_bar(bound: float) -> Sector:
     return Sector("bar", Prism(bent, (), -1e-3, 1e-3), bound)
 
 
+@pytest.mark.slow
 def test_a_rest_that_comes_through_its_slices_is_an_error(band: Sector) -> None:
     found = decompose(band, SETTINGS).quality
     assert 0.0 < found.max_overfill < band.bound

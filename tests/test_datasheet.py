@@ -128,6 +128,7 @@ def test_the_section_of_the_gear_has_its_holes_and_bore() -> None:
     assert edges[1:-1] == pytest.approx([-26 - hole, -26 + hole, -15.001, 15.001, 26 - hole, 26 + hole], abs=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", cases(["pin", "nonpin", "printed", "twodisc", *UNLIKE], "pin", "twodisc"))
 def test_nothing_is_clipped_and_no_text_lies_on_another(sheet, name: str) -> None:
     design = unlike(name) if name in UNLIKE else PRESETS[name]
@@ -159,6 +160,7 @@ def test_the_pdf_has_two_pages_and_is_the_same_each_time(sheet) -> None:
     assert len(re.findall(rb"/Type /Page\b", first)) == 2
 
 
+@pytest.mark.slow
 def test_the_page_stands_alone_and_has_every_number(sheet) -> None:
     page = datasheet_page(sheet)
     assert not re.search(r'(?:src|href)="(?!#)', page)
@@ -178,6 +180,7 @@ def test_values_are_written_without_powers_of_ten() -> None:
     ]
 
 
+@pytest.mark.slow
 def test_the_command_writes_both_files(sheet, tmp_path: Path, capsys, monkeypatch) -> None:
     monkeypatch.setattr("cycloid_mj.rating.datasheet.datasheet", lambda design, life: replace(sheet, life=life))
     assert main(["datasheet", "--design", "pin", "--out", str(tmp_path / "new"), "--json"]) == 0

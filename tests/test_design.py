@@ -164,6 +164,7 @@ def test_changed_values_survive_the_round_trip_exactly(seed: int) -> None:
     assert design.model_copy(update={"gear": design.gear.model_copy(update={"eccentricity": shifted})}) != design
 
 
+@pytest.mark.slow
 def test_any_si_value_survives_but_for_its_last_bit() -> None:
     # An SI float may fall between two floats of the file (spacing at most 2^-52 of the value).
     for eccentricity in np.random.default_rng(2).uniform(5e-4, 2e-3, 300).tolist():

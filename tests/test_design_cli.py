@@ -81,6 +81,7 @@ def test_check_takes_changes():
     assert "ring.pin_radius_mm" in err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MEASURED)
 def test_summary_agrees_with_the_measures(name):
     play, capacity = MEASURED[name]

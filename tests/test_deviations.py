@@ -199,6 +199,7 @@ class Polygons:
         return self.tree.query(points)[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", cases(MODIFICATIONS, "all", "waves"))
 def test_pins_touch_the_polygons(name: str) -> None:
     """Gaps of the collider and of the independent statics, in poses that reach flanks and corners.
@@ -247,6 +248,7 @@ def gaps_of_pins(reducer, pose: Pose, crank: float) -> np.ndarray:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", cases(MODIFICATIONS, "all", "waves"))
 def test_lobes_touch_the_polygons(name: str) -> None:
     """Every minimum of the gap along a lobe that the clearance lets touch is found, and nothing else."""
@@ -388,6 +390,7 @@ def test_free_pins_that_are_in_the_way_move_aside() -> None:
     assert run["penetration"][0] < 1.2e-6
 
 
+@pytest.mark.slow
 def test_checks_tell_what_does_not_go_together() -> None:
     def verdicts(*changes: str) -> dict[str, bool]:
         found = check(override(PRESETS["pin"], list(changes)))
@@ -436,6 +439,7 @@ DISPLACED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", cases(DISPLACED, "a fixed pin", "turned flanks", "waves, nonpin"))
 def test_load_sharing_is_the_independent_solution(name: str) -> None:
     """At a standstill's pace, frictionless: forces of the teeth within 2 % of the largest."""

@@ -32,6 +32,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> tuple[set[str], Path]:
         return files, folder / hatchling.build.build_wheel(str(folder))
 
 
+@pytest.mark.slow
 def test_the_source_archive_has_everything_and_nothing_that_was_made_of_it(built: tuple[set[str], Path]) -> None:
     files, _ = built
     folders = {"cycloid_mj", "papers", "docs", "examples", "models", "scripts", "tests"}

@@ -145,6 +145,7 @@ def test_every_block_is_of_a_kind_that_is_tested() -> None:
                 assert (ROOT / word).exists() or word == "docs/_build", f"{page}: {line}"
 
 
+@pytest.mark.slow
 def test_the_tutorial_leads_from_a_requirement_to_parts_and_a_joint_in_under_ten_commands(tutored: Path) -> None:
     assert len(commands(PAGES[WHOLE], "sh")) < 10
     made = {"drive.toml", "runs/drive.html", "made/drive-tolerance.html", "parts/gear.step", "joint/scene.xml"}
@@ -165,6 +166,7 @@ def test_pages_that_commands_write_fit_a_phone(tutored: Path, monkeypatch: pytes
             assert not errors(driver), page.name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", cases(SHELL, "README.md", "docs/tour.md"))
 @pytest.mark.usefixtures("here")
 def test_the_commands_of_a_page_run_in_order(page: str) -> None:
@@ -217,6 +219,7 @@ def test_commands_in_the_text_exist(command: str, capsys: pytest.CaptureFixture[
     assert all(flag in told for flag in flags)
 
 
+@pytest.mark.slow
 def test_flags_in_the_text_exist(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(ROOT / "docs"))
     import reference

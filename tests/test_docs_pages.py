@@ -63,6 +63,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> dict[Path, _Links]:
     return built(tmp_path_factory.mktemp("docs"), EXAMPLE)
 
 
+@pytest.mark.slow
 def test_pages_load_nothing_from_outside(site: dict[Path, _Links]) -> None:
     assert len(site) > 25
     for page, found in site.items():

@@ -16,6 +16,7 @@ def test_a_sound_installation(capsys) -> None:
     assert {f"extra {name}" for name in doctor.EXTRAS} <= set(findings)
 
 
+@pytest.mark.slow
 def test_what_is_missing_is_told_with_its_remedy(capsys, monkeypatch: pytest.MonkeyPatch) -> None:
     def broken() -> str:
         raise ContactError("MuJoCo 9.9 is not one that was tested: pip install another")
@@ -30,6 +31,7 @@ def test_what_is_missing_is_told_with_its_remedy(capsys, monkeypatch: pytest.Mon
     assert "none  extra cad: without no_such_module: pip install 'cycloid-mj[cad]'" in out
 
 
+@pytest.mark.slow
 def test_a_gear_off_its_closed_form_is_no_success(capsys, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(doctor, "MOST_ERROR", 0.0)
     assert main(["doctor"]) == 1

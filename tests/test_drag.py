@@ -44,6 +44,7 @@ def test_a_design_without_drag_has_no_columns_of_it():
     assert not build(LOADED).model.dof_frictionloss.any()
 
 
+@pytest.mark.slow
 def test_drag_and_bearings_cost_what_the_closed_form_says():
     # ideal sharing: fixed teeth, next to no clearance, a stiff cam
     for changes in ([], DRAGGED, ["friction.cam_rolling=0.004"]):
@@ -70,6 +71,7 @@ def test_drag_holds_at_half_the_step(timestep_us, dragged):
     assert found.efficiency == pytest.approx(powers(dragged).efficiency, abs=2e-4)
 
 
+@pytest.mark.slow
 def test_seals_hold_a_shaft_at_rest():
     # less torque than the seals': the output stays, but for the creep of the constraint
     resting = override(LOADED, ["drive.speed_rpm=0.0", "load.torque_nm=0.5", "drag.output_nm=1.0", "drive.hold_s=0.02"])

@@ -46,6 +46,7 @@ def normal_forces(data, reducer) -> dict[str, float]:
     return total
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("preset", "changes", "contact"),
     [
@@ -80,6 +81,7 @@ def test_peaks_are_the_largest_of_mujocos_own_forces_at_every_step(
     assert any(force > 0.0 for force in largest.values())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("preset", ["pin", "nonpin"])
 def test_a_log_holds_what_came_between_its_samples(preset: str) -> None:
     design = short(preset)

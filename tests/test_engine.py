@@ -71,12 +71,14 @@ def test_a_piece_of_work_takes_one_core(engine: Engine) -> None:
     assert engine.each(inner_workers, range(3)) == [1, 1, 1]
 
 
+@pytest.mark.slow
 def test_a_process_that_dies_is_replaced(tmp_path: Path) -> None:
     work = partial(die_once, tmp_path / "died")
     assert Engine(2).each(work, range(12)) == [n**2 for n in range(12)]
     assert (tmp_path / "died").exists()
 
 
+@pytest.mark.slow
 def test_what_kills_its_process_each_time_is_given_up_alone() -> None:
     found = dict(Engine(2).stream(die_always, range(12), lost=lambda place, why: -place))
     assert found == {n: n**2 for n in range(12)} | {5: -5}
@@ -91,6 +93,7 @@ def test_other_versions_are_refused() -> None:
         require_same(other, "a worker")
 
 
+@pytest.mark.slow
 def test_a_scheduler_that_is_none_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     from cycloid_mj.engine import cluster as module
 

@@ -159,6 +159,7 @@ def ring_radius(gear: CycloidGear, direction: float) -> float:
     return float(np.linalg.norm(envelope.sigma_points(gear, B)))
 
 
+@pytest.mark.slow
 @each_gear
 def test_ring_is_what_the_gear_sweeps_on_one_orbit(gear):
     directions = np.random.default_rng(11).uniform(-np.pi, np.pi, 40)
@@ -394,6 +395,7 @@ def test_contacts_are_all_the_solutions_of_the_meshing_equation(gear):
         assert np.all(phases < profile.best_phase(gear) + gear.lobes * spacing)
 
 
+@pytest.mark.slow
 def test_counts_of_contacts_of_the_paper_ring():
     cranks = np.linspace(0, 2 * np.pi, 901)[:-1] + 1e-4
     found = [envelope.sigma_contacts(PAPER, crank) for crank in cranks]

@@ -69,6 +69,7 @@ def test_the_same_design_gives_the_same_bytes(file_format: str) -> None:
     assert first == second
 
 
+@pytest.mark.slow
 def test_the_clearance_is_what_was_asked_for(design: Design) -> None:
     for file_format in ("stl", "dxf"):
         for one in export(design, file_format, CHORD_ERROR).clearances:  # type: ignore[arg-type]
@@ -115,6 +116,7 @@ def read_dxf(content: bytes) -> Any:
     return document.modelspace()
 
 
+@pytest.mark.slow
 def test_dxf_gear_has_one_spline_a_lobe_and_the_exact_area(design: Design) -> None:
     space = read_dxf(export(design, "dxf").files[f"{gears(design.gear.discs)[0]}.dxf"])
     splines, circles = space.query("SPLINE"), space.query("CIRCLE")
@@ -188,6 +190,7 @@ def test_curves_turn_clockwise() -> None:
     assert (arc.start, arc.end) == pytest.approx((-quarter, 1.0 - quarter))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["pin", "nonpin"])
 def test_modified_flanks_are_cut_as_the_solid_is(kind: str) -> None:
     """Two splines a lobe where flanks are turned, closed at corners; the solid's area, the clearance asked for."""

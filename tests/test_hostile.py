@@ -186,6 +186,7 @@ def setting(value: float, words: str = "", first: int = 0) -> Callable[[dict[str
     return edit
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "edit"),
     [

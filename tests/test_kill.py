@@ -182,6 +182,7 @@ def killed(count: int, seed: int, chosen: tuple[str, ...], folder: Path) -> None
         end_at(moment, taken[moment.command], folder)
 
 
+@pytest.mark.slow
 def test_commands_ended_at_some_moments_leave_all_results_whole(tmp_path):
     killed(3, SEED, ("simulate",), tmp_path)
 

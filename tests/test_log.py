@@ -198,6 +198,7 @@ def test_protobuf_would_write_the_same_bytes():
     assert group.encode(np.array([0.5]), values).tobytes() == theirs
 
 
+@pytest.mark.slow
 def test_cut_anywhere_gives_all_whole_chunks(log, truth, tmp_path):
     """The number of samples is known from mcap's index of the whole file."""
     content = log.read_bytes()
@@ -247,6 +248,7 @@ os.kill(os.getpid(), signal.SIGKILL)
     assert not run.complete
 
 
+@pytest.mark.slow
 def test_random_damage_never_gives_wrong_numbers(log, truth, tmp_path):
     """Bytes overwritten, bits flipped, pieces lost or doubled: a LogError, or samples that are true."""
     content = log.read_bytes()
@@ -277,6 +279,7 @@ def test_random_damage_never_gives_wrong_numbers(log, truth, tmp_path):
     assert 200 < refused < 400
 
 
+@pytest.mark.slow
 def test_every_record_length_and_kind_may_be_damaged(log, truth, tmp_path):
     """The places where damage is most dangerous, one by one: opcode and length of each record of the file."""
     content = log.read_bytes()
@@ -362,6 +365,7 @@ def test_chunk_that_ends_within_a_message_is_refused(missing, log, tmp_path):
         read(tmp_path / "faulty.mcap")
 
 
+@pytest.mark.slow
 def test_groups_of_different_length_after_a_cut_give_the_common_samples(log, truth, tmp_path):
     """Chunks of mcap's own writer end between two groups of one sample."""
     path = tmp_path / "r.mcap"

@@ -197,6 +197,7 @@ def test_rerun_that_is_missing(path, tmp_path, monkeypatch):
     assert (code, "pip install 'cycloid-mj[rerun]'" in message) == (1, True)
 
 
+@pytest.mark.slow
 def test_report_of_one_and_of_several_logs(path, cut, tmp_path):
     target = tmp_path / "page.html"
     told("report", path, "--out", target)  # in a new installation the first page says that code is compiled
@@ -213,6 +214,7 @@ def test_report_of_one_and_of_several_logs(path, cut, tmp_path):
     assert rejected("report", path, "--out", tmp_path / "no" / "x.html")[0] == 1
 
 
+@pytest.mark.slow
 def test_animate_writes_a_film(path, tmp_path):
     target = tmp_path / "run.gif"
     options = ("--frames", "5", "--turns", "0.25", "--magnify", "150", "--fps", "20", "--width", "240")

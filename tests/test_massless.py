@@ -62,6 +62,7 @@ def test_at_rest_they_carry_as_pins_and_seats_in_series(name):
         assert turned == pytest.approx(transmission_error(still, crank, torque)[0, 1], rel=2e-3)
 
 
+@pytest.mark.slow
 def test_the_stiffness_follows_the_curvature_as_that_of_two_springs():
     """Each contact of a turned gear: force over true overlap, beside both springs at the curvature there."""
     design = massless(PIN.but(contact={"working_load": 36.68}))

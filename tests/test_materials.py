@@ -26,6 +26,7 @@ PIN = PRESETS["pin"]
 PLASTICS = {"POM", "PA6", "Onyx", "PLA", "resin"}
 
 
+@pytest.mark.slow
 def test_the_library_is_plausible_and_says_where_it_is_from() -> None:
     for name, entry in MATERIALS.items():
         assert entry.source, name

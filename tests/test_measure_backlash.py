@@ -115,6 +115,7 @@ def test_crank_angles_spread_over_turn_and_mesh_period():
     assert angles[-1] < 2.0 * np.pi
 
 
+@pytest.mark.slow
 def test_command_gives_table_figure_and_logs(tmp_path, capsys):
     flags = ["--set", 'ring.pins="fixed"', "--quick", "--json", "--quiet", "--out", str(tmp_path)]
     assert main(["measure", "backlash", "--design", "pin", *flags]) == 0

@@ -58,6 +58,7 @@ def _case(measure: str, name: str):
     return pytest.param(measure, name, marks=marks, id=f"{measure}-{name}")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("measure", "name"), [_case(measure, name) for measure in MEASURES for name in UNLIKE])
 def test_every_measure_holds_on_every_design(measure: str, name: str) -> None:
     found = MEASURES[measure](unlike(name))

@@ -51,6 +51,7 @@ def test_ideal_loads_are_those_of_statics() -> None:
     )
 
 
+@pytest.mark.slow
 def test_at_capacity_the_weakest_contact_yields(found) -> None:
     kind, capacity = found.details["weakest"], found["capacity"]
     again = loads(FIXED, capacity, quick=True)
@@ -59,6 +60,7 @@ def test_at_capacity_the_weakest_contact_yields(found) -> None:
     assert again[f"{kind}_margin"] == pytest.approx(1.0, rel=0.01)
 
 
+@pytest.mark.slow
 def test_a_kind_that_nothing_presses_has_no_margin_and_decides_nothing(monkeypatch) -> None:
     def idle(kinds: set[str]) -> None:
         def lifted(*args) -> dict:

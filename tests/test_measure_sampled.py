@@ -50,6 +50,7 @@ def test_the_error_of_a_mean_covers_what_sampling_leaves_out_of_ripples_most_of_
     assert 0.6 < np.mean(covered) < 0.8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", cases(["printed", "few", "teeth21"], "few"))
 def test_backlash_at_two_angles_misses_the_turn_by_no_more_than_its_error(name):
     """The closed form stands for the simulation here: it differs from it by less than its scatter."""

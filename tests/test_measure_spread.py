@@ -31,6 +31,7 @@ def moved(measured: Measurement) -> dict[str, dict[str, float]]:
     return {one["input"]: one for one in measured.details["sensitivity"]}
 
 
+@pytest.mark.slow
 def test_every_assumed_input_is_varied_alone_about_the_design(measured, moved):
     assert list(moved) == NAMES
     assert all(set(one) == {"input", "unit", "low", "high", "value_low", "value_high"} for one in moved.values())

@@ -24,6 +24,7 @@ def test_held_pins_take_a_longer_step_than_sliding_ones_but_not_any_step():
     assert bench.step(heavier, rated) == pytest.approx(np.sqrt(2.0) * held, rel=0.01)
 
 
+@pytest.mark.slow
 def test_a_run_that_goes_wrong_is_made_again_at_half_the_step_and_names_it():
     # 21 free pins of 0.55 g at their rated load: 16 us ends with a contact more than 50 um deep
     rated = TEETH21.rated_torque

@@ -113,6 +113,7 @@ def test_statics_agrees_with_the_independent_solution(changes: list[str]) -> Non
         assert output == pytest.approx(solved.output_turn, rel=0.005)
 
 
+@pytest.mark.slow
 def test_one_pin_in_error_shows_as_its_displacement_over_its_arm() -> None:
     """Cam and output pins are without play, so the pin in the way stops the gear alone: n . d / l."""
     tight = ["clearance.cam_um=0.01", "clearance.output_um=0.01", "clearance.pin_gear_um=8.0"]
@@ -130,6 +131,7 @@ def test_one_pin_in_error_shows_as_its_displacement_over_its_arm() -> None:
         assert np.std(found.gear - wrong) > 5.0 * np.std(found.gear - rigid)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["pin", "nonpin"])
 def test_no_error_no_load_and_no_clearance_leave_no_transmission_error(name: str) -> None:
     design = override(PRESETS[name], CLOSED if name == "nonpin" else ['ring.pins="fixed"', *CLOSED])

@@ -47,12 +47,14 @@ def efficiency():
     return MEASURES["efficiency"](FIXED, quick=True)
 
 
+@pytest.mark.slow
 def test_braked_and_crank_held_runs_agree(torque):
     # two ways to hold the reducer, one figure: found within 0.10 points over these 4 mesh periods, 0.02 over 13
     assert torque["efficiency_crank_held"] == pytest.approx(torque["efficiency"], abs=0.15)
     assert torque["output_rate"] == pytest.approx(torque["efficiency"], abs=0.15)
 
 
+@pytest.mark.slow
 def test_both_name_their_condition(torque, efficiency, folder):
     told = json.loads((folder / "torque-nonpin.json").read_text(encoding="utf-8"))
     assert told["condition"] == "1.048 N m on the crank, 1640 rpm"
@@ -78,6 +80,7 @@ def test_balance_misses_a_loss_that_is_left_out(efficiency):
     assert abs(without.residual) > 0.05
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_without_friction_nothing_is_lost(kind):
     design = steady_design(override(KINDS[kind], rig.without_friction()))
@@ -87,6 +90,7 @@ def test_without_friction_nothing_is_lost(kind):
     assert rated_test(design, 13).powers.efficiency == pytest.approx(1.0, abs=2e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_chosen_step_gives_the_figures_of_a_short_one(kind):
     design = override(KINDS[kind], ["drive.ramp_s=0.0", f"settings.log_rate_hz={LOG_RATE!r}"])
@@ -233,6 +237,7 @@ def test_mistakes_are_told_in_one_line(words, told, capsys):
     assert error.count("\n") == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "design",
     [

@@ -80,6 +80,7 @@ def found() -> Measurement:
     return vibration(design, speeds=[1.5 * design.drive.speed])
 
 
+@pytest.mark.slow
 def test_the_measure_over_speed(found: Measurement) -> None:
     design = found.design
     speed = design.drive.speed

@@ -159,6 +159,7 @@ def test_checks_judge_the_same_mesh() -> None:
 # --- dynamics ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", cases(["fixed pins", "free pins", "internal gear"], "fixed pins", "internal gear"))
 def test_a_superposed_rotation_leaves_the_forces_in_the_mesh(kind: str) -> None:
     changes = {"internal gear": {"kind": "nonpin"}}.get(kind, {"pins": kind.partition(" ")[0]})
@@ -207,6 +208,7 @@ def at_the_ring() -> Design:
     return RIGID.but(output=RING)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("turning", cases(["carrier", "ring"], "ring"))
 def test_what_twists_turns_the_output_and_not_the_gear(turning: str) -> None:
     """A carrier that twists more changes the output's turn alone, in statics and in a run, forward and in reverse."""

@@ -82,6 +82,7 @@ def compiled_outlines(model: Any, stem: str) -> list[np.ndarray]:
     return outlines
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "surface", "stem"), [("pin", "teeth", "teeth"), ("nonpin", "lobe", "lobe_")])
 def test_compiled_flanks_are_within_the_bound(reducers: dict[str, Any], kind: str, surface: str, stem: str) -> None:
     """The hulls that MuJoCo collides, in single precision, along 5000 normals; and with one of them 0.3 um out."""
@@ -147,6 +148,7 @@ def _valley(design: Design) -> tuple[float, float, float]:
     return valley, pin, valley + pin
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", cases(["pin_gear", "cam"], "pin_gear"))
 def test_stiffness_does_not_grow_with_the_number_of_slices(kind: str) -> None:
     """The slices add up to the line contact at working force; sixteen times the chord error, and it is the same.
@@ -201,6 +203,7 @@ def test_the_model_is_that_of_exact_contact_but_for_its_geoms(reducers: dict[str
     assert set(stems(mesh.model)) - {""} == known
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_only_mating_surfaces_meet(reducers: dict[str, Any], kind: str) -> None:
     """Under load each contact belongs to a mating pair."""
@@ -229,6 +232,7 @@ def loaded() -> dict[str, tuple[Any, float]]:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_scene_loads_quickly_and_has_what_a_user_needs(loaded: dict[str, Any], kind: str) -> None:
     model, seconds = loaded[kind]
@@ -331,6 +335,7 @@ def mesh_means(errors: np.ndarray, model: Any, design: Design) -> np.ndarray:
     return np.convolve(errors, np.full(period, 1.0 / period), mode="valid")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "duration"), cases([("pin", 0.005), ("nonpin", 0.003)], ("nonpin", 0.003)))
 def test_a_model_runs_at_full_speed(loaded: dict[str, Any], kind: str, duration: float) -> None:
     errors = keeps_speed(loaded[kind][0], "1640rpm_90", duration)
@@ -365,6 +370,7 @@ def judged(design: Design, contact: Contact, settings: ConvexSettings | None = N
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", cases(KINDS, "pin"))
 def test_a_short_mesh_run_agrees_with_profile_contact(kind: str) -> None:
     """Two mesh periods under 1 N m: mean transmission errors, cam force and crank torque within 10 %."""
@@ -403,6 +409,7 @@ def test_a_plain_cam_has_its_own_friction_only() -> None:
     assert mesh == pytest.approx(profile, rel=0.1)
 
 
+@pytest.mark.slow
 def test_rubbing_holes_meet_their_mates_by_pairs() -> None:
     """With the creep of the exact contact's law, shared as its stiffness is; without friction there are none."""
     coarse = ConvexSettings(play_error=5e-6)
@@ -452,6 +459,7 @@ def test_forces_are_gathered_by_pair(reducers: dict[str, Any], kind: str) -> Non
     np.testing.assert_allclose(found.wrench[:, :2], expected, rtol=0.0, atol=1e-9 * np.abs(expected).max())
 
 
+@pytest.mark.slow
 def test_a_mesh_run_is_a_run_like_any_other(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The same columns and findings as with profile contact; the log carries the meshes of its model."""
     told, runs = {}, {}
@@ -471,6 +479,7 @@ def test_a_mesh_run_is_a_run_like_any_other(tmp_path: Path, capsys: pytest.Captu
     assert model.nmesh == sum(name.endswith(".stl") for name in runs["mesh"].attachments)
 
 
+@pytest.mark.slow
 def test_a_mesh_run_installs_no_collider(monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: object) -> None:
         raise AssertionError("a collider was installed")
@@ -482,6 +491,7 @@ def test_a_mesh_run_installs_no_collider(monkeypatch: pytest.MonkeyPatch) -> Non
         simulate(changed("nonpin", "drive.ramp_s=0.0", "drive.hold_s=0.001"))
 
 
+@pytest.mark.slow
 def test_a_mesh_run_that_goes_wrong_ends_with_an_error() -> None:
     with pytest.raises(RunError, match=r"deep, beyond contact\.max_penetration_um = 0\.2"):
         mesh_run("pin", "contact.max_penetration_um=0.2")
@@ -503,6 +513,7 @@ def test_what_has_no_meshes_is_refused(change: str) -> None:
         build_mesh(changed("pin", change))
 
 
+@pytest.mark.slow
 def test_errors_and_modification_are_in_the_meshes() -> None:
     """Round parts where the exact model has them; holes, sockets and flanks as made, keyframes clear of contact."""
     changes = [
@@ -609,6 +620,7 @@ def require_committed(name: str, made: dict[str, bytes]) -> None:
     assert rest_volumes(made) == pytest.approx(rest_volumes(committed), rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_model_is_made_with_a_warning_of_what_spoils_its_figures(monkeypatch: pytest.MonkeyPatch) -> None:
     """The rest of the parts, which CoACD takes seconds to cut, is left out."""
     coarse = ConvexSettings(chord_error=5e-6)
@@ -650,6 +662,7 @@ def spoiled(surface: Surface) -> Surface:
     return dataclasses.replace(surface, places=(dataclasses.replace(first, centre=(0.0, 0.5e-6)), *others))
 
 
+@pytest.mark.slow
 def test_what_is_worse_than_its_bound_is_an_error_and_no_file(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -697,6 +710,7 @@ def test_the_manifest_tells_what_the_model_is_made_of(kind: str) -> None:
     assert total < 10e6
 
 
+@pytest.mark.slow
 def test_fixed_pins_and_other_designs_make_models() -> None:
     few = ["ring.teeth=10", "ring.pin_radius_mm=4.0", "gear.eccentricity_mm=1.5", "output.hole_radius_mm=5.5"]
     for design in (changed("pin", "ring.pins=fixed"), changed("pin", *few), changed("nonpin", *few)):

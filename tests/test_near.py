@@ -72,6 +72,7 @@ def test_only_gaps_that_are_open_are_left_out() -> None:
     assert left_out > 300
 
 
+@pytest.mark.slow
 def test_a_pin_without_a_home_is_searched() -> None:
     gear = GEARS["paper"]
     flank = Flank(gear, 0.00225, 0.0, 0.0, 0.0, 0.0, 0.0, NO_WAVES)

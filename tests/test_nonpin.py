@@ -81,6 +81,7 @@ def at_steps(load: float, hold: float, *steps_us: float) -> list[dict[str, float
     return [figures_of(nonpin(*changes, f"settings.timestep_us={step!r}")) for step in steps_us]
 
 
+@pytest.mark.slow
 def test_five_microseconds_give_what_one_gives_and_forty_do_not():
     """Under load the motion is periodic after 10 ms: the rms speed error changes by 1 %, the others by less."""
     one, five = at_steps(36.0, 0.022, 1.0, 5.0)
@@ -114,6 +115,7 @@ def ring_file(tmp_path_factory):
     return header, np.array([[float(word) for word in row[:5]] for row in rows]), np.array([row[5] for row in rows])
 
 
+@pytest.mark.slow
 def test_ring_file_passes_through_the_reference_points(ring_file):
     """30-digit points of lobe 1; a point at the distance s from its nearest row lies kappa s^2/2 off the tangent there.
 

@@ -74,6 +74,7 @@ def test_the_largest_convex_radius_is_that_of_a_fine_grid(convex) -> None:
     assert {"socket", "short_width>=0.5"} <= set(convex.refused)
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_points_wherever_they_are_evaluated(monkeypatch) -> None:
     monkeypatch.setattr(optimizer, "FAST", 0.0)  # quick points would not be handed on
     few = {**CONVEX, "evaluations": 36, "starts": 2}
@@ -173,6 +174,7 @@ def test_a_search_may_start_from_a_design_that_cannot_be_built() -> None:
     assert not refusals(found.design(), strict=False)
 
 
+@pytest.mark.slow
 def test_strict_takes_warnings_for_refusals() -> None:
     """The paper's teeth yield under its torque: a warning of the check tooth_yield."""
     vary = {"gear.face_width_mm": "9:20"}
@@ -186,6 +188,7 @@ def test_strict_takes_warnings_for_refusals() -> None:
     assert any("tooth_yield" in note for note in loose.notes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["printed", "few", *(pytest.param(one, marks=pytest.mark.slow) for one in REST)])
 def test_other_designs(name: str) -> None:
     design = unlike(name)
@@ -202,6 +205,7 @@ def test_other_designs(name: str) -> None:
 # --- the best, checked
 
 
+@pytest.mark.slow
 def test_the_best_is_checked_in_statics_dynamics_and_tolerances(monkeypatch) -> None:
     monkeypatch.setattr(optimizer, "SAMPLES", 16)
     monkeypatch.setattr("cycloid_mj.explore.tolerances.ANGLES", 12)
@@ -224,6 +228,7 @@ FLAGS = ["--vary", "gear.eccentricity_mm=0.3:1.1", "--vary", "ring.pin_radius_mm
 FLAGS += ["least_convex_radius_mm", "--limit", "short_width>=0.5", "--evaluations", "60", "--starts", "1", "--quick"]
 
 
+@pytest.mark.slow
 def test_the_command(tmp_path: Path, capsys) -> None:
     assert main(["optimize", *FLAGS, "--out", str(tmp_path), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
@@ -245,6 +250,7 @@ def test_a_folder_of_another_optimisation_is_refused(tmp_path: Path) -> None:
         optimize(PIN, SHAPE, **CONVEX, evaluations=6, seed=1, out=tmp_path)
 
 
+@pytest.mark.slow
 def test_a_search_that_was_stopped_goes_on_to_the_same_points(tmp_path: Path) -> None:
     """Ctrl-C in another process; then the same command."""
     arguments = [sys.executable, "-m", "cycloid_mj.cli", "optimize", *FLAGS[:-5], "--evaluations", "200", "--quick"]

@@ -48,6 +48,7 @@ def test_other_releases_of_mujoco_are_refused(version, monkeypatch):
     require_tested(version)
 
 
+@pytest.mark.slow
 def test_the_licence_of_gmsh_is_told_and_only_extras_import_it():
     extras = [name for name, needs in PROJECT["optional-dependencies"].items() if any("gmsh" in need for need in needs)]
     assert extras == ["cad", "fem", "test"]

@@ -76,6 +76,7 @@ def test_a_height_and_a_pattern_need_every_start():
 # --- motion, at no load
 
 
+@pytest.mark.slow
 def test_the_ratio_is_judged_in_each_design():
     found = motion.gear_speed(FEW, ideal_runs, silent).claims
     assert [(claim.key, claim.verdict) for claim in found] == [
@@ -137,6 +138,7 @@ def by_key(found):
     return {claim.key: claim for claim in found.claims}
 
 
+@pytest.mark.slow
 def test_fluctuations_are_judged_at_no_load_over_starts(calm):
     speed = by_key(calm)["gear_speed"]
     assert (speed.verdict, speed.condition.load) == ("disagrees", 0.0)
@@ -146,6 +148,7 @@ def test_fluctuations_are_judged_at_no_load_over_starts(calm):
     assert len(calm.findings["idle"]["as it is"]["gear_speed"]["pin"]) == STARTS
 
 
+@pytest.mark.slow
 def test_a_fluctuation_depends_on_what_the_paper_leaves_open_alone():
     open_one = vibration.vibration(FEW, varied_runs(lambda one: one.contact.damping_ratio == 1.0), silent)
     speed = by_key(open_one)["gear_speed"]

@@ -172,6 +172,7 @@ class Sources(HTMLParser):
         self.found += [value for name, value in attrs if name in ("src", "href") and value]
 
 
+@pytest.mark.slow
 def test_the_page_needs_nothing_but_itself(tmp_path, capsys):
     assert command.reproduce(quick=True, only=("geometry", "equal"), out=str(tmp_path), json=True) == 0
     printed = capsys.readouterr()

@@ -51,6 +51,7 @@ def test_stiff_linear_springs_strike_as_hard_as_the_model():
     assert 0.5 * carried < soft.cam < 1.5 * carried
 
 
+@pytest.mark.slow
 def test_facets_press_where_exact_flanks_do_not_touch():
     exact, faceted = (turned(error) for error in (0.0, 50e-6))
     assert faceted.tooth > 100.0 * exact.tooth
@@ -59,6 +60,7 @@ def test_facets_press_where_exact_flanks_do_not_touch():
     assert 0.9 * faceted.cam <= faceted.sampled <= faceted.cam
 
 
+@pytest.mark.slow
 def test_a_reducer_turns_alike_from_any_phase():
     # another start, the same mean mechanism: forces of one size
     first, second = turned(0.0), soft_idle(NONPIN, STEEL, 0.0, 1, 0, 2.0)

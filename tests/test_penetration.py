@@ -72,6 +72,7 @@ class Outlines:
         return float(self.radius - signed_distance(self.polygon, self.tree, points[close]).min())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", cases(DESIGNS, "fixed", "free", "turned", "uniform"))
 def test_penetration_is_how_deep_the_outlines_are_in_each_other(name: str) -> None:
     # So much play in cam and output that nothing but the teeth is in touch.

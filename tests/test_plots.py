@@ -294,6 +294,7 @@ def test_drawing_leaves_matplotlib_alone(motion):
         assert figure.axes[0].yaxis.label.get_fontsize() == 8.0
 
 
+@pytest.mark.slow
 def test_no_global_figure_state_is_touched():
     code = "import sys, cycloid_mj.plots; sys.exit('matplotlib.pyplot' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

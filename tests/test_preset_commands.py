@@ -174,6 +174,7 @@ def test_the_parts_of_a_compliance_add_up_to_it(member: str, capsys: pytest.Capt
     assert (contacts + structure) * found["stiffness_ideal"] == pytest.approx(1.0, rel=5e-3)
 
 
+@pytest.mark.slow
 def test_statics_states_what_each_disc_carries(capsys: pytest.CaptureFixture[str]) -> None:
     held = ["--set", "structure=springs", "--set", "output.support=cantilever"]
     assert main(["statics", "--design", "twodisc", "--json"]) == 0

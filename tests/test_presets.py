@@ -51,6 +51,7 @@ def test_values_of_a_preset_have_reasons_until_they_are_changed(tmp_path) -> Non
     assert load(file) == PRINTED
 
 
+@pytest.mark.slow
 def test_the_printed_drive_has_the_backlash_of_its_drawing() -> None:
     assert math.degrees(summary(PRINTED).backlash) == pytest.approx(PLAY, rel=0.01)
     _, turn = play.over_a_turn(PRINTED)
@@ -93,6 +94,7 @@ def figures(run: Run) -> dict[str, float]:
     }
 
 
+@pytest.mark.slow
 def test_the_printed_drives_figures_hold_at_half_the_step(at_speed) -> None:
     own, half = (figures(at_speed[share]) for share in (1.0, 0.5))
     assert own == pytest.approx(half, rel=0.03)

@@ -158,6 +158,7 @@ def test_the_step_of_the_model_is_judged() -> None:
     assert not warnings(longer, reducer)
 
 
+@pytest.mark.slow
 def test_simulate_tells_before_the_run_and_the_log_keeps_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     flags = ["--ramp-s", "0", "--hold-s", "0.0005", "--out", str(tmp_path), "--set", "friction.cam=0.01"]
     assert main(["simulate", "--design", "nonpin", "--timestep-us", "5", *flags]) == 0

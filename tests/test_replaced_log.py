@@ -189,6 +189,7 @@ def test_forced_run_that_ends_early_keeps_the_old_log(here, at_the_end, error, w
     assert names(here / "mine") == ["pin.mcap", "pin.partial.mcap"]
 
 
+@pytest.mark.slow
 def test_second_forced_run_meanwhile_ends_with_one_error(here, at_the_end):
     simulated("--out", "mine", "--speed-rpm", "100")
     second = []
@@ -202,6 +203,7 @@ def test_second_forced_run_meanwhile_ends_with_one_error(here, at_the_end):
     assert names(here / "mine") == ["pin.mcap"]
 
 
+@pytest.mark.slow
 def test_run_that_takes_the_usual_name_meanwhile_gets_the_next(here, at_the_end, monkeypatch):
     second = []
     built = cycloid_mj.run.reducer_model
@@ -221,6 +223,7 @@ def test_run_that_takes_the_usual_name_meanwhile_gets_the_next(here, at_the_end,
     assert names(here / "runs") == ["pin-2.mcap", "pin.mcap"]
 
 
+@pytest.mark.slow
 def test_figures_of_a_run_are_its_own_though_another_replaces_its_log_at_once(here, at_the_end, monkeypatch):
     simulated("--out", "mine", "--speed-rpm", "50")
     close, second = LogWriter.close, []
@@ -248,6 +251,7 @@ def test_commands_at_once_get_folders_of_their_own(here):
     assert sorted(map(str, found)) == sorted([RUNS, *(f"{RUNS}-{number}" for number in range(2, 9))])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_stopped_run_says_by_what(here, at_the_end, number):
     before = {number: signal.getsignal(number) for number in STOPPING}

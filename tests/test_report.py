@@ -86,6 +86,7 @@ def both(pin, nonpin):
     return report({"runs/pin.mcap": pin, "runs/nonpin.mcap": nonpin})
 
 
+@pytest.mark.slow
 def test_page_is_whole_and_needs_nothing_from_elsewhere(text, both):
     for page in (text, both):
         found = Page(page)

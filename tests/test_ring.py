@@ -183,6 +183,7 @@ def brute_minima(gaps, coarse: np.ndarray) -> list[float]:
     return found
 
 
+@pytest.mark.slow
 def test_gap_equals_brute_force_in_random_poses(rig: Rig) -> None:
     """100 poses within 5 um and 5e-5 rad: every minimum of the gap along a lobe is found, and nothing else."""
     gear, rng = rig.gear, np.random.default_rng(3)
@@ -210,6 +211,7 @@ def test_gap_equals_brute_force_in_random_poses(rig: Rig) -> None:
     assert flanks > 8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["paper", "steep"])
 def test_no_contact_is_missed_in_a_sweep(name: str) -> None:
     """The smallest gap of the whole ring is continuous while a shifted gear passes junctions and roots."""
@@ -236,6 +238,7 @@ def largest_step(rig: Rig) -> float:
     return float(np.abs(np.diff(forces, axis=0)).max() / np.linalg.norm(forces[:, :2], axis=1).mean())
 
 
+@pytest.mark.slow
 def test_no_step_in_the_force_when_lines_merge_or_part() -> None:
     """An arc and a flank line that merge share one stiffness; without the sharing the force jumps."""
     shared = Rig(nonpin(), margin=0.0)

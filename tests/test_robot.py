@@ -64,6 +64,7 @@ def told(files: Path) -> dict:
     return json.loads((files / "reducer.json").read_text())
 
 
+@pytest.mark.slow
 def test_the_joint_is_as_the_full_model(told: dict) -> None:
     """The bounds of the comparison are those promised; it is run by MuJoCo, not read back."""
     assert BOUNDS == {
@@ -138,6 +139,7 @@ def test_a_dynamic_loop_and_run_find_the_same() -> None:
     assert 100.0 * back.powers.efficiency == pytest.approx(reducer.quantities["back_driving_efficiency"].value, abs=0.3)
 
 
+@pytest.mark.slow
 def test_the_scene_is_stable_up_to_five_milliseconds(told: dict) -> None:
     """`discrete` at any step, `implicitfast` up to 1 ms with a heavy load; beyond 2/w it is said to fail."""
     reducer = Reducer.from_json(told)
@@ -225,6 +227,7 @@ def test_the_page_is_whole(files: Path) -> None:
         assert word in page
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", cases(UNLIKE, "few"))
 def test_other_designs_hold_too(name: str) -> None:
     """Wide clearances and a reducer that locks itself; few teeth, whose error is a third of the wind-up."""
@@ -236,6 +239,7 @@ def test_other_designs_hold_too(name: str) -> None:
         assert "self-locking" in reducer.quantities["back_driving_efficiency"].note
 
 
+@pytest.mark.slow
 def test_a_reducer_that_locks_itself_holds_its_load() -> None:
     """With friction from the load the output cannot turn the crank; the same without `step` lets it go."""
     reducer, turned = reduced("printed"), []
@@ -249,6 +253,7 @@ def test_a_reducer_that_locks_itself_holds_its_load() -> None:
     assert turned[1] > 10.0
 
 
+@pytest.mark.slow
 def test_the_error_comes_through_up_to_the_speed_stated(few: Reducer) -> None:
     """At the matched inertia the strongest harmonic is within 5 % at the speed that is stated, not at thrice that."""
     design = unlike("few")

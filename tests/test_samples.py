@@ -93,6 +93,7 @@ def test_draws_have_their_seed_and_their_size() -> None:
     assert listed.pin_place[3, 1, 0] == 1.5e-6
 
 
+@pytest.mark.slow
 def test_small_torques_find_the_backlash() -> None:
     design = PRESETS["nonpin"]
     made = replace(alike(design, 3), cam=np.array([0.5e-6, 1e-6, 2e-6]), output=np.array([1e-6, 2e-6, 0.5e-6]))
@@ -127,6 +128,7 @@ def exactly(design: Design, crank: float, torque: float, start: np.ndarray) -> n
     return unit * root(left, start / unit, method="hybr", tol=1e-13).x
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("largest", "bound"), [(2e-6, 1e-4), (10e-6, 0.02)])
 @pytest.mark.parametrize("name", ["fixed", "nonpin"])
 def test_it_is_the_balance_of_the_exact_geometry(name: str, largest: float, bound: float) -> None:
@@ -174,6 +176,7 @@ def test_samples_that_rest_where_a_curve_is_cut_off_are_balanced() -> None:
     assert found.output_range == pytest.approx(np.median(found.output_range), rel=0.3)
 
 
+@pytest.mark.slow
 def test_a_sample_that_jams_has_no_numbers_and_leaves_its_neighbours_alone() -> None:
     """The first of drawn samples that friction jams, between two that are as designed and turn."""
     design = override(FIXED, ["friction.pin_gear=0.75"])

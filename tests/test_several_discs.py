@@ -87,6 +87,7 @@ def test_meshes_of_unlike_discs_carry_their_own_teeth() -> None:
     assert {name.rpartition("_")[0] for name in second} == {"gear_2_teeth"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("errors", "agreement"),
     # chords leave the profile by 0.4 um to either side, which counts beside discs that differ by 0.7 um
@@ -192,6 +193,7 @@ def test_a_disc_is_drawn_where_it_is(run: Run) -> None:
         assert opened.shape == (3, 30)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", cases(["pin", "nonpin"], "pin"))
 def test_contacts_lie_on_the_part_that_they_press_on(kind: str) -> None:
     """Where each disc is touched is on its own outline, its bore and its holes; actions and reactions are the same."""
@@ -394,6 +396,7 @@ def test_two_discs_average_away_odd_mesh_orders_of_odd_rings_alone() -> None:
     assert odd[1][2] == pytest.approx(odd[0][2], rel=0.05)
 
 
+@pytest.mark.slow
 def test_a_slow_run_of_ideal_contacts_has_the_forces_of_the_worked_calculation() -> None:
     """Next to no clearance, no friction, a cam that holds: 213.1 N, 1706 N and 1967 to 2460 N within 2 %."""
     slow = ["drive.speed_rpm=120", "drive.ramp_s=0", "drive.hold_s=0.17", "load.torque_nm=116", "load.rise_s=0.02"]

@@ -39,6 +39,7 @@ def test_known_differences_are_those_of_the_measured_runs(name: str) -> None:
     assert seen == {*KNOWN, *KNOWN_OF_KINDS}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", cases([*KINDS, *UNLIKE], "nonpin", "sleeved", "twodisc", "printed"))
 def test_every_design_has_every_figure(name: str) -> None:
     design = unlike(name) if name in UNLIKE else KINDS[name]
@@ -116,6 +117,7 @@ def test_a_tooth_whose_foot_point_begins_to_be_looked_for_is_balanced() -> None:
     assert capacity[1] == pytest.approx(0.5 * (capacity[0] + capacity[2]), rel=1e-5)
 
 
+@pytest.mark.slow
 def test_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["statics", "--design", "nonpin", "--load-nm", "20", "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
@@ -167,6 +169,7 @@ def test_efficiency_losses_and_error_are_those_of_the_dynamic_run(name: str, way
     assert ours.mean() == pytest.approx(error.mean(), rel=0.002)
 
 
+@pytest.mark.slow
 def test_wide_play_is_balanced_where_no_angle_follows_from_the_one_before() -> None:
     """A printed size whose contacts change at once under a hundredth of its load."""
     from cycloid_mj.sizing import sized

@@ -53,6 +53,7 @@ def test_two_runs_are_the_same_bit_for_bit() -> None:
         np.testing.assert_array_equal(first[name], second[name], err_msg=name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "changes",
     [
@@ -77,6 +78,7 @@ def test_other_designs_run_by_their_own_ratio(changes: tuple[str, ...]) -> None:
     assert run["penetration"].max() < 2e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pins", cases(["fixed", "free"], "fixed"))
 def test_backlash_at_locked_crank(pins: str) -> None:
     """The gear turns by 2 delta/(c (N-1)) from one stop to the other; delta is the sum of clearances in series."""

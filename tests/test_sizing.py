@@ -40,6 +40,7 @@ def test_it_is_what_was_asked_for_and_passes_its_checks(
     assert all(key.partition(".")[0] in type(design).model_fields for key in found.reasons)
 
 
+@pytest.mark.slow
 def test_more_torque_takes_a_wider_gear_up_to_a_limit() -> None:
     widths = [sized("mine", 20, 0.06, torque).design.gear.face_width for torque in (8.0, 12.0, 18.0)]
     assert widths == sorted(set(widths))
@@ -100,6 +101,7 @@ def test_the_command_says_what_is_missing(tmp_path: Path, monkeypatch, capsys, f
     assert not (tmp_path / "mine.toml").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("ratio", "discs", "process"),
     cases([(29, 2, "steel"), (20, 3, "steel"), (15, 2, "printed")], (29, 2, "steel")),

@@ -510,6 +510,7 @@ def overlap(gear: np.ndarray, hole: np.ndarray) -> bool:
     return bool(outside.any() or PolygonPath(gear).contains_points(hole).any())
 
 
+@pytest.mark.slow
 def test_the_gear_orbits_in_the_housing_without_touching_it(design: Design) -> None:
     gear = gear_solid(design, MESHING).prisms[0].outline
     hole = housing_solid(design, MESHING).prisms[0].holes[0]
@@ -551,6 +552,7 @@ def test_a_chord_error_that_is_not_positive_is_refused(chord_error: float) -> No
             builder(PIN, chord_error)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("discs", [1, 2])
 def test_rollers_are_parts_of_their_own_where_their_cores_are_given(discs: int) -> None:
     """The output that moves weighs discs, cores and rollers, each by its closed form, and turns with all of them."""

@@ -33,6 +33,7 @@ def test_paper_design_at_its_theoretical_torque(sign):
     assert shared.eccentric_radial.min() == pytest.approx(-512, abs=0.5)
 
 
+@pytest.mark.slow
 def test_ring_of_the_paper_design_shares_the_load_with_sigma():
     one_pitch = np.linspace(0, np.pi / 18, 401)
     shared = [statics.ideal_ring_load_sharing(PAPER, TORQUE, crank) for crank in one_pitch]

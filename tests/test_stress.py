@@ -197,6 +197,7 @@ def test_half_widths_follow_the_flank():
 # Loads of a real run
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "part"), [("pin", "gear"), ("pin", "pin_1"), ("nonpin", "gear")])
 def test_free_parts_are_in_balance(request, kind, part):
     run, design = runs(request, kind)
@@ -227,6 +228,7 @@ def test_the_gear_accelerates_as_the_closed_form_says_but_for_vibration(request,
     assert np.sqrt(np.mean(heavy**2)) > 4e-3 * largest
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["pin", "nonpin"])
 def test_every_patch_has_the_moment_of_its_force(request, kind):
     run, design = runs(request, kind)
@@ -371,7 +373,7 @@ def made_part(part, bulk, teeth=36):
     angle = 2 * np.pi * np.arange(bulk.size) / bulk.size
     row = int(np.argmax(bulk))
     peak = Peak(float(bulk[row]), float(angle[row]), np.zeros(2), "", 620.4e6 / max(bulk[row], 1.0))
-    refined = Refinement((100, 200, 400), angle[[row]], np.array([[1.1], [1.02], [1.0]]) * bulk[row])
+    refined = Refinement((200, 400), angle[[row]], np.array([[1.02], [1.0]]) * bulk[row])
     return PartFindings(
         part=part,
         unknowns=200,
@@ -471,8 +473,8 @@ def test_a_preset_is_of_the_paper_under_any_load_and_another_design_is_not():
 def test_refinement_holds_below_its_bound():
     assert made_part("gear", [1.0, 2.0]).refinement.change == pytest.approx(0.02)
     assert made_part("gear", [1.0, 2.0]).refinement.holds
-    assert not Refinement((1, 2, 3), np.zeros(1), np.array([[1.0], [1.04], [1.0]])).holds
-    idle = Refinement((1, 2, 3), np.zeros(1), np.zeros((3, 1)))
+    assert not Refinement((1, 2), np.zeros(1), np.array([[1.04], [1.0]])).holds
+    idle = Refinement((1, 2), np.zeros(1), np.zeros((2, 1)))
     assert (idle.change, idle.scatter) == (0.0, 0.0)
 
 
@@ -507,7 +509,7 @@ def test_the_study_of_a_part(pin_run):
     assert found.contact_peak.stress == pytest.approx(np.nanmax(line_stress(study["pin_1"].loads, PIN).von_mises))
     assert found.angle[np.argmax(found.bulk)] == found.bulk_peak.angle
     assert list(found.refinement.unknowns) == sorted(found.refinement.unknowns)
-    assert found.refinement.stress[1].max() == found.bulk.max()
+    assert found.refinement.stress[0].max() == found.bulk.max()
     assert found.imbalance < 1e-3
     # the disc between two opposite forces is loaded as they are: half of the turn, in proportion
     size = np.linalg.norm(study["pin_1"].loads.force, axis=-1).max(axis=1)
@@ -519,6 +521,7 @@ def test_the_study_of_a_part(pin_run):
     assert written["assumptions"]
 
 
+@pytest.mark.slow
 @needs_fem
 def test_the_swing_of_the_ring_is_that_of_its_bulk(pin_run, tmp_path):
     """At its worst node the stress swings between what the maxima of the turn allow; rate takes it from the result."""
@@ -600,6 +603,7 @@ def test_the_command_reads_a_log(told, log):
     assert part["reference"] == {"source": "Hsieh 2014, Fig. 16", "below_mpa": None, "load_nm": 0.0}
 
 
+@pytest.mark.slow
 @needs_fem
 def test_the_command_runs_a_design(told, tmp_path, monkeypatch):
     monkeypatch.setattr("cycloid_mj.cli.stressfiles._drawn", lambda studies, into: [])

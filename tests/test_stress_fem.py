@@ -127,6 +127,7 @@ def _surface_nodes(grid: Grid) -> npt.NDArray[np.int64]:
     return surface(grid, lambda x: np.ones(x.shape[1], bool)).nodes.ravel()
 
 
+@pytest.mark.slow
 def test_lame_ring_and_orders_of_convergence() -> None:
     """Displacement converges in L2 with order 3, stress with order 2, and the hoop stress is Lame's within 1 %."""
     inner, outer, inside = 10e-3, 20e-3, 50e6
@@ -311,6 +312,7 @@ def test_bulk_leaves_the_patches_out_and_does_not_hang_on_the_grid() -> None:
     assert np.linalg.norm(np.abs(fine.bulk_place[0]) - [0.0, radius]) >= fine.bulk_distance
 
 
+@pytest.mark.slow
 def test_torsion_of_the_shaft(shaft: Grid) -> None:
     """A couple between cam and input end shears the journal's surface by 2 T/(pi r^3), within 1 %."""
     measures = shaft_measures(PIN)
@@ -335,6 +337,7 @@ def shaft_loads(k: int) -> PartLoads:
     return made_loads("shaft", place, force, 8e-3, spin=np.full(k, 170.0), torque=-moment)
 
 
+@pytest.mark.slow
 def test_the_shaft_hands_its_load_to_the_bearings(shaft: Grid) -> None:
     """Reactions balance force and moment of the cam, and the mass, to 1e-6; the torque is in balance."""
     loads = shaft_loads(4)
@@ -527,6 +530,7 @@ def test_a_solid_under_plane_loads_is_in_plane_stress_on_average(part: str) -> N
     assert np.sqrt(np.mean(misses**2)) < 0.02
 
 
+@pytest.mark.slow
 def test_reactions_of_a_solid_are_the_loads() -> None:
     """The lift of the patches over the height keeps their force and their moment to 1e-6, and has no moment more."""
     grid = part_grid(PIN, "ring", GridSettings(refinement=0.2, solid=True))
@@ -578,6 +582,7 @@ def test_stress_falls_with_the_distance_as_flamant_says() -> None:
     assert near / far == pytest.approx(2.0, rel=0.1)
 
 
+@pytest.mark.slow
 def test_the_bulk_is_a_plateau_wherever_the_search_begins() -> None:
     """A plate pressed widely on one side of its hole: a force on the other side does not change the bulk.
 

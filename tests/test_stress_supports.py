@@ -99,6 +99,7 @@ def beam_moment(design: Design, shaft: Shaft, force: float, bed: float, elements
     return np.column_stack([middle, young * inertia * np.diff(turned) / h])
 
 
+@pytest.mark.slow
 @needs_fem
 @pytest.mark.parametrize("design", cases([OVERHANG, STRADDLE], OVERHANG), ids=["overhang", "straddle"])
 def test_the_shaft_bends_as_a_timoshenko_beam_on_one_sided_bearings(design: Design) -> None:
@@ -197,6 +198,7 @@ def test_the_root_of_an_output_pin_bends_as_a_cantilever_of_its_core() -> None:
     assert rounder.stress < 0.85 * root.stress
 
 
+@pytest.mark.slow
 @needs_fem
 def test_a_ring_on_bolts_bears_more_than_one_in_a_seat() -> None:
     """The bolts' circles do not move and balance the load; the ring between them bends, in a rigid seat it cannot."""

@@ -139,6 +139,7 @@ def test_rows_are_single_runs(statics: sweeps.Sweep) -> None:
     assert any("springs that only push" in one for one in statics.assumptions)
 
 
+@pytest.mark.slow
 def test_two_processes_give_the_same_bits(statics: sweeps.Sweep) -> None:
     again = sweep(PIN, {"clearance.cam_um": [1.0, 2.0], "ring.kind": "pin,nonpin"}, "statics", engine=Engine(2))
     assert same(statics.frame, again.frame)
@@ -214,6 +215,7 @@ def test_other_designs(name: str) -> None:
     assert found["mass.mass_kg"][0] == found["checks.mass_kg"][0]
 
 
+@pytest.mark.slow
 def test_ranks_are_those_of_monotonic_functions() -> None:
     found = sweep(PIN, {"clearance.cam_um": "1,2", "clearance.output_um": "1,2,3"}, "statics", engine=HERE)
     one = ranks(found, ("backlash_arcmin",))
@@ -240,6 +242,7 @@ def command(folder: Path, *more: str) -> list[str]:
     ]
 
 
+@pytest.mark.slow
 def test_the_command_leaves_one_table_three_ways(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     import duckdb
 
@@ -349,6 +352,7 @@ def test_two_at_once_do_not_share_a_folder(tmp_path: Path) -> None:
         pass
 
 
+@pytest.mark.slow
 def test_a_full_disk_is_told_and_loses_nothing(tmp_path: Path) -> None:
     """A limit on the size of files stands for a full disk."""
     code = (
@@ -424,6 +428,7 @@ def test_every_point_failed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     assert "2 points, 2 failed" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_ctrl_c_and_kill_leave_what_was_done(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Ended twice, then resumed: the table of a sweep that nothing disturbed."""
     words = ["--vary", "clearance.cam_um=1:3:60", "--measure", "mass", "--workers", "1"]

@@ -83,6 +83,7 @@ def drawn(design: Design, samples: int, seed: int) -> dict[str, np.ndarray]:
     return {key: np.concatenate([one[key] for one in made]) for key in zones}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("design", [PIN, pytest.param(NONPIN, marks=pytest.mark.slow)], ids=["pin", "nonpin"])
 def test_small_tolerances_add_up_as_their_gradients(design: Design, monkeypatch) -> None:
     """Mean, standard deviation and shares of the backlash of what was drawn, by the slopes of the rigid play."""
@@ -123,6 +124,7 @@ def test_the_cam_alone_gives_the_closed_form(design: Design) -> None:
     assert figures.std == pytest.approx(turn * np.std(cam, ddof=1), rel=0.005)
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_bits_whatever_the_workers() -> None:
     design = override(PIN, ['tolerance.pin_position="normal 0.2"', 'tolerance.cam="uniform 0.3"'])
     cases = ((1, Engine(1)), (1, Engine(2, "threads")), (1, Engine(2)), (2, Engine(1)))
@@ -206,6 +208,7 @@ def test_ctrl_c_among_the_runs_of_the_worst_keeps_those_that_are_done(monkeypatc
     assert stopped.value.found.budget == tolerance(design, 8, 1).budget
 
 
+@pytest.mark.slow
 def test_the_worst_samples_are_designs_that_have_that_play() -> None:
     words = {
         "pin_position": "normal 0.1",
@@ -219,6 +222,7 @@ def test_the_worst_samples_are_designs_that_have_that_play() -> None:
         assert play(design) == pytest.approx(value, rel=5e-3)
 
 
+@pytest.mark.slow
 def test_errors_of_each_disc_are_drawn_and_budgeted() -> None:
     """Sizes and cams of two discs depart each by itself; the play is that of the rigid drive made so."""
     zones = {
@@ -261,6 +265,7 @@ def test_samples_without_a_balance_jam_and_the_others_keep_their_figures(monkeyp
     json.dumps(finite(found.as_json()), allow_nan=False)
 
 
+@pytest.mark.slow
 def test_dynamics_of_a_sample_stand_beside_its_statics() -> None:
     """Without friction a slow run is the statics, waves included; a load that nothing bears is told, and no error."""
     design = override(

@@ -88,6 +88,7 @@ def test_quiet_keeps_stderr_empty_and_warnings_in_the_json(tmp_path: Path, capsy
     assert [text for text in found["warnings"] if text.startswith(NO_EFFECT)]
 
 
+@pytest.mark.slow
 def test_compare_tells_of_every_run(tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("cycloid_mj.cli.compare._drawn", lambda comparison, motions, into: [])
     short = ["--ramp-s", "0", "--hold-s", "0.045", "--timestep-us", "5", "--out", str(tmp_path)]
@@ -100,6 +101,7 @@ def test_compare_tells_of_every_run(tmp_path: Path, capsys, monkeypatch: pytest.
     assert shown.count(NO_EFFECT) == 1
 
 
+@pytest.mark.slow
 def test_a_measure_tells_in_json_and_file(tmp_path: Path, capsys) -> None:
     words = ["measure", "loads", "--design", "nonpin", "--quick", "--no-log", "--out", str(tmp_path)]
     found, shown = command(capsys, *words, "--set", "stiffness.cam_n_m=1e12", "--set", "settings.timestep_us=10")

@@ -66,6 +66,7 @@ def compared(design: Design) -> tuple[Array, Array, Array, Array]:
     return seen, orders(turned), np.linalg.norm(run.forces(design.tooth_pair), axis=2), found.teeth
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pins", ["fixed", "massless"])
 def test_a_slow_run_finds_what_statics_finds(pins: str) -> None:
     """Order by order and tooth by tooth; statics is of first order in the waves, so that is what parts them."""

@@ -128,6 +128,7 @@ COMMANDS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", COMMANDS)
 def test_full_disk_leaves_the_files_of_before(name, log, tmp_path):
     argv = [word.replace("RUN", str(log)).replace("DIR", str(tmp_path)) for word in COMMANDS[name]]

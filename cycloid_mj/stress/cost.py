@@ -10,16 +10,16 @@ from dataclasses import dataclass
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.study import SUPPORTS, StudySettings
 
-BASE = 150e6
+BASE = 200e6
 """Memory of Python with its packages [B]."""
 
-PLANE, SPACE, SHAFT = (26e-6, 1.0), (4.3e-6, 1.25), (1.2e-5, 1.25)
+PLANE, SPACE, SHAFT = (36e-6, 1.0), (3.6e-6, 1.25), (8.8e-6, 1.25)
 """Time [s] of a grid of n unknowns, to mesh, factorise and recover, as a n^b: (a, b). The shaft has many unit loads."""
 
 PER_ANGLE = {2: 0.22e-6, 3: 0.25e-6}
 """Time [s] of one unknown at one crank angle."""
 
-MEMORY = {2: 2.9e3, 3: 8.5e3}
+MEMORY = {2: 2.9e3, 3: 7.0e3}
 """Memory [B] of one unknown of the largest grid."""
 
 KEPT = 600.0
@@ -39,12 +39,12 @@ class Cost:
 
 
 def cost(grid: Grid, settings: StudySettings) -> Cost:
-    """Estimate the cost of a part's study: its own grid, two more of its refinement study, and its other supports."""
+    """Estimate the cost of a part's study: its own grid, a finer one, and its other supports."""
     dimension, power = grid.dimension, GROWTH[grid.dimension]
-    coarser, finer = (grid.unknowns * step**power for step in settings.steps(grid))
+    finer = grid.unknowns * settings.finer(grid) ** power
     rate, order = SHAFT if grid.part == "shaft" else PLANE if dimension == 2 else SPACE
-    grids = [grid.unknowns, coarser, finer, *([grid.unknowns] if grid.part in SUPPORTS else [])]
-    solved = grid.unknowns * settings.angles + (coarser + finer) * settings.checked
+    grids = [grid.unknowns, finer, *([grid.unknowns] if grid.part in SUPPORTS else [])]
+    solved = grid.unknowns * settings.angles + finer * settings.checked
     seconds = rate * sum(unknowns**order for unknowns in grids) + PER_ANGLE[dimension] * solved
     return Cost(seconds, BASE + MEMORY[dimension] * finer, KEPT * grid.unknowns)
 

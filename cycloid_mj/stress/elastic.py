@@ -3,6 +3,7 @@
 Displacements are ordered node by node: unknown d i + a is the displacement of node i along axis a.
 """
 
+import ctypes
 import importlib
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -284,6 +285,7 @@ def _require_hold(grid: Grid, motions: Array, fixed: Integers, springs: Any) -> 
 
 def _factor(lower: Any, part: str) -> Callable[[Array], Array]:
     """Factorise a symmetric matrix of this lower triangle: by rslab where it is installed (far faster), or SuperLU."""
+    _trim()
     try:
         rslab = importlib.import_module("rslab")
     except (ImportError, OSError):
@@ -293,6 +295,13 @@ def _factor(lower: Any, part: str) -> Callable[[Array], Array]:
     except (RuntimeError, ValueError, MemoryError) as error:
         raise _not_factorised(part, error) from error
     return lambda loads: np.asarray(solver.solve_many(loads))
+
+
+def _trim() -> None:
+    """Give memory that is free back to the system, where the C library can: a factor needs it in one piece."""
+    trim = getattr(ctypes.CDLL(None), "malloc_trim", None)
+    if trim:
+        trim(0)
 
 
 def _superlu(lower: Any, part: str) -> Callable[[Array], Array]:

@@ -77,25 +77,25 @@ def _finite(value: float) -> float | None:
 
 @dataclass(frozen=True)
 class Refinement:
-    """Grids from coarse to fine: `unknowns` of each, and its bulk `stress` [Pa] (grids, a) at crank `angle` [rad] (a,).
+    """The grid of a study, and a finer one.
 
-    The grid of the study is the one before the last.
+    Their `unknowns`, and their bulk `stress` [Pa] (2, a) at crank `angle` [rad] (a,).
     """
 
-    unknowns: tuple[int, ...]
+    unknowns: tuple[int, int]
     angle: Array
     stress: Array
 
     @property
     def change(self) -> float:
-        """Change of the largest stress from the study's grid to the finest, relative; 0 without stress."""
-        largest = self.stress.max(axis=1)
-        return float(abs(largest[-2] / largest[-1] - 1.0)) if largest[-1] > 0.0 else 0.0
+        """Change of the largest stress from the study's grid to the finer one, relative; 0 without stress."""
+        own, finer = self.stress.max(axis=1)
+        return float(abs(own / finer - 1.0)) if finer > 0.0 else 0.0
 
     @property
     def scatter(self) -> float:
         """Change of the stress at each of these angles, rms, relative to the largest."""
-        rms, largest = float(np.sqrt(np.mean((self.stress[-2] - self.stress[-1]) ** 2))), float(self.stress[-1].max())
+        rms, largest = float(np.sqrt(np.mean((self.stress[0] - self.stress[1]) ** 2))), float(self.stress[1].max())
         return rms / largest if largest > 0.0 else 0.0
 
     @property

@@ -57,7 +57,7 @@ class StudySettings:
     refinement
         Of the grids; see `GridSettings`.
     step
-        How much finer, and how much coarser, the grids of the refinement study are.
+        How much finer the grid is that the part's own is held against.
     checked
         Crank angles of the refinement study, that of the maximum first; no divisor of the mesh periods in a turn, so
         that they fall on many phases of the mesh.
@@ -85,10 +85,9 @@ class StudySettings:
             solid=self.solid or part in ALWAYS_SOLID,
         )
 
-    def steps(self, grid: Grid) -> tuple[float, float]:
-        """Give how much coarser and finer the grids of a part's refinement study are, as factors."""
-        step = self.step if grid.section is None else min(self.step, SOLID_STEP)
-        return 1.0 / step, step
+    def finer(self, grid: Grid) -> float:
+        """Give how much finer the grid is that a part's own is held against."""
+        return self.step if grid.section is None else min(self.step, SOLID_STEP)
 
 
 QUICK = StudySettings(angles=36, refinement=0.5, checked=5)
@@ -253,20 +252,14 @@ def at_angles(loads: PartLoads, rows: npt.ArrayLike) -> PartLoads:
 
 
 def _refined(design: Design, grid: Grid, settings: StudySettings, loads: PartLoads, stress: PartStress) -> Refinement:
-    """Solve some crank angles on a coarser and on a finer grid."""
+    """Solve some crank angles on a finer grid."""
     rows = _checked_rows(stress.bulk_stress, settings.checked)
-    some = at_angles(loads, rows)
-    found = [
-        solve(
-            design, part_grid(design, grid.part, settings.grid(grid.part, factor)), some, distance=stress.bulk_distance
-        )
-        for factor in settings.steps(grid)
-    ]
-    coarse, fine = found
+    finer = part_grid(design, grid.part, settings.grid(grid.part, settings.finer(grid)))
+    found = solve(design, finer, at_angles(loads, rows), distance=stress.bulk_distance)
     return Refinement(
-        unknowns=(coarse.unknowns, stress.unknowns, fine.unknowns),
+        unknowns=(stress.unknowns, found.unknowns),
         angle=loads.angle[rows],
-        stress=np.stack([coarse.bulk_stress, stress.bulk_stress[rows], fine.bulk_stress]),
+        stress=np.stack([stress.bulk_stress[rows], found.bulk_stress]),
     )
 
 
