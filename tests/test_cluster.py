@@ -61,6 +61,7 @@ def test_tolerances_have_the_bits_of_local_ones(cluster: Cluster, monkeypatch: p
     assert here.budget == there.budget
 
 
+@pytest.mark.slow
 def test_workers_of_other_versions_are_refused(cluster: Cluster, monkeypatch: pytest.MonkeyPatch) -> None:
     """As if every worker had another numba."""
 
@@ -72,6 +73,7 @@ def test_workers_of_other_versions_are_refused(cluster: Cluster, monkeypatch: py
         Engine(scheduler=cluster.address).each(fail, [1])
 
 
+@pytest.mark.slow
 def test_an_error_on_a_cluster_ends_the_work(cluster: Cluster) -> None:
     with pytest.raises(DesignError, match="spoiled"):
         Engine(scheduler=cluster.address).each(fail, range(20))

@@ -135,6 +135,7 @@ def test_json_has_a_run_for_each_design_and_load(compared):
     assert found["sweep"] == []
 
 
+@pytest.mark.slow
 def test_every_run_has_the_same_settings_and_nothing_else_differs(compared):
     found, _ = compared
     designs = [design_of(run["findings"]["log"]) for run in found["runs"]]
@@ -145,6 +146,7 @@ def test_every_run_has_the_same_settings_and_nothing_else_differs(compared):
     assert found["conditions"]["settings.log_rate_hz"] == 20000.0
 
 
+@pytest.mark.slow
 def test_files_of_a_comparison(compared):
     found, folder = compared
     figures = [f"compare_{name}.png" for name in (*NAMES, "curvature")]
@@ -154,6 +156,7 @@ def test_files_of_a_comparison(compared):
     assert all((folder / name).read_bytes().startswith(b"\x89PNG") for name in figures)
 
 
+@pytest.mark.slow
 def test_logs_give_the_comparison_again(compared, tmp_path, undrawn):
     found, _ = compared
     logs = [run["findings"]["log"] for run in found["runs"]]
@@ -172,6 +175,7 @@ def test_logs_give_the_comparison_again(compared, tmp_path, undrawn):
     assert sorted(loaded[0], key=str) == sorted(loaded[1], key=str)
 
 
+@pytest.mark.slow
 def test_one_log_is_one_start_which_determines_nothing(compared, tmp_path, undrawn):
     found, _ = compared
     logs = [run["findings"]["log"] for run in found["runs"] if not run["load_nm"]]
@@ -181,6 +185,7 @@ def test_one_log_is_one_start_which_determines_nothing(compared, tmp_path, undra
     assert all("1 start of the 8" in each["sentence"] for each in one["rankings"])
 
 
+@pytest.mark.slow
 def test_a_quick_comparison_has_two_starts_and_says_that_they_do_not_determine(compared):
     found, _ = compared
     for run in found["runs"]:
@@ -196,6 +201,7 @@ def test_a_quick_comparison_has_two_starts_and_says_that_they_do_not_determine(c
     assert speed["values"][0] == found["runs"][0]["fluctuation"]["gear_speed_rad_s"]["rms"] != speed["values"][1]
 
 
+@pytest.mark.slow
 def test_table_and_words_go_to_stdout(compared, tmp_path, undrawn):
     found, _ = compared
     logs = [run["findings"]["log"] for run in found["runs"] if run["load_nm"]]
@@ -349,6 +355,7 @@ def interrupting(runs, return_when):
     raise KeyboardInterrupt
 
 
+@pytest.mark.slow
 def test_a_log_of_a_stopped_run_is_not_compared(compared, tmp_path):
     found, _ = compared
     whole = Path(found["runs"][0]["findings"]["log"])

@@ -181,6 +181,7 @@ def test_slices_and_rest_are_the_whole_gear() -> None:
     assert (sliced + rest) * NONPIN.gear.face_width == pytest.approx(volume, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_coacd_takes_every_slice_as_one_body_and_cuts_what_is_not() -> None:
     for surface in surfaces(PIN, SETTINGS):
         require_single(surface, SETTINGS.coacd)
@@ -265,6 +266,7 @@ def test_plain_coacd_fills_the_valleys() -> None:
     assert found.volume_error > 0.05
 
 
+@pytest.mark.slow
 def test_surfaces_follow_the_kind_of_ring() -> None:
     def names(design: Design) -> list[str]:
         return [surface.name for surface in surfaces(design, SETTINGS)]

@@ -42,6 +42,7 @@ def told(sheet: Datasheet) -> dict[str, Quantity]:
     return {one.key: one for group in sheet.groups.values() for one in group}
 
 
+@pytest.mark.slow
 def test_the_rated_torque_is_just_borne(sheet) -> None:
     """At that torque what decides it lasts as long as asked, and nothing but wear and stops is weaker."""
     torque = told(sheet)["rated_torque"].value
@@ -54,6 +55,7 @@ def test_the_rated_torque_is_just_borne(sheet) -> None:
     assert deciding.life == pytest.approx(6000.0, rel=0.01)
 
 
+@pytest.mark.slow
 def test_the_torque_of_the_bearings_goes_by_their_law(sheet) -> None:
     near = rate(PIN).items["shaft_bearing_near"]
     by_law = PIN.rated_torque * (near.life / 6000.0) ** 0.3

@@ -43,6 +43,7 @@ def test_the_source_archive_has_everything_and_nothing_that_was_made_of_it(built
     assert [name for name in files if any(word in name for word in made)] == []
 
 
+@pytest.mark.slow
 def test_the_wheel_has_every_file_of_its_packages(built: tuple[set[str], Path]) -> None:
     """Modules, templates, styles and scripts of the pages, the layout of the scene, the paper."""
     names = {name for name in zipfile.ZipFile(built[1]).namelist() if ".dist-info/" not in name}
@@ -88,6 +89,7 @@ print(bool(layout(PRESETS["pin"])["configById"]))
 """
 
 
+@pytest.mark.slow
 def test_the_installed_wheel_finds_its_assets_and_its_papers(installed: Path) -> None:
     places, found, templates, layout = told(installed, sys.executable, "-c", LOOK).splitlines()
     assert all(place.startswith(str(installed)) for place in places.split())

@@ -152,6 +152,7 @@ def test_the_tutorial_leads_from_a_requirement_to_parts_and_a_joint_in_under_ten
     assert all((tutored / name).stat().st_size > 0 for name in made)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not (CHROMIUM and DRIVER), reason=MISSING)
 def test_pages_that_commands_write_fit_a_phone(tutored: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tutored)
@@ -241,6 +242,7 @@ def test_the_python_of_a_model_runs(page: str, monkeypatch: pytest.MonkeyPatch) 
             exec(compile(block, page, "exec"), {})
 
 
+@pytest.mark.slow
 def test_the_python_of_the_joint_runs(tutored: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tutored)
     spec = mujoco.MjSpec()

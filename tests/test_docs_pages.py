@@ -72,6 +72,7 @@ def test_pages_load_nothing_from_outside(site: dict[Path, _Links]) -> None:
         assert not re.search(r"@import|url\([\"']?https?:", text), page.name
 
 
+@pytest.mark.slow
 def test_links_between_pages_lead_somewhere(site: dict[Path, _Links]) -> None:
     for page, found in site.items():
         for link in [link for link in found.links if not re.match(r"[a-z]+:", link)]:
@@ -82,6 +83,7 @@ def test_links_between_pages_lead_somewhere(site: dict[Path, _Links]) -> None:
                 assert unquote(anchor) in site[target].anchors, f"{page.name}: {link}"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not (CHROMIUM and DRIVER), reason=MISSING)
 def test_pages_fit_a_phone_and_follow_its_theme(site: dict[Path, _Links], tmp_path: Path) -> None:
     seen = {page.stem: page for page in site if page.stem in KINDS and page.parent.name != "_modules"}
@@ -111,6 +113,7 @@ def require_figure(site: dict[Path, _Links], example: str) -> None:
     assert any("sphx_glr" in place for place in site[page].loads)
 
 
+@pytest.mark.slow
 def test_an_example_drew_its_figure_and_all_have_a_page(site: dict[Path, _Links]) -> None:
     require_figure(site, EXAMPLE)
     names = {page.stem for page in site}
@@ -131,6 +134,7 @@ def test_every_example_draws_its_figure_and_every_page_fits_a_phone(tmp_path: Pa
             require_fit(driver, page)
 
 
+@pytest.mark.slow
 def test_the_design_file_and_every_command_are_explained(site: dict[Path, _Links]) -> None:
     from cycloid_mj.design import Design
     from cycloid_mj.design.units import file_key, section_of

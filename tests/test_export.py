@@ -355,6 +355,7 @@ except Stopped as stop:
 """
 
 
+@pytest.mark.slow
 def test_sigterm_is_heard_after_step_was_made() -> None:
     """Gmsh resets what it does: a page that has given STEP files, or a log beside a stress study, would end at once."""
     pytest.importorskip("gmsh")

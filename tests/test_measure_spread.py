@@ -47,6 +47,7 @@ def test_every_assumed_input_is_varied_alone_about_the_design(measured, moved):
     assert moved["contact damping"]["value_high"] == pytest.approx(own, abs=2e-3)
 
 
+@pytest.mark.slow
 def test_the_spread_is_far_wider_than_the_numerical_error(measured, moved):
     found = measured.details["spread"]
     error = 1e-2 * measured.quantities["efficiency"].error
@@ -58,6 +59,7 @@ def test_the_spread_is_far_wider_than_the_numerical_error(measured, moved):
     assert "by its assumed inputs, one at a time" in measured.quantities["efficiency"].note
 
 
+@pytest.mark.slow
 def test_an_end_is_what_a_run_of_that_design_gives(moved):
     by_hand = override(steady_design(NONPIN), ["load.torque_nm=36.68", "friction.cam_rolling=0.003"])
     found = powers(steady(by_hand, SETTLED, spread.PERIODS)).efficiency
@@ -80,6 +82,7 @@ def test_what_slides_is_varied_as_what_slides():
     assert spread.plain_roller(NONPIN) == pytest.approx(0.05 * 0.75)
 
 
+@pytest.mark.slow
 def test_the_build_up_ends_at_the_efficiency(measured):
     found = measured.details["build_up"]
     assert set(found["losses"]) == {"teeth", "cam", "output", "seals", build_up.DAMPING}

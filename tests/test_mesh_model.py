@@ -251,6 +251,7 @@ def test_a_scene_loads_quickly_and_has_what_a_user_needs(loaded: dict[str, Any],
     assert model.opt.ccd_iterations >= 50
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_file_is_the_model_digit_for_digit(loaded: dict[str, Any], reducers: dict[str, Any], kind: str) -> None:
     """Shortest numbers read back as the doubles they were: each contact parameter of the folder is the spec's."""

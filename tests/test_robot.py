@@ -84,6 +84,7 @@ def test_the_joint_is_as_the_full_model(told: dict) -> None:
     assert all(abs(row["value"] - row["reference"]) <= row["bound"] for row in rows.values())
 
 
+@pytest.mark.slow
 def test_the_numbers_are_those_of_the_full_model(told: dict) -> None:
     design = PRESETS[told["design"]]
     found = sheet(design).quantities
@@ -109,6 +110,7 @@ def test_the_numbers_are_those_of_the_full_model(told: dict) -> None:
     assert a * x + b * x**2 + c * x**3 == pytest.approx(design.rated_torque, rel=0.03)
 
 
+@pytest.mark.slow
 def test_dynamic_runs_find_the_same(told: dict) -> None:
     """The figures of the dynamic full model, as ``tests/data/measured.json`` keeps them with their errors."""
     found = json.loads((Path(__file__).parent / "data" / "measured.json").read_text())[told["design"]]
@@ -163,6 +165,7 @@ def test_the_scene_is_stable_up_to_five_milliseconds(told: dict) -> None:
     assert by["backlash", "implicitfast"] == 0.0  # the bare output vibrates faster than any step of the study
 
 
+@pytest.mark.slow
 def test_the_scene_opens_by_mujoco_alone(files: Path) -> None:
     """In a process where cycloid_mj cannot be imported; what the joint does there is the play of its JSON file."""
     code = """
@@ -195,6 +198,7 @@ print(json.dumps({"turn": turned[0] - turned[1], "version": mujoco.__version__})
     assert json.loads(run.stdout)["turn"] == pytest.approx(expected, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_a_reducer_comes_back_from_its_file(files: Path) -> None:
     reducer = Reducer.read(files / "reducer.json")
     again = Reducer.from_json(json.loads(json.dumps(reducer.as_json())))
@@ -203,6 +207,7 @@ def test_a_reducer_comes_back_from_its_file(files: Path) -> None:
     assert (files / "joint.xml").read_text() == joint_xml(again)
 
 
+@pytest.mark.slow
 def test_bam_holds_the_friction(files: Path) -> None:
     """M5 by BAM's own formula is the reducer's friction both ways; M3 cannot tell who drives."""
     reducer, found = Reducer.read(files / "reducer.json"), json.loads((files / "bam.json").read_text())
@@ -220,6 +225,7 @@ def test_bam_holds_the_friction(files: Path) -> None:
     assert found["largest_error_nm"]["m5"] <= found["largest_error_nm"]["m3"]
 
 
+@pytest.mark.slow
 def test_the_page_is_whole(files: Path) -> None:
     page = (files / "reducer.html").read_text()
     assert "http" not in page.replace("http://www.w3.org/2000/svg", "")

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from designs import UNLIKE, unlike
+from designs import UNLIKE, cases, unlike
 
 from cycloid_mj.checks import Check, check, require_sound, soundness
 from cycloid_mj.design import PRESETS, Design, override
@@ -43,7 +43,7 @@ def changes_of(remedy: str) -> list[str]:
     return [f"{key}={number}" for key, number in re.findall(r"(?:raise|lower) (\S+) to ([\d.]+) or", remedy)]
 
 
-@pytest.mark.parametrize(("changes", "name"), FAILING, ids=[f"{name}-{at}" for at, (_, name) in enumerate(FAILING)])
+@pytest.mark.parametrize(("changes", "name"), cases(FAILING, *FAILING[2::4]))
 def test_a_design_fails_its_check_and_each_remedy_mends_it(changes, name):
     design = override(PIN, changes)
     assert not [str(item) for item in soundness(design) if not item.passed and item.severity == "error"]

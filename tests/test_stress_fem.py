@@ -386,6 +386,7 @@ def test_planar_solution_is_linear_in_its_loads() -> None:
     np.testing.assert_allclose(moved[:, 0] + moved[:, 1], moved[:, 2], rtol=0, atol=1e-11 * np.abs(moved).max())
 
 
+@pytest.mark.slow
 def test_both_solvers_agree(monkeypatch: pytest.MonkeyPatch) -> None:
     grid = part_grid(PIN, "ring", COARSE)
     place = grid.points[grid.loops[0][:1, 0]][np.newaxis]

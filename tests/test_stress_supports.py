@@ -123,6 +123,7 @@ def test_the_shaft_bends_as_a_timoshenko_beam_on_one_sided_bearings(design: Desi
         assert expected == pytest.approx(36.2e6, rel=0.01)  # an independent beam gave 36.2 MPa
 
 
+@pytest.mark.slow
 @needs_fem
 def test_the_shoulders_have_the_moment_of_statics() -> None:
     """Before the counterweight the cam's force bends with its whole arm, and the crank's torque twists."""

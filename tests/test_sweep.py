@@ -421,6 +421,7 @@ def test_a_folder_that_cannot_be_is_told(tmp_path: Path, capsys: pytest.CaptureF
         assert "choose another" in (told := capsys.readouterr().err) or "it is a file" in told
 
 
+@pytest.mark.slow
 def test_every_point_failed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert (
         main(["sweep", "--design", "pin", "--vary", "gear.eccentricity_mm=5,6", "--out", str(tmp_path), "--quiet"]) == 1

@@ -352,6 +352,7 @@ def test_random_damage_to_a_log_with_a_scene_never_gives_wrong_numbers(small, tm
     assert 10 < errors < 60
 
 
+@pytest.mark.slow
 def test_killed_at_a_random_moment_twenty_times(tmp_path):
     """The program that writes is killed with no warning; each log opens up to its last whole chunk."""
     program = f"""

@@ -111,6 +111,7 @@ def test_a_measure_tells_in_json_and_file(tmp_path: Path, capsys) -> None:
     assert json.loads(next(tmp_path.glob("*.json")).read_text())["warnings"] == found["warnings"]
 
 
+@pytest.mark.slow
 def test_validate_tells_of_its_processes(monkeypatch, capsys) -> None:
     found, shown = command(capsys, "validate", "--quick", "--only", "friction", "two-body")
     assert found["warnings"] == []

@@ -87,6 +87,7 @@ def test_two_discs_have_the_waves_each_at_its_place() -> None:
     assert np.abs(forces - expected).max() < 0.02 * expected.max()
 
 
+@pytest.mark.slow
 def test_the_normal_is_the_gradient_of_the_gap() -> None:
     """By differences, on either side of the trochoid and as far from it as half of the valley's radius of curvature."""
     rng, away, step = np.random.default_rng(2), 9e-6, 1e-9
