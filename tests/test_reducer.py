@@ -59,7 +59,6 @@ def test_names_are_unique_and_mates_are_surfaces(name: str) -> None:
     assert set(made.carriers.values()) <= {body.name for body in made.bodies}
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["pin", "nonpin"])
 def test_more_discs_are_more_bodies_and_more_pairs(kind: str) -> None:
     """Their teeth, holes and cams are where the ring, the output and the crank have room for them."""
