@@ -7,12 +7,10 @@ import sys
 from collections.abc import Sequence
 from io import StringIO
 
+from cycloid_mj.circles import look_rarely
 from cycloid_mj.interrupt import cause, end_on_signals, raise_on_signals
 
 FAILURE = 1
-
-_RARELY = 100_000, 20, 100
-"""Objects made until Python looks for circles of them, and how much more rarely it looks among older ones."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -28,7 +26,8 @@ def run() -> None:
     sys.stdout = sys.stdout or StringIO()
     sys.stderr = sys.stderr or StringIO()
     code = FAILURE
-    _collect_rarely()
+    look_rarely()
+    atexit.register(_leave_circles)
     try:
         raise_on_signals()
         code = main()
@@ -43,17 +42,7 @@ def run() -> None:
     sys.exit(code)
 
 
-def _collect_rarely() -> None:
-    """Have Python look for circles of objects rarely, and not at its end.
-
-    Modules and classes are a hundred thousand objects that stay: to look among them, while they are loaded and once
-    more before all memory is given back, takes a quarter of a short command.
-    """
-    gc.set_threshold(*_RARELY)
-    atexit.register(_leave_circles)
-
-
 def _leave_circles() -> None:
-    """Take all objects from the last search, but where duckdb, whose nanobind would tell of each as a leak, is one."""
+    """Take all objects from the last search, but where duckdb is one, whose nanobind tells of what is left as leaks."""
     if "duckdb" not in sys.modules:
         gc.freeze()

@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any, TypeVar
 
+from cycloid_mj.circles import look_rarely
 from cycloid_mj.engine.parent import serve_parent
 from cycloid_mj.engine.results import handed_on
 from cycloid_mj.errors import RunError
@@ -50,9 +51,14 @@ def _parallel(work: Callable[[T], R], items: dict[int, T], workers: int, begun: 
             begun.add(place)
             yield delayed(_piece)(work, place, item)
 
-    with parallel_config("loky", inner_max_num_threads=1, initializer=serve_parent):
+    with parallel_config("loky", inner_max_num_threads=1, initializer=_begin):
         pool = Parallel(max(2, workers), batch_size=1, return_as="generator_unordered")
     yield from handed_on(pool(pieces()))
+
+
+def _begin() -> None:
+    serve_parent()
+    look_rarely()
 
 
 def _piece(work: Callable[[T], R], place: int, item: T) -> tuple[int, R]:
