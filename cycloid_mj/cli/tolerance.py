@@ -128,7 +128,7 @@ def _files(found: "Tolerances", into: Path) -> dict[Path, bytes]:
         "yield": f"{found.good.mean():.2%}",
         "95 % confidence": f"{low:.2%} to {high:.2%}",
         "jam": f"{found.jams.mean():.2%}",
-        "samples": found.told_samples.removesuffix(" samples"),
+        "samples": found.told_count,
         **({"tighten first": found.budget[0].source} if found.budget else {}),
     }
     parts = [

@@ -118,9 +118,14 @@ class Tolerances(Tabular):
         )
 
     @property
+    def told_count(self) -> str:
+        """How many samples there are, and of how many, if not all."""
+        return f"{self.samples}" if self.samples == self.asked else f"{self.samples} of {self.asked}"
+
+    @property
     def told_samples(self) -> str:
-        """How many samples there are, in words."""
-        return f"{self.samples} samples" if self.samples == self.asked else f"{self.samples} of {self.asked} samples"
+        """The same, in words."""
+        return f"{self.told_count} samples"
 
     @property
     def notes(self) -> tuple[str, ...]:
