@@ -36,7 +36,7 @@ class Bounds:
     efficiency: float
 
 
-CHATTERING = Bounds(5.0, 2.3, 1.3e-3, 4.0, 1.9, 0.05, 2.4, 1.5e-3, 5.1e-3)
+CHATTERING = Bounds(5.0, 2.3, 4.1e-3, 4.0, 1.9, 0.05, 2.4, 1.5e-3, 5.1e-3)
 REPEATING = Bounds(1e-5, 1e-6, 1e-9, 0.4, 1.1, 0.01, 0.22, 1e-4, 3e-5)
 
 BINS = 16
