@@ -1,6 +1,6 @@
 """The pages of the documentation: they build without a warning, load nothing from outside, and fit any screen.
 
-By default one example of the gallery is drawn, the others are listed; `-m slow` draws them all.
+All are slow, since the pages are built for them; one example of the gallery is drawn for most, all for one.
 """
 
 import re

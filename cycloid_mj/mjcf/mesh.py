@@ -106,7 +106,8 @@ def mesh_spec(design: Design, settings: ConvexSettings) -> MeshSpec:
             'choose ring.pins = "free" or "fixed", or the contact profile'
         )
     masses = moving_masses(design)
-    reducer, spec = mechanism(design), empty_spec(design)
+    laws = laws_of_discs(design)
+    reducer, spec = mechanism(design), empty_spec(design, laws)
     spec.nuser_geom = 0
     for item in (*spec.lights, *spec.cameras):
         spec.delete(item)
@@ -115,7 +116,6 @@ def mesh_spec(design: Design, settings: ConvexSettings) -> MeshSpec:
     _options(spec)
     _add_visuals(spec, reducer)
     weights = _inverse_weights(spec)
-    laws = laws_of_discs(design)
     working = surfaces(design, settings)
     collision = spec.add_default(COLLISION, spec.default)
     collision.geom.group, collision.geom.contype, collision.geom.conaffinity = 3, 0, 0
@@ -235,7 +235,7 @@ def _add_slices(
     for number, part in enumerate(surface.slices):
         name = f"{surface.name}_{number + 1}"
         factor = curve.factor(part.curvature) if kind == design.tooth_pair else 1.0
-        parameters = solver_parameters(slice_law(law, factor, part, force), weight)
+        parameters = solver_parameters(slice_law(law, factor, part, force), weight, spec.option.impratio)
         default = _sub_default(spec, names.of_disc(name, disc, own))
         default.geom.type, default.geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, f"{surface.key}_{number + 1}"
         if rubs:

@@ -12,7 +12,7 @@ import mujoco
 
 from cycloid_mj import names
 from cycloid_mj.contact import each_step
-from cycloid_mj.contact.law import IMPRATIO, ContactLaw, impratio, solver_parameters
+from cycloid_mj.contact.law import ContactLaw, impratio, solver_parameters
 from cycloid_mj.contact.library import exact_xml
 from cycloid_mj.contact.regime import warnings
 from cycloid_mj.contact.teeth import USER_DATA
@@ -81,7 +81,8 @@ def build(design: Design, held: Held = "crank") -> ReducerModel:
         MuJoCo cannot represent a contact's stiffness at this time step.
     """
     masses = moving_masses(design)
-    reducer, spec = mechanism(design), empty_spec(design)
+    laws = laws_of_discs(design)
+    reducer, spec = mechanism(design), empty_spec(design, laws)
     for name, solid in parts(design, VISUAL_CHORD_ERROR).items():
         shape = mesh(solid)
         spec.add_mesh(
@@ -97,10 +98,8 @@ def build(design: Design, held: Held = "crank") -> ReducerModel:
     gains = add_actuators(spec, inertias[held], held)
     add_sensors(spec, design)
     each_step.add_sensor(spec)
-    laws = laws_of_discs(design)
     if design.ring.has_pin_bodies:
         set_solver(spec, stiffest(laws), loaded=design.load.torque != 0.0)
-    spec.option.impratio = impratio(design, laws)
     model = _add_pairs(spec, reducer.pairs, laws)
     return judged(ReducerModel(spec, model, reducer.pairs, stiffest(laws), gains, crank), design)
 
@@ -117,8 +116,11 @@ def xml(spec: Any) -> str:
         return str(spec.to_xml())
 
 
-def empty_spec(design: Design) -> Any:
-    """Give an editable model with the options of every model of a design, and nothing in it but light and camera."""
+def empty_spec(design: Design, laws: Sequence[Laws]) -> Any:
+    """Give an editable model with the options of every model of a design, and nothing in it but light and camera.
+
+    Of the options, ``impratio`` follows from the contact laws of each disc.
+    """
     spec = mujoco.MjSpec()
     spec.modelname = f"cycloid_{design.name}"
     spec.nuser_geom = USER_DATA + deviations(design).waves_in_use.size
@@ -128,7 +130,7 @@ def empty_spec(design: Design) -> Any:
     option.integrator = mujoco.mjtIntegrator.mjINT_EULER
     option.solver = mujoco.mjtSolver.mjSOL_NEWTON
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
-    option.impratio = IMPRATIO
+    option.impratio = impratio(design, laws)
     option.iterations = 100
     option.tolerance = 1e-10
     # Mostly one island holds everything in contact: looking for more costs time. `set_solver` knows where not.

@@ -5,6 +5,7 @@ Displacements are ordered node by node: unknown d i + a is the displacement of n
 
 import ctypes
 import importlib
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -299,7 +300,7 @@ def _factor(lower: Any, part: str) -> Callable[[Array], Array]:
 
 def _trim() -> None:
     """Give memory that is free back to the system, where the C library can: a factor needs it in one piece."""
-    trim = getattr(ctypes.CDLL(None), "malloc_trim", None)
+    trim = getattr(ctypes.CDLL(None), "malloc_trim", None) if sys.platform != "win32" else None
     if trim:
         trim(0)
 

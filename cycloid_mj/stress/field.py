@@ -144,6 +144,10 @@ class Loaded:
     case: Case
     apart: Distances
 
+    def components(self, moved: Array) -> Array:
+        """Give the stress components at the nodes under displacements (n d, c) [m], as of ``recover.stresses``."""
+        return stresses(self.operators, moved, self.material)
+
 
 def loaded(design: Design, grid: Grid, loads: PartLoads) -> Loaded:
     """Factorise a part under its loads; raises as ``solve``."""
@@ -157,14 +161,7 @@ def loaded(design: Design, grid: Grid, loads: PartLoads) -> Loaded:
 def maxima(part: Loaded, distance: float | None = None) -> PartStress:
     """Give the maxima of stress at each crank angle; see ``solve``."""
     answers = _answers(part.case, len(part.loads.angle))
-    return _maxima(
-        part.grid,
-        part.loads,
-        part.apart,
-        distance,
-        answers,
-        lambda moved: stresses(part.operators, moved, part.material),
-    )
+    return _maxima(part.grid, part.loads, part.apart, distance, answers, part.components)
 
 
 def _answers(case: Case, angles: int) -> Iterator[Response]:
@@ -227,7 +224,7 @@ def mapped(part: Loaded, index: int, distance: float | None = None) -> StressMap
     """Give the fields at the crank angle of an index; see ``stress_map``."""
     grid = part.grid
     moved = part.case.response(np.array([index])).moved
-    stress = stresses(part.operators, moved, part.material)[..., 0]
+    stress = part.components(moved)[..., 0]
     apart = part.apart.at(index, np.arange(len(grid.points)))
     return StressMap(
         part=grid.part,

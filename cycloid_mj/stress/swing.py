@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.stress.field import Loaded
-from cycloid_mj.stress.recover import stresses, von_mises
+from cycloid_mj.stress.recover import von_mises
 from cycloid_mj.types import Array, Integers
 from cycloid_mj.units import MEGAPASCAL, MILLIMETRE
 
@@ -61,7 +61,7 @@ def swing(part: Loaded, distance: float) -> Swing:
 
 def _states(part: Loaded, block: Integers, distance: float) -> Array:
     """Give the stress components at angles (c, components, n) [Pa]; not a number near narrow patches."""
-    found = stresses(part.operators, part.case.response(block).moved, part.material)
+    found = part.components(part.case.response(block).moved)
     nodes = np.arange(found.shape[1])
     near = np.stack([part.apart.at(int(angle), nodes) < distance for angle in block])
     return np.where(near[:, np.newaxis], np.nan, np.moveaxis(found, -1, 0)).astype(np.float32)
