@@ -89,7 +89,10 @@ class ConjugatePoint(NamedTuple):
 
 def unit(angle: npt.ArrayLike) -> Array:
     """Return the unit vectors u(b) = (sin b, cos b), shape (..., 2), of angles clockwise from +y [rad]."""
-    return np.stack([np.sin(angle), np.cos(angle)], axis=-1)
+    angle = np.asarray(angle, float)
+    vectors = np.empty((*angle.shape, 2))  # np.stack takes three times as long for a few
+    vectors[..., 0], vectors[..., 1] = np.sin(angle), np.cos(angle)
+    return vectors
 
 
 def pin_angles(gear: CycloidGear) -> Array:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -27,6 +28,12 @@ def area_moments(polygon: Array) -> AreaMoments:
     Green's theorem turns each integral over the region into a sum over the edges, which is exact in any order. A
     clockwise polygon has negative moments.
     """
+    return _moments(polygon.tobytes())
+
+
+@lru_cache(maxsize=256)  # designs that differ in a tolerance or a load share most of their outlines
+def _moments(vertices: bytes) -> AreaMoments:
+    polygon = np.frombuffer(vertices).reshape(-1, 2)
     x, y = polygon.T
     u, v = np.roll(polygon, -1, axis=0).T
     cross = x * v - u * y

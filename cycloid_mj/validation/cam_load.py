@@ -34,7 +34,7 @@ SETTLED = 0.008
 
 def rows(quick: bool) -> list[Row]:
     """Give the rows of this rung."""
-    return [_slow_row(quick), *_fast_rows(quick), *_rated_rows(quick)]
+    return [_slow_row(quick), *_fast_rows(quick), *_rated_rows()]
 
 
 def _slow_row(quick: bool) -> Row:
@@ -66,8 +66,8 @@ def _fast_rows(quick: bool) -> list[Row]:
     ]
 
 
-def _rated_rows(quick: bool) -> list[Row]:
-    run, design = rig.rated_run(FREE, 1640.0, 12 if quick else 36)
+def _rated_rows() -> list[Row]:
+    run, design = rig.rated_run(FREE, 1640.0, 12)
     crank, cam = run["crank_angle"], run.forces("cam")[:, 0]
     body = body_force(design, crank, run["crank_speed"])
     balance = -run.forces(design.tooth_pair).sum(axis=1) - run.forces("output").sum(axis=1) - body

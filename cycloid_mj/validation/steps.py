@@ -88,7 +88,7 @@ def massless_rows(real: Figures | RunError, quick: bool) -> list[Row]:
         raise real
     changes = 'ring.pins="massless"'
     step = 1e6 * timestep(rated_design(FREE, changes))
-    found = _run(FREE, _periods(quick), changes)
+    found = _run(FREE, _periods(FREE, quick), changes)
     return _held(_compared(FREE, f"massless, {step:g} us", found, real, "real pins", WITHOUT_INERTIA))
 
 
@@ -137,7 +137,7 @@ def observed_order(steps: tuple[float, float, float], values: tuple[float, float
 def _figures(kind: str, step: float, quick: bool) -> Figures | RunError:
     """Run one step [us]; give the error of a run that fails."""
     try:
-        return _run(kind, _periods(quick), f"settings.timestep_us={step!r}")
+        return _run(kind, _periods(kind, quick), f"settings.timestep_us={step!r}")
     except RunError as error:
         return error
 
@@ -156,9 +156,9 @@ def _run(kind: str, periods: int, *changes: str) -> Figures:
     )
 
 
-def _periods(quick: bool) -> int:
-    """Give the mesh periods of a run: a third of a crank turn, or a whole one."""
-    return 12 if quick else PERIODS
+def _periods(kind: str, quick: bool) -> int:
+    """Give the mesh periods of a run: a third of a crank turn, or a whole one; sleeves are held like the free pins."""
+    return 12 if quick or kind == SLEEVED else PERIODS
 
 
 def _is_moving(kind: str) -> bool:
