@@ -260,5 +260,6 @@ def _made(design: Design, springs: Springs, samples: Samples, orders: Integers) 
         room=springs.contacts.room + np.concatenate([on_discs, output], axis=1),
         place=np.concatenate([np.tile(samples.pin_place, (1, discs, 1)), holes], axis=1),
         waves=np.concatenate([samples.waves[:, orders - 1, 0], samples.waves[:, orders - 1, 1]], axis=1),
-        **{name: np.ascontiguousarray(getattr(samples, name)) for name in Made._fields[3:]},
+        # copies: of arrays that may not be written numba makes another type, and compiles all once more
+        **{name: np.array(getattr(samples, name)) for name in Made._fields[3:]},
     )

@@ -72,6 +72,10 @@ _ROUNDING = 1e-12
 """By how much energy [1] may seem to grow: next to the balance it is flat, and its differences are rounding."""
 
 
+_YES, _NO, _FIRST = np.bool_(True), np.bool_(False), np.int64(0)
+"""Arguments: for a literal, Python's own, numba would compile what is called once more."""
+
+
 class Springs(NamedTuple):
     """Springs at k crank angles, n at each, on the unknowns of D discs and an output, u = 3 D + 1.
 
@@ -252,6 +256,10 @@ class _Work(NamedTuple):
     assembled: Integers
 
 
+_LED, _GIVEN, _EXACT = range(3)
+"""Searches for the balance at an angle, one after the other: led by those before, from where it is given, exactly."""
+
+
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool) -> Left:
     """Solve for the departures z (k, u) [m] at every crank angle under a load (k, u) [N], and the springs' forces.
@@ -276,38 +284,34 @@ def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool)
         np.zeros(springs.disc.size + springs.cam_place.shape[1], np.bool_),
         np.zeros(1, np.int64),
     )
-    # not the literal: numba would compile `_lead` for it, too
-    start, worst, unsettled, near = np.zeros(number), 0.0, 0.0, count == 0
+    start, worst, unsettled, near = np.zeros(number), 0.0, 0.0, False
     for k in range(count):
-        here = z[k]
+        here, first, left = z[k], _LED if follow and k else _GIVEN, Left(math.inf, 0.0, 0)
         _copy(here, start)
-        if follow and k:
-            _lead(springs, k, load[k], z, force, near, work)
-        else:
-            work.drag[:] = 0.0
-        begun = work.assembled[0]
-        left = _search(springs, k, load[k], here, force, work)
-        near = work.assembled[0] - begun <= (_SHORT_AGAIN if near else _SHORT)
-        if follow and k and not _is_found(left):
-            _copy(start, here)
-            work.drag[:] = 0.0
-            left = _search(springs, k, load[k], here, force, work)
-        if not (springs.exact or _is_found(left)):
-            _copy(start, here)
-            work.drag[:] = 0.0
-            left = _search(_exact(springs), k, load[k], here, force, work)
+        for attempt in range(first, _GIVEN + 1 if springs.exact else _EXACT + 1):
+            if attempt == _LED:
+                _lead(springs, k, load[k], z, force, near, work)
+            else:
+                _copy(start, here)
+                _clear(work.drag)
+            begun = work.assembled[0]
+            left = _search(_exact(springs) if attempt == _EXACT else springs, k, load[k], here, force, work)
+            if attempt == first:
+                near = work.assembled[0] - begun <= (_SHORT_AGAIN if near else _SHORT)
+            if _is_found(left):
+                break
         worst, unsettled = max(worst, left.force), max(unsettled, left.friction)
         if not _is_found(left):
             break
     return Left(worst, unsettled, work.assembled[0])
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy", inline="always")
 def _is_found(left: Left) -> bool:
     return left.force <= BALANCED and left.friction <= BALANCED
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy", inline="always")
 def _lead(springs: Springs, k: int, load: Array, z: Array, force: Array, near: bool, work: _Work) -> None:
     """Put the departures at an angle where those before lead.
 
@@ -331,10 +335,11 @@ def _lead(springs: Springs, k: int, load: Array, z: Array, force: Array, near: b
     if short and _largest(step) < _NEAR / _largest(springs.bend[k]):
         for j in range(here.size):
             here[j] += step[j]
-    work.kept[:] = False
+    for i in range(work.kept.size):
+        work.kept[i] = False
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy", inline="always")
 def _search(springs: Springs, k: int, load: Array, here: Array, force: Array, work: _Work) -> Left:
     """Solve for the departures `here` (u,) [m] at one angle under a load (u,) [N], from where they are; see `balance`.
 
@@ -398,18 +403,25 @@ def _copy(values: Array, to: Array) -> None:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _clear(values: Array) -> None:
+    for j in range(values.size):
+        values[j] = 0.0
+
+
+@njit(nogil=True, error_model="numpy", inline="always")
 def _exact(springs: Springs) -> Springs:
     """Give springs whose widths have no step."""
     return Springs(True, *springs[1:])
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy", inline="always")
 def balance_along(springs: Springs, load: Array, z: Array, force: Array) -> Left:
     """Balance crank angles that follow each other closely: `balance`, with every disc where its cam is at first."""
-    z[:] = 0.0
-    for disc in range(springs.cam_place.shape[1]):
-        z[:, 3 * disc : 3 * disc + 2] = springs.cam_place[:, disc]
-    return balance(springs, load, z, force, True)
+    for k in range(len(z)):
+        _clear(z[k])
+        for disc in range(springs.cam_place.shape[1]):
+            z[k, 3 * disc], z[k, 3 * disc + 1] = springs.cam_place[k, disc, 0], springs.cam_place[k, disc, 1]
+    return balance(springs, load, z, force, _YES)
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
@@ -472,13 +484,14 @@ def balance_samples(
 def _sum_up(springs: Springs, z: Array, force: Array, out: Array) -> None:
     """Give the figures of one sample, but the last."""
     count, discs = len(z), springs.cam_place.shape[1]
-    turned = np.zeros((2, count))
-    for disc in range(discs):
-        turned[0] += z[:, 3 * disc + 2] / discs
-    turned[1] = z[:, 3 * discs]
     for part in range(2):
-        mean, width = turned[part].mean() / springs.radius, np.ptp(turned[part]) / springs.radius
-        out[2 * part], out[2 * part + 1] = mean, width
+        total, least, most = 0.0, math.inf, -math.inf
+        for k in range(count):
+            turned = z[k, 3 * discs] if part else 0.0
+            for disc in range(0 if part else discs):
+                turned += z[k, 3 * disc + 2] / discs
+            total, least, most = total + turned, min(least, turned), max(most, turned)
+        out[2 * part], out[2 * part + 1] = total / count / springs.radius, (most - least) / springs.radius
     tooth = pin = cam = 0.0
     for k in range(count):
         for i in range(force.shape[1]):
@@ -523,7 +536,7 @@ def state(springs: Springs, k: int, load: Array, z: Array) -> State:
     return State(energy, system.residual, system.tangent)
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy", inline="always")
 def _system(springs: Springs) -> _System:
     number = springs.slope.shape[2]
     return _System(np.zeros(number), np.zeros((number, number)), np.zeros(springs.disc.size))
@@ -533,7 +546,7 @@ def _system(springs: Springs) -> _System:
 # them where a loop calls what is not inlined: what `_assemble` calls at every contact is.
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy", inline="always")
 def _pose(springs: Springs, disc: int, z: Array) -> _Pose:
     """Give where a disc and the output are at departures z [m], shape (u,)."""
     x, radius = 3 * disc, springs.radius
@@ -541,7 +554,7 @@ def _pose(springs: Springs, disc: int, z: Array) -> _Pose:
     return _Pose(z[x], z[x + 1], turned, output, turned / radius, output / radius)
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy", inline="always")
 def _apart(springs: Springs, k: int, i: int, pose: _Pose) -> _Apart:
     """Give how far two curves are apart.
 
@@ -620,7 +633,7 @@ def _rounded(
     return width, along * share, across * share + 0.5 * twist * p * p, bend * share + twist * p
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy", inline="always")
 def _is_gentle(trochoid: tuple[float, float, float], bend: float, twist: float, p: float) -> bool:
     """Tell whether the trochoid is known well enough by its curvature and the rate of that, so far along [m]."""
     sharpest = _sharpest(trochoid)
@@ -629,7 +642,7 @@ def _is_gentle(trochoid: tuple[float, float, float], bend: float, twist: float, 
     return abs(twist) <= _VALLEY * sharpest * sharpest and bend >= min(_BOTTOM * sharpest, 0.0)
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy", inline="always")
 def _sharpest(trochoid: tuple[float, float, float]) -> float:
     """Give the curvature in the middle of a valley [1/m]: nowhere is the trochoid more concave."""
     E, c, N = trochoid
@@ -676,7 +689,7 @@ def _foot(
     return abs(step) < _SETTLED and bent > 0.0, distance, nq, np_, curvature / bent
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy", inline="always")
 def _is_open(springs: Springs, k: int, i: int, apart: _Apart) -> bool:
     """Tell whether a gap is surely open, by what `_apart` gives: most are, and their roots need not be taken."""
     q, p = apart.q, apart.p
@@ -767,7 +780,7 @@ def _assemble(springs: Springs, k: int, load: Array, z: Array, kept: Mask, syste
     return energy
 
 
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy", inline="always")
 def _straight(springs: Springs) -> int:
     """Count the contacts that no other moves: all, or all but those of output pins that bend under several discs."""
     return springs.disc.size - springs.pins * springs.bending.shape[0]
@@ -805,8 +818,6 @@ def _bend(springs: Springs, k: int, z: Array, kept: Mask, system: _System) -> fl
         for d in range(discs):
             system.pressed[first + d * springs.pins + pin] = pressed[d]
             energy -= 0.5 * pressed[d] * width[d]
-        if not carries.any():
-            continue
         for d in range(discs):
             if not carries[d]:
                 continue
@@ -1043,7 +1054,7 @@ def follow_path(
     elements = rubbing.stick.size
     old, new = _memory(elements, number), _memory(elements, number)
     one = _step(elements, number)
-    old.z[:] = z[0]
+    _copy(z[0], old.z)
     scale, rows, spare = 0.0, 0, when.size - count
     finest = 1.0 / FINEST if spare > 0 else 1.0
     for m in range(count):
@@ -1076,10 +1087,12 @@ def follow_path(
             share *= 2.0
             old, new = new, old
             if done >= 1.0:
-                z[rows], when[rows] = old.z, float(m)
+                _copy(old.z, z[rows])
+                when[rows] = float(m)
                 rows += 1
             elif m > 0 and spare > 0:
-                z[rows], when[rows] = old.z, m - 1.0 + done
+                _copy(old.z, z[rows])
+                when[rows] = m - 1.0 + done
                 rows += 1
                 spare -= 1
     return Left(0.0, 0.0, one.work[0]), rows
@@ -1096,8 +1109,10 @@ def state_after(springs: Springs, rubbing: Rubbing, before: Array, load: Array, 
     rest, old, new = _memory(elements, number), _memory(elements, number), _memory(elements, number)
     one = _step(elements, number)
     _slips(springs, rubbing, rest)
-    old.z[:], new.z[:], one.load[:] = before, z, load
-    _weigh(springs, rubbing, False, one, rest, old)
+    _copy(before, old.z)
+    _copy(z, new.z)
+    _copy(load, one.load)
+    _weigh(springs, rubbing, _NO, one, rest, old)
     _slips(springs, rubbing, old)
     _renew(rubbing, one, old, 1.0)
     _, energy = _weigh(springs, rubbing, given, one, old, new)
@@ -1121,16 +1136,23 @@ def _step(elements: int, number: int) -> _Step:
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _memory(elements: int, number: int) -> _Memory:
-    one, side = np.zeros(number), np.zeros(elements)
-    return _Memory(one, side, side.copy(), side.copy(), side.copy(), np.zeros((elements, number)))
+    return _Memory(
+        np.zeros(number),
+        np.zeros(elements),
+        np.zeros(elements),
+        np.zeros(elements),
+        np.zeros(elements),
+        np.zeros((elements, number)),
+    )
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _slips(springs: Springs, rubbing: Rubbing, at: _Memory) -> None:
     """Put how far each surface slides with the unknowns into `at`: on a cam that turns with the way of its disc."""
-    at.slip[:] = rubbing.slip
+    for i in range(len(at.slip)):
+        _copy(rubbing.slip[i], at.slip[i])
     for disc in range(springs.cam_place.shape[1]):
-        cam, row = _cam(springs, 0, disc, at.z), springs.disc.size + disc
+        cam, row = _cam(springs, _FIRST, disc, at.z), springs.disc.size + disc
         at.slip[row, 3 * disc] -= cam.v
         at.slip[row, 3 * disc + 1] += cam.u
 
@@ -1138,24 +1160,24 @@ def _slips(springs: Springs, rubbing: Rubbing, at: _Memory) -> None:
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _leap(springs: Springs, rubbing: Rubbing, allowed: float, one: _Step, old: _Memory, new: _Memory) -> float:
     """Look for the balance by Newton's method on springs and friction at once: quick, where it gets there; [N]."""
-    new.z[:] = old.z
+    _copy(old.z, new.z)
     longest = _NEAR / _largest(springs.bend[0])
-    left = _weigh(springs, rubbing, False, one, old, new)[0]
+    left = _weigh(springs, rubbing, _NO, one, old, new)[0]
     for _ in range(_LEAPS):
         if left <= allowed or not abs(np.linalg.det(one.tangent)) > 0.0:
             break
-        one.step[:] = np.linalg.solve(one.tangent, one.residual)
+        _copy(np.linalg.solve(one.tangent, one.residual), one.step)
         share = min(1.0, longest / max(_largest(one.step), 1e-300))
         for j in range(one.step.size):
             new.z[j] += share * one.step[j]
-        left = _weigh(springs, rubbing, False, one, old, new)[0]
+        left = _weigh(springs, rubbing, _NO, one, old, new)[0]
     return left
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _settle(springs: Springs, rubbing: Rubbing, allowed: float, one: _Step, old: _Memory, new: _Memory) -> float:
     """Look for the balance with friction's limits held, whose energy falls with every step, and renew them; [N]."""
-    new.z[:] = old.z
+    _copy(old.z, new.z)
     longest = _NEAR / _largest(springs.bend[0])
     floating = FLOATING * springs.cam_stiffness
     left = np.inf
@@ -1164,24 +1186,24 @@ def _settle(springs: Springs, rubbing: Rubbing, allowed: float, one: _Step, old:
         if one.work[0] - begun > _MOST_SETTLING:
             break
         _renew(rubbing, one, new if renewed else old, 1.0 if renewed < _HALVINGS else 0.3)
-        inner, energy = _weigh(springs, rubbing, True, one, old, new)
+        inner, energy = _weigh(springs, rubbing, _YES, one, old, new)
         for _ in range(_RENEWALS):
             if inner <= 0.1 * allowed:
                 break
             if not _solve(one.tangent, one.residual, one.step, floating):
-                _weigh(springs, rubbing, True, one, old, new)
+                _weigh(springs, rubbing, _YES, one, old, new)
                 _roll_off(one.tangent, one.residual, one.step, floating)
-            one.start[:] = new.z
+            _copy(new.z, one.start)
             share = min(1.0, longest / max(_largest(one.step), 1e-300))
             for _ in range(_HALVINGS):
                 for j in range(one.step.size):
                     new.z[j] = one.start[j] + share * one.step[j]
-                inner, found = _weigh(springs, rubbing, True, one, old, new)
+                inner, found = _weigh(springs, rubbing, _YES, one, old, new)
                 if found <= energy + _ROUNDING * abs(energy):
                     break
                 share *= 0.5
             energy = found
-        left = _weigh(springs, rubbing, False, one, old, new)[0]
+        left = _weigh(springs, rubbing, _NO, one, old, new)[0]
         if left <= allowed:
             break
     return left
@@ -1216,11 +1238,11 @@ def _weigh(
     for i in range(contacts):
         x, t, o = 3 * springs.disc[i], 3 * springs.disc[i] + 2, number - 1
         pose = _pose(springs, springs.disc[i], z)
-        apart = _apart(springs, 0, i, pose)
-        ahead[:] = 0.0
+        apart = _apart(springs, _FIRST, i, pose)
+        _clear(ahead)
         depth = 0.0
-        if not _is_open(springs, 0, i, apart):
-            found = _curved(springs, 0, i, pose, apart)
+        if not _is_open(springs, _FIRST, i, apart):
+            found = _curved(springs, _FIRST, i, pose, apart)
             depth = max(-found.width, 0.0)
             if depth > 0.0:
                 ahead[x], ahead[x + 1], ahead[t], ahead[o] = found.ahead
@@ -1249,9 +1271,9 @@ def _weigh(
             tangent[column, row] += rate
     for disc in range(springs.cam_place.shape[1]):
         x, y = 3 * disc, 3 * disc + 1
-        cam = _cam(springs, 0, disc, z)
+        cam = _cam(springs, _FIRST, disc, z)
         u, v, depth, around = cam.u, cam.v, cam.depth, cam.around
-        ahead[:] = 0.0
+        _clear(ahead)
         if depth > 0.0:
             ahead[x], ahead[y] = -u, -v
         i = contacts + disc
