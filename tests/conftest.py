@@ -7,6 +7,10 @@ import signal
 import numpy as np
 import pytest
 
+from cycloid_mj.circles import look_rarely
+
+look_rarely()
+
 
 @pytest.fixture(scope="session", autouse=True)
 def interruptible():

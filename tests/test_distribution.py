@@ -90,6 +90,7 @@ print(bool(layout(PRESETS["pin"])["configById"]))
 
 
 @pytest.mark.slow
+@pytest.mark.slow
 def test_the_installed_wheel_finds_its_assets_and_its_papers(installed: Path) -> None:
     places, found, templates, layout = told(installed, sys.executable, "-c", LOOK).splitlines()
     assert all(place.startswith(str(installed)) for place in places.split())
@@ -99,6 +100,7 @@ def test_the_installed_wheel_finds_its_assets_and_its_papers(installed: Path) ->
     assert layout == "True"
 
 
+@pytest.mark.slow
 def test_the_installed_command_tells_its_version(installed: Path) -> None:
     assert told(installed, str(installed / "bin" / "cycloid-mj"), "--version") == PROJECT["version"]
 

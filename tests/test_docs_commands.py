@@ -10,12 +10,13 @@ import shlex
 from collections.abc import Iterator
 from contextlib import redirect_stdout
 from dataclasses import fields, is_dataclass
+from functools import cache
 from pathlib import Path
 
 import mujoco
 import pytest
 from browser import CHROMIUM, DRIVER, MISSING, OVERHANG, UNDRAWN, browser, errors, show
-from cyclopts import CycloptsError
+from cyclopts import App, CycloptsError
 from designs import cases
 
 from cycloid_mj.cli import main
@@ -79,9 +80,14 @@ def words_of(command: str) -> list[str]:
     return shlex.split(command.split(" > ")[0], comments=True)[1:]
 
 
+@cache
+def whole() -> App:
+    return application()
+
+
 def parsed(words: list[str]) -> dict[str, object]:
     """Give the values that a command would be called with: every flag is known, and its value read and tested."""
-    _, bound, unknown = application().parse_args(words, exit_on_error=False, print_error=False)[:3]
+    _, bound, unknown = whole().parse_args(words, exit_on_error=False, print_error=False)[:3]
     assert not unknown
     values = dict(bound.arguments)
     for options in [value for value in values.values() if is_dataclass(value)]:

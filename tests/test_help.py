@@ -36,7 +36,7 @@ def prose(page: str) -> list[str]:
     return page.split("╭")[0].split("\n\n")[1:]
 
 
-@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("width", cases(WIDTHS, WIDTHS[0]))
 @pytest.mark.parametrize("chain", PAGES, ids=" ".join)
 def test_help_fills_the_terminal_and_is_never_wider_than_reads_well(chain, width, monkeypatch, capsys):
     monkeypatch.setenv("COLUMNS", str(width))

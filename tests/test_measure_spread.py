@@ -93,12 +93,16 @@ def test_the_build_up_ends_at_the_efficiency(measured):
     assert [row[0] for row in table.rows][-3:] == ["efficiency", "the paper, simulated", "the paper, measured"]
 
 
-def test_the_paper_stands_beside_its_own_reducers_alone(measured):
+@pytest.mark.slow
+def test_the_paper_is_set_beside_the_build_up(measured):
     published = measured.details["build_up"]["paper"]
     assert published["measured"]["rate"] == pytest.approx(0.956, abs=5e-4)
     # with the cam's bearing at 3 %, its teeth would be next to frictionless; its simulation leaves no room for any
     assert 0.0 < published["measured"]["friction_of_teeth"] < 0.01
     assert published["simulated"]["friction_of_teeth"] is None
+
+
+def test_the_paper_stands_beside_its_own_reducers_alone():
     assert len(torques(PRESETS["pin"])) == 2
     assert torques(override(NONPIN, ["gear.eccentricity_mm=0.9"])) == []
     assert torques(override(NONPIN, ["drive.torque_nm=2"])) == []

@@ -38,33 +38,39 @@ METHODS_OF_TEXT = (
 )
 
 
+Nodes = tuple[ast.AST, ...]
+
+
+def nodes_of(source: str) -> Nodes:
+    """All of a module's nodes, itself first."""
+    return tuple(ast.walk(ast.parse(source)))
+
+
 @cache
-def tree(path: Path) -> ast.Module:
-    return ast.parse(path.read_text(encoding="utf-8"))
+def nodes(path: Path) -> Nodes:
+    return nodes_of(path.read_text(encoding="utf-8"))
 
 
 def is_private(name: str) -> bool:
     return name.startswith("_") and not name.startswith("__") and name not in PUBLIC_DESPITE_THE_UNDERSCORE
 
 
-def own_names(module: ast.Module) -> set[str]:
+def own_names(module: Nodes) -> set[str]:
     """Every name that a module makes itself: functions, classes, variables, attributes and fields."""
-    made = {
-        node.name
-        for node in ast.walk(module)
-        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef)
-    }
-    for node in ast.walk(module):
-        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+    made = set()
+    for node in module:
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
+            made.add(node.name)
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
             made.add(node.id)
         elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
             made.add(node.attr)
     return made
 
 
-def private_names_of_others(module: ast.Module) -> Iterator[str]:
+def private_names_of_others(module: Nodes) -> Iterator[str]:
     own = own_names(module)
-    for node in ast.walk(module):
+    for node in module:
         if isinstance(node, ast.ImportFrom):
             yield from (f"{node.lineno}: {name.name}" for name in node.names if is_private(name.name))
         elif isinstance(node, ast.Attribute) and is_private(node.attr) and node.attr not in own:
@@ -75,9 +81,9 @@ def is_sentence(node: ast.AST) -> bool:
     return isinstance(node, ast.Constant) and isinstance(node.value, str) and " " in node.value.strip()
 
 
-def decisions_by_words(module: ast.Module) -> Iterator[tuple[int, str]]:
+def decisions_by_words(module: Nodes) -> Iterator[tuple[int, str]]:
     """Give line and words of each comparison, search or case that looks for several words in a text."""
-    for node in ast.walk(module):
+    for node in module:
         asked: list[ast.AST] = []
         if isinstance(node, ast.Compare):
             asked = [part for side in (node.left, *node.comparators) for part in ast.walk(side)]
@@ -93,7 +99,7 @@ def literals() -> set[str]:
     return {
         part.value
         for path in SOURCES
-        for node in ast.walk(tree(path))
+        for node in nodes(path)
         if isinstance(node, ast.Subscript) and ast.unparse(node.value) == "Literal"
         for part in ast.walk(node.slice)
         if isinstance(part, ast.Constant)
@@ -101,7 +107,7 @@ def literals() -> set[str]:
 
 
 def test_modules_keep_their_private_names() -> None:
-    found = {str(path.relative_to(ROOT)): list(private_names_of_others(tree(path))) for path in SOURCES}
+    found = {str(path.relative_to(ROOT)): list(private_names_of_others(nodes(path))) for path in SOURCES}
     assert {place: names for place, names in found.items() if names} == {}
 
 
@@ -110,7 +116,7 @@ def test_modules_decide_by_keys() -> None:
     found = {
         (path.relative_to(ROOT).as_posix(), words)
         for path in SOURCES
-        for _, words in decisions_by_words(tree(path))
+        for _, words in decisions_by_words(nodes(path))
         if words not in keys
     }
     assert found == JUDGED_BY_WORDS
@@ -118,8 +124,8 @@ def test_modules_decide_by_keys() -> None:
 
 @pytest.mark.parametrize("line", ["from a import _b", "import a\na._b()", "c = d._b"])
 def test_a_private_name_of_another_module_is_found(line: str) -> None:
-    assert list(private_names_of_others(ast.parse(line)))
-    assert not list(private_names_of_others(ast.parse(f"def _b(): ...\n{line.split(chr(10))[-1]}"))) or "from" in line
+    assert list(private_names_of_others(nodes_of(line)))
+    assert not list(private_names_of_others(nodes_of(f"def _b(): ...\n{line.split(chr(10))[-1]}"))) or "from" in line
 
 
 @pytest.mark.parametrize(
@@ -133,10 +139,8 @@ def test_a_private_name_of_another_module_is_found(line: str) -> None:
     ],
 )
 def test_a_decision_by_words_is_found(line: str) -> None:
-    assert list(decisions_by_words(ast.parse(line)))
-    assert not list(
-        decisions_by_words(ast.parse(line.replace(" l", "_l").replace("of the ", "").replace("t j", "t_j")))
-    )
+    assert list(decisions_by_words(nodes_of(line)))
+    assert not list(decisions_by_words(nodes_of(line.replace(" l", "_l").replace("of the ", "").replace("t j", "t_j"))))
 
 
 def imports() -> dict[str, set[str]]:
@@ -159,7 +163,7 @@ ROOMS = sorted((ROOT / "cycloid_mj").rglob("__init__.py")) + sorted((ROOT / "cyc
 def test_each_room_says_what_it_owns_in_a_sentence_of_its_own() -> None:
     said = {}
     for path in ROOMS:
-        sentence = (ast.get_docstring(tree(path)) or "").split("\n\n")[0].split("\n")[0]
+        sentence = (ast.get_docstring(nodes(path)[0]) or "").split("\n\n")[0].split("\n")[0]
         assert re.fullmatch(r"[A-Z`].{25,}\.", sentence), f"{path.relative_to(ROOT)}: {sentence!r}"
         said[path] = sentence
     assert len(set(said.values())) == len(ROOMS)

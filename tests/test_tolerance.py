@@ -248,6 +248,7 @@ def test_parts_larger_than_their_clearances_jam() -> None:
     assert not tolerance(override(PIN, {"tolerance.mesh": "between 0 1"}), 20, 0).jams.any()
 
 
+@pytest.mark.slow
 def test_samples_without_a_balance_jam_and_the_others_keep_their_figures(monkeypatch) -> None:
     def without_the_eighth(*given: Any) -> list[Figures]:
         one = solve_samples(*given)
