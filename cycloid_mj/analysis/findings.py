@@ -119,7 +119,10 @@ class Power:
 
 @dataclass(frozen=True)
 class Loss:
-    """Mean power that one kind of mating pair takes: by sliding, and by its normal forces (damping)."""
+    """Mean power that one kind of mating pair takes: by sliding, and by its normal forces (damping).
+
+    Where pins rub alike on gear and seat, the time step decides which of them takes it: only their sum is determined.
+    """
 
     pair: str
     friction_w: float
