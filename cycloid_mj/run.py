@@ -58,10 +58,10 @@ MOST_STEPS = 10**9
 
 Marks = npt.NDArray[np.bool_]
 
-_BLOCK = 100
-_STEPS_AT_ONCE = 1000
-"""Steps without Python: they take 20 to 80 ms, for which Ctrl-C waits. By mesh, where a step takes some ms, it is those
-to the next sample."""
+_BLOCK = 200
+_STEPS_AT_ONCE = 2000
+"""Steps without Python: they take 40 to 160 ms, for which Ctrl-C waits. By mesh, where a step takes some ms, it is
+those to the next sample."""
 
 # Every sample is checked for MuJoCo's warnings: they need not go to MUJOCO_LOG.TXT in the working folder as well.
 _no_log_file = Shared(
