@@ -117,7 +117,7 @@ def test_ideal_phase_inverts_the_envelope(name: str) -> None:
     assert is_monotone(ring)
     low = profile.best_phase(gear)
     for crank in np.linspace(-low + 1e-6, low - 2 * np.pi / gear.ring_teeth - 1e-6, 101):
-        phase = ideal_root_phase(crank, ring)
+        phase = ideal_root_phase(crank, low, ring)
         assert envelope.sigma_crank_angle_cw(gear, phase) == pytest.approx(crank, abs=1e-5)
 
 

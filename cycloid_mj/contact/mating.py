@@ -159,16 +159,15 @@ def _edge(bottom: float, top: float, share: float, own: bool, crowded: bool) -> 
 
 
 @njit(inline="always")
-def _opens(dx: float, dy: float, first: float, last: float, clear: float) -> bool:
-    """Tell whether a displacement leaves a gap where the gear's normal lies between two angles, ``last - first`` < pi.
+def _opens(dx: float, dy: float, x1: float, y1: float, x2: float, y2: float, clear: float) -> bool:
+    """Tell whether a displacement leaves a gap where the gear's normal lies between two directions, less than pi apart.
 
-    ``clear`` is the gap [m] of the undisplaced gear there, at least.
+    They are (x1, y1) and, clockwise from it, (x2, y2); ``clear`` is the least gap [m] of the undisplaced gear there.
     """
     size = math.sqrt(dx * dx + dy * dy)
     clear -= _SECOND_ORDER * size
     if size < clear:
         return True
-    x1, y1, x2, y2 = math.sin(first), math.cos(first), math.sin(last), math.cos(last)
     within = x1 * dy - y1 * dx <= 0.0 and x2 * dy - y2 * dx >= 0.0
     return not within and max(dx * x1 + dy * y1, dx * x2 + dy * y2) < clear
 
@@ -218,22 +217,25 @@ def lobe_on_teeth(
     far = gear.y < (share - _BEYOND * aside) * math.sqrt(gear.x * gear.x + gear.y * gear.y)
     if far and monotone and not modified:
         return _write_arc(out, has_arc, Line(arc.gap, arc_factor, arc.nx, arc.ny), lobe, z, arc_radius, sign)
-    turn = (ring.teeth - 1.0) * math.atan2(sine, cosine)
-    crank = turn - 2.0 * math.pi * math.floor(turn / (2.0 * math.pi) + 0.5)
     crowded = modified and monotone
     pieces = 1 if monotone and not modified else (_MODIFIED_SCAN if monotone else _SCAN)
-    shift_x, shift_y = gear.x - ring.eccentricity * math.sin(crank), gear.y - ring.eccentricity * math.cos(crank)
-    half_pitch, fan = math.pi / ring.teeth, math.asin(share)
-    low = math.acos(share)
-    high = 2.0 * math.pi - low
+    # The crank is N - 1 times as far round as the gear. Most roots are open, and need not know its angle.
+    crank_x, crank_y = sn * cosine - cn * sine, cn * cosine + sn * sine
+    shift_x, shift_y = gear.x - ring.eccentricity * crank_x, gear.y - ring.eccentricity * crank_y
+    half_pitch = math.pi / ring.teeth
+    half_x, half_y = math.sin(half_pitch), math.cos(half_pitch)
     for side in range(2):
         # The root on the clockwise side is that of the next lobe: one pitch further clockwise.
         own = side == 0
         pitch = 0.0 if own else 2.0 * half_pitch
-        edges = (-half_pitch, fan) if own else (-fan, half_pitch)
-        if not modified and _opens(shift_x, shift_y, edges[0], edges[1], offset - arc_radius - margin):
+        x1, y1, x2, y2 = (-half_x, half_y, share, aside) if own else (-share, aside, half_x, half_y)
+        if not modified and _opens(shift_x, shift_y, x1, y1, x2, y2, offset - arc_radius - margin):
             continue
-        start = root_start(crank - pitch, ring, modified) if monotone else math.pi
+        turn = (ring.teeth - 1.0) * math.atan2(sine, cosine)
+        crank = turn - 2.0 * math.pi * math.floor(turn / (2.0 * math.pi) + 0.5)
+        low = math.acos(share)
+        high = 2.0 * math.pi - low
+        start = root_start(crank - pitch, low, ring, modified) if monotone else math.pi
         if start == 0.0:
             continue
         next_lobe = Pose(0.0, 0.0, math.cos(pitch), -math.sin(pitch))

@@ -60,8 +60,10 @@ def is_monotone(ring: Trochoid) -> bool:
 
 
 @njit
-def ideal_root_phase(crank: float, ring: Trochoid) -> float:
+def ideal_root_phase(crank: float, low: float, ring: Trochoid) -> float:
     """Give B of the contact in the root at a clockwise crank angle in the ideal mesh (``is_monotone`` designs).
+
+    ``low`` is B0, where the root begins: its cosine is c N / E.
 
     The crank angle rises with B from -B0 to B0 - 2 pi/N, point-symmetric about B = pi and concave before it, so that
     Newton's method from the end converges from one side.
@@ -72,7 +74,7 @@ def ideal_root_phase(crank: float, ring: Trochoid) -> float:
     middle = -math.pi / teeth
     mirrored = crank > middle
     target = 2.0 * middle - crank if mirrored else crank
-    B = math.acos(base / radius)
+    B = low
     for _ in range(_ROUNDS):
         cosine = math.cos(B)
         alpha = math.atan2(-base * math.sin(B), radius - base * cosine)
@@ -159,18 +161,17 @@ def root_minimum(low: float, high: float, start: float, ring: Trochoid, flank: F
 
 
 @njit
-def root_start(crank: float, ring: Trochoid, modified: bool) -> float:
+def root_start(crank: float, low: float, ring: Trochoid, modified: bool) -> float:
     """Give the phase to start the search of a root from, or 0 where it can have no contact.
 
     ``crank`` is the clockwise crank angle [rad] from the lobe that the root belongs to; the ideal mesh has contact for
-    -B0 < crank < B0 - 2 pi/N, and poses within the clearances differ from it by less than the margin. The middle of a
-    root is so nearly conformal that they move the contact there by many degrees, into either half or into both.
-    A ``modified`` gear is not conjugate to the ring, and touches it farther from there.
+    -B0 < crank < B0 - 2 pi/N, with ``low`` for B0, and poses within the clearances differ from it by less than the
+    margin. The middle of a root is so nearly conformal that they move the contact there by many degrees, into either
+    half or into both. A ``modified`` gear is not conjugate to the ring, and touches it farther from there.
     """
-    low = math.acos(ring.eccentricity * ring.teeth / ring.radius)
     last = low - 2.0 * math.pi / ring.teeth
     margin = _MODIFIED_MARGIN if modified else _MARGIN
     if not -low - margin <= crank <= last + margin:
         return 0.0
-    phase = ideal_root_phase(min(last, max(-low, crank)), ring)
+    phase = ideal_root_phase(min(last, max(-low, crank)), low, ring)
     return min(2.0 * math.pi - low - 1e-3, max(low + 1e-3, phase))
