@@ -58,7 +58,8 @@ MOST_STEPS = 10**9
 
 Marks = npt.NDArray[np.bool_]
 
-_BLOCK = 200
+_BLOCK = 100
+"""Samples of a block, or as many as are taken at once: as much is lost of a run that is stopped."""
 _STEPS_AT_ONCE = 2000
 """Steps without Python: they take 40 to 160 ms, for which Ctrl-C waits. By mesh, where a step takes some ms, it is
 those to the next sample."""
@@ -259,8 +260,9 @@ def blocks(reducer: ReducerModel, design: Design, course: Course | None = None) 
     exact = collider.installed(design.ring.kind == "nonpin") if profile else nullcontext()
     at_once = max(1, _STEPS_AT_ONCE // plan.stride) if profile else 1
     with exact, each_step.installed(), unused.left_out(reducer.model), _no_log_file.made():
-        for first in range(0, plan.samples, _BLOCK):
-            samples = range(first, min(first + _BLOCK, plan.samples))
+        size = max(_BLOCK, at_once)
+        for first in range(0, plan.samples, size):
+            samples = range(first, min(first + size, plan.samples))
             taken, problem = _advance(plan, course, samples, recorder, at_once)
             if len(taken.time):
                 yield taken

@@ -90,7 +90,6 @@ print(bool(layout(PRESETS["pin"])["configById"]))
 
 
 @pytest.mark.slow
-@pytest.mark.slow
 def test_the_installed_wheel_finds_its_assets_and_its_papers(installed: Path) -> None:
     places, found, templates, layout = told(installed, sys.executable, "-c", LOOK).splitlines()
     assert all(place.startswith(str(installed)) for place in places.split())

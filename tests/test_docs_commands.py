@@ -16,7 +16,7 @@ from pathlib import Path
 import mujoco
 import pytest
 from browser import CHROMIUM, DRIVER, MISSING, OVERHANG, UNDRAWN, browser, errors, show
-from cyclopts import App, CycloptsError
+from cyclopts import CycloptsError
 from designs import cases
 
 from cycloid_mj.cli import main
@@ -80,9 +80,7 @@ def words_of(command: str) -> list[str]:
     return shlex.split(command.split(" > ")[0], comments=True)[1:]
 
 
-@cache
-def whole() -> App:
-    return application()
+whole = cache(application)
 
 
 def parsed(words: list[str]) -> dict[str, object]:

@@ -28,7 +28,7 @@ def area_moments(polygon: Array) -> AreaMoments:
     Green's theorem turns each integral over the region into a sum over the edges, which is exact in any order. A
     clockwise polygon has negative moments.
     """
-    return _moments(polygon.tobytes())
+    return _moments(np.asarray(polygon, float).tobytes())
 
 
 @lru_cache(maxsize=256)  # designs that differ in a tolerance or a load share most of their outlines

@@ -38,11 +38,10 @@ class Balance:
 
 def rows(kind: str, quick: bool) -> list[Row]:
     """Give the row of one kind of ring."""
-    duration = 0.008 if quick else 0.012
-    times = f"drive.ramp_s={duration!r}", f"drive.hold_s={duration!r}"
-    found = balance(_logged_at_every_step(kind, *times, f"load.torque_nm={RATED_LOAD}"))
+    course = "drive.ramp_s=0.012", "drive.hold_s=0.012", f"load.torque_nm={RATED_LOAD}"
+    found = balance(_logged_at_every_step(kind, *course))
     source = "output + friction + normal + stored"
-    return [relative(f"input work, {kind}", found.supplied, found.accounted, "J", source, 5e-5)]
+    return [relative(f"input work, {kind}", found.supplied, found.accounted, "J", source, 1e-5)]
 
 
 def jolt_rows(quick: bool) -> list[Row]:
@@ -56,8 +55,8 @@ def jolt_rows(quick: bool) -> list[Row]:
 
 def _logged_at_every_step(kind: str, *changes: str) -> Run:
     """Run at the step that is chosen, and log each."""
-    step = timestep(reducer_of(kind, *changes))
-    return simulate(reducer_of(kind, *changes, f"settings.log_rate_hz={1.0 / step!r}"))
+    design = reducer_of(kind, *changes)
+    return simulate(rig.changed(design, f"settings.log_rate_hz={1.0 / timestep(design)!r}"))
 
 
 def balance(run: Run) -> Balance:

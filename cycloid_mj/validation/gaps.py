@@ -104,12 +104,9 @@ def trochoid_distance(gear: CycloidGear, points: Array) -> tuple[Array, Array, A
     """
     tree, samples = _samples(gear)
     t = samples[tree.query(points)[1]]
-    N, c, E, _ = gear.symbols
     for _ in range(_NEWTON_ROUNDS):
-        # both derivatives of T = E u(t) - c u(N t) are made of the same two vectors
-        slow, fast = E * unit(t), c * unit(N * t)
-        first, second = _quarter_back(slow - N * fast), N * N * fast - slow
-        lead = slow - fast - points
+        first, second = profile.trochoid_derivatives(gear, t)
+        lead = profile.trochoid(gear, t) - points
         step = _dot(lead, first) / (_dot(first, first) + _dot(lead, second))
         t = t - step
         if np.abs(step).max(initial=0.0) < _NEWTON_STEP:
@@ -267,11 +264,6 @@ def _at(gaps: Gaps, rows: Mask) -> Gaps:
 
 def _join(*parts: Gaps) -> Gaps:
     return Gaps(**{name: np.concatenate([vars(part)[name] for part in parts]) for name in vars(parts[0])})
-
-
-def _quarter_back(vectors: Array) -> Array:
-    """Turn vectors (..., 2) clockwise by a right angle: u(t) to u(t + pi/2)."""
-    return vectors[..., ::-1] * np.array([1.0, -1.0])
 
 
 def _dot(a: Array, b: Array) -> Array:

@@ -262,7 +262,7 @@ def wang_design(case: Wang, ideal: bool) -> Design:
     eccentricity = case.shortening * case.pin_circle / 2.0 / WANG_PINS
     sleeve = case.output_pin / 2.0 + SLEEVE_WALL
     rolled = SLEEVE_FRICTION * case.output_pin / (2.0 * sleeve)
-    # the step follows the cam's stiffness, which is only given to the model
+    # the chosen step would not know of the cam's stiffness, which is given to the model alone
     close = [*rig.clearances(1e-3), 'contact.stiffness_law="uniform"', "settings.timestep_us=2.0"] if ideal else []
     return reducer_of(
         FIXED,

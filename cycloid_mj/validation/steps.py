@@ -157,7 +157,7 @@ def _run(kind: str, periods: int, *changes: str) -> Figures:
 
 
 def _periods(kind: str, quick: bool) -> int:
-    """Give the mesh periods of a run: a third of a crank turn, or a whole one; sleeves are held like the free pins."""
+    """Give the mesh periods of a run: a third of a crank turn, or a whole one; never of sleeves, the dearest to run."""
     return 12 if quick or kind == SLEEVED else PERIODS
 
 
