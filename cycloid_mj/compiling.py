@@ -1,33 +1,50 @@
-"""How number-crunching code is compiled: kept in numba's cache where that has a place, and told when it takes time."""
+"""How number-crunching code is compiled: kept where there is a place for it, and told when it takes time."""
 
-import logging
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from numba import njit
-from numba.core import event
+import numba
+from numba.core import event, sigutils
+from numba.core.ccallback import CFunc
 
+from cycloid_mj.compile_cache import SealedCache, folder, say_compiling
 from cycloid_mj.interrupt import unbroken
 
-_log = logging.getLogger(__name__)
+Function = Callable[..., Any]
 
 
-@cache
+def njit(*, cache: bool = False, **options: Any) -> Callable[[Function], Any]:
+    """Compile a function for Python and other kernels, as ``numba.njit`` does; kept in a `SealedCache` if asked."""
+
+    def compiled(function: Function) -> Any:
+        made = numba.njit(**options)(function)
+        if cache:
+            made._cache = SealedCache(function)
+        return made
+
+    return compiled
+
+
+def cfunc(signature: Any, *, cache: bool = False) -> Callable[[Function], Any]:
+    """Compile a function that C can call, as ``numba.cfunc`` does; kept in a `SealedCache` if asked."""
+
+    def compiled(function: Function) -> Any:
+        made: Any = CFunc(function, sigutils.normalize_signature(signature), locals={}, options={})
+        if cache:
+            made._cache = SealedCache(function)
+        made.compile()
+        return made
+
+    return compiled
+
+
 def cacheable() -> bool:
-    """Tell whether numba can keep what it compiles: in ``NUMBA_CACHE_DIR``, beside the sources, or in the home folder.
-
-    A container often has none of them that can be written.
-    """
-    try:
-        njit(cache=True)(_probe)
-    except RuntimeError:
-        return False
-    return True
+    """Tell whether there is a place to keep what is compiled in."""
+    return folder() is not None
 
 
 def digest(*modules: ModuleType) -> int:
@@ -50,22 +67,13 @@ def announced() -> Iterator[None]:
 
 class _Announcer(event.Listener):  # type: ignore[misc]  # numba has no types
     def on_start(self, event: Any) -> None:
-        _announce()
+        if cacheable():
+            say_compiling("compiling the contact code, once per installation; this takes some seconds")
+        else:
+            say_compiling(
+                "compiling the contact code, for this run only, since there is no folder to keep it in: "
+                "set NUMBA_CACHE_DIR to one that can be written"
+            )
 
     def on_end(self, event: Any) -> None:
         """Nothing more is to be said."""
-
-
-@cache
-def _announce() -> None:
-    if cacheable():
-        _log.info("compiling the contact code, once per installation; this takes some seconds")
-    else:
-        _log.info(
-            "compiling the contact code, for this run only, since there is no folder to keep it in: "
-            "set NUMBA_CACHE_DIR to one that can be written"
-        )
-
-
-def _probe() -> None:
-    """Be a function to ask for a place in the cache."""

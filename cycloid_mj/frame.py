@@ -10,8 +10,11 @@ import importlib
 import json
 import math
 import os
+import shutil
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import ModuleType
 from typing import Any
 
@@ -135,12 +138,16 @@ def write_parquet(
     pairs = {"units": dict(frame.units), **metadata}
     told = ", ".join(f"{key}: {_quoted(json.dumps(value))}" for key, value in pairs.items())
     options = f"FORMAT parquet, COMPRESSION zstd, KV_METADATA {{{told}}}"
-    with whole_file(path) as beside, duckdb.connect() as database:
+    with whole_file(path) as beside, duckdb.connect() as database, TemporaryDirectory() as elsewhere:
         database.register("frame", dict(frame.columns))
+        # DuckDB takes names in UTF-8 alone
+        at = beside if str(beside).isprintable() else Path(elsewhere) / "frame.parquet"
         try:
-            database.execute(f"COPY (SELECT * FROM frame) TO {_quoted(str(beside))} ({options})")
+            database.execute(f"COPY (SELECT * FROM frame) TO {_quoted(str(at))} ({options})")
         except duckdb.Error as problem:
             raise error(f"cannot write {path}: {problem}; choose another place for it") from problem
+        if at != beside:
+            shutil.copyfile(at, beside)
 
 
 def _duckdb(what: str, instead: str, error: Callable[[str], CycloidError] = CycloidError) -> ModuleType:

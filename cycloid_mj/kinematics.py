@@ -136,6 +136,17 @@ def point_path(
     )
 
 
+def carried_point(q: npt.ArrayLike, pose: Array, motion: Array) -> tuple[Array, Array]:
+    """Compute place [m] and velocity [m/s] of a body's point q = (q_x, q_y) [m], given in its frame, each (n, 2).
+
+    r = p + R q and v = dp/dt + w x R q of a body at `pose` (x, y [m], turn [rad]) in `motion` (their rates), each
+    (n, 3).
+    """
+    (q_x, q_y), cos, sin = np.asarray(q, float), np.cos(pose[:, 2]), np.sin(pose[:, 2])
+    x, y, spin = q_x * cos - q_y * sin, q_x * sin + q_y * cos, motion[:, 2:]
+    return pose[:, :2] + np.stack([x, y], axis=1), motion[:, :2] + spin * np.stack([-y, x], axis=1)
+
+
 def point_speed(gear: CycloidGear, q: npt.ArrayLike, crank_angle: npt.ArrayLike, crank_speed: npt.ArrayLike) -> Array:
     """Speed of the gear point q, shape (...) [m/s] (Eq. 18).
 

@@ -47,6 +47,9 @@ DRAGS = {"crank_drag": CRANK_JOINT, "output_drag": OUTPUT_JOINT}
 """Loss of seals and lubricant -> the joint that it brakes; a design without has neither."""
 
 
+POINT_Q = {"q_x": "m", "q_y": "m", "q_vx": "m/s", "q_vy": "m/s"}
+"""Columns of the point q with their units: where the (first) disc has the middle of its first output hole."""
+
 _OF_DISC = re.compile(r"^gear_(\d+)_")
 
 

@@ -3,11 +3,12 @@
 Nothing in `cycloid_mj` imports a paper by its name: a second one is a second package, with a `Paper` of its own.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+import re
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, partial
 from importlib.metadata import EntryPoint, entry_points
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from cycloid_mj.errors import warn
 
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
     from cycloid_mj.result import Claim
     from cycloid_mj.stress.findings import Reference
     from cycloid_mj.stress.study import StressStudy
+
+Answer = TypeVar("Answer")
 
 GROUP = "cycloid_mj.papers"
 """Entry points of this group name the `Paper` of a package, as in ``hsieh2014 = "hsieh2014:PAPER"``."""
@@ -64,31 +67,74 @@ class Paper:
 
 @cache
 def papers() -> tuple[Paper, ...]:
-    """Give the papers that are installed, by name; one that does not load is left out with a warning."""
+    """Load the papers that are installed, by name; one with a fault is left out with a warning."""
+    found: dict[str, Paper] = {}
     points = {point.name: point for point in entry_points(group=GROUP)}
-    return tuple(paper for name in sorted(points) if (paper := _loaded(points[name])))
+    for name in sorted(points):
+        paper = _answer(name, "left out", partial(_checked, points[name], found))
+        found |= {paper.key: paper} if paper else {}
+    return tuple(found.values())
 
 
 def published_torques(design: "Design") -> "list[Published]":
-    """Give the output torques that the papers have for a design."""
-    return [one for paper in papers() for one in paper.torques(design)]
+    """List the output torques that the papers have for a design."""
+    return [one for _, torques in _answers(lambda paper: paper.torques(design)) for one in torques]
 
 
 def vibration() -> Vibration:
-    """Give where a paper ranks the vibration of pin and nonpin designs; nothing where none does."""
+    """Find where a paper ranks the vibration of pin and nonpin designs; nothing where none does."""
     return next((paper.vibration for paper in papers() if paper.vibration), Vibration())
 
 
 def stress_references(design: "Design") -> "dict[str, Reference]":
-    """Give what the papers have on the stress of a design's parts, by their names."""
-    return {part: reference for paper in papers() for part, reference in paper.stress_references(design).items()}
+    """Collect what the papers have on the stress of a design's parts, by their names."""
+    return {
+        part: reference
+        for _, references in _answers(lambda paper: paper.stress_references(design))
+        for part, reference in references.items()
+    }
 
 
-def _loaded(point: EntryPoint) -> Paper | None:
+def stress_claims(studies: "Sequence[StressStudy]") -> "dict[str, Sequence[Claim]]":
+    """Judge what each paper claims of stress by studies of several designs: source -> claims."""
+    return {paper.source: claims for paper, claims in _answers(lambda paper: paper.stress_claims(studies))}
+
+
+def _answers(ask: Callable[[Paper], Answer]) -> Iterator[tuple[Paper, Answer]]:
+    """Ask every paper; one that fails is passed over with a warning."""
+    for paper in papers():
+        answer = _answer(paper.key, "passed over", partial(ask, paper))
+        if answer is not None:
+            yield paper, answer
+
+
+def _answer(name: str, instead: str, ask: Callable[[], Answer]) -> Answer | None:
+    """Ask a paper, whose code is not ours: whatever is wrong with it, the commands shall run."""
+    try:
+        return ask()
+    except (Exception, SystemExit) as problem:
+        reason = " ".join(f"{problem}".split()) or type(problem).__name__
+        reason = f"it ends the program ({reason})" if isinstance(problem, SystemExit) else reason
+        warn(f"paper {name}", [f"{instead}, since {reason}"])
+        return None
+
+
+def _checked(point: EntryPoint, taken: Container[str]) -> Paper:
+    """Load a paper and its command; raise any exception where either is not to be used."""
     try:
         paper = point.load()
-    except Exception as problem:  # whatever is wrong with a paper, the other commands shall run
-        warn(f"paper {point.name}", [f"left out, since {point.value} does not load: {problem}"])
-        return None
-    assert isinstance(paper, Paper)
+    except Exception as problem:
+        raise LookupError(f"{point.value} does not load: {problem}") from problem
+    if not isinstance(paper, Paper):
+        raise TypeError(f"{point.value} is no Paper but of type {type(paper).__name__}")
+    if not isinstance(paper.key, str) or not re.fullmatch(r"[A-Za-z0-9][\w.-]*", paper.key):
+        raise ValueError(f"its key {paper.key!r} is no name of a command")
+    if paper.key in taken:
+        raise ValueError(f"its key {paper.key!r} is taken by another paper")
+    try:
+        command = EntryPoint(paper.key, paper.command, GROUP).load()
+    except Exception as problem:
+        raise LookupError(f"its command {paper.command!r} does not load: {problem}") from problem
+    if not callable(command):
+        raise TypeError(f"its command {paper.command!r} is no function")
     return paper

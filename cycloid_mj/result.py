@@ -171,6 +171,7 @@ class Verdict(StrEnum):
 
     AGREES = "agrees"
     DISAGREES = "disagrees"
+    """Nothing that the source leaves open gives it, within the physical ranges that were searched."""
     DEPENDS = "depends"
     """Something decides it that the source leaves open at the claim's condition."""
     NOT_DETERMINED = "not determined"
@@ -246,6 +247,44 @@ class Value:
 
 
 @dataclass(frozen=True)
+class Range:
+    """Physical range of an input that the source leaves open, as far as it was searched.
+
+    Attributes
+    ----------
+    name, unit
+        The input, by its key in the design file where it has one.
+    low, high
+        Ends of the range, in `unit`.
+    source
+        Why the range is physical.
+    """
+
+    name: str
+    low: float
+    high: float
+    unit: str
+    source: str
+
+    def as_json(self) -> dict[str, Any]:
+        """Give the range for a program."""
+        return dict(vars(self))
+
+
+@dataclass(frozen=True)
+class Removal:
+    """A claim judged with one thing taken away or changed alone: what it is, what is found then, and the verdict."""
+
+    what: str
+    found: str
+    verdict: Verdict
+
+    def as_json(self) -> dict[str, str]:
+        """Give the removal for a program."""
+        return {"taken_away": self.what, "ours": self.found, "verdict": str(self.verdict)}
+
+
+@dataclass(frozen=True)
 class Claim:
     """One published claim, judged.
 
@@ -267,6 +306,12 @@ class Claim:
         Whether they agree, and what decides it.
     rated
         Ours at the rated load, beside it and never judged; None where the rated load is the condition.
+    searched
+        What the source leaves open, and the ranges in which it was searched for the claim.
+    removals
+        The same claim with one thing taken away or changed alone: what proves, or refutes, that it decides.
+    p
+        Chance of starts as different as those found if the two designs were alike; None where no order is judged.
     """
 
     key: str
@@ -282,6 +327,9 @@ class Claim:
     verdict: Verdict
     decided_by: str
     rated: Value | None = None
+    searched: tuple[Range, ...] = ()
+    removals: tuple[Removal, ...] = ()
+    p: float | None = None
 
     def as_json(self) -> dict[str, Any]:
         """Give the claim for a program."""
@@ -301,6 +349,9 @@ class Claim:
             "ours": self.found.as_json(),
             "numerical_error": {"value": self.error.value, "unit": self.error.unit, "source": self.error.text},
             "verdict": self.verdict,
+            "p": self.p,
             "decided_by": self.decided_by,
+            "removals": [one.as_json() for one in self.removals],
+            "ranges_searched": [one.as_json() for one in self.searched],
             "at_rated_load": None if self.rated is None else self.rated.as_json(),
         }

@@ -20,16 +20,19 @@ from cycloid_mj.contact import collider, each_step
 from cycloid_mj.contact.drag import drag_rows
 from cycloid_mj.contact.each_step import EachStep
 from cycloid_mj.contact.forces import OF_PAIR, pair_index
+from cycloid_mj.contact.impact import impact_of
+from cycloid_mj.contact.jam import jamming_power, means_of_last
 from cycloid_mj.contact.massless import idle
 from cycloid_mj.contact.regime import pace
 from cycloid_mj.contact.shared import Shared
 from cycloid_mj.contact.swing import deepest
-from cycloid_mj.contact.timestep import Step, chosen, timestep
+from cycloid_mj.contact.timestep import Step, chosen, held_figures, timestep
 from cycloid_mj.contact.working import for_slices, working_forces_told
 from cycloid_mj.course import Course, initial_state, ramp_and_hold
 from cycloid_mj.design import Design, dump
 from cycloid_mj.errors import RunError, warn
 from cycloid_mj.interrupt import give_way
+from cycloid_mj.kinematics import carried_point
 from cycloid_mj.mechanism.reducer import mechanism
 from cycloid_mj.mjcf import ReducerModel, addresses, build, sensors, unused, xml
 from cycloid_mj.names import (
@@ -42,8 +45,12 @@ from cycloid_mj.names import (
     NORMAL_POWER,
     PEAK_FORCE,
     PINS,
+    POINT_Q,
     REDUCER,
     column,
+    gears,
+    planar_joints,
+    planar_speeds,
 )
 from cycloid_mj.record import Deferred, Run
 from cycloid_mj.types import Array
@@ -55,6 +62,12 @@ Contact = Literal["profile", "mesh"]
 
 MOST_STEPS = 10**9
 """A run of more steps would take a day and more; it is a slip of a value."""
+
+MESH_SWAYS = (
+    "by mesh contact means hold (within 3 % of exact profiles), but the rms of the gear's speed, of forces and of "
+    "accelerations is that of slices too, idle up to ten times the profiles': take --contact profile for these"
+)
+"""What a run by convex slices does not tell."""
 
 Marks = npt.NDArray[np.bool_]
 
@@ -127,6 +140,7 @@ def columns(reducer: ReducerModel, design: Design) -> Groups:
     }
     groups[REDUCER] |= {column(kind, power): "W" for kind in kinds for power in (FRICTION_POWER, NORMAL_POWER)}
     groups[REDUCER] |= {column(name, FRICTION_POWER): "W" for name in drag_rows(reducer.model, DRAGS)}
+    groups[REDUCER] |= POINT_Q
     acting = {FORCE_X: "N", FORCE_Y: "N", MOMENT: "N m", PEAK_FORCE: "N"}
     groups[FORCES] = {column(pair.name, part): unit for pair in reducer.pairs for part, unit in acting.items()}
     return groups
@@ -212,6 +226,7 @@ def provenance(design: Design, contact: Contact = "profile", step: float = 0.0) 
         "contact": contact,
         "timestep_s": repr(step),
         "timestep": str(own if own.seconds == step else Step(step, "the model's")),
+        "timestep_for": held_figures(made if own.seconds == step else made.but(settings={"timestep": step})),
         "working_forces": working_forces_told(made, mechanism(design).kinds),
         "cycloid_mj": __version__,
         "mujoco": mujoco.__version__,
@@ -222,7 +237,8 @@ def provenance(design: Design, contact: Contact = "profile", step: float = 0.0) 
 def warnings(reducer: ReducerModel, design: Design, course: Course | None = None) -> tuple[str, ...]:
     """Tell why the figures of a run may not be those of its design; a course that starts at rest does not hurry."""
     hurries = course is None or course.speed != 0.0
-    return (*reducer.warnings, *(pace(design) if hurries else ()), *(idle(design) if course is None else ()))
+    sways = (MESH_SWAYS,) if contact_of(reducer) == "mesh" and hurries else ()
+    return (*sways, *reducer.warnings, *(pace(design) if hurries else ()), *(idle(design) if course is None else ()))
 
 
 def warned(texts: Sequence[str]) -> dict[str, str]:
@@ -243,8 +259,8 @@ def blocks(reducer: ReducerModel, design: Design, course: Course | None = None) 
     Raises
     ------
     RunError
-        Not a number, a warning of MuJoCo's, penetration beyond ``contact.max_penetration_um``, a jumped tooth, or a
-        solver that did not converge; raised after the samples before it were given.
+        Not a number, a warning of MuJoCo's, a jam, penetration beyond ``contact.max_penetration_um``, a jumped tooth,
+        or a solver that did not converge; raised after the samples before it were given.
 
     Warns
     -----
@@ -253,9 +269,9 @@ def blocks(reducer: ReducerModel, design: Design, course: Course | None = None) 
     """
     warn(design.name, warnings(reducer, design, course))
     plan = schedule(design, reducer.model.opt.timestep)
-    course = course or ramp_and_hold(reducer, design)
+    driven, course = course is None, course or ramp_and_hold(reducer, design)
     data = initial_state(reducer, design, course)
-    recorder = _Recorder(reducer, design, data, plan.stride)
+    recorder = _Recorder(reducer, design, data, plan, driven)
     profile = contact_of(reducer) == "profile"
     exact = collider.installed(design.ring.kind == "nonpin") if profile else nullcontext()
     at_once = max(1, _STEPS_AT_ONCE // plan.stride) if profile else 1
@@ -291,18 +307,31 @@ def _advance(plan: Schedule, course: Course, samples: range, recorder: "_Recorde
 class _Recorder:
     """Takes samples, judges them, and makes tables of them."""
 
-    def __init__(self, reducer: ReducerModel, design: Design, data: Any, every: int) -> None:
+    def __init__(self, reducer: ReducerModel, design: Design, data: Any, plan: Schedule, driven: bool) -> None:
         groups = sensors(design)
         names = list(chain.from_iterable(groups.values()))
         index, drags = pair_index(reducer.model, reducer.pairs), drag_rows(reducer.model, DRAGS)
-        self.each_step = EachStep(reducer.model, data, index, every, addresses(data, design), [*drags.values()])
+        laws = [impact_of(design, pair.kind) for pair in reducer.pairs]
+        impacts = [law for law in laws if law]
+        self.each_step = EachStep(
+            reducer.model, data, index, plan.stride, addresses(data, design), [*drags.values()], impacts
+        )
         self._read, self._first_pin = len(names), len(groups[REDUCER])
         self._has_pins = PINS in groups
         self._kinds = [np.array([pair.kind == kind for pair in reducer.pairs]) for kind in sorted(reducer.laws)]
         self._deepest, self._most_iterations = deepest(design), reducer.model.opt.iterations
         self._design, self._data = design, data
+        self._jamming = jamming_power(design) if driven else math.inf
+        mesh = 2.0 * math.pi / (design.ring.teeth * abs(design.drive.speed)) if design.drive.speed else math.inf
+        of_mesh = min(mesh / (plan.stride * plan.timestep), plan.samples)
+        self._lost = np.zeros(max(math.ceil(of_mesh), 1) - 1)
         self._gears = [names.index(disc.joints[-1]) for disc in mechanism(design).discs]
+        first_disc = gears(design.gear.discs)[0]
+        self._pose = [names.index(name) for name in planar_joints(first_disc)]
+        self._motion = [names.index(name) for name in planar_speeds(first_disc)]
         self._crank, self._output = names.index("crank_angle"), names.index("output_angle")
+        bodies = mechanism(design).pins if design.ring.has_sockets else ()
+        self._free_pins = np.array([[names.index(joint) for joint in pin.joints[:2]] for pin in bodies], dtype=int)
 
     def advance(self, samples: int) -> tuple[Array, str]:
         """Give the rows of the next samples, up to the first with which something is wrong, and what that is."""
@@ -322,7 +351,8 @@ class _Recorder:
         pairs = rows[:, self.each_step.pairs].reshape(len(rows), -1, OF_PAIR)
         powers = np.stack([pairs[:, of_kind, 4:].sum(axis=1) for of_kind in self._kinds], axis=1)
         energies = seen[:, self._read :]
-        reducer = [seen[:, : self._first_pin], solver[:, :4], energies, powers.reshape(len(rows), -1), drags]
+        q = carried_point((0.0, self._design.output.pin_circle_radius), seen[:, self._pose], seen[:, self._motion])
+        reducer = [seen[:, : self._first_pin], solver[:, :4], energies, powers.reshape(len(rows), -1), drags, *q]
         tables = {REDUCER: np.concatenate(reducer, axis=1)}
         if self._has_pins:
             tables[PINS] = seen[:, self._first_pin : self._read]
@@ -336,6 +366,11 @@ class _Recorder:
         unsound = "the state is not a number; shorten settings.timestep_us or lower the contact stiffness"
         yield ~sound, lambda sample: unsound
         yield warnings > 0.0, lambda sample: self._warning()
+        lost = rows[:, self.each_step.pairs].reshape(len(rows), -1, OF_PAIR)[:, :, 4].sum(axis=1)
+        taken = means_of_last(lost, self._lost)
+        self._lost = np.concatenate([self._lost, lost])[len(lost) :]
+        yield taken > self._jamming, partial(self._jam, taken)
+        yield (lost > self._jamming) & (depth > self._deepest), partial(self._jam, lost)
         yield (
             depth > self._deepest,
             lambda sample: (
@@ -350,6 +385,15 @@ class _Recorder:
                 "shorten settings.timestep_us"
             ),
         )
+        if len(self._free_pins):
+            away = np.linalg.norm(seen[:, self._free_pins], axis=2)
+            yield (
+                (away > self._design.ring.pin_radius).any(axis=1),
+                lambda sample: (
+                    f"pin {np.argmax(away[sample]) + 1} left its socket: it is {1e3 * away[sample].max():.3g} mm from "
+                    'its place; see the check pin_held of the design, or set ring.socket = "closed"'
+                ),
+            )
         lobes = self._design.lobes
         ring = seen[:, self._output] if self._design.output.turns_ring else np.zeros(len(rows))
         for number, gear in enumerate(self._gears, start=1):
@@ -359,6 +403,15 @@ class _Recorder:
                 np.abs(error) > 0.25 * 2.0 * math.pi / lobes,
                 partial(_jumped, which, error),
             )
+
+    def _jam(self, lost: Array, sample: int) -> str:
+        """Tell of a jam; it is one in the mean of a mesh, or presses contacts too deep."""
+        drive = self._design.drive
+        return (
+            f"the drive jams: friction takes {lost[sample]:.3g} W, {lost[sample] / abs(drive.speed):.3g} N m at a "
+            f"crank rated at {drive.torque:.3g} N m; teeth with this friction lock themselves, or parts interfere: "
+            "lower friction.*, or check clearances and errors"
+        )
 
     def _warning(self) -> str:
         warnings = self._data.warning

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from cycloid_mj.checks import Check, check, soundness
+from cycloid_mj.checks import WALLS, Check, check, soundness
 from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.design.units import RPM
 from cycloid_mj.errors import DesignError, UsageError
@@ -122,10 +122,13 @@ def sized(name: str, ratio: int, diameter: float, torque: float, process: Proces
     Raises
     ------
     UsageError
-        The ratio or the number of discs is out of range, or the torque too large for the diameter.
+        The ratio or the number of discs is out of range or no whole number, or the torque too large for the diameter.
     DesignError
         No proportions pass the checks.
     """
+    for what, number in (("ratio", ratio), ("number of discs", discs)):
+        if number != round(number):
+            raise UsageError(f"the {what} is {number}; give {math.floor(number)} or {math.ceil(number)}")
     if not LEAST_RATIO <= ratio <= MOST_RATIO:
         raise UsageError(f"the ratio is {ratio}; one stage of pins has from {LEAST_RATIO} to {MOST_RATIO}")
     if not 1 <= discs <= MOST_DISCS:
@@ -198,9 +201,9 @@ def _shaped(
 
 
 def _sound(design: Design) -> bool:
-    """Tell whether the teeth and the body hold; the shaft is made longer later."""
-    bearing = {"balance", "bearings"}
-    return all(item.passed or item.severity == "warning" or item.name in bearing for item in soundness(design))
+    """Tell whether the teeth and the body hold, with walls as thick as is assumed; the shaft is made longer later."""
+    failed = (item for item in soundness(design) if not item.passed and item.name not in ("balance", "bearings"))
+    return not any(item.severity == "error" or item.name in WALLS for item in failed)
 
 
 def _carrying(design: Design, process: Process, short_width: float) -> Sized:

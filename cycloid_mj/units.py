@@ -17,6 +17,9 @@ ARCSECONDS = 3600.0 * 180.0 / math.pi
 MILLIMETRES = 1e3
 """Millimetres in a metre."""
 
+MICROMETRES = 1e6
+"""Micrometres in a metre."""
+
 MILLIMETRE, MEGAPASCAL = 1e-3, 1e6
 """[m], [Pa]."""
 

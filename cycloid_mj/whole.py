@@ -6,8 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from cycloid_mj.errors import CycloidError
+from cycloid_mj.errors import CycloidError, UsageError
 from cycloid_mj.interrupt import unbroken
+from cycloid_mj.replacing import LOG, as_own, require_replaceable
 
 
 @contextmanager
@@ -32,6 +33,10 @@ def whole_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]]
 
     Raises
     ------
+    UsageError
+        One of them has a log's name.
+    TakenError
+        One of them is there, and the running command reads it or may not replace it.
     CycloidError
         One of them cannot be written; all files that were there before are as they were.
     """
@@ -47,6 +52,7 @@ def whole_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]]
         with unbroken():
             for hidden, target in beside:
                 os.replace(hidden, target)
+                as_own(target)
     except OSError as problem:
         reason = problem.strerror or problem
         raise CycloidError(
@@ -80,6 +86,9 @@ def hidden_beside(path: Path) -> Path:
 
 def _claimed(path: Path, called: Path) -> Path:
     """Make a hidden file beside `path`, which the user calls otherwise."""
+    if path.suffix.lower() == LOG:
+        raise UsageError(f"cannot write {called}: {LOG} is the ending of logs; give a name with another")
+    require_replaceable(called)
     if path.exists() and not path.is_file():
         raise CycloidError(f"cannot write {called}: it is no regular file; give the name of a file")
     hidden = hidden_beside(path)

@@ -92,7 +92,13 @@ def commands() -> str:
     body = text[text.index("\n## cycloid-mj ") :]
     # of `python -m sphinx`, under whose name the build runs, cyclopts drops the first word alone
     body = re.sub(r"^(cycloid-mj .*?)-m sphinx ", r"\1", body, flags=re.MULTILINE)
-    return COMMANDS + "\n" + re.sub(r"\n{3,}", "\n\n", body)
+    return COMMANDS + "\n" + re.sub(r"\n{3,}", "\n\n", _shown(body))
+
+
+def _shown(text: str) -> str:
+    """Escape what a reader of Markdown would take for HTML and leave out, as ``<design>``, but in code."""
+    in_code = re.compile(r"(```.*?```|`[^`\n]*`)", re.DOTALL)
+    return "".join(part if k % 2 else part.replace("<", "&lt;") for k, part in enumerate(in_code.split(text)))
 
 
 def python() -> str:

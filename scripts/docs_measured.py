@@ -1,21 +1,23 @@
-"""Write the table in docs/results.md of what is measured of the two designs, from `cycloid-mj measure`.
+"""Write the tables of docs/results.md: pin against nonpin by `compare`, and what `measure` says of the two designs.
 
-`python scripts/docs_measured.py` writes it from tests/data/measured.json; with --measure it measures first, which
-takes some ten minutes of two cores, and keeps there what the table shows.
+python scripts/docs_measured.py                   # from tests/data/measured.json and compared.json
+python scripts/docs_measured.py FOLDER            # keeps there first what the `measure` files in a folder say
+python scripts/docs_measured.py --compared FILE   # keeps there first what a `compare --json` says
+
+`scripts/docs_figures.py` measures, compares, and calls this.
 """
 
 import argparse
 import json
-import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parent.parent
 PAGE, KEPT = ROOT / "docs" / "results.md", ROOT / "tests" / "data" / "measured.json"
-MARK = "<!-- {word} of measured: scripts/docs_measured.py writes what stands here -->"
-BEGIN, END = MARK.format(word="Begin"), MARK.format(word="End")
+COMPARED = ROOT / "tests" / "data" / "compared.json"
+MARK = "<!-- {word} of {name}: scripts/docs_measured.py writes what stands here -->"
 DESIGNS = ("pin", "nonpin")
 MEASURES = ("backlash", "lost-motion", "te", "torque", "efficiency", "loads")
 
@@ -43,21 +45,86 @@ ROWS = (
 )
 """Label, and the keys of which a design has one."""
 
+LEVELS = (
+    ("gear speed [rad/s]", "gear speed error, rms", ("fluctuation", "gear_speed_rad_s")),
+    (
+        "path of q, without its steady shift [um]",
+        "q path error, rms, without steady shifts",
+        ("fluctuation", "q_path_um"),
+    ),
+    (
+        "velocity of q, without its steady shift [mm/s]",
+        "q velocity error, rms, without steady shifts",
+        ("fluctuation", "q_velocity_mm_s"),
+    ),
+    (
+        "acceleration of the gear centre [m/s^2]",
+        "vibration of the gear centre, rms acceleration",
+        ("vibration", "gear_centre_m_s2"),
+    ),
+    (
+        "acceleration of the output [rad/s^2]",
+        "vibration of the output, rms acceleration",
+        ("vibration", "output_rad_s2"),
+    ),
+)
+"""Label, the quantity over the idle starts, and where a loaded run has it."""
 
-def measured(design: str) -> dict[str, dict[str, Any]]:
-    """Measure a design by every measure, with the defaults of the command line; give what the table shows."""
+
+def measured(folder: Path, design: str) -> dict[str, dict[str, Any]]:
+    """Give what the table shows of a design, from the JSON of every measure in a folder: ``pin-te``, ``pin-loads``."""
     found: dict[str, dict[str, Any]] = {}
     for measure in MEASURES:
-        names = [design] if measure == "torque" else ["--design", design]
-        command = [sys.executable, "-m", "cycloid_mj.cli", "measure", measure, *names, "--json", "--quiet"]
-        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
-        told = json.loads(done.stdout)
+        told = json.loads((folder / f"{design}-{measure}").read_text(encoding="utf-8"))
         told = told[0] if isinstance(told, list) else told
         for key, quantity in told["quantities"].items():
             if any(f"{measure}/{key}" in keys for _, keys in ROWS):
                 kept = ("value", "unit", "numerical_error", "reference")
                 found[f"{measure}/{key}"] = {name: quantity[name] for name in kept}
     return found
+
+
+def compared(told: Mapping[str, Any]) -> dict[str, Any]:
+    """Give what the page shows of the JSON of `compare`: by load and design, and how each run was stepped."""
+    runs = []
+    for run in told["runs"]:
+        spreads = {one["quantity"]: one for one in run["spreads"]}
+        figures: dict[str, Any] = {}
+        for label, spread, (group, key) in LEVELS:
+            one = spreads.get(spread)
+            figures[label] = [one["least"], one["largest"], one["mean"]] if one is not None else run[group][key]["rms"]
+        step, efficiency = run["findings"]["timestep_s"], run["findings"]["efficiency"]
+        runs.append(
+            {key: run[key] for key in ("design", "load_nm", "starts")}
+            | {"timestep_us": 1e6 * step, "efficiency": efficiency, "figures": figures}
+        )
+    return {"speed_rpm": told["conditions"]["drive.speed_rpm"], "runs": runs}
+
+
+def comparison(found: Mapping[str, Any]) -> str:
+    """Give the table of `compare`: a column for each run, no load first, with what it holds for above."""
+    runs = found["runs"]
+    loads = [f"{run['load_nm']:g} N m" if run["load_nm"] else "no load" for run in runs]
+    names = [run["design"].replace("-", " ") for run in runs]
+    steps = ", ".join(f"{run['timestep_us']:.3g}" for run in runs)
+    starts = max(run["starts"] for run in runs)
+    told = (
+        f"`compare pin nonpin` at {found['speed_rpm']:g} rpm with steps of {steps} us in the order of the columns; rms "
+        f"of the errors against the closed form, at no load least to largest over {starts} independent starts (mean):"
+    )
+    lines = ["| | " + " | ".join(map("{}, {}".format, loads, names)) + " |", "|---" * (len(runs) + 1) + "|"]
+    lines += [
+        f"| {label} | " + " | ".join(_level(run["figures"][label]) for run in runs) + " |" for label, *_ in LEVELS
+    ]
+    shares = (f"{100.0 * run['efficiency']:.1f}" if run["efficiency"] is not None else "" for run in runs)
+    return "\n".join([told, "", *lines, "| efficiency [%] | " + " | ".join(shares) + " |"])
+
+
+def _level(value: float | Sequence[float]) -> str:
+    if isinstance(value, Sequence):
+        least, largest, mean = (f"{one:.0f}" if one >= 100.0 else f"{one:.2g}" for one in value)
+        return f"{least} to {largest} ({mean})"
+    return f"{value:.3g}"
 
 
 def table(found: Mapping[str, Quantities]) -> str:
@@ -76,22 +143,40 @@ def _cell(quantity: Mapping[str, Any]) -> str:
     return text if reference is None else f"{text} ({reference:.4g})"
 
 
-def written(page: str, found: Mapping[str, Quantities]) -> str:
-    """Give the page with its table replaced; raise ValueError if it lacks the marks."""
-    if BEGIN not in page or END not in page:
-        raise ValueError(f"the page lacks {BEGIN} or {END}")
-    before, rest = page.split(BEGIN)
-    return f"{before}{BEGIN}\n\n{table(found)}\n\n{END}{rest.split(END)[1]}"
+def written(page: str, name: str, text: str) -> str:
+    """Give the page with one of its tables replaced; raise ValueError if it lacks the marks."""
+    begin, end = (MARK.format(word=word, name=name) for word in ("Begin", "End"))
+    if begin not in page or end not in page:
+        raise ValueError(f"the page lacks {begin} or {end}")
+    before, rest = page.split(begin)
+    return f"{before}{begin}\n\n{text}\n\n{end}{rest.split(end)[1]}"
+
+
+def whole(page: str) -> str:
+    """Give the page with the tables of all that is kept."""
+    page = written(page, "measured", table(_read(KEPT)))
+    return written(page, "compared", comparison(_read(COMPARED))) if COMPARED.exists() else page
+
+
+def _read(path: Path) -> Any:
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def _keep(path: Path, found: Any) -> None:
+    path.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
 
 
 def main() -> int:
     """Write the page; give the exit code."""
     parser = argparse.ArgumentParser(description=str(__doc__).split("\n\n")[0])
-    parser.add_argument("--measure", action="store_true", help="measure first")
-    if parser.parse_args().measure:
-        KEPT.write_text(json.dumps({name: measured(name) for name in DESIGNS}, indent=1) + "\n", encoding="utf-8")
-    found = json.loads(KEPT.read_text(encoding="utf-8"))
-    PAGE.write_text(written(PAGE.read_text(encoding="utf-8"), found), encoding="utf-8")
+    parser.add_argument("folder", nargs="?", type=Path, help="of the measures' JSON")
+    parser.add_argument("--compared", type=Path, help="JSON of `compare`")
+    options = parser.parse_args()
+    if options.folder:
+        _keep(KEPT, {name: measured(options.folder, name) for name in DESIGNS})
+    if options.compared:
+        _keep(COMPARED, compared(_read(options.compared)))
+    PAGE.write_text(whole(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
     return 0
 
 

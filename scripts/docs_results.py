@@ -1,4 +1,4 @@
-"""Write the results of docs/paper.md from the numbers of `cycloid-mj reproduce`.
+"""Write the results of docs/paper.md, and their sum in README.md, from the numbers of `cycloid-mj reproduce`.
 
 `python scripts/docs_results.py` writes them from tests/data/reproduce.json; with the path of another reproduce.json
 it keeps that one's claims and errata there first.
@@ -7,7 +7,7 @@ it keeps that one's claims and errata there first.
 import json
 import re
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from cycloid_mj.result import Table
 
 ROOT = Path(__file__).parent.parent
 PAGE, KEPT = ROOT / "docs" / "paper.md", ROOT / "tests" / "data" / "reproduce.json"
+README = ROOT / "README.md"
 MARK = "<!-- {word} of {name}: scripts/docs_results.py writes what stands here -->"
 STAGES = ("geometry", "equal", "input", "gear_speed", "q_path", "q_velocity", "pin_1", "vibration", "stress", "torque")
 TALLY = {"agrees": "agree", "depends": "depend", "disagrees": "disagree", "not determined": "are not determined"}
@@ -27,20 +28,25 @@ def sections(found: dict[str, Any]) -> dict[str, str]:
 
 def results(found: dict[str, Any]) -> str:
     """Give the claims: a row for each, with the load at which it is judged, and ours at the rated load beside it."""
+    claims, told = found["claims"], tally(found)
+    head = (
+        *("figure", "design", "load", "the paper says", "its number", "ours at that load", "numerical error"),
+        *("verdict", "decided by", "beside it: ours at the rated load"),
+    )
+    return f"{told}\n\n{_table(head, [_row(claim) for claim in claims])}"
+
+
+def tally(found: dict[str, Any]) -> str:
+    """Tell how many claims there are, and what becomes of them."""
     claims = found["claims"]
     counts = ", ".join(
         f"{sum(claim['verdict'] == verdict for claim in claims)} {words}" for verdict, words in TALLY.items()
     )
     command = "cycloid-mj reproduce --quick" if found["quick"] else "cycloid-mj reproduce"
-    told = (
+    return (
         f"`{command}` holds {len(claims)} claims of the paper against this model, each at the paper's own condition: "
         f"{counts}."
     )
-    head = (
-        *("figure", "design", "load", "the paper says", "its number", "ours at that load", "numerical error"),
-        *("verdict", "beside it: ours at the rated load"),
-    )
-    return f"{told}\n\n{_table(head, [_row(claim) for claim in claims])}"
 
 
 def load(condition: dict[str, float]) -> str:
@@ -57,7 +63,7 @@ def _row(one: dict[str, Any]) -> tuple[str, ...]:
     )
     return (
         *(one["figure"], one["design"], load(one["condition"]), one["paper"]["claim"], one["paper"]["text"]),
-        *(one["ours"]["text"], told, one["verdict"], rated["text"] if rated else ""),
+        *(one["ours"]["text"], told, one["verdict"], one["decided_by"], rated["text"] if rated else ""),
     )
 
 
@@ -78,9 +84,9 @@ def errata(found: Sequence[dict[str, Any]]) -> str:
     return _table(head, rows)
 
 
-def written(page: str, found: dict[str, Any]) -> str:
-    """Give the page with its generated sections replaced; raise ValueError if it lacks the marks of one."""
-    for name, text in sections(found).items():
+def written(page: str, texts: Mapping[str, str]) -> str:
+    """Give a page with its generated sections replaced; raise ValueError if it lacks the marks of one."""
+    for name, text in texts.items():
         begin, end = (MARK.format(word=word, name=name) for word in ("Begin", "End"))
         if begin not in page or end not in page:
             raise ValueError(f"the page lacks {begin} or {end}")
@@ -115,7 +121,8 @@ def main(arguments: Sequence[str]) -> int:
         told = kept(json.loads(Path(arguments[0]).read_text(encoding="utf-8")))
         KEPT.write_text(json.dumps(told, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     found = json.loads(KEPT.read_text(encoding="utf-8"))
-    PAGE.write_text(written(PAGE.read_text(encoding="utf-8"), found), encoding="utf-8")
+    for path, texts in ((PAGE, sections(found)), (README, {"tally": tally(found)})):
+        path.write_text(written(path.read_text(encoding="utf-8"), texts), encoding="utf-8")
     return 0
 
 

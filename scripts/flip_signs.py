@@ -48,10 +48,11 @@ ALL: frozenset[str] = frozenset()
 
 ON_THE_WAY = {
     KERNEL: {
-        **dict.fromkeys(("_lead", "_keep", "_solve", "_roll_off", "_leap", "_settle", "_renew"), ALL),
-        "balance": {"here", "near"},
+        **dict.fromkeys(("_lead", "_search", "_hardest", "_depth", "_play", "_newton", "_solve", "_roll_off"), ALL),
+        **dict.fromkeys(("_leap", "_settle", "_renew", "_solve_stable"), ALL),
+        "balance": {"near"},
         "balance_along": {"z"},
-        "_search": {"there", "energy", "assembled", "if"},
+        "_assemble": {"assembled"},
         "_is_open": {"rim"},
         "_weigh": {"work"},
     }

@@ -27,7 +27,7 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.log import LogWriter
 from cycloid_mj.mjcf import ReducerModel, build
 from cycloid_mj.run import attachments, blocks, columns, contact_of, provenance, schedule
-from cycloid_mj.scene import Scene
+from cycloid_mj.scene import Scene, frame_rate
 
 Case = tuple[Design, ReducerModel]
 
@@ -148,7 +148,7 @@ def run_cost(design: Design, reducer: ReducerModel) -> float:
 def logged_cost(design: Design, reducer: ReducerModel) -> float:
     """CPU time of a step of ``simulate`` [us] into a log as ``cycloid-mj simulate`` writes it."""
     groups = {topic: list(units.items()) for topic, units in columns(reducer, design).items()}
-    scene = Scene(design, design.settings.scene_rate)
+    scene = Scene(design, frame_rate(design))
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "benchmark.mcap"
         with LogWriter(path, groups, provenance(design), attachments(reducer, design), viewer=scene) as log:

@@ -6,11 +6,12 @@ Exudyn is no dependency: put it into an environment of its own beside this proje
     python scripts/peer_exudyn.py
 
 Both have one planar gear on a cam that turns at constant speed, with the load on the gear itself (Exudyn's model has
-no pins in holes), uniform contact stiffness and no play in the cam. Exudyn's settings are the best of those tried on
-version 1.13.6: generalised alpha at 10 us (20 us fails), contact model 0 (model 1 does not converge), no contact
-damping (with it the efficiency without friction leaves 1), and as many segments as it takes, since ``polynomialData``
-is refused. A segment is a bed of springs per length: they are made as stiff as our contact at the working force, so
-mean transmission errors may differ by some percent.
+no pins in holes), uniform contact stiffness, no play in the cam and no friction there. Exudyn's settings are the best
+of those tried on version 1.13.6. For its own contact, a polygon, these are generalised alpha at 10 us (20 us fails),
+contact model 0 (model 1 does not converge), no contact damping (with it the efficiency without friction leaves 1), and
+as many segments as it takes, since ``polynomialData`` is refused. A segment is a bed of springs per length: they are
+made as stiff as our contact at the working force, so mean transmission errors may differ by some percent. With contacts
+that its user compiles (numba), of the exact teeth and of free pins in their sockets, it is its explicit RK44.
 """
 
 import argparse
@@ -18,10 +19,12 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
+from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
+from numba import njit
 
 from cycloid_mj.contact.collider import installed
 from cycloid_mj.contact.working import working_force
@@ -29,7 +32,7 @@ from cycloid_mj.course import initial_state, ramp_and_hold
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.mjcf import build
 from cycloid_mj.modification import gear_profile, profile_offset, tooth_profile
-from cycloid_mj.profile import pin_angles, sample
+from cycloid_mj.profile import pin_angles, sample, unit
 from cycloid_mj.types import Array
 
 SAMPLING = 1e-4
@@ -50,10 +53,10 @@ class Motion:
     cpu: float
 
 
-def design_of(step: float, friction: float) -> Design:
+def design_of(step: float, friction: float, pins: str = "fixed") -> Design:
     """Give the reducer without what Exudyn's model leaves out."""
     changes = [
-        'ring.pins="fixed"',
+        f'ring.pins="{pins}"',
         'contact.stiffness_law="uniform"',
         "clearance.cam_um=0.001",
         "clearance.output_um=500.0",
@@ -61,17 +64,20 @@ def design_of(step: float, friction: float) -> Design:
         "drive.rotor_inertia_kg_m2=10.0",
         f"settings.timestep_us={step * 1e6!r}",
         f"friction.pin_gear={friction}",
+        "friction.cam_rolling=0.0",
+        f"load.torque_nm={LOAD}",
     ]
     return override(PRESETS["pin"], changes)
 
 
-def run_ours(step: float, friction: float, end: float) -> Motion:
+def run_ours(step: float, friction: float, end: float, pins: str = "fixed") -> Motion:
     """Run this project's model, with the load on the gear."""
-    design = design_of(step, friction)
+    design = design_of(step, friction, pins)
     reducer = build(design)
     data = initial_state(reducer, design)
     data.joint("gear_angle").qfrc_applied[0] = LOAD
     commands = ramp_and_hold(reducer, design).commands(step * np.arange(round(end / step), dtype=np.float64))
+    commands[:, 1] = 0.0  # the output, which nothing holds, has no load: that is on the gear
     every, rows = round(SAMPLING / step), []
     crank, gear, drive = data.joint("crank"), data.joint("gear_angle"), data.actuator("drive")
     with installed():
@@ -175,6 +181,187 @@ def run_exudyn(step: float, friction: float, end: float, segments: int) -> Motio
     return Motion(theta, moved[:, 2], velocity[:, 2], torque, cpu)
 
 
+class Parts(NamedTuple):
+    """What the compiled forces are of: lengths in m, the law of each contact with stiffness and damping [N/m, N s/m].
+
+    `places` (N, 2) are those of the pins, and `pin` is 1 where they move. The trochoid, on which ideal pins have their
+    centres, is E u(t) - c u(N t) with u(b) = (sin b, cos b).
+    """
+
+    E: float
+    c: float
+    N: float
+    radius: float
+    clearance: float
+    play: float
+    places: Array
+    tooth: tuple[float, float]
+    seat: tuple[float, float]
+    cam: tuple[float, float]
+    friction: tuple[float, float]
+    creep: float
+    speed: float
+    load: float
+    pin: int
+
+
+@njit(error_model="numpy")
+def forces(of: Parts, time: float, q: Array, v: Array, near: Array, out: Array) -> None:
+    """Put the forces of all contacts, the cam and the load at x, y and turn of the gear, then of pins, into `out`.
+
+    `near` (N,) are the parameters of the trochoid where the pins were nearest before: there Newton's method goes on.
+    """
+    out[:] = 0.0
+    theta = of.speed * time
+    x, y, turn = q[0], q[1], q[2]
+    sine, cosine = math.sin(turn), math.cos(turn)
+    stretch_x, stretch_y = x + of.c * math.sin(theta), y - of.c * math.cos(theta)
+    rate_x = v[0] + of.c * of.speed * math.cos(theta)
+    rate_y = v[1] + of.c * of.speed * math.sin(theta)
+    out[0] -= of.cam[0] * stretch_x + of.cam[1] * rate_x
+    out[1] -= of.cam[0] * stretch_y + of.cam[1] * rate_y
+    out[2] += of.load
+    for i in range(of.places.shape[0]):
+        row = 3 + 3 * i
+        px, py, pu, pv, spin = of.places[i, 0], of.places[i, 1], 0.0, 0.0, 0.0
+        if of.pin:
+            ex, ey = q[row], q[row + 1]
+            px, py, pu, pv, spin = px + ex, py + ey, v[row], v[row + 1], v[row + 2]
+            reach = math.hypot(ex, ey)
+            if reach > of.play:  # a circle in a circle
+                nx, ny = -ex / reach, -ey / reach
+                normal = of.seat[0] * (reach - of.play) - of.seat[1] * (nx * pu + ny * pv)
+                if normal > 0.0:
+                    slip = -ny * pu + nx * pv - of.radius * spin
+                    side = -of.friction[1] * normal * min(max(slip / of.creep, -1.0), 1.0)
+                    out[row] += normal * nx - side * ny
+                    out[row + 1] += normal * ny + side * nx
+                    out[row + 2] -= side * of.radius
+        ax, ay = px - x, py - y
+        lx, ly = cosine * ax + sine * ay, cosine * ay - sine * ax  # seen from the gear
+        t = near[i]
+        for _ in range(8):
+            st, ct, sn, cn = math.sin(t), math.cos(t), math.sin(of.N * t), math.cos(of.N * t)
+            rx, ry = lx - of.E * st + of.c * sn, ly - of.E * ct + of.c * cn
+            tx, ty = of.E * ct - of.c * of.N * cn, -of.E * st + of.c * of.N * sn
+            bx, by = -of.E * st + of.c * of.N**2 * sn, -of.E * ct + of.c * of.N**2 * cn
+            square = tx * tx + ty * ty
+            step = (rx * tx + ry * ty) / max(square - rx * bx - ry * by, 0.1 * square)
+            t += min(max(step, -0.2 / of.N), 0.2 / of.N)
+            if abs(step) < 1e-9:
+                break
+        near[i] = t
+        size = math.sqrt(square)
+        ox, oy = -ty / size, tx / size  # outwards, seen from the gear
+        depth = -(rx * ox + ry * oy) - of.clearance
+        if depth <= 0.0:
+            continue
+        nx, ny = cosine * ox - sine * oy, sine * ox + cosine * oy
+        hx, hy = ax - of.radius * nx, ay - of.radius * ny
+        apart_x = pu + of.radius * spin * ny - v[0] + v[2] * hy
+        apart_y = pv - of.radius * spin * nx - v[1] - v[2] * hx
+        normal = of.tooth[0] * depth - of.tooth[1] * (nx * apart_x + ny * apart_y)
+        if normal <= 0.0:
+            continue
+        slip = -ny * apart_x + nx * apart_y
+        side = -of.friction[0] * normal * min(max(slip / of.creep, -1.0), 1.0)
+        fx, fy = normal * nx - side * ny, normal * ny + side * nx
+        out[0] -= fx
+        out[1] -= fy
+        out[2] -= hx * fy - hy * fx
+        if of.pin:
+            out[row] += fx
+            out[row + 1] += fy
+            out[row + 2] -= side * of.radius
+
+
+def run_compiled(step: float, friction: float, end: float, pins: str = "fixed") -> Motion:
+    """Run Exudyn's integrator (RK44) with contacts that its user has compiled: exact teeth, fixed pins or free ones."""
+    import exudyn as exu
+    from exudyn import itemInterface as item
+
+    design = design_of(step, friction, pins)
+    reducer, gear, free = build(design), tooth_profile(design), pins == "free"
+    laws, angles = reducer.laws, pin_angles(gear)
+
+    def law(kind: str) -> tuple[float, float]:
+        return (laws[kind].stiffness, laws[kind].damping) if kind in laws else (0.0, 0.0)
+
+    of = Parts(
+        E=gear.pin_circle_radius,
+        c=gear.eccentricity,
+        N=float(gear.ring_teeth),
+        radius=gear.pin_radius,
+        clearance=design.clearance.pin_gear,
+        play=design.clearance.pin_socket,
+        places=gear.pin_circle_radius * unit(angles),
+        tooth=law("pin_gear"),
+        seat=law("pin_socket"),
+        cam=law("cam"),
+        friction=(friction, design.friction_of("pin_socket")),
+        creep=design.contact.creep_speed,
+        speed=design.drive.speed,
+        load=LOAD,
+        pin=int(free),
+    )
+    bodies = [reducer.model.body("gear"), *(reducer.model.body(f"pin_{i + 1}") for i in range(len(angles)) if free)]
+    mass = np.concatenate([[body.mass[0], body.mass[0], inertia_about_axis(body)] for body in bodies])
+    speeds = np.zeros(mass.size)
+    speeds[:3] = -gear.eccentricity * of.speed, 0.0, -of.speed / gear.lobes
+    places = np.zeros(mass.size)
+    places[1] = gear.eccentricity
+    near, out = np.array(angles), np.zeros(mass.size)
+
+    def force(mbs: Any, time: float, number: int, q: Any, v: Any) -> Any:
+        forces(of, time, np.asarray(q), np.asarray(v), near, out)
+        return out
+
+    forces(of, 0.0, places, speeds, near.copy(), out)  # compiled before the clock starts
+    mbs = exu.SystemContainer().AddSystem()
+    node = mbs.AddNode(
+        item.NodeGenericODE2(
+            referenceCoordinates=[0.0] * mass.size,
+            initialCoordinates=places.tolist(),
+            initialCoordinates_t=speeds.tolist(),
+            numberOfODE2Coordinates=mass.size,
+        )
+    )
+    mbs.AddObject(item.ObjectGenericODE2(nodeNumbers=[node], massMatrix=np.diag(mass), forceUserFunction=force))
+    kinds = ("Coordinates", "Coordinates_t")
+    sensors = [
+        mbs.AddSensor(
+            item.SensorNode(
+                nodeNumber=node, storeInternal=True, outputVariableType=getattr(exu.OutputVariableType, kind)
+            )
+        )
+        for kind in kinds
+    ]
+    mbs.Assemble()
+    settings = exu.SimulationSettings()
+    settings.timeIntegration.endTime, settings.timeIntegration.numberOfSteps = end, round(end / step)
+    settings.timeIntegration.automaticStepSize = settings.timeIntegration.adaptiveStep = False
+    settings.timeIntegration.verboseMode = 0
+    settings.solutionSettings.writeSolutionToFile = False
+    settings.solutionSettings.sensorsWritePeriod = SAMPLING
+    begin = time.process_time()
+    mbs.SolveDynamic(settings, solverType=exu.DynamicSolverType.RK44)
+    cpu = (time.process_time() - begin) / end
+    stored = [mbs.GetSensorStoredData(number) for number in sensors]
+    theta = of.speed * stored[0][:, 0]
+    (x, y, turn), (u, v, rate) = (one[:, 1:4].T for one in stored)
+    force_x = of.cam[0] * (x + of.c * np.sin(theta)) + of.cam[1] * (u + of.c * of.speed * np.cos(theta))
+    force_y = of.cam[0] * (y - of.c * np.cos(theta)) + of.cam[1] * (v + of.c * of.speed * np.sin(theta))
+    torque = of.c * (np.cos(theta) * force_x + np.sin(theta) * force_y)
+    return Motion(theta, turn, rate, torque, cpu)
+
+
+def inertia_about_axis(body: Any) -> float:
+    """Give the moment of inertia of a body about the axis of the crank [kg m2]."""
+    axes = np.empty(9)
+    mujoco.mju_quat2Mat(axes, body.iquat)
+    return float(axes.reshape(3, 3)[2] ** 2 @ body.inertia)
+
+
 def judged(motion: Motion, lobes: int) -> tuple[float, float, float, float]:
     """Give mean and peak-to-peak transmission error [arcsec], rms error of the gear's speed [rad/s], efficiency."""
     half = slice(len(motion.crank) // 2, None)
@@ -192,14 +379,15 @@ def main() -> None:
     parser.add_argument("--friction", type=float, default=0.05, help="pin on gear")
     options = parser.parse_args()
     end, friction = 1e-3 * options.end_ms, options.friction
-    runs: dict[str, Callable[[], Motion]] = {
-        f"cycloid-mj, {step} us": lambda step=step: run_ours(1e-6 * step, friction, end)  # type: ignore[misc]
-        for step in (1, 5, 10)
-    }
+    runs: dict[str, Callable[[], Motion]] = {}
+    for pins, ours, theirs in (("fixed", (1, 5, 10), (5, 10)), ("free", (1, 2), (1, 2))):
+        runs |= {f"cycloid-mj, {pins}, {step} us": partial(run_ours, 1e-6 * step, friction, end, pins) for step in ours}
+        runs |= {
+            f"Exudyn, {pins}, compiled, {step} us": partial(run_compiled, 1e-6 * step, friction, end, pins)
+            for step in theirs
+        }
     for segments in (2800, 5600, 11200, 22400):
-        runs[f"Exudyn, 10 us, {segments} segments"] = lambda n=segments: run_exudyn(  # type: ignore[misc]
-            1e-5, friction, end, n
-        )
+        runs[f"Exudyn, 10 us, {segments} segments"] = partial(run_exudyn, 1e-5, friction, end, segments)
     lobes = design_of(1e-6, friction).lobes
     print(f"{'':32}{'CPU s / s':>10}{'TE mean':>10}{'TE p-p':>10}{'speed rms':>11}{'efficiency':>12}")
     for name, run in runs.items():

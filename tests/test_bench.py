@@ -7,10 +7,13 @@ from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 from designs import UNLIKE, design_file, unlike
+from scipy.stats import t
 
 from cycloid_mj.bench import (
     MeasuredLoop,
@@ -22,10 +25,10 @@ from cycloid_mj.bench import (
     read_te,
 )
 from cycloid_mj.bench.calibration import variants
-from cycloid_mj.bench.fit import Fitted, fit
+from cycloid_mj.bench.fit import COVERED, Fitted, fit, widen
 from cycloid_mj.bench.overlay import Bench, model_branches, put_all
 from cycloid_mj.bench.parameters import DEFAULT, Model, parameters
-from cycloid_mj.bench.spread import UNKNOWN, memory, spread
+from cycloid_mj.bench.spread import UNKNOWN, Spread, memory, spread
 from cycloid_mj.cli.app import main
 from cycloid_mj.design import Design, load, resolve
 from cycloid_mj.errors import UsageError
@@ -180,22 +183,22 @@ KNOWN = {
 
 
 @pytest.mark.slow
-def test_known_values_come_back() -> None:
-    """Both kinds of friction, which a loop hardly tells apart, from starts far off, in intervals of 95 %."""
-    known = Known(KNOWN["printed"].design, KNOWN["printed"].values | {"drag_travel": 0.0}, 20.0)
-    keys = ("friction", "drag")
-    hits = [known.hits(keys, seed) for seed in range(2)]
-    assert sum(hit for one in hits for hit in one.values()) == 4, hits
+def test_known_values_come_back_for_most_seeds() -> None:
+    """All five at once from one loop: what it determines of each is in its interval for 5 seeds of 6 at least.
+
+    Intervals of 95 % hold a value for fewer in 3 % of such sixes, those of 60 % in 77 %.
+    """
+    counts = Counter[str]()
+    for seed in range(6):
+        counts.update(KNOWN["printed"].hits(FIVE, 100 * seed))
+    assert all(counts[key] >= 5 for key in FIVE), counts
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", KNOWN)
-def test_known_values_come_back_for_most_seeds(name: str) -> None:
-    """All five at once from one loop: what it determines of each is in its interval for 17 seeds of 20 at least."""
-    counts = Counter[str]()
-    for seed in range(20):
-        counts.update(KNOWN[name].hits(FIVE, 100 * seed))
-    assert all(counts[key] >= 17 for key in FIVE), counts
+def test_values_of_another_drive_come_back() -> None:
+    """A steel one of 6:1 with free pins: play, stiffness and friction, all else known."""
+    hits = KNOWN["few"].hits(("play", "tooth_stiffness", "friction"), 0)
+    assert all(hits.values()), hits
 
 
 def test_the_way_to_the_loop_is_left_out() -> None:
@@ -319,6 +322,42 @@ def test_what_no_residual_answers_to_is_unknown() -> None:
     assert errors[1] == pytest.approx(UNKNOWN)
 
 
+def test_an_interval_covers_what_few_points_decide() -> None:
+    """181 points, of which six answer to the value: in 95 of 100 fits it is inside; by all 181 it was in some 91."""
+    generator = np.random.default_rng(1)
+    slopes = np.zeros((181, 2))
+    slopes[:, 0], slopes[::31, 1] = 1.0, 1.0
+    inside, narrow = 0, 0
+    for _ in range(2000):
+        noise = generator.standard_normal(181)
+        found = np.linalg.lstsq(slopes, noise, rcond=None)[0]
+        sure = spread([slopes], [noise - slopes @ found], np.array([True, True]))
+        away = abs(found[1]) / sure.errors[1]
+        inside += away <= sure.reach(COVERED)[1]
+        narrow += away <= t.ppf(0.975, 179.0)
+    assert inside / 2000 == pytest.approx(COVERED, abs=0.015)
+    assert narrow / 2000 < COVERED - 0.02
+
+
+def test_an_interval_reaches_into_every_valley() -> None:
+    """Two values of friction explain a loop alike: a search from either finds its own, and the interval holds both."""
+
+    class Valleys:
+        parameters = (None,)
+        bounds = (np.array([-10.0]), np.array([10.0]))
+
+        def run(self, start: Array, *_: Any, held: int | None = None) -> tuple[float, Array]:
+            assert held == 0
+            near = 0.0 if start[0] < 1.5 else 3.0
+            return 1.0 + (0.05 if near else 0.0) + 0.5 * float(start[0] - near) ** 2, start
+
+    sure = Spread(np.eye(1) * 0.25, np.eye(1), np.ones((50, 1)), np.ones(50))
+    ends = np.array([[-1.0, 1.0]])
+    found = SimpleNamespace(spread=sure, places=np.array([0.0]), ends=ends, at_bound=np.array([False]))
+    assert widen(Valleys(), found, [(1.0, np.array([0.0])), (1.05, np.array([3.0])), (9.0, np.array([-5.0]))]) is None
+    assert found.ends[0] == pytest.approx([-1.0, 3.0 + 0.9**0.5])
+
+
 def test_either_sign_convention_is_read() -> None:
     ours = read_loop(BENCH[0])
     other = measured_loop("other", ours.torque, -ours.deflection / DEGREE)
@@ -350,6 +389,14 @@ def rows(path: Path) -> list[str]:
         (
             lambda lines: [lines[0], *(f"{t},{float(d) * DEGREE}" for t, d in (row.split(",") for row in lines[1:]))],
             "in radians",
+        ),
+        (
+            lambda lines: [lines[0], *(f"{t},{float(d) * 60}" for t, d in (row.split(",") for row in lines[1:]))],
+            "is deflection_deg in minutes of arc? then divide it by 60",
+        ),
+        (
+            lambda lines: [lines[0], *(f"{float(t) * 1000},{d}" for t, d in (row.split(",") for row in lines[1:]))],
+            "times the design's rated 10.4 N m: is torque_output_Nm in N mm? then divide it by 1000",
         ),
     ],
 )

@@ -1,6 +1,8 @@
 """Work on a real Dask scheduler and two workers, each a process: the same bits as here, and one worker killed."""
 
+import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -77,3 +79,32 @@ def test_workers_of_other_versions_are_refused(cluster: Cluster, monkeypatch: py
 def test_an_error_on_a_cluster_ends_the_work(cluster: Cluster) -> None:
     with pytest.raises(DesignError, match="spoiled"):
         Engine(scheduler=cluster.address).each(fail, range(20))
+
+
+@pytest.mark.slow
+def test_a_killed_scheduler_is_told_in_one_line_and_the_sweep_goes_on_elsewhere(tmp_path: Path) -> None:
+    out = tmp_path / "sweep"
+    words = [
+        sys.executable,
+        "-m",
+        "cycloid_mj.cli",
+        "sweep",
+        "--vary",
+        "clearance.cam_um=1:3:30",
+        "--measure",
+        "statics",
+    ]
+    with Cluster(tmp_path) as found:
+        ours = [*words, "--out", str(out), "--scheduler", found.address]
+        with subprocess.Popen(ours, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
+            rows = out / "sweep.rows.jsonl"
+            while process.poll() is None and not (rows.exists() and rows.stat().st_size):
+                time.sleep(0.1)
+            found.scheduler.kill()
+            err = process.communicate(timeout=300)[1]
+    assert process.returncode == 1
+    told = [line for line in err.splitlines() if not line.startswith("sweep: ")]
+    assert len(told) == 1, err
+    assert told[0].startswith(f"error: the connection with the scheduler {ours[-1]} was lost")
+    kept = rows.read_bytes()
+    assert kept.endswith(b"\n")

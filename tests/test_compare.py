@@ -13,12 +13,13 @@ import pytest
 
 import cycloid_mj.run
 from cycloid_mj.cli import main
-from cycloid_mj.cli.compare import RUNS, TURNS
-from cycloid_mj.comparison import STARTS, SWEEP, settled, settling
+from cycloid_mj.cli.compare import DEFAULTS, RUNS, TURNS, Options, all_cases
+from cycloid_mj.cli.flags import designed
+from cycloid_mj.comparison import STARTS, SWEEP, comparable, differences, settled, settling
 from cycloid_mj.comparison.conditions import conditions
 from cycloid_mj.contact_lines import contact_lines, mesh_period
 from cycloid_mj.design import PRESETS, dump, loads, override
-from cycloid_mj.errors import RunError
+from cycloid_mj.errors import RunError, UsageError
 from cycloid_mj.log import read
 from cycloid_mj.plots.comparison import comparison_figures
 from cycloid_mj.plots.curvature import CRANK_ANGLES, curvature_figure
@@ -479,3 +480,31 @@ def test_figures_have_a_panel_for_each_run_and_name_it(compared):
     assert f"about {truth.mean():.4g} arcsec" in drawn["compare_transmission_error"].axes[1].get_title(loc="left")
     speed = drawn["compare_gear_speed"].axes[1].lines[0].get_ydata()
     assert speed == pytest.approx(1e3 * motions[3].gear_speed.error[motions[3].one_turn])
+
+
+@pytest.mark.parametrize("names", [("printed", "pin"), ("pin", "printed"), ("printed", "nonpin")], ids=" ".join)
+def test_designs_that_settle_apart_and_have_other_tables_are_compared(names: tuple[str, str]) -> None:
+    """The slowest decides the hold of all, whichever is named first, and a key that one lacks is a difference."""
+    options = Options(load_nm=5.0)
+    first = designed(names[0], DEFAULTS, ())
+    cases = all_cases([designed(name, (), ()) for name in names], first, options)
+    for load in (0.0, 5.0):
+        own = [case for case in cases if case.load.torque == load]
+        assert len(own) >= 2
+        (hold,) = {case.drive.hold for case in own}
+        assert hold > max(settling(case) for case in own)
+    found = differences(list(comparable(cases).values())[:2])
+    assert None in found["pin_material.name"]
+    assert "bearing steel" in found["pin_material.name"]
+
+
+def test_cases_that_cannot_be_compared_are_refused_before_they_run() -> None:
+    pin, nonpin = PRESETS["pin"], PRESETS["nonpin"]
+    assert list(comparable([pin, nonpin])) == ["pin", "nonpin"]
+    for spoiled, words in (
+        (override(nonpin, ["drive.hold_s=0.3"]), r"drive\.hold_s is .* for pin at no load, but 0\.3 for nonpin"),
+        (override(nonpin, ["load.torque_nm=5"]), "the run of pin at 5 N m is missing"),
+        (pin.but(name="nonpin", environment={"gravity_x": 1.0}), r"environment\.gravity_x_m_s2"),
+    ):
+        with pytest.raises(UsageError, match=words):
+            comparable([pin, spoiled])

@@ -12,7 +12,7 @@ import pytest
 from numba import njit
 
 import cycloid_mj
-from cycloid_mj import compiling
+from cycloid_mj import compile_cache
 from cycloid_mj.cli import main
 from cycloid_mj.compiling import announced
 from cycloid_mj.contact.collider import CYLINDER, TYPES, collision_table, installed
@@ -47,7 +47,7 @@ def test_first_run_says_that_it_compiles_and_the_next_has_it(tmp_path):
 
 def test_it_is_said_of_any_code_but_once_and_not_when_quiet(capsys, monkeypatch, tmp_path):
     for quiet, lines in ((), 1), (("--quiet",), 0):
-        compiling._announce.cache_clear()
+        monkeypatch.setattr(compile_cache, "_said", set())
 
         def build(*given):
             for number in range(2):

@@ -15,6 +15,7 @@ from cycloid_mj.design import PRESETS, override
 from cycloid_mj.mjcf import build
 from cycloid_mj.profile import CycloidGear, curvature, trochoid
 from cycloid_mj.solid.gear import tooth_profile
+from cycloid_mj.validation import equilibrium
 
 PAPER = CycloidGear(ring_teeth=36, eccentricity=1e-3, pin_circle_radius=40.75e-3, pin_radius=2.25e-3)
 OTHERS = (
@@ -172,6 +173,9 @@ def inject(model, data, reducer, design) -> None:
             inner_radius, outer_radius = model.geom_size[[inner, outer], 0]
             scale = 1.0
             dist, nx, ny = gap.circle_in_circle(away[0], away[1], inner_radius, outer_radius)
+            if pair.kind == "pin_socket":
+                between, towards = equilibrium.seats(design, np.tile(away[:2], (design.ring.teeth, 1)))
+                dist, (nx, ny) = between[pair.owner], towards[pair.owner]
             outward = np.array([nx, ny, 0.0])
             point = data.geom_xpos[inner] + (inner_radius + 0.5 * dist) * outward
             normal = outward if inner == on else -outward
@@ -190,6 +194,15 @@ def inject(model, data, reducer, design) -> None:
         mujoco.mj_addContact(model, data, contact)
 
 
+def take_off_lift(data) -> None:
+    """Lower the reference of each contact that slides by what MuJoCo's cone will lift it (`contact.lift`)."""
+    for contact in data.contact:
+        if contact.dim == 3:
+            normal, *sliding = data.efc_aref[contact.efc_address : contact.efc_address + 3]
+            lift = contact.friction[0] * np.linalg.norm(sliding) - contact.mu**2 * max(normal, 0.0)
+            data.efc_aref[contact.efc_address] -= max(lift, 0.0)
+
+
 def injected_step(model, data, reducer, design) -> None:
     """One semi-implicit Euler step, stage by stage, with injected contacts."""
     mujoco.mj_fwdPosition(model, data)
@@ -203,6 +216,7 @@ def injected_step(model, data, reducer, design) -> None:
     mujoco.mj_transmission(model, data)
     mujoco.mj_projectConstraint(model, data)
     mujoco.mj_fwdVelocity(model, data)
+    take_off_lift(data)
     mujoco.mj_fwdActuation(model, data)
     mujoco.mj_fwdAcceleration(model, data)
     mujoco.mj_fwdConstraint(model, data)

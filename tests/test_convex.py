@@ -4,7 +4,6 @@ import dataclasses
 
 import numpy as np
 import pytest
-from designs import cases
 
 from cycloid_mj import profile
 from cycloid_mj.convex import (
@@ -53,19 +52,6 @@ FEW_TEETH = override(
         "output.hole_radius_mm=6.5",
     ],
 )
-MANY_TEETH = override(
-    PIN,
-    [
-        "ring.teeth=100",
-        "ring.pin_circle_radius_mm=100.0",
-        "ring.pin_radius_mm=1.4",
-        "gear.eccentricity_mm=0.7",
-        "output.pin_circle_radius_mm=60.0",
-        "output.hole_radius_mm=4.7",
-        "shaft.counterweight_radius_mm=50.0",
-        "housing.outer_radius_mm=110.0",
-    ],
-)
 SETTINGS = ConvexSettings()
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 UP = np.array([[0.0, 1.0]])
@@ -104,9 +90,7 @@ def test_fill_in_three_dimensions() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "design", cases([PIN, NONPIN, FEW_TEETH, MANY_TEETH], NONPIN), ids=["pin", "nonpin", "few", "many"]
-)
+@pytest.mark.parametrize("design", [PIN, FEW_TEETH], ids=["pin", "few"])
 def test_every_surface_keeps_its_bound(design: Design) -> None:
     for surface in surfaces(design, SETTINGS):
         found = surface_quality(surface)
@@ -128,10 +112,9 @@ def test_flanks_are_balanced_and_as_many_as_curvature_asks() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("make", cases([gear_teeth, ring_lobes], ring_lobes))
-def test_the_error_is_of_second_order_in_the_width(make: object) -> None:
+def test_the_error_is_of_second_order_in_the_width() -> None:
     """A chord's sagitta goes with its width squared: four times the error, half the slices."""
-    coarse, fine = (make(NONPIN, finer(error)) for error in (4e-7, 1e-7))  # type: ignore[operator]
+    coarse, fine = (ring_lobes(NONPIN, finer(error)) for error in (4e-7, 1e-7))
     counts = [sum(np.isfinite(part.width) for part in surface.slices) for surface in (coarse, fine)]
     assert counts[1] == pytest.approx(2 * counts[0], abs=2)
     errors = [surface_quality(surface).max_overfill for surface in (coarse, fine)]
@@ -259,8 +242,8 @@ def test_pieces_are_hulls_of_their_vertices() -> None:
 
 @pytest.mark.slow
 def test_plain_coacd_fills_the_valleys() -> None:
-    """At threshold 0.05 by the whole depth of 2 mm, nearly: this is why flanks are sliced."""
-    found = plain_gear(PIN, CoacdSettings(threshold=0.05)).quality
+    """By the whole depth of 2 mm, nearly: this is why flanks are sliced. At 0.05 too, in a minute."""
+    found = plain_gear(PIN, CoacdSettings(threshold=0.3)).quality
     assert found.max_overfill > 1.5e-3
     assert found.max_underfill < 1e-5
     assert found.volume_error > 0.05

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from designs import UNLIKE, cases, unlike
+from designs import UNLIKE, unlike
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.text import Text
 
@@ -80,6 +80,16 @@ def test_the_momentary_torque_is_that_of_the_weakest_stop(sheet) -> None:
     assert told(sheet)["momentary_torque"].value == pytest.approx(2.0 * 36.68 * min(item.safety for item in stops))
 
 
+def test_the_rated_torque_is_held_once_as_well() -> None:
+    """Where first yield comes before what lasts, it governs: no sheet has a momentary torque below its rated one."""
+    soft = PIN.but(material={"name": "", "youngs_modulus": 2.1e11, "tensile_strength": 2e9, "yield_strength": 2e8})
+    for design in (soft, PIN):
+        rated, momentary = (told(datasheet(design, 10.0))[key] for key in ("rated_torque", "momentary_torque"))
+        assert rated.value <= momentary.value
+        assert "safety 1" in rated.note
+        assert "safety 1" in momentary.note
+
+
 def test_figures_are_those_of_statics_and_solids(sheet) -> None:
     found, expected = told(sheet), static(PIN).quantities
     for key in ("backlash", "lost_motion_ideal", "stiffness_ideal", "efficiency", "back_driving_torque_rated"):
@@ -131,7 +141,7 @@ def test_the_section_of_the_gear_has_its_holes_and_bore() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", cases(["pin", "nonpin", "printed", "twodisc", *UNLIKE], "pin", "twodisc"))
+@pytest.mark.parametrize("name", ["twodisc", "large"])
 def test_nothing_is_clipped_and_no_text_lies_on_another(sheet, name: str) -> None:
     design = unlike(name) if name in UNLIKE else PRESETS[name]
     pages = datasheet_pages(replace(sheet, design=design))

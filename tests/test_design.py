@@ -28,7 +28,7 @@ FROM_ELSEWHERE = {
 }
 PAIRS = ("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output")
 ASSUMED_HERE = {
-    "ring": {"sleeve_thickness_mm"},
+    "ring": {"socket", "sleeve_thickness_mm"},
     "gear": {"disc_gap_mm", "face_width_mm", "bore_radius_mm", "bearing"},
     "clearance": {"pin_sleeve_um"},
     "output": {"rollers", "pins", "pin_radius_mm", "pin_circle_radius_mm", "hole_radius_mm", "disc_thickness_mm"}
@@ -50,6 +50,7 @@ ASSUMED_HERE = {
     "damping": set(PAIRS),
     "working_force": {f"{pair}_n" for pair in PAIRS},
     "contact": {
+        *("law", "impact_stiffness_n_mm", "impact_exponent", "impact_damping_n_s_mm", "impact_depth_mm"),
         "stiffness_law",
         "stiffness_n_m",
         "working_force_n",
@@ -62,7 +63,7 @@ ASSUMED_HERE = {
     "bearing": {"dynamic_capacity_n", "static_capacity_n", "shaft_dynamic_capacity_n", "output_dynamic_capacity_n"}
     | {"shaft_static_capacity_n", "output_static_capacity_n", "reliability", "service_factor"},
     "service": {"surface", "endurance_limit_mpa", "notch_factor", "wear_coefficient_mm3_nm", "ambient_temperature_c"}
-    | {"film_coefficient_w_m2_k"},
+    | {"film_coefficient_w_m2_k", "grease_temperature_c", "seal_temperature_c"},
     "drive": {"ramp_s", "hold_s", "rotor_inertia_kg_m2"},
     "load": {"torque_nm", "rise_s"},
     "settings": {"timestep_us", "log_rate_hz", "scene_rate_hz"},
@@ -204,7 +205,7 @@ def test_the_file_has_every_key_and_says_what_is_assumed() -> None:
 def test_a_key_states_its_unit() -> None:
     # Numbers without a unit in their key are counts, ratios and friction coefficients, and nothing else.
     bare = {"teeth", "pins", "bolts", "seed", "cam_rollers", "damping_ratio", "poisson", "reliability"}
-    bare |= {"service_factor", "notch_factor", "discs"}
+    bare |= {"service_factor", "notch_factor", "discs", "impact_exponent"}
     for table, field in Design.model_fields.items():
         for name, inner in getattr(field.annotation, "model_fields", {}).items():
             if inner.annotation in (int, float) and table not in ("friction", "damping"):

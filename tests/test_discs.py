@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from designs import cases
 from scipy.optimize import minimize
 
 from cycloid_mj import statics
@@ -299,13 +298,12 @@ def searched(design: Design, torque: float, crank: float) -> tuple[np.ndarray, f
 NOT_IDEAL = two(ideal(PRESETS["pin"])).but(stiffness={"cam": 8e8}, clearance=dict.fromkeys(PAIRS, 1e-6))
 
 
-@pytest.mark.parametrize("crank", cases([0.7, 2.9], 0.7))
 @pytest.mark.parametrize("structure", ["rigid", "springs"])
 @pytest.mark.parametrize("larger", ["[0, 0]", "[1, 0]", "[0, 1]"])
-def test_unlike_discs_share_as_an_independent_search_of_the_least_energy_finds(larger, structure, crank) -> None:
+def test_unlike_discs_share_as_an_independent_search_of_the_least_energy_finds(larger, structure) -> None:
     design = override(NOT_IDEAL, [f"errors.disc_dr_um={larger}", f"structure={structure}"])
-    found = carried(design, 36.0, np.array([crank]))
-    share, turn = searched(design, 36.0, crank)
+    found = carried(design, 36.0, np.array([0.7]))
+    share, turn = searched(design, 36.0, 0.7)
     np.testing.assert_allclose(found.share[0], share, rtol=0.02)
     assert found.output_turn[0] - 36.0 * sum(twisting_compliance(design).values()) == pytest.approx(turn, rel=0.005)
     if structure == "rigid" and larger == "[0, 0]":

@@ -39,7 +39,7 @@ def test_the_source_archive_has_everything_and_nothing_that_was_made_of_it(built
     pages = {"README.md", "LICENSE", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md"}
     assert {name.partition("/")[0] for name in files} == {*folders, *pages, "pyproject.toml", "PKG-INFO", ".gitignore"}
     assert {"models/pin/scene.xml", "docs/tutorial.md", "docs/_static/pages.css", "tests/data/measured.json"} <= files
-    made = ("_build", "_reference", "_gallery", "__pycache__", ".egg-info", "_cache")
+    made = ("_build", "_reference", "_gallery", "__pycache__", ".egg-info", "_cache/")
     assert [name for name in files if any(word in name for word in made)] == []
 
 

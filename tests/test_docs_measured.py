@@ -23,10 +23,25 @@ def script() -> ModuleType:
 def test_the_page_says_what_was_measured(script: ModuleType) -> None:
     page = script.PAGE.read_text(encoding="utf-8")
     found = json.loads(script.KEPT.read_text(encoding="utf-8"))
-    assert script.written(page, found) == page
+    assert script.whole(page) == page
     for design, quantities in found.items():
         for label, keys in script.ROWS:
             assert sum(key in quantities for key in keys) == 1, (design, label)
+
+
+def test_the_page_says_what_was_compared(script: ModuleType) -> None:
+    """Two idle starts and a loaded run, as the command's JSON has them."""
+    levels = {name: {"rms": value} for name, value in (("gear_speed_rad_s", 0.002), ("q_path_um", 0.03))}
+    vibration = {"gear_centre_m_s2": {"rms": 1.7}, "output_rad_s2": {"rms": 55.0}}
+    run = {"design": "nonpin-like-pin", "starts": 2, "fluctuation": levels | {"q_velocity_mm_s": {"rms": 0.09}}}
+    run |= {"vibration": vibration, "findings": {"timestep_s": 3.1e-6, "efficiency": 0.8804}}
+    spreads = [{"quantity": name, "least": 114.2, "largest": 157.0, "mean": 0.013} for _, name, _ in script.LEVELS]
+    runs = [run | {"load_nm": 0.0, "spreads": spreads}, run | {"load_nm": 36.68, "spreads": []}]
+    told = script.comparison(script.compared({"conditions": {"drive.speed_rpm": 1640.0}, "runs": runs}))
+    assert "at 1640 rpm with steps of 3.1, 3.1 us" in told
+    assert "| | no load, nonpin like pin | 36.68 N m, nonpin like pin |" in told
+    assert "| gear speed [rad/s] | 114 to 157 (0.013) | 0.002 |" in told
+    assert "| efficiency [%] | 88.0 | 88.0 |" in told
 
 
 def test_a_number_stands_with_its_error_and_its_closed_form(script: ModuleType) -> None:
@@ -39,4 +54,4 @@ def test_a_number_stands_with_its_error_and_its_closed_form(script: ModuleType) 
 
 def test_a_page_without_marks_is_refused(script: ModuleType) -> None:
     with pytest.raises(ValueError, match="lacks"):
-        script.written("nothing", {})
+        script.written("nothing", "measured", "")

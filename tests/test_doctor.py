@@ -1,17 +1,27 @@
 """The doctor finds a sound installation sound, and says what to do about one that is not."""
 
 import json
+import tomllib
+from pathlib import Path
 
+import mujoco
 import pytest
 
 from cycloid_mj.cli import doctor, main
 from cycloid_mj.errors import ContactError
+
+PROJECT = Path(__file__).resolve().parents[1] / "pyproject.toml"
 
 
 def test_a_sound_installation(capsys) -> None:
     assert main(["doctor", "--json"]) == 0
     findings = {one["name"]: one for one in json.loads(capsys.readouterr().out)["findings"]}
     assert findings["contact and simulation"]["well"]
+    assert findings["mujoco"]["found"] == mujoco.__version__
+    assert findings["self-test of MuJoCo"]["well"]
+    assert f"release {mujoco.__version__} passes" in findings["self-test of MuJoCo"]["found"]
+    offered = tomllib.loads(PROJECT.read_text())["project"]["optional-dependencies"]
+    assert set(doctor.EXTRAS) == set(offered) - {"docs", "test"}
     assert set(doctor.NEEDED) <= set(findings)
     assert {f"extra {name}" for name in doctor.EXTRAS} <= set(findings)
 

@@ -48,7 +48,7 @@ def test_figures_are_those_of_the_simulation_within_two_percent(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", UNLIKE)
+@pytest.mark.parametrize("name", ["light", "printed", "large"])
 def test_peak_forces_of_other_designs_are_those_of_the_simulation(name):
     design = unlike(name)
     # of the printed one, whose clearances are wide and whose gears swing in them, the cam is 7 % off
@@ -62,7 +62,7 @@ def test_peak_forces_of_other_designs_are_those_of_the_simulation(name):
         ), kind
 
 
-SLOW = [pytest.param(name, marks=pytest.mark.slow) for name in ("pin", "nonpin", "light", "large")]
+SLOW = [pytest.param(name, marks=pytest.mark.slow) for name in ("light", "large")]
 
 
 @pytest.mark.parametrize("name", ["few", "teeth21", *SLOW])

@@ -7,7 +7,7 @@ import sys
 import zlib
 from collections import Counter
 from collections.abc import Callable
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import numpy as np
@@ -220,6 +220,30 @@ def test_cut_anywhere_gives_all_whole_chunks(log, truth, tmp_path):
         assert run.attachments == ATTACHMENTS
         assert not run.complete
         assert f"cut: {samples} samples, up to {run.time[-1]:.9g} s" in run.note
+
+
+def test_a_cut_log_says_what_it_has_lost(truth, tmp_path):
+    """A bit wrong in a record before the samples, which only the end of a whole log would give away."""
+    whole, path = tmp_path / "whole.mcap", tmp_path / "cut.mcap"
+    with LogWriter(whole, {"/a": [("x", "m")]}, {"design": "pin", "k": "v"}, {"design.toml": b"name"}) as log:
+        log.write(np.arange(9.0), {"/a": np.ones((9, 1))})
+    content = whole.read_bytes()
+    chunk = content.index(b"\x06", content.index(b"application/toml"))
+    cut = content[: chunk + 9 + int.from_bytes(content[chunk + 1 : chunk + 9], "little")]
+    path.write_bytes(cut)
+    assert read(path).note.endswith("could be read")
+    told = []
+    for at in range(8, chunk):
+        for bit in (0, 4):
+            damaged = bytearray(cut)
+            damaged[at] ^= 1 << bit
+            path.write_bytes(damaged)
+            with suppress(LogError):
+                run = read(path)
+                same = dict(run.provenance) == {"design": "pin", "k": "v"} and set(run.attachments) == {"design.toml"}
+                assert same or "missing" in run.note or "damaged" in run.note, (at, run.note)
+                told.append(run.note.rpartition("; ")[2])
+    assert {"its provenance is missing", "its provenance is damaged", "its design.toml is missing"} <= set(told)
 
 
 def test_bytes_reserved_but_never_written_are_a_cut(log, truth, tmp_path):

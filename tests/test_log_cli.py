@@ -132,7 +132,7 @@ def test_parquet_holds_the_columns_with_their_units(path, tmp_path, monkeypatch)
     assert list(duckdb.sql(f"SELECT * FROM '{few}'").fetchnumpy()) == ["time", "gear_x"]
     assert rejected("log", "parquet", path, tmp_path / "no" / "x.parquet")[0] == 1
     monkeypatch.setitem(sys.modules, "duckdb", None)
-    code, message = rejected("log", "parquet", path, few)
+    code, message = rejected("log", "parquet", path, few, "--force")
     assert code == 1
     assert "pip install 'cycloid-mj[parquet]', or write CSV" in message
 
@@ -201,7 +201,7 @@ def test_rerun_that_is_missing(path, tmp_path, monkeypatch):
 def test_report_of_one_and_of_several_logs(path, cut, tmp_path):
     target = tmp_path / "page.html"
     told("report", path, "--out", target)  # in a new installation the first page says that code is compiled
-    assert told("report", path, "--out", target, "--q", "10,3") == (0, f"{target}\n", "")
+    assert told("report", path, "--out", target, "--q", "10,3", "--force") == (0, f"{target}\n", "")
     page = target.read_text(encoding="utf-8")
     assert "(10, 3) mm" in page
     code, out, err = told("report", cut, path)
@@ -229,7 +229,7 @@ def test_animate_writes_a_film(path, tmp_path):
         (("--fps", "90"), 2),
         (("--width", "5"), 2),
     ):
-        assert rejected("animate", path, target, *options)[0] == code, options
+        assert rejected("animate", path, tmp_path / "other.gif", *options)[0] == code, options
     assert rejected("animate", path, tmp_path / "run.avi")[0] == 2
 
 

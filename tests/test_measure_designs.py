@@ -1,6 +1,6 @@
 """Every measure on designs unlike the paper's: it ends, its numbers are sound, and it agrees with its closed forms.
 
-By default the cheapest pairs of measure and design; all of them with ``-m slow``.
+On an internal gear, on sleeves, and where friction takes half of the power and the output cannot drive the crank.
 """
 
 import json
@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable
 
 import pytest
-from designs import UNLIKE, unlike
+from designs import unlike
 
 from cycloid_mj.cli.terminal import finite
 from cycloid_mj.design import Design
@@ -32,7 +32,6 @@ MEASURES: dict[str, Measure] = {
     "loads": lambda design: loads(design, quick=True),
     "vibration": lambda design: vibration(design, quick=True),
 }
-CHEAP = {("te", "light"), ("vibration", "light")}
 
 NEAR = {
     "te": {"output_wind_up": 0.05, "output_reversal": 0.1},
@@ -46,27 +45,25 @@ NEAR = {
 """Measure -> quantity -> by which share it may be off its closed form."""
 
 RUBS = "printed"
-"""Its friction takes nearly half of the power: it winds up further than statics without friction says, and its slow
-gear's centre is shaken as much as it orbits."""
+"""Its friction takes nearly half of the power: it winds up further than statics without friction says, its cam carries
+350 N where it carries 174 N without friction, and its slow gear's centre is shaken as much as it orbits."""
 
 SHARES = {"torque": ("output_rate",), "efficiency": ("efficiency",)}
 """Measure -> quantities in percent between 0 and 100."""
 
 
-def _case(measure: str, name: str):
-    marks = [] if (measure, name) in CHEAP else [pytest.mark.slow]
-    return pytest.param(measure, name, marks=marks, id=f"{measure}-{name}")
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize(("measure", "name"), [_case(measure, name) for measure in MEASURES for name in UNLIKE])
+@pytest.mark.parametrize(
+    ("measure", "name"),
+    [*((measure, name) for measure in MEASURES for name in ("light", RUBS)), ("te", "large"), ("loads", "large")],
+)
 def test_every_measure_holds_on_every_design(measure: str, name: str) -> None:
     found = MEASURES[measure](unlike(name))
     assert found.design.name == name
     for key, one in found.quantities.items():
         assert math.isfinite(one.value) or one.note, key
         assert one.error is None or math.isnan(one.error) or one.error >= 0.0, key
-    near = {} if name == RUBS and measure in ("te", "vibration") else NEAR[measure]
+    near = {} if name == RUBS and measure in ("te", "vibration", "loads") else NEAR[measure]
     for key, within in near.items():
         one = found.quantities[key]
         # what the numerical error says is left out of the turn comes on top

@@ -134,11 +134,12 @@ def test_one_pin_in_error_shows_as_its_displacement_over_its_arm() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["pin", "nonpin"])
 def test_no_error_no_load_and_no_clearance_leave_no_transmission_error(name: str) -> None:
-    design = override(PRESETS[name], CLOSED if name == "nonpin" else ['ring.pins="fixed"', *CLOSED])
-    design = at_rated_load(design)
+    """Weight is a load: the gear's, which goes round in its frame, winds it up by 0.05 arcsec once a turn."""
+    pins = ['ring.pins="fixed"'] if name == "pin" else []
+    design = at_rated_load(override(PRESETS[name], [*pins, *CLOSED, "environment.gravity_y_m_s2=0"]))
     found = trace(design, build(design), 1.0, Case("unloaded", "forward", "speed", 0.0, design.drive.speed))
-    assert np.ptp(found.gear) < 0.05
-    assert np.ptp(found.output) < 0.05
+    assert np.ptp(found.gear) < 0.02
+    assert np.ptp(found.output) < 0.02
 
 
 def test_the_measure_tells_both_ways_both_loads_and_its_error() -> None:

@@ -14,13 +14,13 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
-from designs import cases
 from scipy.spatial import ConvexHull
 from stepped import stepped
 
 from cycloid_mj import profile
-from cycloid_mj.analysis import analyze
+from cycloid_mj.analysis import analyze, series
 from cycloid_mj.cli import main
+from cycloid_mj.cli import simulate as simulate_command
 from cycloid_mj.contact.law import IMPRATIO, curvature_law
 from cycloid_mj.contact.working import for_slices, working_force
 from cycloid_mj.convex import ConvexSettings, Surface, fill, polygon_body, surfaces
@@ -37,7 +37,7 @@ from cycloid_mj.mjcf.keyframe import add_keyframes, joint_state
 from cycloid_mj.mjcf.mesh import build_mesh
 from cycloid_mj.modification import gear_profile, profile_offset
 from cycloid_mj.record import Run
-from cycloid_mj.run import Contact, reducer_model, simulate
+from cycloid_mj.run import MESH_SWAYS, Contact, reducer_model, simulate
 from cycloid_mj.scene.replay import replay_model
 from cycloid_mj.solid import mass_properties, parts
 
@@ -149,7 +149,7 @@ def _valley(design: Design) -> tuple[float, float, float]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", cases(["pin_gear", "cam"], "pin_gear"))
+@pytest.mark.parametrize("kind", ["pin_gear", "cam"])
 def test_stiffness_does_not_grow_with_the_number_of_slices(kind: str) -> None:
     """The slices add up to the line contact at working force; sixteen times the chord error, and it is the same.
 
@@ -337,19 +337,10 @@ def mesh_means(errors: np.ndarray, model: Any, design: Design) -> np.ndarray:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("kind", "duration"), cases([("pin", 0.005), ("nonpin", 0.003)], ("nonpin", 0.003)))
-def test_a_model_runs_at_full_speed(loaded: dict[str, Any], kind: str, duration: float) -> None:
-    errors = keeps_speed(loaded[kind][0], "1640rpm_90", duration)
-    assert abs(errors.mean()) < 0.005
-    assert np.abs(mesh_means(errors, loaded[kind][0], changed(kind))).max() < 0.01
-    assert np.abs(errors).max() < 0.03
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_model_keeps_its_speed_for_two_tenths_of_a_second(loaded: dict[str, Any], kind: str) -> None:
+def test_a_model_keeps_its_speed_over_a_turn(loaded: dict[str, Any], kind: str) -> None:
     """Unloaded, the gear rattles in its backlash: each mesh period keeps to 1 %, single steps to 2 %."""
-    errors = keeps_speed(loaded[kind][0], "1640rpm_0", 0.2)
+    errors = keeps_speed(loaded[kind][0], "1640rpm_0", 0.037)
     assert abs(errors.mean()) < 0.0005
     assert np.abs(mesh_means(errors, loaded[kind][0], changed(kind))).max() < 0.01
     assert np.sqrt(np.mean(errors**2)) < 0.006
@@ -372,26 +363,33 @@ def judged(design: Design, contact: Contact, settings: ConvexSettings | None = N
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", cases(KINDS, "pin"))
-def test_a_short_mesh_run_agrees_with_profile_contact(kind: str) -> None:
-    """Two mesh periods under 1 N m: mean transmission errors, cam force and crank torque within 10 %."""
-    changes = ["drive.ramp_s=0.0", "drive.hold_s=0.006", "load.torque_nm=1.0", "load.rise_s=0.0015"]
-    mesh, profile = (judged(changed(kind, *changes), contact) for contact in ("mesh", "profile"))
-    assert mesh == pytest.approx(profile, rel=0.1)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("load", [1.0, 36.0])
+@pytest.mark.parametrize(("kind", "load"), [("nonpin", 1.0), ("pin", 36.0)])
 def test_a_mesh_run_agrees_with_profile_contact(kind: str, load: float) -> None:
-    """Over 24 mesh periods, within 7 %: 10 % were asked for, 5 % is what the foundation differs at these loads.
+    """Over 12 mesh periods, within 7 %: 10 % were asked for, 5 % is what the foundation differs at these loads.
 
     At a step that resolves light loads: under 1 N m the crank's torque reads 7 % less at 5 us than at 1 us.
     """
     fine = "settings.timestep_us=2"
-    design = changed(kind, fine, "drive.ramp_s=0.0", "drive.hold_s=0.04", f"load.torque_nm={load}")
+    design = changed(kind, fine, "drive.ramp_s=0.0", "drive.hold_s=0.02", f"load.torque_nm={load}")
     mesh, profile = (judged(design, contact) for contact in ("mesh", "profile"))
     assert mesh == pytest.approx(profile, rel=0.07)
+
+
+@pytest.mark.slow
+def test_slices_sway_an_idle_gear_several_times_as_much_as_profiles_and_a_run_says_so() -> None:
+    """The rms of the gear's speed without load: 18.2 mrad/s by mesh and 1.79 by profile, 10.1 times, over 8 ms."""
+    design = changed("nonpin", "drive.ramp_s=0", "drive.hold_s=0.008", "settings.timestep_us=5")
+    rms = {}
+    for contact in ("mesh", "profile"):
+        run = simulate(design, reducer_model(design, contact))
+        error = series(run, settle=0.003).gear_speed.error[run.time > 0.003]
+        rms[contact] = float(error.std())
+        assert (MESH_SWAYS in run.warnings) == (contact == "mesh")
+    assert 5.0 < rms["mesh"] / rms["profile"] < 20.0
+
+
+def test_help_recommends_no_step_that_a_run_by_mesh_warns_of() -> None:
+    assert "--timestep-us" not in next(line for line in simulate_command.EXAMPLES.splitlines() if "mesh" in line)
 
 
 @pytest.mark.slow

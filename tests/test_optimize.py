@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from designs import UNLIKE, unlike
+from designs import unlike
 
 import cycloid_mj as cm
 from cycloid_mj import profile
@@ -28,7 +28,6 @@ from cycloid_mj.profile import CycloidGear
 
 PIN = PRESETS["pin"]
 HERE = Engine(1)
-REST = tuple(name for name in UNLIKE if name not in ("printed", "few"))
 SHAPE = {"gear.eccentricity_mm": "0.3:1.1", "ring.pin_radius_mm": "0.5:3"}
 CONVEX = {
     "maximize": "least_convex_radius_mm",
@@ -54,8 +53,8 @@ def bends(c: np.ndarray, rho: np.ndarray) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def convex():
-    """The largest least convex radius at a K1 of 0.5 or more."""
-    return optimize(PIN, SHAPE, **CONVEX, evaluations=200)
+    """The largest least convex radius at a K1 of 0.5 or more; closed sockets hold thin pins too."""
+    return optimize(PIN.but(ring={"socket": "closed"}), SHAPE, **CONVEX, evaluations=200)
 
 
 def test_the_largest_convex_radius_is_that_of_a_fine_grid(convex) -> None:
@@ -189,7 +188,7 @@ def test_strict_takes_warnings_for_refusals() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["printed", "few", *(pytest.param(one, marks=pytest.mark.slow) for one in REST)])
+@pytest.mark.parametrize("name", ["printed", "light"])
 def test_other_designs(name: str) -> None:
     design = unlike(name)
     c = value_of(design, "gear.eccentricity_mm")

@@ -15,6 +15,7 @@ from hsieh2014 import command, cycle, motion, plan
 from hsieh2014 import run as stages
 from hsieh2014.errata import errata
 from hsieh2014.logs import Logs, fits, log_name
+from hsieh2014.page import TALLY as PAGE_TALLY
 from hsieh2014.plan import FULL, QUICK, at_speed, idle_runs, main_runs, ramped, rated_runs
 from hsieh2014.plan import varied_idle_runs as varied_idle
 from hsieh2014.plan import varied_rated_runs as varied_rated
@@ -280,10 +281,18 @@ def script():
 def test_the_page_says_what_the_json_says(script):
     found = json.loads(script.KEPT.read_text(encoding="utf-8"))
     page = script.PAGE.read_text(encoding="utf-8")
-    assert script.written(page, found) == page
+    assert script.written(page, script.sections(found)) == page
+    readme = script.README.read_text(encoding="utf-8")
+    assert script.written(readme, {"tally": script.tally(found)}) == readme
+    assert script.tally(found) in page
     assert all(f"| {script.load(claim['condition'])} |" in page for claim in found["claims"])
     found["claims"][0]["verdict"] = "disagrees" if found["claims"][0]["verdict"] == "agrees" else "agrees"
-    assert script.written(page, found) != page
+    assert script.written(page, script.sections(found)) != page
+    assert script.written(readme, {"tally": script.tally(found)}) != readme
+
+
+def test_the_reproduced_page_sums_up_as_the_readme_does(script):
+    assert {str(verdict): words.partition(" on what")[0] for verdict, words in PAGE_TALLY.items()} == script.TALLY
 
 
 def test_a_row_of_the_page_names_its_load(script):
@@ -292,7 +301,7 @@ def test_a_row_of_the_page_names_its_load(script):
         "paper": {"claim": "more with pins", "text": "pin > nonpin"},
         **{"ours": {"text": "0.4 to 1"}, "verdict": "not determined"},
         "numerical_error": {"value": 0.125, "unit": "pin / nonpin", "source": "spread of 8 starts"},
-        "at_rated_load": {"text": "2.3 to 1"},
+        **{"at_rated_load": {"text": "2.3 to 1"}, "decided_by": "friction"},
     }
     loaded = claim | {"condition": {"load_nm": 36.68, "input_torque_nm": 1.048}, "at_rated_load": None}
     told = script.results({"quick": True, "claims": [claim, loaded]})
@@ -300,7 +309,7 @@ def test_a_row_of_the_page_names_its_load(script):
     assert "0 agree, 0 depend, 0 disagree, 2 are not determined" in told
     rows = told.splitlines()[-2:]
     assert rows[0].startswith("| Fig. 6 | both | none | more with pins | pin > nonpin | 0.4 to 1 | 0.12 pin / nonpin (")
-    assert rows[0].endswith("| not determined | 2.3 to 1 |")
+    assert rows[0].endswith("| not determined | friction | 2.3 to 1 |")
     assert "| 1.048 N m in |" in rows[1]
 
 
@@ -323,4 +332,4 @@ def test_a_run_with_a_broken_or_missing_stage_is_refused(script):
 
 def test_a_page_without_marks_is_refused(script):
     with pytest.raises(ValueError, match="lacks"):
-        script.written("# empty", {"quick": True, "claims": [], "errata": []})
+        script.written("# empty", {"results": "none"})

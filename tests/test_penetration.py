@@ -3,7 +3,7 @@
 import mujoco
 import numpy as np
 import pytest
-from designs import UNLIKE, cases, unlike
+from designs import unlike
 from scipy.spatial import cKDTree
 from stepped import stepped
 
@@ -26,7 +26,7 @@ DESIGNS = {
     "nonpin": PRESETS["nonpin"],
     "turned": override(PRESETS["pin"], ["ring.pins=fixed", "modification.rotation_arcsec=20"]),
     "uniform": override(PRESETS["nonpin"], ["contact.stiffness_law=uniform"]),
-    **{name: unlike(name) for name in UNLIKE},
+    "large": unlike("large"),
 }
 
 
@@ -73,7 +73,7 @@ class Outlines:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", cases(DESIGNS, "fixed", "free", "turned", "uniform"))
+@pytest.mark.parametrize("name", DESIGNS)
 def test_penetration_is_how_deep_the_outlines_are_in_each_other(name: str) -> None:
     # So much play in cam and output that nothing but the teeth is in touch.
     design = override(DESIGNS[name], ["clearance.cam_um=100", "clearance.output_um=300"])

@@ -24,6 +24,7 @@ from cycloid_mj.plots.pin import pin_figure
 from cycloid_mj.plots.stress import map_figure
 from cycloid_mj.profile import CycloidGear
 from cycloid_mj.record import Run
+from cycloid_mj.sockets import socket_half_angle
 from cycloid_mj.stress.field import StressMap
 
 GEAR = CycloidGear(36, 1e-3, 40.75e-3, 2.25e-3)
@@ -168,8 +169,14 @@ def test_pin_1(motion, turn, drawn, design):
     rows, degrees = turn
     path, radial, spin = drawn["fig9_pin1"].axes
     x, y = 1e6 * motion.run["pin_1_x"][rows], 1e6 * motion.run["pin_1_y"][rows]
-    (circle,) = (patch for patch in path.patches if isinstance(patch, Circle))
-    assert circle.get_radius() == pytest.approx(1e6 * design.clearance.pin_socket)
+    limit, play = curves(path)[0], 1e6 * design.clearance.pin_socket
+    half, radius = socket_half_angle(design), 1e6 * design.ring.pin_radius
+    inside = np.abs(np.arctan2(limit[:, 0], limit[:, 1])) <= half + 1e-9
+    assert np.hypot(*limit[inside].T) == pytest.approx(np.full(inside.sum(), play))
+    edge = (radius + play) * np.array([np.sin(half), np.cos(half)])
+    beyond = np.abs(limit[~inside]) * [1.0, -1.0]
+    assert np.hypot(*(beyond - edge).T) == pytest.approx(np.full(len(beyond), radius))
+    assert limit[:, 1].min() < min(y.min(), -2.0 * play)
     assert has_curve(path, x, y)
     assert has_curve(radial, degrees, np.hypot(x, y))
     assert has_curve(spin, degrees, motion.run["pin_1_speed"][rows])

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from designs import UNLIKE, cases, unlike
+from designs import unlike
 from stepped import stepped
 
 from cycloid_mj import run
@@ -19,12 +19,11 @@ from cycloid_mj.mjcf import build
 FIXED = override(PRESETS["pin"], ["ring.pins=fixed"])
 
 
-@pytest.mark.parametrize("kind", cases(["fixed", "nonpin", "light", "printed"], "fixed", "light"))
+@pytest.mark.parametrize("kind", ["fixed", "light"])
 @pytest.mark.parametrize("spin", [5.0, -5.0])
 def test_powers_are_what_the_forces_on_the_gear_take_from_its_motion(kind: str, spin: float) -> None:
     """The ring stands still: what a tooth takes, by its normal and by friction, is -(F v + M omega) of the gear."""
-    designs = {"fixed": FIXED, "nonpin": PRESETS["nonpin"]} | {name: unlike(name) for name in UNLIKE}
-    design = override(designs[kind], ["clearance.cam_um=100", "clearance.output_um=300"])
+    design = override(FIXED if kind == "fixed" else unlike(kind), ["clearance.cam_um=100", "clearance.output_um=300"])
     reducer = build(design)
     data = initial_state(reducer, design)
     play, arm = getattr(design.clearance, design.tooth_pair), design.gear.eccentricity * design.lobes
@@ -61,9 +60,7 @@ def without_contact(design: Design):
     return replace(reducer, model=reducer.spec.compile())
 
 
-@pytest.mark.parametrize(
-    "design", cases([FIXED, *map(unlike, UNLIKE)], FIXED, unlike("light")), ids=lambda one: one.name
-)
+@pytest.mark.parametrize("design", [FIXED, unlike("light")], ids=lambda one: one.name)
 @pytest.mark.parametrize("way", [1.0, -1.0])
 def test_a_gear_a_quarter_of_a_lobe_off_has_jumped(design: Design, way: float, monkeypatch: pytest.MonkeyPatch) -> None:
     design = override(design, ["drive.ramp_s=0", "drive.hold_s=0.0002"])

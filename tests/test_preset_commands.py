@@ -1,13 +1,12 @@
-"""The commands on the presets of a drive with two discs and of a printed one."""
+"""The commands on a drive with two discs, whichever member turns, and the short ones on other kinds of drives."""
 
 import json
 import re
 from collections.abc import Callable
-from functools import cache
 from pathlib import Path
 
 import pytest
-from designs import UNLIKE, cases, design_file
+from designs import design_file
 
 from cycloid_mj.cli import main
 from cycloid_mj.explore import tolerances
@@ -50,8 +49,7 @@ SLOW = (
     *(("measure", one, "--design", "{name}", "--quick") for one in MEASURES),
     ("measure", "torque", "{name}", "--quick"),
 )
-NAMES = ("twodisc", "printed")
-CHANGES = {"as it is": (), "ring turns": ("--set", "output.member=ring")}
+RING_TURNS = ("--set", "output.member=ring")
 NONSENSE = re.compile(r"\b(nan|inf|None)\b")
 """What no command prints where a number belongs."""
 
@@ -72,37 +70,28 @@ def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
     return called
 
 
-@pytest.mark.parametrize("name", cases(NAMES, "twodisc"))
 @pytest.mark.parametrize("words", STATIC, ids=lambda words: "_".join(words[:2]))
-def test_a_static_command_takes_the_preset(words: tuple[str, ...], name: str, call: Callable[..., str]) -> None:
-    call(words, name=name)
+def test_a_static_command_takes_two_discs(words: tuple[str, ...], call: Callable[..., str]) -> None:
+    call(words, name="twodisc")
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES.keys())
-@pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("words", SLOW, ids=lambda words: "_".join(words[:2]))
-def test_a_long_command_takes_the_preset(
+def test_a_long_command_takes_two_discs_whose_ring_turns(words: tuple[str, ...], call: Callable[..., str]) -> None:
+    call((*words, *RING_TURNS), name="twodisc")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "change"), [("light", ()), ("large", RING_TURNS)], ids=["internal gear", "sleeves"])
+@pytest.mark.parametrize("words", STATIC, ids=lambda words: "_".join(words[:2]))
+def test_a_static_command_takes_other_designs(
     words: tuple[str, ...], name: str, change: tuple[str, ...], call: Callable[..., str]
 ) -> None:
-    call((*words, *change), name=name)
+    call((*words, *change), name=str(design_file(name)))
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("words", STATIC, ids=lambda words: "_".join(words[:2]))
-def test_a_static_command_takes_a_ring_that_turns(words: tuple[str, ...], call: Callable[..., str]) -> None:
-    call((*words, "--set", "output.member=ring"), name="twodisc")
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", UNLIKE)
-@pytest.mark.parametrize("words", STATIC, ids=lambda words: "_".join(words[:2]))
-def test_a_static_command_takes_other_designs(words: tuple[str, ...], name: str, call: Callable[..., str]) -> None:
-    call(words, name=str(design_file(name)))
-
-
-@pytest.mark.slow
-def test_two_logs_of_several_discs_are_compared(log_of: Callable[[str], str], call: Callable[..., str]) -> None:
+def test_two_logs_of_several_discs_are_compared(log: str, call: Callable[..., str]) -> None:
     wide = (
         "--set",
         "name=wide",
@@ -116,12 +105,12 @@ def test_two_logs_of_several_discs_are_compared(log_of: Callable[[str], str], ca
         "10",
     )
     call(("simulate", "--design", "twodisc", *wide, "--out", "runs"))
-    found = call(("compare", "{log}", "runs/wide.mcap", "--out", "side"), log=log_of("twodisc"))
+    found = call(("compare", "{log}", "runs/wide.mcap", "--out", "side"), log=log)
     assert "gear and q of gear 1" in " ".join(found.split())
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", ["twodisc", "printed"])
 def test_vibration_knows_whether_there_is_a_counterweight(name: str, call: Callable[..., str]) -> None:
     found = json.loads(call(("measure", "vibration", "--design", "{name}", "--quick", "--json"), name=name))
     balanced = [key for key, one in found["quantities"].items() if "counterweight" in one["name"]]
@@ -130,35 +119,25 @@ def test_vibration_knows_whether_there_is_a_counterweight(name: str, call: Calla
 
 
 @pytest.fixture(scope="module")
-def log_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], str]:
-    """Run a preset for a moment, once, and give its log."""
+def log(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """Run the drive with two discs for a moment, once, and return its log."""
     folder = tmp_path_factory.mktemp("logs")
-
-    @cache
-    def run(name: str) -> str:
-        hold = {"twodisc": "0.03", "printed": "0.15"}[name]
-        out = ["--out", str(folder), "--quiet"]
-        assert main(["simulate", "--design", name, "--ramp-s", "0", "--hold-s", hold, "--load-nm", "10", *out]) == 0
-        return str(folder / f"{name}.mcap")
-
-    return run
+    run = ["simulate", "--design", "twodisc", "--ramp-s", "0", "--hold-s", "0.03", "--load-nm", "10"]
+    assert main([*run, "--out", str(folder), "--quiet"]) == 0
+    return str(folder / "twodisc.mcap")
 
 
-@pytest.mark.parametrize("name", cases(NAMES, "twodisc"))
 @pytest.mark.parametrize("words", OF_A_LOG, ids=lambda words: "_".join(words[:2]).replace("{", "").replace("}", ""))
-def test_a_command_takes_a_log_of_the_preset(
-    words: tuple[str, ...], name: str, log_of: Callable[[str], str], call: Callable[..., str]
-) -> None:
-    call(words, log=log_of(name))
+def test_a_command_takes_a_log_of_two_discs(words: tuple[str, ...], log: str, call: Callable[..., str]) -> None:
+    call(words, log=log)
 
 
-@pytest.mark.parametrize("name", NAMES)
 def test_a_viewer_without_a_display_is_one_line(
-    name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for variable in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(variable, raising=False)
-    assert main(["view", name]) == 2
+    assert main(["view", "twodisc"]) == 2
     assert capsys.readouterr().err.count("\n") == 1
 
 

@@ -21,6 +21,7 @@ from cycloid_mj.rating import Duty, DutyPoint, rate, read_duty, rolling
 from cycloid_mj.rating.duty import steady
 from cycloid_mj.rating.fatigue import Fatigue, endurance_limit, notch_factor, size_factor
 from cycloid_mj.rating.heat import clearance_growth
+from cycloid_mj.rating.hours import hours
 from cycloid_mj.rating.loading import Rub, bending, loading
 from cycloid_mj.rating.ranges import read_ranges
 from cycloid_mj.rating.strength import output_pin, pin_moment
@@ -462,3 +463,50 @@ def test_results_that_are_no_study_are_refused(tmp_path: Path, told: str, messag
     (tmp_path / "stress.json").write_text(told)
     with pytest.raises(UsageError, match=message):
         read_ranges(tmp_path, PIN)
+
+
+def test_the_give_of_the_cam_decides_what_it_carries(found) -> None:
+    """From the softest cam, where clearance counts for little, to ideal sharing; its own spring is what is rated."""
+    rows = rate(PIN, give=True).cam_give.rows
+    loads = {row.name: row.load for row in rows}
+    assert loads["as assumed"] == pytest.approx(found.items["cam_bearing"].value, rel=1e-6)
+    springs = [row.load for row in rows if row.stiffness]
+    assert springs == sorted(springs)
+    assert rows[-1].name.startswith("ideal sharing")
+    assert rows[-1].load == pytest.approx(1661.3, abs=0.1)  # closed form: 1672 N with pins as drawn, fewer angles
+    assert springs[0] < 1300.0 < 0.98 * rows[-1].load < springs[-1]
+    lives = [row.as_json()["life_h"] for row in rows]
+    assert max(lives) > 2.5 * min(lives)
+    told = rate(PIN, give=True).as_json()["cam_give"]
+    assert [row["mean_load_n"] for row in told] == [row.load for row in rows]
+    tight = PIN.but(clearance=dict.fromkeys(("pin_gear", "pin_socket", "cam", "output"), 1e-10))
+    assert rate(tight).items["cam_bearing"].value < 0.95 * loads["as assumed"]  # clearance is not what lowers it
+
+
+def test_heat_is_judged_by_what_ends_first() -> None:
+    """Grease and seals end before steel, a plastic before them; each limit is named and can be given."""
+    hot = rate(PIN).items["temperature"]
+    assert hot.limit == 100.0
+    for told in ("100 °C grease", "100 °C seals", "250 °C gear", "service.seal_temperature_c, assumed"):
+        assert told in hot.note
+    dry = PIN.but(service={"grease_temperature": 500.0, "seal_temperature": 150.0})
+    sealed = rate(dry).items["temperature"]
+    assert (sealed.limit, sealed.name) == (150.0, "housing temperature, seals")
+    assert "150 °C seals (of the design file)" in sealed.note
+    assert sealed.safety > hot.safety
+    assert rate(PRESETS["printed"]).items["temperature"].limit < 100.0
+
+
+def test_a_life_beyond_its_law_is_unlimited() -> None:
+    """One formatter: no figure of 26 digits anywhere; JSON has null and says that it is no missing value."""
+    items = rate(PIN, steady(0.05, PIN.drive.speed)).items
+    long = [item for item in items.values() if item.life is not None and item.life > 1e8]
+    assert long
+    for item in long:
+        assert item.verdict == hours(item.life) == "unlimited"
+        assert item.as_json()["life_h"] is None
+        assert item.as_json()["unlimited"]
+    for item in items.values():
+        words = " ".join((item.load, item.borne, item.verdict, item.note))
+        assert max((len(digits) for digits in re.findall(r"\d+", words)), default=0) < 12
+    assert hours(242507.3) == "242500 h"

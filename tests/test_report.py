@@ -19,9 +19,10 @@ from cycloid_mj.errors import LogError, UsageError
 from cycloid_mj.report import MOST_RUNS, report
 from cycloid_mj.report.data import MOST_VALUES, curves
 from cycloid_mj.report.encode import decimated
+from cycloid_mj.report.mechanism import MAGNIFICATIONS
 from cycloid_mj.report.reviewed import review
 from cycloid_mj.report.tables import warnings
-from cycloid_mj.scene import contact_forces, drawing, drawn_radii, gaps
+from cycloid_mj.scene import contact_forces, drawing, drawn_radii, fitting_magnification, gaps
 
 BROWSER = shutil.which("chromium") or shutil.which("google-chrome")
 FLAGS = (
@@ -171,6 +172,19 @@ def test_mechanism_carries_the_gaps_and_forces_of_the_scene(pin, nonpin, both):
             assert drawn["pin"] == pytest.approx(1e3 * radii.pin)
             assert drawing(design, measured, drawn["times"]).radii == radii
         assert ("ring" in shape) == (design.ring.kind == "nonpin")
+
+
+def test_the_widest_gap_decides_how_wide_gaps_are_drawn(both):
+    """No pin is drawn outside its hole, however wide the clearance; gaps of 1 um are still seen."""
+    for data in Page(both).data["runs"]:
+        assert data["mechanism"]["usual"] >= 100
+    for um, largest in ((1.0, 200), (5.0, 50), (50.0, 5), (500.0, 1)):
+        design = override(PRESETS["pin"], [f"clearance.{pair}_um={um}" for pair in ("pin_gear", "cam", "output")])
+        factor = fitting_magnification(design, 2e-6 * um, MAGNIFICATIONS)
+        assert factor == largest
+        assert factor == 1 or factor * 2e-6 * um <= 0.25 * min(design.ring.pin_radius, design.output.pin_radius)
+    text = "".join(both.split())
+    assert re.search(r"gapsaredrawn\d+timesaswide,unlessanotherfactorischosenabove,forthewidestis[\d.]+um", text)
 
 
 def test_decimation_keeps_every_extreme_in_its_place():

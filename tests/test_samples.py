@@ -149,13 +149,12 @@ def test_it_is_the_balance_of_the_exact_geometry(name: str, largest: float, boun
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["pin", "nonpin"])
-def test_ten_thousand_samples_take_less_than_twenty_seconds(name: str) -> None:
-    design = override(PRESETS[name], [*(ERRORS if name == "pin" else ERRORS[2:]), "errors.eccentricity_um=1.0"])
+def test_two_thousand_samples_take_less_than_four_seconds() -> None:
+    design = override(PRESETS["pin"], [*ERRORS, "errors.eccentricity_um=1.0"])
     solve_samples(design, drawn(design, 1, 0), [36.68])
     start = time.process_time()
-    found = solve_samples(design, drawn(design, 10_000, 1), [36.68], threads=2)[0]
-    assert time.process_time() - start < 20.0
+    found = solve_samples(design, drawn(design, 2_000, 1), [36.68], threads=2)[0]
+    assert time.process_time() - start < 4.0
     assert found.output_range.std() > 0.0
 
 
@@ -179,7 +178,7 @@ def test_samples_that_rest_where_a_curve_is_cut_off_are_balanced() -> None:
 @pytest.mark.slow
 def test_a_sample_that_jams_has_no_numbers_and_leaves_its_neighbours_alone() -> None:
     """The first of drawn samples that friction jams, between two that are as designed and turn."""
-    design = override(FIXED, ["friction.pin_gear=0.75"])
+    design = override(FIXED, ["friction.pin_gear=0.85"])
     (many, errors), ideal = placed(design, 20), alike(design, 3)
     jams = np.flatnonzero(
         np.isnan(solve_samples(design, replace(many, **errors), [36.0], 90, friction=True)[0].output_mean)

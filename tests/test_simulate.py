@@ -14,6 +14,7 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import RunError
 from cycloid_mj.kinematics import CrankLaw
 from cycloid_mj.mjcf import build
+from cycloid_mj.names import gears
 from cycloid_mj.run import blocks, schedule, simulate
 from cycloid_mj.validation import rig
 
@@ -73,8 +74,8 @@ def test_other_designs_run_by_their_own_ratio(changes: tuple[str, ...]) -> None:
     run = simulate(design)
     slip = run["gear_angle"] + run["crank_angle"] / design.lobes
     assert np.abs(slip).max() < 6.0 * 2e-6 / (design.gear.eccentricity * design.lobes)
-    # backlash and the first jerk: 0.023 to 0.035 % of a few degrees
-    assert run["gear_angle"][-1] == pytest.approx(-design.drive.speed * run.time[-1] / design.lobes, rel=1e-3)
+    # backlash and the first jerk of a few degrees: up to 0.14 %, and 0.04 % where closed sockets keep the pins in place
+    assert run["gear_angle"][-1] == pytest.approx(-design.drive.speed * run.time[-1] / design.lobes, rel=2e-3)
     assert run["penetration"].max() < 2e-6
 
 
@@ -211,3 +212,21 @@ def test_initial_state_without_a_ramp_is_the_closed_form() -> None:
     data = initial_state(build(design), design)
     assert data.joint("gear_x").qvel[0] == pytest.approx(-design.gear.eccentricity * design.drive.speed)
     assert data.joint("output").qvel[0] == pytest.approx(-design.drive.speed / design.lobes)
+
+
+@pytest.mark.parametrize("preset", ["pin", "twodisc"])
+def test_the_log_has_the_point_q(preset):
+    """Where the gear carries the middle of its first output hole, and as fast as that place changes."""
+    design = override(PRESETS[preset], ["drive.ramp_s=0", "drive.hold_s=0.002", "settings.log_rate_hz=100000"])
+    run = simulate(design)
+    gear = gears(design.gear.discs)[0]
+    arm, turn = design.output.pin_circle_radius, run[f"{gear}_angle"]
+    assert run["q_x"] == pytest.approx(run[f"{gear}_x"] - arm * np.sin(turn), abs=1e-15)
+    assert run["q_y"] == pytest.approx(run[f"{gear}_y"] + arm * np.cos(turn), abs=1e-15)
+    for axis in "xy":
+        place, speed = run[f"q_{axis}"], run[f"q_v{axis}"]
+        # between two samples, but where an impact falls between them
+        off = np.diff(place) / np.diff(run.time) - 0.5 * (speed[1:] + speed[:-1])
+        assert np.median(np.abs(off)) < 1e-3 * np.abs(speed).max()
+    assert [run.units[name] for name in ("q_x", "q_y", "q_vx", "q_vy")] == ["m", "m", "m/s", "m/s"]
+    assert {"q_x", "q_y", "q_vx", "q_vy"} <= set(run.topics["/reducer"])

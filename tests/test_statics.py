@@ -5,9 +5,12 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 from scipy.optimize import lsq_linear, minimize_scalar
 
 from cycloid_mj import envelope, kinematics, profile, statics
+from cycloid_mj.contact.law import pair_stiffness
+from cycloid_mj.design import PRESETS
 from cycloid_mj.errors import DesignError
 from cycloid_mj.profile import CycloidGear
 
@@ -17,6 +20,39 @@ FEW_TEETH = CycloidGear(ring_teeth=6, eccentricity=1.5e-3, pin_circle_radius=20e
 each_gear = pytest.mark.parametrize("gear", [PAPER, SMALL, FEW_TEETH], ids=["paper", "small", "few-teeth"])
 TORQUE = 36.68
 CRANKS = np.linspace(0, 2 * np.pi, 721)
+
+
+@pytest.mark.parametrize(("young", "poisson", "radius"), [(210e9, 0.28, 2.25e-3), (206e9, 0.3, 1e-3), (3e9, 0.4, 5e-3)])
+def test_a_line_contact_gives_way_as_the_strain_along_its_axis(young: float, poisson: float, radius: float) -> None:
+    """Johnson 1985, Contact Mechanics, section 5.6: a cylinder pressed by P per length from both ends of a diameter.
+
+    Along that, z from a contact of half width a: sigma_x = P/pi (1/R - 2(a^2 + 2 z^2)/(a^2 sqrt(a^2 + z^2)) + 4 z/a^2)
+    and sigma_z = P/pi (1/R - 2/(2 R - z) - 2/sqrt(a^2 + z^2)); in plane strain their strain, summed up to the axis, is
+    the approach of one body, P (1 - nu^2)/(pi E) (2 ln(4 R/a) - 1) for a much smaller than R. Both bodies are alike.
+    """
+    force, length = 117.0, 10e-3
+    P, elastic = force / length, (1.0 - poisson**2) / young
+    a = math.sqrt(8.0 * P * radius * elastic / math.pi)  # on a flat of the same material: 4 P R/(pi E*)
+
+    def strain(z: float) -> float:
+        x = 1.0 / radius - 2.0 * (a**2 + 2.0 * z**2) / (a**2 * math.hypot(a, z)) + 4.0 * z / a**2
+        along = 1.0 / radius - 2.0 / (2.0 * radius - z) - 2.0 / math.hypot(a, z)
+        return elastic * P / math.pi * (along - poisson / (1.0 - poisson) * x)
+
+    approach = -2.0 * quad(strain, 0.0, radius, points=[a, 10.0 * a], limit=200)[0]
+    closed = 2.0 * P * elastic / math.pi * (2.0 * math.log(4.0 * radius / a) - 1.0)
+    assert closed == pytest.approx(approach, rel=3.0 * (a / radius) ** 2 + 1e-6)
+    modulus = statics.contact_modulus(young, poisson)
+    stiffness = statics.line_contact_stiffness(force, length, modulus, radius, 1.0 / radius)
+    assert stiffness == pytest.approx(force / closed, rel=1e-12)
+    if (young, radius) == (210e9, 2.25e-3):  # the pins of the paper's drive at its rated torque
+        assert stiffness == pytest.approx(3.105e8, rel=1e-3)
+
+
+def test_teeth_are_as_stiff_as_that_line_contact() -> None:
+    """117 N on 10 mm of steel, pin on a flat: what the design says of itself."""
+    design = PRESETS["pin"].but(working_force={"pin_gear": 117.0})
+    assert pair_stiffness(design, "pin_gear") == pytest.approx(3.105e8, rel=1e-3)
 
 
 @pytest.mark.parametrize("sign", [1, -1])

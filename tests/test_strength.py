@@ -13,7 +13,11 @@ PIN = PRESETS["pin"]
 # Changes of the preset `pin`, and the one check that they fail beside what the preset itself fails.
 FAILING = [
     (["gear.eccentricity_mm=0.39", "output.hole_radius_mm=4.39", "drive.torque_nm=0.3"], "short_width"),
-    (["gear.eccentricity_mm=1.09", "output.hole_radius_mm=5.09", "ring.pin_radius_mm=1.2"], "short_width"),
+    # half-open sockets would not hold such thin pins under so steep a pressure
+    (
+        ["gear.eccentricity_mm=1.09", "output.hole_radius_mm=5.09", "ring.pin_radius_mm=1.2", "ring.socket=closed"],
+        "short_width",
+    ),
     (["ring.pin_radius_mm=2.55", "drive.torque_nm=0.1"], "undercut_margin"),
     (["gear.face_width_mm=24"], "gear_tool"),
     (["drive.torque_nm=0.9"], "tooth_yield"),

@@ -13,6 +13,7 @@ from designs import cases, unlike
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.solid import shaft_solid
 from cycloid_mj.stress import GridSettings, PartLoads, PartStress, part_grid, solve
+from cycloid_mj.stress.field import by_corner, loaded, maxima
 from cycloid_mj.stress.notch import BENDING, TORSION, output_roots, shaft_shoulders, shoulder_factor
 from cycloid_mj.stress.shaft import BEARING_STIFFNESS, Pads, opened
 from cycloid_mj.stress.shaftgrid import Shaft, shaft_measures
@@ -197,6 +198,28 @@ def test_the_root_of_an_output_pin_bends_as_a_cantilever_of_its_core() -> None:
     assert solid.nominal == pytest.approx(108e6, rel=0.01)
     rounder = output_roots(override(PIN, ["output.fillet_radius_mm=0.9"]), loads)[0]
     assert rounder.stress < 0.85 * root.stress
+
+
+@pytest.mark.slow
+@needs_fem
+def test_the_bulk_of_the_output_is_the_edge_of_what_is_left_out() -> None:
+    """Half the distance from the sharp roots more, twice it less: beyond none of them stands a plateau of its own."""
+    centre = np.array([0.0, PIN.output.pin_circle_radius])
+    side = np.array([PIN.output.root_radius, 0.0])
+    loads = loads_of(
+        "output", [[centre - side, -centre - side]], [[[909.0, 0.0], [5.0, 0.0]]], ("output_pin_1", "output_pin_5")
+    )
+    narrow = np.full((1, 2), 1e-4)
+    loads = replace(loads, half_width=narrow, strip=narrow, hertz=narrow > 0.0, torque=np.zeros(1))
+    part = loaded(PIN, part_grid(PIN, "output", GridSettings(refinement=0.3, solid=True)), loads)
+    stress = maxima(part)
+    corners = by_corner(part, 0, stress.bulk_distance)
+    half, own, twice = (size for _, size in corners)
+    assert [distance / corners[1][0] for distance, _ in corners] == pytest.approx([0.5, 1.0, 2.0])
+    assert own == pytest.approx(stress.bulk_stress[0])
+    assert half > 1.05 * own > 1.05 * twice
+    assert output_roots(PIN, loads)[0].stress > 1.5 * own
+    assert by_corner(replace(part, grid=replace(part.grid, keep_off=np.zeros((0, 3)))), 0, 1e-3) == ()
 
 
 @pytest.mark.slow

@@ -68,12 +68,17 @@ def own_names(module: Nodes) -> set[str]:
     return made
 
 
+def inherited(node: ast.Attribute) -> bool:
+    """Tell whether a name is asked of `self` or of the class above: what a class inherits is its own."""
+    return ast.unparse(node.value) in ("self", "super()")
+
+
 def private_names_of_others(module: Nodes) -> Iterator[str]:
     own = own_names(module)
     for node in module:
         if isinstance(node, ast.ImportFrom):
             yield from (f"{node.lineno}: {name.name}" for name in node.names if is_private(name.name))
-        elif isinstance(node, ast.Attribute) and is_private(node.attr) and node.attr not in own:
+        elif isinstance(node, ast.Attribute) and is_private(node.attr) and node.attr not in own and not inherited(node):
             yield f"{node.lineno}: {ast.unparse(node)}"
 
 

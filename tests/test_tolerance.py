@@ -21,7 +21,8 @@ from cycloid_mj.explore.limit import limit
 from cycloid_mj.explore.verify import Verified, verified
 from cycloid_mj.explore.zone import Zone, zone
 from cycloid_mj.loaded.samples import Figures, solve_samples
-from cycloid_mj.mechanism.limits import stops
+from cycloid_mj.loaded.springs import springs_of
+from cycloid_mj.mechanism.limits import best_fit, stops, tightest
 
 PIN, NONPIN = PRESETS["pin"], PRESETS["nonpin"]
 ANGLES = 6
@@ -140,12 +141,33 @@ def test_the_samples_are_a_table() -> None:
     found = tolerance(override(PIN, {"tolerance.cam": "uniform 0.3"}), 4, 0)
     assert found["sample"].tolist() == [1, 2, 3, 4]
     assert np.array_equal(found["backlash_arcmin"], found.figures["backlash_arcmin"])
+    assert (np.abs(found["drawn_cam_um"]) <= 0.3).all()
+    assert found.frame.units["drawn_cam_um"] == "um"
     assert found.frame.units["cam_force_n"] == "N"
     assert "loaded_teeth" not in found.frame.units
 
 
+def test_what_was_drawn_stands_beside_the_figures() -> None:
+    words = {"cam": "between -0.3 -0.1", "pin_position": "normal 0.01", "hole_position": "normal 0.01"}
+    words |= {"disc_size": "uniform 0.01", "profile": "2: normal 0.01"}
+    design = override(PRESETS["twodisc"], {f"tolerance.{key}": text for key, text in words.items()})
+    zones, block = draw.tolerances(design), draw.Block(0, 3)
+    found, made = (draw.drawn_columns(draw.departures(design, zones, 0, block)), draw.drawn(design, zones, 0, block))
+    assert ((found["drawn_cam_um"] >= -0.3) & (found["drawn_cam_um"] <= -0.1)).all()
+    for column, values in (
+        ("cam", made.cam - design.clearance.cam),
+        ("pin_position_2_y", made.pin_place[:, 1, 1]),
+        ("hole_position_2_3_x", made.hole_place[:, 1, 2, 0]),
+        ("disc_size_2", made.disc_radius[:, 1]),
+        ("profile_2_sin", made.waves[:, 1, 1]),
+    ):
+        assert 1e-6 * found[f"drawn_{column}_um"] == pytest.approx(values, abs=1e-15)
+    assert len(found) == 1 + 2 * design.ring.teeth + 4 * design.output.pins + 2 + 2
+
+
 def test_the_first_samples_are_the_same_however_many_there_are(monkeypatch) -> None:
     monkeypatch.setattr(draw, "BLOCK", 8)
+    monkeypatch.setattr(draw, "BEGINNING", 3)
     design = override(PIN, ['tolerance.cam="uniform 0.3"'])
     few, many = (tolerance(design, count, 1).figures["backlash_arcmin"] for count in (16, 30))
     assert np.array_equal(few, many[:16])
@@ -248,6 +270,73 @@ def test_parts_larger_than_their_clearances_jam() -> None:
     assert not tolerance(override(PIN, {"tolerance.mesh": "between 0 1"}), 20, 0).jams.any()
 
 
+@pytest.mark.parametrize("pair", ["mesh", "seat", "cam", "output"])
+def test_every_pair_that_interferes_is_a_jam_by_name(pair: str) -> None:
+    """Clearances of 1 um (a pin's play of 1 more) drawn at 5 to 7 um less."""
+    jammed = tolerance(override(PIN, {f"tolerance.{pair}": "between -8 -6"}), 8, 0)
+    assert jammed.jams.all()
+    assert (jammed.as_json()["yield"], jammed.worst, jammed.budget) == (0.0, (), ())
+    assert f"without tolerance.{pair} alone they go together" in jammed.jammed_by
+    assert f"all samples jam: {jammed.jammed_by}" in jammed.notes
+    assert ("pin_gear interferes" if pair in ("mesh", "seat") else pair) in jammed.jammed_by
+
+
+def test_a_cam_larger_than_its_bore_presses_as_its_spring_does() -> None:
+    """Both sides press with stiffness times interference; a fit jams in as many samples as lie below zero."""
+    stiffness = springs_of(PIN, friction=False).contacts.cam_stiffness
+    found = tolerance(override(PIN, {"tolerance.cam": "H7/k6"}), 150, 0)
+    interference = -1e-6 - 1e-6 * found.drawn["drawn_cam_um"]
+    pressed = interference > 0.0
+    assert found.figures["cam_preload_n"][pressed] == pytest.approx(stiffness * interference[pressed], rel=0.01)
+    surely = stiffness * interference > 0.011 * found.figures["cam_force_n"]
+    assert 0.2 < surely.mean() < 0.6
+    assert found.jams[surely].all()
+    assert not found.jams[~pressed].any()
+    assert found["jams"].tolist() == found.jams.astype(int).tolist()
+    assert all(design.clearance.cam > 0.0 for design in found.worst)
+    assert "the cam in" in found.notes[0]
+
+
+def test_jams_are_not_in_the_budget(monkeypatch) -> None:
+    """Its variance is that of the samples that go together."""
+    words = {"tolerance.cam": "between -4 -0.5", "tolerance.mesh": "uniform 0.01"}
+    seen = {}
+    monkeypatch.setattr(tolerances, "shares", lambda zones, sets, values, _: seen.update(values) or ())
+    design = override(PIN, words)
+    tolerance(design, 12, 0)
+    cam = draw.departures(design, draw.tolerances(design), 0, budget.budget_blocks(draw.tolerances(design), 64)["A"])
+    assert np.isnan(seen["A"][cam["cam"] < -1.1e-6]).all()
+    assert np.isfinite(seen["A"][cam["cam"] > -1e-6]).all()
+
+
+@pytest.mark.parametrize("engine", [Engine(1), Engine(2, "threads")], ids=["alone", "threads"])
+def test_a_study_whose_beginning_jams_ends_with_the_cause(monkeypatch, engine: Engine) -> None:
+    monkeypatch.setattr(draw, "BEGINNING", 6)
+    monkeypatch.setattr(tolerances, "BEGINNING", 6)
+    design = override(PIN, {"tolerance.cam": "H7/g6", "tolerance.pin_position": "normal 2"})
+    with pytest.raises(
+        tolerances.AllJam, match=r"^all of the first 6 samples jam: .*pin_gear interferes by"
+    ) as stopped:
+        tolerance(design, 300, 0, engine=engine)
+    assert stopped.value.found.samples == 6
+    assert "without tolerance.pin_position alone" in str(stopped.value)
+
+
+def test_interference_of_rigid_parts_is_that_of_their_radii() -> None:
+    """A cam or flanks that are too large by so much: the most room is that, and the pair is named."""
+    for changed, pair, depth in (
+        ({"cam": -3e-6}, "cam", 3e-6),
+        ({"pin_gear": -2e-6, "pin_socket": 1e-9}, "pin_gear", 2e-6),
+    ):
+        tight = PIN.model_copy(update={"clearance": PIN.clearance.model_copy(update=changed)})
+        room, shares = tightest(tight, 0.3)
+        assert room == pytest.approx(-depth, abs=2e-9)
+        assert shares[pair] == pytest.approx(1.0)
+    room, shares = tightest(PIN, 0.3)
+    assert room == pytest.approx(best_fit(PIN, 0.3).room)
+    assert sum(shares.values()) == pytest.approx(1.0)
+
+
 @pytest.mark.slow
 def test_samples_without_a_balance_jam_and_the_others_keep_their_figures(monkeypatch) -> None:
     def without_the_eighth(*given: Any) -> list[Figures]:
@@ -262,7 +351,8 @@ def test_samples_without_a_balance_jam_and_the_others_keep_their_figures(monkeyp
     assert found.jams[lost].all()
     assert not found.jams.all()
     assert np.isfinite([share.total for share in found.budget]).all()
-    assert "lack pin_position" in found.notes[0]
+    assert found.notes[0] == "pressed without a load: no balance in 1.67%"
+    assert "lack pin_position" in found.notes[1]
     json.dumps(finite(found.as_json()), allow_nan=False)
 
 
@@ -378,8 +468,22 @@ def test_the_command(tmp_path: Path, capsys) -> None:
     page = (tmp_path / "pin-tolerance.html").read_text()
     assert page.count("data:image/svg+xml") == 2
     assert 'src="http' not in page
-    assert len((tmp_path / "pin-samples.csv").read_text().splitlines()) == 51
+    header, *rows = (tmp_path / "pin-samples.csv").read_text().splitlines()
+    assert header.startswith("sample,drawn_cam_um,backlash_arcmin,")
+    assert len(rows) == 50
     assert load(tmp_path / "pin-worst-1.toml").clearance.cam > PIN.clearance.cam
+
+
+def test_the_command_keeps_what_jammed_and_fails(tmp_path: Path, capsys, monkeypatch) -> None:
+    monkeypatch.setattr(draw, "BEGINNING", 6)
+    monkeypatch.setattr(tolerances, "BEGINNING", 6)
+    flags = ["--samples", "50", "--out", str(tmp_path), "--set", 'tolerance.cam="between -8 -6"', "--json"]
+    assert main(["tolerance", "--design", "pin", *flags]) == 1
+    said = capsys.readouterr()
+    last = said.err.splitlines()[-1]
+    assert last.startswith("error: all of the first 6 samples jam: in the first 6 of them cam interferes by ")
+    assert json.loads(said.out)["jammed_by"] in last
+    assert len((tmp_path / "pin-samples.csv").read_text().splitlines()) == 7
 
 
 def test_the_command_writes_what_is_done_at_ctrl_c(tmp_path: Path, capsys, monkeypatch) -> None:

@@ -198,6 +198,27 @@ def test_an_open_balance_and_an_impossible_efficiency_are_told_of() -> None:
     assert "the efficiency reads -" in spoiled("load_torque", -1.0)[-1]
 
 
+def test_a_run_without_friction_may_have_an_efficiency_of_one_to_rounding() -> None:
+    run = loaded_run()
+    design = design_of(run)
+    judged = run.select(run.time > 0.006)
+    powers = balance(judged)
+
+    def with_efficiency(value: float, lost: float) -> tuple[str, ...]:
+        still = {
+            name: lost * judged[name] for name in judged.columns if name.endswith(("friction_power", "normal_power"))
+        }
+        factor = -powers.output / (value * powers.crank)
+        return unbalanced(
+            replace(judged, columns=dict(judged.columns) | still | {"crank_torque": factor * judged["crank_torque"]}),
+            design,
+        )
+
+    assert with_efficiency(1.0 + 0.2 * OPEN, lost=0.0) == ()
+    assert "which no reducer has" in with_efficiency(1.0 + 2.0 * OPEN, lost=0.0)[-1]
+    assert "which no reducer has" in with_efficiency(1.0 + 0.2 * OPEN, lost=1.0)[-1]
+
+
 def test_less_than_a_turn_has_no_balance_but_an_efficiency() -> None:
     run = loaded_run()
     design = design_of(run)

@@ -134,10 +134,11 @@ def test_full_disk_leaves_the_files_of_before(name, log, tmp_path):
     argv = [word.replace("RUN", str(log)).replace("DIR", str(tmp_path)) for word in COMMANDS[name]]
     with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
         assert main(argv) == 0
-    before = dict.fromkeys(contents(tmp_path), b"whole")
+    before = {file: content + b"old" for file, content in contents(tmp_path).items()}
     assert before
     for file, content in before.items():
         (tmp_path / file).write_bytes(content)
+    argv += [] if "--force" in argv else ["--force"]
     out, err = StringIO(), StringIO()
     with disk_of(1000), redirect_stdout(out), redirect_stderr(err):
         code = main(argv)
@@ -165,7 +166,7 @@ def test_stress_maps_are_written_whole(tmp_path, monkeypatch):
     monkeypatch.setattr("cycloid_mj.plots.stress.grid_figure", lambda grids, name: Figure())
     monkeypatch.setattr("cycloid_mj.plots.stress.map_figure", lambda maps, name: Figure())
     monkeypatch.setattr("cycloid_mj.stress.vtu.as_vtu", lambda found: found)
-    monkeypatch.setattr("cycloid_mj.cli.stressfiles.papers", lambda: ())
+    monkeypatch.setattr("cycloid_mj.cli.stressfiles.stress_claims", lambda studies: {})
     sizes = {"shaft": 100, "gear": 100}
 
     class Study:

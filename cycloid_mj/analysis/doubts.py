@@ -10,6 +10,7 @@ import numpy as np
 
 from cycloid_mj.analysis.findings import ContactSummary, Window
 from cycloid_mj.analysis.series import Series
+from cycloid_mj.contact.jam import SELF_LOCKING
 from cycloid_mj.contact.regime import pace
 from cycloid_mj.contact.swing import deepest
 from cycloid_mj.design import Design
@@ -120,7 +121,14 @@ def unbalanced(run: Run, design: Design) -> tuple[str, ...]:
             f"the power balance is open by {found.missing:.3g} of {scale:.4g} W: powers, losses and efficiency are "
             f"wrong; {COARSE}"
         )
-    outside = not 0.0 <= found.efficiency <= 1.0 if design.load.torque else found.efficiency > 1.0
+    if design.load.torque and 0.0 < found.efficiency < SELF_LOCKING:
+        doubtful.append(
+            f"the efficiency is {found.efficiency:.2%}: friction takes {1.0 / found.efficiency - 1.0:.3g} times what "
+            "goes to the load; such a drive all but locks itself, check friction.*, clearances and the load"
+        )
+    # without friction the efficiency is 1 to rounding and what sampled powers leave open
+    most = 1.0 + (OPEN if found.lost < OPEN * scale else 0.0)
+    outside = not 0.0 <= found.efficiency <= most if design.load.torque else found.efficiency > most
     if outside and (design.load.torque or max(found.crank, found.output) > idle):
         why = "the hold is too short to average over: lengthen drive.hold_s" if short else COARSE
         doubtful.append(f"the efficiency reads {found.efficiency:.2%}, which no reducer has; {why}")

@@ -147,7 +147,7 @@ class Findings:
     All that is not of the `ramp` is of the `window`, under the `condition`. `transmission_error` is the output's, which
     a user of the drive feels; `output_transmission_error` is the same under its full name. `warnings` say what a reader
     should know before he trusts the figures. Of several discs, what is said of the gear and of q holds for the first;
-    `discs` has each of them, and nothing where there is one.
+    `discs` has each of them, and nothing where there is one. `timestep_for` says for which figures the step was chosen.
     """
 
     design: str
@@ -178,6 +178,7 @@ class Findings:
     complete: bool
     note: str
     condition: Condition
+    timestep_for: str | None
     warnings: tuple[str, ...]
 
     @property

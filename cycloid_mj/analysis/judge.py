@@ -70,6 +70,7 @@ def judge(motion: Series, log: str | None = None) -> Findings:
         log=log,
         timestep_s=float(provenance["timestep_s"]) if "timestep_s" in provenance else timestep(motion.design),
         timestep=provenance.get("timestep"),
+        timestep_for=provenance.get("timestep_for"),
         steps=int(provenance["steps"]) if "steps" in provenance else None,
         wall_s=float(provenance["wall_s"]) if "wall_s" in provenance else None,
         crank=_crank(motion),

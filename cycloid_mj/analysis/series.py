@@ -324,12 +324,9 @@ def _disc_motion(run: Run, design: Design, q: Array, disc: int) -> dict[str, Com
 
 def _point_motion(run: Run, design: Design, q: Array, disc: int) -> tuple[Array, Array]:
     """Position from the initial centre of the first disc [m] and velocity [m/s] of a disc's point q, each (n, 2)."""
-    x, y, turn, vx, vy, spin = _planar(names.gears(design.gear.discs)[disc])
-    cos, sin = np.cos(run[turn]), np.sin(run[turn])
-    arm = np.stack([q[0] * cos - q[1] * sin, q[0] * sin + q[1] * cos], axis=1)
-    arm_turned = np.stack([-arm[:, 1], arm[:, 0]], axis=1)
-    centre = run.block([x, y]) - kinematics.gear_centre(tooth_profile(design), 0.0)
-    return centre + arm, run.block([vx, vy]) + run[spin][:, np.newaxis] * arm_turned
+    columns = _planar(names.gears(design.gear.discs)[disc])
+    place, velocity = kinematics.carried_point(q, run.block(columns[:3]), run.block(columns[3:]))
+    return place - kinematics.gear_centre(tooth_profile(design), 0.0), velocity
 
 
 def _pin_1(run: Run, design: Design) -> PinPath:

@@ -7,6 +7,7 @@ from typing import Any
 
 from cycloid_mj.design import Design, override
 from cycloid_mj.design.units import file_key, unit_of
+from cycloid_mj.errors import DesignError
 
 SHAPES: Mapping[str, Mapping[str, Any]] = {
     "pin": {"ring.kind": "pin", "gear.discs": 1},
@@ -105,7 +106,24 @@ def turned(design: Design, values: Mapping[str, Any]) -> Design:
     DesignError
         A value is not allowed.
     """
-    whole = {key: int(value) if key in COUNTS else value for key, value in values.items()}
-    changed = override(design, whole)
+    changed = override(design, {key: _counted(value) if key in COUNTS else value for key, value in values.items()})
     hole = changed.output.pin_radius + changed.gear.eccentricity
     return changed.but(output={"hole_radius": hole})
+
+
+def angle(degrees: Any) -> float:
+    """Give what the crank's slider says in radians.
+
+    Raises
+    ------
+    DesignError
+        It is no finite number.
+    """
+    if isinstance(degrees, int | float) and math.isfinite(degrees):
+        return math.radians(degrees)
+    raise DesignError(f"crank = {degrees!r} is not allowed: give an angle in degrees")
+
+
+def _counted(value: Any) -> Any:
+    """Give a whole number as one, for a slider's are floats; what is none is left for the validation to tell."""
+    return int(value) if isinstance(value, float) and value.is_integer() else value

@@ -1,6 +1,7 @@
 """What is shown of the newest design alone: designs that come while an older one is solved replace each other."""
 
 import asyncio
+import logging
 from collections.abc import Callable, Mapping
 
 from nicegui import background_tasks
@@ -8,6 +9,8 @@ from nicegui import background_tasks
 from cycloid_mj.app.shown import Line
 from cycloid_mj.app.workers import Work, Workers
 from cycloid_mj.design import Design
+
+_log = logging.getLogger(__name__)
 
 
 class Newest:
@@ -40,6 +43,11 @@ class Newest:
             self._busy = False
 
     async def _one(self, work: Work, design: Design, asked_in: int) -> None:
-        lines = await self._workers.do(work, design)
+        try:
+            lines = await self._workers.do(work, design)
+        except Exception as error:  # whatever goes wrong with one design, the page goes on
+            reason = f"{type(error).__name__}: {error}"
+            _log.error("error: %s of a design failed: %s", work.__name__, reason)
+            lines = (Line("failed", reason),)
         if asked_in == self._round:
             self._shown[work](lines)

@@ -1,7 +1,8 @@
 """The page itself, by NiceGUI: sliders, the mechanism, checks, figures, and what can be made of the design."""
 
-import math
+import logging
 import sys
+import traceback
 from collections.abc import Callable
 from functools import partial
 from html import escape
@@ -11,7 +12,8 @@ from nicegui import app, run, ui
 from starlette.responses import HTMLResponse
 
 from cycloid_mj.app.drawing import mechanism_svg
-from cycloid_mj.app.knobs import SHAPES, Knob, knobs, shape_of, turned
+from cycloid_mj.app.knobs import SHAPES, Knob, angle, knobs, shape_of, turned
+from cycloid_mj.app.local import LocalOnly
 from cycloid_mj.app.made import FILES
 from cycloid_mj.app.newest import Newest
 from cycloid_mj.app.running import Runner
@@ -54,6 +56,8 @@ def serve(design: Design, port: int, show: bool) -> None:
     """Serve the page on this machine alone until the process is stopped; every window has a design of its own."""
     reports: dict[str, str] = {}
     workers = Workers((static_lines, life_lines, check_lines))
+    app.add_middleware(LocalOnly)
+    logging.getLogger("nicegui").addFilter(in_one_line)
 
     @app.get("/report/{number}", response_class=HTMLResponse)
     def report(number: str) -> str:
@@ -61,7 +65,7 @@ def serve(design: Design, port: int, show: bool) -> None:
 
     @ui.page("/")
     def page() -> None:
-        _Page(design, reports, workers)
+        Page(design, reports, workers)
 
     sys.setswitchinterval(SWITCH)
     try:
@@ -85,14 +89,15 @@ class _Slider(ui.slider):
     LOOPBACK = False
 
 
-class _Page:
+class Page:
     """One window: its design, and the elements that show it."""
 
     def __init__(self, design: Design, reports: dict[str, str], workers: Workers) -> None:
         load = {"torque": abs(design.load.torque) or design.rated_torque}
         self._base, self._reports, self._runner = design.but(load=load), reports, Runner()
         self._values: dict[str, Any] = {}
-        self._design, self._sound, self._crank = self._base, False, math.radians(CRANK.value)
+        self._design, self._sound, self._crank = self._base, False, angle(CRANK.value)
+        ui.on_exception(self._fail)
         ui.add_css(STYLE)
         with ui.element("div").classes("page"):
             with ui.column().classes("sliders gap-1"):
@@ -143,8 +148,15 @@ class _Page:
         self._redraw()
 
     def _turn(self, degrees: float) -> None:
-        self._crank = math.radians(degrees)
-        self._draw()
+        try:
+            self._crank = angle(degrees)
+        except CycloidError as error:
+            self._refuse(refused(error))
+            return
+        if self._sound:
+            self._draw()
+        else:
+            self._redraw()
 
     def _redraw(self) -> None:
         """Draw the design with the values of the sliders and say what breaks; have its figures solved."""
@@ -169,6 +181,10 @@ class _Page:
             return refused(error)
         self._picture.classes(remove="stale")
         return ()
+
+    def _fail(self, error: Exception) -> None:
+        """Say what nobody has foreseen."""
+        self._refuse((Line("not possible", _named(error)),))
 
     def _refuse(self, reasons: tuple[Line, ...]) -> None:
         """Say why there are no figures."""
@@ -213,6 +229,19 @@ class _Page:
             self._run_button.enable()
 
 
+def _named(error: BaseException) -> str:
+    return f"{type(error).__name__}: {error}"
+
+
+def in_one_line(record: logging.LogRecord) -> bool:
+    """Leave of an exception what it is and where it was raised."""
+    if record.exc_info and (error := record.exc_info[1]):
+        *_, (frame, line) = traceback.walk_tb(error.__traceback__)
+        record.msg = f"error: {_named(error)} ({frame.f_code.co_filename}:{line})"
+        record.args, record.exc_info = (), None
+    return True
+
+
 def _row(knob: Knob, changed: Callable[[float], None]) -> None:
     """Put a slider between its label and its value, which can be typed as well."""
     with ui.element("div").classes("knob"):
@@ -228,8 +257,12 @@ def _row(knob: Knob, changed: Callable[[float], None]) -> None:
         else:
             slider.set_value(number.value)
 
-    slider.on_value_change(lambda event: number.set_value(event.value))
-    slider.on_value_change(lambda event: changed(event.value))
+    def moved(event: Any) -> None:
+        if isinstance(event.value, int | float):
+            number.set_value(event.value)
+        changed(event.value)
+
+    slider.on_value_change(moved)
     number.on("change", typed)  # once what is typed is whole
 
 

@@ -5,10 +5,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from scipy.stats import t
 
 from cycloid_mj.bench.fit import COVERED, Fitted, fit
-from cycloid_mj.bench.loop import MeasuredLoop
+from cycloid_mj.bench.loop import DEFLECTION, TORQUE, MeasuredLoop
 from cycloid_mj.bench.overlay import Bench, model_branches, put_all
 from cycloid_mj.bench.parameters import DEFAULT, Model, Parameter, parameters
 from cycloid_mj.bench.search import STEP, Search
@@ -30,8 +29,9 @@ ALIKE = 0.95
 SILENT = 1e-6
 """Change of the residuals, as shares of a loop's ranges and by a parameter's scale, below which there is none."""
 
-RADIANS = 8.0
-"""How much lower than the design's own a loop is at least that is taken to be in radians."""
+RADIANS, MINUTES, MILLIMETRES = 8.0, 30.0, 30.0
+"""How much lower than the design's own a loop is at least that is taken to be in radians; how much higher one in
+minutes of arc; and how many times the rated torque a torque goes to that is taken to be in N mm."""
 
 DEFINITIONS = {
     "play_deg": "turn of the output between its stops at the held crank angle, rigid parts, with the fitted clearances",
@@ -294,10 +294,15 @@ def calibrate(
         raise UsageError("there is no loop to calibrate by: give at least one with --loop")
     drag = design.drag.output + (design.lobes * design.drag.crank if held == "output" else 0.0)
     model, bench = Model(design, Losses(drag)), Bench(held, crank)
-    _require_degrees(model, loops, bench)
+    _require_units(model, loops, bench)
     chosen, counted = parameters(design, keys, loops), _counting(progress)
     _require_answers(Search(model, chosen, tuple(loops), bench, counted))
     return _told(fit(model, chosen, loops, bench, counted))
+
+
+def calibrated_name(design: Design) -> str:
+    """Return the name that a design has once it is calibrated."""
+    return f"{design.name}-calibrated"[:64]
 
 
 def compare_losses(
@@ -384,7 +389,7 @@ def _told(fitted: Fitted) -> Calibration:
     lowest = min(fitted.loops, key=_height)
     return Calibration(
         fitted=fitted,
-        design=calibrated.but(name=f"{calibrated.name}-calibrated"[:64]),
+        design=calibrated.but(name=calibrated_name(calibrated)),
         estimates=estimates,
         alike=alike,
         play=_derived(fitted, _play),
@@ -408,13 +413,13 @@ def _derived(fitted: Fitted, read: Callable[[Fitted, Model], float]) -> tuple[fl
     def at(places: Array) -> float:
         return read(fitted, put_all(fitted.model, fitted.parameters, fitted.values_at(places)))
 
-    value, slopes = at(fitted.places), np.zeros(count)
+    value, slopes = at(fitted.places), np.zeros(len(fitted.places))
     for place in np.flatnonzero(~fitted.at_bound[:count]):
         moved = np.stack([fitted.places, fitted.places])
         moved[:, place] += [-STEP, STEP]
         slopes[place] = (at(moved[1]) - at(moved[0])) / (2.0 * STEP)
-    variance = float(slopes @ fitted.spread.covariance[:count, :count] @ slopes)
-    spread = float(t.ppf(0.5 + 0.5 * COVERED, fitted.spread.freedom)) * max(variance, 0.0) ** 0.5
+    variance = float(slopes @ fitted.spread.covariance @ slopes)
+    spread = fitted.spread.reach_along(slopes, COVERED) * max(variance, 0.0) ** 0.5
     return value, max(value - spread, 0.0), value + spread
 
 
@@ -461,9 +466,16 @@ def _notes(fitted: Fitted) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def _require_degrees(model: Model, loops: Sequence[MeasuredLoop], bench: Bench) -> None:
-    """Refuse a loop whose height is the design's only if it was meant in radians."""
+def _require_units(model: Model, loops: Sequence[MeasuredLoop], bench: Bench) -> None:
+    """Refuse a loop that is near the design's only if it was meant in N mm, in radians, or in minutes of arc."""
+    rated = model.design.rated_torque
     for loop in loops:
+        if rated and loop.most > MILLIMETRES * rated:
+            raise UsageError(
+                f"{loop.name}: the torque goes to {loop.most:.4g} N m, {loop.most / rated:.3g} times the design's "
+                f"rated {rated:.4g} N m: is {TORQUE} in N mm? then divide it by 1000; if not, give the design its "
+                "drive.torque_nm"
+            )
         try:
             turn = np.concatenate([turn for _, turn in model_branches(model, bench, loop)])
         except RunError:
@@ -472,8 +484,14 @@ def _require_degrees(model: Model, loops: Sequence[MeasuredLoop], bench: Bench) 
         if loop.height * RADIANS < expected < loop.height / DEGREE * RADIANS:
             raise UsageError(
                 f"{loop.name}: the deflection goes over {loop.height / DEGREE:.3g} deg, but the design's own loop over "
-                f"{expected / DEGREE:.3g} deg: is deflection_deg in radians? then "
+                f"{expected / DEGREE:.3g} deg: is {DEFLECTION} in radians? then "
                 "multiply it by 57.2958; if not, give the design clearances nearer to the drive's"
+            )
+        if loop.height > MINUTES * expected:
+            raise UsageError(
+                f"{loop.name}: the deflection goes over {loop.height / DEGREE:.3g} deg, but the design's own loop over "
+                f"{expected / DEGREE:.3g} deg: is {DEFLECTION} in minutes of arc? then divide it by 60; if not, "
+                "give the design clearances and stiffness nearer to the drive's"
             )
 
 

@@ -2,7 +2,8 @@
 
 An interval ends where the loops are missed by too much even with all other values fitted anew: that of the profile
 likelihood (Venzon and Moolgavkar, Appl. Statist. 37, 1988, 87-94). Where values lie in a long bent valley, as friction
-of contacts and constant friction do, that of the straight neighbourhood would be far too narrow.
+of contacts and constant friction do, that of the straight neighbourhood would be far too narrow. There may be several
+valleys that explain the loops alike: an interval reaches as far as any of them does, from the ends of all searches.
 """
 
 from collections.abc import Callable, Sequence
@@ -11,7 +12,6 @@ from functools import cached_property
 from operator import itemgetter
 
 import numpy as np
-from scipy.stats import t
 
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.overlay import Bench, Branches, model_branches, put_all
@@ -149,13 +149,15 @@ def fit(
     """
     search = Search(model, tuple(parameters), tuple(loops), bench, told)
     starts = search.starts() if start is None else [start]
-    place = min((search.run(one, SHORT, "dogbox") for one in starts), key=itemgetter(0))[1]
+    best, *others = sorted((search.run(one, SHORT, "dogbox") for one in starts), key=itemgetter(0))
+    place = best[1]
     for _ in range(RENEWED):
         cost, place = search.run(place, LONG, "trf")
         found = _fitted(search, place)
-        better = _widen(search, found, cost) if intervals else None
+        better = widen(search, found, [(cost, place), *others]) if intervals else None
         if better is None:
             break
+        others.append((cost, place))
         place = better
     return found
 
@@ -172,7 +174,8 @@ def _fitted(search: Search, places: Array) -> Fitted:
     weighted = [part / np.sqrt(len(part)) for part in parts]
     sure = spread(of_loops, weighted, ~at_bound)
     whole = spread(of_loops, weighted, np.ones_like(at_bound)) if at_bound.any() else sure
-    reach = float(t.ppf(0.5 + 0.5 * COVERED, sure.freedom)) * np.where(at_bound, whole.errors, sure.errors)
+    each = (whole if bound else sure for bound in at_bound.tolist())
+    reach = np.array([one.reach(COVERED)[place] * one.errors[place] for place, one in enumerate(each)])
     ends = np.clip(places[:, np.newaxis] + np.outer(reach, [-1.0, 1.0]), low[:, np.newaxis], high[:, np.newaxis])
     return Fitted(
         model=search.model,
@@ -188,28 +191,57 @@ def _fitted(search: Search, places: Array) -> Fitted:
     )
 
 
-def _widen(search: Search, found: Fitted, cost: float) -> Array | None:
-    """Put the ends of each interval where the loops are missed by too much; or give a place that misses them less."""
-    inverse = found.spread.inverse
+def widen(search: Search, found: Fitted, valleys: Sequence[tuple[float, Array]]) -> Array | None:
+    """Put the ends of each interval where the loops are missed by too much; or give a place that misses them less.
+
+    `valleys` are where searches ended, each with its cost, the fit itself first: in each of them that explains the
+    loops as well as the interval allows, an end of its own is looked for, and the farthest one counts.
+    """
+    inverse, least = found.spread.inverse, valleys[0][0]
+    apart = [np.any(np.abs(one - found.places) > found.spread.errors) for _, one in valleys[1:]]
+    valleys = [valleys[0], *(one for one, other in zip(valleys[1:], apart, strict=True) if other)]
     unknown = np.all(found.ends == np.stack(search.bounds, axis=1), axis=1)
     for place in np.flatnonzero(~(found.at_bound | unknown)[: len(search.parameters)]):
-        along = inverse[:, place] / inverse[place, place]
-        for side, end in enumerate(found.ends[place]):
-            way, most = end - found.places[place], search.bounds[side][place] - found.places[place]
+        for side, end in enumerate(found.ends[place].tolist()):
+            straight = end - found.places[place]
             # what the sum of squares rises by there, where it is a paraboloid
-            allowed, before, reached = 0.5 * way**2 / inverse[place, place], 0.0, 0.0
-            for _ in range(DOUBLED):
-                start = np.clip(found.places + way * along, *search.bounds)
-                now, trial = search.run(start, PROFILED, "dogbox", held=int(place))
-                if now < (1.0 - GAINED) * cost:
-                    return trial
-                rise = max(now - cost, 0.0)
-                if rise >= allowed or way == most:
-                    break
-                reached, before = way, rise
-                way = max(2.0 * way, most) if side == 0 else min(2.0 * way, most)
-            if rise > allowed:
-                ratio = (allowed**0.5 - before**0.5) / (rise**0.5 - before**0.5)
-                way = reached + ratio * (way - reached)
-            found.ends[place, side] = found.places[place] + way
+            allowed, reached = 0.5 * straight**2 / inverse[place, place], []
+            for cost, middle in valleys:
+                if (left := allowed - (cost - least)) <= 0.0:
+                    continue
+                way, better = _reach(search, found, (cost, middle), int(place), side, left)
+                if better is not None and better[0] < (1.0 - GAINED) * least:
+                    return better[1]
+                reached.append(float(middle[place]) + way)
+            found.ends[place, side] = max(reached) if side else min(reached)
     return None
+
+
+def _reach(
+    search: Search, found: Fitted, valley: tuple[float, Array], place: int, side: int, allowed: float
+) -> tuple[float, tuple[float, Array] | None]:
+    """Give how far a value can be from where a valley has it, until the cost has risen by what is allowed.
+
+    With it comes a place, and its cost, where the search ran into one that misses the loops less than the valley.
+    """
+    (cost, middle), inverse = valley, found.spread.inverse
+    along = inverse[:, place] / inverse[place, place]
+    most = float(search.bounds[side][place] - middle[place])
+    way = (2.0 * allowed * float(inverse[place, place])) ** 0.5
+    way = min(way, most) if side else max(-way, most)
+    before = reached = rise = 0.0
+    better = None
+    for _ in range(DOUBLED):
+        start = np.clip(middle + way * along, *search.bounds)
+        now, trial = search.run(start, PROFILED, "dogbox", held=place)
+        if now < cost:
+            better = now, trial
+        rise = max(now - cost, 0.0)
+        if rise >= allowed or way == most:
+            break
+        reached, before = way, rise
+        way = min(2.0 * way, most) if side else max(2.0 * way, most)
+    if rise > allowed:
+        ratio = (allowed**0.5 - before**0.5) / (rise**0.5 - before**0.5)
+        way = reached + ratio * (way - reached)
+    return way, better

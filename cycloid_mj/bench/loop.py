@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from cycloid_mj.errors import UsageError
+from cycloid_mj.replacing import as_input
 from cycloid_mj.types import Array, Integers
 from cycloid_mj.units import DEGREE
 
@@ -133,7 +134,7 @@ def read_columns(path: Path, names: tuple[str, ...], what: str) -> dict[str, Arr
     """
     form = f"{what} has the columns {','.join(names)}"
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
+        lines = as_input(path).read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise UsageError(f"cannot read {path}: {getattr(error, 'strerror', None) or error}; {form}") from error
     numbered = [(number, line) for number, line in enumerate(lines, 1) if line.strip(" \t#")]

@@ -2,7 +2,8 @@
 
 Symbols: N ring teeth, c eccentricity, E pin-circle radius, rho pin radius [m]. As in the parts, the clearance is cut
 from the gear (profile and holes) or added to sockets and bore. Where no source sets a limit it is assumed here and
-stated: ``WALL_SHARE``, ``PLAY_SHARE``, ``OVERLOAD`` and ``PLAUSIBLE``, and those of `margin` and `strength`.
+stated, and what misses it is warned of: ``WALL_SHARE``, ``LEAST_CORE``, ``PLAY_SHARE``, ``OVERLOAD`` and ``PLAUSIBLE``,
+and those of `margin` and `strength`. An error is what cannot be made, put together or turned.
 """
 
 from cycloid_mj.checks.assembly import assembly_checks
@@ -13,7 +14,7 @@ from cycloid_mj.checks.mechanics import OVERLOAD, PLAUSIBLE, PLAY_SHARE, mechani
 from cycloid_mj.checks.several import disc_checks
 from cycloid_mj.checks.strength import strength_checks
 from cycloid_mj.checks.summary import Summary, masses, summary
-from cycloid_mj.checks.teeth import WALL_SHARE, tooth_checks
+from cycloid_mj.checks.teeth import WALL_SHARE, WALLS, tooth_checks
 from cycloid_mj.checks.tolerance import tolerance_checks
 from cycloid_mj.design import Design
 from cycloid_mj.errors import DesignError
@@ -22,6 +23,7 @@ __all__ = [
     "OVERLOAD",
     "PLAUSIBLE",
     "PLAY_SHARE",
+    "WALLS",
     "WALL_SHARE",
     "Check",
     "Limit",
@@ -58,7 +60,7 @@ def soundness(design: Design) -> tuple[Check, ...]:
     """
     shape = (*tooth_checks(design), *body_checks(design))
     stands_out = design.gear.discs > 1 or design.shaft.radius < design.shaft.counterweight_radius
-    whole = all(item.passed for item in shape) and stands_out
+    whole = all(item.passed or item.severity == "warning" for item in shape) and stands_out
     of_whole = _of_whole(design) if whole else ()
     return (*shape, *of_whole, *mechanical_checks(design, whole))
 

@@ -4,8 +4,8 @@ import math
 from collections.abc import Iterator
 
 from cycloid_mj import profile
-from cycloid_mj.checks.limit import Check, Limit, millimetres, verdict
-from cycloid_mj.checks.teeth import WALL_SHARE, pitches, wall, wall_needed
+from cycloid_mj.checks.limit import Check, Limit, millimetres, verdict, wall_verdict
+from cycloid_mj.checks.teeth import WALL_SHARE, pitches
 from cycloid_mj.design import Design
 from cycloid_mj.design.units import MILLIMETRE
 from cycloid_mj.modification import gear_profile, profile_offset
@@ -16,33 +16,34 @@ HOLE_TOLERANCE = 1e-9
 
 def body_checks(design: Design) -> Iterator[Check]:
     """Check bore and holes of the gear."""
-    circle = design.output.pin_circle_radius
-    bore, hole = _bore(design), _hole(design)
+    circle, cam = design.output.pin_circle_radius, design.clearance.cam
+    E, rho, bore, hole = design.ring.pin_circle_radius, design.ring.pin_radius, _bore(design), _hole(design)
     below_root = design.gear.eccentricity + profile_offset(design) - design.modification.pin_circle
-    root = design.ring.pin_circle_radius - below_root
+    root = E - below_root
     root_told = f"the root of the lobes (radius {millimetres(root)})"
-    yield verdict(
-        design,
-        "bore",
-        Limit("gear.bore_radius", "less than", root - wall(design) - design.clearance.cam),
-        wall_needed(design, f"between the bore and {root_told}"),
-        Limit("ring.pin_circle_radius", "more than", (bore + below_root) / (1 - WALL_SHARE)),
-        Limit("ring.pin_radius", "less than", root - wall(design) - bore + design.ring.pin_radius),
-    )
-    yield verdict(
-        design,
-        "holes_to_bore",
-        Limit("gear.bore_radius", "less than", circle - hole - wall(design) - design.clearance.cam),
-        wall_needed(design, "between the bore and the output holes"),
-        Limit("output.pin_circle_radius", "more than", bore + wall(design) + hole),
-    )
-    yield verdict(
-        design,
-        "holes_to_root",
-        Limit("output.pin_circle_radius", "less than", root - wall(design) - hole),
-        wall_needed(design, f"between the output holes and {root_told}"),
-        Limit("ring.pin_circle_radius", "more than", (circle + hole + below_root) / (1 - WALL_SHARE)),
-    )
+
+    def beside_bore(wall: float) -> tuple[Limit, ...]:
+        return (
+            Limit("gear.bore_radius", "less than", root - wall * E - cam),
+            Limit("ring.pin_circle_radius", "more than", (bore + below_root) / (1 - wall)),
+            Limit("ring.pin_radius", "less than", root - wall * E - bore + rho),
+        )
+
+    def bore_to_holes(wall: float) -> tuple[Limit, ...]:
+        return (
+            Limit("gear.bore_radius", "less than", circle - hole - wall * E - cam),
+            Limit("output.pin_circle_radius", "more than", bore + wall * E + hole),
+        )
+
+    def holes_to_root(wall: float) -> tuple[Limit, ...]:
+        return (
+            Limit("output.pin_circle_radius", "less than", root - wall * E - hole),
+            Limit("ring.pin_circle_radius", "more than", (circle + hole + below_root) / (1 - wall)),
+        )
+
+    yield wall_verdict(design, "bore", beside_bore, WALL_SHARE, f"between the bore and {root_told}")
+    yield wall_verdict(design, "holes_to_bore", bore_to_holes, WALL_SHARE, "between the bore and the output holes")
+    yield wall_verdict(design, "holes_to_root", holes_to_root, WALL_SHARE, f"between the output holes and {root_told}")
     yield _neighbouring_holes(design)
     yield _hole_size(design)
 
@@ -101,17 +102,20 @@ def _static_moments(design: Design) -> tuple[float, float]:
 
 
 def _neighbouring_holes(design: Design) -> Check:
-    output, circle = design.output, design.output.pin_circle_radius
+    """Check the wall between holes; their radius follows from pin and eccentricity, so the others are remedies."""
+    output, circle, E = design.output, design.output.pin_circle_radius, design.ring.pin_circle_radius
     half_pitch = circle * math.sin(math.pi / output.pins)
-    taken = _hole(design) + wall(design) / 2
-    return verdict(
-        design,
-        "neighbouring_holes",
-        Limit("output.hole_radius", "less than", half_pitch - wall(design) / 2 - design.clearance.output),
-        wall_needed(design, "between neighbouring output holes"),
-        Limit("output.pins", "less than", pitches(taken / circle)),
-        Limit("output.pin_circle_radius", "more than", taken / math.sin(math.pi / output.pins)),
-        tied=True,
+
+    def limits(wall: float) -> tuple[Limit, ...]:
+        taken = _hole(design) + wall * E / 2
+        return (
+            Limit("output.hole_radius", "less than", half_pitch - wall * E / 2 - design.clearance.output),
+            Limit("output.pins", "less than", pitches(taken / circle)),
+            Limit("output.pin_circle_radius", "more than", taken / math.sin(math.pi / output.pins)),
+        )
+
+    return wall_verdict(
+        design, "neighbouring_holes", limits, WALL_SHARE, "between neighbouring output holes", tied=True
     )
 
 

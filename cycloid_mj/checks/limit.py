@@ -2,7 +2,8 @@
 
 import math
 import operator
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -131,6 +132,34 @@ def verdict(
     remedy = "" if passed else _remedy(design, [*([] if tied else [limit]), *instead])
     value, bound, unit = limit.numbers(design)
     return Check(name, passed, got, allowed, why, remedy, severity, limit.file_key(design), value, bound, unit)
+
+
+def wall_verdict(
+    design: Design,
+    name: str,
+    limits: Callable[[float], tuple[Limit, ...]],
+    assumed: float,
+    where: str,
+    tied: bool = False,
+) -> Check:
+    """Check a wall: thinner than is assumed is a warning, cut-outs that run into each other are an error.
+
+    Parameters
+    ----------
+    design, name, tied
+        As in `verdict`.
+    limits
+        Gives the limits that leave a wall of a share of E, that of the checked value first.
+    assumed
+        Least share.
+    where
+        Between what the wall is.
+    """
+    E = design.ring.pin_circle_radius
+    needed = f"{where} a wall of at least {millimetres(assumed * E)} is wanted ({assumed:.0%} of E, assumed)"
+    found = verdict(design, name, limits(assumed)[0], needed, *limits(assumed)[1:], severity="warning", tied=tied)
+    there = verdict(design, name, limits(0.0)[0], f"{where} no wall is left")
+    return found if there.passed else replace(there, remedy=found.remedy)
 
 
 def _remedy(design: Design, limits: list[Limit]) -> str:

@@ -2,18 +2,23 @@
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 from cycloid_mj import profile
-from cycloid_mj.checks.limit import Check, Limit, millimetres, verdict
+from cycloid_mj.checks.limit import Check, Limit, millimetres, verdict, wall_verdict
 from cycloid_mj.design import Design
 from cycloid_mj.modification import profile_offset
 from cycloid_mj.profile import CycloidGear
+from cycloid_mj.sockets import socket_half_angle
 
 WALL_SHARE = 0.01
 """Assumed: least wall between any two cut-outs, as a share of E (0.4 mm on the paper's gear)."""
 
 LOOP_MARGIN = 1e-6
 """Relative distance that c N keeps from E, since closer to a loop the closed forms drown in rounding."""
+
+WALLS = ("bore", "holes_to_bore", "holes_to_root", "neighbouring_holes", "neighbouring_pins", "housing", "sleeve")
+"""Checks whose limit is a wall: one that is thinner than is assumed is a warning, one that is not there an error."""
 
 LEAST_CORE = 1 / 3
 """Assumed: least radius of the pin inside a sleeve, as a share of rho: it carries all of the force in bending."""
@@ -47,17 +52,9 @@ def tooth_checks(design: Design) -> Iterator[Check]:
             "the gear's tips sweep out to E - rho + 2 c, which must not reach the bottoms of the sockets at E + rho",
             Limit("gear.eccentricity", "less than", rho),
         )
+        if loops.passed and design.ring.has_sockets and c < rho and design.ring.socket == "half_open":
+            yield _held(design)
     yield _housing(design)
-
-
-def wall(design: Design) -> float:
-    """Give the least wall [m]."""
-    return WALL_SHARE * design.ring.pin_circle_radius
-
-
-def wall_needed(design: Design, where: str) -> str:
-    """Say where a wall is needed, and how thick."""
-    return f"{where} a wall of at least {millimetres(wall(design))} is needed ({WALL_SHARE:.0%} of E, assumed)"
 
 
 def _undercut(design: Design) -> Check:
@@ -87,46 +84,80 @@ def _undercut(design: Design) -> Check:
 def _neighbouring_pins(design: Design) -> Check:
     E, N, play = design.ring.pin_circle_radius, design.ring.teeth, design.socket_play
     socket = design.ring.pin_radius + play
-    room = math.sin(math.pi / N) - WALL_SHARE / 2
-    return verdict(
-        design,
-        "neighbouring_pins",
-        Limit("ring.pin_radius", "less than", E * room - play),
-        wall_needed(design, "between the sockets of neighbouring pins"),
-        Limit("ring.teeth", "less than", pitches(socket / E + WALL_SHARE / 2)),
-        Limit("ring.pin_circle_radius", "more than", socket / room),
-    )
+
+    def limits(wall: float) -> tuple[Limit, ...]:
+        room = math.sin(math.pi / N) - wall / 2
+        return (
+            Limit("ring.pin_radius", "less than", E * room - play),
+            Limit("ring.teeth", "less than", pitches(socket / E + wall / 2)),
+            Limit("ring.pin_circle_radius", "more than", socket / room if room > 0.0 else math.inf),
+        )
+
+    return wall_verdict(design, "neighbouring_pins", limits, WALL_SHARE, "between the sockets of neighbouring pins")
 
 
 def _sleeve(design: Design) -> Check:
-    """Check that a sleeve leaves a pin that can hold it: at least a third of rho (assumed)."""
-    ring = design.ring
-    room = (1 - LEAST_CORE) * ring.pin_radius - design.clearance.pin_sleeve
-    return verdict(
+    """Check that a sleeve leaves a pin, and one that can hold it: at least a third of rho (assumed)."""
+    ring, play = design.ring, design.clearance.pin_sleeve
+    found = verdict(
         design,
         "sleeve",
-        Limit("ring.sleeve_thickness", "at most", room),
+        Limit("ring.sleeve_thickness", "at most", (1 - LEAST_CORE) * ring.pin_radius - play),
         f"the pin inside the sleeve is to be at least {LEAST_CORE:.0%} as thick as the sleeve is outside (assumed)",
-        Limit("ring.pin_radius", "at least", (ring.sleeve_thickness + design.clearance.pin_sleeve) / (1 - LEAST_CORE)),
+        Limit("ring.pin_radius", "at least", (ring.sleeve_thickness + play) / (1 - LEAST_CORE)),
+        severity="warning",
+    )
+    there = verdict(
+        design,
+        "sleeve",
+        Limit("ring.sleeve_thickness", "less than", ring.pin_radius - play),
+        "the sleeve leaves no pin inside",
+    )
+    return found if there.passed else replace(there, remedy=found.remedy)
+
+
+def _held(design: Design) -> Check:
+    """Check that sockets reach round their pins as far as the gear presses on these.
+
+    It presses a pin outwards, up to asin(c N/E) aside (Hsieh 2014, Eq. 7). Where that is within the socket the pin
+    stays in: pressed it lies on the socket's wall, and idle the gear in front of it holds it back.
+    """
+    N, c, E, rho = design.ring.teeth, design.gear.eccentricity, design.ring.pin_circle_radius, design.ring.pin_radius
+
+    def spare(pin_radius: float, eccentricity: float) -> float:
+        made = design.model_copy(
+            update={
+                "ring": design.ring.model_copy(update={"pin_radius": pin_radius}),
+                "gear": design.gear.model_copy(update={"eccentricity": eccentricity}),
+            }
+        )
+        return socket_half_angle(made) - math.asin(min(1.0, eccentricity * N / E))
+
+    return verdict(
+        design,
+        "pin_held",
+        Limit("ring.pin_radius", "more than", _falling_root(lambda radius: -spare(radius, c), E)),
+        f"the gear presses pins up to {math.degrees(math.asin(c * N / E)):.4g} deg aside, and a half-open socket that "
+        f"holds them to {math.degrees(socket_half_angle(design)):.4g} deg lets them out (closed ones hold them)",
+        Limit("gear.eccentricity", "less than", _falling_root(lambda aside: spare(rho, aside), E / N)),
     )
 
 
 def _housing(design: Design) -> Check:
-    ring, c = design.ring, design.gear.eccentricity
+    ring, c, outer = design.ring, design.gear.eccentricity, design.housing.outer_radius
     sockets = ring.pin_circle_radius + ring.pin_radius + design.socket_play
     root = ring.pin_circle_radius - ring.pin_radius + 2 * c
     outermost = sockets if ring.kind == "pin" else root
-    return verdict(
-        design,
-        "housing",
-        Limit("housing.outer_radius", "more than", outermost + wall(design)),
-        wall_needed(design, f"outside the ring's teeth (out to {millimetres(outermost)})"),
-        Limit(
-            "ring.pin_circle_radius",
-            "less than",
-            (design.housing.outer_radius - (outermost - ring.pin_circle_radius)) / (1 + WALL_SHARE),
-        ),
-    )
+    beyond = outermost - ring.pin_circle_radius
+
+    def limits(wall: float) -> tuple[Limit, ...]:
+        return (
+            Limit("housing.outer_radius", "more than", outermost + wall * ring.pin_circle_radius),
+            Limit("ring.pin_circle_radius", "less than", (outer - beyond) / (1 + wall)),
+        )
+
+    where = f"outside the ring's teeth (out to {millimetres(outermost)})"
+    return wall_verdict(design, "housing", limits, WALL_SHARE, where)
 
 
 def pitches(half_pitch_share: float) -> float:

@@ -59,5 +59,7 @@ def report(findings: "Findings", json: bool) -> None:
         [(f"{group.name} {group.detail}".strip(), group.rows) for group in groups(findings)],
     )
     say(f"log: {findings.log}")
+    if findings.timestep_for:
+        say(f"time step {findings.timestep}, for {findings.timestep_for}")
     if findings.wall_s is not None:
         say(f"{findings.steps} steps of {findings.timestep_s * 1e6:g} us in {findings.wall_s:.1f} s of wall time")

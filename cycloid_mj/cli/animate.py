@@ -1,12 +1,14 @@
 """``cycloid-mj animate``: a logged run as a film, drawn in its plane."""
 
+from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
 from cycloid_mj.cli.analyze import LogName
-from cycloid_mj.cli.flags import whole, within
+from cycloid_mj.cli.flags import ForceFlag, whole, within
 from cycloid_mj.cli.terminal import say
+from cycloid_mj.replacing import claim
 
 EXAMPLES = """Examples:
   cycloid-mj animate runs/pin.mcap pin.gif
@@ -15,7 +17,7 @@ EXAMPLES = """Examples:
 FRAMES, RATE, WIDTH = 90, 25, 640
 MOST_FRAMES, MOST_TURNS = 20_000, 10_000.0
 
-MovieName = Annotated[str, Parameter(metavar="FILE", help="Film to write, .gif or .mp4; replaced if it exists.")]
+MovieName = Annotated[str, Parameter(metavar="FILE", help="Film to write, .gif or .mp4.")]
 MagnifyFlag = Annotated[
     float,
     Parameter(
@@ -63,6 +65,7 @@ def animate(
     fps: RateFlag = RATE,
     width: WidthFlag = WIDTH,
     disc: DiscFlag = 1,
+    force: ForceFlag = False,
 ) -> int:
     """Draw a logged run in motion, with the forces on the gear and the load on each pin or lobe.
 
@@ -74,6 +77,8 @@ def animate(
     from cycloid_mj.plots.animation import film, take
     from cycloid_mj.plots.movie import write_movie
 
-    write_movie(film(take(read(log), magnify, frames, turns, disc - 1), width), out, fps)
+    run = read(log)
+    claim(Path(out), force=force)
+    write_movie(film(take(run, magnify, frames, turns, disc - 1), width), out, fps)
     say(out)
     return 0

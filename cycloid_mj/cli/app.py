@@ -45,6 +45,7 @@ from cycloid_mj.cli.mistakes import sentence
 from cycloid_mj.cli.terminal import log_told, tell, warnings_kept
 from cycloid_mj.errors import CycloidError, UsageError
 from cycloid_mj.interrupt import cause
+from cycloid_mj.replacing import one_command
 
 FAILURE = 1
 
@@ -97,7 +98,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     words = sys.argv[1:] if argv is None else list(argv)
     try:
         quiet = "--quiet" in words
-        with warnings_kept(None if quiet else tell), log_told(quiet):
+        with one_command(), warnings_kept(None if quiet else tell), log_told(quiet):
             app = application()
             if group := _group_alone(app, words):
                 app.help_print(words, console=page.console(stderr=True))

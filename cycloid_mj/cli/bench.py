@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import FLAT, LOAD, DesignOptions, JsonFlag, QuietFlag
+from cycloid_mj.cli.flags import FLAT, LOAD, DesignOptions, ForceFlag, JsonFlag, QuietFlag
 from cycloid_mj.cli.terminal import json_text, say, say_json, show, tell
 from cycloid_mj.errors import RunError, UsageError
 from cycloid_mj.interrupt import cause
@@ -14,6 +14,8 @@ from cycloid_mj.interrupt import cause
 if TYPE_CHECKING:
     from cycloid_mj.bench import Calibration
 
+FILES = (".toml", ".json", "-residuals.csv", ".html", "-loops.png", "-loops.svg")
+"""What a calibration leaves, after the design's name."""
 OUT, OUT_TE = "runs/calibrate", "runs/compare-bench"
 SECONDS_BETWEEN = 5.0
 
@@ -84,6 +86,7 @@ def calibrate(
     crank_deg: CrankFlag = 0.0,
     losses: LossesFlag = False,
     out: OutFlag = Path(OUT),
+    force: ForceFlag = False,
     json: JsonFlag = False,
     quiet: QuietFlag = False,
 ) -> int:
@@ -100,6 +103,7 @@ def calibrate(
 
     from cycloid_mj.bench import calibrate as calibrated
     from cycloid_mj.bench import compare_losses, read_loop
+    from cycloid_mj.bench.calibration import calibrated_name
     from cycloid_mj.bench.parameters import DEFAULT
     from cycloid_mj.cli.outfile import folder
 
@@ -111,7 +115,7 @@ def calibrate(
     if len(set(names)) < len(names):
         raise UsageError(f"two loops are called {max(names, key=names.count)}: give their files names of their own")
     design = chosen.sound()
-    into = folder(str(out), "the calibration")
+    into = folder(str(out), "the calibration", [f"{calibrated_name(design)}{rest}" for rest in FILES], force)
     progress = _Trials(quiet)
     found = calibrated(design, loops, keys, held, math.radians(crank_deg), progress)
     written = _write(found, into)
@@ -142,6 +146,7 @@ def compare_bench(
     te: TeFlag,
     load_nm: LoadFlag = None,
     out: OutFlag = Path(OUT_TE),
+    force: ForceFlag = False,
     json: JsonFlag = False,
     quiet: QuietFlag = False,
 ) -> int:
@@ -156,19 +161,19 @@ def compare_bench(
     from cycloid_mj.bench import read_te
     from cycloid_mj.cli.outfile import folder
     from cycloid_mj.plots.bench import comparison_figure
-    from cycloid_mj.plots.save import save
+    from cycloid_mj.plots.save import pictures
     from cycloid_mj.whole import write_whole
 
     measured = read_te(te)
     design = chosen.sound()
-    found = compared(design, measured, load_nm)
-    into = folder(str(out), "the comparison")
     stem = f"{design.name}-{measured.name}"
+    into = folder(str(out), "the comparison", [f"{stem}.json", f"{stem}.png"], force)
+    found = compared(design, measured, load_nm)
     path = into / f"{stem}.json"
-    write_whole({path: (json_text(found.as_json()) + "\n").encode()})
-    written = [path, *save({stem: comparison_figure(found)}, into)]
+    files = {path: (json_text(found.as_json()) + "\n").encode(), **pictures({stem: comparison_figure(found)}, into)}
+    write_whole(files)
     if not quiet:
-        tell(f"wrote {', '.join(map(str, written))}")
+        tell(f"wrote {', '.join(map(str, files))}")
     if json:
         say_json(found.as_json())
         return 0
@@ -194,13 +199,13 @@ def _write(found: "Calibration", into: Path) -> list[Path]:
     """Write the results of a calibration; give the paths."""
     from cycloid_mj.design import dump
     from cycloid_mj.plots.bench import calibration_figure
-    from cycloid_mj.plots.save import save
+    from cycloid_mj.plots.save import pictures
     from cycloid_mj.report.bench import calibration_page
     from cycloid_mj.units import DEGREE
     from cycloid_mj.whole import write_whole
 
     name = found.design.name
-    figures = save({f"{name}-loops": calibration_figure(found)}, into, ("png", "svg"))
+    figures = pictures({f"{name}-loops": calibration_figure(found)}, into, ("png", "svg"))
     rows = ["loop,torque_output_Nm,deflection_deg,model_deg,residual_deg"]
     for loop, turn in zip(found.fitted.loops, found.fitted.turns, strict=True):
         measured, model = loop.deflection / DEGREE, turn / DEGREE
@@ -212,7 +217,7 @@ def _write(found: "Calibration", into: Path) -> list[Path]:
         into / f"{name}.toml": dump(found.design),
         into / f"{name}.json": json_text(found.as_json()) + "\n",
         into / f"{name}-residuals.csv": "\n".join(rows) + "\n",
-        into / f"{name}.html": calibration_page(found, figures[1].read_text(encoding="utf-8")),
+        into / f"{name}.html": calibration_page(found, figures[into / f"{name}-loops.svg"].decode()),
     }
-    write_whole({path: text.encode() for path, text in texts.items()})
+    write_whole({path: text.encode() for path, text in texts.items()} | figures)
     return [*texts, *figures]

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import FLAT, TIMESTEP, DesignOptions, JsonFlag, whole, within
+from cycloid_mj.cli.flags import FLAT, TIMESTEP, DesignOptions, ForceFlag, JsonFlag, whole, within
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import say, say_json, say_table, tell
 from cycloid_mj.errors import CycloidError
+from cycloid_mj.replacing import claim
 
 if TYPE_CHECKING:
     from cycloid_mj.convex import Plain
@@ -22,9 +23,7 @@ EXAMPLES = """Examples:
 
 HEADER = ("surface", "parts", "overfill max", "rms", "underfill max", "rms", "volume error")
 
-OutFlag = Annotated[
-    str, Parameter(metavar="DIR", help="Folder of the model, made if there is none; its files are replaced.")
-]
+OutFlag = Annotated[str, Parameter(metavar="DIR", help="Folder of the model, made if there is none.")]
 ChordFlag = Annotated[
     float,
     Parameter(
@@ -54,6 +53,7 @@ def build(
     chord_error_um: ChordFlag = 0.1,
     seed: SeedFlag = 0,
     plain_coacd: PlainFlag = False,
+    force: ForceFlag = False,
     json: JsonFlag = False,
 ) -> int:
     """Make a model folder that any MuJoCo opens: DIR/scene.xml.
@@ -73,11 +73,12 @@ def build(
 
     design = chosen.sound([(TIMESTEP, timestep_us)])
     _require_room(out)
+    claim(Path(out) / SCENE, Path(out) / MANIFEST, force=force)
     settings = ConvexSettings(chord_error=chord_error_um * 1e-6)
     settings = replace(settings, coacd=replace(settings.coacd, seed=seed))
     tell("cutting the parts into convex pieces")
     files = model_files(design, settings)
-    into = folder(out, "the model")
+    into = folder(out, "the model", files, force)
     write_folder(files, into)
     told = _told(files[MANIFEST])
     if plain_coacd:

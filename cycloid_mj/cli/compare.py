@@ -16,6 +16,7 @@ from cycloid_mj.cli.flags import (
     RAMP,
     SPEED,
     TIMESTEP,
+    ForceFlag,
     JsonFlag,
     PointFlag,
     QuietFlag,
@@ -53,6 +54,8 @@ IDLE_TURNS = 2
 """Settled crank turns of a loaded run, and of each start at no load, unless the user says how long."""
 QUICK_STARTS = 2
 """Starts of each design at no load with --quick: too few to rank designs by, and the verdicts say so."""
+CURVATURE = "compare_curvature.png"
+"""The figure that every comparison has."""
 DEFAULTS = ("drive.ramp_s=0.0", "settings.log_rate_hz=20000.0")
 
 DesignsOrLogs = Annotated[
@@ -110,8 +113,8 @@ class Options:
         str | None,
         Parameter(
             metavar="DIR",
-            help="Folder of logs and figures, made if there is none. It must not hold any of the logs yet, unless "
-            f"--force; its figures are replaced. Default: {RUNS}, or the first new one of {RUNS}-2, ...; for logs, "
+            help="Folder of logs and figures, made if there is none. "
+            f"Default: {RUNS}, or the first new one of {RUNS}-2, ...; for logs, "
             "the first log's path with -compare for .mcap.",
         ),
     ] = None
@@ -124,14 +127,14 @@ class Options:
             help="Runs at a time, from 1 to 256. Default: one for each processor.",
         ),
     ] = None
-    force: Annotated[bool, Parameter(help="Replace logs that exist.")] = False
+    force: ForceFlag = False
     json: JsonFlag = False
     quiet: QuietFlag = False
 
     @property
     def for_runs(self) -> bool:
         """Whether one of the options is given that only runs obey."""
-        logs_too = ("q", "out", "json", "quiet")
+        logs_too = ("q", "out", "force", "json", "quiet")
         return any(getattr(self, each.name) != each.default for each in fields(self) if each.name not in logs_too)
 
     @property
@@ -185,12 +188,12 @@ def compare(*designs: DesignsOrLogs, options: Annotated[Options, FLAT] = DEFAULT
     if len(designs) < 2:
         raise UsageError("a comparison needs two designs or more, such as: cycloid-mj compare pin nonpin")
     if logs and options.for_runs:
-        raise UsageError("logs are read as they are: give only --q, --out, --json and --quiet with them")
+        raise UsageError("logs are read as they are: give only --q, --out, --force, --json and --quiet with them")
     if logs:
-        report(*_from_logs(logs, q, options.out), options.json)
+        report(*_from_logs(logs, q, options), options.json)
         return 0
     first = designed(designs[0], (*DEFAULTS, *options.set_), options.first)
-    cases = _cases([designed(name, options.set_, ()) for name in designs], first, options)
+    cases = all_cases([designed(name, options.set_, ()) for name in designs], first, options)
     report(*_from_runs(cases, q, options), options.json)
     return 0
 
@@ -199,28 +202,26 @@ def _first_design(names: Sequence[str]) -> str:
     return next(name for name in names if not name.endswith(".mcap"))
 
 
-def _held_for_turns(design: Design) -> Design:
-    """Give a design with a hold of whole turns after the settling, fewer at no load, where each has several starts."""
+def _held_for_turns(designs: Sequence[Design]) -> list[Design]:
+    """Return designs under one load with a hold of whole turns after the slowest has settled, fewer at no load."""
     from cycloid_mj.comparison import settling
 
-    if design.drive.speed == 0.0:
-        return design
-    turns = TURNS if design.load.torque else IDLE_TURNS
+    if any(design.drive.speed == 0.0 for design in designs):
+        return list(designs)
+    turns = TURNS if designs[0].load.torque else IDLE_TURNS
+    settled = max(settling(design) for design in designs)
     # a sample more: the last turn shall be whole
-    return design.steady(settling(design), turns, samples=1.0, drive={"ramp": design.drive.ramp})
+    return [design.steady(settled, turns, samples=1.0, drive={"ramp": design.drive.ramp}) for design in designs]
 
 
-def _cases(designs: Sequence[Design], first: Design, options: Options) -> list[Design]:
-    """Give every design under the settings of `first`, at no load and under load.
+def all_cases(designs: Sequence[Design], first: Design, options: Options) -> list[Design]:
+    """Return every design under the settings of `first`, at no load and under load.
 
     A pin and a nonpin design are joined by the nonpin design with the other's total play and series stiffness at that
     load: it tells the effect of the design from that of the clearance.
     """
-    from cycloid_mj.comparison import conditions, under, with_play_of
-    from cycloid_mj.contact.massless import require_pin_bodies
+    from cycloid_mj.comparison import comparable, conditions, under, with_play_of
 
-    for design in designs:
-        require_pin_bodies(design, "the idle and dynamic figures of a comparison")
     require_distinct(designs)
     shared = conditions(first)
     rated = round(first.rated_torque, 9) if options.load_nm is None else options.load_nm
@@ -228,17 +229,22 @@ def _cases(designs: Sequence[Design], first: Design, options: Options) -> list[D
     if len(designs) == 2 and {design.ring.kind for design in designs} == {"pin", "nonpin"}:
         pin, nonpin = sorted(designs, key=lambda design: design.ring.kind, reverse=True)
         compared.append(with_play_of(nonpin, under(pin, shared, rated)))
-    cases = [under(design, shared, load) for load in dict.fromkeys((0.0, rated)) for design in compared]
-    return cases if options.held else [_held_for_turns(design) for design in cases]
+    by_load = [[under(design, shared, load) for design in compared] for load in dict.fromkeys((0.0, rated))]
+    cases = [case for each in by_load for case in (each if options.held else _held_for_turns(each))]
+    comparable(cases)
+    return cases
 
 
-def _from_logs(names: Sequence[str], q: tuple[float, float] | None, out: str | None) -> "tuple[Comparison, list[Path]]":
+def _from_logs(
+    names: Sequence[str], q: tuple[float, float] | None, options: Options
+) -> "tuple[Comparison, list[Path]]":
     from cycloid_mj.comparison import compare as compared
 
     found = [_measured(Path(name), q) for name in names]
+    usual = f"{names[0].removesuffix('.mcap')}-compare"
+    into = folder(usual if options.out is None else options.out, "the figures", [CURVATURE], options.force)
     comparison = compared([trial for _, trial in found], figures=vibration().figures)
     motions = {trial: motion for motion, trial in found}
-    into = folder(f"{names[0].removesuffix('.mcap')}-compare" if out is None else out, "the figures")
     return comparison, _drawn(comparison, [motions[trial] for trial in comparison.trials], into)
 
 
@@ -262,7 +268,7 @@ def _from_runs(
                 names.setdefault(variation.of(start), f"{_log_name(start, place)}-{words}")
     for design in names:
         require_possible(design)
-    into = logs_folder(RUNS, options.out, list(names.values()), options.force)
+    into = logs_folder(RUNS, options.out, [*(f"{name}.mcap" for name in names.values()), CURVATURE], options.force)
     logs = {design: into / f"{name}.mcap" for design, name in names.items()}
     run_all(logs, min(options.jobs or os.cpu_count() or 1, len(logs)), options.force, options.quiet)
     motions, measured = {}, {}

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import FLAT, PRESET, JsonFlag, PresetOptions
+from cycloid_mj.cli.flags import FLAT, PRESET, ForceFlag, JsonFlag, PresetOptions
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import say, say_json
 from cycloid_mj.errors import UsageError
@@ -13,7 +13,7 @@ RUNS = "runs"
 
 OutFlag = Annotated[
     str,
-    Parameter(metavar="DIR", help=f"Folder of NAME-datasheet.pdf and .html, which are replaced. Default: {RUNS}."),
+    Parameter(metavar="DIR", help=f"Folder of NAME-datasheet.pdf and .html. Default: {RUNS}."),
 ]
 LifeFlag = Annotated[float, Parameter(help="Hours that the rated torque is for. Default: 6000.")]
 
@@ -27,6 +27,7 @@ def datasheet(
     chosen: Annotated[PresetOptions, FLAT] = PRESET,
     out: OutFlag = RUNS,
     life_h: LifeFlag = 6000.0,
+    force: ForceFlag = False,
     json: JsonFlag = False,
 ) -> int:
     """Write a data sheet, as makers of reducers do: two pages as PDF, and one as HTML.
@@ -45,12 +46,10 @@ def datasheet(
     if not 0.0 < life_h < float("inf"):
         raise UsageError(f"--life-h {life_h:g}: give a number more than 0")
     design = chosen.sound()
-    into = folder(out, "the data sheet")
+    pdf, html = (f"{design.name}-datasheet.{form}" for form in ("pdf", "html"))
+    into = folder(out, "the data sheet", (pdf, html), force)
     sheet = computed(design, life_h)
-    files = {
-        into / f"{design.name}-datasheet.pdf": document(datasheet_pages(sheet)),
-        into / f"{design.name}-datasheet.html": datasheet_page(sheet).encode(),
-    }
+    files = {into / pdf: document(datasheet_pages(sheet)), into / html: datasheet_page(sheet).encode()}
     write_whole(files)
     if json:
         say_json(sheet.as_json() | {"files": [str(path) for path in files]})

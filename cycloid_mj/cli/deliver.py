@@ -10,38 +10,45 @@ from cycloid_mj.result import quantity_table
 from cycloid_mj.whole import write_whole
 
 if TYPE_CHECKING:
+    from cycloid_mj.cli.measure import Delivered
+    from cycloid_mj.design import Design
     from cycloid_mj.measure import Measurement
 
 
-def deliver(found: "Sequence[Measurement]", into: Path, json: bool, quiet: bool, no_log: bool = False) -> int:
-    """Print measurements and write their files; give the exit code."""
+def stem(measure: str, design: "Design") -> str:
+    """Return the name of a measurement's files, without its ending."""
+    return f"{measure}-{design.name}"
+
+
+def deliver(found: "Sequence[Measurement]", into: Path, wanted: "Delivered") -> int:
+    """Print measurements and write their files; return the exit code."""
     for one in found:
         with unbroken():
-            written = write(one, into, no_log)
-        if not json:
+            written = write(one, into, wanted.no_log, wanted.force)
+        if not wanted.json:
             print_table(one)
-        if not quiet:
+        if not wanted.quiet:
             tell(f"wrote {', '.join(str(path) for path in written)}")
-    if json:
+    if wanted.json:
         say_json(found[0].as_json() if len(found) == 1 else {"measurements": [one.as_json() for one in found]})
     return 0
 
 
-def write(found: "Measurement", into: Path, no_log: bool) -> list[Path]:
-    """Write figure, JSON and logs of a measurement; give their paths."""
+def write(found: "Measurement", into: Path, no_log: bool, force: bool) -> list[Path]:
+    """Write figure, JSON and logs of a measurement; return their paths."""
     from cycloid_mj.log import write as write_log
-    from cycloid_mj.plots import save
     from cycloid_mj.plots.measure import measurement_figure
+    from cycloid_mj.plots.save import pictures
 
-    stem = f"{found.measure}-{found.design.name}"
-    written = [*save({stem: measurement_figure(found)}, into, ("png", "svg"))]
-    result = into / f"{stem}.json"
-    write_whole({result: f"{json_text(found.as_json())}\n".encode()})
-    written.append(result)
+    name = stem(found.measure, found.design)
+    files = pictures({name: measurement_figure(found)}, into, ("png", "svg"))
+    files[into / f"{name}.json"] = f"{json_text(found.as_json())}\n".encode()
+    write_whole(files)
+    written = [*files]
     if not no_log:
-        for name, run in found.runs.items():
-            written.append(into / f"{stem}-{name}.mcap")
-            write_log(run, written[-1], force=True)
+        for run_name, run in found.runs.items():
+            written.append(into / f"{name}-{run_name}.mcap")
+            write_log(run, written[-1], force=force)
     return written
 
 

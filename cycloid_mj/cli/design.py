@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import App, Parameter
 
-from cycloid_mj.cli.flags import NAMES, JsonFlag, SetFlag, designed
+from cycloid_mj.cli.flags import NAMES, ForceFlag, JsonFlag, SetFlag, designed, whole
 from cycloid_mj.cli.terminal import say, say_json
 from cycloid_mj.design import PRESETS, Design, dump, override, reasons
 from cycloid_mj.errors import CycloidError, UsageError
+from cycloid_mj.replacing import claim
 from cycloid_mj.whole import write_whole
 
 if TYPE_CHECKING:
@@ -26,14 +27,19 @@ FromFlag = Annotated[
     str, Parameter(name="--from", metavar="NAME|FILE", help=f"Design to start from: {NAMES}, or a TOML file.")
 ]
 
-RatioFlag = Annotated[int | None, Parameter(help="Reduction ratio of a new size: one pin more than that.")]
+RatioFlag = Annotated[
+    int | None,
+    Parameter(converter=whole, help="Reduction ratio of a new size, whole: one pin more than that."),
+]
 DiameterFlag = Annotated[float | None, Parameter(help="Outer diameter of a new size [mm].")]
 TorqueFlag = Annotated[float | None, Parameter(help="Rated torque on the output of a new size [N m].")]
 ProcessFlag = Annotated[
     Literal["steel", "printed"], Parameter(help="How a new size is made: materials, clearances, how the pins are held.")
 ]
 
-DiscsFlag = Annotated[int | None, Parameter(help="Discs on the crank of a new size, 1 to 4. Default: 1.")]
+DiscsFlag = Annotated[
+    int | None, Parameter(converter=whole, help="Discs on the crank of a new size, 1 to 4. Default: 1.")
+]
 
 EXAMPLES = """Examples:
   cycloid-mj design new mine --ratio 20 --diameter-mm 60 --torque-nm 5
@@ -65,8 +71,9 @@ def new(
     process: ProcessFlag = "steel",
     discs: DiscsFlag = None,
     set_: SetFlag = (),
+    force: ForceFlag = False,
 ) -> int:
-    """Write NAME.toml, a complete, commented design file to edit; an existing file is left alone.
+    """Write NAME.toml, a complete, commented design file to edit.
 
     It starts from a preset or a file (--from; default: pin), or from a ratio, an
     outer diameter and a rated torque, which are to be given together: then each
@@ -86,8 +93,7 @@ def new(
     if stem in PRESETS:
         raise UsageError(f"NAME {name!r} is a preset; give a design of your own another name, e.g. my-{stem}")
     file = Path(f"{stem}.toml")
-    if file.exists():
-        raise CycloidError(f"{file} exists already: give another NAME, or delete it")
+    claim(file, force=force)
     asked = {"--ratio": ratio, "--diameter-mm": diameter_mm, "--torque-nm": torque_nm}
     if all(value is None for value in asked.values()):
         if discs is not None:

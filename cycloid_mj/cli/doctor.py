@@ -13,8 +13,9 @@ from cycloid_mj.cli.flags import JsonFlag
 from cycloid_mj.cli.terminal import say, say_json
 from cycloid_mj.errors import CycloidError
 
-NEEDED = ("mujoco", "numpy", "scipy", "numba", "trimesh", "coacd", "mcap", "matplotlib", "pydantic", "cyclopts")
+NEEDED = ("numpy", "scipy", "numba", "trimesh", "coacd", "mcap", "matplotlib", "pydantic", "cyclopts")
 EXTRAS = {
+    "app": ("nicegui",),
     "cad": ("gmsh",),
     "cluster": ("distributed",),
     "fem": ("gmsh", "meshio", "skfem"),
@@ -48,7 +49,8 @@ def doctor(*, json: JsonFlag = False) -> int:
     closed form; the first one on a machine compiles the contact code for some
     seconds. The exit code is 1 if something that every command needs is missing.
     """
-    findings = [*_versions(), *_cache(), _tried("contact and simulation", True, _simulated), *_rendering(), *_extras()]
+    trials = _tried("self-test of MuJoCo", True, _self_tested), _tried("contact and simulation", True, _simulated)
+    findings = [*_versions(), *_cache(), *trials, *_rendering(), *_extras()]
     if json:
         say_json({"version": __version__, "findings": [finding._asdict() for finding in findings]})
     else:
@@ -59,6 +61,12 @@ def doctor(*, json: JsonFlag = False) -> int:
 
 
 def _versions() -> Iterator[Finding]:
+    if find_spec("mujoco"):  # of the package mujoco or, from release 4 on, of mujoco-core alone
+        import mujoco
+
+        yield Finding("mujoco", True, True, mujoco.__version__)
+    else:
+        yield Finding("mujoco", False, True, "not installed: pip install mujoco")
     for name in NEEDED:
         try:
             yield Finding(name, True, True, version(name))
@@ -78,6 +86,16 @@ def _tried(name: str, needed: bool, work: Callable[[], str]) -> Finding:
         return Finding(name, True, needed, work())
     except CycloidError as error:
         return Finding(name, False, needed, str(error))
+
+
+def _self_tested() -> str:
+    """Have the contact tried on the release that is installed, if it has not passed before."""
+    import mujoco
+
+    from cycloid_mj.contact import collider, each_step
+
+    with collider.installed(), each_step.installed():
+        return f"release {mujoco.__version__} passes: the places in its structures, gaps and forces are right"
 
 
 def _simulated() -> str:

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import FLAT, DesignOptions, JsonFlag, within
+from cycloid_mj.cli.flags import FLAT, DesignOptions, ForceFlag, JsonFlag, within
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import say, say_json, say_table
 from cycloid_mj.errors import UsageError
@@ -33,8 +33,7 @@ OutFlag = Annotated[
     str | None,
     Parameter(
         metavar="DIR",
-        help="Folder for the parts, made if there is none; parts that it holds are replaced. "
-        "Default: <design>-<format>.",
+        help="Folder for the parts, made if there is none. Default: <design>-<format>.",
     ),
 ]
 ChordFlag = Annotated[
@@ -83,6 +82,7 @@ def export(
     plate: PlateFlag = False,
     offset_um: OffsetFlag = 0.0,
     cam_bearing_bore_mm: CamFlag = None,
+    force: ForceFlag = False,
     json: JsonFlag = False,
 ) -> int:
     """Write every part of a design for CAD or printing.
@@ -120,10 +120,11 @@ def export(
     made = exported(design, format_, chord_error, offset)
     printed = laid_out(widened(design, offset), chord_error, seat) if plate else None
     items = bill(design, seat) if plate else ()
-    into = folder(f"{design.name}-{format_}" if out is None else out, "the parts")
-    files = {into / name: content for name, content in made.files.items()}
+    parts = dict(made.files)
     if printed:
-        files |= {into / PLATE: stl_bytes(printed.mesh, MILLIMETRES), into / BILL: bill_csv(items)}
+        parts |= {PLATE: stl_bytes(printed.mesh, MILLIMETRES), BILL: bill_csv(items)}
+    into = folder(f"{design.name}-{format_}" if out is None else out, "the parts", parts, force)
+    files = {into / name: content for name, content in parts.items()}
     write_whole(files)
     if json:
         told = {

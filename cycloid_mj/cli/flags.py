@@ -49,6 +49,14 @@ PointFlag = Annotated[
     ),
 ]
 JsonFlag = Annotated[bool, Parameter(name="--json", help="Print one JSON object and nothing else on stdout.")]
+ForceFlag = Annotated[
+    bool,
+    Parameter(
+        name="--force",
+        help="Replace results of the same names, which is refused otherwise; never a file that this command reads, "
+        "nor one of another kind.",
+    ),
+]
 QuietFlag = Annotated[bool, Parameter(help="No progress and no messages but errors on stderr.")]
 FollowFlag = Annotated[
     tuple[str, ...],
@@ -66,11 +74,21 @@ FLAT = Parameter(name="*")
 
 
 def whole(_: Any, tokens: Sequence[Token]) -> int:
-    """Give a whole number as it was typed; cyclopts itself would round 1.5 to 2."""
+    """Return a whole number as it was typed; cyclopts itself would round 1.5 to 2."""
+    text = tokens[0].value
     try:
-        return int(tokens[0].value)
+        return int(text)
     except ValueError:
-        raise ValueError(f"{tokens[0].value!r} is not a whole number") from None
+        raise ValueError(f"{text!r} is not a whole number{_nearest(text)}") from None
+
+
+def _nearest(text: str) -> str:
+    """Name the whole numbers on both sides of a number; nothing for what is none."""
+    try:
+        below, above = math.floor(float(text)), math.ceil(float(text))
+    except (ValueError, OverflowError):
+        return ""
+    return f"; give {below}" if below == above else f"; give {below} or {above}"
 
 
 def within(low: float, high: float) -> Callable[[Any, Any], None]:

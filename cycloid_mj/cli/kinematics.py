@@ -5,8 +5,8 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import FLAT, MOST_ROWS, RAMP, SPEED, DesignOptions, PointFlag, point, within
-from cycloid_mj.cli.outfile import STDOUT, Columns, CsvFlag, write_csv
+from cycloid_mj.cli.flags import FLAT, MOST_ROWS, RAMP, SPEED, DesignOptions, ForceFlag, PointFlag, point, within
+from cycloid_mj.cli.outfile import STDOUT, Columns, CsvFlag, claim_csv, write_csv
 from cycloid_mj.cli.terminal import tell
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
@@ -49,6 +49,7 @@ def kinematics(
     until_s: UntilFlag = None,
     step_s: StepFlag = None,
     speed_rpm: Annotated[float | None, SPEED.flag("Crank speed after the ramp")] = None,
+    force: ForceFlag = False,
 ) -> int:
     """Write the ideal motion of a point q of the gear as CSV.
 
@@ -60,6 +61,7 @@ def kinematics(
     Samples are at the times k DT, k = 0, 1, ..., up to T. Numbers have every
     digit.
     """
+    claim_csv(csv, force)
     design = chosen.resolved([(RAMP, ramp_s), (SPEED, speed_rpm)])
     columns = _motion(design, point(q) or (0.0, design.output.pin_circle_radius), until_s, step_s)
     write_csv(csv, columns)

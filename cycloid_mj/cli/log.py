@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import App, Parameter
 
 from cycloid_mj.cli.analyze import LogName
-from cycloid_mj.cli.flags import JsonFlag, within
-from cycloid_mj.cli.outfile import STDOUT, write_csv
+from cycloid_mj.cli.flags import ForceFlag, JsonFlag, within
+from cycloid_mj.cli.outfile import STDOUT, claim_csv, write_csv
 from cycloid_mj.cli.terminal import say, say_json, say_table, tell
-from cycloid_mj.errors import CycloidError, LogError
+from cycloid_mj.errors import CycloidError
+from cycloid_mj.replacing import claim, require_ending
 
 if TYPE_CHECKING:
     from cycloid_mj.log import Log
@@ -32,7 +33,6 @@ ColumnsFlag = Annotated[
         name="--columns", metavar="A,B,...", help="Columns after the time, e.g. gear_speed,gear_x. Default: all."
     ),
 ]
-ForceFlag = Annotated[bool, Parameter(help="Replace the file if it exists.")]
 SceneFlag = Annotated[
     float | None,
     Parameter(
@@ -94,13 +94,15 @@ def columns(log: LogName, /, *, json: JsonFlag = False) -> int:
 
 def csv(
     log: LogName,
-    out: Annotated[str, Parameter(metavar="FILE", help="CSV file; replaced if it exists. Default: stdout.")] = STDOUT,
+    out: Annotated[str, Parameter(metavar="FILE", help="CSV file. Default: stdout.")] = STDOUT,
     /,
     *,
     columns: ColumnsFlag = None,
+    force: ForceFlag = False,
 ) -> int:
     """Write the time [s] and columns of a log as CSV, every digit of every number."""
     run = _read(log)
+    claim_csv(out, force)
     names = _names(columns) or list(run.columns)
     write_csv(out, {"time": run.time, **{name: run[name] for name in names}})
     if out != STDOUT:
@@ -110,12 +112,11 @@ def csv(
 
 def parquet(
     log: LogName,
-    out: Annotated[
-        str | None, Parameter(metavar="FILE", help="Parquet file; replaced if it exists. Default: RUN.parquet.")
-    ] = None,
+    out: Annotated[str | None, Parameter(metavar="FILE", help="Parquet file. Default: RUN.parquet.")] = None,
     /,
     *,
     columns: ColumnsFlag = None,
+    force: ForceFlag = False,
 ) -> int:
     """Write the time [s] and columns of a log as Parquet; units and provenance are its metadata.
 
@@ -123,17 +124,15 @@ def parquet(
     """
     from cycloid_mj.log.parquet import write_parquet
 
-    path = Path(log).with_suffix(".parquet") if out is None else Path(out)
-    write_parquet(_read(log), path, _names(columns))
+    run, path = _read(log), _named(log, out, ".parquet", force)
+    write_parquet(run, path, _names(columns))
     say(str(path))
     return 0
 
 
 def repair(
     log: LogName,
-    out: Annotated[
-        str | None, Parameter(metavar="FILE", help="Log to write; it must not exist. Default: RUN-repaired.mcap.")
-    ] = None,
+    out: Annotated[str | None, Parameter(metavar="FILE", help="Log to write. Default: RUN-repaired.mcap.")] = None,
     /,
     *,
     scene_hz: SceneFlag = None,
@@ -152,8 +151,7 @@ def repair(
         return 0
     source = Path(log)
     path = source.with_name(f"{source.stem}-repaired.mcap") if out is None else Path(out)
-    if path.exists() and path.samefile(source):
-        raise LogError(f"cannot write {path} over itself: give another file")
+    claim(path, force=force)
     write(found.run, path, _scene(found, scene_hz), force=force)
     tell(found.run.note or f"wrote all {len(found.run)} samples")
     say(str(path))
@@ -162,10 +160,10 @@ def repair(
 
 def rerun(
     log: LogName,
-    out: Annotated[
-        str | None, Parameter(metavar="FILE", help="Recording to write; replaced if it exists. Default: RUN.rrd.")
-    ] = None,
+    out: Annotated[str | None, Parameter(metavar="FILE", help="Recording to write. Default: RUN.rrd.")] = None,
     /,
+    *,
+    force: ForceFlag = False,
 ) -> int:
     """Write a recording for Rerun (.rrd): the moving parts, the forces and every column.
 
@@ -176,8 +174,7 @@ def rerun(
     from cycloid_mj.log import read
     from cycloid_mj.scene.rerun import write_rerun
 
-    run = read(log)
-    path = Path(log).with_suffix(".rrd") if out is None else Path(out)
+    run, path = read(log), _named(log, out, ".rrd", force)
     write_rerun(run, design_of(run), path)
     say(str(path))
     return 0
@@ -194,6 +191,14 @@ def layout(log: LogName, /) -> int:
 
     say(text_of.dumps(arranged(design_of(_read(log))), indent=2))
     return 0
+
+
+def _named(log: str, out: str | None, ending: str, force: bool) -> Path:
+    """Claim the name of a file made from a log: the one asked for, or the log's with another ending."""
+    path = Path(log).with_suffix(ending) if out is None else Path(out)
+    require_ending(path, ending)
+    claim(path, force=force)
+    return path
 
 
 def _read(log: str) -> "Run":

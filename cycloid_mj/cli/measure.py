@@ -4,10 +4,8 @@ The class of a measure's own options is the command: its docstring is the help, 
 in the flag's unit; the measure takes its value in SI, under the name without the unit.
 """
 
-import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
-from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
 from cyclopts import App, Parameter
@@ -19,6 +17,7 @@ from cycloid_mj.cli.flags import (
     SPEED,
     DesignOptions,
     DesignValue,
+    ForceFlag,
     JsonFlag,
     PresetOptions,
     QuietFlag,
@@ -30,7 +29,6 @@ from cycloid_mj.cli.flags import (
 )
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.design import Design
-from cycloid_mj.errors import CycloidError
 
 ABOUT = "Measure transmission error, backlash, lost motion, torque, efficiency, loads or vibration."
 EXAMPLES = """Examples:
@@ -52,11 +50,11 @@ class Delivered:
         str,
         Parameter(
             metavar="DIR",
-            help="Folder of the figure, the JSON file and the logs, made if there is none; files of an earlier measure "
-            f"of the same design are replaced. Default: {OUT}.",
+            help=f"Folder of the figure, the JSON file and the logs, made if there is none. Default: {OUT}.",
         ),
     ] = OUT
     no_log: Annotated[bool, Parameter(name="--no-log", help="Write no MCAP logs of the underlying runs.")] = False
+    force: ForceFlag = False
     json: JsonFlag = False
     quiet: QuietFlag = False
 
@@ -363,25 +361,18 @@ def _command(name: str, options: type[Options]) -> Callable[..., int]:
 
 def _measure(name: str, designs: Sequence[Design], options: Options, delivered: Delivered) -> int:
     """Measure designs, and print and write what was found."""
-    from cycloid_mj.cli.deliver import deliver
+    from cycloid_mj.cli.deliver import deliver, stem
     from cycloid_mj.cli.progress import counted
     from cycloid_mj.measure import MEASURES
     from cycloid_mj.papers import published_torques
 
     require_distinct(designs)
-    into = _prepared(delivered.out)
+    names = [f"{stem(name, design)}.{ending}" for design in designs for ending in ("json", "png", "svg")]
+    into = folder(delivered.out, "the measurement", names, delivered.force)
     found = []
     for design in designs:
         words = WORDS.get(name, name) + (f" of {design.name}" if options.values() else "")
         progress = counted(words, delivered.quiet)
         published = {"published": published_torques(design)} if options.PUBLISHED else {}
         found.append(MEASURES[name](design, **options.arguments(), **published, progress=progress))
-    return deliver(found, into, delivered.json, delivered.quiet, delivered.no_log)
-
-
-def _prepared(out: str) -> Path:
-    """Give the folder for the results, before the work that they take; raise CycloidError if it cannot be written."""
-    into = folder(out, "the measurement")
-    if not os.access(into, os.W_OK | os.X_OK):
-        raise CycloidError(f"cannot write the measurement to {out}: no permission; choose another folder with --out")
-    return into
+    return deliver(found, into, delivered)

@@ -1,6 +1,5 @@
 """``cycloid-mj optimize``: the best design within ranges that passes its checks and limits."""
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,6 +11,7 @@ from cycloid_mj.cli.flags import (
     PRESET,
     EngineOptions,
     FollowFlag,
+    ForceFlag,
     JsonFlag,
     PresetOptions,
     QuietFlag,
@@ -19,7 +19,7 @@ from cycloid_mj.cli.flags import (
     within,
 )
 from cycloid_mj.cli.terminal import say, say_json, show, tell
-from cycloid_mj.errors import CycloidError, DesignError, RunError, UsageError
+from cycloid_mj.errors import DesignError, RunError, UsageError
 from cycloid_mj.interrupt import cause
 from cycloid_mj.whole import write_whole
 
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from cycloid_mj.explore.optimum import Optimum
 
 OUT = "runs/optimize"
+FIGURE, PAGE = "tradeoff.png", "optimize.html"
 SEARCHED = (
     "Every point whose figures are known: over the evaluations or over the other objective; below, over each key."
 )
@@ -57,7 +58,9 @@ LimitFlag = Annotated[
         help="A figure is to be at most, or at least (>=), a number; repeatable. Checks are limits of their own.",
     ),
 ]
-StrictFlag = Annotated[bool, Parameter(help="Warnings of the checks refuse a point, too, not only errors.")]
+StrictFlag = Annotated[
+    bool, Parameter(help="All warnings of the checks refuse a point, not only errors and thin walls.")
+]
 EvaluationsFlag = Annotated[
     int,
     Parameter(metavar="N", converter=whole, validator=within(1, MOST_EVALUATIONS), help="Points, about. Default: 600."),
@@ -96,6 +99,7 @@ def optimize(
     quick: QuickFlag = False,
     out: OutFlag = Path(OUT),
     where: Annotated[EngineOptions, FLAT] = HERE,
+    force: ForceFlag = False,
     json: JsonFlag = False,
     quiet: QuietFlag = False,
 ) -> int:
@@ -114,14 +118,15 @@ def optimize(
     """
     from cycloid_mj.cli.outfile import folder
     from cycloid_mj.cli.progress import counted
-    from cycloid_mj.explore.optimizer import BEST, checked, explored
+    from cycloid_mj.explore.journal import begun, forget
+    from cycloid_mj.explore.optimizer import BEST, HISTORY, PARQUET, STUDY, checked, explored
     from cycloid_mj.explore.problem import problem
 
     engine = where.engine()
     task = problem(chosen.resolved(), _ranges(vary), minimize, maximize, limit, strict, follow)
-    into = folder(str(out), "the history")
-    if not os.access(into, os.W_OK | os.X_OK):
-        raise CycloidError(f"cannot write the history to {out}: no permission; choose another folder with --out")
+    into = folder(str(out), "the history", () if begun(out, STUDY) else (HISTORY, PARQUET, BEST, FIGURE, PAGE), force)
+    if force:
+        forget(into, STUDY)
     try:
         found = explored(task, evaluations, starts, seed, into, engine, counted("optimize", quiet))
         if found.best is None:
@@ -160,13 +165,12 @@ def _delivered(found: "Optimum", into: Path, json: bool, quiet: bool) -> int:
     from cycloid_mj.explore.optimizer import BEST, HISTORY
     from cycloid_mj.explore.optimum import tables
     from cycloid_mj.plots.optimum import tradeoff_figure
-    from cycloid_mj.plots.save import save
+    from cycloid_mj.plots.save import pictures
 
-    files = save({"tradeoff": tradeoff_figure(found)}, into)
-    page = into / "optimize.html"
-    write_whole({page: _page(found).encode()})
+    files = pictures({Path(FIGURE).stem: tradeoff_figure(found)}, into) | {into / PAGE: _page(found).encode()}
+    write_whole(files)
     if not quiet:
-        tell(f"wrote {', '.join(map(str, (into / HISTORY, into / BEST, *files, page)))}")
+        tell(f"wrote {', '.join(map(str, (into / HISTORY, into / BEST, *files)))}")
     if json:
         say_json(_json(found, into / BEST))
         return 0

@@ -1,7 +1,8 @@
 """Files for the user: CSV tables written whole or not at all, folders, and what to say when they cannot be written."""
 
+import os
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TextIO
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TextIO
 from cyclopts import Parameter
 
 from cycloid_mj.errors import CycloidError, UsageError
+from cycloid_mj.replacing import claim, require_ending
 from cycloid_mj.whole import whole_file
 
 if TYPE_CHECKING:
@@ -23,11 +25,29 @@ CsvFlag = Annotated[
         name="--csv",
         metavar="FILE",
         allow_leading_hyphen=True,
-        help="CSV file to write; replaced if it exists. - is stdout.",
+        help="CSV file to write; - is stdout.",
     ),
 ]
 
 Columns = Mapping[str, "npt.NDArray[Any]"]
+
+
+def claim_csv(file: str, force: bool) -> None:
+    """Claim the name of a table, before the work; stdout and devices need none.
+
+    Raises
+    ------
+    UsageError
+        It is another flag, or has the ending of another kind of file.
+    TakenError
+        There is such a file, and `force` is not given.
+    """
+    if file == STDOUT:
+        return
+    if file.startswith("-") or not file:
+        raise UsageError(f"--csv {file!r}: expected a file name, or - for stdout")
+    require_ending(Path(file), ".csv")
+    claim(Path(file), force=force)
 
 
 def write_csv(file: str, columns: Columns) -> None:
@@ -35,16 +55,12 @@ def write_csv(file: str, columns: Columns) -> None:
 
     Raises
     ------
-    UsageError
-        `file` is another flag, not a name.
     CycloidError
         The file cannot be written; one that was there before is as it was.
     """
     if file == STDOUT:
         sys.stdout.writelines(_lines(columns))
         return
-    if file.startswith("-") or not file:
-        raise UsageError(f"--csv {file!r}: expected a file name, or - for stdout")
     with _written(file) as stream:
         stream.writelines(_lines(columns))
 
@@ -54,12 +70,25 @@ def csv_bytes(columns: Columns) -> bytes:
     return "".join(_lines(columns)).encode()
 
 
-def folder(name: str, what: str) -> Path:
-    """Give the folder `name`, made if there is none; raise CycloidError if that cannot be."""
+def folder(name: str, what: str, files: Iterable[str], force: bool) -> Path:
+    """Return the folder `name`, made if there is none, for `files` that are to be written there after the work.
+
+    Raises
+    ------
+    CycloidError
+        The folder cannot be made, or may not be written to.
+    TakenError
+        One of the files is there, and the command reads it, or `force` is not given.
+    """
     path = Path(name)
-    if new_folder(name, what) or path.is_dir():
-        return path
-    raise CycloidError(f"cannot write {what} to {name}: it is a file; give a folder with --out")
+    if new_folder(name, what) is None and not path.is_dir():
+        raise CycloidError(f"cannot write {what} to {name}: it is a file; give a folder with --out")
+    if not os.access(path, os.W_OK | os.X_OK):
+        raise CycloidError(f"cannot write {what} to {name}: no permission; choose another folder with --out")
+    claim(*(path / file for file in files), force=force)
+    if force:
+        claim(path, force=True)
+    return path
 
 
 def new_folder(name: str, what: str) -> Path | None:

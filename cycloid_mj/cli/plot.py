@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from cycloid_mj.cli.analyze import LogName
-from cycloid_mj.cli.flags import PointFlag, point
+from cycloid_mj.cli.flags import ForceFlag, PointFlag, point
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import say
 from cycloid_mj.errors import warn
@@ -21,13 +21,14 @@ OutFlag = Annotated[
     str | None,
     Parameter(
         metavar="DIR",
-        help="Folder for the figures, made if there is none; figures that it holds are replaced. "
-        "Default: the log's path without .mcap.",
+        help="Folder for the figures, made if there is none. Default: the log's path without .mcap.",
     ),
 ]
 
 
-def plot(log: LogName, /, *, q: PointFlag = None, out: OutFlag = None, format_: FormatFlag = "png") -> int:
+def plot(
+    log: LogName, /, *, q: PointFlag = None, out: OutFlag = None, format_: FormatFlag = "png", force: ForceFlag = False
+) -> int:
     """Draw Figs 5-9 of the paper (Hsieh 2014) for a logged run.
 
     The paths of the files are printed, one in a line. The log alone is enough;
@@ -41,7 +42,8 @@ def plot(log: LogName, /, *, q: PointFlag = None, out: OutFlag = None, format_: 
     motion = series(read(log), place)
     warn(motion.design.name, judge(motion).warnings)
     drawn = figures(motion)
-    into = folder(str(Path(log).with_suffix("")) if out is None else out, "the figures")
+    names = [f"{name}.{format_}" for name in drawn]
+    into = folder(str(Path(log).with_suffix("")) if out is None else out, "the figures", names, force)
     for path in save(drawn, into, (format_,)):
         say(str(path))
     return 0

@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import FLAT, MOST_ROWS, DesignOptions, whole, within
-from cycloid_mj.cli.outfile import STDOUT, Columns, CsvFlag, write_csv
+from cycloid_mj.cli.flags import FLAT, MOST_ROWS, DesignOptions, ForceFlag, whole, within
+from cycloid_mj.cli.outfile import STDOUT, Columns, CsvFlag, claim_csv, write_csv
 from cycloid_mj.cli.terminal import tell
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
@@ -48,6 +48,7 @@ def profile(
     csv: CsvFlag,
     points: PointsFlag = None,
     part: PartFlag = "gear",
+    force: ForceFlag = False,
 ) -> int:
     """Write the outline of the gear as CSV, for CAD or for a check.
 
@@ -73,6 +74,7 @@ def profile(
     teeth's working force at the rated torque: working_force.*_n and
     contact.working_force_n, or ideal sharing).
     """
+    claim_csv(csv, force)
     columns = {"gear": _gear, "ring": _ring, "curvature": _curvature}[part](chosen.resolved(), points)
     write_csv(csv, columns)
     if csv != STDOUT:

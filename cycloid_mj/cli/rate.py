@@ -6,14 +6,15 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import FLAT, LOAD, PRESET, SPEED, JsonFlag, PresetOptions
+from cycloid_mj.cli.flags import FLAT, LOAD, PRESET, SPEED, ForceFlag, JsonFlag, PresetOptions
 from cycloid_mj.cli.outfile import folder
-from cycloid_mj.cli.terminal import say, say_json, say_table
+from cycloid_mj.cli.terminal import say, say_json, say_table, show
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
+from cycloid_mj.replacing import claim, require_ending
 
 if TYPE_CHECKING:
-    from cycloid_mj.rating import Duty, Rating
+    from cycloid_mj.rating import Duty
 
 RUNS = "runs"
 
@@ -41,7 +42,7 @@ HtmlFlag = Annotated[
         name="--html",
         metavar="[FILE]",
         consume_multiple=True,
-        help=f"Write the table as one HTML page; replaced if it exists. FILE may be left out: {RUNS}/NAME-rating.html.",
+        help=f"Write the table as one HTML page. FILE may be left out: {RUNS}/NAME-rating.html.",
     ),
 ]
 
@@ -62,6 +63,7 @@ def rate(
     peak_nm: PeakFlag = None,
     stress: StressFlag = None,
     html: HtmlFlag = None,
+    force: ForceFlag = False,
     json: JsonFlag = False,
 ) -> int:
     """Rate life, fatigue, wear and heat of a reducer, the weakest item first.
@@ -71,12 +73,16 @@ def rate(
     speed 0). Bearings by ISO 281 and ISO 76; surfaces by first yield, shakedown
     and pitting; shaft, output pins, gear and ring by Goodman with notch, surface,
     size and reliability; wear by Archard; the housing's temperature in still air
-    and the clearance that it costs; an emergency stop. What the design file does
+    by what it ends first (grease, seals, a material) and the clearance that it
+    costs; an emergency stop; the cam's load over the give of its bearing, which is
+    assumed, beside ideal sharing. What the design file does
     not say is assumed, and said beside the number: [bearing] and [service] take
     ratings and limits. The exit code is 0 whatever the safeties are.
     """
     from cycloid_mj.rating.items import rate as rated
     from cycloid_mj.rating.ranges import read_ranges
+    from cycloid_mj.report.rating import rating_page
+    from cycloid_mj.whole import write_whole
 
     for flag, value in (("--life-h", life_h), ("--peak-nm", peak_nm)):
         if value is not None and not 0.0 < value < float("inf"):
@@ -90,13 +96,17 @@ def rate(
         raise UsageError(f"--html takes one file, got {', '.join(html)}")
     design = chosen.sound()
     cycle = _duty(design, load_nm, speed_rpm, duty, peak_nm)
-    found = rated(design, cycle, life_h, read_ranges(stress, design) if stress else None)
-    page = None if html is None else _written(found, html)
+    page = None if html is None else _named(design, html, force)
+    found = rated(design, cycle, life_h, read_ranges(stress, design) if stress else None, give=True)
+    if page:
+        write_whole({page: rating_page(found).encode()})
     if json:
         say_json(found.as_json())
         return 0
     table = found.table()
     say_table(table.title, table.header, table.cells, words=(4, 5))
+    if found.cam_give:
+        show(found.cam_give.table())
     for sentence in found.assumptions:
         say(f"assumed: {sentence}")
     say(f"weakest: {found.told_weakest()}")
@@ -117,11 +127,9 @@ def _duty(
     return steady(torque, design.drive.speed if speed_rpm is None else speed_rpm * RPM, peak_nm)
 
 
-def _written(found: "Rating", html: tuple[str, ...]) -> Path:
-    """Write the page of a rating, and give its path."""
-    from cycloid_mj.report.rating import rating_page
-    from cycloid_mj.whole import write_whole
-
-    path = Path(html[0]) if html else folder(RUNS, "the page") / f"{found.design}-rating.html"
-    write_whole({path: rating_page(found).encode()})
+def _named(design: Design, html: tuple[str, ...], force: bool) -> Path:
+    """Claim the name of a rating's page."""
+    path = Path(html[0]) if html else folder(RUNS, "the page", (), force) / f"{design.name}-rating.html"
+    require_ending(path, ".html")
+    claim(path, force=force)
     return path

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import FLAT, DesignOptions, JsonFlag, QuietFlag
+from cycloid_mj.cli.flags import FLAT, DesignOptions, ForceFlag, JsonFlag, QuietFlag
 from cycloid_mj.cli.terminal import json_text, say, say_json, show, tell
 from cycloid_mj.errors import UsageError, warn
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from cycloid_mj.robot import Reducer
     from cycloid_mj.robot.study import Tried
 
-OutFlag = Annotated[Path, Parameter(metavar="DIR", help="Folder of the files; those of the same names are replaced.")]
+OutFlag = Annotated[Path, Parameter(metavar="DIR", help="Folder of the files, made if there is none.")]
 LevelFlag = Annotated[
     Literal["rigid", "backlash", "full"],
     Parameter(
@@ -22,14 +22,26 @@ LevelFlag = Annotated[
         "transmission error as well, by Reducer.step. Default: full."
     ),
 ]
-StepFlag = Annotated[float, Parameter(metavar="X", help="Time step of the scene [ms], 0.01 to 10. Default: 1.")]
+StepFlag = Annotated[
+    float | None,
+    Parameter(
+        metavar="X",
+        help="Time step of the scene [ms], 0.01 to 10. Default: 1, or the longest at which an impact is right.",
+    ),
+]
 IntegratorFlag = Annotated[
-    Literal["implicitfast", "discrete"], Parameter(help="MuJoCo's integrator of the scene. Default: discrete.")
+    Literal["implicitfast", "discrete"] | None,
+    Parameter(
+        help="MuJoCo's integrator of the scene: implicitfast keeps the joint's vibration, discrete is stable at any "
+        "step but damps it. Default: the one that gets an impact right at the longer step."
+    ),
 ]
 InertiaFlag = Annotated[
     float | None,
     Parameter(metavar="X", help="Inertia on the output of the scene [kg m2]. Default: the reducer's own, reflected."),
 ]
+
+FILES = ("joint.xml", "scene.xml", "reducer.json", "bam.json", "reducer.html")
 
 EXAMPLES = """Examples:
   cycloid-mj reduce --design pin --out joint
@@ -42,9 +54,10 @@ def reduce(
     chosen: Annotated[DesignOptions, FLAT],
     out: OutFlag,
     level: LevelFlag = "full",
-    timestep_ms: StepFlag = 1.0,
-    integrator: IntegratorFlag = "discrete",
+    timestep_ms: StepFlag = None,
+    integrator: IntegratorFlag = None,
     load_inertia_kgm2: InertiaFlag = None,
+    force: ForceFlag = False,
     json: JsonFlag = False,
     quiet: QuietFlag = False,
 ) -> int:
@@ -55,8 +68,10 @@ def reduce(
     transmission error both ways. Written are joint.xml to include, scene.xml to
     open in any MuJoCo (a motor, the joint, an inertia), reducer.json, bam.json
     (the friction models M3 and M5 of BAM), and reducer.html, which shows the
-    joint against the full model and which time steps it bears. What MJCF cannot
-    say is Reducer.step in Python; attach_reducer puts the joint on any model.
+    joint against the full model and which time steps it bears: those at which an
+    impact, the output swung across its play by the rated load, is right within 5 %.
+    What MJCF cannot say is Reducer.step in Python; attach_reducer puts the joint on
+    any model.
     """
     from cycloid_mj.cli.outfile import folder
     from cycloid_mj.cli.progress import counted
@@ -66,20 +81,21 @@ def reduce(
     from cycloid_mj.robot.bam import bam
     from cycloid_mj.robot.measured import reduce as measured
     from cycloid_mj.robot.mjcf import joint_xml, scene_xml
-    from cycloid_mj.robot.study import recommended, recommended_table, study, table, tried
+    from cycloid_mj.robot.study import recommended, recommended_table, scene, study, table
     from cycloid_mj.whole import write_whole
 
-    if not 0.01 <= timestep_ms <= 10.0:
+    if timestep_ms is not None and not 0.01 <= timestep_ms <= 10.0:
         raise UsageError(f"--timestep-ms {timestep_ms:g}: give from 0.01 to 10")
     if load_inertia_kgm2 is not None and not 0.0 < load_inertia_kgm2 < float("inf"):
         raise UsageError(f"--load-inertia-kgm2 {load_inertia_kgm2:g}: give a number more than 0")
     design = chosen.sound()
-    into = folder(str(out), "the joint")
+    into = folder(str(out), "the joint", FILES, force)
     reducer = measured(design, level, counted("reduce", quiet))
     inertia = reducer.reflected_inertia if load_inertia_kgm2 is None else load_inertia_kgm2
     found, steps, bammed = against(design, reducer), study(reducer), bam(reducer)
-    asked = tried(reducer, integrator, 1e-3 * timestep_ms, inertia)
-    warn(design.name, [*_unstable(asked), *(f"{name} of the joint is off the full model's" for name in found.missed)])
+    step = None if timestep_ms is None else 1e-3 * timestep_ms
+    asked = scene(reducer, inertia, step, *([] if integrator is None else [(integrator,)]))
+    warn(design.name, [*_inaccurate(asked), *(f"{name} of the joint is off the full model's" for name in found.missed)])
     result = plain(
         {
             **reducer.as_json(),
@@ -90,16 +106,17 @@ def reduce(
             "steps": [one.as_json() for one in steps],
         }
     )
-    files = {
-        "joint.xml": joint_xml(reducer),
-        "scene.xml": scene_xml(reducer, inertia, 1e-3 * timestep_ms, integrator),
-        "reducer.json": f"{json_text(result)}\n",
-        "bam.json": f"{dumps(plain(bammed), indent=2)}\n",
-        "reducer.html": joint_page(reducer, found, steps, asked, bammed),
-    }
-    write_whole({into / name: text.encode() for name, text in files.items()})
+    texts = (
+        joint_xml(reducer),
+        scene_xml(reducer, inertia, asked.timestep, asked.integrator),
+        f"{json_text(result)}\n",
+        f"{dumps(plain(bammed), indent=2)}\n",
+        joint_page(reducer, found, steps, asked, bammed),
+    )
+    files = {into / name: text.encode() for name, text in zip(FILES, texts, strict=True)}
+    write_whole(files)
     if not quiet:
-        tell(f"wrote {', '.join(str(into / name) for name in files)}")
+        tell(f"wrote {', '.join(map(str, files))}")
     if json:
         say_json(result)
         return 0
@@ -107,16 +124,16 @@ def reduce(
     show(found.table())
     show(recommended_table(steps))
     show(table(steps))
-    say(f"scene: {integrator}, {timestep_ms:g} ms, {inertia:.4g} kg m2 on the output: {asked.words}")
+    say(f"scene: {asked.integrator}, {1e3 * asked.timestep:g} ms, {inertia:.4g} kg m2 on the output: {asked.sentence}")
     return 0
 
 
-def _unstable(asked: "Tried") -> list[str]:
-    if asked.good:
+def _inaccurate(asked: "Tried") -> list[str]:
+    if asked.accurate:
         return []
     return [
-        f"{asked.integrator} at {1e3 * asked.timestep:g} ms with {asked.inertia:.4g} kg m2 on the output is "
-        f"{asked.words}: take --integrator discrete, a shorter --timestep-ms or a larger --load-inertia-kgm2"
+        f"{asked.integrator} at {1e3 * asked.timestep:g} ms with {asked.inertia:.4g} kg m2 on the output: "
+        f"{asked.sentence}; leave out --timestep-ms and --integrator, or give a larger --load-inertia-kgm2"
     ]
 
 

@@ -1,13 +1,15 @@
 """``cycloid-mj render``: a picture of a logged run by MuJoCo, without a display."""
 
+from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
 from cycloid_mj.cli.analyze import LogName
-from cycloid_mj.cli.flags import whole, within
+from cycloid_mj.cli.flags import ForceFlag, whole, within
 from cycloid_mj.cli.terminal import say
 from cycloid_mj.errors import UsageError
+from cycloid_mj.replacing import claim
 
 EXAMPLES = """Examples:
   cycloid-mj render runs/pin.mcap pin.png
@@ -17,9 +19,7 @@ WIDTH, HEIGHT = 1280, 960
 AZIMUTH, ELEVATION = 90.0, -62.0
 FORMATS = (".png", ".jpg", ".webp")
 
-PictureName = Annotated[
-    str, Parameter(metavar="FILE", help="Picture to write, .png, .jpg or .webp; replaced if it exists.")
-]
+PictureName = Annotated[str, Parameter(metavar="FILE", help="Picture to write, .png, .jpg or .webp.")]
 TimeFlag = Annotated[float | None, Parameter(metavar="T", help="Time of the picture [s]. Default: the end of the run.")]
 WidthFlag = Annotated[int, Parameter(metavar="N", converter=whole, help=f"Width [pixels]. Default: {WIDTH}.")]
 HeightFlag = Annotated[int, Parameter(metavar="N", converter=whole, help=f"Height [pixels]. Default: {HEIGHT}.")]
@@ -48,14 +48,13 @@ def render(
     height: HeightFlag = HEIGHT,
     azimuth: AzimuthFlag = AZIMUTH,
     elevation: ElevationFlag = ELEVATION,
+    force: ForceFlag = False,
 ) -> int:
     """Render a moment of a logged run with MuJoCo, with the forces on the gear as arrows.
 
     The log's own model is shown; no display is needed, but OpenGL off-screen
     (EGL, or what MUJOCO_GL names). `cycloid-mj animate` needs neither.
     """
-    from pathlib import Path
-
     import numpy as np
 
     from cycloid_mj.analysis.series import design_of
@@ -66,6 +65,7 @@ def render(
     if Path(out).suffix.lower() not in FORMATS:
         raise UsageError(f"a picture is written as {', '.join(FORMATS)}: cannot write {out}")
     run = read(log)
+    claim(Path(out), force=force)
     if time_s is not None and not run.time[0] <= time_s <= run.time[-1]:
         raise UsageError(f"--time-s {time_s:g}: the run goes from {run.time[0]:g} to {run.time[-1]:g} s")
     sample = len(run) - 1 if time_s is None else int(np.argmin(np.abs(run.time - time_s)))

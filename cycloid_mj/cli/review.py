@@ -5,9 +5,10 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import PointFlag, point
-from cycloid_mj.cli.terminal import say
+from cycloid_mj.cli.flags import ForceFlag, PointFlag, point
+from cycloid_mj.cli.terminal import printable, say
 from cycloid_mj.errors import UsageError
+from cycloid_mj.replacing import claim, require_ending
 
 EXAMPLES = """Examples:
   cycloid-mj report runs/pin.mcap
@@ -16,11 +17,11 @@ EXAMPLES = """Examples:
 LogNames = Annotated[str, Parameter(metavar="RUN.mcap...", help="Logs of runs; several are set side by side.")]
 OutFlag = Annotated[
     str | None,
-    Parameter(metavar="FILE", help="HTML file; replaced if it exists. Default: the first log's path with .html."),
+    Parameter(metavar="FILE", help="HTML file. Default: the first log's path with .html."),
 ]
 
 
-def report(*logs: LogNames, out: OutFlag = None, q: PointFlag = None) -> int:
+def report(*logs: LogNames, out: OutFlag = None, q: PointFlag = None, force: ForceFlag = False) -> int:
     """Write the review of one or more logged runs as one HTML page.
 
     What was run, the table of findings, the paper's figures to zoom, the moving
@@ -36,9 +37,12 @@ def report(*logs: LogNames, out: OutFlag = None, q: PointFlag = None) -> int:
         raise UsageError("no log is given: cycloid-mj report RUN.mcap...")
     if len(set(logs)) < len(logs):
         raise UsageError("a log is given twice: give each once")
-    runs = {log: read(log) for log in logs}
-    page = reviewed(runs, place)
+    # a page is UTF-8, which names of files need not be
+    runs = {printable(log): read(log) for log in logs}
     path = Path(logs[0]).with_suffix(".html") if out is None else Path(out)
+    require_ending(path, ".html")
+    claim(path, force=force)
+    page = reviewed(runs, place)
     write_whole({path: page.encode()})
     say(str(path))
     return 0

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import FLAT, PRESET, PresetOptions
+from cycloid_mj.cli.flags import FLAT, PRESET, PresetOptions, whole
 from cycloid_mj.cli.terminal import tell
 from cycloid_mj.errors import CycloidError, UsageError
 
@@ -15,7 +15,7 @@ EXAMPLES = """Examples:
 
 PORT = 8137
 
-PortFlag = Annotated[int, Parameter(metavar="N", help=f"Port on this machine. Default: {PORT}.")]
+PortFlag = Annotated[int, Parameter(metavar="N", converter=whole, help=f"Port on this machine. Default: {PORT}.")]
 BrowserFlag = Annotated[bool, Parameter(name="--no-browser", help="Do not open the browser.")]
 
 

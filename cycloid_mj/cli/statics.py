@@ -17,13 +17,15 @@ EXAMPLES = """Examples:
 
 HEADER = ("quantity", "value", "unit", "known difference")
 
+SOURCES = {"given": "--load-nm", "load.torque_nm": "load.torque_nm of the design", "rated torque": "the rated torque"}
+
 LoadFlag = Annotated[
     float | None,
     Parameter(
         metavar="X",
         validator=LOAD.require,
-        help="Torque on the output [N m], more than 0. Default: the rated torque, drive.torque_nm times the ratio "
-        "(36.68 in the presets).",
+        help="Torque on the output [N m], more than 0. Default: the size of load.torque_nm; where that is 0 the rated "
+        "torque, drive.torque_nm times the ratio (36.68 in the presets).",
     ),
 ]
 
@@ -64,6 +66,7 @@ def _print(found: "Sheet") -> None:
         value = "-" if one.value != one.value else f"{one.value:.6g}"
         rows.append((one.name, value, one.unit, "" if known is None else f"{100.0 * known:g} %"))
     say_table(f"statics: {found.design}, {found.condition}", HEADER, rows)
+    say(f"load: {SOURCES[found.load_source]}")
     for one in found.quantities.values():
         if one.note:
             say(f"{one.name}: {one.note}")

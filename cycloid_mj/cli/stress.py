@@ -11,10 +11,20 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import LOAD, NAMES, JsonFlag, QuietFlag, SetFlag, designed, require_distinct, within
+from cycloid_mj.cli.flags import (
+    LOAD,
+    NAMES,
+    ForceFlag,
+    JsonFlag,
+    QuietFlag,
+    SetFlag,
+    designed,
+    require_distinct,
+    within,
+)
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.simulate import logs_folder, require_possible
-from cycloid_mj.cli.stressfiles import report
+from cycloid_mj.cli.stressfiles import RESULT, report
 from cycloid_mj.cli.terminal import tell
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError, warn
@@ -85,8 +95,8 @@ OutFlag = Annotated[
     str | None,
     Parameter(
         metavar="DIR",
-        help="Folder of logs, figures, VTU files and stress.json, made if there is none. It must not hold any of the "
-        f"logs yet, unless --force; other files are replaced. Default: {RUNS}, or the first new one of {RUNS}-2, ...; "
+        help="Folder of logs, figures, VTU files and stress.json, made if there is none. "
+        f"Default: {RUNS}, or the first new one of {RUNS}-2, ...; "
         "with --log, the first log's path with -stress for .mcap.",
     ),
 ]
@@ -107,7 +117,6 @@ SolidFlag = Annotated[
         "output with its pins, always are.",
     ),
 ]
-ForceFlag = Annotated[bool, Parameter(help="Replace logs that exist.")]
 
 
 def stress(
@@ -139,16 +148,18 @@ def stress(
 
     Bulk stress is the largest beyond a distance d from narrow contacts and
     sharp inner corners, where it stands on a plateau. The table tells d, and
-    how far the stress falls to 2d: a part without plateau is loaded most
-    near its contacts.
+    what the choice may change: how far the stress falls to 2d, or how far it
+    changes with half or twice the distance from corners. Where a fillet bears
+    more, nominal stress times its notch factor, the safety is that of the
+    fillet.
 
     Without --log, each design is run first: no ramp, and long enough for one
     turn once the load has settled. Needs the extra `fem`: gmsh, scikit-fem.
     """
     if not design and not log:
         raise UsageError("stress needs a design or a log, such as: cycloid-mj stress --design pin")
-    if log and (set_ or load_nm is not None or force):
-        raise UsageError("logs are read as they are: leave out --set, --load-nm and --force with --log")
+    if log and (set_ or load_nm is not None):
+        raise UsageError("logs are read as they are: leave out --set and --load-nm with --log")
     if log and design and len(log) != len(design):
         raise UsageError(f"there are {len(design)} designs and {len(log)} logs: give one log for each design")
     from cycloid_mj.stress.packages import package
@@ -162,8 +173,9 @@ def stress(
         map_angle=None if angle_deg is None else math.radians(angle_deg),
     )
     if log:
-        into, runs = _read(log, design, out)
+        runs = _read(log, design)
         planned = _planned([ran for ran, _, _ in runs], part, settings, quiet)
+        into = folder(out or f"{log[0].removesuffix('.mcap')}-stress", "the figures", [RESULT], force)
     else:
         designs = [_loaded(designed(name, set_, ()), load_nm) for name in design]
         _require_apart(designs)
@@ -192,7 +204,7 @@ def _run(designs: Sequence[Design], out: str | None, force: bool, quiet: bool) -
     from cycloid_mj.log import read
 
     names = [design.name for design in designs]
-    into = logs_folder(RUNS, out, names, force)
+    into = logs_folder(RUNS, out, [*(f"{name}.mcap" for name in names), RESULT], force)
     logs = {design: into / f"{design.name}.mcap" for design in designs}
     run_all(logs, min(os.cpu_count() or 1, len(logs)), force, quiet)
     return into, [(design, read(path), path) for design, path in logs.items()]
@@ -226,7 +238,7 @@ def _planned(designs: Sequence[Design], parts: Sequence[str], settings: "StudySe
     return grids
 
 
-def _read(logs: Sequence[str], designs: Sequence[str], out: str | None) -> tuple[Path, list[Logged]]:
+def _read(logs: Sequence[str], designs: Sequence[str]) -> list[Logged]:
     from cycloid_mj.analysis.series import design_of
     from cycloid_mj.log import read
     from cycloid_mj.stress.turn import require_same
@@ -239,7 +251,7 @@ def _read(logs: Sequence[str], designs: Sequence[str], out: str | None) -> tuple
         if designs:
             require_same(designed(designs[number], (), ()), ran)
         found.append((ran, run, Path(name)))
-    return folder(f"{logs[0].removesuffix('.mcap')}-stress" if out is None else out, "the figures"), found
+    return found
 
 
 def _studied(

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cycloid_mj.cli.terminal import say, say_json, say_table, with_warnings
-from cycloid_mj.papers import papers
+from cycloid_mj.papers import stress_claims
 from cycloid_mj.whole import write_whole
 
 if TYPE_CHECKING:
@@ -23,8 +23,9 @@ CLAIM_HEADER = ("figure", "the paper", "found here", "verdict")
 def report(studies: "Sequence[StressStudy]", into: Path, json: bool) -> None:
     """Write figures, maps and the JSON file, then the tables or the JSON object."""
     findings = [study.findings for study in studies]
-    judged = {paper.source: paper.stress_claims(studies) for paper in papers()}
-    files = _drawn(studies, into)
+    judged = stress_claims(studies)
+    drawn = _drawn(studies, into)
+    files = [*drawn]
     told: dict[str, Any] = with_warnings(
         {
             "designs": [each.as_json() for each in findings],
@@ -33,15 +34,16 @@ def report(studies: "Sequence[StressStudy]", into: Path, json: bool) -> None:
         }
     )
     result = into / RESULT
-    write_whole({result: (js.dumps(told, indent=1) + "\n").encode()})
+    write_whole({**drawn, result: (js.dumps(told, indent=1) + "\n").encode()})
     if json:
         say_json(told)
         return
     _say(studies, judged, [*files, result])
 
 
-def _drawn(studies: "Sequence[StressStudy]", into: Path) -> list[Path]:
-    from cycloid_mj.plots import save
+def _drawn(studies: "Sequence[StressStudy]", into: Path) -> dict[Path, bytes]:
+    """Draw figures and maps: path -> content."""
+    from cycloid_mj.plots.save import pictures
     from cycloid_mj.plots.stress import grid_figure, map_figure, stress_figures
     from cycloid_mj.stress.vtu import as_vtu
 
@@ -56,8 +58,7 @@ def _drawn(studies: "Sequence[StressStudy]", into: Path) -> list[Path]:
         )
         condition = f"{study.design.name}, {study.findings.load:g} N m"
         figures[f"fig11_map_{study.design.name}"] = map_figure(maps, condition)
-    write_whole(vtu)
-    return [*save(figures, into, FORMATS), *vtu]
+    return pictures(figures, into, FORMATS) | vtu
 
 
 def _as_json(claim: "Claim") -> dict[str, str]:

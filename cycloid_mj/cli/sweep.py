@@ -1,6 +1,5 @@
 """``cycloid-mj sweep``: a design measured at many points, a row each."""
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -12,6 +11,7 @@ from cycloid_mj.cli.flags import (
     PRESET,
     EngineOptions,
     FollowFlag,
+    ForceFlag,
     JsonFlag,
     PresetOptions,
     QuietFlag,
@@ -19,7 +19,7 @@ from cycloid_mj.cli.flags import (
 )
 from cycloid_mj.cli.flags import whole as whole_number
 from cycloid_mj.cli.terminal import say, say_json, show, tell
-from cycloid_mj.errors import CycloidError, RunError, UsageError
+from cycloid_mj.errors import RunError, UsageError
 from cycloid_mj.interrupt import cause
 
 if TYPE_CHECKING:
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from cycloid_mj.explore.sweeps import Sweep
 
 OUT, PAGE = "runs/sweep", "sweep.html"
+FILES = ("sweep.csv", "sweep.parquet", "sweep.png", "sweep.svg", PAGE)
 POINTS = 64
 MOST_ERRORS = 5
 FAILURE = 1
@@ -106,6 +107,7 @@ def sweep(
     show_: Annotated[ShowFlag, Parameter(name="--show")] = "",
     out: OutFlag = OUT,
     where: Annotated[EngineOptions, FLAT] = HERE,
+    force: ForceFlag = False,
     json: JsonFlag = False,
     quiet: QuietFlag = False,
 ) -> int:
@@ -123,15 +125,16 @@ def sweep(
     """
     from cycloid_mj.cli.outfile import folder
     from cycloid_mj.cli.progress import counted
+    from cycloid_mj.explore.journal import SWEEP, begun, forget
     from cycloid_mj.explore.ranks import shown
     from cycloid_mj.explore.sweeps import in_folder, task_of
 
     wanted = _points(vary, table, sample, points, seed)
     engine = where.engine()
     task = task_of(chosen.resolved(), wanted, measure, quick, real_pins, follow)
-    into = folder(out, "the sweep")
-    if not os.access(into, os.W_OK | os.X_OK):
-        raise CycloidError(f"cannot write the sweep to {out}: no permission; choose another folder with --out")
+    into = folder(out, "the sweep", () if begun(Path(out), SWEEP) else FILES, force)
+    if force:
+        forget(into, SWEEP)
     try:
         found = in_folder(task, wanted, into, engine, counted("sweep", quiet))
     except KeyboardInterrupt as stop:
@@ -165,14 +168,14 @@ def _delivered(found: "Sweep", quantities: tuple[str, ...], into: Path, json: bo
     """Write figure and page, and tell what was found; give the exit code."""
     from cycloid_mj.explore.ranks import tables
     from cycloid_mj.explore.sweeps import PARQUET, TABLE
-    from cycloid_mj.plots import save
     from cycloid_mj.plots.explored import sweep_figure
+    from cycloid_mj.plots.save import pictures
     from cycloid_mj.report.sweep import sweep_page
     from cycloid_mj.whole import write_whole
 
     parquet, page = into / PARQUET, into / PAGE
-    drawn = save({"sweep": sweep_figure(found, quantities)}, into, ("png", "svg"))
-    write_whole({page: sweep_page(found, quantities, drawn[1].read_bytes()).encode()})
+    drawn = pictures({"sweep": sweep_figure(found, quantities)}, into, ("png", "svg"))
+    write_whole({**drawn, page: sweep_page(found, quantities, drawn[into / "sweep.svg"]).encode()})
     files = [into / TABLE, *([parquet] if parquet.exists() else []), *drawn, page]
     if not quiet:
         if not parquet.exists():

@@ -40,8 +40,8 @@ def json_text(value: Any) -> str:
 
 
 def tell(text: str) -> None:
-    """Write a message; control codes in it are shown and not obeyed, and of one too long the start is written."""
-    text = printable(text)
+    """Write a message in one line; control codes in it are shown and not obeyed, and of one too long only the start."""
+    text = printable(text).replace("\n", "\\n")
     if len(text) > LONGEST_MESSAGE:
         text = f"{text[:LONGEST_MESSAGE]}... ({len(text):,} characters in all)"
     sys.stderr.write(f"{text}\n")

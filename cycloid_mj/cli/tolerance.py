@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import FLAT, HERE, PRESET, EngineOptions, JsonFlag, PresetOptions, QuietFlag, whole
+from cycloid_mj.cli.flags import FLAT, HERE, PRESET, EngineOptions, ForceFlag, JsonFlag, PresetOptions, QuietFlag, whole
 from cycloid_mj.cli.terminal import finite, say, say_json, show, tell
 from cycloid_mj.errors import RunError, UsageError
 from cycloid_mj.interrupt import cause
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from cycloid_mj.explore.tolerances import Tolerances
 
 OUT = "runs/tolerance"
+FILES = ("worst-1.toml", "samples.csv", "tolerance.json", "tolerance.html")
+"""What every study of a design leaves, after the design's name."""
 MOST_SAMPLES = 1_000_000
 
 SamplesFlag = Annotated[int, Parameter(converter=whole, help="How many are drawn.")]
@@ -36,7 +38,7 @@ OutFlag = Annotated[
 ]
 
 EXAMPLES = """Examples:
-  cycloid-mj tolerance --design pin --set 'tolerance.cam="H7/g6"' --set 'tolerance.pin_position="normal 2"'
+  cycloid-mj tolerance --design printed --set 'tolerance.cam="H8/f7"' --set 'tolerance.pin_position="normal 10"'
   cycloid-mj tolerance --design my.toml --samples 10000 --seed 1 --limit 'backlash_arcmin<=1' --out made
   cycloid-mj tolerance --design nonpin --set 'tolerance.profile="2: normal 0.2, 35: uniform 0.3"' --verify 1"""
 
@@ -50,6 +52,7 @@ def tolerance(
     verify: VerifyFlag = 0,
     out: OutFlag = Path(OUT),
     where: Annotated[EngineOptions, FLAT] = HERE,
+    force: ForceFlag = False,
     json: JsonFlag = False,
     quiet: QuietFlag = False,
 ) -> int:
@@ -61,16 +64,21 @@ def tolerance(
     Every sample is balanced at 360 crank angles: to both stops, and under the
     rated torque without friction. The budget shares the variance of the first
     limit's figure (else of the backlash) out to the tolerances, by Sobol indices:
-    the one to tighten first comes first. The five worst samples are written as
-    design files; --verify runs them at speed under the rated torque, with
-    friction and inertia, and tells how far statics are from that. Ctrl-C writes
-    what the samples so far give, as fewer --samples would have.
+    the one to tighten first comes first. A sample jams where its parts press each
+    other without a load, teeth, output pins or cam: it is in the yield alone. Where
+    the first 200 samples all jam, that is the end: which pair interferes by how
+    much is told. The five worst of those that go together are written as design
+    files; --verify runs them at speed under the rated torque, with friction and
+    inertia, and tells how far statics are from that. The samples' CSV has what was
+    drawn, in um beside the design's value (drawn_cam_um, drawn_pin_position_1_x_um),
+    and the figures. Ctrl-C writes what the samples so far give, as fewer --samples
+    would have.
     """
     from cycloid_mj.cli.outfile import folder
     from cycloid_mj.cli.progress import counted
     from cycloid_mj.explore.figures import FIGURES
     from cycloid_mj.explore.limit import limit as read
-    from cycloid_mj.explore.tolerances import Unfinished
+    from cycloid_mj.explore.tolerances import AllJam, Unfinished
     from cycloid_mj.explore.tolerances import tolerance as found_in
 
     if not 2 <= samples <= MOST_SAMPLES:
@@ -80,12 +88,15 @@ def tolerance(
     engine = where.engine("threads")
     limits = [read(text, FIGURES) for text in limit]
     design = chosen.sound()
-    into = folder(str(out), "the samples")
+    into = folder(str(out), "the samples", [f"{design.name}-{rest}" for rest in FILES], force)
     try:
         found = found_in(design, samples, seed, limits, counted("tolerance", quiet), engine, verify)
     except Unfinished as stop:
         _deliver(stop.found, into, json, quiet)
         raise RunError(f"stopped by {cause(stop)}; {stop.found.told_samples} are in {into}") from stop
+    except AllJam as jam:
+        _deliver(jam.found, into, json, quiet)
+        raise RunError(f"{jam}; they are in {into}") from jam
     _deliver(found, into, json, quiet)
     return 0
 
@@ -108,14 +119,11 @@ def _deliver(found: "Tolerances", into: Path, json: bool, quiet: bool) -> None:
 
 def _files(found: "Tolerances", into: Path) -> dict[Path, bytes]:
     """Give what is written, by path: the worst designs first, the page last."""
-    import numpy as np
-
     from cycloid_mj.cli.outfile import csv_bytes
     from cycloid_mj.design import dump
     from cycloid_mj.plots.tolerance import tolerance_figures
     from cycloid_mj.report.study import Part, study_page
 
-    columns = {"sample": np.arange(1, found.samples + 1), **found.figures}
     figures = tolerance_figures(found)
     shared = {
         "Shares of the variance, alone and with all that a tolerance acts together with (Sobol indices).": "budget"
@@ -141,7 +149,7 @@ def _files(found: "Tolerances", into: Path) -> dict[Path, bytes]:
     name = found.design
     return {
         **{into / f"{name}-worst-{i}.toml": dump(one).encode() for i, one in enumerate(found.worst, 1)},
-        into / f"{name}-samples.csv": csv_bytes(columns),
+        into / f"{name}-samples.csv": csv_bytes(found.frame.columns),
         into / f"{name}-tolerance.json": (text_of.dumps(finite(found.as_json()), indent=2) + "\n").encode(),
         into / f"{name}-tolerance.html": page.encode(),
     }

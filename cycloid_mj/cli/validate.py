@@ -32,8 +32,8 @@ def validate(*, quick: QuickFlag = False, only: OnlyFlag = (), json: JsonFlag = 
 
     Prints a table of quantity, ours, reference, source, error, bound and
     result, rung by rung: two-body, friction, mechanism, backlash, sharing,
-    cam, published, energy, steps, mirror, gravity. "told" marks a row without a
-    bound, which states a difference; its reason stands below the table.
+    cam, published, energy, steps, mirror, gravity, witness. "told" marks a row
+    without a bound, which states a difference; its reason stands below the table.
     Exit code 1 if any row fails. Two processes at a time, for some minutes.
     """
     tell("starting")

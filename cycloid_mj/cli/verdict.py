@@ -60,6 +60,8 @@ def _words(comparison: "Comparison") -> Iterator[str]:
 
 def _value(value: object) -> str:
     """Give a value of a design in words: a number with six digits, which is more than a design is made to."""
+    if value is None:
+        return "not given"
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 

@@ -4,7 +4,7 @@ A verdict on the paper's findings rests on more than one number: at no load on i
 chaotic, and under load on the crank turns of a run.
 """
 
-from cycloid_mj.comparison.comparison import Comparison, compare
+from cycloid_mj.comparison.comparison import Comparison, comparable, compare
 from cycloid_mj.comparison.conditions import conditions, differences, total_play, under, with_play_of
 from cycloid_mj.comparison.measures import Measures, measure, settled, settling
 from cycloid_mj.comparison.ranking import RANKED, Ranked, Ranking, rankings
@@ -29,6 +29,7 @@ __all__ = [
     "Variation",
     "Varied",
     "all_started",
+    "comparable",
     "compare",
     "conditions",
     "differences",

@@ -115,10 +115,8 @@ def compare(
     DesignError
         A design has massless pins.
     """
-    designs = _designs(trials)
+    designs = comparable([trial.design for trial in trials])
     loads = sorted({trial.load for trial in trials})
-    _require_every_case(trials, list(designs), loads)
-    _require_same_conditions(trials)
     ordered = tuple(next(t for t in trials if (t.name, t.load) == (name, load)) for load in loads for name in designs)
     return Comparison(
         designs=tuple(designs),
@@ -131,27 +129,30 @@ def compare(
     )
 
 
-def _designs(trials: Sequence[Trial]) -> dict[str, Design]:
-    """Give the designs by name; a name stands for one design, whatever its load and how long it runs under it."""
+def comparable(cases: Sequence[Design]) -> dict[str, Design]:
+    """Return designs by name if runs of these cases, each a design under a load, can be compared; see `compare`."""
     found: dict[str, Design] = {}
-    for trial in trials:
-        require_pin_bodies(trial.design, "the idle and dynamic figures of a comparison")
-        first = found.setdefault(trial.name, trial.design)
-        if differing := [key for key in differences([first, trial.design]) if key != HOLD]:
+    for case in cases:
+        require_pin_bodies(case, "the idle and dynamic figures of a comparison")
+        # a name stands for one design, whatever its load and how long it runs under it
+        first = found.setdefault(case.name, case)
+        if differing := [key for key in differences([first, case]) if key != HOLD]:
             raise UsageError(
-                f"two designs are called {trial.name!r}, but differ in {', '.join(differing[:3])}: "
+                f"two designs are called {case.name!r}, but differ in {', '.join(differing[:3])}: "
                 "give each a name of its own in its file"
             )
     if len(found) < 2:
         raise UsageError(f"a comparison needs two designs, got {', '.join(found) or 'none'}: name another one")
+    _require_every_case(cases, list(found))
+    _require_same_conditions(cases)
     return found
 
 
-def _require_every_case(trials: Sequence[Trial], names: Sequence[str], loads: Sequence[float]) -> None:
-    cases = [(trial.name, trial.load) for trial in trials]
+def _require_every_case(cases: Sequence[Design], names: Sequence[str]) -> None:
+    present = [(case.name, case.load.torque) for case in cases]
     for name in names:
-        for load in loads:
-            count = cases.count((name, load))
+        for load in sorted({load for _, load in present}):
+            count = present.count((name, load))
             if count != 1:
                 what = "is missing" if count == 0 else f"is there {count} times"
                 raise UsageError(
@@ -159,22 +160,22 @@ def _require_every_case(trials: Sequence[Trial], names: Sequence[str], loads: Se
                 )
 
 
-def _require_same_conditions(trials: Sequence[Trial]) -> None:
+def _require_same_conditions(cases: Sequence[Design]) -> None:
     """Refuse runs under different settings; idle runs may be of another duration than loaded ones."""
-    for trial in trials:
-        first = next(each for each in trials if each.load == trial.load)
-        _require_alike(first, trial, ())
-        _require_alike(trials[0], trial, (HOLD,))
+    for case in cases:
+        first = next(each for each in cases if each.load.torque == case.load.torque)
+        _require_alike(first, case, ())
+        _require_alike(cases[0], case, (HOLD,))
 
 
-def _require_alike(first: Trial, trial: Trial, but: Sequence[str]) -> None:
-    wanted = conditions(first.design)
-    for key, value in conditions(trial.design).items():
-        if value != wanted[key] and key not in but:
+def _require_alike(first: Design, case: Design, but: Sequence[str]) -> None:
+    wanted, own = conditions(first), conditions(case)
+    for key in wanted | own:
+        if own.get(key) != wanted.get(key) and key not in but:
             raise UsageError(
-                f"the runs differ in their settings: {key} is {wanted[key]} for {first.name} at "
-                f"{load_words(first.load)}, but {value} for {trial.name} at {load_words(trial.load)}; "
-                "run them with the same"
+                f"the runs differ in their settings: {key} is {wanted.get(key)} for {first.name} at "
+                f"{load_words(first.load.torque)}, but {own.get(key)} for {case.name} at "
+                f"{load_words(case.load.torque)}; run them with the same"
             )
 
 

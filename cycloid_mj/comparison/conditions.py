@@ -38,9 +38,10 @@ def under(design: Design, shared: Mapping[str, Any], load: float) -> Design:
 
 
 def differences(designs: Sequence[Design]) -> dict[str, tuple[Any, ...]]:
-    """Give what differs between designs, load torque apart: key -> the value of each."""
+    """Return what differs between designs, load torque apart: key -> the value of each, None where it has none."""
     found = [values(design) for design in designs]
-    each = {key: tuple(one[key] for one in found) for key in found[0] if key != "load.torque_nm"}
+    keys = dict.fromkeys(key for one in found for key in one if key != "load.torque_nm")
+    each = {key: tuple(one.get(key) for one in found) for key in keys}
     return {key: of_each for key, of_each in each.items() if any(value != of_each[0] for value in of_each)}
 
 

@@ -3,7 +3,8 @@
 MuJoCo looks up ``mjCOLLISIONFUNC[type][type]`` for each pair of geoms. All parts in contact stand in the model as
 cylinders, so one entry is replaced, [cylinder][cylinder]. A geom of ours carries its role as its ``priority`` (which
 MuJoCo does not use for explicit pairs); every other pair goes on to the original function. The collider keeps no
-state: all it needs stands in the ``mjModel`` and ``mjData`` that it is called with.
+state: all it needs stands in the ``mjModel`` and ``mjData`` that it is called with. So does `lift`, MuJoCo's callback
+between speeds and forces, which goes with it.
 """
 
 from collections.abc import Iterator
@@ -12,12 +13,13 @@ from functools import cache
 from typing import Any
 
 import llvmlite.binding
-from numba import cfunc, types
+from numba import types
 
-from cycloid_mj.compiling import announced, cacheable, digest
-from cycloid_mj.contact import gap, mating, memory, near, ring, teeth
+from cycloid_mj.compiling import announced, cacheable, cfunc, digest
+from cycloid_mj.contact import gap, mating, memory, near, ring, selftest, teeth
 from cycloid_mj.contact.layout import Layout, discover
-from cycloid_mj.contact.library import CYLINDER, TYPES, collision_table
+from cycloid_mj.contact.library import CYLINDER, TYPES, answer, callback, collision_table
+from cycloid_mj.contact.lift import between_speeds_and_forces, places
 from cycloid_mj.contact.mating import PRIORITY, inner_in_outer, lobe_on_teeth, pin_on_teeth
 from cycloid_mj.contact.memory import read_address, read_int
 from cycloid_mj.contact.shared import Shared
@@ -84,13 +86,22 @@ def _compile_lobes(layout: Layout) -> Any:
 
 @cache
 def _pin_collider() -> Any:
-    """Give MuJoCo's own collider and that of pins; the own one's address is bound by name."""
+    """Give MuJoCo's own collider and that of pins, which works with it; the own one's address is bound by name."""
     original = collision_table()[_ENTRY]
     if not original:
         raise ContactError("MuJoCo has no collision function for two cylinders to pass foreign pairs on to")
     llvmlite.binding.add_symbol(_ORIGINAL, original)
     with announced():
-        return original, _compile_pins(discover())
+        pins = _compile_pins(discover())
+    selftest.require_passed("collider", lambda: selftest.try_collider(pins.address))
+    return original, pins
+
+
+@cache
+def _lift() -> Any:
+    lift = between_speeds_and_forces(places())
+    selftest.require_passed("lift", lambda: selftest.try_lift(lift.address))
+    return lift
 
 
 @cache
@@ -103,12 +114,14 @@ def _lobe_collider() -> Any:
 
 def _install() -> None:
     _, collider = _pin_collider()
+    answer("mjcb_control", _lift().address)
     collision_table()[_ENTRY] = collider.address
 
 
 def _uninstall() -> None:
     original, _ = _pin_collider()
     collision_table()[_ENTRY] = original
+    callback("mjcb_control").value = None
 
 
 _installation = Shared(_install, _uninstall)
@@ -122,6 +135,11 @@ def installed(lobes: bool = True) -> Iterator[None]:
     ----------
     lobes
         Whether an internal gear is to meet the teeth. Without one, half of what there is to compile is left out.
+
+    Raises
+    ------
+    ContactError
+        Somebody else answers ``mjcb_control``.
     """
     with _installation.made():
         if lobes:

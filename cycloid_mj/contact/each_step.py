@@ -14,34 +14,41 @@ fatal one of MuJoCo's becomes.
 import ctypes
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import astuple
 from functools import cache
 from typing import Any
 
 import llvmlite.binding
 import mujoco
 import numpy as np
-from numba import cfunc, njit, types
+from numba import njit, types
 
-from cycloid_mj.compiling import announced, cacheable, digest
-from cycloid_mj.contact import forces, gap, kept, memory, teeth
+from cycloid_mj.compiling import announced, cacheable, cfunc, digest
+from cycloid_mj.contact import forces, gap, impact, kept, lift, memory, selftest, teeth
 from cycloid_mj.contact.forces import OF_PAIR, PairIndex, gather, pair_of
+from cycloid_mj.contact.impact import Impact
 from cycloid_mj.contact.kept import KEPT, Kept, kept_at
 from cycloid_mj.contact.layout import discover_steps
-from cycloid_mj.contact.library import function_address, library
+from cycloid_mj.contact.library import answer, callback, function_address
+from cycloid_mj.contact.lift import places, take_off
 from cycloid_mj.contact.memory import read_address, read_float, read_int, write_float
 from cycloid_mj.contact.shared import Shared
-from cycloid_mj.errors import ContactError
 from cycloid_mj.types import Array
 
-SENSOR = "each_step"
-"""Name of the user sensor: it reads 0."""
+SENSOR, IMPACT_SENSOR = "each_step", "impact"
+"""Names of the user sensors: they read 0."""
 
 OF_SOLVER = 6
 """Numbers of a sample on all contacts and the solver: contacts that carry a force, deepest geometric penetration [m],
 largest force of one contact [N], most iterations of the solver in an island; a sum of all accelerations, which is a
 number if each is one; and warnings that MuJoCo has given."""
 
-_LAST_STAGE = int(mujoco.mjtStage.mjSTAGE_ACC)
+_FIRST_STAGE, _LAST_STAGE = int(mujoco.mjtStage.mjSTAGE_POS), int(mujoco.mjtStage.mjSTAGE_ACC)
+_spring, _damper = njit(impact.spring), njit(impact.damper)
+_SHALLOWEST = 1e-12
+"""Least depth [m] that the law is evaluated at."""
+_LEAST_MASS = 1e-7
+"""Least added mass [kg] of a contact that follows IMPACT: a ten-thousandth of a pin."""
 _STAGE, _PREFIX = types.void(types.intp, types.intp), "cycloid_mj_"
 _STAGES = [
     types.ExternalFunction(_PREFIX + name, _STAGE)
@@ -61,16 +68,21 @@ _times_jacobian = types.ExternalFunction(_PREFIX + "mj_mulJacVec", types.void(*[
 """Speeds of the constraints' rows, to the third address, from those of the joints at the fourth."""
 
 
-def add_sensor(spec: Any) -> None:
-    """Give an editable model the user sensor and the user data."""
+def add_sensor(spec: Any, impact: bool = False) -> None:
+    """Give an editable model the user data and the user sensor; with `impact` another that is asked for before forces.
+
+    The second one lets a run put the law IMPACT in the place of the model's own, contact by contact.
+    """
     spec.nuserdata = 1
-    spec.add_sensor(
-        name=SENSOR,
-        type=mujoco.mjtSensor.mjSENS_USER,
-        dim=1,
-        datatype=mujoco.mjtDataType.mjDATATYPE_REAL,
-        needstage=mujoco.mjtStage.mjSTAGE_ACC,
-    )
+    stages = {SENSOR: mujoco.mjtStage.mjSTAGE_ACC} | ({IMPACT_SENSOR: mujoco.mjtStage.mjSTAGE_POS} if impact else {})
+    for name, stage in stages.items():
+        spec.add_sensor(
+            name=name,
+            type=mujoco.mjtSensor.mjSENS_USER,
+            dim=1,
+            datatype=mujoco.mjtDataType.mjDATATYPE_REAL,
+            needstage=stage,
+        )
 
 
 class EachStep:
@@ -92,6 +104,8 @@ class EachStep:
         Addresses of numbers in ``MjData``.
     drags
         Rows of the constraints that brake joints.
+    impacts
+        The law IMPACT of each pair; none where contacts follow the model's own.
     """
 
     def __init__(
@@ -102,11 +116,14 @@ class EachStep:
         every: int = 1,
         sources: Sequence[int] = (),
         drags: Sequence[int] = (),
+        impacts: Sequence[Impact] = (),
     ) -> None:
         self._model, self._data, self._index = model, data, index
         energies = data.energy.ctypes.data + 8 * np.arange(2)
         self._sources = np.array([*sources, *energies], dtype=np.int64)
         self._drags = np.array(drags, dtype=np.int32)
+        self._impacts = np.array([astuple(one) for one in impacts], dtype=np.float64)
+        self._step = np.array([model.opt.timestep])
         self._peak = np.zeros(len(index.origin))
         self._sum = np.zeros_like(self._peak)
         self._commands = np.zeros((0, len(data.ctrl)))
@@ -142,6 +159,10 @@ class EachStep:
             "count": start + at.ncon,
             "forces": start + at.efc_force,
             "speeds": start + at.efc_vel,
+            "places": start + at.efc_pos,
+            "weights": start + at.efc_R,
+            "inverse": start + at.efc_D,
+            "constants": start + at.efc_KBIP,
             "stride": at.stride,
             "pos": at.pos,
             "frame": at.frame,
@@ -170,6 +191,7 @@ class EachStep:
             "moving": data.qvel,
             "half": self._half,
             "before": self._speeds,
+            "step": self._step,
             "ctrl": data.ctrl,
             "iterations": data.solver_niter,
             "warnings": data.warning.number,
@@ -184,6 +206,7 @@ class EachStep:
             "peak": self._peak,
         }
         made = np.zeros((), KEPT)
+        made["impact"] = self._impacts.ctypes.data if self._impacts.size else 0
         for name, place in (places | {name: array.ctypes.data for name, array in arrays.items()}).items():
             made[name] = place
         return made
@@ -198,30 +221,27 @@ def installed() -> Iterator[None]:
     Raises
     ------
     ContactError
-        Somebody else answers user sensors.
+        Somebody else answers user sensors, or MuJoCo is of a release that does not work.
     """
     with _installation.made():
+        _require_passed()
         yield
 
 
+@cache
+def _require_passed() -> None:
+    selftest.require_passed("samples", lambda: selftest.try_steps(add_sensor, EachStep))
+
+
 def _install() -> None:
-    callback = _callback("mjcb_sensor")
-    if callback.value:
-        raise ContactError(
-            "MuJoCo's callback for sensors is taken, and a run needs it: call mujoco.set_mjcb_sensor(None) before"
-        )
-    callback.value = _compiled().address
-    timer = _callback("mjcb_time")
+    answer("mjcb_sensor", _compiled().address)
+    timer = callback("mjcb_time")
     _timer.value, timer.value = timer.value, None
 
 
 def _uninstall() -> None:
-    _callback("mjcb_sensor").value = None
-    _callback("mjcb_time").value = _timer.value
-
-
-def _callback(name: str) -> ctypes.c_void_p:
-    return ctypes.c_void_p.in_dll(library(), name)
+    callback("mjcb_sensor").value = None
+    callback("mjcb_time").value = _timer.value
 
 
 _timer = ctypes.c_void_p()
@@ -231,31 +251,37 @@ _installation = Shared(_install, _uninstall)
 @cache
 def _compiled() -> Any:
     layout = discover_steps()
-    at = layout.nuserdata, layout.userdata, digest(forces, gap, kept, memory, teeth)
+    at = layout.nuserdata, layout.userdata, digest(forces, gap, impact, kept, lift, memory, teeth)
+    lifted = places()
     for stage in (*_STAGES, _times_jacobian):
         llvmlite.binding.add_symbol(stage.symbol, function_address(stage.symbol.removeprefix(_PREFIX)))
 
     @cfunc(types.void(types.intp, types.intp, types.int32), cache=cacheable())
-    def answer(model: int, data: int, stage: int) -> None:
-        if stage != _LAST_STAGE or read_int(model + at[0]) != 1:
+    def during_step(model: int, data: int, stage: int) -> None:
+        if (stage != _LAST_STAGE and stage != _FIRST_STAGE) or read_int(model + at[0]) != 1:
             return
         address = int(read_float(read_address(data + at[1])))
         if not address:
             return
         run = kept_at(address)
+        if stage == _FIRST_STAGE:
+            _strike(run)
+            return
         _end_step(model, data, run)
         while run.left > 0:
             run.left -= 1
             _integrate(model, data)
             _position(model, data)
+            _strike(run)
             _velocity(model, data)
+            take_off(lifted, model, data)
             _actuation(model, data)
             _acceleration(model, data)
             _constraint(model, data)
             _end_step(model, data, run)
 
     with announced():
-        return answer
+        return during_step
 
 
 @njit
@@ -273,6 +299,41 @@ def _end_step(model: int, data: int, run: Kept) -> None:
         for k in range(run.freedoms):
             write_float(run.moving + 8 * k, read_float(run.before + 8 * k))
     _command(run)
+
+
+@njit
+def _strike(run: Kept) -> None:
+    """Give every contact, once it is found, the stiffness and damping that IMPACT has at its depth.
+
+    MuJoCo's rows obey R f + a + b v + k r = 0 (`law`). R is that of the added mass K dt^2/4 + C dt/2 of the law's
+    tangent K and damping C, stable at any step; friction keeps its coefficient and its creep.
+    """
+    if not run.impact:
+        return
+    first, places = read_address(run.contacts), read_address(run.places)
+    weights, inverse = read_address(run.weights), read_address(run.inverse)
+    constants, step = read_address(run.constants), read_float(run.step)
+    for k in range(read_int(run.count)):
+        contact = first + run.stride * k
+        pair, row = abs(pair_of(run, contact)) - 1, read_int(contact + run.row)
+        if pair < 0 or row < 0:
+            continue
+        law = run.impact + 32 * pair
+        exponent = read_float(law + 8)
+        depth = max(-read_float(places + 8 * row), _SHALLOWEST)
+        force = _spring(depth, read_float(law), exponent)
+        damping = _damper(depth, read_float(law + 16), read_float(law + 24))
+        added = max(0.25 * exponent * force / depth * step * step + 0.5 * damping * step, _LEAST_MASS)
+        scale = 1.0 / (added * read_float(weights + 8 * row))
+        for axis in range(read_int(contact + run.dim)):
+            weight, of_row = weights + 8 * (row + axis), constants + 32 * (row + axis)
+            write_float(weight, scale * read_float(weight))
+            write_float(inverse + 8 * (row + axis), 1.0 / read_float(weight))
+            write_float(of_row + 8, scale * read_float(of_row + 8))
+        normal = constants + 32 * row
+        write_float(normal, force / (depth * added))
+        write_float(normal + 8, damping / added)
+        write_float(normal + 16, 1.0)
 
 
 @njit

@@ -315,3 +315,48 @@ def circle_in_circle(dx: float, dy: float, inner: float, outer: float) -> tuple[
     if distance == 0.0:
         return outer - inner, 0.0, 1.0
     return outer - inner - distance, dx / distance, dy / distance
+
+
+class Arc(NamedTuple):
+    """What is left of an open circle: its radius [m], the unit vector to its middle, cosine and sine of half of it."""
+
+    radius: float
+    x: float
+    y: float
+    cosine: float
+    sine: float
+
+
+@njit(inline="always")
+def arc_edge(arc: Arc, side: float) -> tuple[float, float]:
+    """Compute the edge of an arc [m] from its circle's centre; side 1.0 is clockwise of the middle, -1.0 before it."""
+    across = side * arc.sine
+    return arc.radius * (arc.cosine * arc.x + across * arc.y), arc.radius * (arc.cosine * arc.y - across * arc.x)
+
+
+@njit(inline="always")
+def circle_at_edge(dx: float, dy: float, inner: float, arc: Arc, side: float) -> tuple[float, float, float]:
+    """Compute gap [m] and unit normal from a circle, (dx, dy) from an arc's centre, to an edge of the arc."""
+    x, y = arc_edge(arc, side)
+    x, y = x - dx, y - dy
+    distance = math.sqrt(x * x + y * y)
+    return distance - inner, x / distance, y / distance
+
+
+@njit(inline="always")
+def places_in_arc(dx: float, dy: float, arc: Arc) -> tuple[float, bool, bool]:
+    """Tell which points of an arc may be nearest to a place, (dx, dy) from its circle's centre [m].
+
+    Returns
+    -------
+    side
+        Of the middle on which the place is, 1.0 clockwise.
+    on_arc
+        Whether the arc's own points are nearest, not its edge on this side.
+    other
+        Whether the other edge is a nearest point of its own, across the opening.
+    """
+    along, across = dx * arc.x + dy * arc.y, dx * arc.y - dy * arc.x
+    side = 1.0 if across >= 0.0 else -1.0
+    up, aside = arc.sine * along, arc.cosine * abs(across)
+    return side, up >= aside, up < -aside

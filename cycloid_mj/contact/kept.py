@@ -11,13 +11,16 @@ Kept = Any
 
 _STEP = ("contacts", "count", "forces", "speeds", "xpos", "geom_xpos", "geom_xmat")
 _MOTION = ("accelerations", "moving", "before", "half", "freedoms")
+_IMPACT = ("impact", "step", "places", "weights", "inverse", "constants")
 _CONTACT = ("stride", "pos", "frame", "dim", "geom", "row")
 _PAIRS = ("surface", "pair", "surfaces", "mating", "origin", "reach", "teeth", "numbers", "sum", "peak")
 _COMMANDS = ("ctrl", "actuators", "command", "last")
 _SOLVER = ("iterations", "islands", "warnings", "kinds", "apart")
 _SAMPLES = ("sources", "copied", "drags", "braked", "left", "due", "every", "rows", "width")
 
-KEPT = np.dtype([(name, np.int64) for name in _STEP + _MOTION + _CONTACT + _PAIRS + _COMMANDS + _SOLVER + _SAMPLES])
+KEPT = np.dtype(
+    [(name, np.int64) for name in _STEP + _MOTION + _IMPACT + _CONTACT + _PAIRS + _COMMANDS + _SOLVER + _SAMPLES]
+)
 """Addresses of arrays of these names in ``MjData``, in the ``PairIndex`` and in the run's own; and:
 
 contacts, forces, speeds
@@ -28,6 +31,11 @@ moving, before, half
     Addresses of the joints' speeds, of room to keep them, and of half a step [s].
 freedoms, surfaces, mating, actuators, islands, kinds, copied, braked
     How many accelerations, surfaces, mating pairs, commands, iterations, warnings, sources and drags there are.
+impact, step
+    Addresses of k, e, c and D of each pair, see ``impact``, 0 where contacts follow the model's law; and of the time
+    step [s].
+places, weights, inverse, constants
+    Addresses of the pointers to place, R, 1/R and (stiffness, damping, impedance and its slope) of each row.
 stride, pos, frame, dim, geom, row
     Bytes of an ``mjContact``, and where in it these stand; its distance comes first.
 numbers

@@ -5,12 +5,14 @@ address stands somewhere in ``mjModel`` or ``mjData``; the offset of that place 
 """
 
 import ctypes
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 import mujoco
 
+from cycloid_mj.contact.tested import unfit
 from cycloid_mj.errors import ContactError
 
 _WORD = ctypes.sizeof(ctypes.c_void_p)
@@ -31,6 +33,13 @@ _PROBE_OF_STEPS = """
 _BALL = '<body pos="0 0 0.9"><joint type="slide" axis="0 0 1"/><geom type="sphere" size="1" contype="2"/></body>'
 
 
+ROWS = ("efc_force", "efc_vel", "efc_aref", "efc_pos", "efc_R", "efc_D", "efc_KBIP")
+"""Arrays of ``mjData`` with numbers for each row of the constraints."""
+
+FIELDS = ("pos", "frame", "dim", "geom", "efc_address", "friction", "mu")
+"""Fields of an ``mjContact`` that are looked for."""
+
+
 @dataclass(frozen=True)
 class Layout:
     """Byte offsets of pointers, four in ``mjModel`` and two in ``mjData``, and of the number ``nuser_geom``."""
@@ -48,14 +57,19 @@ class Layout:
 class StepLayout:
     """What a step leaves: where it stands in ``mjData``, in an ``mjContact``, and the size of user data in ``mjModel``.
 
-    `contact`, `efc_force`, `efc_vel` and `userdata` are byte offsets of pointers in ``mjData``, `ncon` that of a number
-    there, `nuserdata` that of one in ``mjModel``; `stride` is the size of an ``mjContact``, what comes after it are
-    offsets in it; its distance is at 0.
+    `contact`, `efc_...` and `userdata` are byte offsets of pointers in ``mjData``, `ncon` that of a number there,
+    `nuserdata` that of one in ``mjModel``; `stride` is the size of an ``mjContact``, what comes after it are offsets in
+    it; its distance is at 0.
     """
 
     contact: int
     efc_force: int
     efc_vel: int
+    efc_aref: int
+    efc_pos: int
+    efc_R: int
+    efc_D: int
+    efc_KBIP: int
     userdata: int
     ncon: int
     nuserdata: int
@@ -65,6 +79,8 @@ class StepLayout:
     dim: int
     geom: int
     efc_address: int
+    friction: int
+    mu: int
 
 
 @cache
@@ -81,10 +97,10 @@ def discover() -> Layout:
     models = [mujoco.MjModel.from_xml_string(_PROBE.format(user=user, more=more)) for user, more in wide.items()]
     first, second = map(_pointers, models)
     if first != second:
-        raise ContactError(_strange(f"two models disagree: {first} and {second}"))
+        raise _strange(f"two models disagree: {first} and {second}")
     numbers = [set(_numbers(model._address, _SIZES, user)) for model, user in zip(models, wide, strict=True)]
     if not (common := set.intersection(*numbers)):
-        raise ContactError(_strange("mjModel.nuser_geom was not found"))
+        raise _strange("mjModel.nuser_geom was not found")
     return Layout(**first, nuser_geom=min(common))
 
 
@@ -98,15 +114,19 @@ def discover_steps() -> StepLayout:
         The structures are not as expected; the message names the field and the release.
     """
     # What lies behind the structure may hold an address by chance, but not for both models at the same place.
-    first, second = _StepPlaces.of(balls=1, user=7919), _StepPlaces.of(balls=5, user=6101)
-    forces, numbers = sorted(first.efc_force & second.efc_force), sorted(first.ncon & second.ncon)
-    speeds = sorted(first.efc_vel & second.efc_vel)
+    first, second = _StepPlaces.of(balls=2, user=7919), _StepPlaces.of(balls=5, user=6101)
+    rows = {name: sorted(first.rows[name] & second.rows[name]) for name in ROWS}
+    forces, numbers = rows["efc_force"], sorted(first.ncon & second.ncon)
     # The contacts begin the arena, whose own pointer comes before theirs; their forces come after them.
     contacts = sorted(place for place in first.contact & second.contact if forces and place < forces[0])
     data, sizes = sorted(first.userdata & second.userdata), sorted(first.nuserdata & second.nuserdata)
-    if not (contacts and speeds and numbers and data and sizes) or first.fields != second.fields:
-        raise ContactError(_strange("the contacts, their forces or the user data were not found"))
-    return StepLayout(contacts[-1], forces[0], speeds[0], data[-1], numbers[0], sizes[0], *first.fields)
+    if not (contacts and all(rows.values()) and numbers and data and sizes) or first.fields != second.fields:
+        raise _strange("the contacts, their forces or the user data were not found")
+    found = {name: places[0] for name, places in rows.items()}
+    of_contact = dict(zip(("stride", *FIELDS), first.fields, strict=True))
+    return StepLayout(
+        contact=contacts[-1], userdata=data[-1], ncon=numbers[0], nuserdata=sizes[0], **found, **of_contact
+    )
 
 
 @dataclass(frozen=True)
@@ -114,8 +134,7 @@ class _StepPlaces:
     """Where what a step leaves stands in one ``mjData``, by candidates; stride and offsets of the contacts' fields."""
 
     contact: frozenset[int]
-    efc_force: frozenset[int]
-    efc_vel: frozenset[int]
+    rows: Mapping[str, frozenset[int]]
     userdata: frozenset[int]
     ncon: frozenset[int]
     nuserdata: frozenset[int]
@@ -129,12 +148,13 @@ class _StepPlaces:
         contact, start = data.contact, data.energy.ctypes.data - data._address
         # The distance is the first field of a contact.
         first = contact.dist.ctypes.data
-        fields = (contact.pos, contact.frame, contact.dim, contact.geom, contact.efc_address)
-        offsets = (field.ctypes.data - first for field in fields)
-        places = {
+        offsets = (getattr(contact, name).ctypes.data - first for name in FIELDS)
+        places: dict[str, Any] = {
             "contact": frozenset(_places(data._address, start, first, _DATA_SPAN)),
-            "efc_force": frozenset(_places(data._address, start, data.efc_force.ctypes.data, _DATA_SPAN)),
-            "efc_vel": frozenset(_places(data._address, start, data.efc_vel.ctypes.data, _DATA_SPAN)),
+            "rows": {
+                name: frozenset(_places(data._address, start, getattr(data, name).ctypes.data, _DATA_SPAN))
+                for name in ROWS
+            },
             "userdata": frozenset(_places(data._address, start, data.userdata.ctypes.data, _DATA_SPAN)),
             "nuserdata": frozenset(_numbers(model._address, _SIZES, user)),
         }
@@ -165,7 +185,7 @@ def _offset(structure: int, start: int, array: Any, name: str, span: int = _SPAN
     """Give the offset of the last pointer to the array: empty arrays before it may share its address."""
     places = _places(structure, start, array.ctypes.data, span)
     if not places:
-        raise ContactError(_strange(f"{name} was not found"))
+        raise _strange(f"{name} was not found")
     return places[-1]
 
 
@@ -181,8 +201,5 @@ def _numbers(structure: int, span: int, number: int) -> list[int]:
     return [4 * i for i, word in enumerate(words) if word == number]
 
 
-def _strange(what: str) -> str:
-    return (
-        f"MuJoCo {mujoco.__version__} keeps its structures in a way this collider does not know ({what}); "
-        "install a release it was tested with: pip install 'mujoco==3.17.0'"
-    )
+def _strange(what: str) -> ContactError:
+    return unfit(f"its structures are not as expected: {what}")

@@ -10,7 +10,7 @@ from typing import Any
 
 import mujoco
 
-from cycloid_mj.contact.tested import require_tested
+from cycloid_mj.contact.tested import unfit
 from cycloid_mj.errors import ContactError
 
 CYLINDER = int(mujoco.mjtGeom.mjGEOM_CYLINDER)
@@ -27,9 +27,8 @@ def library() -> ctypes.CDLL:
     Raises
     ------
     ContactError
-        It is not of a release that was tested, or was not found.
+        It was not found.
     """
-    require_tested(mujoco.__version__)
     folders = [Path(folder) for folder in mujoco.__path__]
     found = [path for folder in folders for name in ("libmujoco*", "mujoco.dll") for path in sorted(folder.rglob(name))]
     for path in found:
@@ -48,11 +47,32 @@ def collision_table() -> Any:
     return (ctypes.c_void_p * (TYPES * TYPES)).in_dll(library(), "mjCOLLISIONFUNC")
 
 
+def callback(name: str) -> ctypes.c_void_p:
+    """Give one of MuJoCo's global callbacks as a writable address; none: 0."""
+    return ctypes.c_void_p.in_dll(library(), name)
+
+
+def answer(name: str, address: int) -> None:
+    """Set a global callback that nobody has set.
+
+    Raises
+    ------
+    ContactError
+        Somebody has.
+    """
+    if callback(name).value:
+        raise ContactError(
+            f"MuJoCo's callback {name} is taken, and a run needs it: call mujoco.set_{name}(None) before"
+        )
+    callback(name).value = address
+
+
 def function_address(name: str) -> int:
     """Give the address of a function of MuJoCo's C API."""
-    address = ctypes.cast(getattr(library(), name), ctypes.c_void_p).value
+    function = getattr(library(), name, None)
+    address = function and ctypes.cast(function, ctypes.c_void_p).value
     if not address:
-        raise ContactError(f"MuJoCo {mujoco.__version__} has no function {name}; install a tested release")
+        raise unfit(f"it has no function {name}")
     return address
 
 
@@ -62,7 +82,7 @@ def exact_xml() -> Iterator[None]:
     setter = getattr(library(), "_mjPRIVATE__set_xml_precision", None)
     getter = getattr(library(), "_mjPRIVATE__get_xml_precision", None)
     if setter is None or getter is None:
-        raise ContactError(f"MuJoCo {mujoco.__version__} cannot write exact XML; install a tested release")
+        raise unfit("it cannot write exact XML")
     with _precision:
         before = getter()
         setter(17)

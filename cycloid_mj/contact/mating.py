@@ -10,7 +10,18 @@ from typing import NamedTuple
 
 from numba import njit
 
-from cycloid_mj.contact.gap import Pose, circle_in_circle, flank_distance, inwards, outwards, placed, trochoid_curvature
+from cycloid_mj.contact.gap import (
+    Arc,
+    Pose,
+    circle_at_edge,
+    circle_in_circle,
+    flank_distance,
+    inwards,
+    outwards,
+    placed,
+    places_in_arc,
+    trochoid_curvature,
+)
 from cycloid_mj.contact.memory import read_address, read_float, read_int, write_float
 from cycloid_mj.contact.near import Start, pin_distance, turned_times
 from cycloid_mj.contact.ring import is_monotone, offset_root, root_minimum, root_slope, root_start
@@ -114,7 +125,7 @@ def pin_on_teeth(at: Places, model: int, data: int, out: int, teeth: int, pin: i
     A massless pin is a two-force body: it gives way by its play, then both of its contacts carry the same force, and
     their compliances add up. With the stiffness K f of a pin on the gear, f = 1 on a flat, and K/x of the seat, the
     pair's stiffness K/(1 + x) acts f (1 + x)/(1 + x f) times as much. A pin that has no home is carried by a ring that
-    turns about the world's origin.
+    turns about the world's origin. A massless pin that is pressed towards the opening of its socket carries nothing.
     """
     profile = _teeth(model, at, teeth)
     offset = profile.flank.offset
@@ -136,9 +147,11 @@ def pin_on_teeth(at: Places, model: int, data: int, out: int, teeth: int, pin: i
     gap = distance + offset - reach
     if not gap < margin:
         return 0
+    wx, wy = outwards(gear, nx, ny)
+    if 1.0 + wx * hs + wy * hc < read_float(own + 32):
+        return 0  # pressed out of its seat's opening
     factor = _stiffness_factor(profile, bend / (1.0 - offset * bend) + 1.0 / pin_radius)
     factor *= (1.0 + yielding) / (1.0 + yielding * factor)
-    wx, wy = outwards(gear, nx, ny)
     depth = reach + 0.5 * gap
     z = _place(data, at, teeth)[2]
     write_contact(out, _pressed(gap, factor), px - depth * wx, py - depth * wy, z, sign * wx, sign * wy)
@@ -287,7 +300,7 @@ def lobe_on_teeth(
 def inner_in_outer(
     at: Places, model: int, data: int, out: int, inner: int, outer: int, sign: float, margin: float
 ) -> int:
-    """Bring a circle and the circle around it in contact."""
+    """Bring a circle and the circle around it in contact, which may be open: the circle meets its edges there."""
     inner_radius, outer_radius = _radius(model, at, inner), _radius(model, at, outer)
     # a pin through all discs meets the hole of one where that disc is
     (x, y, _), (outer_x, outer_y, z) = _place(data, at, inner), _place(data, at, outer)
@@ -296,9 +309,30 @@ def inner_in_outer(
     play = outer_radius - inner_radius - margin
     if play > 0.0 and dx * dx + dy * dy <= play * play:
         return 0
-    gap, nx, ny = circle_in_circle(dx, dy, inner_radius, outer_radius)
+    own = _user(model, at, outer)
+    half_sine = read_float(own + 8)
+    if half_sine == 0.0:
+        gap, nx, ny = circle_in_circle(dx, dy, inner_radius, outer_radius)
+        return _write_inner(out, gap, Pose(x, y, nx, ny), z, inner_radius, sign, margin)
+    seat = _pose(data, at, outer)
+    arc = Arc(outer_radius, -seat.sine, seat.cosine, read_float(own), half_sine)
+    side, on_arc, other = places_in_arc(dx, dy, arc)
+    if on_arc:
+        gap, nx, ny = circle_in_circle(dx, dy, inner_radius, outer_radius)
+    else:
+        gap, nx, ny = circle_at_edge(dx, dy, inner_radius, arc, side)
+    count = _write_inner(out, gap, Pose(x, y, nx, ny), z, inner_radius, sign, margin)
+    if other:
+        gap, nx, ny = circle_at_edge(dx, dy, inner_radius, arc, -side)
+        count += _write_inner(out + CONTACT * count, gap, Pose(x, y, nx, ny), z, inner_radius, sign, margin)
+    return count
+
+
+@njit(inline="always")
+def _write_inner(out: int, gap: float, at: Pose, z: float, radius: float, sign: float, margin: float) -> int:
+    """Write the contact of a circle with what is around it, if there is one; `at` is its centre, and the normal."""
     if not gap < margin:
         return 0
-    depth = inner_radius + 0.5 * gap
-    write_contact(out, gap, x + depth * nx, y + depth * ny, z, sign * nx, sign * ny)
+    depth, nx, ny = radius + 0.5 * gap, at.cosine, at.sine
+    write_contact(out, gap, at.x + depth * nx, at.y + depth * ny, z, sign * nx, sign * ny)
     return 1

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from cycloid_mj.contact.law import LEAST_IMPEDANCE, ContactLaw, pair_stiffness
+from cycloid_mj.contact.law import LEAST_IMPEDANCE, ContactLaw, leads, pair_stiffness
 from cycloid_mj.contact.timestep import passing_limit, resolved, rolling_limits, timestep
 from cycloid_mj.contact.working import working_force
 from cycloid_mj.design import Design, Friction
@@ -24,6 +24,13 @@ FEWEST_SAMPLES = 8.0
 
 A sine sampled at as many per period keeps 92 % of its peak to peak at least; the transmission error of fixed pins keeps
 99 %, at 3 samples 87 to 98 %, at one 50 to 97 %.
+"""
+
+MOST_LEAD = 0.15
+"""Lead of friction before its sliding from which on a run tells of it.
+
+Fixed pins and internal gear under 1 to 3 N m: friction of the teeth is 5 % too small at 0.84, 1 % at 0.72, and right
+within 0.1 % at 0.3; at 20 N m and 20 000 rpm losses are a third too small at 0.3, and right within 1 % at 0.15.
 """
 
 RAISED = 0.01
@@ -50,7 +57,14 @@ def warnings(design: Design, reducer: Reducer) -> tuple[str, ...]:
     """Tell every bad regime of a built design: what, where, and what to change; nothing where there is none."""
     step = reducer.model.opt.timestep  # by mesh contact it may be shorter than the design's
     resolved = [text for kind, law in reducer.laws.items() for text in _resolution(design, kind, law, step)]
-    return (*_rolling(design, step), *resolved, *_clamped(reducer), *_bent(design), *at_rest(design, reducer.laws))
+    return (
+        *_rolling(design, step),
+        *resolved,
+        *_leading(design, reducer),
+        *_clamped(reducer),
+        *_bent(design),
+        *at_rest(design, reducer.laws),
+    )
 
 
 def at_rest(design: Design, kinds: Iterable[str]) -> tuple[str, ...]:
@@ -111,6 +125,18 @@ def _resolution(design: Design, kind: str, law: ContactLaw, step: float) -> Iter
             f"{kind}: a stiffness of {law.stiffness:.3g} N/m is too large for a step of {1e6 * step:g} us: K dt^2/m = "
             f"{ratio:.3g}, and the figures hold up to {most:g}; shorten settings.timestep_us to "
             f"{_below(1e6 * longest)} or lower stiffness.{kind}_n_m"
+        )
+
+
+def _leading(design: Design, reducer: Reducer) -> Iterator[str]:
+    """Tell of friction that turns round before the sliding does."""
+    found = leads(design, reducer.laws, float(reducer.model.opt.impratio))
+    kind = max(found, key=lambda one: found[one], default="")
+    if kind and found[kind] > MOST_LEAD:
+        yield (
+            f"{kind}: friction leads its sliding by {math.degrees(math.atan(found[kind])):.3g} deg of the crank's turn "
+            f"at this speed and working force: losses read too low; shorten settings.timestep_us to "
+            f"{_below(1e6 * reducer.model.opt.timestep * MOST_LEAD / found[kind])}"
         )
 
 

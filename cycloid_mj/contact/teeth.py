@@ -32,8 +32,9 @@ class Teeth(NamedTuple):
 
 USER_DATA = 13
 """Numbers of ``geom user`` in a model of ours: of the teeth, `user_data`, after which those of waves stand; of a pin,
-sine and cosine of its home angle, clockwise from +y, and of a massless one its play [m] and the stiffness of a pin on a
-flat over that of its seat."""
+sine and cosine of its home angle, clockwise from +y, and of a massless one its play [m], the stiffness of a pin on a
+flat over that of its seat, and one more than the least cosine of the angle to its home at which its seat holds
+it; of an open socket, cosine and sine of half the angle on which it holds its pin, from the +y of its geom."""
 
 DEFLECTION = 6
 """Which of the teeth's is the deflection."""

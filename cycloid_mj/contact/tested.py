@@ -1,35 +1,20 @@
-"""The MuJoCo releases on which the places in its structures were checked, by ``scripts/test_mujoco_versions.py``."""
+"""The releases of MuJoCo that are known to work, for the error of one that does not.
 
-import os
-import re
+The contact reads and writes MuJoCo's own structures, which change without notice. Any release from the oldest on may be
+installed: ``contact.selftest`` tries it.
+"""
+
+import mujoco
 
 from cycloid_mj.errors import ContactError
 
-OLDEST, NEWEST = (3, 17, 0), (4, 0, 1)
-FAULTY = ((4, 0, 0),)
-"""Releases between them on which the contact tests fail."""
-
-REQUIREMENT = "mujoco>=3.17,!=4.0.0,<=4.0.1"
-"""The same for pip, as in pyproject.toml."""
-
-UNTESTED = "CYCLOID_MJ_UNTESTED_MUJOCO"
-"""Environment variable that lets other releases through, for the tests that decide about them."""
+KNOWN = ("3.17.0", "4.0.0", "4.0.1")
+"""Those on which the tests of the contact pass, ``scripts/test_mujoco_versions.py``, the oldest first."""
 
 
-def require_tested(version: str) -> None:
-    """Raise ContactError for a MuJoCo release that the contact was not tested on, or that failed.
-
-    The collider reads and writes MuJoCo's own structures, which change without notice: where they have changed, its
-    figures would be wrong without a word.
-    """
-    numbers = tuple(int(number) for number in re.findall(r"\d+", version)[:3])
-    if os.environ.get(UNTESTED) or (OLDEST <= numbers <= NEWEST and numbers not in FAULTY):
-        return
-    raise ContactError(
-        f"MuJoCo {version} is not one that cycloid_mj was tested on ({_text(OLDEST)} to {_text(NEWEST)}, without "
-        f"{', '.join(map(_text, FAULTY))}): pip install '{REQUIREMENT}'; or set {UNTESTED}=1 to try it"
+def unfit(why: str) -> ContactError:
+    """Give the error of a release that does not work."""
+    return ContactError(
+        f"MuJoCo {mujoco.__version__} does not work with this cycloid_mj ({why}); "
+        f"known to work: {', '.join(KNOWN)}: pip install 'mujoco=={KNOWN[0]}'"
     )
-
-
-def _text(numbers: tuple[int, ...]) -> str:
-    return ".".join(map(str, numbers))

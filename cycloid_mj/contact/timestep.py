@@ -83,6 +83,23 @@ def chosen(design: Design) -> Step:
     return Step(1.0 / (rate * math.ceil(1.0 / (rate * longest) - 1e-9)), f"chosen by the design: {reason}")
 
 
+def held_figures(design: Design) -> str:
+    """Tell for which figures the step of a design was chosen, and how near they are: against half of it, and a witness.
+
+    Moving pins chatter: the rms of the gear's speed of 20 lobes at 3000 rpm is 74, 84 and 78 mrad/s at 2.9, 1.4 and
+    1 us, where means agree within 0.01 %; an integrator without constraints reads 73 and 81 at 1 and 0.5 us.
+    """
+    if design.settings.timestep:
+        return "given: hold its figures against those of half of it"
+    if not design.load.torque:
+        return "without a load spreads over independent starts alone: motion in the play is chaotic"
+    if design.ring.has_pin_bodies:
+        return "means within 0.1 %, peaks to peak within 3 %; rms of speeds within 15 %, as moving pins chatter"
+    if design.ring.has_massless_pins:
+        return "means within 0.2 %; no peaks and no rms of speeds, which the inertia of pins has its part in"
+    return "means within 0.3 %, peaks to peak and rms of speeds within 2 %"
+
+
 def limits(design: Design) -> dict[str, float]:
     """Give what limits the step of a design -> the longest step [s] that it allows."""
     found = {

@@ -13,10 +13,11 @@ import numpy as np
 from cycloid_mj.convex.settings import OVERLAP, TOLERANCE, ConvexSettings
 from cycloid_mj.convex.surface import Place, Surface, convex_slice
 from cycloid_mj.convex.teeth import SAMPLES
-from cycloid_mj.convex.walls import gear_depth, housing_depth, wall_radius
+from cycloid_mj.convex.walls import gear_depth, housing_depth
 from cycloid_mj.design import Design
 from cycloid_mj.deviations import deviations
 from cycloid_mj.profile import unit
+from cycloid_mj.sockets import socket_half_angle
 from cycloid_mj.types import Array
 
 
@@ -53,19 +54,13 @@ def gear_holes(design: Design, settings: ConvexSettings, disc: int = 0) -> Surfa
 
 
 def pin_sockets(design: Design, settings: ConvexSettings) -> Surface:
-    """Give the half-open sockets, as made, of free pins, reducer's frame: `member` is the pin, 1 on +y, clockwise."""
+    """Give the sockets, as made, of free pins, reducer's frame: `member` is the pin, 1 on +y, clockwise."""
     ring = design.ring
     angles = 2.0 * math.pi * np.arange(ring.teeth) / ring.teeth
     radius = ring.pin_radius + design.clearance.pin_socket
     centres = ring.pin_circle_radius * unit(angles) + deviations(design).pin_place
-    hole = Hole("socket", radius, ring.pin_radius, socket_opening(design, radius), angles, centres)
+    hole = Hole("socket", radius, ring.pin_radius, socket_half_angle(design), angles, centres)
     return _facets(hole, housing_depth(design, settings), design, settings)
-
-
-def socket_opening(design: Design, radius: float) -> float:
-    """Give half the angle that a circle of `radius` [m] about a pin's centre runs within the pinwheel [rad]."""
-    centre, wall = design.ring.pin_circle_radius, wall_radius(design)
-    return math.acos((wall**2 - centre**2 - radius**2) / (2.0 * centre * radius))
 
 
 def facet_count(hole: Hole, settings: ConvexSettings) -> int:

@@ -5,17 +5,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cycloid_mj.convex.bearing import socket_opening
 from cycloid_mj.convex.decompose import coacd_pieces
 from cycloid_mj.convex.measure import pieces_quality, wall_samples
 from cycloid_mj.convex.quality import Quality, require_within
 from cycloid_mj.convex.settings import ConvexSettings
 from cycloid_mj.convex.teeth import gear_base, ring_base
-from cycloid_mj.convex.walls import gear_depth, housing_depth, wall_radius
+from cycloid_mj.convex.walls import gear_depth, housing_depth
 from cycloid_mj.design import Design
 from cycloid_mj.errors import DesignError
 from cycloid_mj.names import SPACER, family
 from cycloid_mj.profile import unit
+from cycloid_mj.sockets import arc_half_angle, wall_radius
 from cycloid_mj.solid import Mesh, Prism, circle, mesh, output_solid, stretches
 from cycloid_mj.solid.polygon import arc
 from cycloid_mj.types import Array
@@ -117,7 +117,7 @@ def _housing(design: Design, settings: ConvexSettings) -> Sector:
         bore = ring_base(design, depth, chord_error=error)
     else:
         radius = ring.pin_radius + design.socket_play + (depth if ring.has_sockets else 0.0)
-        opening = socket_opening(design, radius)
+        opening = arc_half_angle(design, radius)
         socket = np.array([0.0, ring.pin_circle_radius]) + _arc(radius, -opening, opening, error)
         edge = math.atan2(socket[-1, 0], socket[-1, 1])
         land = _arc(wall_radius(design), edge, pitch, error)[1:]

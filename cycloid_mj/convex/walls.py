@@ -2,13 +2,10 @@
 
 import math
 
-import numpy as np
-
 from cycloid_mj import profile
 from cycloid_mj.convex.settings import ConvexSettings
 from cycloid_mj.design import Design
 from cycloid_mj.modification import gear_profile, profile_offset
-from cycloid_mj.solid import VISUAL_CHORD_ERROR, housing_solid
 
 SHARE = 0.25
 """Of the thinnest wall: slices from both sides leave half of it to the rest of the part."""
@@ -39,12 +36,6 @@ def housing_depth(design: Design, settings: ConvexSettings) -> float:
         between = 2.0 * (ring.pin_circle_radius * math.sin(math.pi / ring.teeth) - socket)
         walls = [design.housing.outer_radius - ring.pin_circle_radius - socket, between]
     return min(settings.depth * ring.pin_radius, SHARE * min(walls))
-
-
-def wall_radius(design: Design) -> float:
-    """Give the radius of the pinwheel's wall between its sockets [m]: its hole's points nearest to the axis."""
-    body, *_ = housing_solid(design, VISUAL_CHORD_ERROR).prisms
-    return float(np.linalg.norm(body.holes[0], axis=1).min())
 
 
 def _lobe_width(design: Design) -> float:

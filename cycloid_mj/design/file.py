@@ -17,6 +17,7 @@ from cycloid_mj.design.model import Design, Section
 from cycloid_mj.design.presets import PRESETS
 from cycloid_mj.design.units import Unit, counted_by, file_key, section_of, source_of, unit_of
 from cycloid_mj.errors import DesignError, UsageError
+from cycloid_mj.replacing import as_input
 
 LARGEST_INTEGER = 2**63 - 1
 """TOML's integers have 64 bits; a larger one counts as infinite."""
@@ -42,7 +43,7 @@ def resolve(name_or_file: str | Path, changes: Sequence[str] | Mapping[str, Any]
 def load(path: Path) -> Design:
     """Read a design file."""
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        text = as_input(path).read_text(encoding="utf-8-sig")
     except FileNotFoundError as error:
         raise UsageError(_unknown_design(path)) from error
     except (OSError, ValueError) as error:

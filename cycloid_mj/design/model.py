@@ -66,6 +66,11 @@ class Ring(Section):
         "massless, massless_sleeved: as free and sleeved, but without inertia, for loaded means alone",
         PAPER,
     )
+    socket: Literal["half_open", "closed"] = choice(
+        "half_open",
+        "socket of a free or massless pin: half_open, as drawn, open towards the gear, which keeps the pin from "
+        "falling out; closed, a whole circle, as of round bores in two end plates (not drawn)",
+    )
     sleeve_thickness: float = quantity(
         0.75, "wall of a sleeve; pin_radius is its outer radius", u.MILLIMETRE, ge=0.001, le=1000.0
     )
@@ -391,8 +396,27 @@ class Drag(Section):
 
 
 class ContactLaw(Section):
-    """Stiffness and damping of the line contacts."""
+    """Stiffness and damping of the contacts.
 
+    With ``law = "impact"`` every contact follows the function IMPACT of motion solvers such as ADAMS or SolidWorks
+    Motion, F = k d^e + c step(d) v with the depth d and the closing speed v, in place of line contacts of steel; the
+    defaults are those of such a program where no material is chosen ("Contact Parameters for Parts with Small Mass",
+    Adams View help).
+    """
+
+    law: Literal["line", "impact"] = choice(
+        "line", "line: line contacts of steel, by stiffness and damping below; impact: F = k d^e + c step(d) v"
+    )
+    impact_stiffness: float = quantity(
+        1e5, "impact: k, the force at a depth of 1 mm (N/mm^e)", u.NEWTON_AT_MILLIMETRE, gt=0.0, le=1e12
+    )
+    impact_exponent: float = quantity(2.2, "impact: e, exponent of the depth", ge=1.0, le=4.0)
+    impact_damping: float = quantity(
+        10.0, "impact: c, damping at the depth where it is whole", u.DAMPING, ge=0.0, le=1e6
+    )
+    impact_depth: float = quantity(
+        0.1, "impact: depth from which on damping is whole; a cubic step leads up to it", u.MILLIMETRE, gt=0.0, le=100.0
+    )
     stiffness_law: Literal["local", "uniform"] = choice(
         "local", "local: follows the relative curvature along the tooth; uniform: a pin on a flat everywhere"
     )
@@ -567,6 +591,12 @@ class Service(Section):
     )
     ambient_temperature: float = quantity(20.0, "temperature around the housing", u.CELSIUS, ge=-100.0, le=200.0)
     film_coefficient: float = quantity(12.0, "heat given to still air", u.FILM, gt=0.0, le=1e4)
+    grease_temperature: float = quantity(
+        100.0, "up to which the grease lasts; 500: there is none that ends first", u.CELSIUS, ge=0.0, le=500.0
+    )
+    seal_temperature: float = quantity(
+        100.0, "up to which the seals last; 500: there are none that end first", u.CELSIUS, ge=0.0, le=500.0
+    )
 
 
 class Drive(Section):
@@ -601,7 +631,9 @@ class Settings(Section):
         0.0, "time step; 0: the longest at which the design's figures hold", u.MICROSECOND, ge=0.0, le=1000.0
     )
     log_rate: float = quantity(10000.0, "samples of every signal per second", u.HERTZ, gt=0.0, le=1e6)
-    scene_rate: float = quantity(60.0, "3-D frames per second for viewers", u.HERTZ, gt=0.0, le=1e5)
+    scene_rate: float = quantity(
+        60.0, "least 3-D frames per second; a run has one every 10 deg of crank", u.HERTZ, gt=0.0, le=1e5
+    )
 
 
 class Design(Section):
@@ -832,6 +864,22 @@ class Design(Section):
         if ring.has_sleeves:
             return min(on_gear, self.friction.pin_sleeve * ring.sleeve_bore_radius / ring.pin_radius)
         return on_gear
+
+    @model_validator(mode="after")
+    def _impact_stands_alone(self) -> Self:
+        """Refuse, beside the contact law IMPACT, another stiffness or damping of contacts, and parts that bend."""
+        if self.contact.law != "impact":
+            return self
+        given = [f"stiffness.{kind}_n_m" for kind, value in self.stiffness if value]
+        given += [f"damping.{kind}" for kind, value in self.damping if value]
+        given += ["contact.stiffness_n_m"] * bool(self.contact.stiffness)
+        given += ['structure = "springs"'] * (self.structure == "springs")
+        if given:
+            raise ValueError(
+                f'contact.law = "impact" has its own stiffness and damping, and {", ".join(given)} is set: leave it '
+                "out, or set contact.impact_stiffness_n_mm and contact.impact_damping_n_s_mm"
+            )
+        return self
 
     @model_validator(mode="after")
     def _errors_fit_the_parts(self) -> Self:

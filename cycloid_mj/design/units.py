@@ -55,6 +55,9 @@ MICROSECOND = Unit("us", divisor=1e6)
 NEWTON = Unit("n")
 NEWTON_METRE = Unit("nm")
 NEWTON_PER_METRE = Unit("n_m")
+NEWTON_AT_MILLIMETRE = Unit("n_mm")
+"""N/mm^e of a spring F = k d^e: the force at a depth of 1 mm, which the value is in SI as well."""
+DAMPING = Unit("n_s_mm", multiplier=1e3)
 TORSION = Unit("nm_arcmin", multiplier=10800.0 / math.pi)
 MEGAPASCAL = Unit("mpa", multiplier=1e6)
 DENSITY = Unit("kg_m3")
@@ -124,6 +127,8 @@ UNITS = {
         NEWTON,
         NEWTON_METRE,
         NEWTON_PER_METRE,
+        NEWTON_AT_MILLIMETRE,
+        DAMPING,
         TORSION,
         MEGAPASCAL,
         DENSITY,

@@ -3,6 +3,7 @@
 import logging
 import re
 from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from itertools import islice
 from typing import Any, TypeVar
@@ -23,7 +24,7 @@ def on_cluster(
     work: Callable[[T], R], items: Iterable[T], scheduler: str, lost: Callable[[int, str], R] | None = None
 ) -> Iterator[tuple[int, R]]:
     """Do a piece of work for each item; see `Engine.stream`."""
-    with _client(scheduler) as client:
+    with _client(scheduler) as client, _connected(scheduler):
         from distributed import KilledWorker, as_completed
 
         _require_workers(client, scheduler)
@@ -66,22 +67,48 @@ def _client(scheduler: str) -> Iterator[Any]:
         from distributed import Client
     except ImportError as problem:
         raise UsageError(f"--scheduler needs Dask ({problem}): pip install 'cycloid-mj[cluster]'") from problem
-    log = logging.getLogger("distributed")
-    level = log.level
-    log.setLevel(logging.CRITICAL)
+    with _silent_loggers():
+        try:
+            client = Client(scheduler, timeout=SECONDS_TO_CONNECT, set_as_default=False)
+        except (OSError, ValueError) as problem:
+            raise RunError(
+                f"no Dask scheduler answers at {scheduler} ({problem}): start one with `dask scheduler`, or work here "
+                "with --workers"
+            ) from problem
+        try:
+            yield client
+        finally:
+            client.close()
+
+
+@contextmanager
+def _silent_loggers() -> Iterator[None]:
+    """Silence Dask, each of whose loggers has a level of its own: what matters is raised."""
+    levels = {name: logging.getLogger(name).level for name in [*logging.root.manager.loggerDict] if _of_dask(name)}
+    for name in levels:
+        logging.getLogger(name).setLevel(logging.CRITICAL + 1)
     try:
-        client = Client(scheduler, timeout=SECONDS_TO_CONNECT, set_as_default=False)
-    except (OSError, ValueError) as problem:
-        log.setLevel(level)
-        raise RunError(
-            f"no Dask scheduler answers at {scheduler} ({problem}): start one with `dask scheduler`, or work here with "
-            "--workers"
-        ) from problem
-    try:
-        yield client
+        yield
     finally:
-        client.close()
-        log.setLevel(level)
+        for name, level in levels.items():
+            logging.getLogger(name).setLevel(level)
+
+
+def _of_dask(name: str) -> bool:
+    return name.partition(".")[0] in ("distributed", "tornado")
+
+
+@contextmanager
+def _connected(scheduler: str) -> Iterator[None]:
+    """Turn what Dask raises where the scheduler is gone into a RunError."""
+    try:
+        yield
+    except (OSError, CancelledError) as problem:
+        raise _lost(scheduler) from problem
+
+
+def _lost(scheduler: str) -> RunError:
+    return RunError(f"the connection with the scheduler {scheduler} was lost: start it again, then the same command")
 
 
 def _require_workers(client: Any, scheduler: str) -> None:
@@ -104,7 +131,7 @@ def _require_workers(client: Any, scheduler: str) -> None:
 def _failure(future: Any, scheduler: str) -> BaseException:
     """Give the error that ends the work: that of the work itself, or that the cluster is gone."""
     if future.status != "error":
-        return RunError(f"the connection with the scheduler {scheduler} was lost")
+        return _lost(scheduler)
     error: BaseException = future.exception()
     if isinstance(error, CycloidError):
         return error

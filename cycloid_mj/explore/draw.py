@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -10,10 +11,14 @@ from cycloid_mj.design import Design
 from cycloid_mj.explore.zone import Zone, wave_zones, zone
 from cycloid_mj.loaded.samples import Samples, alike
 from cycloid_mj.modification import tooth_profile
-from cycloid_mj.types import Array
+from cycloid_mj.types import Array, Mask
+from cycloid_mj.units import MICROMETRES
 
 BLOCK = 512
-"""Samples that are drawn and balanced together: a piece of work. The draws are those of a block of this size."""
+"""Samples that are drawn together. The draws are those of a block of this size."""
+
+BEGINNING = 200
+"""Samples that are balanced before all others, and tell whether there is any that does not jam."""
 
 SOURCES = (
     "mesh",
@@ -73,7 +78,7 @@ def tolerances(design: Design) -> dict[str, Zone]:
 
 @dataclass(frozen=True)
 class Block:
-    """Samples that are drawn and balanced together.
+    """Samples that are drawn and balanced together: a piece of work.
 
     Attributes
     ----------
@@ -81,6 +86,8 @@ class Block:
         Which block of a set it is.
     count
         How many samples.
+    first
+        How many samples of the block come before these.
     compared
         Whether they are a set that the error budget compares: from a Sobol sequence, by the first half of its axes.
     second
@@ -89,13 +96,18 @@ class Block:
 
     number: int
     count: int
+    first: int = 0
     compared: bool = False
     second: tuple[str, ...] = ()
 
 
 def blocks(samples: int) -> list[Block]:
-    """Give the blocks of so many samples."""
-    return [Block(number, min(BLOCK, samples - first)) for number, first in enumerate(range(0, samples, BLOCK))]
+    """List the blocks of so many samples; the first `BEGINNING` of them are one of their own."""
+    whole = [Block(number, min(BLOCK, samples - first)) for number, first in enumerate(range(0, samples, BLOCK))]
+    begun, *others = whole
+    if begun.count <= BEGINNING:
+        return whole
+    return [Block(0, BEGINNING), Block(0, begun.count - BEGINNING, BEGINNING), *others]
 
 
 def drawn(design: Design, zones: Mapping[str, Zone], seed: int, block: Block) -> Samples:
@@ -120,8 +132,11 @@ def _shares(design: Design, zones: Mapping[str, Zone], seed: int, block: Block) 
     """Give for each number that is drawn the share of parts that lie below it, by tolerance."""
     shapes = {key: _shape(design, key) for key in zones}
     if not block.compared:
+        whole = block.first + block.count
         return {
-            key: _inside(np.random.default_rng([seed, _stream(key), block.number]).random((block.count, *shape)))
+            key: _inside(np.random.default_rng([seed, _stream(key), block.number]).random((whole, *shape)))[
+                block.first :
+            ]
             for key, shape in shapes.items()
         }
     from scipy.stats.qmc import Sobol
@@ -182,35 +197,94 @@ def put(design: Design, same: Samples, changed: Mapping[str, Array]) -> Samples:
     return replace(same, **parts)
 
 
+def drawn_columns(departures: Mapping[str, Array]) -> dict[str, Array]:
+    """Give what `departures` draws as columns of numbers [um]: ``drawn_cam_um``, ``drawn_pin_position_1_x_um``.
+
+    Pins, discs and holes of a disc (``drawn_hole_position_2_7_x_um``: the seventh of the second) are counted from 1.
+    """
+    found = {}
+    for key, values in departures.items():
+        axes = {"pin_position": "xy", "hole_position": "xy", "cam_position": "xy"}.get(key, "")
+        for place in np.ndindex(values.shape[1:]):
+            if key.startswith(WAVE):
+                parts = ["cos" if place[0] == 0 else "sin"]
+            else:
+                parts = [str(number + 1) for number in (place[:-1] if axes else place)]
+                parts += [axes[place[-1]]] if axes else []
+            found["_".join(["drawn", key, *parts, "um"])] = MICROMETRES * values[(slice(None), *place)]
+    return found
+
+
+def filed(design: Design, made: Samples) -> Mask:
+    """Tell of which samples there can be a design file, shape (samples,): clearances there are above 0."""
+    given = [made.mesh, made.cam, made.output, *([made.seat] if design.seat_pair else [])]
+    return np.asarray(np.min(given, axis=0) > 0.0)
+
+
 def sample_design(design: Design, zones: Mapping[str, Zone], seed: int, number: int) -> Design:
     """Give a sample, counted from 0, as a design with its number in its name.
 
     Its errors are listed part by part, its clearances are as they came out.
+
+    Raises
+    ------
+    DesignError
+        A clearance came out at 0 or below, which no design file can have.
     """
     block, row = divmod(number, BLOCK)
-    return as_design(design, drawn(design, zones, seed, Block(block, BLOCK)), row, f"{design.name}-{number + 1}")
+    return as_design(design, drawn(design, zones, seed, Block(block, 1, row)), 0, f"{design.name}-{number + 1}")
 
 
-def left_out(design: Design, zones: Mapping[str, Zone]) -> tuple[str, ...]:
-    """Tell which tolerances the design file of a sample cannot have: an internal gear's lobes are cut together."""
-    lobes = [key for key in ("pin_position", "pin_radius", "pin_circle") if key in zones]
-    if design.ring.kind == "pin" or not lobes:
-        return ()
-    return (
-        f"the design files of the worst samples lack {', '.join(lobes)}: an internal gear's file has no such errors",
+def left_out(design: Design, zones: Mapping[str, Zone], unfiled: int) -> tuple[str, ...]:
+    """Tell what the design files of the worst samples leave out: lobes of an internal gear, which are cut together.
+
+    And samples: `unfiled` go together, though a clearance of theirs is at 0 or below.
+    """
+    lobes = [key for key in ("pin_position", "pin_radius", "pin_circle") if key in zones and design.ring.kind != "pin"]
+    lacking = (
+        f"the design files of the worst samples lack {', '.join(lobes)}: an internal gear's file has no such errors"
     )
+    others = (
+        f"{unfiled} samples that go together are not looked at for the worst: a clearance of 0 or below has no file"
+    )
+    return (*([lacking] if lobes else []), *([others] if unfiled else []))
 
 
 def as_design(design: Design, made: Samples, row: int, name: str) -> Design:
-    """Give one of some samples as a design of its own, with every error listed."""
+    """Give one of some samples as a design of its own, with every error listed; DesignError where it can be none."""
+    clearance, errors = _parts(design, made, row)
+    if design.ring.kind != "pin":
+        errors = {key: values for key, values in errors.items() if not key.startswith("pin_")}
+    return design.but(
+        name=name[:64],
+        clearance=clearance,
+        errors=errors,
+        tolerance=dict.fromkeys(type(design.tolerance).model_fields, ""),
+    )
+
+
+def unchecked_design(design: Design, made: Samples, row: int) -> Design:
+    """Give the same for geometry alone: its clearances may be negative, and an internal gear's lobes may be off."""
+    clearance, errors = _parts(design, made, row)
+    return design.model_copy(
+        update={
+            "clearance": design.clearance.model_copy(update=clearance),
+            "errors": design.errors.model_copy(update=errors),
+        }
+    )
+
+
+def _parts(design: Design, made: Samples, row: int) -> tuple[dict[str, float], dict[str, Any]]:
+    """Give the clearances of a sample, and its errors, listed, by their keys in the design's tables."""
     place, holes = made.pin_place[row], made.hole_place[row].reshape(-1, 2)
     cams, waves = made.cam_place[row], made.waves[row]
     clearance = {design.tooth_pair: made.mesh[row], "cam": made.cam[row], "output": made.output[row]}
     if design.seat_pair:
         clearance[design.seat_pair] = made.seat[row]
-    pins = {"pin_x": place[:, 0], "pin_y": place[:, 1], "pin_dr": made.pin_radius[row]}
     errors = {
-        **(pins if design.ring.kind == "pin" else {}),
+        "pin_x": place[:, 0],
+        "pin_y": place[:, 1],
+        "pin_dr": made.pin_radius[row],
         "hole_x": holes[:, 0],
         "hole_y": holes[:, 1],
         "disc_dr": made.disc_radius[row],
@@ -219,10 +293,8 @@ def as_design(design: Design, made: Samples, row: int, name: str) -> Design:
         "profile_cos": waves[:, 0],
         "profile_sin": waves[:, 1],
     }
-    listed = {key: tuple(map(float, values)) if np.any(values) else () for key, values in errors.items()}
-    return design.but(
-        name=name[:64],
-        clearance={key: max(float(value), 1e-12) for key, value in clearance.items()},
-        errors={**listed, "eccentricity": float(made.eccentricity[row])},
-        tolerance=dict.fromkeys(type(design.tolerance).model_fields, ""),
+    listed: dict[str, Any] = {key: tuple(map(float, of)) if np.any(of) else () for key, of in errors.items()}
+    return (
+        {key: float(value) for key, value in clearance.items()},
+        {**listed, "eccentricity": float(made.eccentricity[row])},
     )

@@ -70,6 +70,18 @@ FIGURES = {
         ("ahead", "back"),
         lambda ahead, back: np.maximum(ahead.tooth, back.tooth),
     ),
+    "output_preload_n": Figure(
+        "largest force on an output pin, unloaded",
+        "N",
+        ("ahead", "back"),
+        lambda ahead, back: np.maximum(ahead.output_pin, back.output_pin),
+    ),
+    "cam_preload_n": Figure(
+        "largest force of the cam, unloaded",
+        "N",
+        ("ahead", "back"),
+        lambda ahead, back: np.maximum(ahead.cam, back.cam),
+    ),
 }
 """Every figure by its key; a unit that is not SI ends the key. A sample without a balance has none: NaN."""
 

@@ -13,6 +13,7 @@ from typing import IO, Any
 from cycloid_mj.errors import CycloidError, UsageError
 from cycloid_mj.explore.row import Row
 from cycloid_mj.interrupt import unbroken
+from cycloid_mj.replacing import as_own
 from cycloid_mj.whole import write_whole
 
 SWEEP = "sweep"
@@ -27,6 +28,34 @@ def plan_file(study: str) -> str:
 def rows_file(study: str) -> str:
     """Give the name of the file that keeps the rows of a study."""
     return f"{study}.rows.jsonl"
+
+
+def begun(into: Path, study: str) -> bool:
+    """Whether a folder holds a study, whole or begun."""
+    return (into / plan_file(study)).exists() or (into / rows_file(study)).exists()
+
+
+def forget(into: Path, study: str) -> None:
+    """Remove the plan and the rows of the study in a folder, which begins anew then.
+
+    Raises
+    ------
+    UsageError
+        Another process is at work in it.
+    CycloidError
+        They cannot be removed.
+    """
+    rows = into / rows_file(study)
+    try:
+        if rows.exists():
+            with rows.open("ab") as stream:
+                _lock(stream, into, study)
+                rows.unlink()
+        (into / plan_file(study)).unlink(missing_ok=True)
+    except OSError as problem:
+        raise CycloidError(
+            f"cannot replace {rows}: {problem.strerror or problem}; choose another folder with --out"
+        ) from problem
 
 
 class Journal:
@@ -69,7 +98,8 @@ def journal(into: Path, plan: Mapping[str, Any], study: str = SWEEP) -> Iterator
     CycloidError
         It cannot be read or written.
     """
-    _require_same(into, plan, study)
+    if _require_same(into, plan, study):
+        as_own(into)
     path = into / rows_file(study)
     try:
         stream = path.open("ab+", buffering=0)
@@ -84,23 +114,24 @@ def journal(into: Path, plan: Mapping[str, Any], study: str = SWEEP) -> Iterator
         yield Journal(path, stream, _read(stream))
 
 
-def _require_same(into: Path, plan: Mapping[str, Any], study: str) -> None:
-    """Raise UsageError where a folder is of a study with another plan."""
+def _require_same(into: Path, plan: Mapping[str, Any], study: str) -> bool:
+    """Tell whether a folder has a study of this plan; raise UsageError where it is of another one."""
     there, rows = into / plan_file(study), into / rows_file(study)
     try:
         begun = json.loads(there.read_bytes())
     except FileNotFoundError:
         if rows.exists() and rows.stat().st_size:
             raise UsageError(f"{into} has {rows.name}, but no {there.name}: choose another folder with --out") from None
-        return
+        return False
     except (OSError, ValueError) as problem:
         raise CycloidError(f"cannot read {there}: {problem}; choose another folder with --out") from problem
     other = [key for key in plan if not isinstance(begun, dict) or begun.get(key) != json.loads(json.dumps(plan[key]))]
     if other:
         raise UsageError(
             f"{into} is of another {study} (another {', another '.join(other)}): choose another folder with --out, or "
-            "delete this one"
+            "replace it with --force"
         )
+    return True
 
 
 def _lock(stream: IO[bytes], into: Path, study: str) -> None:

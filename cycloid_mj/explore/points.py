@@ -16,6 +16,7 @@ from pydantic.fields import FieldInfo
 from cycloid_mj.design import declared
 from cycloid_mj.digits import significant
 from cycloid_mj.errors import UsageError
+from cycloid_mj.replacing import as_input
 from cycloid_mj.types import Array
 
 MOST_POINTS = 1_000_000
@@ -122,7 +123,7 @@ def tabled(rows: Iterable[Mapping[str, Any]]) -> Points:
 def read_table(path: Path) -> Points:
     """Read points from a CSV file whose header names keys of the design file; errors as `tabled`."""
     try:
-        with path.open(encoding="utf-8-sig", newline="") as stream:
+        with as_input(path).open(encoding="utf-8-sig", newline="") as stream:
             header, *lines = [[cell.strip() for cell in line] for line in csv.reader(stream) if any(line)] or [[]]
     except (OSError, ValueError, csv.Error) as problem:
         reason = getattr(problem, "strerror", None) or problem

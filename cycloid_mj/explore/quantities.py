@@ -5,7 +5,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import lru_cache
 
 from cycloid_mj import profile
-from cycloid_mj.checks import check, masses, soundness, summary
+from cycloid_mj.checks import WALLS, check, masses, soundness, summary
 from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.errors import CycloidError
 from cycloid_mj.loaded.sheet import PARTS_OF_SHEET, sheet_part
@@ -87,10 +87,10 @@ def figures(design: Design, groups: Iterable[str]) -> dict[str, float]:
 def refusals(design: Design, strict: bool) -> dict[str, float]:
     """Give the failed checks of a design by name, each with how far it is off, as a share of its bound.
 
-    Those that make it impossible to build; `strict`: warnings, too.
+    Those that make it impossible to build, and walls thinner than is assumed; `strict`: all warnings, too.
     """
     found = check(design) if strict else soundness(design)
-    failed = [one for one in found if not one.passed and (strict or one.severity == "error")]
+    failed = [one for one in found if not one.passed and (strict or one.severity == "error" or one.name in WALLS)]
     return {one.name: _excess(one.value, one.bound) for one in failed}
 
 

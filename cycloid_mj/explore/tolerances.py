@@ -9,24 +9,35 @@ import numpy as np
 
 from cycloid_mj.design import Design
 from cycloid_mj.engine import Engine, Progress, silent
-from cycloid_mj.errors import UsageError
+from cycloid_mj.errors import RunError, UsageError
 from cycloid_mj.explore.budget import SAMPLES as BUDGET_SAMPLES
 from cycloid_mj.explore.budget import Share, budget_blocks, shares
-from cycloid_mj.explore.draw import SOURCES, Block, blocks, departures, drawn, left_out, sample_design, tolerances
+from cycloid_mj.explore.draw import (
+    BEGINNING,
+    SOURCES,
+    Block,
+    blocks,
+    departures,
+    drawn,
+    drawn_columns,
+    filed,
+    left_out,
+    put,
+    sample_design,
+    tolerances,
+)
 from cycloid_mj.explore.figures import ANGLES, FIGURES, condition, figures_of
+from cycloid_mj.explore.jam import PRELOADS, cause, jams_of, pressed_pairs
 from cycloid_mj.explore.limit import FigureLimit, limit
 from cycloid_mj.explore.verify import Verified, table_rows, verified
 from cycloid_mj.explore.zone import Zone
 from cycloid_mj.frame import Frame, Tabular
+from cycloid_mj.loaded.samples import alike
 from cycloid_mj.result import Table
 from cycloid_mj.types import Array, Mask
 
 THREADS = Engine(kind="threads")
 """Samples are balanced by compiled code that releases Python's lock."""
-
-JAM_SHARE = 0.01
-"""A sample jams where its preload is more than this share of its largest tooth force under the rated torque, or where
-it has no balance at all."""
 
 WORST = 5
 """Samples that are kept as designs."""
@@ -59,14 +70,18 @@ class Tolerances(Tabular):
         How many, of how many that were asked for, and from which seed.
     figures
         Values by key, shape (samples,) each.
+    drawn
+        How far each sample departs from the design [um], by the columns of `drawn_columns`, shape (samples,) each.
     jams
         Which samples go together under force only, shape (samples,).
+    jammed_by
+        Why all of them jam, a sentence; empty where some do not.
     limits
         What was asked for.
     budget
         Of the figure `budget_of`, the largest share first; none where it was stopped before.
     worst
-        Designs of the samples that are furthest out in `budget_of`, the worst first.
+        Designs of the samples that are furthest out in `budget_of`, the worst first, of those that do not jam.
     left_out
         What the design files of these lack, a sentence each.
     verified
@@ -79,7 +94,9 @@ class Tolerances(Tabular):
     asked: int
     seed: int
     figures: Mapping[str, Array]
+    drawn: Mapping[str, Array]
     jams: Mask
+    jammed_by: str
     limits: tuple[FigureLimit, ...]
     budget_of: str
     budget: tuple[Share, ...]
@@ -96,8 +113,9 @@ class Tolerances(Tabular):
     @property
     def frame(self) -> Frame:
         """The samples, a row each."""
-        units = {key: one.unit for key, one in FIGURES.items() if one.unit != "1"}
-        return Frame({"sample": np.arange(1, self.samples + 1), **self.figures}, units)
+        units = {key: one.unit for key, one in FIGURES.items() if one.unit != "1"} | dict.fromkeys(self.drawn, "um")
+        number, jams = np.arange(1, self.samples + 1), self.jams.astype(int)
+        return Frame({"sample": number, **self.drawn, **self.figures, "jams": jams}, units)
 
     @property
     def yield_interval(self) -> tuple[float, float]:
@@ -131,8 +149,17 @@ class Tolerances(Tabular):
     def notes(self) -> tuple[str, ...]:
         """What a reader should know of the samples, a sentence each."""
         lost = [f"{one.design}: not run in full dynamics: {one.note}" for one in self.verified if one.note]
-        stopped = [] if self.budget else ["no error budget: the study was stopped before its samples were balanced"]
-        return (*stopped, *self.left_out, *lost)
+        stopped = ["no error budget: the study was stopped before its samples were balanced"]
+        pressed = pressed_pairs(self.figures)
+        jammed = [f"pressed without a load: {', '.join(f'{pair} in {share:.2%}' for pair, share in pressed.items())}"]
+        why = [f"all samples jam: {self.jammed_by}"] if self.jammed_by else []
+        return (
+            *([] if self.budget or self.jammed_by else stopped),
+            *(jammed if pressed else []),
+            *why,
+            *self.left_out,
+            *lost,
+        )
 
     @property
     def distributions(self) -> dict[str, Distribution]:
@@ -171,6 +198,8 @@ class Tolerances(Tabular):
             "yield": float(self.good.mean()),
             "yield_ci95": list(self.yield_interval),
             "jam_probability": float(self.jams.mean()),
+            "pressed_unloaded": pressed_pairs(self.figures),
+            "jammed_by": self.jammed_by,
             "quantities": {key: vars(one) for key, one in self.distributions.items()},
             "budget_of": self.budget_of,
             "budget": [{**vars(one), "ci95": list(one.ci95)} for one in self.budget],
@@ -183,6 +212,14 @@ class Unfinished(KeyboardInterrupt):
 
     def __init__(self, stop: KeyboardInterrupt, found: Tolerances) -> None:
         super().__init__(*stop.args)
+        self.found = found
+
+
+class AllJam(RunError):
+    """No sample of the beginning of a study goes together: `found` is what came of them."""
+
+    def __init__(self, found: Tolerances) -> None:
+        super().__init__(f"all of the first {found.samples} samples jam: {found.jammed_by}")
         self.found = found
 
 
@@ -220,6 +257,8 @@ def tolerance(
         The design has no tolerances, or a limit is none.
     DesignError
         A tolerance is not of a known form.
+    AllJam
+        The first `BEGINNING` samples all jam, of more: it has their figures.
     Unfinished
         Ctrl-C: it has the figures of the first samples, as many as were balanced without a gap.
     """
@@ -237,7 +276,8 @@ def tolerance(
     done: dict[int, dict[str, Array]] = {}
     checked: dict[int, Verified] = {}
     try:
-        _balance(study, done, progress, engine)
+        if not _balance(study, done, progress, engine):
+            raise AllJam(study.found({0: done[0]}))
         found = study.found(done)
         checked.update(engine.stream(verified, found.worst[:verify]))
     except KeyboardInterrupt as stop:
@@ -247,14 +287,22 @@ def tolerance(
     return _with_dynamics(found, checked)
 
 
-def _balance(study: "_Study", done: dict[int, dict[str, Array]], progress: Progress, engine: Engine) -> None:
-    """Balance the samples of a study, and the sets of its budget; `done` takes their figures by place in its work."""
+def _balance(study: "_Study", done: dict[int, dict[str, Array]], progress: Progress, engine: Engine) -> bool:
+    """Balance the samples of a study, and the sets of its budget; `done` takes their figures by place in its work.
+
+    Returns
+    -------
+    Whether all is done: the study ends where its beginning jams as a whole.
+    """
     whole, count = sum(block.count for block, _ in study.work), 0
     work = partial(balanced, study.design, study.zones, study.seed, ANGLES)
     for place, figures in engine.stream(work, study.work):
         done[place] = figures
         count += study.work[place][0].count
         progress(count, whole)
+        if place == 0 and study.samples > BEGINNING and jams_of(figures).all():
+            return False
+    return True
 
 
 def _with_dynamics(found: Tolerances, checked: Mapping[int, Verified]) -> Tolerances:
@@ -287,28 +335,35 @@ class _Study:
     @cached_property
     def work(self) -> list[tuple[Block, tuple[str, ...]]]:
         """Every block with the figures that it is balanced for: those of the samples, then those of the budget."""
-        budget = [(block, (self.of,)) for block in self.compared.values()]
+        keys = tuple(dict.fromkeys((self.of, *PRELOADS, *PRELOADS.values())))
+        budget = [(block, keys) for block in self.compared.values()]
         return [*((block, tuple(FIGURES)) for block in self.main), *budget]
 
     def found(self, done: Mapping[int, Mapping[str, Array]]) -> Tolerances:
         """Give what came of it, from the figures of all work, or of so much as is `done`: its first block at least."""
-        whole = next((place for place in range(len(self.main)) if place not in done), len(self.main))
-        figures = {key: np.concatenate([done[place][key] for place in range(whole)]) for key in FIGURES}
+        main = self.main[: next((place for place in range(len(self.main)) if place not in done), len(self.main))]
+        figures = {key: np.concatenate([done[place][key] for place in range(len(main))]) for key in FIGURES}
+        jams, parts = jams_of(figures), [departures(self.design, self.zones, self.seed, block) for block in main]
+        changed = {key: np.concatenate([part[key] for part in parts]) for key in self.zones}
+        has_file = filed(self.design, put(self.design, alike(self.design, jams.size), changed))
         outwards = 1.0 if not self.limits or self.limits[0].at_most else -1.0
-        worst = np.argsort(-outwards * figures[self.of], kind="stable")[:WORST].tolist()
+        ranked = np.argsort(-outwards * figures[self.of], kind="stable")
+        worst = ranked[(~jams & has_file)[ranked]][:WORST].tolist()
         return Tolerances(
             design=self.design.name,
             condition=condition(self.design),
-            samples=sum(block.count for block in self.main[:whole]),
+            samples=jams.size,
             asked=self.samples,
             seed=self.seed,
             figures=figures,
-            jams=~(figures["preload_n"] <= JAM_SHARE * figures["tooth_force_n"]),
+            drawn=drawn_columns(changed),
+            jams=jams,
+            jammed_by=cause(self.design, self.zones, self.seed) if jams.all() else "",
             limits=self.limits,
             budget_of=self.of,
-            budget=self._budget(done),
+            budget=() if jams.all() else self._budget(done),
             worst=tuple(sample_design(self.design, self.zones, self.seed, number) for number in worst),
-            left_out=left_out(self.design, self.zones),
+            left_out=left_out(self.design, self.zones, int(np.sum(~jams & ~has_file))),
         )
 
     def _budget(self, done: Mapping[int, Mapping[str, Array]]) -> tuple[Share, ...]:
@@ -316,7 +371,8 @@ class _Study:
         places = range(len(self.main), len(self.work))
         if any(place not in done for place in places):
             return ()
-        values = {name: done[place][self.of] for name, place in zip(self.compared, places, strict=True)}
+        seen = {name: done[place] for name, place in zip(self.compared, places, strict=True)}
+        values = {name: np.where(jams_of(one), np.nan, one[self.of]) for name, one in seen.items()}
         sets = [departures(self.design, self.zones, self.seed, self.compared[name]) for name in "AB" if values]
         return shares(self.zones, sets, values, np.random.default_rng([self.seed, len(SOURCES), 1]))
 

@@ -21,6 +21,7 @@ from cycloid_mj.export.section import Section, part_sections
 from cycloid_mj.export.step import SPLINES, read_volume, step_part
 from cycloid_mj.export.stl import read_stl, stl_bytes
 from cycloid_mj.names import gears
+from cycloid_mj.sockets import require_drawn
 from cycloid_mj.solid import mass_properties, mesh, parts
 
 __all__ = [
@@ -91,10 +92,12 @@ def export(design: Design, file_format: Format, chord_error: float = CHORD_ERROR
     Raises
     ------
     DesignError
-        A part cannot be made, is not watertight, or has not the volume or the clearance that it should have.
+        A part cannot be made, is not watertight, or has not the volume or the clearance that it should have; or the
+        sockets are closed.
     CycloidError
         The extra for STEP is not installed.
     """
+    require_drawn(design, "files of its parts")
     made = _exported(widened(design, offset), file_format, chord_error)
     return Export(made.files, tuple(replace(one, asked=getattr(design.clearance, one.pair)) for one in made.clearances))
 

@@ -10,10 +10,10 @@ from cycloid_mj.design import Design
 from cycloid_mj.export.curve import Arc, Circle, Curve, Flank, Line, fit_splines, turned_curve
 from cycloid_mj.mechanism.reducer import phases
 from cycloid_mj.modification import flank_ends, gear_profile, profile_offset, tooth_profile
+from cycloid_mj.sockets import arc_half_angle, wall_radius
 from cycloid_mj.solid import (
     VISUAL_CHORD_ERROR,
     crank_stretches,
-    housing_solid,
     output_centres,
     output_solid,
     parts,
@@ -145,12 +145,10 @@ def _pinwheel(design: Design) -> tuple[Curve, ...]:
     """Give the sockets and the lands between them as arcs, counter-clockwise from socket 1 on +y."""
     ring = design.ring
     centre, radius = ring.pin_circle_radius, ring.pin_radius + design.socket_play
-    hole = housing_solid(design, VISUAL_CHORD_ERROR).prisms[0].holes[0]
-    wall = float(np.linalg.norm(hole, axis=1).min())
-    opening = math.acos((wall**2 - centre**2 - radius**2) / (2.0 * centre * radius))
-    edge = math.atan2(radius * math.sin(opening), centre + radius * math.cos(opening))
+    half, wall = arc_half_angle(design, radius), wall_radius(design)
+    edge = math.atan2(radius * math.sin(half), centre + radius * math.cos(half))
     up, pitch = math.pi / 2.0, 2.0 * math.pi / ring.teeth
-    socket = Arc((0.0, centre), radius, up - opening, up + opening)
+    socket = Arc((0.0, centre), radius, up - half, up + half)
     land = Arc((0.0, 0.0), wall, up + edge, up + pitch - edge)
     return tuple(turned_curve(curve, -i * pitch) for i in range(ring.teeth) for curve in (socket, land))
 

@@ -108,10 +108,14 @@ def _balanced(design: Design, springs: Springs, torque: float, follow: bool) -> 
 
 def require_balance(left: Left) -> None:
     """Raise RunError unless a balance was found."""
-    if not left.force <= BALANCED:
-        raise RunError(f"no static balance under the load: {left.force:.3g} of it is left over")
-    if not left.friction <= BALANCED:
-        raise RunError("no static balance: the friction is too large for the crank to turn under this load")
+    if left.force <= BALANCED:
+        return
+    if left.friction < 1.0:
+        raise RunError(
+            "no static balance: the friction is too large for the crank to turn under this load, whatever the torque "
+            f"on the crank (a balance was found under at most {left.friction:.0%} of the friction)"
+        )
+    raise RunError(f"no static balance under the load: {left.force:.3g} of it is left over")
 
 
 def transmission_error(design: Design, crank: npt.ArrayLike, torque: float) -> Array:

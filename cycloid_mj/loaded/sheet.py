@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -48,7 +48,9 @@ SEVERAL = (
 
 IDEAL_SHARING = "ideal sharing"
 
-SELF_LOCKING = "self-locking: the output cannot drive the crank"
+LoadSource = Literal["given", "load.torque_nm", "rated torque"]
+"""Where the load of a sheet is from."""
+
 CONFORMAL = "none: the bodies fit so closely that the contact is no narrow strip"
 
 PARTS = {
@@ -99,6 +101,8 @@ class Sheet:
         Its name.
     condition
         Load and speed.
+    load_source
+        Where the load is from.
     quantities
         Key -> number, the keys being those of the measures.
     assumptions
@@ -107,6 +111,7 @@ class Sheet:
 
     design: str
     condition: str
+    load_source: LoadSource
     quantities: dict[str, Quantity]
     assumptions: tuple[str, ...]
 
@@ -115,6 +120,7 @@ class Sheet:
         return {
             "design": self.design,
             "condition": self.condition,
+            "load_source": self.load_source,
             "quantities": {
                 key: {**one.as_json(), "known_difference": known_difference(one)}
                 for key, one in self.quantities.items()
@@ -125,7 +131,7 @@ class Sheet:
 
 
 def sheet(design: Design, load: float | None = None) -> Sheet:
-    """Give the static figures of a sound design under an output torque [N m], by default the rated one.
+    """Give the static figures of a sound design under an output torque [N m]; by default `load_of` the design.
 
     Raises
     ------
@@ -151,11 +157,13 @@ def glance(design: Design, load: float | None = None) -> Sheet:
 
 
 def _sheet(design: Design, load: float | None, parts: Iterable[Part]) -> Sheet:
+    _, source = load_of(design, load)
     design, load = _under(design, load)
     quantities = keyed(*(part(design, load) for part in parts))
     return Sheet(
         design=design.name,
         condition=f"{load:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm, at rest but for the gear's own force",
+        load_source=source,
         quantities=quantities,
         assumptions=_assumptions(design),
     )
@@ -166,9 +174,18 @@ def sheet_part(design: Design, part: str, load: float | None = None) -> dict[str
     return keyed(PARTS_OF_SHEET[part](*_under(design, load)))
 
 
+def load_of(design: Design, given: float | None = None) -> tuple[float, LoadSource]:
+    """Tell the torque on the output [N m]: the one given, else the size of the design's load, else the rated one."""
+    if given is not None:
+        return given, "given"
+    if design.load.torque:
+        return abs(design.load.torque), "load.torque_nm"
+    return design.rated_torque, "rated torque"
+
+
 def _under(design: Design, load: float | None) -> tuple[Design, float]:
-    """Give a design under a load, by default the rated one, and that load."""
-    load = design.rated_torque if load is None else load
+    """Give a design under a load, by default `load_of` it, and that load."""
+    load, _ = load_of(design, load)
     if not load > 0.0:
         raise UsageError(f"cannot load the output by {load:g} N m: the torque must be more than 0")
     if design.drive.speed == 0.0:
@@ -327,7 +344,7 @@ def _losses(design: Design, load: float) -> Iterator[Quantity]:
     yield from _efficiency(design, load)
     back, held = driven(design, load)
     against = f"against {load / design.reduction:.4g} N m on the crank"
-    locked = SELF_LOCKING if math.isnan(held) else ""
+    locked = self_locking(design, load) if math.isnan(held) else ""
     yield Quantity("back_driving_torque_rated", f"output torque that drives {against}", held, "N m", note=locked)
     yield Quantity(
         "back_driving_efficiency", f"efficiency of back-driving, {against}", 100.0 * back.efficiency, "%", note=locked
@@ -361,14 +378,30 @@ def driven(design: Design, load: float) -> tuple[Powers, float]:
     return found, torque
 
 
+def self_locking(design: Design, load: float) -> str:
+    """Say that an output cannot drive the crank's share of a load [N m], and whether it drives a crank without load."""
+    drives = powers(design, -load).crank < 0.0
+    return (
+        f"self-locking against {load / design.reduction:.4g} N m on the crank: friction takes all that the output "
+        f"gives; a crank without load is {'driven' if drives else 'not driven either'} by {load:.4g} N m on the output"
+    )
+
+
 PARTS_OF_SHEET: Mapping[str, Part] = {"motions": _motions, "errors": _errors, "loads": _loads, "losses": _losses}
 """What makes the figures of a sheet, by name."""
 
 
+def _bodies(design: Design) -> str:
+    """Say what carries the contacts."""
+    if design.structure == "springs":
+        return "output pins, carrier, shaft and housing give as springs do, other parts are rigid"
+    return "parts are rigid"
+
+
 def _assumptions(design: Design) -> tuple[str, ...]:
     return (
-        "statics: parts are rigid, contacts are springs that only push, with all clearances, manufacturing errors and "
-        "modification; of inertia the gear's centrifugal force alone",
+        f"statics: {_bodies(design)}, contacts are springs that only push, with all clearances, manufacturing errors "
+        "and modification; of inertia the gear's centrifugal force alone",
         f"friction of a crank that turns, whole at any sliding speed, but none in backlash, lost motion and stiffness: "
         f"{', '.join(f'{kind} {design.friction_of(kind):g}' for kind in design.pair_kinds)}",
         f"contacts have the secant stiffness of the load: {working_forces_told(design, design.pair_kinds)}",

@@ -117,7 +117,6 @@ def springs_of(design: Design, crank: npt.ArrayLike | None = None, friction: boo
             cam_rubbing=drag if friction else 0.0,
             bending=_bending(design),
             pins=design.output.pins,
-            exact=False,
         ),
         curvature=curvature,
         body_force=own_force,

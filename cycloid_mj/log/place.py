@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from cycloid_mj.errors import LogError
+from cycloid_mj.replacing import claim
 from cycloid_mj.whole import hidden_beside
 
 
@@ -40,9 +41,13 @@ class Place:
         There is a log at `path`, and it is not to be replaced.
     LogError
         Another run is writing the log at `path`, or it cannot be written.
+    TakenError
+        The running command reads the file at `path`, or that is no log.
     """
 
     def __init__(self, path: Path, force: bool, hidden: bool) -> None:
+        if force:
+            claim(path, force=True)
         self.path, self.hidden = path, hidden
         self._replaces = force and path.is_file()
         self._old: BinaryIO | None = None

@@ -15,8 +15,10 @@ from mcap.opcode import Opcode
 from cycloid_mj.errors import LogError
 from cycloid_mj.log import container
 from cycloid_mj.log.encoding import FORMAT, PACKAGE, TIME, Group, group_of
+from cycloid_mj.log.preamble import PROVENANCE, lost
 from cycloid_mj.log.viewer import RATE
 from cycloid_mj.record import Run
+from cycloid_mj.replacing import as_input
 
 Bytes = npt.NDArray[np.uint8]
 
@@ -111,7 +113,7 @@ def _opened(path: Path) -> BinaryIO:
         raise LogError(f"{path} is {what}: give a log, such as run.mcap")
     if path.stat().st_size == 0:
         raise LogError(f"log {path} is empty: the run was stopped before it wrote anything; run it again")
-    return path.open("rb")
+    return as_input(path).open("rb")
 
 
 def _alternatives(path: Path) -> str:
@@ -220,9 +222,10 @@ def _joined(contents: _Contents, tables: dict[int, Any], whole: bool, path: Path
     note, complete = end.get("note", ""), end.get("complete") == "true"
     if not whole:
         cut = f"the log was cut: {time.size} samples, up to {time[-1]:.9g} s, could be read"
-        note, complete = "; ".join(filter(None, (note, cut))), False
+        gone = lost(contents.metadata, contents.attachments)
+        note, complete = "; ".join(filter(None, (note, cut, *gone))), False
     try:
-        provenance = contents.metadata.get("provenance", {})
+        provenance = contents.metadata.get(PROVENANCE, {})
         topics = {group.topic: tuple(group.units) for group in groups.values()}
         return Run(time, columns, units, provenance, contents.attachments, complete, note, topics)
     except LogError as problem:

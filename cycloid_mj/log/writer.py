@@ -15,8 +15,9 @@ from mcap.writer import Writer
 
 from cycloid_mj.errors import LogError
 from cycloid_mj.interrupt import unbroken
-from cycloid_mj.log.encoding import FORMAT, PACKAGE, Group
+from cycloid_mj.log.encoding import PACKAGE, Group
 from cycloid_mj.log.place import LogTakenError, Place, unwritable
+from cycloid_mj.log.preamble import Metadata, preamble, storable
 from cycloid_mj.log.viewer import RATE, Message, Viewer, due
 from cycloid_mj.record import Run
 from cycloid_mj.types import Array
@@ -81,8 +82,8 @@ class LogWriter:
         self._open = True
         size = sum(group.zeros.size for group in self._groups)
         self._chunk = max(1, chunk_size // size)
-        preamble = {PACKAGE: {"format": FORMAT}, "provenance": dict(provenance or {})}
-        self._place, self._mcap = _started(Path(path), force, hidden, preamble, attachments or {})
+        first = preamble(provenance or {}, attachments or {})
+        self._place, self._mcap = _started(Path(path), force, hidden, first, attachments or {})
         self._channels = [
             self._mcap.register_channel(
                 group.topic,
@@ -237,7 +238,7 @@ class LogWriter:
 
     def _end(self, note: str, complete: bool, attachments: Mapping[str, bytes]) -> None:
         """Write what comes after the samples, and let the log take its name."""
-        end = {"complete": "true" if complete else "false", "note": _storable(note), "samples": str(self.samples)}
+        end = {"complete": "true" if complete else "false", "note": storable(note), "samples": str(self.samples)}
         try:
             _attach(self._mcap, attachments)
             self._mcap.add_metadata(f"{PACKAGE}.end", end)
@@ -295,13 +296,13 @@ def _started(
     path: Path,
     force: bool,
     hidden: bool,
-    preamble: Mapping[str, Mapping[str, str]],
+    first: Metadata,
     attachments: Mapping[str, bytes],
 ) -> tuple[Place, Writer]:
     """Open the log and write what comes before the samples; leave no trace if that fails."""
     place = Place(path, force, hidden)
     try:
-        return place, _begun(place.stream, preamble, attachments)
+        return place, _begun(place.stream, first, attachments)
     except BaseException as problem:
         place.drop()
         if isinstance(problem, OSError):
@@ -309,12 +310,12 @@ def _started(
         raise
 
 
-def _begun(stream: BinaryIO, preamble: Mapping[str, Mapping[str, str]], attachments: Mapping[str, bytes]) -> Writer:
+def _begun(stream: BinaryIO, first: Metadata, attachments: Mapping[str, bytes]) -> Writer:
     """Write metadata and attachments, and see them leave for the disk."""
     mcap = Writer(stream, chunk_size=WHOLE_CHUNKS_ONLY, enable_data_crcs=True)
     mcap.start(library=PACKAGE)
-    for name, entries in preamble.items():
-        mcap.add_metadata(name, {_storable(key): _storable(value) for key, value in entries.items()})
+    for name, entries in first.items():
+        mcap.add_metadata(name, dict(entries))
     _attach(mcap, attachments)
     mcap.flush()
     return mcap
@@ -323,16 +324,11 @@ def _begun(stream: BinaryIO, preamble: Mapping[str, Mapping[str, str]], attachme
 def _attach(mcap: Writer, attachments: Mapping[str, bytes]) -> None:
     """Write files that are kept with the run: name -> content."""
     for name, content in attachments.items():
-        mcap.add_attachment(0, 0, _storable(name), _media_type(name), content)
+        mcap.add_attachment(0, 0, storable(name), _media_type(name), content)
 
 
 def _media_type(name: str) -> str:
     return MEDIA_TYPES.get(PurePath(name).suffix, "application/octet-stream")
-
-
-def _storable(text: str) -> str:
-    """Give text that UTF-8 can hold: odd bytes of a command line come as lone surrogates."""
-    return text.encode("utf-8", "backslashreplace").decode("utf-8")
 
 
 def _viewer_channels(mcap: Writer, viewer: Viewer) -> dict[str, int]:

@@ -49,7 +49,11 @@ CONFORMAL = "none: the bodies fit so closely that the contact is no narrow strip
 UNPRESSED = "none: nothing presses on these contacts"
 UNDECIDED = "none: no contact is both pressed and narrow enough for Hertz"
 
-IDEAL = {"cam": "full statics of ideal sharing", "tooth": "ideal sharing, arcs alone"}
+IDEAL = {"cam": "ideal sharing, rigid cam without play", "tooth": "ideal sharing, arcs alone"}
+RIGID_CAM = (
+    "; the reference is for a rigid cam without play and is nearly met with --set stiffness.cam_n_m=1e11: as the "
+    "cam's bearing gives, which is assumed where no stiffness is given, the gear moves aside, and other teeth carry"
+)
 _CRANK, _FORCE = "crank angle [deg]", "force [N]"
 
 Kinds = Mapping[str, Pressed]
@@ -188,7 +192,7 @@ def _of_kind(design: Design, found: Pressed, coarse: Pressed, fine: Pressed, mis
         peak_error,
         ideal_peak(design, kind, found.angle),
         IDEAL.get(kind, "ideal sharing"),
-        f"at {math.degrees(found.peak_angle):.0f} deg of crank",
+        f"at {math.degrees(found.peak_angle):.0f} deg of crank{RIGID_CAM if kind == 'cam' else ''}",
     )
     name = f"{kind}: mean force of the contacts that carry"
     yield Quantity(f"{kind}_mean_force", name, found.mean_force, "N", mean_error)

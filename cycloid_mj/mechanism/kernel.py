@@ -1,9 +1,13 @@
 """The static balance of springs that only push, compiled: one small Newton iteration for each crank angle.
 
 Every spring is a gap from ``mechanism.gaps``, round by its `bend`; the cams are circles in circles. The energy of the
-springs less the work of the load is convex up to the turning of the gaps, so Newton's steps are shortened until the
-energy falls. Friction comes on as a load, from the normal forces before, until both agree. Angles follow each other
-along the turn: each starts from the balances before it.
+springs less the work of the load is convex up to the turning of the gaps, and of springs so soft that all press it has
+one least value. Newton's method finds it downhill, and follows it while the springs are hardened and friction, which
+goes with their forces, is brought on. Angles follow each other along the turn: each starts from the balances before it,
+and where Newton's method gets from there to its own no path is needed.
+
+A path with friction that remembers which way it slid is followed in steps, each a balance by Newton's method on springs
+and friction at once, or else with friction's limits held and renewed.
 
 All is in one file: numba does not see when code that it has kept calls other code that has changed.
 """
@@ -12,16 +16,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
-from cycloid_mj.compiling import cacheable
+from cycloid_mj.compiling import cacheable, njit
 from cycloid_mj.types import Array, Integers, Mask
 
-ROUNDS = 200
-"""Most Newton steps at one crank angle, and most rounds of friction."""
-
 BALANCED = 1e-8
-"""Largest residual of a balance, and largest change of its friction, as a share of the largest load."""
+"""Largest residual of a balance, as a share of the largest load."""
 
 FLOATING = 1e-9
 """Stiffness that keeps floating parts where they are, as a share of the cam's."""
@@ -32,9 +32,6 @@ CARRIES = 0.01
 FIGURES = 9
 """Numbers of a sample: of gear and output the mean turn and its range; peaks of a tooth, an output pin, the cam; teeth
 that carry on average; what no balance was found for."""
-
-_NEAR = 0.5
-"""Longest step as a share of the least radius of a contact's curve: past its middle the circle pushes the other way."""
 
 _VALLEY, _BOTTOM = 1e-3, 0.5
 """Twist of a curve, over the square of its largest curvature, from which it counts as a valley, which is no circle; and
@@ -55,24 +52,53 @@ _SURELY = 1e-4
 FOLLOWED = 1e-6
 """Largest residual of a step along a path, as a share of the path's largest load."""
 
-_LEAPS, _RENEWALS, _SHORTEST = 12, 40, 1.0 / 16.0
-"""Newton steps that a step along a path is given before the slower search, rounds of that, and its least share."""
-
 FINEST = 1024
 """Most parts of a step along a path in which the output leaps."""
+
+_LEAPS, _RENEWALS, _SHORTEST = 12, 40, 1.0 / 16.0
+"""Newton steps that a step along a path is given before the slower search, rounds of that, and its least share."""
 
 _MOST_WORK, _MOST_SETTLING = 150, 2000
 """How often a system may be put together, for each step of a path on average, and in one slow search."""
 
-_SHORT, _SHORT_AGAIN = 2, 3
-"""How often a system is put together in a short search, of one Newton step, and in one that may follow a short one."""
+_NEAR = 0.5
+"""Longest step along a path, as a share of the least radius of a contact's curve."""
 
 _HALVINGS = 20
+
+_SHORT = 3
+"""How often a system is put together in a short search."""
+
+_STEPS, _STEPS_DOWN, _FARTHEST = 15, 200, 0.3
+"""Most Newton steps with friction, and downhill without; the longest as a share of the eccentricity."""
+
+_ARMIJO, _SOFT = 0.01, 1e-6
+"""Share of the fall that the slope promises which a step downhill must bring, and least stiffness that it reckons with,
+as a share of the cam's."""
+
+_TRIES = (
+    (10.0, 1.0, False),
+    (1.0, 0.125, False),
+    (10.0, 0.03, False),
+    (10.0, 0.06, True),
+)
+"""Paths that are tried one after the other: how many plays deep soft springs are pressed, the longest step as a share
+of the way, and whether springs are hardened before friction is brought on."""
+
+_EXACTLY, _DAMPED, _LEAST = 2, 0.1, 1e-4
+"""The path from which the foot point of every tooth is looked for; stiffness that damps Newton's steps until all
+friction is borne, as a share of the cam's for the share of the load that is left over; the least step of a path."""
+
+_RATE = 4
+"""Column of a contact's stiffness, after those of its gradient."""
+
 _ROUNDING = 1e-12
 """By how much energy [1] may seem to grow: next to the balance it is flat, and its differences are rounding."""
 
 
-_YES, _NO, _FIRST = np.bool_(True), np.bool_(False), np.int64(0)
+_YES: bool = np.bool_(True)  # type: ignore[assignment]
+_NO: bool = np.bool_(False)  # type: ignore[assignment]
+_FIRST: int = np.int64(0)  # type: ignore[assignment]
 """Arguments: for a literal, Python's own, numba would compile what is called once more."""
 
 
@@ -82,9 +108,6 @@ class Springs(NamedTuple):
     For the meaning of most of them see ``gaps.Gaps``; `room` [m] has the play of the pins in it. Shapes: `room` (n,)
     [m]; `distance`, `shift`, `bend`, `twist`, `phase`, `stiffness` (k, n) [m, m, 1/m, 1/m2, rad, N/m]; `slope`,
     `shift_slope` (k, n, u) [1].
-
-    `exact` tells whether the foot point of every tooth is looked for: else a width has a step, some 10^-11 m wide,
-    where a tooth leaves the part of its curve that is known to third order.
 
     `radius` [m] is that of the circle of output pins: an unknown of turning is the angle times that. `trochoid`, on
     which ideal pins have their centres, is E u(t) - c u(N t): E and c [m], and N. `disc` (n,) is that of a contact, and
@@ -98,7 +121,6 @@ class Springs(NamedTuple):
     another's contact; else the last D `pins` contacts are those of the output pins, disc after disc.
     """
 
-    exact: bool
     radius: float
     disc: Integers
     turning: Mask
@@ -135,9 +157,10 @@ class Curved(NamedTuple):
 
 
 class Left(NamedTuple):
-    """What no balance was found for, each as a share of the largest load: `force` left over, `friction` unsettled.
+    """How far a search got: the `force` left over as a share of the largest load, and of the `friction` what it bore.
 
-    `work` counts how often the system was put together on the way.
+    The latter is 1 where there is a balance; less where friction jams the parts. `work` counts how often the system was
+    put together on the way.
     """
 
     force: float
@@ -190,14 +213,21 @@ class Made(NamedTuple):
 
 
 class _System(NamedTuple):
-    """Generalised forces left over [N], shape (u,), and the springs' stiffness [N/m], shape (u, u), its lower half.
+    """Generalised forces left over [N], shape (u,), and the springs' stiffness [N/m], shape (u, u).
 
-    `pressed` (n,) [N] are the forces of the springs.
+    `pressed` (n,) [N] are the forces of the springs. The rest are arrays of the search: the Newton `step` and where it
+    is from, `start` (u,), `ahead` (4,) [1], and `assembled` (1,), how often the system was put together.
     """
 
     residual: Array
     tangent: Array
     pressed: Array
+    step: Array
+    start: Array
+    back: Array
+    row: Array
+    kept: Mask
+    assembled: Integers
 
 
 class _Pose(NamedTuple):
@@ -240,159 +270,170 @@ class _Apart(NamedTuple):
     arm_p: float
 
 
-class _Work(NamedTuple):
-    """Arrays of the search at one angle.
-
-    Of the shape (u,) are the Newton step, `there` where it leads, the load `held` with friction [N], and friction's
-    part of that, the `drag` [N]. The mask `kept` (n + D,) is that of `_assemble`; `assembled` (1,) counts its calls.
-    """
-
-    system: _System
-    step: Array
-    there: Array
-    held: Array
-    drag: Array
-    kept: Mask
-    assembled: Integers
-
-
-_LED, _GIVEN, _EXACT = range(3)
-"""Searches for the balance at an angle, one after the other: led by those before, from where it is given, exactly."""
-
-
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def balance(springs: Springs, load: Array, z: Array, force: Array, follow: bool) -> Left:
     """Solve for the departures z (k, u) [m] at every crank angle under a load (k, u) [N], and the springs' forces.
 
     z and force (k, n) [N] are filled in. Each row of z is where its search starts. With `follow`, the first row is; the
-    others start where the balances before them lead, and from their row where that leads to no balance, as where
-    contacts change at once. Where there is still none, a tooth may rest on a step of its width, with too much force on
-    one side and too little on the other: the angle is searched again with the foot point of every tooth.
+    others start where the balances before them lead.
 
     Returns
     -------
-    The worst of all angles, and their work together: where one of them is above ``BALANCED``, no balance was found,
-    and that angle is the last.
+    The worst of all angles, and their work together: where its force is above ``BALANCED``, no balance was found, and
+    that angle is the last.
     """
     count, number = load.shape
-    work = _Work(
-        _system(springs),
-        np.zeros(number),
-        np.zeros(number),
-        np.zeros(number),
-        np.zeros(number),
-        np.zeros(springs.disc.size + springs.cam_place.shape[1], np.bool_),
-        np.zeros(1, np.int64),
-    )
-    start, worst, unsettled, near = np.zeros(number), 0.0, 0.0, False
+    system = _system(springs)
+    start, near, left = np.zeros(number), False, Left(0.0, 1.0, 0)
+    worst = 0.0
     for k in range(count):
-        here, first, left = z[k], _LED if follow and k else _GIVEN, Left(math.inf, 0.0, 0)
+        here = z[k]
         _copy(here, start)
-        for attempt in range(first, _GIVEN + 1 if springs.exact else _EXACT + 1):
-            if attempt == _LED:
-                _lead(springs, k, load[k], z, force, near, work)
-            else:
-                _copy(start, here)
-                _clear(work.drag)
-            begun = work.assembled[0]
-            left = _search(_exact(springs) if attempt == _EXACT else springs, k, load[k], here, force, work)
-            if attempt == first:
-                near = work.assembled[0] - begun <= (_SHORT_AGAIN if near else _SHORT)
-            if _is_found(left):
-                break
-        worst, unsettled = max(worst, left.force), max(unsettled, left.friction)
-        if not _is_found(left):
-            break
-    return Left(worst, unsettled, work.assembled[0])
-
-
-@njit(nogil=True, error_model="numpy", inline="always")
-def _is_found(left: Left) -> bool:
-    return left.force <= BALANCED and left.friction <= BALANCED
-
-
-@njit(nogil=True, error_model="numpy", inline="always")
-def _lead(springs: Springs, k: int, load: Array, z: Array, force: Array, near: bool, work: _Work) -> None:
-    """Put the departures at an angle where those before lead.
-
-    Where the search before was short, to the second order. Else to the first, and from there by one Newton step, unless
-    it is long, with the contacts that carried at the angle before: parts that a small load presses stay in touch.
-    """
-    here, step = z[k], work.step
-    for j in range(here.size):
-        here[j] = 2.0 * z[k - 1, j] - z[k - 2, j] if k > 1 else z[k - 1, j]
-        if near and k > 2:
-            here[j] += z[k - 1, j] - 2.0 * z[k - 2, j] + z[k - 3, j]
-        work.held[j] = load[j] + work.drag[j]
-    if near:
-        return
-    _keep(springs, k - 1, z, force, work.kept)
-    work.assembled[0] += 1
-    _assemble(springs, k, work.held, here, work.kept, work.system)
-    if springs.bending.size:
-        _bend(springs, k, here, work.kept, work.system)
-    short = _solve(work.system.tangent, work.system.residual, step, FLOATING * springs.cam_stiffness)
-    if short and _largest(step) < _NEAR / _largest(springs.bend[k]):
-        for j in range(here.size):
-            here[j] += step[j]
-    for i in range(work.kept.size):
-        work.kept[i] = False
-
-
-@njit(nogil=True, error_model="numpy", inline="always")
-def _search(springs: Springs, k: int, load: Array, here: Array, force: Array, work: _Work) -> Left:
-    """Solve for the departures `here` (u,) [m] at one angle under a load (u,) [N], from where they are; see `balance`.
-
-    Its row of `force` is filled in, and friction comes on from the `drag` in `work`.
-    """
-    step, there, held, drag, kept = work.step, work.there, work.held, work.drag, work.kept
-    system, number = work.system, load.size
-    rough, bends, scale = springs.rubbing.shape[0] > 0, springs.bending.size > 0, _largest(load) or 1.0
-    longest, floating = _NEAR / _largest(springs.bend[k]), FLOATING * springs.cam_stiffness
-    left, change = 0.0, 0.0
-    for _ in range(ROUNDS):
-        for j in range(number):
-            held[j] = load[j] + drag[j]
-        work.assembled[0] += 1
-        energy = _assemble(springs, k, held, here, kept, system)
-        if bends:
-            energy += _bend(springs, k, here, kept, system)
-        left = _largest(system.residual) / scale
-        for _ in range(ROUNDS):
-            if left <= BALANCED:
-                break
-            if not _solve(system.tangent, system.residual, step, floating):
-                work.assembled[0] += 1
-                _assemble(springs, k, held, here, kept, system)
-                if bends:
-                    _bend(springs, k, here, kept, system)
-                _roll_off(system.tangent, system.residual, step, floating)
-            share, found = min(1.0, longest / _largest(step)), energy
-            for _ in range(_HALVINGS):
-                for j in range(number):
-                    there[j] = here[j] + share * step[j]
-                work.assembled[0] += 1
-                found = _assemble(springs, k, held, there, kept, system)
-                if bends:
-                    found += _bend(springs, k, there, kept, system)
-                if found <= energy + _ROUNDING * abs(energy):
-                    break
-                share *= 0.5
-            for j in range(number):
-                here[j] = there[j]
-            energy = found
-            left = _largest(system.residual) / scale
-        if _largest(drag) > 0.0 and not left <= BALANCED:  # it is the friction that has grown beyond all bounds
-            left, change = 0.0, max(change, 1.0)
-            break
-        if not (rough and left <= BALANCED):
-            break
+        if follow and k:
+            _lead(z, k, near)
+        begun = system.assembled[0]
+        keep = follow and k > 0 and not near
+        left = _search(springs, k, load[k], here, start, keep, system)
+        near = system.assembled[0] - begun <= _SHORT
         _copy(system.pressed, force[k])
-        change = _rub(springs, k, here, force, drag, step) / scale
-        if change <= BALANCED:
+        worst = max(worst, left.force)
+        if not left.force <= BALANCED:
             break
-    _copy(system.pressed, force[k])
-    return Left(left, change, work.assembled[0])
+    return Left(worst, left.friction, system.assembled[0])
+
+
+@njit(nogil=True, error_model="numpy", inline="always")
+def _lead(z: Array, k: int, near: bool) -> None:
+    """Put the departures at an angle where those before lead: to the second order, where the search was short."""
+    for j in range(z.shape[1]):
+        z[k, j] = 2.0 * z[k - 1, j] - z[k - 2, j] if k > 1 else z[k - 1, j]
+        if near and k > 2:
+            z[k, j] += z[k - 1, j] - 2.0 * z[k - 2, j] + z[k - 3, j]
+
+
+@njit(nogil=True, error_model="numpy", inline="always")
+def _search(springs: Springs, k: int, load: Array, here: Array, start: Array, keep: bool, system: _System) -> Left:
+    """Solve for the departures `here` (u,) [m] by Newton's method from where they are; else along a path.
+
+    Springs so soft that they press in spite of all play have one energy without ridges, whose least Newton's method
+    finds from a `start`. From there friction is brought on and the springs are hardened, in steps that are halved until
+    Newton's method, with friction and springs at once, gets to the end of each. Where that path has an end, as where
+    parts snap over, the springs are hardened first, downhill all the way, and friction is brought on then.
+
+    For `keep` see `_newton`.
+    """
+    scale, rubbed = _largest(load) or 1.0, springs.rubbing.shape[0] > 0
+    softest, friction, soft, way, further, stride, boldest, borne = 1.0, 1.0, 1.0, 2.0, 2.0, 0.0, 0.0, 0.0
+    attempt, downhill, left, most = -1, _NO, 0.0, BALANCED * scale
+    while True:
+        damping = _DAMPED / scale if attempt >= 0 and friction < 1.0 else 0.0
+        exact = attempt >= _EXACTLY
+        left = _newton(springs, k, load, here, soft, friction, exact, most, damping, keep, downhill, system)
+        keep = _NO
+        if left <= most:
+            if soft == 1.0 and friction == 1.0:
+                borne = 1.0
+                break
+            if soft == 1.0:
+                borne = max(borne, friction)
+            way, stride = (further, min(2.0 * stride, boldest)) if further > 0.0 else (0.0, boldest)
+            _copy(here, system.back)
+        else:
+            stride *= 0.5
+            _copy(system.back, here)
+        if not stride >= _LEAST:
+            attempt += 1
+            if attempt == len(_TRIES):
+                break
+            _copy(start, here)
+            _copy(start, system.back)
+            further, stride, way = 0.0, 0.0, 0.0
+            softest = min(1.0, scale / (_hardest(springs, k) * _depth(springs, _TRIES[attempt][0])))
+        else:
+            further = min(way + stride, 1.0 if way < 1.0 else 2.0)
+        _, boldest, hardens_first = _TRIES[attempt]
+        if not rubbed and not hardens_first and 0.0 < further <= 1.0:
+            further = min(1.0 + stride, 2.0)
+        first, last = min(further, 1.0), max(further - 1.0, 0.0)
+        friction, hardened = (last, first) if hardens_first else (first, last)
+        soft, downhill = softest ** (1.0 - hardened), further == 0.0 or (hardens_first and friction == 0.0)
+    return Left(left / scale, borne if rubbed else 1.0, 0)
+
+
+@njit(nogil=True, error_model="numpy", inline="always")
+def _depth(springs: Springs, plays: float) -> float:
+    """Give how deep soft springs are pressed [m]: several plays, but well within the reach of the curves."""
+    return min(plays * _play(springs), 0.1 * springs.trochoid[1])
+
+
+@njit(nogil=True, error_model="numpy", inline="always")
+def _hardest(springs: Springs, k: int) -> float:
+    """Give the largest stiffness of all contacts and cams [N/m]."""
+    hardest = springs.cam_stiffness
+    for i in range(springs.disc.size):
+        hardest = max(hardest, springs.stiffness[k, i])
+    return hardest
+
+
+@njit(nogil=True, error_model="numpy", inline="always")
+def _play(springs: Springs) -> float:
+    """Give the largest play of all contacts and cams [m]."""
+    play = max(abs(springs.cam_clearance), 1e-6)
+    for i in range(springs.disc.size):
+        play = max(play, springs.room[i])
+    return play
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _newton(
+    springs: Springs,
+    k: int,
+    load: Array,
+    here: Array,
+    soft: float,
+    friction: float,
+    exact: bool,
+    allowed: float,
+    damping: float,
+    keep: bool,
+    downhill: bool,
+    system: _System,
+) -> float:
+    """Solve for the departures `here` (u,) [m] by Newton's method, from where they are; give what is left over [N].
+
+    Of springs that are `soft` and a share of the friction, see `_assemble`. With `keep`, contacts that pressed before
+    count as closed in the first step. `downhill`, without friction, steps are shortened until the energy falls.
+    """
+    hard, longest = soft * springs.cam_stiffness, _FARTHEST * springs.trochoid[1]
+    residual, step, start, number = system.residual, system.step, system.start, here.size
+    left, energy, share, falls = math.inf, math.inf, 1.0, 0.0
+    for i in range(system.kept.size):
+        system.kept[i] = keep and system.pressed[i] > 0.0
+    for _ in range(_STEPS_DOWN if downhill else _STEPS):
+        found = _assemble(springs, k, load, here, soft, friction, exact, system)
+        left = _largest(residual)
+        if not left < math.inf:
+            break
+        if downhill and found > energy - _ARMIJO * share * falls + _ROUNDING * abs(energy) and share > _ROUNDING:
+            share *= 0.5
+        else:
+            if left <= allowed and not keep:
+                return left
+            energy = found
+            if downhill:
+                _roll_off(system.tangent, residual, step, _SOFT * hard)
+            elif not _solve(system.tangent, residual, step, FLOATING * hard + damping * left * hard):
+                break
+            share, falls = min(1.0, longest / max(_largest(step), 1e-300)), 0.0
+            for j in range(number):
+                start[j] = here[j]
+                falls += step[j] * residual[j]
+        for j in range(number):
+            here[j] = start[j] + share * step[j]
+        for i in range(system.kept.size if keep else 0):
+            system.kept[i] = False
+        keep = _NO
+    return left
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
@@ -406,12 +447,6 @@ def _copy(values: Array, to: Array) -> None:
 def _clear(values: Array) -> None:
     for j in range(values.size):
         values[j] = 0.0
-
-
-@njit(nogil=True, error_model="numpy", inline="always")
-def _exact(springs: Springs) -> Springs:
-    """Give springs whose widths have no step."""
-    return Springs(True, *springs[1:])
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
@@ -453,7 +488,6 @@ def balance_samples(
                 cam_place[k, disc, 0] = made.eccentricity[s] * out_x + (cosine * x - sine * y)
                 cam_place[k, disc, 1] = made.eccentricity[s] * out_y + (sine * x + cosine * y)
         springs = Springs(
-            ideal.exact,
             ideal.radius,
             ideal.disc,
             ideal.turning,
@@ -477,7 +511,7 @@ def balance_samples(
         )
         left = balance_along(springs, load, z, force)
         _sum_up(springs, z, force, out[s])
-        out[s, FIGURES - 1] = max(left.force, left.friction)
+        out[s, FIGURES - 1] = left.force
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
@@ -500,7 +534,9 @@ def _sum_up(springs: Springs, z: Array, force: Array, out: Array) -> None:
             else:
                 pin = max(pin, force[k, i])
         for disc in range(springs.cam_place.shape[1]):
-            cam = max(cam, springs.cam_stiffness * _cam(springs, k, disc, z[k]).depth)
+            pressing = _cam(springs, k, disc, z[k])
+            # where both sides press, what the harder one does: depth is what it has more, both what they have together
+            cam = max(cam, 0.5 * springs.cam_stiffness * (pressing.depth + pressing.both))
     carrying = 0
     for k in range(count):
         for i in range(force.shape[1]):
@@ -513,33 +549,40 @@ def _sum_up(springs: Springs, z: Array, force: Array, out: Array) -> None:
 def gap(springs: Springs, k: int, i: int, z: Array) -> Curved:
     """Give a gap at departures z [m], shape (u,)."""
     pose = _pose(springs, springs.disc[i], z)
-    return _curved(springs, k, i, pose, _apart(springs, k, i, pose))
+    return _curved(springs, k, i, pose, _apart(springs, k, i, pose), _NO)
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def is_open(springs: Springs, k: int, i: int, z: Array) -> bool:
     """Tell whether a gap is surely open at departures z [m], shape (u,), without its width."""
-    return _is_open(springs, k, i, _apart(springs, k, i, _pose(springs, springs.disc[i], z)))
+    return _is_open(springs, k, i, _apart(springs, k, i, _pose(springs, springs.disc[i], z)), _NO)
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def state(springs: Springs, k: int, load: Array, z: Array) -> State:
-    """Give the springs of a crank angle under a load (u,) [N] at departures z (u,) [m], which need be no balance."""
-    system, number = _system(springs), z.size
-    none = np.zeros(springs.disc.size + springs.cam_place.shape[1], np.bool_)
-    energy = _assemble(springs, k, load, z, none, system)
-    if springs.bending.size:
-        energy += _bend(springs, k, z, none, system)
-    for j in range(number):
-        for m in range(j, number):
-            system.tangent[j, m] = system.tangent[m, j]
+    """Give the springs of a crank angle under a load (u,) [N] at departures z (u,) [m], which need be no balance.
+
+    Without friction.
+    """
+    system = _system(springs)
+    energy = _assemble(springs, k, load, z, 1.0, 0.0, _NO, system)
     return State(energy, system.residual, system.tangent)
 
 
-@njit(nogil=True, error_model="numpy", inline="always")
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _system(springs: Springs) -> _System:
     number = springs.slope.shape[2]
-    return _System(np.zeros(number), np.zeros((number, number)), np.zeros(springs.disc.size))
+    return _System(
+        np.zeros(number),
+        np.zeros((number, number)),
+        np.zeros(springs.disc.size + springs.cam_place.shape[1]),
+        np.zeros(number),
+        np.zeros(number),
+        np.zeros(number),
+        np.zeros((springs.disc.size, 5)),
+        np.zeros(springs.disc.size + springs.cam_place.shape[1], np.bool_),
+        np.zeros(1, np.int64),
+    )
 
 
 # Arrays are read before any branch: numba counts references to those that are read in one. It counts those to all of
@@ -577,7 +620,7 @@ def _apart(springs: Springs, k: int, i: int, pose: _Pose) -> _Apart:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy", forceinline=True)
-def _curved(springs: Springs, k: int, i: int, pose: _Pose, apart: _Apart) -> Curved:
+def _curved(springs: Springs, k: int, i: int, pose: _Pose, apart: _Apart, exact: bool) -> Curved:
     """Give a gap and its derivatives from what `_apart` gives."""
     x, o = 3 * springs.disc[i], springs.slope.shape[2] - 1
     y, t, turning, phi, psi = x + 1, x + 2, springs.turning[i], pose.phi, pose.psi
@@ -586,7 +629,7 @@ def _curved(springs: Springs, k: int, i: int, pose: _Pose, apart: _Apart) -> Cur
     qt, pt = springs.slope[k, i, t], springs.shift_slope[k, i, t]
     qo, po = springs.slope[k, i, o], springs.shift_slope[k, i, o]
     bend, twist, room = springs.bend[k, i], springs.twist[k, i], springs.room[i]
-    phase, trochoid, exact = springs.phase[k, i], springs.trochoid, springs.exact
+    phase, trochoid = springs.phase[k, i], springs.trochoid
     arm_q, arm_p = apart.arm_q / springs.radius, apart.arm_p / springs.radius
     if turning:
         # the rate of w + i phi (w - v phi/2), with w, the arm, linear in the turn phi at the rate v, is v + i w
@@ -690,11 +733,11 @@ def _foot(
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _is_open(springs: Springs, k: int, i: int, apart: _Apart) -> bool:
+def _is_open(springs: Springs, k: int, i: int, apart: _Apart, exact: bool) -> bool:
     """Tell whether a gap is surely open, by what `_apart` gives: most are, and their roots need not be taken."""
     q, p = apart.q, apart.p
     bend, twist, trochoid = springs.bend[k, i], springs.twist[k, i], springs.trochoid
-    room, turning, exact = springs.room[i] - _SURELY * abs(p), springs.turning[i], springs.exact
+    room, turning = springs.room[i] - _SURELY * abs(p), springs.turning[i]
     if room + q <= 0.0:
         return False
     if turning and (exact or not _is_gentle(trochoid, bend, twist, p)):
@@ -704,51 +747,52 @@ def _is_open(springs: Springs, k: int, i: int, apart: _Apart) -> bool:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _keep(springs: Springs, k: int, z: Array, force: Array, kept: Mask) -> None:
-    """Mark the contacts, and then the cams, that carry in the balance at an angle."""
-    for i in range(springs.disc.size):
-        kept[i] = force[k, i] > 0.0
-    cams = kept[springs.disc.size :]
-    for disc in range(cams.size):
-        cams[disc] = _cam(springs, k, disc, z[k]).both > 0.0
+def _assemble(
+    springs: Springs, k: int, load: Array, z: Array, soft: float, friction: float, exact: bool, system: _System
+) -> float:
+    """Put together the system at departures z, of springs that are `soft` and a share of the friction.
 
-
-@njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _assemble(springs: Springs, k: int, load: Array, z: Array, kept: Mask, system: _System) -> float:
-    """Put together the system at departures z; give the energy of the springs less the work of the load [J].
-
-    Contacts and then cams that are `kept` (n + D,) count where they are open, too, as springs that also pull. Output
-    pins that bend are not in it: `_bend` adds them.
+    Returns
+    -------
+    The energy of the springs less the work of the load [J].
     """
     number = z.size
-    residual, tangent, pressed = system.residual, system.tangent, system.pressed
-    energy = 0.0
+    residual, tangent, pressed, row = system.residual, system.tangent, system.pressed, system.row
+    kept = system.kept
+    turning_curve, of_disc, radius = springs.turning, springs.disc, springs.radius
+    rough = springs.rubbing.shape[0] > 0 and friction > 0.0
+    energy, hard = 0.0, soft * springs.cam_stiffness
+    system.assembled[0] += 1
     for j in range(number):
         energy -= load[j] * z[j]
         residual[j] = load[j]
         for m in range(number):
             tangent[j, m] = 0.0
-    straight, cams = _straight(springs), kept[springs.disc.size :]
-    for disc in range(cams.size):
+    straight, discs = _straight(springs), springs.cam_place.shape[1]
+    for disc in range(discs):
         # Sums stand in names, not in the arrays, which the compiler would write at every contact.
         rx = ry = rt = ro = xx = xy = yy = xt = yt = tt = xo = yo = to = oo = 0.0
         pose = _pose(springs, disc, z)
         for i in range(straight):
-            if springs.disc[i] != disc:
+            if of_disc[i] != disc:
                 continue
-            apart, holds, stiffness = _apart(springs, k, i, pose), kept[i], springs.stiffness[k, i]
+            apart, stiffness = _apart(springs, k, i, pose), soft * springs.stiffness[k, i]
             pressed[i] = 0.0
-            if not holds and _is_open(springs, k, i, apart):
+            holds = kept[i]
+            if not holds and _is_open(springs, k, i, apart, exact):
                 continue
-            found = _curved(springs, k, i, pose, apart)
-            if not holds and found.width >= 0.0:
+            found = _curved(springs, k, i, pose, apart, exact)
+            if found.width >= 0.0 and not holds:
                 continue
             force = -stiffness * found.width
             pressed[i] = force
             energy -= 0.5 * force * found.width
+            if rough:
+                row[i, 0], row[i, 1], row[i, 2], row[i, 3] = found.ahead
+                row[i, _RATE] = stiffness
             # The normal's turning stiffens a concave contact and softens a convex one; so do the turns of the parts.
-            turning, with_disc = -force * found.rate, force / springs.radius if springs.turning[i] else 0.0
-            alone = with_disc if springs.turning[i] else -force / springs.radius
+            turning, with_disc = -force * found.rate, force / radius if turning_curve[i] else 0.0
+            alone = with_disc if turning_curve[i] else -force / radius
             (ax, ay, at, ao), (bx, by, bt, bo) = found.ahead, found.aside
             rx, ry, rt, ro = rx + force * ax, ry + force * ay, rt + force * at, ro + force * ao
             xx += stiffness * ax * ax + turning * bx * bx
@@ -761,22 +805,39 @@ def _assemble(springs: Springs, k: int, load: Array, z: Array, kept: Mask, syste
             yo += stiffness * ay * ao + turning * by * bo
             to += stiffness * at * ao + turning * bt * bo
             oo += stiffness * ao * ao + turning * bo * bo + alone * bo
+        x, y, t, o = 3 * disc, 3 * disc + 1, 3 * disc + 2, number - 1
         cam = _cam(springs, k, disc, z)
-        if cam.both > 0.0 or cams[disc]:
-            stiffness, u, v = springs.cam_stiffness, cam.u, cam.v
-            along, around = stiffness * (cam.along - cam.around), stiffness * cam.around
-            energy += stiffness * cam.energy
-            rx, ry = rx - stiffness * cam.depth * u, ry - stiffness * cam.depth * v
+        i = springs.disc.size + disc
+        pressed[i] = hard * cam.depth if cam.both > 0.0 else 0.0
+        if cam.both > 0.0 or kept[i]:
+            force, rate, u, v = hard * cam.depth, hard * cam.along, cam.u, cam.v
+            energy += hard * cam.energy
+            if rough:
+                sliding = friction * springs.cam_rubbing * hard
+                residual[t] += sliding * (cam.both if cam.both > 0.0 else cam.depth)
+                if cam.both == cam.depth or cam.depth < 0.0:
+                    tangent[t, x] -= sliding * u
+                    tangent[t, y] -= sliding * v
+            around = force / cam.depth * cam.around if cam.depth > 0.0 else hard * cam.around
+            along = rate - around
+            rx, ry = rx - force * u, ry - force * v
             xx += around + along * u * u
             xy += along * u * v
             yy += around + along * v * v
-        x, y, t, o = 3 * disc, 3 * disc + 1, 3 * disc + 2, number - 1
         residual[x], residual[y], residual[t] = residual[x] + rx, residual[y] + ry, residual[t] + rt
         residual[o] += ro
-        tangent[x, x], tangent[y, x], tangent[y, y] = xx, xy, yy
-        tangent[t, x], tangent[t, y], tangent[t, t] = xt, yt, tt
-        tangent[o, x], tangent[o, y], tangent[o, t] = xo, yo, to
+        tangent[x, x], tangent[y, y], tangent[t, t] = tangent[x, x] + xx, tangent[y, y] + yy, tangent[t, t] + tt
+        tangent[x, y], tangent[y, x] = tangent[x, y] + xy, tangent[y, x] + xy
+        tangent[x, t], tangent[t, x] = tangent[x, t] + xt, tangent[t, x] + xt
+        tangent[y, t], tangent[t, y] = tangent[y, t] + yt, tangent[t, y] + yt
+        tangent[x, o], tangent[o, x] = tangent[x, o] + xo, tangent[o, x] + xo
+        tangent[y, o], tangent[o, y] = tangent[y, o] + yo, tangent[o, y] + yo
+        tangent[t, o], tangent[o, t] = tangent[t, o] + to, tangent[o, t] + to
         tangent[o, o] += oo
+    if rough:
+        _drag(springs, k, friction, system)
+    if springs.bending.size:
+        energy += _bend(springs, k, z, soft, friction, system)
     return energy
 
 
@@ -787,11 +848,11 @@ def _straight(springs: Springs) -> int:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _bend(springs: Springs, k: int, z: Array, kept: Mask, system: _System) -> float:
+def _bend(springs: Springs, k: int, z: Array, soft: float, friction: float, system: _System) -> float:
     """Add output pins that bend, at departures z, to a system.
 
     Forces f on one pin in contacts of stiffness K, at widths w of the straight pin, hold where K^-1 f + B f + w = 0 and
-    are 0 where that is positive, B the `bending`; those of contacts that are `kept` hold where they pull, too.
+    are 0 where that is positive, B the `bending`.
 
     Returns
     -------
@@ -799,6 +860,7 @@ def _bend(springs: Springs, k: int, z: Array, kept: Mask, system: _System) -> fl
     """
     discs, energy = springs.bending.shape[0], 0.0
     first, o = _straight(springs), z.size - 1
+    rough = springs.rubbing.shape[0] > 0 and friction > 0.0
     width, pressed = np.empty(discs), np.empty(discs)
     ahead, aside, rate = np.empty((discs, 4)), np.empty((discs, 4)), np.empty(discs)
     carries, held = np.empty(discs, np.bool_), np.empty(discs, np.bool_)
@@ -807,31 +869,33 @@ def _bend(springs: Springs, k: int, z: Array, kept: Mask, system: _System) -> fl
         for d in range(discs):
             i = first + d * springs.pins + pin
             pose = _pose(springs, d, z)
-            found = _curved(springs, k, i, pose, _apart(springs, k, i, pose))
-            width[d], rate[d], held[d] = found.width, found.rate, kept[i]
+            found = _curved(springs, k, i, pose, _apart(springs, k, i, pose), _NO)
+            width[d], rate[d], held[d] = found.width, found.rate, system.kept[i]
             for j in range(4):
                 ahead[d, j], aside[d, j] = found.ahead[j], found.aside[j]
             for e in range(discs):
-                flexible[d, e] = springs.bending[d, e]
-            flexible[d, d] += 1.0 / springs.stiffness[k, i]
+                flexible[d, e] = springs.bending[d, e] / soft
+            flexible[d, d] += 1.0 / (soft * springs.stiffness[k, i])
         _hold(flexible, width, held, carries, pressed, stiff)
         for d in range(discs):
             system.pressed[first + d * springs.pins + pin] = pressed[d]
             energy -= 0.5 * pressed[d] * width[d]
         for d in range(discs):
+            i = first + d * springs.pins + pin
             if not carries[d]:
                 continue
-            turning, alone = -pressed[d] * rate[d], -pressed[d] / springs.radius
+            force = pressed[d]
+            turning, alone = -force * rate[d], -force / springs.radius
             for a in range(4):
                 row = 3 * d + a if a < 3 else o
-                system.residual[row] += pressed[d] * ahead[d, a]
+                rubs = friction * springs.rubbing[k, i, row] if rough else 0.0
+                system.residual[row] += force * (ahead[d, a] + rubs)
+                for b in range(4):
+                    system.tangent[row, 3 * d + b if b < 3 else o] += turning * aside[d, a] * aside[d, b]
                 for e in range(discs):
                     for b in range(4):
                         column = 3 * e + b if b < 3 else o
-                        if column > row:
-                            continue
-                        own = turning * aside[d, a] * aside[d, b] if d == e else 0.0
-                        system.tangent[row, column] += stiff[d, e] * ahead[d, a] * ahead[e, b] + own
+                        system.tangent[row, column] += stiff[d, e] * (ahead[d, a] + rubs) * ahead[e, b]
             # the turns of disc and output stiffen as in `_assemble`
             system.tangent[3 * d + 2, 3 * d + 2] += alone * aside[d, 2]
             system.tangent[o, o] += alone * aside[d, 3]
@@ -842,7 +906,7 @@ def _bend(springs: Springs, k: int, z: Array, kept: Mask, system: _System) -> fl
 def _hold(flexible: Array, width: Array, held: Mask, carries: Mask, pressed: Array, stiff: Array) -> None:
     """Find the forces on one pin [N] and which contacts carry, from widths [m] and flexibility [m/N]; and stiffness.
 
-    Contacts that would pull open, the strongest first, but those that are `held`.
+    Contacts that would pull open, the strongest first.
     """
     discs = width.size
     for d in range(discs):
@@ -906,20 +970,17 @@ def _cam(springs: Springs, k: int, disc: int, z: Array) -> _Cam:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _rub(springs: Springs, k: int, z: Array, force: Array, drag: Array, new: Array) -> float:
-    """Put the friction of the springs' forces and of the cams into `drag` [N]; give by how much that changes it [N]."""
-    for j in range(z.size):
-        new[j] = 0.0
-    for i in range(springs.disc.size):
-        for j in range(z.size if force[k, i] > 0.0 else 0):
-            new[j] += force[k, i] * springs.rubbing[k, i, j]
-    for disc in range(springs.cam_place.shape[1]):
-        new[3 * disc + 2] += springs.cam_rubbing * springs.cam_stiffness * _cam(springs, k, disc, z).both
-    change = 0.0
-    for j in range(z.size):
-        change = max(change, abs(new[j] - drag[j]))
-        drag[j] = new[j]
-    return change
+def _drag(springs: Springs, k: int, friction: float, system: _System) -> None:
+    """Add the friction of contacts that slide, in proportion to their normal forces, to a system."""
+    o, residual, tangent, row = springs.slope.shape[2] - 1, system.residual, system.tangent, system.row
+    for i in range(_straight(springs)):
+        force, x = system.pressed[i], 3 * springs.disc[i]
+        for a in range(4 if force != 0.0 else 0):
+            to = x + a if a < 3 else o
+            rubs = friction * springs.rubbing[k, i, to]
+            residual[to] += force * rubs
+            for b in range(4):
+                tangent[to, x + b if b < 3 else o] += row[i, _RATE] * rubs * row[i, b]
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
@@ -933,46 +994,47 @@ def _largest(values: Array) -> float:
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _solve(matrix: Array, right: Array, out: Array, floating: float) -> bool:
-    """Solve a symmetric system by Cholesky's method, from its lower half, in place; tell whether it is positive."""
+    """Solve a system by Gauss's elimination with pivots, in place; tell whether it has a solution.
+
+    What only floats is held by a stiffness beside.
+    """
     number = right.size
     for j in range(number):
-        pivot = matrix[j, j] + floating
-        for m in range(j):
-            pivot -= matrix[j, m] * matrix[j, m]
-        if not pivot > 0.5 * floating:
-            return False
-        pivot = math.sqrt(pivot)
-        matrix[j, j] = pivot
+        matrix[j, j] += floating
+        out[j] = right[j]
+    for j in range(number):
+        pivot = j
         for i in range(j + 1, number):
-            value = matrix[i, j]
-            for m in range(j):
-                value -= matrix[i, m] * matrix[j, m]
-            matrix[i, j] = value / pivot
-    for i in range(number):
-        value = right[i]
-        for m in range(i):
-            value -= matrix[i, m] * out[m]
-        out[i] = value / matrix[i, i]
-    for i in range(number - 1, -1, -1):
-        value = out[i]
-        for m in range(i + 1, number):
-            value -= matrix[m, i] * out[m]
-        out[i] = value / matrix[i, i]
+            if abs(matrix[i, j]) > abs(matrix[pivot, j]):
+                pivot = i
+        if pivot != j:
+            out[j], out[pivot] = out[pivot], out[j]
+            for m in range(j, number):
+                matrix[j, m], matrix[pivot, m] = matrix[pivot, m], matrix[j, m]
+        if not abs(matrix[j, j]) > 0.0:
+            return False
+        share = 1.0 / matrix[j, j]
+        for i in range(j + 1, number):
+            factor = matrix[i, j] * share
+            if factor == 0.0:
+                continue
+            for m in range(j + 1, number):
+                matrix[i, m] -= factor * matrix[j, m]
+            out[i] -= factor * out[j]
+    for j in range(number - 1, -1, -1):
+        value = out[j]
+        for m in range(j + 1, number):
+            value -= matrix[j, m] * out[m]
+        out[j] = value / matrix[j, j]
     return True
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _roll_off(matrix: Array, right: Array, out: Array, floating: float) -> None:
-    """Solve a symmetric system, from its lower half, as if all of its eigenvalues were positive.
-
-    Where the turning of convex contacts leaves no stable system, away from a balance, that leads down from the ridge.
-    """
+    """Solve a symmetric system as if all of its eigenvalues were positive: that leads down from a ridge."""
     number = right.size
-    for j in range(number):
-        out[j] = 0.0
-        for m in range(j, number):
-            matrix[j, m] = matrix[m, j]
     values, vectors = np.linalg.eigh(matrix)
+    _clear(out)
     for m in range(number):
         along = 0.0
         for j in range(number):
@@ -1080,7 +1142,7 @@ def follow_path(
                     share, shortest = _SHORTEST, _SHORTEST
                     continue
                 if share <= _SHORTEST or one.work[0] > _MOST_WORK * count:
-                    return Left(left, 0.0, one.work[0]), rows
+                    return Left(left, 1.0, one.work[0]), rows
                 share *= 0.5
                 continue
             done += share
@@ -1095,7 +1157,7 @@ def follow_path(
                 when[rows] = m - 1.0 + done
                 rows += 1
                 spare -= 1
-    return Left(0.0, 0.0, one.work[0]), rows
+    return Left(0.0, 1.0, one.work[0]), rows
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
@@ -1190,7 +1252,7 @@ def _settle(springs: Springs, rubbing: Rubbing, allowed: float, one: _Step, old:
         for _ in range(_RENEWALS):
             if inner <= 0.1 * allowed:
                 break
-            if not _solve(one.tangent, one.residual, one.step, floating):
+            if not _solve_stable(one.tangent, one.residual, one.step, floating):
                 _weigh(springs, rubbing, _YES, one, old, new)
                 _roll_off(one.tangent, one.residual, one.step, floating)
             _copy(new.z, one.start)
@@ -1207,6 +1269,36 @@ def _settle(springs: Springs, rubbing: Rubbing, allowed: float, one: _Step, old:
         if left <= allowed:
             break
     return left
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _solve_stable(matrix: Array, right: Array, out: Array, floating: float) -> bool:
+    """Solve a symmetric system by Cholesky's method, from its lower half, in place; tell whether it is positive."""
+    number = right.size
+    for j in range(number):
+        pivot = matrix[j, j] + floating
+        for m in range(j):
+            pivot -= matrix[j, m] * matrix[j, m]
+        if not pivot > 0.5 * floating:
+            return False
+        pivot = math.sqrt(pivot)
+        matrix[j, j] = pivot
+        for i in range(j + 1, number):
+            value = matrix[i, j]
+            for m in range(j):
+                value -= matrix[i, m] * matrix[j, m]
+            matrix[i, j] = value / pivot
+    for i in range(number):
+        value = right[i]
+        for m in range(i):
+            value -= matrix[i, m] * out[m]
+        out[i] = value / matrix[i, i]
+    for i in range(number - 1, -1, -1):
+        value = out[i]
+        for m in range(i + 1, number):
+            value -= matrix[m, i] * out[m]
+        out[i] = value / matrix[i, i]
+    return True
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
@@ -1241,8 +1333,8 @@ def _weigh(
         apart = _apart(springs, _FIRST, i, pose)
         _clear(ahead)
         depth = 0.0
-        if not _is_open(springs, _FIRST, i, apart):
-            found = _curved(springs, _FIRST, i, pose, apart)
+        if not _is_open(springs, _FIRST, i, apart, _NO):
+            found = _curved(springs, _FIRST, i, pose, apart, _NO)
             depth = max(-found.width, 0.0)
             if depth > 0.0:
                 ahead[x], ahead[x + 1], ahead[t], ahead[o] = found.ahead

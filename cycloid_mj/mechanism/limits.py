@@ -51,6 +51,32 @@ class Fit:
 
 def best_fit(design: Design, crank: float) -> Fit:
     """Find the pose at a crank angle [rad] that leaves the most room in all pairs."""
+    found, pose, least, _ = _most_room(design, crank)
+    radius, discs = design.output.pin_circle_radius, pose[:-1].reshape(-1, 3)
+    turned, carrier = discs[:, 2] / radius, float(pose[-1]) / radius
+    if design.output.turns_ring:
+        turned = turned - carrier
+    output = member.sense(design) * member.share(design) * carrier
+    return Fit(least, discs[:, :2], turned, output, _aside(design, found, pose))
+
+
+def tightest(design: Design, crank: float) -> tuple[float, dict[str, float]]:
+    """Find the room of `best_fit` at a crank angle [rad], and which pairs leave no more.
+
+    Clearances may be negative here, as in no design file.
+
+    Returns
+    -------
+    The room [m], and the share of each kind of pair, ``cam`` among them, in the forces that would press the parts into
+    this pose (the programme's dual values): together 1.
+    """
+    found, _, least, forces = _most_room(design, crank)
+    kinds = np.concatenate([found.kind, np.full(len(forces) - len(found.kind), "cam")])
+    return least, {str(kind): float(forces[kinds == kind].sum()) for kind in np.unique(kinds)}
+
+
+def _most_room(design: Design, crank: float) -> tuple[Gaps, Array, float, Array]:
+    """Give the gaps at a crank angle [rad], the pose (u,) [m] with the most room, that room [m], and dual values."""
     from scipy.optimize import linprog
 
     crank = float(member.against_ring(design, crank))
@@ -60,13 +86,7 @@ def best_fit(design: Design, crank: float) -> Fit:
     matrix = np.concatenate([-slope, np.ones((len(room), 1))], axis=1)
     best = linprog([0.0] * count + [-1.0], A_ub=matrix, b_ub=room / _SCALE, bounds=[(None, None)] * (count + 1))
     *free, least = np.asarray(best.x, dtype=np.float64)
-    pose = _SCALE * np.array(free)
-    radius, discs = design.output.pin_circle_radius, pose[:-1].reshape(-1, 3)
-    turned, carrier = discs[:, 2] / radius, float(pose[-1]) / radius
-    if design.output.turns_ring:
-        turned = turned - carrier
-    output = member.sense(design) * member.share(design) * carrier
-    return Fit(float(least) * _SCALE, discs[:, :2], turned, output, _aside(design, found, pose))
+    return found, _SCALE * np.array(free), _SCALE * float(least), -np.asarray(best.ineqlin.marginals)
 
 
 def stops(design: Design, crank: float, sides: int = CAM_SIDES) -> tuple[float, float]:

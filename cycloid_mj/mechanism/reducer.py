@@ -7,7 +7,7 @@ contact laws stand on solids and are attached above. Written for D discs at phas
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 import numpy as np
@@ -17,6 +17,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.deviations import Deviations, deviations
 from cycloid_mj.kinematics import gear_centre
 from cycloid_mj.modification import tooth_profile
+from cycloid_mj.sockets import socket_half_angle
 from cycloid_mj.types import Array
 
 
@@ -82,6 +83,9 @@ class Surfaces:
         How far each gives way before it carries [m], shape (n,): of massless pins; else 0.
     disc
         Index of the disc that is as wide as they are; None: they span all discs.
+    half_angle
+        Of the arc on which sockets hold their pins, about the direction `angle` [rad], massless pins counted as their
+        sockets; pi: all round.
     """
 
     names: tuple[str, ...]
@@ -92,6 +96,7 @@ class Surfaces:
     radius: Array
     play: Array
     disc: int | None = None
+    half_angle: float = math.pi
 
 
 @dataclass(frozen=True)
@@ -259,6 +264,7 @@ def _bodies(design: Design, made: Deviations) -> Iterator[Body]:
 def _ring(design: Design, made: Deviations) -> tuple[Surfaces, list[Mating]]:
     """Give what meets the teeth, and how it is carried where it moves."""
     ring, clearance, radius = design.ring, design.clearance, design.ring.pin_radius + made.pin_radius
+    half = socket_half_angle(design) if ring.has_sockets else math.pi
 
     def on_housing(stem: str, role: Role, radius: float | Array, play: float | Array = 0.0) -> Surfaces:
         numbered = names.all_numbered(stem, ring.teeth)
@@ -272,10 +278,12 @@ def _ring(design: Design, made: Deviations) -> tuple[Surfaces, list[Mating]]:
         stem, role = (names.LOBE, Role.LOBE) if ring.kind == "nonpin" else (names.PIN, Role.PIN)
         # What is larger fills a socket; a sleeve's play is in its bore.
         play = design.pin_play - made.pin_radius * ring.has_sockets if ring.has_massless_pins else 0.0
-        return on_housing(stem, role, radius, play), []
+        held = on_housing(stem, role, radius, play)
+        return (replace(held, half_angle=half) if ring.has_massless_pins else held), []
     pins = on_pins(names.PIN, Role.PIN, radius)
     if ring.has_sockets:
         sockets = on_housing(names.SOCKET, Role.OUTER, ring.pin_radius + clearance.pin_socket)
+        sockets = replace(sockets, half_angle=half)
         return pins, [Mating("pin_socket", sockets.names, pins, sockets)]
     bores = on_pins(names.SLEEVE, Role.OUTER, ring.sleeve_bore_radius)
     cores = on_housing(names.CORE, Role.INNER, ring.pin_radius - clearance.pin_sleeve - ring.sleeve_thickness)

@@ -152,6 +152,9 @@ def _attributes(design: Design, surfaces: Surfaces, i: int) -> dict[str, Any]:
         return {"quat": turn(angle), "userdata": [significant(one) for one in user_data(teeth)]}
     if surfaces.role == Role.LOBE:
         return {"quat": turn(angle)}
+    if surfaces.role == Role.OUTER and surfaces.half_angle < np.pi:
+        half = surfaces.half_angle
+        return {"quat": turn(angle), "userdata": [significant(np.cos(half)), significant(np.sin(half))]}
     if surfaces.role != Role.PIN:
         return {}
     # A pin that its ring carries round has no home: the collider takes where it is.
@@ -159,7 +162,8 @@ def _attributes(design: Design, surfaces: Surfaces, i: int) -> dict[str, Any]:
     if not design.ring.has_massless_pins:
         return {"userdata": home}
     softness = pair_stiffness(design, design.tooth_pair) / pair_stiffness(design, design.seat_pair)
-    return {"userdata": [*home, significant(float(surfaces.play[i])), significant(softness)]}
+    held = 1.0 + np.cos(surfaces.half_angle)
+    return {"userdata": [*home, *map(significant, (float(surfaces.play[i]), softness, held))]}
 
 
 def _teeth(design: Design, disc: int) -> Teeth:

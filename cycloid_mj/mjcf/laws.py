@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from cycloid_mj.contact.impact import impact_of
 from cycloid_mj.contact.law import ContactLaw, contact_law, contact_stiffness, damping_ratio
 from cycloid_mj.contact.timestep import effective_masses, timestep
 from cycloid_mj.contact.working import working_force
@@ -26,18 +27,20 @@ def contact_laws(design: Design, disc: int = 0) -> Laws:
 
     With massless pins the pair of gear and pin is one of gear and housing: both contacts in series, rubbing as easily
     as the easier of the two. An output pin that bends gives way at its disc's plane, in series with its contact; what a
-    disc's force bends it by at another disc's plane is left out (docs/decisions/11-bent-output-pins.md).
+    disc's force bends it by at another disc's plane is left out (docs/decisions/11-bent-output-pins.md). Of the law
+    IMPACT these are secants at the working force, which a run replaces at every step (`contact.each_step`).
     """
     laws = {}
     for kind, mass in effective_masses(design).items():
         through = kind == design.tooth_pair and design.ring.has_massless_pins
         friction = design.mesh_friction if through else design.friction_of(kind)
+        force, impact = working_force(design, kind), impact_of(design, kind)
         laws[kind] = contact_law(
             stiffness=contact_stiffness(design, kind, disc),
-            damping_ratio=damping_ratio(design, kind),
+            damping_ratio=impact.damping_ratio(force, mass) if impact else damping_ratio(design, kind),
             effective_mass=mass,
             friction=friction,
-            creep=friction * working_force(design, kind) / design.contact.creep_speed,
+            creep=friction * force / design.contact.creep_speed,
             timestep=timestep(design),
         )
     return laws

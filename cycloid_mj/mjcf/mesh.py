@@ -18,7 +18,7 @@ import numpy as np
 
 from cycloid_mj import names, profile
 from cycloid_mj.contact import each_step
-from cycloid_mj.contact.law import ContactLaw, SolverParameters, curvature_law, solver_parameters
+from cycloid_mj.contact.law import ContactLaw, SolverParameters, curvature_law, solver_parameters, stock_impratio
 from cycloid_mj.contact.working import for_slices, working_force
 from cycloid_mj.convex import ConvexSettings, Place, Rest, Surface, gear_holes, prism, surfaces
 from cycloid_mj.design import Design
@@ -31,6 +31,7 @@ from cycloid_mj.mjcf.laws import Laws, laws_of_discs, stiffest
 from cycloid_mj.mjcf.model import ReducerModel, add_actuators, empty_spec, judged
 from cycloid_mj.mjcf.sensors import add_sensors
 from cycloid_mj.modification import tooth_profile
+from cycloid_mj.sockets import require_drawn
 from cycloid_mj.solid import VISUAL_CHORD_ERROR, mesh, moving_masses, parts
 
 VISUAL, COLLISION = "visual", "collision"
@@ -76,10 +77,15 @@ def build_mesh(design: Design, settings: ConvexSettings | None = None) -> Reduce
     Raises
     ------
     DesignError
-        A part of the design cannot be made, or sliced; or its pins carry sleeves.
+        A part of the design cannot be made, or sliced; its pins carry sleeves; or its contacts follow IMPACT.
     ContactError
         MuJoCo cannot represent a contact's stiffness at this time step.
     """
+    if design.contact.law == "impact":
+        raise DesignError(
+            f'{design.name}: contact.law = "impact" acts on exact profiles alone, not on convex meshes: run it with '
+            '--contact profile, or set contact.law = "line"'
+        )
     made = mesh_spec(design, settings or ConvexSettings())
     gains = add_actuators(made.spec, made.crank_inertia)
     add_sensors(made.spec, design)
@@ -105,9 +111,10 @@ def mesh_spec(design: Design, settings: ConvexSettings) -> MeshSpec:
             f'ring.pins = "{design.ring.pins}" has no meshes for stock collision: {what} by exact contact only; '
             'choose ring.pins = "free" or "fixed", or the contact profile'
         )
+    require_drawn(design, "meshes for stock collision")
     masses = moving_masses(design)
     laws = laws_of_discs(design)
-    reducer, spec = mechanism(design), empty_spec(design, laws)
+    reducer, spec = mechanism(design), empty_spec(design, stock_impratio(design, laws))
     spec.nuser_geom = 0
     for item in (*spec.lights, *spec.cameras):
         spec.delete(item)

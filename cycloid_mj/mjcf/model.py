@@ -82,7 +82,7 @@ def build(design: Design, held: Held = "crank") -> ReducerModel:
     """
     masses = moving_masses(design)
     laws = laws_of_discs(design)
-    reducer, spec = mechanism(design), empty_spec(design, laws)
+    reducer, spec = mechanism(design), empty_spec(design, impratio(design, laws, timestep(design)))
     for name, solid in parts(design, VISUAL_CHORD_ERROR).items():
         shape = mesh(solid)
         spec.add_mesh(
@@ -97,7 +97,7 @@ def build(design: Design, held: Held = "crank") -> ReducerModel:
     inertias = {"crank": crank, "output": output_inertia(design), "": 0.0}
     gains = add_actuators(spec, inertias[held], held)
     add_sensors(spec, design)
-    each_step.add_sensor(spec)
+    each_step.add_sensor(spec, design.contact.law == "impact")
     if design.ring.has_pin_bodies:
         set_solver(spec, stiffest(laws), loaded=design.load.torque != 0.0)
     model = _add_pairs(spec, reducer.pairs, laws)
@@ -116,11 +116,8 @@ def xml(spec: Any) -> str:
         return str(spec.to_xml())
 
 
-def empty_spec(design: Design, laws: Sequence[Laws]) -> Any:
-    """Give an editable model with the options of every model of a design, and nothing in it but light and camera.
-
-    Of the options, ``impratio`` follows from the contact laws of each disc.
-    """
+def empty_spec(design: Design, impratio: float) -> Any:
+    """Give an editable model with the options of every model of a design, and nothing in it but light and camera."""
     spec = mujoco.MjSpec()
     spec.modelname = f"cycloid_{design.name}"
     spec.nuser_geom = USER_DATA + deviations(design).waves_in_use.size
@@ -130,7 +127,7 @@ def empty_spec(design: Design, laws: Sequence[Laws]) -> Any:
     option.integrator = mujoco.mjtIntegrator.mjINT_EULER
     option.solver = mujoco.mjtSolver.mjSOL_NEWTON
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
-    option.impratio = impratio(design, laws)
+    option.impratio = impratio
     option.iterations = 100
     option.tolerance = 1e-10
     # Mostly one island holds everything in contact: looking for more costs time. `set_solver` knows where not.

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle
 
 from cycloid_mj.analysis import MICROMETRE, SIGNALS, PinPath, Series
+from cycloid_mj.design import Design
 from cycloid_mj.plots.style import (
     BLACK,
     BLUE,
@@ -20,6 +20,8 @@ from cycloid_mj.plots.style import (
     styled,
     turn_degrees,
 )
+from cycloid_mj.profile import unit
+from cycloid_mj.sockets import socket_half_angle
 from cycloid_mj.types import Array
 
 CLEARANCE: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "linestyle": "--"}
@@ -27,7 +29,7 @@ CLEARANCE: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "linestyle": "--"}
 
 @styled
 def pin_figure(motion: Series, pin: PinPath) -> Figure:
-    """Draw the path of pin 1's centre within its clearance circle, its distance and its spin over a crank turn."""
+    """Draw the path of pin 1's centre within its clearance, its distance and its spin over a crank turn."""
     figure = sheet(3.2)
     axes = figure.subplot_mosaic("pr;ps", width_ratios=[1, 1.15])
     distance, spin, clearance = axes["r"], axes["s"], 1e6 * pin.clearance
@@ -36,7 +38,7 @@ def pin_figure(motion: Series, pin: PinPath) -> Figure:
     position, radial, speed = (
         SIGNALS[key].simulated(motion)[motion.one_turn] for key in ("pin_path", "pin_radial", "pin_spin")
     )
-    _path(axes["p"], position, clearance, place)
+    _path(axes["p"], position, _limit(motion.design, clearance, float(np.abs(position).max())), place)
     for panel, values, title in ((distance, radial, "Distance from the centre"), (spin, speed, "Spin")):
         panel.plot(degrees, values, color=BLUE, linewidth=0.9)
         panel.set_title(title)
@@ -54,10 +56,26 @@ def pin_figure(motion: Series, pin: PinPath) -> Figure:
     return figure
 
 
-def _path(axes: Axes, position: Array, clearance: float, place: str) -> None:
-    axes.add_patch(Circle((0.0, 0.0), clearance, fill=False, **CLEARANCE))
+def _limit(design: Design, clearance: float, reach: float) -> Array:
+    """Compute how far its seat lets a pin's centre go [um], shape (2, n): all round, or between the edges of a socket.
+
+    On the socket's arc it is the circle of the clearance; beyond, the pin rolls over an edge and its centre runs on a
+    circle of its own radius about that, here as far as `reach`, or to where the pin is caught between both edges.
+    """
+    half = socket_half_angle(design) if design.ring.has_sockets else np.pi
+    limit = clearance * unit(np.linspace(0.0, half, 100))
+    if half < np.pi:
+        radius = 1e6 * design.ring.pin_radius
+        rolled = half - np.linspace(0.0, 3.0 * (reach + clearance) / radius, 100)
+        beyond = (radius + clearance) * unit([half]) - radius * unit(rolled)
+        limit = np.concatenate([limit, beyond[np.minimum.accumulate(beyond[:, 0] > 0.0)]])
+    return np.concatenate([(limit * [-1.0, 1.0])[::-1], limit]).T
+
+
+def _path(axes: Axes, position: Array, limit: Array, place: str) -> None:
+    axes.plot(*limit, **CLEARANCE)
     axes.plot(*position.T, **SIMULATED)
     axes.plot(*position[0], marker="o", markersize=4, color=BLUE)
     axes.plot(0.0, 0.0, marker="+", markersize=7, color=BLACK, markeredgewidth=0.7)
-    square(axes, 1.12 * max(clearance, float(np.abs(position).max())))
+    square(axes, 1.12 * max(float(limit[1].max()), float(np.abs(position).max())))
     axes.set_title(f"Centre of {place} (dot: start)")

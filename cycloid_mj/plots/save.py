@@ -58,13 +58,18 @@ def save(figures: Mapping[str, Figure], folder: Path | str, formats: Sequence[st
     except OSError as problem:
         reason = problem.strerror or problem
         raise FigureError(f"cannot write figures to {folder}: {reason}; give a folder that can be written") from problem
-    files = {
+    files = pictures(figures, folder, formats)
+    write_whole(files)
+    return list(files)
+
+
+def pictures(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str] = ("png",)) -> dict[Path, bytes]:
+    """Draw figures as `save` writes them, to be written together with other files: path -> content."""
+    return {
         folder / f"{name}.{form}": drawn(figure, form)
         for name, figure in figures.items()
         for form in dict.fromkeys(formats)
     }
-    write_whole(files)
-    return list(files)
 
 
 @styled

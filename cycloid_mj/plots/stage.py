@@ -1,6 +1,5 @@
 """The figure of an animation: parts and arrows that move, and bars of the load on the ring."""
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -23,6 +22,7 @@ from cycloid_mj.plots.mechanism import LOOKS
 from cycloid_mj.plots.style import BLACK, BLUE, VERMILION
 from cycloid_mj.scene import ContactForces, Drawing, ring_outline
 from cycloid_mj.scene.pose import ring_places
+from cycloid_mj.sockets import socket_half_angle
 from cycloid_mj.solid import circle, gear_solid, housing_solid
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.solid.polygon import arc
@@ -47,8 +47,6 @@ RING = ("pin_gear", "tooth")
 PIN, SOCKET, OTHERS = "pin", "socket", "others"
 DARK = {"color": "#3B4046"}
 SOCKET_LOOK = {"facecolor": "white", "edgecolor": LOOKS["ring"]["edgecolor"], "zorder": 1.2}
-SPAN = math.radians(95.0)
-"""Half of the arc of a socket that is drawn [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,7 +191,9 @@ def _parts(axes: Axes, design: Design, drawn: Drawing) -> dict[str, list[Any]]:
     between = 0.5 * (valley + output.pin_circle_radius + output.hole_radius)
     mark = (0.0, between, 0.2 * output.pin_radius)
     return {
-        SOCKET: [[_socket(axes, radii.socket)] for _ in range(ring.has_sockets * ring.teeth)],
+        SOCKET: [
+            [_socket(axes, radii.socket, socket_half_angle(design))] for _ in range(ring.has_sockets * ring.teeth)
+        ],
         PIN: [_pin(axes, radii.pin) for _ in range(pinned * ring.teeth)],
         GEAR: [
             [_region(axes, [prism.outline, *(h[::-1] for h in prism.holes)], "gear", 1.5), _disc(axes, mark, DARK, 3)]
@@ -217,9 +217,9 @@ def _dashed(axes: Axes, design: Design, disc: int) -> Any:
     return axes.add_patch(PathPatch(_path([outline]), linewidth=0.5, **look))
 
 
-def _socket(axes: Axes, radius: float) -> Any:
-    """Draw the outer half of a socket, +x outwards."""
-    return axes.add_patch(PathPatch(Path(1e3 * arc(radius, -SPAN, SPAN, CHORD_ERROR)), linewidth=0.6, **SOCKET_LOOK))
+def _socket(axes: Axes, radius: float, half: float) -> Any:
+    """Draw a socket as far as it reaches round its pin, half of it on either side of +x, outwards."""
+    return axes.add_patch(PathPatch(Path(1e3 * arc(radius, -half, half, CHORD_ERROR)), linewidth=0.6, **SOCKET_LOOK))
 
 
 def _pin(axes: Axes, radius: float) -> list[Any]:

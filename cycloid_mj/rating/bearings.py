@@ -10,6 +10,7 @@ from cycloid_mj.contact.pressure import roller_radius
 from cycloid_mj.design import Design
 from cycloid_mj.member import share
 from cycloid_mj.rating import rolling
+from cycloid_mj.rating.hours import hours
 from cycloid_mj.rating.item import Item
 from cycloid_mj.rating.loading import Loading, relative_speed
 from cycloid_mj.stress.shaftgrid import shaft_measures
@@ -117,8 +118,7 @@ def _rated(
     """
     bearing = design.bearing
     each = [one.reshape(len(one), -1) for one in force]
-    means = np.array([max(rolling.mean_load(column) for column in one.T) for one in each])
-    load = bearing.service_factor * rolling.mean_load(means, turns)
+    load = bearing_load(design, each, turns)
     capacity = seat.dynamic or seat.row.dynamic
     life = rolling.life_hours(capacity, load, float(turns.sum()), bearing.reliability)
     formula = f"L = a1 (C/P)^(10/3), a1 {rolling.reliability_factor(bearing.reliability):.3g}, ISO 281:2007"
@@ -128,7 +128,7 @@ def _rated(
         less = rolling.life_hours(plain, load, float(turns.sum()), bearing.reliability)
         note = (
             f"assumed: {seat.row} {seat.where}, b_m {rolling.MACHINED:g} "
-            f"(b_m 1 leaves C {plain:.0f} N and {less:.0f} h), service factor {bearing.service_factor:g}"
+            f"(b_m 1 leaves C {plain:.0f} N and {hours(less)}), service factor {bearing.service_factor:g}"
         )
     yield Item(seat.key, f"{seat.name}, life", load, capacity, "N", None, life, formula, note)
     worst = max(float(one.max()) * peak / one_at for one, one_at in zip(each, _torques(found), strict=True))
@@ -145,6 +145,15 @@ def _rated(
         "s0 = C0/P0, C0 = 44 (1 - D/D_pw) Z L D, ISO 76",
         f"{given}; at the peak torque, {peak:.4g} N m, forces in proportion",
     )
+
+
+def bearing_load(design: Design, force: Sequence[Array], turns: Array) -> float:
+    """Average the forces on bearings alike [N], (m, bearings) for each point of a duty, for the most loaded of them.
+
+    `turns` are the relative speeds at the points times the share of time [rad/s].
+    """
+    means = np.array([max(rolling.mean_load(column) for column in one.T) for one in force])
+    return design.bearing.service_factor * rolling.mean_load(means, turns)
 
 
 def _torques(found: Sequence[Loading]) -> list[float]:

@@ -77,29 +77,40 @@ def datasheet(design: Design, life: float = LIFE) -> Datasheet:
     RunError
         No static balance was found, as where friction jams the reducer.
     """
-    static = sheet(design)
-    rated, weakest = rated_torque(design, design.drive.speed, life)
+    static = sheet(design, design.rated_torque)
+    momentary, stop = momentary_torque(design)
+    rated, weakest = min(rated_torque(design, design.drive.speed, life), (momentary, stop), key=lambda one: one[0])
     groups = {
-        "Ratings": _ratings(design, life, rated, weakest),
+        "Ratings": _ratings(design, life, (rated, weakest), (momentary, stop)),
         "Accuracy and stiffness": _accuracy(design, static),
         "Efficiency and heat": _efficiency(design, static),
         "Mass and size": _mass(design),
     }
-    curves = (life_curve(design, life), _efficiency_curve(design), _wind_up_curve(design))
+    curves = (life_curve(design, life, momentary), _efficiency_curve(design), _wind_up_curve(design))
     return Datasheet(design, life, groups, curves, _notes(design, life, static))
 
 
-def _ratings(design: Design, life: float, rated: float, weakest: Item) -> tuple[Quantity, ...]:
+def momentary_torque(design: Design) -> tuple[float, Item]:
+    """Give the torque [N m] that is held once with a safety of 1, and the item that ends it.
+
+    Forces go with the torque from those at the rated torque of the drive.
+    """
+    duty = steady(design.rated_torque, design.drive.speed)
+    stops = [item for item in rate(design, duty).items.values() if item.key.startswith(STOPS)]
+    first = min(stops, key=lambda item: item.safety or 0.0)
+    return duty.peak * (first.safety or 0.0), first
+
+
+def _ratings(
+    design: Design, life: float, lasting: tuple[float, Item], once: tuple[float, Item]
+) -> tuple[Quantity, ...]:
     speed, way = design.drive.speed, "forwards" if design.output.turns_ring else "backwards"
     at = f"{abs(speed) / RPM:.0f} rpm input"
     by_bearings, bearing = rated_torque(design, speed, life, is_bearing_life)
-    nominal, duty = design.rated_torque, steady(design.rated_torque, speed)
-    held = {item: item.safety or 0.0 for item in rate(design, duty).items.values() if item.key.startswith(STOPS)}
-    stop = min(held, key=lambda item: held[item])
-    momentary = duty.peak * held[stop]
+    (rated, weakest), (momentary, stop) = lasting, once
     return (
         Quantity("ratio", "Reduction ratio", design.reduction, "1", note=f"input to output, turning {way}"),
-        Quantity("rated_torque", f"Rated torque, {life:g} h", rated, "N m", note=f"{at}; by {weakest.name}"),
+        Quantity("rated_torque", f"Rated torque, {life:g} h", rated, "N m", note=f"{at}, safety 1; by {weakest.name}"),
         Quantity(
             "bearing_torque",
             "Torque by its bearings alone",
@@ -112,9 +123,15 @@ def _ratings(design: Design, life: float, rated: float, weakest: Item) -> tuple[
             "Momentary torque",
             momentary,
             "N m",
-            note=f"once; by {stop.name}",
+            note=f"once, safety 1; by {stop.name}",
         ),
-        Quantity("nominal_torque", "Torque of the drive", nominal, "N m", note="rated input torque times the ratio"),
+        Quantity(
+            "nominal_torque",
+            "Torque of the drive",
+            design.rated_torque,
+            "N m",
+            note="rated input torque times the ratio",
+        ),
         Quantity("input_speed", "Rated input speed", abs(speed) / RPM, "rpm", note="of the crank"),
     )
 
@@ -191,14 +208,14 @@ def axial_extent(design: Design) -> tuple[float, float]:
     return min(ends), max(ends)
 
 
-def life_curve(design: Design, life: float) -> Curve:
-    """Give the rated torque over the speed; a speed at which none is borne has no point."""
+def life_curve(design: Design, life: float, momentary: float = np.inf) -> Curve:
+    """Compute the rated torque over the speed, up to what is held once [N m]; where none is borne there is no point."""
     points: list[tuple[float, float]] = []
     for share in SPEEDS:
         speed = share * abs(design.drive.speed)
         with suppress(DesignError):
             torque, _ = rated_torque(design, speed, life, guess=points[-1][1] if points else 0.0)
-            points.append((speed / RPM, torque))
+            points.append((speed / RPM, min(torque, momentary)))
     x, y = np.array(points).T
     return Curve(f"Rated torque for {life:g} h", "all items", x, y, "input speed [rpm]", "output torque [N m]")
 
@@ -223,8 +240,8 @@ def _notes(design: Design, life: float, static: Sheet) -> tuple[str, ...]:
     return (
         f"Computed by cycloid_mj from the design {design.name}; nothing here is measured on a built drive.",
         f"Rated torque: what bearings (ISO 281, 90 %), surfaces (pitting, shakedown), parts (Goodman) and heat "
-        f"bear for {life:g} h; wear is left out. Momentary torque: by first yield, dents, bent or sheared pins, "
-        "or a jumped tooth.",
+        f"bear for {life:g} h, and what is held once; wear is left out. Momentary torque: held once, by first yield, "
+        "dents, bent or sheared pins, or a jumped tooth. Both with a safety of 1.",
         _made_of(design),
         *(f"{sentence[0].upper()}{sentence[1:]}." for sentence in static.assumptions),
     )

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cycloid_mj.errors import UsageError
+from cycloid_mj.replacing import as_input
 from cycloid_mj.units import RPM
 
 COLUMNS = ("torque_nm", "speed_rpm", "share")
@@ -66,7 +67,7 @@ def read_duty(path: Path, peak: float | None = None) -> Duty:
         The file is not there, or not of that form.
     """
     try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
+        with as_input(path).open(newline="", encoding="utf-8-sig") as file:
             lines = [(number, _cells(line)) for number, line in enumerate(file, start=1) if _tells(line)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise UsageError(

@@ -2,14 +2,24 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 from cycloid_mj.design import PARTNERS, PARTS, Design
 from cycloid_mj.design.materials import MATERIALS
+from cycloid_mj.design.model import Service
 from cycloid_mj.rating.item import Item
 from cycloid_mj.rating.loading import Loading
 
 HOTTEST = 120.0
 """Service temperature [°C] of a material that is not of the library (assumed)."""
+
+GREASE = "service.grease_temperature_c, assumed: from 100 to 120 on greases are made for heat, its maker tells"
+SEALS = "service.seal_temperature_c, assumed: nitrile rubber lasts to some 100, FKM to 200, its maker tells"
+"""Where the limits of what seals and lubricates are from.
+
+"High-Temperature Lubricants", Machinery Lubrication 30674: 100 to 120 °C is where those begin; 10 K halve an oil's
+life. Grundfos, "Shaft Seals", p. 22: nitrile rubber to 100 °C (120 for short), FKM to 200 °C.
+"""
 
 STILL_AIR = 8.0, 15.0
 """What a housing gives to still air, from least to most [W/(m2 K)]."""
@@ -24,7 +34,8 @@ def heat(design: Design, found: Sequence[Loading]) -> Iterator[Item]:
     lost = sum(sum(one.losses.values()) * one.point.share for one in found)
     area = outside(design)
     hot = service.ambient_temperature + lost / (service.film_coefficient * area)
-    part, limit = min(hottest(design), key=lambda one: one[1])
+    limits = sorted(hottest(design), key=lambda one: one.hottest)
+    first = limits[0]
     yield Item(
         "power_lost",
         "power lost",
@@ -39,20 +50,20 @@ def heat(design: Design, found: Sequence[Loading]) -> Iterator[Item]:
         ),
     )
     warm, cool = (service.ambient_temperature + lost / (film * area) for film in STILL_AIR)
-    rise, room = hot - service.ambient_temperature, limit - service.ambient_temperature
+    rise, room = hot - service.ambient_temperature, first.hottest - service.ambient_temperature
     yield Item(
         "temperature",
-        "housing temperature",
+        f"housing temperature, {first.name}",
         hot,
-        limit,
+        first.hottest,
         "°C",
         room / rise if rise else math.inf,
         None,
         "dT = losses/(h A); safety of the rise",
         f"{lost:.3g} W at h {service.film_coefficient:g} W/(m2 K) (assumed; {warm:.3g} to {cool:.3g} °C at 8 to 15) "
         f"from {1e4 * area:.3g} cm2, the outside of ring and output disc; "
-        f"{service.ambient_temperature:g} °C around it; limit by the {part}, "
-        f"{design.material_of(part).name or 'a material without a name'}",
+        f"{service.ambient_temperature:g} °C around it; limits: "
+        f"{', '.join(f'{one.hottest:g} °C {one.name} ({one.source})' for one in limits)}",
     )
     for kind in design.pair_kinds:
         grown = clearance_growth(design, kind) * (hot - REFERENCE)
@@ -104,8 +115,26 @@ def clearance_growth(design: Design, kind: str) -> float:
     return (alpha[outer] - alpha[inner]) * radius
 
 
-def hottest(design: Design) -> Iterator[tuple[str, float]]:
-    """Give each part and the temperature that it may have in service [°C]; `HOTTEST` where its material is unknown."""
+@dataclass(frozen=True)
+class Limit:
+    """What ends first when a reducer gets hot: its name, the temperature it bears [°C], and where that is from."""
+
+    name: str
+    hottest: float
+    source: str
+
+
+def hottest(design: Design) -> Iterator[Limit]:
+    """List what bears a temperature: grease, seals and every material of a part; `HOTTEST` where that is unknown."""
+    for name, given, source in (
+        ("grease", design.service.grease_temperature, GREASE),
+        ("seals", design.service.seal_temperature, SEALS),
+    ):
+        usual = Service.model_fields[f"{name.rstrip('s')}_temperature"].default
+        yield Limit(name, given, source if given == usual else "of the design file")
+    parts: dict[str, list[str]] = {}
     for part in PARTS:
-        entry = MATERIALS.get(design.material_of(part).name)
-        yield part, entry.hottest if entry else HOTTEST
+        parts.setdefault(design.material_of(part).name, []).append(part)
+    for material, made in parts.items():
+        entry, name = MATERIALS.get(material), f"{' and '.join(made)}, {material or 'a material without a name'}"
+        yield Limit(name, entry.hottest, "library") if entry else Limit(name, HOTTEST, "assumed")

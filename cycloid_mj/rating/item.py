@@ -5,6 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from cycloid_mj.rating.give import CamGive
+from cycloid_mj.rating.hours import LONGEST, hours, plain_life, written
 from cycloid_mj.result import Table, plain
 
 
@@ -45,14 +47,18 @@ class Item:
         return math.inf if self.life is None else self.life / life
 
     def as_json(self) -> dict[str, Any]:
-        """Give the item for a program, which has its key beside it; what is endless or without limit is None there."""
+        """Give the item for a program, which has its key beside it; what has no limit is None there.
+
+        `unlimited` tells a life of more than `LONGEST` hours, or a safety without end, from what has none.
+        """
         return {
             "name": self.name,
             "value": self.value,
             "unit": self.unit,
             "limit": self.limit,
             "safety": self.safety,
-            "life_h": self.life,
+            "life_h": plain_life(self.life),
+            "unlimited": self.unlimited,
             "source": self.source,
             "note": self.note,
         }
@@ -60,26 +66,28 @@ class Item:
     @property
     def load(self) -> str:
         """What acts, with its unit."""
-        return f"{_written(self.value)} {self.unit}"
+        return f"{written(self.value)} {self.unit}"
 
     @property
     def borne(self) -> str:
         """What is borne, with its unit; nothing where there is no standard limit."""
-        return "" if math.isnan(self.limit) else f"{_written(self.limit)} {self.unit}"
+        return "" if math.isnan(self.limit) else f"{written(self.limit)} {self.unit}"
 
     @property
     def verdict(self) -> str:
         """Its safety, or its hours, in words; nothing for a mere figure."""
+        if self.unlimited:
+            return "unlimited"
         if self.safety is not None:
-            return f"{self.safety:.3g}" if math.isfinite(self.safety) else "unlimited"
-        if self.life is not None:
-            return f"{_written(self.life)} h" if math.isfinite(self.life) else "endless"
-        return ""
+            return f"{self.safety:.3g}"
+        return "" if self.life is None else hours(self.life)
 
-
-def _written(value: float) -> str:
-    """Write a number with four digits, large ones without a power of ten."""
-    return f"{value:.4g}" if abs(value) < 1e4 else f"{float(f'{value:.4g}'):.0f}"
+    @property
+    def unlimited(self) -> bool:
+        """Whether its safety has no end, or its life more hours than `LONGEST`."""
+        if self.safety is not None:
+            return math.isinf(self.safety)
+        return self.life is not None and self.life > LONGEST
 
 
 @dataclass(frozen=True)
@@ -98,6 +106,8 @@ class Rating:
         Key -> item, the weakest first.
     assumptions
         What stands behind all of them, a sentence each.
+    cam_give
+        What the cam carries over the give of its bearing, where that was asked for.
     """
 
     design: str
@@ -105,6 +115,7 @@ class Rating:
     life: float
     items: Mapping[str, Item]
     assumptions: tuple[str, ...]
+    cam_give: CamGive | None = None
 
     @property
     def weakest(self) -> Item:
@@ -134,5 +145,6 @@ class Rating:
             "weakest": self.weakest.key,
             "items": self.items,
             "assumptions": list(self.assumptions),
+            **({"cam_give": self.cam_give} if self.cam_give else {}),
         }
         return dict(plain(found))

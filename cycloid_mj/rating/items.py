@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from cycloid_mj.design import Design, material_limits
 from cycloid_mj.errors import DesignError
 from cycloid_mj.rating.bearings import bearings
+from cycloid_mj.rating.cam import cam_give
 from cycloid_mj.rating.duty import Duty, steady
 from cycloid_mj.rating.heat import heat
 from cycloid_mj.rating.item import Rating
@@ -20,11 +21,16 @@ LIFE = 10_000.0
 
 
 def rate(
-    design: Design, duty: Duty | None = None, life: float = LIFE, ranges: dict[str, StressRange] | None = None
+    design: Design,
+    duty: Duty | None = None,
+    life: float = LIFE,
+    ranges: dict[str, StressRange] | None = None,
+    give: bool = False,
 ) -> Rating:
     """Rate a sound design under a duty, by default its rated torque and speed, for a life [h].
 
     `ranges` are the stress ranges of its gear and ring that a study by finite elements found, by part.
+    With `give` the cam is solved over the stiffness that is assumed for it as well, see ``rating.cam``.
 
     Raises
     ------
@@ -48,9 +54,9 @@ def rate(
         *peaks(design, duty.peak, worst),
     ]
     ordered = sorted(items, key=lambda item: item.margin(life))
-    return Rating(
-        design.name, duty.words, life, {item.key: item for item in ordered}, tuple(_assumptions(design, duty))
-    )
+    spread = cam_give(design, duty) if give else None
+    assumptions = *_assumptions(design, duty), *([spread.words] if spread else [])
+    return Rating(design.name, duty.words, life, {item.key: item for item in ordered}, assumptions, spread)
 
 
 def _assumptions(design: Design, duty: Duty) -> Iterator[str]:

@@ -8,6 +8,7 @@ from typing import Any
 
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
+from cycloid_mj.replacing import as_input
 
 RESULT = "stress.json"
 
@@ -31,7 +32,7 @@ def read_ranges(path: Path, design: Design) -> dict[str, StressRange]:
     """
     file = path / RESULT if path.is_dir() else path
     try:
-        told = json.loads(file.read_text(encoding="utf-8"))
+        told = json.loads(as_input(file).read_text(encoding="utf-8"))
         studies = {str(one["design"]): one for one in told["designs"]}
     except (OSError, UnicodeDecodeError) as error:
         raise UsageError(

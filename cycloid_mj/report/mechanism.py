@@ -12,22 +12,35 @@ from cycloid_mj.mechanism.reducer import phases
 from cycloid_mj.member import columns_from_ring, seen_from_ring
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.report.encode import encoded
-from cycloid_mj.scene import contact_forces, drawn_radii, gaps, ideal_forces, largest_magnification
+from cycloid_mj.scene import (
+    contact_forces,
+    drawn_radii,
+    fitting_magnification,
+    gaps,
+    ideal_forces,
+    largest_magnification,
+    widest_gap,
+)
 from cycloid_mj.scene.drawing import tooth_clearance
 from cycloid_mj.solid import gear_solid, housing_solid
 from cycloid_mj.types import Array
 
 FRAMES = 360
 CHORD_ERROR = 1e-5
-MAGNIFICATIONS = (1, 50, 100, 200, 500, 1000)
-USUAL_MAGNIFICATION = 200
+MAGNIFICATIONS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 
 
 def mechanism(motion: Series) -> dict[str, Any]:
     """Give the mechanism's outlines [mm] and its motion over one settled crank turn."""
     rows = _rows(motion)
     columns = {name: values[rows] for name, values in motion.run.columns.items()}
-    return _shape(motion.design) | {"frames": _frames(motion, columns, motion.time[rows])}
+    seen = seen_from_ring(motion.design)
+    widest = widest_gap(seen, gaps(seen, columns_from_ring(motion.design, columns)))
+    return _shape(motion.design) | {
+        "usual": fitting_magnification(seen, widest, MAGNIFICATIONS),
+        "widest": 1e3 * widest,
+        "frames": _frames(motion, columns, motion.time[rows]),
+    }
 
 
 def _rows(motion: Series) -> npt.NDArray[np.intp]:
@@ -64,7 +77,6 @@ def _shape(design: Design) -> dict[str, Any]:
             for times in MAGNIFICATIONS
             if times <= largest
         ],
-        "usual": USUAL_MAGNIFICATION,
     }
     if ring.kind != "pin":
         outline = sample_ring_by_sagitta(tooth_profile(design), CHORD_ERROR)

@@ -38,6 +38,8 @@ def page(reviewed: Sequence[Reviewed]) -> str:
             conditions=_conditions(reviewed),
             warnings=[(item.name, line) for item in reviewed for line in tables.warnings(item)],
             numbers=_numbers,
+            magnified=min(run["mechanism"]["usual"] for run in data["runs"]),
+            widest=[1e3 * run["mechanism"]["widest"] for run in data["runs"]],
             tables=tables,
             figures=figures(reviewed),
             bands=[spectrum["band"] for spectrum in spectra.values() if spectrum],

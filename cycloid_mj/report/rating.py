@@ -2,6 +2,7 @@
 
 from cycloid_mj.rating import Item, Rating
 from cycloid_mj.report.page import environment
+from cycloid_mj.report.tables import Table
 
 NEAR = 1.5
 """Margin below which an item that holds is shown as near its limit."""
@@ -14,7 +15,7 @@ def rating_page(found: Rating) -> str:
         margin = item.margin(found.life)
         return "figure" if item.verdict == "" else "fails" if margin < 1.0 else "near" if margin < NEAR else "holds"
 
-    table = found.table()
+    table, give = found.table(), found.cam_give.table() if found.cam_give else None
     failing = sum(state(item) == "fails" for item in found.items.values())
     return (
         environment()
@@ -25,5 +26,7 @@ def rating_page(found: Rating) -> str:
             header=table.header,
             rows=list(zip(map(state, found.items.values()), table.cells, strict=True)),
             failing=failing,
+            give=None if give is None else Table([give.header], give.cells),
+            give_title=give.title if give else "",
         )
     )

@@ -104,6 +104,8 @@ def _facts(item: Reviewed) -> Iterator[tuple[str, str]]:
     yield "simulated", f"{span:.4g} s, {turns:.1f} crank turns, {len(run):,} samples"
     steps = f", {item.findings.steps:,} steps" if item.findings.steps else ""
     yield "time step", f"{MICROSECOND.from_si(item.findings.timestep_s):g} µs{steps}"
+    if item.findings.timestep_for:
+        yield "chosen for", item.findings.timestep_for
     window = item.findings.window
     judged = f"{window.phase}, {window.start_s:.4g} to {window.end_s:.4g} s, {window.crank_turns:.2f} crank turns"
     yield "judged", judged

@@ -17,7 +17,7 @@ from cycloid_mj.result import Curve, Quantity, Table
 from cycloid_mj.robot.measured import SMALL, Play, play_of
 from cycloid_mj.robot.reducer import Reducer
 from cycloid_mj.robot.ripple import Ripple
-from cycloid_mj.robot.study import tried
+from cycloid_mj.robot.study import vibration
 from cycloid_mj.robot.transmission import error, waves
 from cycloid_mj.robot.trial import Bench, bench
 from cycloid_mj.types import Array
@@ -41,20 +41,14 @@ SHARES = (0.1, 0.25, 0.5, 0.75, 1.0)
 ANGLES = 5
 """Times as many crank angles of the full model as `statics` has; not those that the joint was measured at."""
 
-POINTS_OF_THE_LOOP = 161
-"""Torques from end to end, each way."""
+POINTS_OF_THE_LOOP = 160
+"""Torques from end to end, zero not among them: there the output rests anywhere in its play."""
 
 QUASI_STATIC = 5e-3
 """Step [s] of what is slow, with the integrator `discrete`, which damps all that would vibrate."""
 
-STILL, PATIENCE = 1e-7, 2000
-"""At rest is what moves by less than this share of the play in a step; steps to wait for it at most."""
-
-FINE = 1e-4
-"""Step [s] of what vibrates, divided by the angle that the vibration turns in it if that is more than `ANGLE`."""
-
 ANGLE = 0.02
-"""Largest angle of a vibration in a step [rad]: its frequency is then right within a part in a thousand."""
+"""Angle of a vibration in a step [rad]: its frequency is then right within a part in ten thousand."""
 
 NOTABLE = 0.1
 """Harmonics are compared that have this share of the largest."""
@@ -168,20 +162,13 @@ def _strongest(ripple: Ripple) -> float:
 
 
 def _loop(reducer: Reducer, play: Play) -> tuple[list[Quantity], list[Curve]]:
-    """Take the output slowly round a loop of torque at a locked crank."""
+    """Let the output rest under torques from one end to the other at a locked crank."""
     on = bench(reducer, 1e-3 * reducer.reflected_inertia, QUASI_STATIC)
     on.hold()
     rated = play.rated
 
     def turn(share: float) -> float:
-        before = on.length
-        for _ in range(PATIENCE):
-            on.push(share * rated)
-            on.step()
-            before, moved = on.length, abs(on.length - before)
-            if moved < STILL * reducer.backlash:
-                break
-        return on.length
+        return on.rest(share * rated)
 
     small = {share: turn(share) for share in (SMALL, 2.0 * SMALL, -SMALL, -2.0 * SMALL)}
     width = 2.0 * small[SMALL] - small[2.0 * SMALL] - 2.0 * small[-SMALL] + small[-2.0 * SMALL]
@@ -207,8 +194,7 @@ def _loop(reducer: Reducer, play: Play) -> tuple[list[Quantity], list[Curve]]:
         ),
     ]
     ramp = np.linspace(-1.0, 1.0, POINTS_OF_THE_LOOP)
-    falling = np.array([turn(share) for share in ramp[::-1]])[::-1]
-    rising = np.array([turn(share) for share in ramp])
+    joint_turn = np.array([turn(share) for share in ramp])
     shares = np.array([0.0, *sorted(play.wind_up)])
     half = np.array([0.0, *(play.wind_up[share] for share in shares[1:].tolist())])
     sides = [(play.stops[1] + half, shares * rated), (play.stops[0] - half, -shares * rated)]
@@ -217,8 +203,7 @@ def _loop(reducer: Reducer, play: Play) -> tuple[list[Quantity], list[Curve]]:
     panel = "hysteresis loop, crank locked"
     return rows, [
         Curve(panel, "full model", whole[1], whole[0] / ARCMINUTE, *axes, "theory"),
-        Curve(panel, "joint, falling", ramp * rated, falling / ARCMINUTE, *axes),
-        Curve(panel, "joint, rising", ramp * rated, rising / ARCMINUTE, *axes),
+        Curve(panel, "joint", ramp * rated, joint_turn / ARCMINUTE, *axes),
     ]
 
 
@@ -226,9 +211,9 @@ def _resonance(reducer: Reducer, play: Play) -> Iterator[Quantity]:
     """Let a heavy load vibrate about the rated torque: sqrt(k/J), with the full model's slope."""
     inertia = 10.0 * reducer.reflected_inertia
     expected = math.sqrt(play.stiffness / (inertia + reducer.output_inertia))
-    run = tried(reducer, "implicitfast", min(FINE, ANGLE / expected), inertia)
+    _, _, off = vibration(bench(reducer, inertia, ANGLE / expected, "implicitfast"), inertia)
     own = math.sqrt(reducer.stiffness(play.rated) / (inertia + reducer.output_inertia))
-    found = own * (1.0 + run.frequency) / (2.0 * np.pi)
+    found = own * (1.0 + off) / (2.0 * np.pi)
     yield Quantity(
         "resonance_hz", f"resonance with {inertia:.3g} kg m2, crank held", found, "Hz", None, expected / (2.0 * np.pi)
     )

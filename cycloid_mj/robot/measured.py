@@ -17,7 +17,7 @@ from cycloid_mj.contact.working import working_at
 from cycloid_mj.design import Design
 from cycloid_mj.errors import DesignError, RunError
 from cycloid_mj.loaded.balance import loads, powers
-from cycloid_mj.loaded.sheet import SELF_LOCKING, driven
+from cycloid_mj.loaded.sheet import driven, self_locking
 from cycloid_mj.loaded.springs import POSES, springs_of, turn_evenly
 from cycloid_mj.loaded.windup import STRAIGHT, windups
 from cycloid_mj.measure import spread
@@ -310,7 +310,7 @@ def _quantities(design: Design, made: Reducer, fine: Play, coarse: Play) -> Iter
         0.0 if locked else 100.0 * back.efficiency,
         "%",
         0.0 if locked else 100.0 * _angles_leave_out(design, -held / rated),
-        note=SELF_LOCKING if locked else "",
+        note=self_locking(design, rated) if locked else "",
     )
     near, far = ((torque, friction.torque(torque, speed, driving=True)) for torque in friction.torques[1:3])
     yield Quantity(

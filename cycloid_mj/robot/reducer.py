@@ -7,16 +7,19 @@ stops the joint is free; beyond them it winds up. All torques of friction are on
 import json
 import math
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, Self, get_args
 
+import numpy as np
+
 from cycloid_mj.errors import CycloidError, UsageError
 from cycloid_mj.result import Quantity
 from cycloid_mj.robot.friction import Friction
 from cycloid_mj.robot.ripple import Ripple
+from cycloid_mj.types import Array
 from cycloid_mj.units import RPM
 
 Level = Literal["rigid", "backlash", "full"]
@@ -27,9 +30,6 @@ LEVELS: tuple[Level, ...] = get_args(Level)
 
 AT_REST = 1e-3
 """Speed of the crank [rad/s] below which what pulls on it tells which way it is about to turn."""
-
-FIXED_POINT = 3
-"""Rounds in which a torque and what depends on it are found, each from the other."""
 
 NUMBERS = ("ratio", "rated_torque", "rated_speed", "damping", "rotor_inertia", "output_inertia")
 """Values of a reducer that are numbers above 0."""
@@ -164,11 +164,34 @@ class Reducer:
 
     def stops_at(self, angle: float, length: float) -> tuple[float, float]:
         """Give the stops at a crank angle with their errors under the torque that L = `length` takes [rad]."""
-        low, high = self.stops
-        for _ in range(FIXED_POINT):
-            errors = self.ripple.errors(angle, abs(self.torque(length, (low, high))) / self.rated_torque)
-            low, high = self.stops[0] + errors[0], self.stops[1] + errors[1]
-        return low, high
+        return self.moving_stops(angle)(length)
+
+    def moving_stops(self, angle: float) -> Callable[[float], tuple[float, float]]:
+        """Sum the errors at a crank angle [rad]: a function from L [rad] to the stops [rad], as `stops_at`.
+
+        L over the torque is straight lines between the loads of the errors and the starts of the springs, so the torque
+        that L takes is read off them, however much the error moves with it. Where the error falls faster with the load
+        than the springs wind up, the larger of the torques that fit is taken.
+        """
+        shares, wound = self._wound
+        low, high = (np.interp(shares, self.ripple.loads, error) for error in self.ripple.errors_at(angle))
+        lower, upper = (_rising(wound - low - self.stops[0]), _rising(wound + high + self.stops[1]))
+
+        def stops(length: float) -> tuple[float, float]:
+            below, above = np.interp(-length, lower, shares), np.interp(length, upper, shares)
+            return (
+                self.stops[0] + float(np.interp(below, shares, low)),
+                self.stops[1] + float(np.interp(above, shares, high)),
+            )
+
+        return stops
+
+    @cached_property
+    def _wound(self) -> tuple[Array, Array]:
+        """Shares of the rated torque at which the errors or the springs bend, and the wind-up there [rad]."""
+        starts = [sum(one.stiffness * max(at.start - one.start, 0.0) for one in self.springs) for at in self.springs]
+        shares = np.unique([0.0, *self.ripple.loads, *(torque / self.rated_torque for torque in starts)])
+        return shares, np.array([self.wind_up(share * self.rated_torque) for share in shares.tolist()])
 
     def at(self, level: Level) -> Self:
         """Give the same reducer at another level."""
@@ -341,3 +364,8 @@ class Reducer:
         values = asdict(replace(self, quantities={}))
         del values["quantities"]
         return values
+
+
+def _rising(values: Array) -> Array:
+    """Lower each of some values to the least that follows, shape (n,)."""
+    return np.minimum.accumulate(values[::-1])[::-1]

@@ -43,13 +43,17 @@ class Ripple:
     high_error: Rows
 
     def errors(self, angle: float, share: float) -> tuple[float, float]:
-        """Give the errors of both stops [rad] at a crank angle [rad], under a share of the rated torque."""
+        """Compute the errors of both stops [rad] at a crank angle [rad], under a share of the rated torque."""
+        low, high = self.errors_at(angle)
+        return float(np.interp(share, self.loads, low)), float(np.interp(share, self.loads, high))
+
+    def errors_at(self, angle: float) -> Array:
+        """Sum the harmonics at a crank angle [rad]: the errors of lower and upper stop [rad] by load, shape (2, l)."""
         if not self.orders:
-            return 0.0, 0.0
-        orders, loads, waves = self._arrays
+            return np.zeros((2, len(self.loads)))
+        orders, waves = self._arrays
         turned = orders * angle
-        both = waves @ np.concatenate([np.cos(turned), np.sin(turned)])
-        return float(np.interp(share, loads, both[0])), float(np.interp(share, loads, both[1]))
+        return np.asarray(waves @ np.concatenate([np.cos(turned), np.sin(turned)]))
 
     def harmonics(self, way: int, rated: float) -> Iterator[dict[str, Any]]:
         """Give every harmonic for a program: its amplitude [arcsec] under each load, with the crank turning each way.
@@ -79,10 +83,10 @@ class Ripple:
         return cls(orders, loads, **rows)
 
     @cached_property
-    def _arrays(self) -> tuple[Array, Array, Array]:
-        """Orders, loads, and a and b at both stops, shape (2, l, 2 k)."""
+    def _arrays(self) -> tuple[Array, Array]:
+        """Orders, and a and b at both stops, shape (2, l, 2 k)."""
         waves = [np.concatenate([cos, sin], axis=1) for cos, sin in self._stops]
-        return np.array(self.orders), np.array(self.loads), np.array(waves)
+        return np.array(self.orders), np.array(waves)
 
     @property
     def _stops(self) -> tuple[tuple[Rows, Rows], tuple[Rows, Rows]]:

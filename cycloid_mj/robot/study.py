@@ -1,24 +1,37 @@
-"""Which time steps and integrators the joint bears: run at each, with nothing, its own and a heavy inertia on it."""
+"""Which time steps and integrators the joint bears: run at each, with nothing, its own and a heavy inertia on it.
 
-from collections.abc import Iterator
+A step is stable if the joint vibrates no more than at its start, crank held and free; it is accurate if what the load
+winds up to in an `impact` is right as well.
+"""
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from cycloid_mj.result import Table
+from cycloid_mj.robot.impact import impact, peak_of
 from cycloid_mj.robot.reducer import LEVELS, Level, Reducer
 from cycloid_mj.robot.trial import INTEGRATORS, Bench, Integrator, bench
 from cycloid_mj.types import Array
+from cycloid_mj.units import ARCMINUTE
 
 STEPS = (1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3)
 """Time steps of the study [s]."""
 
+FINER = (5e-5, 2e-5)
+"""Those that follow, one after the other, where the shortest of `STEPS` is not accurate."""
+
+USUAL = 1e-3
+"""Step of a scene [s], if it is accurate."""
+
 INERTIAS = {"bare output": 1e-3, "matched": 1.0, "heavy": 10.0}
 """Inertias on the output, as shares of what the reducer itself has there with its crank free."""
 
-PERIODS, FEWEST, MOST = 10.0, 60, 4000
-"""Length of a run in periods of the joint's vibration, and its steps at least and at most."""
+PERIODS, FEWEST = 8.0, 60
+"""Length of a run in periods of the joint's vibration, and its steps at least."""
 
 START = 0.8
 """Where the vibration starts, in wind-ups under the rated torque: about the rated torque, on the joint's last slope."""
@@ -30,7 +43,10 @@ LEFT = 1e-3
 """A vibration smaller than this share of the wind-up has died away."""
 
 WOUND_UP = 0.01
-"""Largest relative error of the wind-up at which a step is good."""
+"""Largest relative error of the wind-up at which static values are right."""
+
+ACCURATE = 0.05
+"""Largest relative error of the peak of an impact at which a step is accurate."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +66,10 @@ class Tried:
         Not a number where it is unstable.
     frequency
         Of its vibration over sqrt(k/J) less 1; not a number where too few steps resolve it, or none is left.
+    impact_frequency
+        Of the load of the impact [Hz]; not a number at the level `rigid`, which has none.
+    impact_peak, impact_error
+        Wind-up beyond the stop that the impact ends in [rad], and its relative error; not a number where it runs away.
     """
 
     level: Level
@@ -60,11 +80,19 @@ class Tried:
     stable: bool
     error: float
     frequency: float
+    impact_frequency: float = math.nan
+    impact_peak: float = math.nan
+    impact_error: float = math.nan
 
     @property
     def good(self) -> bool:
         """Whether it is stable and the static values are right."""
         return self.stable and abs(self.error) <= WOUND_UP
+
+    @property
+    def accurate(self) -> bool:
+        """Whether it is good and gets an impact right; at the level `rigid` there is none."""
+        return self.good and (self.level == "rigid" or abs(self.impact_error) <= ACCURATE)
 
     @property
     def words(self) -> str:
@@ -73,7 +101,17 @@ class Tried:
             return "unstable"
         if not self.good:
             return f"off by {100.0 * self.error:+.1f} %"
-        return "stable" if np.isnan(self.frequency) else f"f {100.0 * self.frequency:+.1f} %"
+        return "stable" if self.level == "rigid" else f"{100.0 * self.impact_error:+.1f} %"
+
+    @property
+    def sentence(self) -> str:
+        """What to say of it alone."""
+        if not self.good or self.level == "rigid":
+            return self.words
+        return (
+            f"peak of an impact at {self.impact_frequency:g} Hz under the rated load off by "
+            f"{100.0 * self.impact_error:+.1f} % ({self.impact_peak / ARCMINUTE:.4g} arcmin of wind-up)"
+        )
 
     def as_json(self) -> dict[str, Any]:
         """Give it for a program."""
@@ -84,14 +122,39 @@ class Tried:
             "inertia_kg_m2": self.inertia,
             "timestep_s": self.timestep,
             "stable": self.stable,
+            "accurate": self.accurate,
             "static_error": self.error,
             "frequency_error": self.frequency,
+            "impact_hz": self.impact_frequency,
+            "impact_wind_up_arcmin": self.impact_peak / ARCMINUTE,
+            "impact_error": self.impact_error,
         }
 
 
 def study(reducer: Reducer) -> tuple[Tried, ...]:
-    """Try every level, integrator, inertia and step."""
+    """Try every level, integrator and inertia at `STEPS`, and at `FINER` ones where none of these is accurate."""
     return tuple(_all(reducer))
+
+
+def scene(
+    reducer: Reducer,
+    inertia: float,
+    timestep: float | None = None,
+    integrators: Sequence[Integrator] = ("implicitfast", "discrete"),
+) -> Tried:
+    """Try the step [s] of a scene with an inertia on the output [kg m2], or choose it if it is None.
+
+    Chosen is the longest accurate step of up to `USUAL`, of the integrators the first that has it; where no step is
+    accurate, the stable one with the smallest error.
+    """
+    shorter = (*(step for step in reversed(STEPS) if step <= USUAL), *FINER)
+    runs = []
+    for step in shorter if timestep is None else (timestep,):
+        for integrator in integrators:
+            runs.append(tried(reducer, integrator, step, inertia))
+            if runs[-1].accurate:
+                return runs[-1]
+    return min(runs, key=lambda one: (not one.stable, not one.good, abs(np.nan_to_num(one.impact_error, nan=np.inf))))
 
 
 def tried(
@@ -102,72 +165,81 @@ def tried(
     def on() -> Bench:
         return bench(reducer, inertia, timestep, integrator)
 
+    run = reducer.level, integrator, load, timestep, inertia
     if reducer.level == "rigid":
-        stable, error, frequency = _rigid(on(), inertia)
-    else:
-        stable, error, frequency = _wound_up(on(), inertia)
-        stable = stable and _stays(on(), inertia)
-    return Tried(reducer.level, integrator, load, timestep, inertia, stable, error, frequency)
+        return Tried(*run, *_rigid(on(), inertia))
+    struck = impact(reducer, inertia)
+    stable, error, frequency = vibration(on(), inertia)
+    peak = peak_of(on(), struck) if stable and _stays(on(), inertia) else None
+    if peak is None:
+        return Tried(*run, False, math.nan, math.nan, struck.frequency)
+    return Tried(*run, True, error, frequency, struck.frequency, peak, peak / struck.peak - 1.0)
 
 
-def longest(found: tuple[Tried, ...], level: Level, integrator: Integrator, load: str) -> float:
-    """Give the longest step up to which every step was good; 0 where none is."""
+def longest(found: Iterable[Tried], level: Level, integrator: Integrator, load: str) -> Tried | None:
+    """Give the longest step up to which every one that was tried is accurate; None where none is."""
     steps = [one for one in found if (one.level, one.integrator, one.load) == (level, integrator, load)]
-    good = 0.0
+    best = None
     for one in sorted(steps, key=lambda one: one.timestep):
-        if not one.good:
+        if one.accurate:
+            best = one
+        elif best is not None:
             break
-        good = one.timestep
-    return good
+    return best
 
 
 def recommended(found: tuple[Tried, ...]) -> list[dict[str, Any]]:
-    """Give the longest good step [s] of each integrator at each level: with any inertia, and with each; 0 is none."""
-    return [
-        {
-            "level": level,
-            "integrator": integrator,
-            "timestep_s": min(by_load.values()),
-            "by_load": by_load,
-        }
-        for level in LEVELS
-        for integrator in INTEGRATORS
-        for by_load in [{load: longest(found, level, integrator, load) for load in INERTIAS}]
-    ]
+    """Give the longest accurate step [s] of each integrator at each level: with any inertia, and with each; 0 is none.
+
+    `impact_error` is the relative error of the peak of an impact at the step of each inertia.
+    """
+    rows = []
+    for level in LEVELS:
+        for integrator in INTEGRATORS:
+            best = {load: longest(found, level, integrator, load) for load in INERTIAS}
+            by_load = {load: one.timestep if one else 0.0 for load, one in best.items()}
+            errors = {load: one.impact_error if one else math.nan for load, one in best.items()}
+            rows.append(
+                {
+                    "level": level,
+                    "integrator": integrator,
+                    "timestep_s": min(by_load.values()),
+                    "by_load": by_load,
+                    "impact_error": errors,
+                }
+            )
+    return rows
 
 
 def recommended_table(found: tuple[Tried, ...]) -> Table:
     """Give the same as a table: a row for each level and integrator, a column for each inertia."""
-    rows = [
-        (
-            f"{one['level']}, {one['integrator']}",
-            *(f"{1e3 * step:g} ms" if step else "none" for step in one["by_load"].values()),
-        )
-        for one in recommended(found)
-    ]
-    return Table("Longest good step by inertia on the output", ("level, integrator", *INERTIAS), tuple(rows))
+    rows = []
+    for level in LEVELS:
+        for integrator in INTEGRATORS:
+            best = [longest(found, level, integrator, load) for load in INERTIAS]
+            cells = (f"{1e3 * one.timestep:g} ms: {one.words}" if one else "none" for one in best)
+            rows.append((f"{level}, {integrator}", *cells))
+    title = f"Longest step at which the peak of an impact is right within {ACCURATE:.0%}, and its error"
+    return Table(title, ("level, integrator", *INERTIAS), tuple(rows))
 
 
 def table(found: tuple[Tried, ...]) -> Table:
     """Give the study as a table: a row for each level, integrator and inertia, a column for each step."""
-    rows: dict[tuple[str, str, str], list[str]] = {}
+    rows: dict[str, dict[float, str]] = {}
     for one in found:
-        rows.setdefault((one.level, one.integrator, one.load), []).append(one.words)
-    header = ("level, integrator, inertia on the output", *(f"{1e3 * step:g} ms" for step in STEPS))
-    return Table("Steps", header, tuple((", ".join(key), *words) for key, words in rows.items()))
+        struck = "" if one.level == "rigid" else f", {one.impact_frequency:g} Hz"
+        rows.setdefault(f"{one.level}, {one.integrator}, {one.load}{struck}", {})[one.timestep] = one.words
+    steps = sorted({one.timestep for one in found})
+    cells = tuple((key, *(words.get(step, "") for step in steps)) for key, words in rows.items())
+    header = ("level, integrator, inertia on the output, load", *(f"{1e3 * step:g} ms" for step in steps))
+    return Table("Error of the peak of an impact by step, crank held, load rated cos(2 pi f t)", header, cells)
 
 
-def _all(reducer: Reducer) -> Iterator[Tried]:
-    for level in LEVELS:
-        for integrator in INTEGRATORS:
-            for load, share in INERTIAS.items():
-                inertia = share * reducer.reflected_inertia
-                for step in STEPS:
-                    yield tried(reducer.at(level), integrator, step, inertia, load)
+def vibration(on: Bench, inertia: float) -> tuple[bool, float, float]:
+    """Put the rated torque on the output at once, the crank held; read where it comes to rest and how it vibrates.
 
-
-def _wound_up(on: Bench, inertia: float) -> tuple[bool, float, float]:
-    """Put the rated torque on the output at once, the crank held; read where it comes to rest and how it vibrates."""
+    The result is whether it is stable, the relative error of the wind-up, and of the frequency against sqrt(k/J).
+    """
     reducer, step = on.reducer, float(on.model.opt.timestep)
     torque, moving = reducer.rated_torque, inertia + reducer.output_inertia
     slowest = np.sqrt(reducer.stiffness(torque) / moving)
@@ -182,6 +254,26 @@ def _wound_up(on: Bench, inertia: float) -> tuple[bool, float, float]:
         return False, np.nan, np.nan
     rest, frequency = _vibration(lengths[steps // 2 :] - stop, step)
     return True, rest / wound - 1.0, frequency / slowest - 1.0
+
+
+def _all(reducer: Reducer) -> Iterator[Tried]:
+    for level in LEVELS:
+        for integrator in INTEGRATORS:
+            for load, share in INERTIAS.items():
+                yield from _by_step(reducer.at(level), integrator, load, share * reducer.reflected_inertia)
+
+
+def _by_step(reducer: Reducer, integrator: Integrator, load: str, inertia: float) -> Iterator[Tried]:
+    """Try `STEPS`, and if the shortest is not accurate `FINER` ones until one is."""
+    runs = [tried(reducer, integrator, step, inertia, load) for step in STEPS]
+    yield from runs
+    if runs[0].accurate:
+        return
+    for step in FINER:
+        run = tried(reducer, integrator, step, inertia, load)
+        yield run
+        if run.accurate:
+            return
 
 
 def _stays(on: Bench, inertia: float) -> bool:
@@ -202,7 +294,7 @@ def _stays(on: Bench, inertia: float) -> bool:
 
 def _steps(frequency: float, step: float) -> int:
     """Count the steps of a run in which a vibration of this frequency [rad/s] is seen."""
-    return int(np.clip(2.0 * np.pi * PERIODS / frequency / step, FEWEST, MOST))
+    return max(FEWEST, math.ceil(2.0 * np.pi * PERIODS / frequency / step))
 
 
 def _rigid(on: Bench, inertia: float) -> tuple[bool, float, float]:

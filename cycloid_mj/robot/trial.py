@@ -62,8 +62,9 @@ class Bench:
         """Put a torque on the output [N m] that is wound up by it already."""
         reducer, angle = self.reducer, float(self.data.qpos[self.place.crank_angle])
         side, size = int(torque > 0.0), abs(torque)
-        length = reducer.stops[side] + reducer.ripple.errors(angle, size / reducer.rated_torque)[side]
-        length += reducer.wind_up(size) * (1.0 if side else -1.0)
+        length = reducer.stops[side] + reducer.wind_up(size) * (1.0 if side else -1.0)
+        if reducer.level == "full":
+            length += reducer.ripple.errors(angle, size / reducer.rated_torque)[side]
         self.data.qpos[self.place.output_angle] = length - reducer.coefficient * angle
         self.push(torque)
 
@@ -72,6 +73,27 @@ class Bench:
         if self.reducer.level == "full":
             self.reducer.step(self.model, self.data)
         mujoco.mj_step(self.model, self.data)
+
+    def rest(self, torque: float) -> float:
+        """Find L [rad] at which MuJoCo lets the output rest under a torque on it [N m], the crank held.
+
+        There its acceleration is zero: the springs alone say where, and neither the way across the play nor damping or
+        a time of waiting has a part in it. The torque must not be 0: within the play the output rests anywhere.
+        """
+        from scipy.optimize import brentq
+
+        reducer, data = self.reducer, self.data
+
+        def pull(length: float) -> float:
+            data.qpos[self.place.output_angle] = length - reducer.coefficient * data.qpos[self.place.crank_angle]
+            mujoco.mj_forward(self.model, data)
+            return float(data.qacc[self.place.output_speed])
+
+        self.push(torque)
+        reach = reducer.wind_up(torque)
+        while pull(reducer.stops[0] - reach) <= 0.0 or pull(reducer.stops[1] + reach) >= 0.0:
+            reach *= 2.0
+        return float(brentq(pull, reducer.stops[0] - reach, reducer.stops[1] + reach, xtol=1e-15, rtol=1e-14))
 
     def lengths(self, torque: Callable[[float], float], steps: int) -> Array | None:
         """Give L after each of so many steps under a torque on the output by time; None where it runs away."""

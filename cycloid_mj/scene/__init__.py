@@ -4,9 +4,19 @@ The room turns a design and columns of samples into poses, contact forces and Fo
 MuJoCo nor a log: what writes logs takes a `Scene`, what draws takes `poses` and `contact_forces`.
 """
 
-from cycloid_mj.scene.drawing import Drawing, Gaps, drawing, drawn_radii, gaps, largest_magnification, ring_outline
+from cycloid_mj.scene.drawing import (
+    Drawing,
+    Gaps,
+    drawing,
+    drawn_radii,
+    fitting_magnification,
+    gaps,
+    largest_magnification,
+    ring_outline,
+    widest_gap,
+)
 from cycloid_mj.scene.force import ContactForces, cams, contact_forces, ideal_forces, reference_force
-from cycloid_mj.scene.messages import RATE, Scene
+from cycloid_mj.scene.messages import RATE, Scene, frame_rate
 from cycloid_mj.scene.pose import moved, pose_columns, poses, ring_places
 
 __all__ = [
@@ -19,6 +29,8 @@ __all__ = [
     "contact_forces",
     "drawing",
     "drawn_radii",
+    "fitting_magnification",
+    "frame_rate",
     "gaps",
     "ideal_forces",
     "largest_magnification",
@@ -28,4 +40,5 @@ __all__ = [
     "reference_force",
     "ring_outline",
     "ring_places",
+    "widest_gap",
 ]

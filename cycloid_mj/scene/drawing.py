@@ -7,7 +7,7 @@ to fit. Each gap, and each overlap by elastic approach, is then drawn to one sca
 true.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +26,9 @@ from cycloid_mj.types import Array
 
 THINNEST = 0.4
 """Least radius that a part may be drawn with, as a share of its own."""
+
+WIDEST = 0.25
+"""Width of the widest gap that is still drawn well, as a share of the smallest radius that it stands beside."""
 
 ROUNDS = 8
 """Newton steps to a foot point; four are enough but in a valley whose curvature is nearly the pin's."""
@@ -118,6 +121,26 @@ def largest_magnification(design: Design) -> float:
         design.gear.bore_radius / design.clearance.cam,
         design.output.pin_radius / design.clearance.output,
     )
+
+
+def widest_gap(design: Design, measured: Gaps) -> float:
+    """Return the widest gap that any two mating parts have in any of the samples [m]."""
+    return max(
+        tooth_clearance(design) + float(np.abs(measured.opening).max(initial=0.0)),
+        design.pin_play + float(np.linalg.norm(measured.away, axis=-1).max(initial=0.0)),
+        design.clearance.output + float(np.linalg.norm(measured.output_away, axis=-1).max(initial=0.0)),
+        design.clearance.cam + float(np.linalg.norm(measured.deviation[:, :2], axis=-1).max(initial=0.0)),
+    )
+
+
+def fitting_magnification(design: Design, widest: float, choices: Sequence[float]) -> float:
+    """Return the largest of `choices` at which the widest gap [m] is drawn no wider than a share of any radius.
+
+    Beyond that pins are seen outside their holes. Where no choice is small enough, the smallest.
+    """
+    least = min(design.ring.pin_radius, design.output.pin_radius, design.gear.bore_radius)
+    most = min(largest_magnification(design), WIDEST * least / widest)
+    return max((times for times in choices if times <= most), default=min(choices))
 
 
 def tooth_clearance(design: Design) -> float:

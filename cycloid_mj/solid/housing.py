@@ -7,15 +7,13 @@ import numpy as np
 from cycloid_mj import envelope
 from cycloid_mj.design import Design
 from cycloid_mj.profile import unit
+from cycloid_mj.sockets import arc_half_angle, wall_radius
 from cycloid_mj.solid.accuracy import drawing_error
 from cycloid_mj.solid.fit import require_above, require_below
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.solid.polygon import arc, circle, turned
 from cycloid_mj.solid.prism import Prism, Solid
 from cycloid_mj.types import Array
-
-WALL_GAP = 0.1
-"""Least gap between the gear's tips and the wall, as a share of rho - c."""
 
 
 def pin_solid(design: Design, chord_error: float | None = None) -> Solid:
@@ -89,11 +87,12 @@ def _pinwheel(design: Design, chord_error: float) -> Array:
     """Give the wall with N open sockets: one pitch of it, turned N times."""
     teeth, centre, pin = design.ring.teeth, design.ring.pin_circle_radius, design.ring.pin_radius
     play = design.socket_play
-    radius, wall = pin + play, _wall_radius(design)
+    radius, wall = pin + play, wall_radius(design)
+    require_above("ring.pin_radius", pin, design.gear.eccentricity, "the gear's tips reach beyond the sockets")
     require_below("ring.pin_radius", pin, centre * math.sin(math.pi / teeth) - play, "neighbouring sockets meet")
     require_above("housing.outer_radius", design.housing.outer_radius, centre + radius, "the sockets cut through it")
-    opening = math.acos((wall**2 - centre**2 - radius**2) / (2 * centre * radius))
-    socket = np.array([centre, 0.0]) + arc(radius, -opening, opening, chord_error)
+    half = arc_half_angle(design, radius)
+    socket = np.array([centre, 0.0]) + arc(radius, -half, half, chord_error)
     edge = math.atan2(socket[-1, 1], socket[-1, 0])
     land = arc(wall, edge, 2 * math.pi / teeth - edge, chord_error)[1:-1]
     pitch = np.concatenate([socket, land])
@@ -106,13 +105,3 @@ def _internal_gear(design: Design, chord_error: float) -> Array:
     root, _ = envelope.radii(teeth)
     require_above("housing.outer_radius", design.housing.outer_radius, root, "the ring's roots cut through it")
     return envelope.sample_ring_by_sagitta(teeth, chord_error).points[::-1]
-
-
-def _wall_radius(design: Design) -> float:
-    """Radius of the wall between the sockets [m]: half-open sockets, unless the gear's tips reach further.
-
-    The tips reach E - rho + 2c from the reducer axis, and the bottoms of the sockets are at E + rho: rho > c.
-    """
-    centre, pin, eccentricity = design.ring.pin_circle_radius, design.ring.pin_radius, design.gear.eccentricity
-    require_above("ring.pin_radius", pin, eccentricity, "the gear's tips reach beyond the sockets")
-    return max(centre, centre - pin + 2 * eccentricity + WALL_GAP * (pin - eccentricity))

@@ -21,7 +21,7 @@ class MassProperties:
     inertia: Array
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=12)  # the parts of one design: they hold their outlines
 def mass_properties(solid: Solid) -> MassProperties:
     """Give the mass properties of a solid, rounded to the digits that they mean (``digits``).
 

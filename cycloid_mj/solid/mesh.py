@@ -35,7 +35,7 @@ class Mesh:
         self.faces.setflags(write=False)
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=12)  # the parts of one design: they hold their outlines
 def mesh(part: Prism | Solid) -> Mesh:
     """Give the mesh of a prism, or of a solid: one closed surface for each of its prisms.
 

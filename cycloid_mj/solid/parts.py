@@ -20,6 +20,9 @@ SHAPING_NOTHING = (
 )
 """What of a design no part depends on: runs at other loads and speeds have the same parts, which are drawn once."""
 
+KEPT = 8
+"""Shapes whose parts are kept, of some 2 MB each: the designs of a comparison, not all that a slider goes through."""
+
 
 def parts(design: Design, chord_error: float | None = None) -> dict[str, Solid]:
     """Give housing, shaft, gear, pin (one of N; only where the ring has pins) and output, each in its own frame.
@@ -95,12 +98,12 @@ def crank_solid(design: Design) -> Solid:
     return _whole_crank(_shape(design))
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=KEPT)
 def _whole_crank(design: Design) -> Solid:
     return Solid(names.SHAFT, tuple(_stretches(design, None).values()), design.material_of("shaft").density)
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=KEPT)
 def _whole_output(design: Design) -> Solid:
     found = _parts(design, None)
     (tube,) = found[names.ROLLER].prisms
@@ -113,19 +116,19 @@ def _whole_output(design: Design) -> Solid:
     return Solid(names.OUTPUT, (*own.prisms, *rollers), own.density)
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=KEPT)
 def _stretches(design: Design, chord_error: float | None) -> Mapping[str, Prism]:
     # several discs balance each other, whatever their weight
     balanced = _gears(design, chord_error)[0] if design.gear.discs == 1 else None
     return stretches(design, chord_error, balanced)
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=KEPT)
 def _gears(design: Design, chord_error: float | None) -> tuple[Solid, ...]:
     return tuple(gear_solid(design, chord_error, disc) for disc in range(design.gear.discs))
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=KEPT)
 def _parts(design: Design, chord_error: float | None) -> dict[str, Solid]:
     gears = _gears(design, chord_error)
     crank = crank_parts(design, chord_error) if len(gears) > 1 else (_single(design, chord_error),)

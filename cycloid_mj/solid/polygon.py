@@ -31,7 +31,7 @@ def area_moments(polygon: Array) -> AreaMoments:
     return _moments(np.asarray(polygon, float).tobytes())
 
 
-@lru_cache(maxsize=256)  # designs that differ in a tolerance or a load share most of their outlines
+@lru_cache(maxsize=64)  # designs that differ in a tolerance or a load share most of their outlines, of 0.2 MB each
 def _moments(vertices: bytes) -> AreaMoments:
     polygon = np.frombuffer(vertices).reshape(-1, 2)
     x, y = polygon.T

@@ -26,6 +26,7 @@ from cycloid_mj.names import (
     planar_joints,
 )
 from cycloid_mj.profile import unit
+from cycloid_mj.sockets import wall_radius
 from cycloid_mj.solid import output_centres
 from cycloid_mj.solid.gear import gear_profile, profile_offset, tooth_profile
 from cycloid_mj.statics import hertz_line_contact
@@ -298,16 +299,17 @@ def _of_pin(turn: Turn) -> list[Contact]:
 def _socket(turn: Turn, pin: int, disc: int) -> Contact:
     """Give the contact of a pin and the wall of its socket, which is open towards the gear.
 
-    In the simulation sockets are whole circles: an idle pin may lie, by its weight, where there is no wall.
+    What a closed socket carries where the ring has no wall is left out: that is in its end plates.
     """
     ring = turn.design.ring
     action = _by_socket(turn, pin, disc).reaction()
     centre, radius = ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth), ring.pin_radius
     centre = centre + deviations(turn.design).pin_place[pin]
-    out = np.linalg.norm(action.on_hole(centre, radius), axis=-1)
-    action = action.where(out > ring.pin_circle_radius)
+    wall = radius + turn.design.socket_play
+    out = np.linalg.norm(action.on_hole(centre, wall), axis=-1)
+    action = action.where(out > wall_radius(turn.design) * (1.0 - 1e-9))
     width = _socket_width(turn, action)
-    place = action.on_hole(centre, radius + turn.design.socket_play, width)
+    place = action.on_hole(centre, wall, width)
     whole = ring.has_sockets and ring.has_pin_bodies
     name = numbered(SOCKET, pin + 1) if whole else _called(turn, numbered(SOCKET, pin + 1), disc)
     return Contact(name, action, place, width, line(turn.design, "pin_socket", action.size))

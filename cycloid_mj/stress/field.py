@@ -1,7 +1,7 @@
 """Stress of a part: its maxima at every crank angle (``PartStress``), and whole fields at one (``StressMap``)."""
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import count
 
 import numpy as np
@@ -64,6 +64,10 @@ class PartStress:
     load: Array
     bulk_distance: float
     unknowns: int
+
+
+CORNERS = (0.5, 1.0, 2.0)
+"""Multiples of the distance from sharp corners at which the bulk is told as well."""
 
 
 @dataclass(frozen=True)
@@ -203,6 +207,28 @@ def _maxima(
         bulk_distance=float(rungs[rung]),
         unknowns=grid.unknowns,
     )
+
+
+def by_corner(part: Loaded, index: int, distance: float) -> tuple[tuple[float, float], ...]:
+    """Vary how far the bulk keeps off sharp corners, at the crank angle of an index, by `CORNERS`.
+
+    The result is each distance from them [m] and the largest von Mises stress [Pa] of what lies beyond it, and beyond
+    `distance` [m] of narrow patches; empty where the part has no such corners. A bulk that stays is one that the corner
+    has no part in; one that does not is the edge of what was left out.
+    """
+    grid = part.grid
+    if not len(grid.keep_off):
+        return ()
+    stress = von_mises(part.components(part.case.response(np.array([index])).moved)[..., 0])
+    found = []
+    for factor in CORNERS:
+        apart = distances_of(
+            replace(grid, corner_distance=factor * grid.corner_distance), part.case, len(part.loads.angle)
+        )
+        kept = min(distance, apart.farthest() * (1.0 - 1e-9))
+        sizes, _ = largest(apart, np.array([kept]), index, stress)
+        found.append((factor * grid.corner_distance, float(sizes[0])))
+    return tuple(found)
 
 
 def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int, distance: float | None = None) -> StressMap:

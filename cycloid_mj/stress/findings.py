@@ -1,5 +1,6 @@
 """What a study of stress finds: for each part the maximum along a crank turn, where it sits, and its error."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -139,7 +140,8 @@ class PartFindings:
     sensitivity
         Other distances at which the search for the plateau might begin [m], and the bulk stress [Pa] that it finds.
     choice
-        How far the largest stress falls from the plateau to twice its distance, as a share.
+        What the choice of where bulk begins may change, as a share: how far the largest stress falls from the plateau
+        to twice its distance, or changes from it to half or twice the distance from sharp corners, if that is more.
     by_distance
         Distances [m] (s,), and the largest stress of the turn beyond each [Pa] (s,).
     largest_pressure
@@ -165,6 +167,9 @@ class PartFindings:
         Time that it took [s].
     swing
         Stress over the turn at the node that fatigue finds worst; None of parts that have fillets instead.
+    by_corner
+        Distances from sharp corners [m], and the largest stress beyond each [Pa], at the crank angle of the bulk's
+        maximum; none where the part has no such corners.
     """
 
     part: str
@@ -191,6 +196,22 @@ class PartFindings:
     refinement: Refinement
     wall: float
     swing: Swing | None = None
+    by_corner: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def fillet(self) -> Notch | None:
+        """The most stressed of its notches; None where the part has none."""
+        return max(self.notches, key=lambda notch: notch.stress, default=None)
+
+    @property
+    def governing(self) -> float:
+        """What its safety is of [Pa]: the largest stress of the bulk, or nominal times notch at a fillet."""
+        return max(self.bulk_peak.stress, self.fillet.stress if self.fillet else 0.0)
+
+    @property
+    def safety(self) -> float:
+        """Against yield of the governing stress."""
+        return self.yield_strength / self.governing if self.governing else math.inf
 
     def orders(self, orders: tuple[int, ...]) -> Array:
         """Give the amplitudes [Pa] of orders of the crank in the bulk stress."""
@@ -220,6 +241,12 @@ class PartFindings:
             "largest_force_n": self.largest_force,
             "near_field_mpa": self.near_field / MEGAPASCAL,
             "imbalance": self.imbalance,
+            "by_corner": [
+                {"distance_mm": distance / MILLIMETRE, "bulk_mpa": size / MEGAPASCAL}
+                for distance, size in self.by_corner
+            ],
+            "governing_mpa": _finite(self.governing / MEGAPASCAL),
+            "safety_against_yield": _finite(self.safety),
             "notches": [notch.as_json(self.yield_strength) for notch in self.notches],
             "range": None if self.swing is None else self.swing.as_json(),
             "variants": [{"change": change, "bulk_mpa": size / MEGAPASCAL} for change, size in self.variants],

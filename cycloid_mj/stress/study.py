@@ -14,7 +14,7 @@ from cycloid_mj.design import Design, override
 from cycloid_mj.record import Run
 from cycloid_mj.stress.bulk import OCTAVE, fall, plateau
 from cycloid_mj.stress.closed import LineStress, line_stress
-from cycloid_mj.stress.field import PartStress, StressMap, loaded, mapped, maxima, solve
+from cycloid_mj.stress.field import PartStress, StressMap, by_corner, loaded, mapped, maxima, solve
 from cycloid_mj.stress.findings import PartFindings, Peak, Reference, Refinement, StressFindings
 from cycloid_mj.stress.grid import BULK_DISTANCE, Grid, GridSettings
 from cycloid_mj.stress.loads import PartLoads, part_loads, part_names, require_part
@@ -195,7 +195,10 @@ def part_study(run: Run, design: Design, part: str, settings: StudySettings, gri
     turn = 2 * np.pi * np.arange(settings.angles) / settings.angles
     loads = part_loads(run, design, part, turn)
     grid = grid or part_grid(design, part, settings.grid(part))
-    (stress, drawn, swung), lines = _solved(design, grid, loads, settings.map_angle), line_stress(loads, design)
+    (stress, drawn, swung, corners), lines = (
+        _solved(design, grid, loads, settings.map_angle),
+        line_stress(loads, design),
+    )
     strength = material_of(design, part).yield_strength
     pressure = float(_largest(lines.peak_pressure.reshape(1, -1))[0])
     findings = PartFindings(
@@ -208,7 +211,7 @@ def part_study(run: Run, design: Design, part: str, settings: StudySettings, gri
         bulk_peak=_bulk_peak(loads, stress, design),
         bulk_distance=stress.bulk_distance,
         sensitivity=_sensitivity(stress, grid),
-        choice=_choice(stress),
+        choice=max(_choice(stress), corner_choice(corners)),
         by_distance=(stress.distances, stress.stress_by_distance.max(axis=1)),
         contact=_largest(lines.von_mises),
         contact_peak=_contact_peak(loads, lines, design),
@@ -217,26 +220,31 @@ def part_study(run: Run, design: Design, part: str, settings: StudySettings, gri
         largest_force=float(np.linalg.norm(loads.force, axis=-1).max()),
         near_field=_near_field(loads, design, stress.bulk_distance),
         imbalance=_imbalance(stress, grid),
-        notches=_notches(design, loads, stress),
+        notches=notches_of(design, loads, stress),
         swing=swung,
         variants=_variants(design, part, settings, loads, stress),
         yield_strength=strength,
         refinement=_refined(design, grid, settings, loads, stress),
         wall=time.perf_counter() - start,
+        by_corner=corners,
     )
     return PartStudy(grid, loads, stress, drawn, findings)
 
 
 def _solved(
     design: Design, grid: Grid, loads: PartLoads, map_angle: float | None
-) -> tuple[PartStress, StressMap, Swing | None]:
-    """Give the maxima of a part, its map and its swing; its factor is let go before other grids are factorised."""
+) -> tuple[PartStress, StressMap, Swing | None, tuple[tuple[float, float], ...]]:
+    """Give the maxima of a part, its map, its swing and its bulk by the distance from corners.
+
+    Its factor is let go before other grids are factorised.
+    """
     part = loaded(design, grid, loads)
     stress = maxima(part)
     angle = loads.angle[stress.bulk_stress.argmax()] if map_angle is None else map_angle
     nearest = int(np.argmax(np.cos(loads.angle - angle)))
     swung = swing(part, stress.bulk_distance) if names.family(grid.part) in SWINGING else None
-    return stress, mapped(part, nearest, stress.bulk_distance), swung
+    corners = by_corner(part, int(stress.bulk_stress.argmax()), stress.bulk_distance)
+    return stress, mapped(part, nearest, stress.bulk_distance), swung, corners
 
 
 def at_angles(loads: PartLoads, rows: npt.ArrayLike) -> PartLoads:
@@ -269,7 +277,8 @@ def _checked_rows(stress: Array, count: int) -> npt.NDArray[np.intp]:
     return (int(np.argmax(stress)) + steps) % stress.size
 
 
-def _notches(design: Design, loads: PartLoads, stress: PartStress) -> tuple[Notch, ...]:
+def notches_of(design: Design, loads: PartLoads, stress: PartStress) -> tuple[Notch, ...]:
+    """Compute the stress at the fillets of a part, nominal times notch factor, under the loads it was solved for."""
     if stress.part == "shaft":
         return shaft_shoulders(design, shaft_measures(design), stress.moments, loads.angle)
     return output_roots(design, loads) if stress.part == "output" else ()
@@ -316,6 +325,13 @@ def _sensitivity(stress: PartStress, grid: Grid) -> tuple[tuple[float, float], .
 def _choice(stress: PartStress) -> float:
     """Give what the choice of the distance may change, as a share: how far the plateau falls to twice its distance."""
     return fall(stress.stress_by_distance.max(axis=1), int(np.argmin(np.abs(stress.distances - stress.bulk_distance))))
+
+
+def corner_choice(corners: Sequence[tuple[float, float]]) -> float:
+    """Give by what share the bulk changes from its distance from corners to half and twice that; 0 without corners."""
+    sizes = [size for _, size in corners]
+    own = sizes[len(sizes) // 2] if sizes else 0.0
+    return max(abs(size / own - 1.0) for size in sizes) if own > 0.0 else 0.0
 
 
 def _largest(values: Array) -> Array:

@@ -5,15 +5,25 @@ import numpy as np
 from cycloid_mj.stress.findings import PartFindings, Peak, StressFindings
 from cycloid_mj.units import MEGAPASCAL, MILLIMETRE
 
-BULK_HEADER = ("part", "bulk [MPa]", "from [mm]", "to 2d", "at [deg]", "x, y, z [mm]", "safety", "refined")
+BULK_HEADER = (
+    "part",
+    "bulk [MPa]",
+    "from [mm]",
+    "choice",
+    "at [deg]",
+    "x, y, z [mm]",
+    "safety",
+    "refined",
+)
 CONTACT_HEADER = ("part", "contact [MPa]", "at [deg]", "below", "safety", "shakedown")
 
 
 def bulk_table(findings: StressFindings) -> list[list[str]]:
     """Give a row for each part; columns as in `BULK_HEADER`.
 
-    `from`: distance d from narrow contacts and sharp corners at which the largest stress stands on its plateau. `to
-    2d`: how far it falls to twice that distance. `refined`: change under one more refinement of the grid.
+    `from`: distance d from narrow contacts at which the largest stress stands on its plateau. `choice`: how far it
+    falls to twice that distance, or changes by half or twice the distance from sharp corners. The safety is that of the
+    larger of bulk and fillet, nominal stress times notch factor. `refined`: change under one more refinement.
     """
     return [_bulk(part) for part in findings.parts]
 
@@ -48,8 +58,14 @@ def _bulk(part: PartFindings) -> list[str]:
     place = ", ".join(f"{value / MILLIMETRE:.1f}" for value in bulk.place)
     return [
         *(part.part, _stress(bulk), f"{part.bulk_distance / MILLIMETRE:.3g}", f"{0.0 - 100 * part.choice:.0f} %"),
-        *(_angle(bulk), place, f"{bulk.safety:.3g}", f"{100 * part.refinement.change:.1f} %"),
+        *(_angle(bulk), place, _safety(part), f"{100 * part.refinement.change:.1f} %"),
     ]
+
+
+def _safety(part: PartFindings) -> str:
+    """Write the safety of the governing stress, and that stress [MPa] where it is a fillet's."""
+    at = f" (fillet {part.governing / MEGAPASCAL:.3g})" if part.governing > part.bulk_peak.stress else ""
+    return f"{part.safety:.3g}{at}"
 
 
 def _stress(peak: Peak) -> str:

@@ -16,7 +16,7 @@ from cycloid_mj.record import Run
 from cycloid_mj.run import simulate
 from cycloid_mj.types import Array
 from cycloid_mj.validation import rig
-from cycloid_mj.validation.rig import FIXED, RATED_LOAD, reducer_of
+from cycloid_mj.validation.rig import FIXED, FREE, RATED_LOAD, reducer_of
 from cycloid_mj.validation.row import Row, relative
 
 
@@ -42,6 +42,13 @@ def rows(kind: str, quick: bool) -> list[Row]:
     found = balance(_logged_at_every_step(kind, *course))
     source = "output + friction + normal + stored"
     return [relative(f"input work, {kind}", found.supplied, found.accounted, "J", source, 1e-5)]
+
+
+def idle_rows(quick: bool) -> list[Row]:
+    """Give the row of free pins without a load, which leave the walls of their sockets and meet the edges."""
+    found = balance(_logged_at_every_step(FREE, "drive.hold_s=0.012"))
+    source = "friction + normal + stored"
+    return [relative(f"input work, idle {FREE}", 1e3 * found.supplied, 1e3 * found.accounted, "mJ", source, 1e-3)]
 
 
 def jolt_rows(quick: bool) -> list[Row]:

@@ -21,6 +21,7 @@ from cycloid_mj.deviations import Deviations, deviations
 from cycloid_mj.errors import RunError
 from cycloid_mj.modification import profile_offset, tooth_profile
 from cycloid_mj.profile import CycloidGear, unit
+from cycloid_mj.sockets import arc_half_angle
 from cycloid_mj.types import Array, Integers
 from cycloid_mj.validation.gaps import Flanks, Gaps, Pose, flanks_of, pin_gaps, ring_gaps, rotate
 from cycloid_mj.validation.stiffness import tooth_stiffness
@@ -266,6 +267,10 @@ def _ring(locked: Locked, z: Array, uniform: bool) -> Springs:
 
 
 def _sockets(locked: Locked, z: Array) -> Springs:
+    """Seats of pins and sleeves, sockets as whole circles: under a load pins lie on the walls or carry nothing.
+
+    What carries nothing has no place of its own, and through an opening the search would lose it.
+    """
     shift = z[4:].reshape(-1, 2)
     distance = np.linalg.norm(shift, axis=1)
     outward = shift / np.maximum(distance, np.finfo(float).tiny)[:, np.newaxis]
@@ -275,6 +280,40 @@ def _sockets(locked: Locked, z: Array) -> Springs:
     stiffness = np.full(len(shift), locked.stiffness[kind])
     larger = locked.made.pin_radius if locked.design.ring.has_sockets else 0.0
     return Springs(locked.design.pin_play - larger - distance, stiffness, slope, -outward)
+
+
+def seats(design: Design, shift: Array) -> tuple[Array, Array]:
+    """Give how far pins or sleeves are from their seats.
+
+    The nearest point of a socket's arc is straight ahead of the pin, or where the socket ends.
+
+    Parameters
+    ----------
+    design
+        Which pins or sleeves they are, of the radius that is drawn.
+    shift
+        Of each from the middle of its seat [m], shape (n, 2).
+
+    Returns
+    -------
+    gap
+        Shape (n,) [m].
+    outward
+        Unit vectors towards what is nearest, shape (n, 2).
+    """
+    ring, distance = design.ring, np.linalg.norm(shift, axis=1)
+    outward = shift / np.maximum(distance, np.finfo(float).tiny)[:, np.newaxis]
+    if not ring.has_sockets or ring.socket == "closed":
+        return design.pin_play - distance, outward
+    home = profile.pin_angles(tooth_profile(design))
+    ahead = np.arctan2(shift[:, 0], shift[:, 1]) - home
+    ahead = (ahead + np.pi) % (2.0 * np.pi) - np.pi
+    radius = ring.pin_radius + design.clearance.pin_socket
+    wall = arc_half_angle(design, radius)
+    away = radius * unit(home + np.clip(ahead, -wall, wall)) - shift
+    size = np.linalg.norm(away, axis=1)
+    outward = np.where((np.abs(ahead) > wall)[:, np.newaxis], away / size[:, np.newaxis], outward)
+    return np.where(np.abs(ahead) > wall, size - ring.pin_radius, design.pin_play - distance), outward
 
 
 def _cam(locked: Locked, z: Array) -> Springs:

@@ -20,6 +20,7 @@ from cycloid_mj.validation import (
     steps,
     symmetry,
     two_bodies,
+    witness,
 )
 from cycloid_mj.validation.rig import FIXED, FREE, KINDS, NONPIN, SLEEVED
 from cycloid_mj.validation.row import Row, broken
@@ -27,6 +28,7 @@ from cycloid_mj.validation.row import Row, broken
 RUNGS = (
     *("two-body", "friction", "mechanism", "backlash", "sharing", "cam"),
     *("published", "energy", "steps", "mirror", "gravity"),
+    "witness",
 )
 """Name of every rung, from the ground up."""
 
@@ -72,6 +74,7 @@ def _parts() -> Iterator[Part]:
         yield Part("published", rows, (0.1, 0.1))
     for kind, cost in ((FIXED, (0.7, 2.0)), (FREE, (2.0, 4.0)), (NONPIN, (1.0, 3.0))):
         yield Part("energy", partial(energy.rows, kind), cost)
+    yield Part("energy", energy.idle_rows, (1.0, 1.0))
     yield Part("energy", energy.jolt_rows, (2.0, 2.0))
     for kind, cost in ((FIXED, (0.4, 2.0)), (FREE, (2.5, 7.0)), (SLEEVED, (2.0, 6.0)), (NONPIN, (0.5, 2.5))):
         yield Part("steps", partial(steps.rows, kind), cost)
@@ -79,6 +82,7 @@ def _parts() -> Iterator[Part]:
         yield Part("mirror", partial(symmetry.mirror_rows, kind), cost)
     yield Part("gravity", partial(symmetry.gravity_rows, FIXED), (4.0, 4.0))
     yield Part("gravity", partial(symmetry.gravity_rows, FREE), (12.0, 12.0))
+    yield Part("witness", witness.rows, (6.0, 6.0))
 
 
 PARTS = tuple(_parts())

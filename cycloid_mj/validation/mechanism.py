@@ -5,6 +5,7 @@ Without a simulation. The designs have every clearance, manufacturing error and 
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from operator import itemgetter
 
 import mujoco
 import numpy as np
@@ -218,12 +219,14 @@ def model_rows(pins: str) -> list[Row]:
         mujoco.mj_forward(reducer.model, data)
     number = {frozenset(reducer.model.geom(one).id for one in (pair.on, pair.by)): pair for pair in reducer.pairs}
     mating = [number[frozenset(geoms)].name for geoms in data.contact.geom.tolist()]
-    found = dict(zip(mating, data.contact.dist, strict=True))
+    # a pin may lie between both edges of its socket: the deeper one is its distance
+    found = dict(sorted(zip(mating, data.contact.dist, strict=True), key=itemgetter(1), reverse=True))
     ours = np.array([found.get(pair.name, 0.0) for pair in reducer.pairs])
     exact, teeth = exact_gaps(design, CRANK, z, ASIDE if moving else 0.0), design.gear.discs * larger.size
     if design.ring.has_massless_pins:
         exact[:teeth] += np.tile(design.clearance.pin_socket - larger, design.gear.discs)
-    seat = design.pin_play - np.linalg.norm(ASIDE) - (larger if design.ring.has_sockets else 0.0 * larger)
+    seat = equilibrium.seats(design, np.tile(ASIDE, (larger.size, 1)))[0]
+    seat -= larger if design.ring.has_sockets else 0.0
     cams = design.clearance.cam - np.linalg.norm(cam_ways(design, CRANK, z), axis=1)
     depths = np.minimum(np.concatenate([exact[:teeth], *([seat] if moving else []), cams, exact[teeth:]]), 0.0)
     return [deviation(f"depths in the model, {pins} pins", 1e6 * ours, 1e6 * depths, "um", "exact curves", 1e-3)]

@@ -56,7 +56,7 @@ WITHOUT_INERTIA = Figures(math.inf, 0.5, 6.0, 0.03, 0.04)
 
 LIGHT = 1.0
 """Light load [N m], 3 % of the rated one."""
-LIGHTLY_LOADED = Figures(math.inf, math.inf, math.inf, 0.09, 0.07)
+LIGHTLY_LOADED = Figures(math.inf, math.inf, math.inf, 0.36, 0.11)
 """Bounds of the chosen step under it, three times the changes seen; the speed of a gear on few teeth is not held."""
 
 Study = Mapping[float, Figures | RunError]

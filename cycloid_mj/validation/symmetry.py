@@ -22,7 +22,8 @@ class Bounds:
     """Bounds of a kind of ring, about three times what is observed; percent but for the efficiencies' points.
 
     Free pins chatter, so that rounding in the last digit grows to a small part of their motion; the others repeat but
-    for rounding. `still` is a share of the gear's weight.
+    for rounding. Free pins that nothing presses come out of their open sockets by their weight, lie on the gear, and
+    turn it by 0.0025 %, eight times what it does with closed ones. `still` is a share of the gear's weight.
     """
 
     mirrored_ripple: float
@@ -36,7 +37,7 @@ class Bounds:
     efficiency: float
 
 
-CHATTERING = Bounds(5.0, 2.3, 4.1e-3, 4.0, 1.9, 0.05, 2.4, 1.5e-3, 5.1e-3)
+CHATTERING = Bounds(5.0, 2.3, 4.1e-3, 4.0, 1.9, 0.05, 2.4, 7.5e-3, 5.1e-3)
 REPEATING = Bounds(1e-5, 1e-6, 1e-9, 0.4, 1.1, 0.01, 0.22, 1e-4, 3e-5)
 
 BINS = 16

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 EXAMPLES = """Examples:
   cycloid-mj reproduce --quick
   cycloid-mj reproduce --out paper
+  cycloid-mj reproduce --as-the-authors
   cycloid-mj reproduce --only stress torque --json"""
 
 

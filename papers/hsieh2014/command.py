@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import JsonFlag, QuietFlag
+from cycloid_mj.cli.flags import ForceFlag, JsonFlag, QuietFlag
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import finite, say, say_json, say_table, tell, with_warnings
 from cycloid_mj.errors import UsageError
@@ -29,7 +29,7 @@ ReproduceQuickFlag = Annotated[
     bool,
     Parameter(
         name="--quick",
-        help="Fewer crank turns, no ramp, coarser grids: the same pages, of 8 independent starts as well, in about "
+        help="Fewer crank turns, no ramp, coarser grids: the same pages, of 12 independent starts as well, in about "
         "3 minutes on two free cores, not 20.",
     ),
 ]
@@ -38,7 +38,16 @@ OutFlag = Annotated[
     Parameter(
         metavar="DIR",
         help=f"Folder of {PAGE}, {RESULT}, figures and logs, made if there is none. Logs in it that fit are read in "
-        f"place of running; other files are replaced. Default: {OUT}.",
+        f"place of running. Default: {OUT}.",
+    ),
+]
+AuthorsFlag = Annotated[
+    bool,
+    Parameter(
+        name="--as-the-authors",
+        help='Run with the contact that the authors\' motion solver may have had (contact.law = "impact", then facets) '
+        "beside ours: Figs 6, 8, 9, 12-16 and the torque, and which change brings which feature. This stage alone, "
+        "authors, unless --only names others as well.",
     ),
 ]
 FreshFlag = Annotated[bool, Parameter(help="Run everything anew, and replace logs that fit.")]
@@ -49,7 +58,7 @@ OnlyFlag = Annotated[
         metavar="STAGE",
         consume_multiple=True,
         help="Stages to run: geometry, equal, input, gear_speed, q_path, q_velocity, pin_1, vibration, stress, torque. "
-        "Default: all.",
+        "authors. Default: all but authors.",
     ),
 ]
 
@@ -59,7 +68,9 @@ def reproduce(
     quick: ReproduceQuickFlag = False,
     out: OutFlag = None,
     only: OnlyFlag = (),
+    as_the_authors: AuthorsFlag = False,
     fresh: FreshFlag = False,
+    force: ForceFlag = False,
     json: JsonFlag = False,
     quiet: QuietFlag = False,
 ) -> int:
@@ -79,12 +90,15 @@ def reproduce(
     from hsieh2014.errata import errata
     from hsieh2014.logs import Logs
     from hsieh2014.plan import FULL, QUICK
-    from hsieh2014.run import STEPS, run_steps
+    from hsieh2014.run import AUTHORS, STEPS, run_steps
 
-    if unknown := next((key for key in only if key not in [step.key for step in STEPS]), None):
-        raise UsageError(f"no stage {unknown!r}; there are {', '.join(step.key for step in STEPS)}")
-    into = folder(out or OUT, "the report")
-    logs = Logs(folder(str(into / "logs"), "the logs"), fresh, quiet)
+    keys = [step.key for step in (*STEPS, AUTHORS)]
+    only = (*only, AUTHORS.key) if as_the_authors else only
+    if unknown := next((key for key in only if key not in keys), None):
+        raise UsageError(f"no stage {unknown!r}; there are {', '.join(keys)}")
+    into = folder(out or OUT, "the report", (PAGE, RESULT), force)
+    logs = Logs(folder(str(into / "logs"), "the logs", (), force), fresh, quiet)
+    folder(str(into / "figures"), "the figures", (), force)
     start = monotonic()
     stages = run_steps(QUICK if quick else FULL, logs, _reporter(quiet), only)
     found = with_warnings(
@@ -116,12 +130,14 @@ def _reporter(quiet: bool) -> "Report":
 
 def _written(stages: "Sequence[Stage]", found: dict[str, Any], into: Path, quick: bool, seconds: float) -> Path:
     """Write the figures, the JSON file and the page; give the page's path."""
-    from cycloid_mj.plots import save
+    from cycloid_mj.plots.save import pictures
     from hsieh2014.page import reproduction_page
 
     drawings = {plate.name: plate.drawing for stage in stages for plate in stage.found.plates}
-    save(drawings, into / "figures", FORMATS)
-    pictures = {name: _smaller(into / "figures", name) for name in drawings}
+    figures = pictures(drawings, into / "figures", FORMATS)
+    smaller = {
+        name: min((figures[into / "figures" / f"{name}.{form}"] for form in FORMATS), key=len) for name in drawings
+    }
     result = js.dumps(finite(found), indent=1, ensure_ascii=False) + "\n"
     about = (
         "Hsieh, Dynamics Analysis of Cycloidal Speed Reducers With Pinwheel and Nonpinwheel Designs (J. Mech. Des., "
@@ -129,14 +145,9 @@ def _written(stages: "Sequence[Stage]", found: dict[str, Any], into: Path, quick
         f"cycloid-mj reproduce{' --quick' if quick else ''}, {seconds:.0f} s. Crank at 1640 rpm, every figure one "
         "settled turn at one degree (0.000101626 s), from runs at a step of 0.9963 us.",
     )
-    page = reproduction_page(stages, found["errata"], pictures, about)
-    write_whole({into / RESULT: result.encode(), into / PAGE: page.encode()})
+    page = reproduction_page(stages, found["errata"], smaller, about)
+    write_whole({**figures, into / RESULT: result.encode(), into / PAGE: page.encode()})
     return into / PAGE
-
-
-def _smaller(figures: Path, name: str) -> bytes:
-    """Give a figure in the format that takes less room on the page."""
-    return min(((figures / f"{name}.{form}").read_bytes() for form in FORMATS), key=len)
 
 
 def _report(stages: "Sequence[Stage]", found: dict[str, Any], page: Path, json: bool) -> None:

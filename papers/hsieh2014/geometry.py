@@ -3,9 +3,10 @@
 from cycloid_mj import envelope, profile
 from cycloid_mj.comparison import conditions, differences
 from cycloid_mj.modification import tooth_profile
-from cycloid_mj.result import Table
+from cycloid_mj.result import Claim, Removal, Table, Value, Verdict
 from hsieh2014.plan import Plan, designs
 from hsieh2014.stage import Found, Plate, Progress, Runs
+from hsieh2014.statements import POISSON
 
 CAPTIONS = {
     "fig1_rolling": "Generation: the gear's pitch circle rolls within the ring's; a pin's centre, fixed to the ring, "
@@ -57,6 +58,30 @@ def equal(plan: Plan, runs: Runs, progress: Progress) -> Found:
             Table("all that differs between the designs", ("value", *names), rows),
             Table("conditions of both (the runs below change ramp, hold and load, alike)", ("value", "both"), shared),
         ),
+        claims=(_poisson(),),
         findings={"differences": {key: list(each) for key, each in found.items()}},
         notes=("Friction, clearance, stiffness law, damping, drive and step are the same for both designs.",),
+    )
+
+
+def _poisson() -> Claim:
+    """Judge the steel: of E, G and Poisson's ratio an isotropic material has two, and the paper prints E and G."""
+    steel, stated = designs()[0].material, POISSON.stated.value
+    assert stated is not None
+    shear = steel.youngs_modulus / (2.0 * (1.0 + steel.poisson))
+    stiffer = (1.0 - steel.poisson**2) / (1.0 - stated**2) - 1.0
+    same = abs(steel.poisson - stated) < 0.005
+    return POISSON.judged(
+        found=Value(
+            f"E {1e-6 * steel.youngs_modulus:.0f} N/mm2, {steel.poisson:g}: G {1e-6 * shear:.0f}", steel.poisson, "1"
+        ),
+        error=Value("none: as given"),
+        verdict=Verdict.AGREES if same else Verdict.DEPENDS,
+        decided_by="which two of E, G and Poisson's ratio the authors' program took, which the paper leaves open: its "
+        "library's steel has 0.28, and a program for isotropic materials does not use G",
+        removals=[
+            Removal(
+                "0.28, for that of E and G", f"{stated:.3f}; contacts {100 * stiffer:.1f} % stiffer", Verdict.AGREES
+            )
+        ],
     )

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.comparison import RANKED, Spread, Variation, measure, order, settled
+from cycloid_mj.comparison import RANKED, Spread, Variation, measure, settled
 from cycloid_mj.design import Design, override
 from cycloid_mj.record import Run
 from hsieh2014.plan import Plan, designs, idle_runs, variations, varied_idle_runs
 from hsieh2014.stage import Runs
+from hsieh2014.verdicts import rank_order
 
 Levels = Mapping[str, Mapping[str, Spread]]
 """Key of a ranked quantity -> name of a design -> rms about the closed form of each of its runs."""
@@ -18,7 +19,7 @@ Levels = Mapping[str, Mapping[str, Spread]]
 
 def pin_over_nonpin(levels: Levels, key: str) -> int:
     """Tell which design fluctuates more in a quantity: pin (1), nonpin (-1), or neither for sure (0)."""
-    return order(levels[key]["pin"], levels[key]["nonpin"])
+    return rank_order(levels[key]["pin"], levels[key]["nonpin"])
 
 
 def idle(plan: Plan, runs: Runs) -> Levels:

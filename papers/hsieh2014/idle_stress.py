@@ -6,9 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cycloid_mj.analysis.series import design_of
 from cycloid_mj.comparison import Spread
 from cycloid_mj.design import Design
+from cycloid_mj.names import OUTPUT
 from cycloid_mj.record import Run
+from cycloid_mj.types import Array
 from cycloid_mj.units import MEGAPASCAL
 from hsieh2014.peaks import at_peaks
 from hsieh2014.plan import LOGGED, SAMPLING
@@ -37,12 +40,27 @@ class IdleStress:
     starts
         Part -> largest bulk stress of each start [MPa].
     rated
-        Part -> largest bulk stress at some crank angles under the rated load [MPa].
+        Part -> largest bulk stress at some crank angles under the rated load [MPa]; of the output at the fillet of its
+        pins, nominal stress times notch factor, since its bulk is the edge of what is left out there.
+    soft
+        Part -> bulk stress over the crank angles of the study with the contact law IMPACT [MPa], of the first start.
     """
 
     study: "StressStudy"
     starts: Mapping[str, Spread]
     rated: Mapping[str, Spread]
+    soft: Mapping[str, Array]
+
+    def curve(self, part: str) -> tuple[Array, Array] | None:
+        """Give crank angles [deg] and bulk stress [MPa] of a part in the first start; None where there is no part."""
+        if part not in self.starts:
+            return None
+        found = self.study.findings[part]
+        return np.degrees(found.angle), found.bulk / MEGAPASCAL
+
+    def soft_curve(self, part: str) -> tuple[Array, Array] | None:
+        """Give the same with the contact law IMPACT."""
+        return (np.degrees(self.study.findings[part].angle), self.soft[part]) if part in self.soft else None
 
     def error(self, part: str) -> float:
         """Give by what share one more refinement, or the choice of where bulk begins, changes the maximum of a part."""
@@ -51,7 +69,12 @@ class IdleStress:
 
 
 def idle_stress(
-    starts: Sequence[Run], rated: Run, design: Design, settings: "StudySettings", progress: Any = lambda *_: None
+    starts: Sequence[Run],
+    rated: Run,
+    design: Design,
+    settings: "StudySettings",
+    soft: Run | None = None,
+    progress: Any = lambda *_: None,
 ) -> IdleStress:
     """Study one design: its first start in whole, the heaviest angles of the others, and the rated run.
 
@@ -63,27 +86,40 @@ def idle_stress(
         The design that ran.
     settings
         How much is computed.
+    soft
+        The first start with the contact law IMPACT.
     progress
         Called with each part before it begins; see `stress.study.stress_study`.
     """
     from cycloid_mj.stress.field import solve
     from cycloid_mj.stress.loads import part_loads
-    from cycloid_mj.stress.study import stress_study
+    from cycloid_mj.stress.study import notches_of, stress_study
 
-    peaks = [at_peaks(run, LOGGED * SAMPLING // settings.angles + 1) for run in starts]
+    window = LOGGED * SAMPLING // settings.angles + 1
+    peaks = [at_peaks(run, window) for run in starts]
+    softly = at_peaks(soft, window) if soft else None
     study = stress_study(peaks[0], design, (), settings, told=progress, references=stress_references(design))
     turn = 2 * np.pi * np.arange(settings.angles) / settings.angles
     under_load = 2 * np.pi * np.arange(RATED_ANGLES) / RATED_ANGLES
-    largest, loaded = {}, {}
+    largest, loaded, curves = {}, {}, {}
     for one in study.parts:
         part, grid = one.findings.part, one.grid
-        under = solve(design, grid, part_loads(rated, design, part, under_load))
-        loaded[part] = Spread.of(under.bulk_stress / MEGAPASCAL)
+        rated_loads = part_loads(rated, design, part, under_load)
+        under = solve(design, grid, rated_loads)
+        governing = under.bulk_stress / MEGAPASCAL
+        if part == OUTPUT:
+            fillet = max(notch.stress for notch in notches_of(design, rated_loads, under)) / MEGAPASCAL
+            governing = np.append(governing, fillet)
+        loaded[part] = Spread.of(governing)
         heavy = [heaviest(part_loads(run, design, part, turn), HEAVIEST) for run in peaks]
         # a single touch has no plateau of its own: bulk begins where it does under the rated load, in every start
-        solved = solve(design, grid, joined(heavy), distance=under.bulk_distance)
-        largest[part] = Spread.of(solved.bulk_stress.reshape(len(heavy), HEAVIEST).max(axis=1) / MEGAPASCAL)
-    return IdleStress(study, largest, loaded)
+        cases = [*heavy, *([part_loads(softly, design_of(softly), part, turn)] if softly else [])]
+        stress = solve(design, grid, joined(cases), distance=under.bulk_distance).bulk_stress / MEGAPASCAL
+        parts = np.split(stress, np.cumsum([len(each.angle) for each in cases])[:-1])
+        largest[part] = Spread.of(each.max() for each in parts[: len(heavy)])
+        if softly:
+            curves[part] = parts[-1]
+    return IdleStress(study, largest, loaded, curves)
 
 
 def heaviest(loads: "PartLoads", count: int) -> "PartLoads":

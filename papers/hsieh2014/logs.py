@@ -10,6 +10,7 @@ from cycloid_mj.design import Design, dump
 from cycloid_mj.errors import LogError, RunError, warn
 from cycloid_mj.log import read
 from cycloid_mj.record import Run
+from cycloid_mj.replacing import as_own
 from cycloid_mj.run import provenance
 
 DIGITS = 12
@@ -50,6 +51,9 @@ class Logs:
         }
         missing = {design: path for design, path in paths.items() if self._fresh or not _is_there(design, path)}
         if missing:
+            for path in missing.values():
+                # one that was read did not fit
+                as_own(path)
             try:
                 run_all(missing, min(os.cpu_count() or 1, len(missing)), force=True, quiet=self._quiet)
             except RunError as error:

@@ -127,8 +127,8 @@ def _shaft_peaks(findings: StressFindings) -> Claim:
 
 def _output(findings: StressFindings) -> Claim:
     output = findings["output"]
-    others = [findings[part].bulk_peak.stress for part in ORDER if part in findings]
-    found, share = output.bulk_peak.stress, np.ptp(output.bulk) / output.bulk.mean()
+    others = [findings[part].governing for part in ORDER if part in findings]
+    found, share = output.governing, np.ptp(output.bulk) / output.bulk.mean()
     return _judged(
         stress_of_output(findings.ring),
         findings.design,

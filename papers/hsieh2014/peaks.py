@@ -1,15 +1,29 @@
 """Impact peaks: at no load parts strike each other between samples. As forces of a run, and by crank angle."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import maximum_filter1d
+from scipy.signal import find_peaks
 
 from cycloid_mj.comparison import gravity_turn, settled
 from cycloid_mj.design import Design
-from cycloid_mj.names import FORCE_X, FORCE_Y, MOMENT, PEAK_FORCE, column
+from cycloid_mj.names import (
+    CAM,
+    FORCE_X,
+    FORCE_Y,
+    KINDS,
+    LOBE,
+    MOMENT,
+    OUTPUT_PIN,
+    PEAK_FORCE,
+    PIN,
+    SHAFT,
+    SOCKET,
+    column,
+)
 from cycloid_mj.record import Run
 from cycloid_mj.types import Array
 
@@ -25,6 +39,19 @@ def peak(run: Run, pair: str, window: int = 1) -> Array:
     sampled = np.hypot(run[column(pair, FORCE_X)], run[column(pair, FORCE_Y)])
     largest = np.maximum(sampled, run[column(pair, PEAK_FORCE)])
     return np.asarray(maximum_filter1d(largest, 2 * (window // 2) + 1, mode="nearest"))
+
+
+def pairs_on(run: Run, part: str) -> list[str]:
+    """Give the mating pairs of a run that press on a part: the shaft, the gear or the ring."""
+    ring = next(stem for stem in (SOCKET, LOBE, PIN) if run.pairs(KINDS[stem]))
+    stems = {SHAFT: (CAM,), "ring": (ring,), "gear": (CAM, PIN, LOBE, OUTPUT_PIN)}[part]
+    return [name for stem in stems for name in run.pairs(KINDS[stem])]
+
+
+def largest_force(run: Run, among: Sequence[str]) -> float:
+    """Find the largest force [N] of some pairs in the settled hold."""
+    hold = settled(run).hold
+    return max(float(peak(run, pair)[hold].max()) for pair in among)
 
 
 def at_peaks(run: Run, window: int = 1) -> Run:
@@ -61,12 +88,20 @@ def by_angle(run: Run, among: Sequence[str]) -> Array:
 
     The crank angle is counted from gravity, so that starts at all phases share one axis.
     """
+    return curves_by_angle(run, {"": among})[""]
+
+
+def curves_by_angle(run: Run, of_parts: Mapping[str, Sequence[str]]) -> dict[str, Array]:
+    """Give the same for several parts, each with the pairs that press on it."""
     motion = settled(run)
-    force = np.max([peak(run, pair) for pair in among], axis=0)[motion.hold]
+    forces = {
+        part: np.max([peak(run, pair) for pair in among], axis=0)[motion.hold] for part, among in of_parts.items()
+    }
     turned = np.mod(motion.crank_angle[motion.hold] - gravity_turn(motion.design), 2 * np.pi)
     number = np.minimum((turned * BINS / (2 * np.pi)).astype(int), BINS - 1)
-    found = np.zeros(BINS)
-    np.maximum.at(found, number, force)
+    found = {part: np.zeros(BINS) for part in forces}
+    for part, force in forces.items():
+        np.maximum.at(found[part], number, force)
     return found
 
 
@@ -79,6 +114,24 @@ def largest_of_halves(force: Array) -> tuple[float, float]:
     """Give where a curve over the bins is largest in each half turn [deg]."""
     half = BINS // 2
     return middle(int(np.argmax(force[:half]))), middle(half + int(np.argmax(force[half:])))
+
+
+HARMONICS, PROMINENCE = 6, 0.15
+"""Highest order of a crank turn in a curve whose maxima are counted, and how far one stands out, of the whole swing."""
+
+
+def maxima(force: npt.ArrayLike) -> tuple[float, ...]:
+    """Find the maxima of a curve over the bins of a crank turn [deg], without what is finer than `HARMONICS`."""
+    orders = np.fft.rfft(np.asarray(force, float))
+    orders[HARMONICS + 1 :] = 0.0
+    smooth = np.fft.irfft(orders, BINS)
+    swing = float(np.ptp(smooth))
+    if swing == 0.0:
+        return ()
+    # twice round from the least on, so that no maximum lies at an end
+    least = int(np.argmin(smooth))
+    found, _ = find_peaks(np.roll(np.tile(smooth, 2), -least)[: BINS + 1], prominence=PROMINENCE * swing)
+    return tuple(sorted(middle((int(place) + least) % BINS) for place in found))
 
 
 def share_near(force: Array, reach: float) -> float:

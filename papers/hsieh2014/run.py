@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from time import monotonic
 
+from hsieh2014.authors import authors
 from hsieh2014.geometry import equal, geometry
 from hsieh2014.motion import gear_speed, input_law, pin_1, q_path, q_velocity
 from hsieh2014.plan import Plan
@@ -25,6 +26,9 @@ STEPS = (
     Step("torque", "Output torque", "Fig. 19", torque, 20, 120),
 )
 
+AUTHORS = Step("authors", "As the authors may have run it", "Figs 6, 8, 9, 12-16, 19", authors, 120, 300)
+"""A stage of its own, which `STEPS` do without."""
+
 Report = Callable[[Step, str, float], None]
 """Called with a step as it begins and as it goes on, what it does, and how many seconds are left in all."""
 
@@ -41,9 +45,9 @@ def run_steps(plan: Plan, runs: Runs, report: Report, chosen: Sequence[str] = ()
     report
         Called with how far it is.
     chosen
-        Keys of the steps to run; by default all.
+        Keys of the steps to run; by default all of `STEPS`.
     """
-    steps = [step for step in STEPS if not chosen or step.key in chosen]
+    steps = [step for step in (*STEPS, AUTHORS) if step.key in (chosen or [each.key for each in STEPS])]
     shares = [step.quick if plan.quick else step.full for step in steps]
     start, found = monotonic(), []
     for number, step in enumerate(steps):

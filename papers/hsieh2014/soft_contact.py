@@ -14,10 +14,13 @@ import numpy as np
 from numba import njit
 
 from cycloid_mj.compiling import cacheable
+from cycloid_mj.contact import impact
 from cycloid_mj.contact.gap import Trochoid, circle_in_circle, trochoid_curvature, trochoid_distance
+from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.design import Design
 from cycloid_mj.solid import mass_properties, parts
 from cycloid_mj.types import Array
+from hsieh2014.peaks import BINS
 
 TIMESTEP = 0.5e-6
 """[s]"""
@@ -27,6 +30,9 @@ SETTLING = 0.5
 
 DEGREES = 360
 """Samples of a turn in the paper: one for each degree."""
+
+
+_spring_at, _damper_at = njit(impact.spring), njit(impact.damper)
 
 
 @dataclass(frozen=True)
@@ -71,10 +77,12 @@ https://adams.thisaray.com/adams_solver/state_contact.html).
 
 @dataclass(frozen=True)
 class Forces:
-    """Largest normal force of each kind of contact over the turns that count [N].
+    """Largest normal force of each kind of contact over the turns that count [N], and how the gear fluctuates.
 
     `tooth` of the gear on a pin or on the internal gear, `seat` of a pin in its socket (of the tooth where there is
-    none), `cam`, `output`; `sampled` is the cam's largest at one sample for each degree.
+    none), `cam`, `output`; `sampled` is the cam's largest at one sample for each degree. `rms` is that of the gear's
+    speed about its closed form [rad/s], `curve` the cam's largest force in each of `BINS` parts of a crank turn, from
+    gravity's direction on [N].
     """
 
     tooth: float
@@ -82,6 +90,15 @@ class Forces:
     cam: float
     output: float
     sampled: float
+    rms: float = math.nan
+    curve: tuple[float, ...] = ()
+
+
+def line_contacts(design: Design) -> SoftContact:
+    """Give linear springs as stiff as the design's own line contacts, damped as those, from the surface on."""
+    stiffness = pair_stiffness(design, design.tooth_pair)
+    mass = mass_properties(parts(design)["gear"]).mass / design.ring.teeth
+    return SoftContact("line contacts, as here", stiffness, 1.0, math.sqrt(stiffness * mass), 1e-15)
 
 
 def soft_idle(
@@ -124,7 +141,8 @@ def soft_idle(
     turn = 2.0 * math.pi / abs(design.drive.speed)
     steps = math.ceil((SETTLING + turns) * turn / TIMESTEP)
     found = _turned(values, ring.teeth, output.pins, free, facets, steps, TIMESTEP, round(turn / TIMESTEP))
-    return Forces(*(float(value) for value in found))
+    tooth, seat, cam, output_force, sampled, rms = found[:6].tolist()
+    return Forces(tooth, seat, cam, output_force, sampled, rms, tuple(found[6:].tolist()))
 
 
 def _facets(design: Design, chord_error: float, seed: int) -> Array:
@@ -137,19 +155,6 @@ def _facets(design: Design, chord_error: float, seed: int) -> Array:
     length = 2.0 * math.pi * design.ring.pin_circle_radius / design.lobes
     count = max(round(length / math.sqrt(8.0 * design.ring.pin_radius * chord_error)), 2)
     return np.random.default_rng(seed).uniform(0.0, 2.0 * chord_error, (design.lobes, count))
-
-
-@njit(inline="always")
-def _spring(depth: float, stiffness: float, exponent: float) -> float:
-    return stiffness * depth**exponent if depth > 0.0 else 0.0
-
-
-@njit(inline="always")
-def _damper(depth: float, damping: float, whole: float) -> float:
-    if depth <= 0.0:
-        return 0.0
-    share = min(depth / whole, 1.0)
-    return damping * share * share * (3.0 - 2.0 * share)
 
 
 @njit(cache=cacheable(), nogil=True)
@@ -165,7 +170,7 @@ def _turned(
     vx, vy, spin = -c * speed * math.cos(phase), -c * speed * math.sin(phase), -speed / lobes
     angle, slow = turned, spin
     pins = np.zeros((teeth, 4))
-    largest = np.zeros(5)
+    largest, squares = np.zeros(6 + BINS), 0.0
     curve = Trochoid(radius, c, float(teeth))
     for step in range(steps):
         theta = phase + speed * step * timestep
@@ -190,10 +195,10 @@ def _turned(
             # the gear's speed where they touch
             rx, ry = dx - rho * nx, dy - rho * ny
             gx, gy = vx - spin * ry, vy + spin * rx
-            spring, damper = _spring(-gap, k, e), _damper(-gap, damping, whole)
+            spring, damper = _spring_at(-gap, k, e), _damper_at(-gap, damping, whole)
             if free:
                 out, sx, sy = circle_in_circle(pins[i, 0], pins[i, 1], 0.0, socket)
-                seat, held = _spring(-out, k, e), _damper(-out, damping, whole)
+                seat, held = _spring_at(-out, k, e), _damper_at(-out, damping, whole)
                 # dampers act on the speed at the end of the step: a pin is too light for them otherwise
                 axx = pin_mass + timestep * (damper * nx * nx + held * sx * sx)
                 ayy = pin_mass + timestep * (damper * ny * ny + held * sy * sy)
@@ -220,11 +225,14 @@ def _turned(
         cx, cy = -c * math.sin(theta), c * math.cos(theta)
         gap, nx, ny = circle_in_circle(cx - x, cy - y, 0.0, cam_play)
         closing = (-speed * cy - vx) * nx + (speed * cx - vy) * ny
-        cam = max(_spring(-gap, k, e) + _damper(-gap, damping, whole) * closing, 0.0)
+        cam = max(_spring_at(-gap, k, e) + _damper_at(-gap, damping, whole) * closing, 0.0)
         fx += cam * nx
         fy += cam * ny
         if counts:
             largest[2] = max(largest[2], cam)
+            squares += (spin + speed / lobes) ** 2
+            place = 6 + int(theta * BINS / (2.0 * math.pi)) % BINS
+            largest[place] = max(largest[place], cam)
             if step % stride == 0:
                 largest[4] = max(largest[4], cam)
         so, co = math.sin(angle), math.cos(angle)
@@ -235,7 +243,7 @@ def _turned(
             hx, hy = cosine * sj - sine * cj, sine * sj + cosine * cj
             gap, nx, ny = circle_in_circle(qx - x - hx, qy - y - hy, 0.0, room)
             closing = (-slow * qy - vx + spin * hy) * nx + (slow * qx - vy - spin * hx) * ny
-            force = max(_spring(-gap, k, e) + _damper(-gap, damping, whole) * closing, 0.0)
+            force = max(_spring_at(-gap, k, e) + _damper_at(-gap, damping, whole) * closing, 0.0)
             if force > 0.0:
                 fx += force * nx
                 fy += force * ny
@@ -251,6 +259,7 @@ def _turned(
         y += timestep * vy
         turned += timestep * spin
         angle += timestep * slow
+    largest[5] = math.sqrt(squares / (steps - settled))
     if not free:
         largest[1] = largest[0]
     return largest

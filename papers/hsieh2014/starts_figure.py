@@ -39,6 +39,7 @@ def starts_figure(cases: Mapping[str, Mapping[str, Mapping[str, Spread]]], quant
             panel.set_yscale("log")
         panel.set_title(quantity.name)
         panel.set_ylabel(f"rms [{quantity.unit}]")
+    panels[-1].set_xlim(-0.5, len(cases) - 0.5)
     panels[-1].set_xticks(range(len(cases)), list(cases), rotation=45, ha="right")
     looks = [(name, {"color": COLORS[number], "marker": "o", "linestyle": ""}) for number, name in enumerate(names)]
     figure.legend(handles=keys(*looks), loc="outside lower center", ncols=len(names))

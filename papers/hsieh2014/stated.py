@@ -45,6 +45,9 @@ SHAFT_PEAKS = (75.0, 255.0)
 PIN_1_LOADED = (350.0, 10.0)
 """Crank angles between which pin 1 is loaded, over 0 [deg]."""
 
+SHOWN = (0.0, 120.0, 240.0, 360.0)
+"""Crank angles at which Fig. 9(a) shows the pins [deg]."""
+
 LEAST, MOST = 0.5, 1.1
 """A height agrees from half of the paper's to a tenth above it."""
 

@@ -1,8 +1,9 @@
 """Every claim of the paper that is judged: its key, where it stands, its condition, its words and its number."""
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from cycloid_mj.result import Claim, Condition, Value, Verdict
+from cycloid_mj.result import Claim, Condition, Range, Removal, Value, Verdict
 from hsieh2014.plan import no_load, torque_test
 from hsieh2014.stated import FIGURES, GEAR_SPEED, HEIGHTS, IDEAL, ORDER, TORQUES, VIBRATION
 
@@ -27,10 +28,28 @@ class Statement:
     condition: Condition
 
     def judged(
-        self, found: Value, error: Value, verdict: Verdict, decided_by: str, rated: Value | None = None
+        self,
+        found: Value,
+        error: Value,
+        verdict: Verdict,
+        decided_by: str,
+        rated: Value | None = None,
+        searched: Sequence[Range] = (),
+        removals: Iterable[Removal] = (),
+        p: float | None = None,
     ) -> Claim:
-        """Give the claim with what is found here, and what becomes of it."""
-        return Claim(**vars(self), found=found, error=error, verdict=verdict, decided_by=decided_by, rated=rated)
+        """Give the claim with what is found here, and what becomes of it; parameters as of `Claim`."""
+        return Claim(
+            **vars(self),
+            found=found,
+            error=error,
+            verdict=verdict,
+            decided_by=decided_by,
+            rated=rated,
+            searched=tuple(searched),
+            removals=tuple(removals),
+            p=p,
+        )
 
 
 def _idle(key: str, figure: str, part: str, design: str, kind: str, claim: str, stated: Value) -> Statement:
@@ -48,6 +67,45 @@ def pin_1_sway(clearance: float) -> Statement:
     value = Value("within 0.001 mm", 1e3 * clearance, "mm")
     return _idle("pin_1_sway", "Fig. 9", "pin_1", "pin", "height", "pin 1 sways within its clearance", value)
 
+
+PIN_1_TURNS = _idle(
+    "pin_1_turns",
+    "Fig. 9(a)",
+    "pin_1",
+    "pin",
+    "pattern",
+    "pin 1 is seen turned at crank angles of 0, 120, 240 and 360 deg",
+    Value("turned"),
+)
+
+PIN_1_SLIDES = _idle(
+    "pin_1_slides", "Fig. 16", "pin_1", "pin", "pattern", "pin 1 slides on the gear from 10 to 350 deg", Value("slides")
+)
+
+
+def transmission_error(design: str) -> Statement:
+    """Fig. 7: the path of q strays from its closed form, by the transmission error."""
+    claim = "the gear has a transmission error: q strays from its path"
+    return _idle(f"transmission_error_{design}", "Fig. 7", "gear", design, "pattern", claim, Value("yes"))
+
+
+def _loaded(key: str, figure: str, claim: str) -> Statement:
+    return Statement(key, figure, "gear", "both", "order", claim, Value("nonpin better"), torque_test())
+
+
+PRECISION = _loaded("double_contact_precision", "section 2", "double contact lines raise the precision")
+CAPACITY = _loaded("double_contact_capacity", "section 2", "double contact lines raise the load capacity")
+
+POISSON = Statement(
+    "poisson",
+    "Table 1",
+    "all",
+    "both",
+    "value",
+    "E and G of the steel, which mean its Poisson's ratio",
+    Value("E 210 000, G 79 000 N/mm2: 0.329", 210e3 / (2.0 * 79e3) - 1.0, "1"),
+    no_load(),
+)
 
 PIN_1_SPIN = _idle("pin_1_spin", "Fig. 9", "pin_1", "pin", "pattern", "pin 1 turns about itself", Value("yes"))
 
@@ -80,6 +138,18 @@ def stress_of_designs(part: str) -> Statement:
         Value(f"{ratio:.2g} to 1", ratio, BY_DESIGN),
     )
     return _idle(f"stress_order_of_designs_{part}", FIGURES[part], part, "both", "order", claim, value)
+
+
+def stress_mean(part: str) -> Statement:
+    """Figs 12-14: in which design a part's mean stress over a turn is smaller."""
+    claim = f"{part}: a smaller mean stress without pins"
+    return _idle(f"stress_mean_{part}", FIGURES[part], part, "both", "order", claim, Value("pin > nonpin"))
+
+
+def stress_fluctuation(part: str) -> Statement:
+    """Figs 12-14: in which design a part's stress fluctuates less over a turn."""
+    claim = f"{part}: its stress fluctuates less without pins"
+    return _idle(f"stress_fluctuation_{part}", FIGURES[part], part, "both", "order", claim, Value("pin > nonpin"))
 
 
 def stress_peaks(design: str) -> Statement:

@@ -1,21 +1,28 @@
 """Figs 10-16: grids, and stress over a crank turn at no load, where the paper has it; the rated load stands beside."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import TYPE_CHECKING
 
-from cycloid_mj.comparison import STARTS, settled
-from cycloid_mj.names import CAM, KINDS, LOBE, SHAFT, SOCKET
+from cycloid_mj.names import KINDS
 from cycloid_mj.record import Run
 from cycloid_mj.result import Table
 from cycloid_mj.units import MEGAPASCAL
 from hsieh2014 import hypothesis
 from hsieh2014.idle_stress import IdleStress, idle_stress
-from hsieh2014.peaks import peak
-from hsieh2014.plan import Plan, designs, idle_runs, rated_runs
+from hsieh2014.peaks import largest_force, pairs_on
+from hsieh2014.plan import IMPACT, STARTS, Plan, designs, idle_runs, ranges, rated_runs, variations, varied_idle_runs
 from hsieh2014.stage import Found, Plate, Progress, Runs
-from hsieh2014.stated import FIGURES, HEIGHTS
-from hsieh2014.stress_claims import stress_claims
+from hsieh2014.stated import FIGURES, HEIGHTS, ORDER, SHAFT_PEAKS
+from hsieh2014.stress_claims import Searched, stress_claims
+
+if TYPE_CHECKING:
+    from cycloid_mj.stress.study import StudySettings
+
+MAP_ANGLE = math.radians(74.0)
+"""Crank angle of the maps [rad]: the paper's Fig. 11."""
 
 QUICK_ANGLES = 40
 """Crank angles of a quick study: 9 deg apart, no multiple of the mesh period, so that they fall on ten phases of it."""
@@ -23,23 +30,25 @@ QUICK_ANGLES = 40
 
 def stress(plan: Plan, runs: Runs, progress: Progress) -> Found:
     """Find the stress of every part under the impact peaks of an idle turn, over independent starts."""
-    from cycloid_mj.stress.study import QUICK, StudySettings
-
-    settings = replace(QUICK, angles=QUICK_ANGLES) if plan.quick else StudySettings()
     starts = {design.name: runs(idle_runs(plan, design)) for design in designs()}
     rated = {run.provenance["design"]: run for run in runs(rated_runs(plan))}
     found = {}
     for design in designs():
         name = design.name
         begins = partial(_part_begins, progress, name)
-        found[name] = idle_stress(starts[name], rated[name], idle_runs(plan, design)[0], settings, begins)
+        impact = runs(varied_idle_runs(plan, IMPACT, design))[0]
+        found[name] = idle_stress(starts[name], rated[name], idle_runs(plan, design)[0], settings(plan), impact, begins)
+    varied = {
+        one: {design.name: runs(varied_idle_runs(plan, one, design)) for design in designs()}
+        for one in variations(plan)
+    }
     progress("hypothesis: soft contact")
     soft = hypothesis.soft_runs(plan)
     wanted = {name: _needed(name, one, rated[name]) for name, one in found.items()}
     return Found(
         tuple(_plates(found)),
         (_stress_table(found), _force_table(starts, rated), hypothesis.table(soft, wanted)),
-        tuple(stress_claims(found, starts, rated)),
+        tuple(stress_claims(found, starts, rated, Searched(ranges(plan), varied, hypothesis.reached(soft, wanted)))),
         {name: _numbers(one) for name, one in found.items()} | {"hypothesis": hypothesis.as_json(soft, wanted)},
         (*hypothesis.sentences(soft, wanted), *_notes(found)),
     )
@@ -47,15 +56,8 @@ def stress(plan: Plan, runs: Runs, progress: Progress) -> Found:
 
 def _needed(name: str, one: IdleStress, rated: Run) -> dict[str, float]:
     """Give the forces that the paper's heights would take, from stress and largest force under the rated load."""
-    ring = SOCKET if rated.pairs(KINDS[SOCKET]) else LOBE
-    forces = {part: _largest(rated, rated.pairs(KINDS[stem])) for part, stem in ((SHAFT, CAM), ("ring", ring))}
+    forces = {part: largest_force(rated, pairs_on(rated, part)) for part in ORDER}
     return hypothesis.needed({part: size.high for part, size in one.rated.items()}, forces, name)
-
-
-def _largest(run: Run, among: Sequence[str]) -> float:
-    """Give the largest force [N] of some pairs in the settled hold."""
-    hold = settled(run).hold
-    return max(float(peak(run, pair)[hold].max()) for pair in among)
 
 
 def _part_begins(progress: Progress, design: str, part: str, number: int, of: int) -> None:
@@ -63,22 +65,53 @@ def _part_begins(progress: Progress, design: str, part: str, number: int, of: in
 
 
 def _plates(found: Mapping[str, IdleStress]) -> Iterator[Plate]:
-    from cycloid_mj.plots.stress import grid_figure, map_figure, maxima_figure, refinement_figure
+    from cycloid_mj.plots.stress import grid_figure, map_figure, refinement_figure
 
     for name, one in found.items():
         parts = {each.findings.part: each for each in one.study.parts}
         grids = {part: each.grid for part, each in parts.items()}
         maps = {part: each.map for part, each in parts.items()}
-        words = f"{name}, no load: von Mises stress on every part at the crank angle where its own is largest."
+        words = (
+            f"{name}, no load: von Mises stress on every part at the computed crank angle nearest to the paper's 74."
+        )
         yield Plate(f"fig10_grid_{name}", "Fig. 10", f"{name}: grids of the parts.", grid_figure(grids, name))
         yield Plate(f"fig11_map_{name}", "Fig. 11", words, map_figure(maps, f"{name}, no load"))
     findings = [one.study.findings for one in found.values()]
-    for number, (part, figure) in enumerate(FIGURES.items(), start=12):
-        words = f"No load, impact peaks of one start: largest von Mises stress of {part.replace('_', ' ')} over a crank"
-        name = f"fig{number}_stress_{part}"
-        yield Plate(name, figure, f"{words} turn, pin and nonpin.", maxima_figure(findings, part))
+    yield from height_plates(found)
     words = "No load. Numerical error: the largest bulk stress of each part on a coarser and on a finer grid."
     yield Plate("stress_refinement", "Figs 12-16", words, refinement_figure(findings))
+
+
+def height_plates(found: Mapping[str, IdleStress]) -> Iterator[Plate]:
+    """Draw Figs 12-16 by both contact laws, with the paper's heights."""
+    from hsieh2014.paper_figures import heights_figure
+
+    for number, (part, figure) in enumerate(FIGURES.items(), start=12):
+        words = f"No load, impact peaks of one start: largest von Mises stress of {part.replace('_', ' ')} over a crank"
+        words += " turn, by line contacts of steel and, short dashes, by the soft contact of motion solvers (IMPACT)"
+        curves = {
+            f"{name}, {law}": curve
+            for name, one in found.items()
+            for law, curve in (("line contacts", one.curve(part)), ("IMPACT", one.soft_curve(part)))
+            if curve is not None
+        }
+        heights = {name: HEIGHTS[part, name] for name in found if (part, name) in HEIGHTS}
+        words += "; long dashes: up to about where the paper's curve reaches." if heights else "."
+        marks = SHAFT_PEAKS if part == "shaft" else ()
+        yield Plate(f"fig{number}_stress_{part}", figure, words, heights_figure(curves, heights, marks))
+
+
+def settings(plan: Plan) -> "StudySettings":
+    """Give how much a study computes."""
+    from cycloid_mj.stress.study import QUICK, StudySettings
+
+    own = replace(QUICK, angles=QUICK_ANGLES) if plan.quick else StudySettings()
+    return replace(own, map_angle=MAP_ANGLE)
+
+
+def per_newton(one: IdleStress, rated: Run) -> dict[str, float]:
+    """Compute the stress of shaft, ring and gear [MPa] for each newton of the largest force on them."""
+    return {part: one.rated[part].high / largest_force(rated, pairs_on(rated, part)) for part in ORDER}
 
 
 def _stress_table(found: Mapping[str, IdleStress]) -> Table:
@@ -98,8 +131,8 @@ def _force_table(starts: Mapping[str, Sequence[Run]], rated: Mapping[str, Run]) 
     for name, runs in starts.items():
         for stem, among in ((stem, runs[0].pairs(kind)) for stem, kind in KINDS.items()):
             if among:
-                between = [_largest(run, among) for run in runs]
-                loaded = _largest(rated[name], among)
+                between = [largest_force(run, among) for run in runs]
+                loaded = largest_force(rated[name], among)
                 rows.append((f"{name}, {stem}", f"{min(between):.3g} to {max(between):.3g}", f"{loaded:.3g}"))
     head = ("largest force of one contact pair [N]", f"no load, impact peaks of {STARTS} starts", "rated load")
     return Table("forces behind the stress", head, tuple(rows))

@@ -1,15 +1,23 @@
 """Fig. 19: the output torque at the rated input torque, and the friction that would give the paper's."""
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 
+from cycloid_mj.analysis import judge
+from cycloid_mj.comparison import settled
+from cycloid_mj.design import Design
 from cycloid_mj.measure import Measurement
 from cycloid_mj.measure.pool import Progress as Steps
-from cycloid_mj.result import Claim, Quantity, Table, Value, Verdict
-from hsieh2014.plan import Plan, designs, equalised
+from cycloid_mj.rating.duty import DutyPoint
+from cycloid_mj.rating.loading import loading
+from cycloid_mj.rating.peak import peaks
+from cycloid_mj.record import Run
+from cycloid_mj.result import Claim, Removal, Table, Value, Verdict
+from hsieh2014.pictures import pictures
+from hsieh2014.plan import Plan, designs, equalised, rated_runs
 from hsieh2014.stage import Found, Plate, Progress, Runs
 from hsieh2014.stated import IDEAL, TORQUES, torques
-from hsieh2014.statements import AHEAD, TORQUE_ORDER, output_torque
+from hsieh2014.statements import AHEAD, CAPACITY, PRECISION, TORQUE_ORDER, output_torque
+from hsieh2014.torque_search import GRID, RANGES, SEARCHED, Case, Search, Solution, search
 
 NEAR = 0.01
 """Torques agree within this share of the torque without losses."""
@@ -25,6 +33,8 @@ def torque(plan: Plan, runs: Runs, progress: Progress) -> Found:
         design.name: measure_torque(design, plan.quick, _steps(progress, design.name), torques(design))
         for design in designs()
     }
+    progress("search over what the paper leaves open")
+    searches = {design.name: search(design, {one.way: one.rate for one in torques(design)}) for design in designs()}
     progress(equalised().name)
     alike = _at_equal_play(plan)
     plates = tuple(
@@ -37,13 +47,18 @@ def torque(plan: Plan, runs: Runs, progress: Progress) -> Found:
         )
         for name, one in found.items()
     )
+    views, missing = pictures(runs(rated_runs(plan)[:2]))
     return Found(
-        plates,
-        (_columns(found, alike), *(_named(table, name) for name, one in found.items() for table in one.tables)),
-        (*_claims(found), _order(found)),
+        (*views, *plates),
+        (
+            _columns(found, alike),
+            _search_table(searches),
+            *(_named(table, name) for name, one in found.items() for table in one.tables),
+        ),
+        (*claims(found, searches), torque_order(found, searches), precision(runs(rated_runs(plan))), capacity()),
         {name: {key: each.as_json() for key, each in one.quantities.items()} for name, one in found.items()}
         | {equalised().name: {"output_torque_nm": alike}},
-        tuple(dict.fromkeys(sentence for one in found.values() for sentence in one.assumptions)),
+        (*dict.fromkeys(sentence for one in found.values() for sentence in one.assumptions), *missing),
     )
 
 
@@ -69,6 +84,17 @@ def _columns(found: Mapping[str, Measurement], alike: float) -> Table:
     )
 
 
+def _search_table(searches: Mapping[str, Search]) -> Table:
+    """Give the output rate of both designs over everything that was searched."""
+    rows: list[tuple[str | float, ...]] = [
+        (bearings.words, friction, *(100 * one.grid[bearings, friction] for one in searches.values()))
+        for bearings in SEARCHED
+        for friction in GRID
+    ]
+    head = ("cam, output pins, seals", "friction of the teeth", *(f"{name}, rate [%]" for name in searches))
+    return Table("output rate over all friction that the paper leaves open", head, tuple(rows))
+
+
 def _steps(progress: Progress, name: str) -> Steps:
     """Give what tells how many runs of a design are done."""
     return lambda done, of: progress(f"{name}, {done} of {of} runs")
@@ -78,56 +104,131 @@ def _named(table: Table, name: str) -> Table:
     return Table(f"{name}: {table.title}", table.header, table.rows)
 
 
-def _claims(found: Mapping[str, Measurement]) -> Iterator[Claim]:
-    """Hold each output torque against ours: by number, and else by whether a friction gives it."""
+def claims(found: Mapping[str, Measurement], searches: Mapping[str, Search]) -> Iterator[Claim]:
+    """Hold each output torque against ours: by number, and else by whether anything left open gives it."""
     for name, ways in TORQUES.items():
         one = found[name]
         ours, error = one["output_torque"], one.quantities["output_torque"].error
         for way, paper in ways.items():
-            friction = one.quantities[f"friction_for_paper_{way}"]
+            solutions = searches[name].solutions[way]
             yield output_torque(way, name).judged(
                 found=Value(f"{ours:.2f} N m, {100 * ours / IDEAL:.1f} %", ours, "N m"),
                 error=Value(ERROR, error, "N m"),
-                verdict=_verdict(ours, paper, friction.value),
-                decided_by=f"friction of the sliding pairs, left open by the paper: {_friction(friction)}",
+                verdict=_verdict(ours, paper, bool(solutions)),
+                decided_by=f"friction, left open by the paper: {_told(solutions)}",
+                searched=RANGES,
+                removals=[
+                    Removal(
+                        f"our own friction, for {each.bearings.of_teeth(each.friction)}",
+                        f"{each.rate * IDEAL:.2f} N m",
+                        Verdict.AGREES,
+                    )
+                    for each in solutions
+                ]
+                + [
+                    Removal(what, f"{rate * IDEAL:.2f} N m, {100 * rate:.1f} %", _verdict(rate * IDEAL, paper, False))
+                    for what, rate in searches[name].removed.items()
+                ],
             )
 
 
-def _verdict(ours: float, paper: float, friction: float) -> Verdict:
+def _verdict(ours: float, paper: float, given: bool) -> Verdict:
+    """Judge a torque [N m] against the paper's, and by whether something that the paper leaves open gives that."""
     if abs(ours - paper) <= NEAR * IDEAL:
         return Verdict.AGREES
-    return Verdict.DEPENDS if math.isfinite(friction) else Verdict.DISAGREES
+    return Verdict.DEPENDS if given else Verdict.DISAGREES
 
 
-def _friction(friction: Quantity) -> str:
-    if not math.isfinite(friction.value):
-        return "none that was tried gives it"
-    error = f" (error {friction.error:.1g})" if friction.error else ""
-    return f"{friction.value:.3f}{error} for all of them gives it"
+def _told(solutions: Sequence[Solution]) -> str:
+    return "; ".join(each.words for each in solutions) or "nothing within the ranges searched gives it"
 
 
-def _order(found: Mapping[str, Measurement]) -> Claim:
-    """Judge which design gives more torque: at equal friction, and at the frictions that give the paper's torques."""
-    pin, nonpin = found["pin"], found["nonpin"]
+def torque_order(found: Mapping[str, Measurement], searches: Mapping[str, Search]) -> Claim:
+    """Judge which design gives more torque: as designed, at any equal friction searched, and at each design's own."""
     ours = {name: one["output_torque"] for name, one in found.items()}
     error = max(one.quantities["output_torque"].error or 0.0 for one in found.values())
-    needed = [one["friction_for_paper_simulated"] for one in (pin, nonpin)]
     ahead = ours["nonpin"] - ours["pin"]
+    grids = searches["pin"].grid, searches["nonpin"].grid
+    alike = {case: IDEAL * (grids[1][case] - grids[0][case]) for case in grids[0]}
+    best, least = max(alike, key=lambda case: alike[case]), min(alike, key=lambda case: alike[case])
+    own = [searches[name].solutions["simulated"] for name in ("pin", "nonpin")]
+    removals = [
+        Removal(_case_words(case), f"{alike[case]:+.2f} N m", _ahead(alike[case], error)) for case in (best, least)
+    ]
+    if all(own):
+        words = f"pin: {own[0][-1].words}; nonpin: {own[1][-1].words}"
+        gained = IDEAL * (own[1][-1].rate - own[0][-1].rate)
+        removals.append(Removal(f"equal friction, for {words}", f"{gained:+.2f} N m", _ahead(gained, error)))
     return TORQUE_ORDER.judged(
         found=Value(f"{ours['nonpin']:.2f} to {ours['pin']:.2f} N m", ahead, AHEAD),
         error=Value(ERROR, error, "N m"),
-        verdict=_order_verdict(ahead, error, needed),
-        decided_by="friction of each design, left open by the paper: its simulated torques take "
-        f"{needed[0]:.3f} with pins and {needed[1]:.3f} without. At equal friction the total play, the stiffness in "
-        "series and the assumed cam decide; with those equal both designs lose alike, whether a pin is free to turn or "
-        "not",
+        verdict=order_of_torques(ahead, error, any(one.verdict == Verdict.AGREES for one in removals)),
+        decided_by="friction, left open by the paper: at equal friction the nonpin design is ahead by "
+        f"{alike[least]:+.2f} ({_case_words(least)}) to {alike[best]:+.2f} N m ({_case_words(best)})",
+        searched=RANGES,
+        removals=removals,
     )
 
 
-def _order_verdict(ahead: float, error: float, needed: Sequence[float]) -> Verdict:
-    """Judge the order by the torque that the nonpin design is ahead [N m], its error, and the frictions needed."""
+def precision(rated: Sequence[Run]) -> Claim:
+    """Judge the transmission error of the output under the rated load: pin, nonpin, and nonpin made like pin."""
+    sizes = [judge(settled(run)).output_transmission_error.peak_to_peak_arcsec for run in rated]
+    names = [run.provenance["design"] for run in rated]
+    words = ", ".join(f"{name} {size:.2g}" for name, size in zip(names, sizes, strict=True))
+    return PRECISION.judged(
+        found=Value(f"{words} arcsec peak to peak", sizes[1] / sizes[0], "nonpin / pin"),
+        error=Value("one run of each design; they are regular"),
+        verdict=Verdict.AGREES if sizes[1] < sizes[0] else Verdict.DISAGREES,
+        decided_by="play and stiffness between gear and housing"
+        if sizes[2] > 0.5 * (sizes[0] + sizes[1])
+        else "the lines themselves: with the pin design's play and stiffness the nonpin design stays ahead",
+        removals=[
+            Removal(
+                "the nonpin design's smaller play and stiffer contacts",
+                f"{sizes[2]:.2g} to {sizes[0]:.2g} arcsec",
+                Verdict.AGREES if sizes[2] < sizes[0] else Verdict.DISAGREES,
+            )
+        ],
+    )
+
+
+def capacity() -> Claim:
+    """Judge the torque at which teeth first yield, by Hertz under statics: pin, nonpin, and nonpin made like pin."""
+    pin, nonpin, alike = (_first_yield(design) for design in (*designs(), equalised()))
+    return CAPACITY.judged(
+        found=Value(f"first yield at {nonpin:.3g} N m without pins, {pin:.3g} with them", nonpin / pin, "nonpin / pin"),
+        error=Value("statics"),
+        verdict=Verdict.AGREES if nonpin > pin else Verdict.DISAGREES,
+        decided_by="how many lines carry, and how closely they fit",
+        removals=[
+            Removal(
+                "the nonpin design's smaller play and stiffer contacts",
+                f"{alike:.3g} to {pin:.3g} N m",
+                Verdict.AGREES if alike > pin else Verdict.DISAGREES,
+            )
+        ],
+    )
+
+
+def _first_yield(design: Design) -> float:
+    """Compute the torque on the output [N m] at which the first contact yields."""
+    point = DutyPoint(torque=design.rated_torque, speed=design.drive.speed, share=1.0)
+    items = peaks(design, design.rated_torque, loading(design, point))
+    return next(item.limit for item in items if item.key == "peak_yield")
+
+
+def _case_words(case: Case) -> str:
+    bearings, friction = case
+    return f"{bearings.of_teeth(friction)} in both" if friction is not None else bearings.words
+
+
+def _ahead(ahead: float, error: float) -> Verdict:
     if ahead > error:
         return Verdict.AGREES
-    if all(map(math.isfinite, needed)):
-        return Verdict.DEPENDS
     return Verdict.DISAGREES if ahead < -error else Verdict.NOT_DETERMINED
+
+
+def order_of_torques(ahead: float, error: float, given: bool) -> Verdict:
+    """Judge the order by the torque that the nonpin design is ahead [N m], its error, and whether anything gives it."""
+    verdict = _ahead(ahead, error)
+    return Verdict.DEPENDS if verdict != Verdict.AGREES and given else verdict

@@ -1,9 +1,53 @@
 """How a claim of the paper is judged: by comparing numbers, never by reading a sentence."""
 
+import math
 from collections.abc import Iterable, Mapping
+from statistics import NormalDist, median
 
 from cycloid_mj.comparison import Spread
+from cycloid_mj.comparison.starts import ALIKE
 from cycloid_mj.result import Value, Verdict
+
+SIGNIFICANCE = 0.05
+"""Chance of starts as different as those of two designs that do not differ, below which an order counts."""
+
+SUPERIORITY, POWER = 0.9, 0.9
+"""A difference that an order must not miss, and how surely: in 9 of 10 pairs of starts one design has more."""
+
+
+def starts_needed(superiority: float = SUPERIORITY, power: float = POWER, significance: float = SIGNIFICANCE) -> int:
+    """Compute how many starts of each design the rank test needs (Noether, J. Am. Stat. Assoc. 82, 1987, 645-647).
+
+    Parameters
+    ----------
+    superiority
+        Chance that a start of the one design has more than one of the other [1]; 1/2 where they are alike.
+    power
+        Chance that the test finds that difference.
+    significance
+        Of the test, two-sided.
+    """
+    normal = NormalDist()
+    reach = normal.inv_cdf(1.0 - significance / 2.0) + normal.inv_cdf(power)
+    return math.ceil(reach**2 / (6.0 * (superiority - 0.5) ** 2))
+
+
+def chance(one: Spread, other: Spread) -> float:
+    """Compute p of the rank test (Mann and Whitney, two-sided): of starts as different as these if both were alike."""
+    from scipy.stats import mannwhitneyu
+
+    return float(mannwhitneyu(one.values, other.values).pvalue)
+
+
+def rank_order(one: Spread, other: Spread) -> int:
+    """Tell which of two quantities is larger by the rank test: 1 the first, -1 the second, 0 neither for sure.
+
+    Medians a hair apart, by what the step alone may change, are alike whatever the test says.
+    """
+    middles = median(one.values), median(other.values)
+    if chance(one, other) >= SIGNIFICANCE or max(middles) <= ALIKE * min(middles):
+        return 0
+    return 1 if middles[0] > middles[1] else -1
 
 
 def order_verdict(found: int, varied: Mapping[str, int]) -> tuple[Verdict, tuple[str, ...]]:
@@ -12,14 +56,15 @@ def order_verdict(found: int, varied: Mapping[str, int]) -> tuple[Verdict, tuple
     Parameters
     ----------
     found
-        As `comparison.order` gives it.
+        As `rank_order` gives it.
     varied
         The same with something changed that the paper leaves open, by its name.
 
     Returns
     -------
     verdict
-        It depends where a change turns the order round.
+        It depends where a change turns the order round, and is not determined where the other order is found and a
+        change leaves none.
     turned
         The names of what turns it round.
     """
@@ -28,6 +73,8 @@ def order_verdict(found: int, varied: Mapping[str, int]) -> tuple[Verdict, tuple
     turned = tuple(name for name, each in varied.items() if each == -found)
     if turned:
         return Verdict.DEPENDS, turned
+    if found < 0 and 0 in varied.values():
+        return Verdict.NOT_DETERMINED, ()
     return (Verdict.AGREES if found > 0 else Verdict.DISAGREES), ()
 
 

@@ -6,9 +6,9 @@ Each idle quantity is the spread over independent starts. What the rated load ma
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
-from cycloid_mj.comparison import RANKED, STARTS, Ranked, Spread, Variation, settled
+from cycloid_mj.comparison import RANKED, Ranked, Spread, Variation, settled
 from cycloid_mj.record import Run
-from cycloid_mj.result import Claim, Table, Value
+from cycloid_mj.result import Claim, Removal, Table, Value
 from hsieh2014.cycle import cycle_table
 from hsieh2014.idle import (
     Divergence,
@@ -23,6 +23,7 @@ from hsieh2014.idle import (
 from hsieh2014.motion import mean_spin
 from hsieh2014.plan import (
     LEFT_OPEN,
+    STARTS,
     Plan,
     at_speed,
     designs,
@@ -31,6 +32,7 @@ from hsieh2014.plan import (
     finer_rated_runs,
     idle_runs,
     main_runs,
+    ranges,
     rated_runs,
     variations,
     varied_idle_runs,
@@ -38,7 +40,7 @@ from hsieh2014.plan import (
 )
 from hsieh2014.stage import Found, Plate, Progress, Runs
 from hsieh2014.statements import fluctuation
-from hsieh2014.verdicts import order_verdict
+from hsieh2014.verdicts import POWER, SIGNIFICANCE, SUPERIORITY, chance, order_verdict, rank_order
 
 RATIO = "pin / nonpin"
 
@@ -73,7 +75,7 @@ def vibration(plan: Plan, runs: Runs, progress: Progress) -> Found:
             _spin_table(plan, runs),
             cycle_table({"as it is": runs(rated_runs(plan))}),
         ),
-        tuple(_claim(each, base, sweep, rated["as it is"]) for each in RANKED),
+        tuple(_claim(plan, each, base, sweep, rated["as it is"]) for each in RANKED),
         {
             "idle": {
                 name: {key: {design: list(one.values) for design, one in each.items()} for key, each in found.items()}
@@ -104,7 +106,7 @@ def _plates(plan: Plan, runs: Runs, cases: Mapping[str, Levels]) -> Iterator[Pla
     )
 
 
-def _claim(quantity: Ranked, base: Levels, sweep: Mapping[Variation, Levels], rated: Levels) -> Claim:
+def _claim(plan: Plan, quantity: Ranked, base: Levels, sweep: Mapping[Variation, Levels], rated: Levels) -> Claim:
     """Judge which design fluctuates more at no load: by its starts, and by what the paper leaves open."""
     key = quantity.key
     turned_by = {one.words: pin_over_nonpin(found, key) for one, found in sweep.items() if one.parameter in LEFT_OPEN}
@@ -113,17 +115,27 @@ def _claim(quantity: Ranked, base: Levels, sweep: Mapping[Variation, Levels], ra
     ratio = pin.over(nonpin)
     return fluctuation(key, quantity.name).judged(
         found=Value(
-            f"rms {pin.words} with pins, {nonpin.words} {quantity.unit} without ({STARTS} starts each); "
-            f"means {ratio.values[0]:.2f} to 1",
+            f"rms {pin.words} with pins, {nonpin.words} {quantity.unit} without ({len(pin.values)} starts each, "
+            f"p = {chance(pin, nonpin):.2g}); means {ratio.values[0]:.2f} to 1",
             ratio.values[0],
             RATIO,
             (ratio.low, ratio.high),
         ),
-        error=Value(f"spread of {STARTS} starts", ratio.half, RATIO),
+        error=Value(f"spread of {len(pin.values)} starts", ratio.half, RATIO),
         verdict=verdict,
         decided_by=_decided(key, base, sweep, turned),
         rated=_beside(quantity, rated[key]),
+        searched=ranges(plan),
+        removals=[_varied(one, found[key], quantity.unit) for one, found in sweep.items()],
+        p=chance(pin, nonpin),
     )
+
+
+def _varied(variation: Variation, found: Mapping[str, Spread], unit: str) -> Removal:
+    """Judge one quantity with one parameter changed alone."""
+    pin, nonpin = found["pin"], found["nonpin"]
+    words = f"{pin.words} with pins, {nonpin.words} {unit} without, p = {chance(pin, nonpin):.2g}"
+    return Removal(variation.words, words, order_verdict(rank_order(pin, nonpin), {})[0])
 
 
 def _decided(key: str, base: Levels, sweep: Mapping[Variation, Levels], turned: Sequence[str]) -> str:
@@ -218,8 +230,9 @@ def _notes(plan: Plan, chaos: Mapping[str, Divergence]) -> Iterator[str]:
         "of tooth pitches, as if the crank began elsewhere in its turn."
     )
     yield (
-        "An order counts where all starts of one design lie beyond all of the other, by more than 5 %; else it is not "
-        "determined."
+        f"An order counts where a rank test (Mann and Whitney, two-sided) finds p < {SIGNIFICANCE:g}, and medians lie "
+        f"more than 5 % apart; else it is not determined. {STARTS} starts of each design find a difference that "
+        f"{100 * SUPERIORITY:g} % of all pairs of starts show with a power of {100 * POWER:g} % (Noether 1987)."
     )
     for name, found in chaos.items():
         if math.isfinite(found.turns):

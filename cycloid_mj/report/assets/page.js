@@ -117,8 +117,9 @@ function animate(view) {
     const { start, time } = mechanisms[0].frames;
     if (tellCharts) view.point(start + time[frameOf(mechanisms[0])], animate);
   };
+  const usual = Math.min(...mechanisms.map(({ shape }) => shape.usual));
   for (const { times } of mechanisms[0].shape.magnifications) {
-    const option = new Option(String(times), String(times), false, times === mechanisms[0].shape.usual);
+    const option = new Option(String(times), String(times), false, times === usual);
     magnify.add(option);
   }
   const enlarge = () => {

@@ -1,0 +1,117 @@
+"""Where compiled code is kept from one run to the next: numba's cache with a seal, by which a damaged file is seen.
+
+Numba unpickles what it kept and runs it: an empty or cut file raises, and a flipped byte of machine code computes
+something else or ends the process. Each file here ends in a digest of all before it. One whose digest is wrong is
+passed over, the code compiled anew and the file replaced; what cannot be kept is compiled for this run only.
+"""
+
+import hashlib
+import io
+import logging
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from numba.core.caching import FunctionCache, IndexDataCacheFile
+
+_log = logging.getLogger(__name__)
+_DIGEST_SIZE = 32
+
+
+@cache
+def folder() -> Path | None:
+    """Find where code is kept: in ``NUMBA_CACHE_DIR``, beside the sources, or in the home folder; None where nowhere.
+
+    A container often has none of them that can be written.
+    """
+    try:
+        return Path(FunctionCache(_say_once).cache_path)
+    except RuntimeError:
+        return None
+
+
+class SealedCache(FunctionCache):  # type: ignore[misc]  # numba has no types
+    """Numba's cache of one function; a damaged file or a full disk costs the time to compile and no more."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        super().__init__(function)
+        # under a name of its own: the files that numba itself writes have no seal
+        name, stamp = f"{self._impl.filename_base}.sealed", self._impl.locator.get_source_stamp()
+        self._cache_file = _SealedFiles(cache_path=self._cache_path, filename_base=name, source_stamp=stamp)
+
+    def load_overload(self, signature: Any, target: Any) -> Any:
+        """Load the code for a signature, or None where there is none of use."""
+        try:
+            return super().load_overload(signature, target)
+        except Exception:  # whatever is wrong with what was kept, it can be compiled anew
+            _say_damaged(self._cache_path)
+            return None
+
+    def save_overload(self, signature: Any, compiled: Any) -> None:
+        """Keep the code for a signature, if that is possible."""
+        try:
+            super().save_overload(signature, compiled)
+        except OSError as problem:
+            _say_not_kept(self._cache_path, str(problem.strerror))
+
+
+class _SealedFiles(IndexDataCacheFile):  # type: ignore[misc]  # numba has no types
+    """The index and the data of one function: pickles, whose readers do not mind the digest behind them."""
+
+    def _load_index(self) -> Any:
+        return super()._load_index() if self._whole(self._index_path) else {}
+
+    def _load_data(self, name: str) -> Any:
+        return super()._load_data(name) if self._whole(self._data_path(name)) else None
+
+    @contextmanager
+    def _open_for_write(self, path: str) -> Iterator[io.BytesIO]:
+        content = io.BytesIO()
+        yield content
+        with super()._open_for_write(path) as file:
+            file.write(content.getvalue() + _digest(content.getvalue()))
+
+    def _whole(self, path: str) -> bool:
+        """Tell whether a file is there and as it was written; say so if it is damaged."""
+        try:
+            content = Path(path).read_bytes()
+        except FileNotFoundError:
+            return False
+        except OSError:
+            content = b""
+        whole = _digest(content[:-_DIGEST_SIZE]) == content[-_DIGEST_SIZE:]
+        if not whole:
+            _say_damaged(self._cache_path)
+        return whole
+
+
+def _digest(content: bytes) -> bytes:
+    return hashlib.sha256(content).digest()
+
+
+def say_compiling(why: str) -> None:
+    """Log once in a process (level info) that code is compiled, and why."""
+    _say_once("compiling", why)
+
+
+def _say_damaged(folder: str) -> None:
+    say_compiling(f"the compile cache in {folder} is damaged: compiling anew what it held; this takes some seconds")
+
+
+def _say_not_kept(folder: str, problem: str) -> None:
+    _say_once(
+        "kept",
+        f"compiled code cannot be kept in {folder} ({problem}), and is for this run only: "
+        "make room, or set NUMBA_CACHE_DIR to a folder that can be written",
+    )
+
+
+_said: set[str] = set()
+
+
+def _say_once(of: str, text: str) -> None:
+    if of not in _said:
+        _said.add(of)
+        _log.info(text)

@@ -1,0 +1,110 @@
+"""An impact: a load that swings to and fro carries the output across the play onto the other stop, the crank held.
+
+What it winds up to there is what a step has to get right: across the play nothing resists, and a step too long is deep
+in the stop before the springs act, or takes energy out of every bounce.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from cycloid_mj.errors import RunError
+from cycloid_mj.robot.reducer import Reducer
+from cycloid_mj.robot.trial import Bench
+
+FREQUENCY = 3.0
+"""Of the load [Hz]; halved until the output has crossed the play when the load is at its largest."""
+
+HALVINGS = 12
+"""At most."""
+
+TOLERANCE = 1e-8
+"""Of the reference in a step, relative, and absolute over the wind-up under the rated torque."""
+
+LOOKS = 100
+"""Steps of the reference in a cycle of the load, at least."""
+
+LENGTH = 0.75
+"""Cycles of the load that are run: from its largest one way through its largest the other way to zero."""
+
+
+@dataclass(frozen=True)
+class Impact:
+    """The load rated cos(2 pi f t) on the output, from rest on the upper stop.
+
+    Attributes
+    ----------
+    frequency
+        f [Hz].
+    peak
+        Largest wind-up beyond the mean lower stop [rad], by an integrator of variable order and step.
+    """
+
+    frequency: float
+    peak: float
+
+    @property
+    def duration(self) -> float:
+        """Time that is run [s]."""
+        return LENGTH / self.frequency
+
+
+@lru_cache(maxsize=64)
+def impact(reducer: Reducer, inertia: float) -> Impact:
+    """Solve the impact of a joint with an inertia on its output [kg m2] at its level, by LSODA instead of MuJoCo.
+
+    J x'' = T cos(2 pi f t) - spring(x) - c x', J being all that turns with the output and c the damping: at the level
+    `full` beyond the stops alone, as `Reducer.step` has it, at `backlash` within the play too, as MJCF does.
+
+    Raises
+    ------
+    RunError
+        The load carries the output across the play at none of the frequencies.
+    """
+    for halving in range(HALVINGS):
+        frequency = FREQUENCY / 2.0**halving
+        crossed, peak = _swing(reducer, inertia, frequency)
+        if crossed <= 0.5 / frequency:
+            return Impact(frequency, peak)
+    raise RunError(f"{reducer.name}: the rated load does not carry {inertia:.4g} kg m2 across the play in a minute")
+
+
+def peak_of(on: Bench, struck: Impact) -> float | None:
+    """Run an impact in MuJoCo and give its largest wind-up [rad], as `Impact.peak`; None where the joint runs away."""
+    reducer, pulse = on.reducer, 2.0 * np.pi * struck.frequency
+    on.hold()
+    on.press(reducer.rated_torque)
+    steps = math.ceil(struck.duration / float(on.model.opt.timestep))
+    lengths = on.lengths(lambda time: reducer.rated_torque * math.cos(pulse * time), steps)
+    return None if lengths is None else reducer.stops[0] - float(lengths.min())
+
+
+def _swing(reducer: Reducer, inertia: float, frequency: float) -> tuple[float, float]:
+    """Give when the output reaches the lower stop [s], infinity for never, and its largest wind-up there [rad]."""
+    from scipy.integrate import solve_ivp
+
+    rated, moving, pulse = reducer.rated_torque, inertia + reducer.output_inertia, 2.0 * np.pi * frequency
+    full = reducer.level == "full"
+    stops_at = reducer.moving_stops(0.0)
+    start = reducer.stops[1] + reducer.wind_up(rated) + (reducer.ripple.errors(0.0, 1.0)[1] if full else 0.0)
+
+    def motion(time: float, state: np.ndarray) -> list[float]:
+        length, speed = float(state[0]), float(state[1])
+        torque = reducer.torque(length, stops_at(length) if full else reducer.stops)
+        damping = reducer.damping if torque or not full else 0.0
+        return [speed, (rated * math.cos(pulse * time) + torque - damping * speed) / moving]
+
+    found = solve_ivp(
+        motion,
+        (0.0, LENGTH / frequency),
+        [start, 0.0],
+        method="LSODA",
+        rtol=TOLERANCE,
+        atol=TOLERANCE * reducer.wind_up(rated),
+        max_step=1.0 / (LOOKS * frequency),
+    )
+    beyond = np.flatnonzero(found.y[0] <= reducer.stops[0])
+    crossed = float(found.t[beyond[0]]) if beyond.size else math.inf
+    return crossed, reducer.stops[0] - float(found.y[0].min())

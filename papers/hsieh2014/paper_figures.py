@@ -1,0 +1,208 @@
+"""Figures to lay beside the paper's: its axes and units, theory, pin and nonpin in one plot (Figs 6-9, 12-16)."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+
+from cycloid_mj.analysis import Series
+from cycloid_mj.plots.comparison import COLORS
+from cycloid_mj.plots.style import BLACK, GREY, THEORY, crank_axis, keys, sheet, styled, turn_degrees
+from cycloid_mj.types import Array
+from hsieh2014.peaks import middle
+from hsieh2014.stated import SHOWN
+
+FARTHEST = 0.35
+"""Farthest way of a pin, as drawn, in radii of the pin."""
+
+LINES = ("-", (0, (3, 1.5)))
+"""Of the two contact laws."""
+HEIGHT: dict[str, Any] = {"linestyle": (0, (6, 3)), "linewidth": 0.9}
+DECADES = 1e-4
+"""Least stress of a logarithmic axis, of its largest."""
+
+
+@styled
+def speeds_figure(motions: Sequence[Series]) -> Figure:
+    """Draw the gear's speed over a crank turn, all designs in one plot, in deg/s as the paper, and rad/s (Fig. 6)."""
+    figure = sheet(3.4)
+    axes = figure.subplots()
+    first = motions[0].gear_speed.at(motions[0].one_turn)
+    axes.plot(turn_degrees(motions[0]), np.degrees(first.theory), **THEORY)
+    for number, motion in enumerate(motions):
+        speed = motion.gear_speed.at(motion.one_turn)
+        axes.plot(turn_degrees(motion), np.degrees(speed.simulated), **_look(number))
+    axes.margins(y=0.08)
+    axes.set_ylabel("speed of the gear [deg/s]")
+    other = axes.secondary_yaxis("right", functions=(np.radians, np.degrees))
+    other.set_ylabel("[rad/s]")
+    crank_axis(axes, turn_degrees(motions[0]))
+    _legend(figure, motions)
+    return figure
+
+
+@styled
+def paths_figure(motions: Sequence[Series]) -> Figure:
+    """Draw the path of q over a crank turn with Eq. 16, all designs in one plot, and its error (Fig. 7)."""
+    figure = sheet(3.6)
+    whole, error = figure.subplots(1, 2, width_ratios=[1, 1.5])
+    theory = motions[0].q_position.at(motions[0].one_turn).theory
+    whole.plot(*(1e3 * theory.T), **THEORY)
+    for number, motion in enumerate(motions):
+        position = motion.q_position.at(motion.one_turn)
+        whole.plot(*(1e3 * position.simulated.T), **_look(number))
+        error.plot(turn_degrees(motion), 1e6 * position.error_size, **_look(number))
+    whole.set(aspect="equal", adjustable="datalim", xlabel="x from the initial gear centre [mm]", ylabel="y [mm]")
+    whole.margins(0.1)
+    whole.set_title("Path of q")
+    error.set_ylabel("[\N{MICRO SIGN}m]")
+    error.set_title("Distance of q from Eq. 16")
+    error.set_ylim(0.0, 1.08 * error.get_ylim()[1])
+    crank_axis(error, turn_degrees(motions[0]))
+    _legend(figure, motions)
+    return figure
+
+
+@styled
+def velocities_figure(motions: Sequence[Series]) -> Figure:
+    """Draw the velocity of q over a crank turn with Eq. 18, all designs in one plot, and its error (Fig. 8)."""
+    figure = sheet(4.4)
+    top, bottom = figure.subplots(2, 1, sharex=True)
+    theory = motions[0].q_velocity.size.at(motions[0].one_turn).theory
+    top.plot(turn_degrees(motions[0]), 1e3 * theory, **THEORY)
+    for number, motion in enumerate(motions):
+        speed = motion.q_velocity.size.at(motion.one_turn)
+        top.plot(turn_degrees(motion), 1e3 * speed.simulated, **_look(number))
+        bottom.plot(turn_degrees(motion), 1e3 * speed.error, **_look(number))
+    top.set_ylabel("velocity of q [mm/s]")
+    bottom.set_ylabel("error [mm/s]")
+    for panel in (top, bottom):
+        panel.margins(y=0.08)
+    crank_axis(bottom, turn_degrees(motions[0]))
+    figure.align_ylabels()
+    _legend(figure, motions)
+    return figure
+
+
+@styled
+def pins_figure(motions: Mapping[str, Series]) -> Figure:
+    """Draw pin 1 in its socket at the crank angles of the paper's Fig. 9(a): its centre, and how far it has turned.
+
+    Ways are magnified, of each run so that the farthest is `FARTHEST` of the pin's radius; turns are not. The circle is
+    as far round the pin as its clearance; a half-open socket lets the pin leave it.
+    """
+    figure = sheet(1.75 * len(motions) + 0.5)
+    panels = figure.subplots(len(motions), len(SHOWN), squeeze=False)
+    for row, (name, motion) in zip(panels, motions.items(), strict=True):
+        rows = motion.one_turn
+        degrees = np.abs(turn_degrees(motion) - turn_degrees(motion)[0])
+        pin, angle = motion.pin_1, np.degrees(motion.run["pin_1_angle"][rows])
+        assert pin is not None
+        scale = FARTHEST / max(pin.clearance, float(pin.radial[rows].max()))
+        for axes, shown in zip(row, SHOWN, strict=True):
+            place = int(np.argmin(np.abs(degrees - shown)))
+            way = scale * pin.position[rows][place]
+            turned = angle[place] - angle[0]
+            _pin(axes, way, turned, 1.0 + scale * pin.clearance)
+            axes.set_title(f"{shown:g} deg: {turned:+.2g} deg", fontsize=7.5)
+        row[0].set_ylabel(name)
+    figure.suptitle("pin 1 at crank angles: turned by (line: the mark at 0 deg)", x=0.01, ha="left", fontsize=8)
+    return figure
+
+
+@styled
+def heights_figure(
+    curves: Mapping[str, tuple[Array, Array]], heights: Mapping[str, float], marks: Sequence[float] = ()
+) -> Figure:
+    """Draw the largest stress of a part over a crank turn on a logarithmic axis, with the paper's heights.
+
+    Parameters
+    ----------
+    curves
+        ``design, contact law`` -> crank angles [deg] and stress [MPa].
+    heights
+        Design -> up to about where the paper's curve reaches [MPa].
+    marks
+        Crank angles of the paper's peaks [deg].
+    """
+    figure = sheet(3.6)
+    axes = figure.subplots()
+    names = list(dict.fromkeys(label.partition(", ")[0] for label in curves))
+    laws = list(dict.fromkeys(label.partition(", ")[2] for label in curves))
+    top = max([*(float(stress.max()) for _, stress in curves.values()), *heights.values()])
+    looks: dict[str, dict[str, Any]] = {}
+    for label, (degrees, stress) in curves.items():
+        name, _, law = label.partition(", ")
+        looks[label] = {"color": COLORS[names.index(name)], "linestyle": LINES[laws.index(law)], "linewidth": 1.0}
+        axes.plot(degrees, np.where(stress > DECADES * top, stress, np.nan), **looks[label])
+    for name, height in heights.items():
+        axes.axhline(height, color=COLORS[names.index(name)], **HEIGHT)
+        looks[f"{name}, the paper"] = {"color": COLORS[names.index(name)], **HEIGHT}
+    for mark in marks:
+        axes.axvline(mark, color=GREY, linewidth=0.7, linestyle=":")
+    axes.set_yscale("log")
+    axes.set_ylim(top=1.6 * top)
+    axes.set_ylabel("von Mises stress, largest in bulk [MPa]")
+    crank_axis(axes, np.array([0.0, 360.0]))
+    figure.legend(handles=keys(*looks.items()), loc="outside lower center", ncols=3)
+    return figure
+
+
+@styled
+def cam_figure(curves: Mapping[str, Array], marks: Sequence[float]) -> Figure:
+    """Draw the cam's force over a crank turn: a panel for each design, a line for each ``design, case``."""
+    names = list(dict.fromkeys(label.partition(", ")[0] for label in curves))
+    figure = sheet(3.0)
+    panels = figure.subplots(1, len(names), sharey=True, squeeze=False)[0]
+    cases = list(dict.fromkeys(label.partition(", ")[2] for label in curves))
+    for panel, name in zip(panels, names, strict=True):
+        for number, case in enumerate(cases):
+            force = curves[f"{name}, {case}"]
+            panel.plot([middle(place) for place in range(len(force))], force, **_look(number))
+        for mark in marks:
+            panel.axvline(mark, color=GREY, linewidth=0.8, linestyle=":")
+        panel.set_title(name)
+        panel.set_ylim(bottom=0.0)
+        crank_axis(panel, np.array([0.0, 360.0]))
+    panels[0].set_ylabel("force of the cam [N]")
+    figure.legend(
+        handles=keys(*((case, _look(number)) for number, case in enumerate(cases))),
+        loc="outside lower center",
+        ncols=len(cases),
+    )
+    return figure
+
+
+@styled
+def picture_figure(pictures: Mapping[str, Any]) -> Figure:
+    """Show rendered pictures, shape (height, width, 3) each, side by side under their names."""
+    figure = sheet(3.4)
+    panels = figure.subplots(1, len(pictures), squeeze=False)[0]
+    for panel, (name, picture) in zip(panels, pictures.items(), strict=True):
+        panel.imshow(picture)
+        panel.set_title(name)
+        panel.set_axis_off()
+    return figure
+
+
+def _pin(axes: Axes, way: Array, turned: float, socket: float) -> None:
+    """Draw a pin of unit radius in a socket, off its middle by `way` and turned by so many degrees."""
+    axes.add_patch(Circle((0.0, 0.0), socket, fill=False, color=GREY, linewidth=0.9))
+    axes.add_patch(Circle((float(way[0]), float(way[1])), 1.0, facecolor="#DCE9F3", edgecolor=BLACK, linewidth=0.8))
+    angle = np.radians(90.0 + turned)
+    end = way + np.array([np.cos(angle), np.sin(angle)])
+    axes.plot([way[0], end[0]], [way[1], end[1]], color=BLACK, linewidth=1.1)
+    axes.set(xlim=(-1.45, 1.45), ylim=(-1.45, 1.45), aspect="equal", xticks=[], yticks=[])
+    axes.grid(False)
+
+
+def _look(number: int) -> dict[str, Any]:
+    return {"color": COLORS[number], "linewidth": 0.9}
+
+
+def _legend(figure: Figure, motions: Sequence[Series]) -> None:
+    entries = [("closed form", THEORY), *((one.design.name, _look(number)) for number, one in enumerate(motions))]
+    figure.legend(handles=keys(*entries), loc="outside lower center", ncols=len(entries))

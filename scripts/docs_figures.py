@@ -1,0 +1,366 @@
+"""Write anew every figure that the documentation prints, and tell which are stale.
+
+python scripts/docs_figures.py --list           # what there is, whether it is stale and why, and what it costs
+python scripts/docs_figures.py                  # all that is stale, the cheapest first
+python scripts/docs_figures.py measured paper   # these alone; --all: every one, fresh or not
+
+Ctrl-C keeps what is done: each artefact has its stamp in docs/figures.json as soon as it is written, and the output of
+each step of one that is not is kept in runs/docs_figures till then.
+
+A stamp holds what the model said when the artefact was made: some figures that take a second (statics, the first
+milliseconds of runs, the words on a page), and the digest of what was written. An artefact is stale where the same
+figures come out otherwise, by more than `TOLERANCE`, or its files are others. So a change of the physics is seen that
+moves what is printed, and no other change is.
+"""
+
+import argparse
+import hashlib
+import json
+import math
+import re
+import shutil
+import subprocess
+import sys
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache, partial
+from pathlib import Path
+from resource import RUSAGE_CHILDREN, getrusage
+from typing import Any
+
+from cycloid_mj.whole import write_whole
+
+ROOT = Path(__file__).resolve().parent.parent
+STAMPS = ROOT / "docs" / "figures.json"
+SCRATCH = ROOT / "runs" / "docs_figures"
+TOLERANCE = 2e-3
+"""Relative; figures are printed with three or four digits, and their errors are larger than that."""
+
+LENGTH = 0.004
+"""Of a run that is probed [s]."""
+
+BLOCKS = 6
+"""Parts of a picture's width and height that are looked at."""
+
+MOST_REASONS = 3
+"""Figures of one probe that are told, of those that moved."""
+
+Value = float | str
+Values = Mapping[str, Value]
+
+
+@dataclass(frozen=True)
+class Step:
+    """A command, run from the root; `{out}` is its own file or folder in `SCRATCH`, and `stdout` may be that file."""
+
+    command: tuple[str, ...]
+    stdout: bool = False
+
+
+@dataclass(frozen=True)
+class Artefact:
+    """What is generated together.
+
+    Attributes
+    ----------
+    files
+        What is written, from the root of the repository.
+    steps, last
+        Commands whose output is kept by their keys, and the commands that write the files of it (``{key}``).
+    probes
+        Names in `PROBES`.
+    minutes
+        CPU time, about.
+    """
+
+    files: tuple[str, ...]
+    steps: Mapping[str, Step]
+    last: tuple[tuple[str, ...], ...]
+    probes: tuple[str, ...]
+    minutes: float
+
+
+CLI = (sys.executable, "-m", "cycloid_mj.cli")
+PYTHON = sys.executable
+LOADED = ("--load-nm", "36", "--ramp-s", "0", "--hold-s", "0.06")
+
+MEASURES = ("backlash", "lost-motion", "te", "torque", "efficiency", "loads")
+PRESETS = ("pin", "nonpin")
+
+
+def _measure(measure: str, design: str) -> Step:
+    names = (design,) if measure == "torque" else ("--design", design)
+    return Step((*CLI, "measure", measure, *names, "--json", "--quiet"), stdout=True)
+
+
+ARTEFACTS: Mapping[str, Artefact] = {
+    "picture": Artefact(
+        ("models/mechanism.gif",),
+        {},
+        ((PYTHON, "scripts/picture.py", "animation"),),
+        ("run massless", "look of the animation"),
+        1.0,
+    ),
+    "report": Artefact(
+        ("models/report.png",),
+        {name: Step((*CLI, "simulate", "--design", name, *LOADED, "--out", "{out}", "--quiet")) for name in PRESETS},
+        ((PYTHON, "scripts/picture.py", "report", "{pin}/pin.mcap", "{nonpin}/nonpin.mcap"),),
+        ("run free", "run nonpin", "words of the report"),
+        2.0,
+    ),
+    "models": Artefact(
+        ("models/agreement.json", "models/free_running.json", "models/plain_coacd.json"),
+        {},
+        (
+            (PYTHON, "scripts/measure_models.py"),
+            (PYTHON, "scripts/build_models.py"),
+        ),
+        ("run free", "run nonpin"),
+        15.0,
+    ),
+    "measured": Artefact(
+        ("tests/data/measured.json",),
+        {f"{design}-{measure}": _measure(measure, design) for design in PRESETS for measure in MEASURES},
+        ((PYTHON, "scripts/docs_measured.py", "{}"),),
+        ("statics pin", "statics nonpin", "run free", "run nonpin"),
+        25.0,
+    ),
+    "compared": Artefact(
+        ("tests/data/compared.json",),
+        {"compare": Step((*CLI, "compare", *PRESETS, "--json", "--out", "{out}.figures"), stdout=True)},
+        ((PYTHON, "scripts/docs_measured.py", "--compared", "{compare}"),),
+        ("run free", "run nonpin"),
+        25.0,
+    ),
+    "paper": Artefact(
+        ("tests/data/reproduce.json",),
+        {"reproduce": Step((*CLI, "reproduce", "--quick", "--out", "{out}"))},
+        ((PYTHON, "scripts/docs_results.py", "{reproduce}/reproduce.json"),),
+        ("statics pin", "statics nonpin", "run free", "run nonpin", "numbers of the paper"),
+        40.0,
+    ),
+}
+"""By name, the cheapest first."""
+
+
+def statics_of(preset: str) -> dict[str, Value]:
+    """Give the figures of a preset by statics."""
+    from cycloid_mj.design import PRESETS as DESIGNS
+    from cycloid_mj.loaded.sheet import glance
+
+    design = DESIGNS[preset]
+    return {key: one.value for key, one in glance(design, design.rated_torque).quantities.items()}
+
+
+@cache
+def short_run(kind: str) -> Any:
+    """Run a preset for some milliseconds under 36 N m: with pins of a kind, or ``nonpin``."""
+    from cycloid_mj.design import PRESETS as DESIGNS
+    from cycloid_mj.design import override
+    from cycloid_mj.errors import CycloidWarning
+    from cycloid_mj.run import simulate
+
+    changes = ["drive.ramp_s=0", f"drive.hold_s={LENGTH}", "load.torque_nm=36", f"load.rise_s={0.25 * LENGTH}"]
+    if kind != "nonpin":
+        changes.append(f'ring.pins="{kind}"')
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", CycloidWarning)
+        return simulate(override(DESIGNS["nonpin" if kind == "nonpin" else "pin"], changes))
+
+
+def run_of(kind: str) -> dict[str, Value]:
+    """Give rms values over the second half of such a run: the crank's torque, and the errors of gear and output."""
+    import numpy as np
+
+    from cycloid_mj.analysis.series import design_of
+    from cycloid_mj.member import gear_angle, output_angle
+
+    run = short_run(kind)
+    design, crank = design_of(run), run["crank_angle"]
+    signals = {
+        "crank_torque": run["crank_torque"],
+        "gear_error": run["gear_angle"] - gear_angle(design, crank),
+        "output_error": run["output_angle"] - output_angle(design, crank),
+    }
+    settled = run.time > 0.5 * LENGTH
+    return {key: float(np.sqrt(np.mean(values[settled] ** 2))) for key, values in signals.items()}
+
+
+def words_of_the_report() -> dict[str, Value]:
+    """Give the titles, and the heads of the tables, on the page of two short runs."""
+    from cycloid_mj.errors import CycloidWarning
+    from cycloid_mj.report import report
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", CycloidWarning)
+        page = report({"pin": short_run("free"), "nonpin": short_run("nonpin")})
+    found = re.findall(r"<(?:h1|h2|h3|th|summary)[^>]*>(.*?)</", page, flags=re.DOTALL)
+    return {"words": " | ".join(re.sub(r"<[^>]+>", "", one).strip() for one in found)}
+
+
+def look_of_the_animation() -> dict[str, Value]:
+    """Give how bright the parts of its first frame are, from 0 to 1, for a short run."""
+    import numpy as np
+
+    from cycloid_mj.plots.animation import film, take
+
+    frame = np.asarray(next(iter(film(take(short_run("massless"), 200.0, 1), 520))), dtype=float).mean(axis=2) / 255.0
+    rows = [np.array_split(band, BLOCKS, axis=1) for band in np.array_split(frame, BLOCKS)]
+    return {f"block {i}, {j}": float(block.mean()) for i, band in enumerate(rows) for j, block in enumerate(band)}
+
+
+def numbers_of_the_paper() -> dict[str, Value]:
+    """Give the digest of what the paper is said to state."""
+    from hsieh2014 import stated
+
+    told = {key: repr(value) for key, value in sorted(vars(stated).items()) if key.isupper()}
+    return {"digest": hashlib.sha256(repr(told).encode()).hexdigest()[:16]}
+
+
+PROBES: Mapping[str, Callable[[], dict[str, Value]]] = {
+    **{f"statics {name}": partial(statics_of, name) for name in PRESETS},
+    **{f"run {kind}": partial(run_of, kind) for kind in ("free", "massless", "nonpin")},
+    "words of the report": words_of_the_report,
+    "look of the animation": look_of_the_animation,
+    "numbers of the paper": numbers_of_the_paper,
+}
+
+
+@cache
+def probed(name: str) -> Values:
+    """Give what a probe says now."""
+    return PROBES[name]()
+
+
+def stamps() -> dict[str, Any]:
+    """Read the stamps, by artefact; none where there is no file."""
+    return dict(json.loads(STAMPS.read_text(encoding="utf-8"))) if STAMPS.exists() else {}
+
+
+def stamp(artefact: Artefact) -> dict[str, Any]:
+    """Give the stamp of what has been written just now."""
+    probes = {name: {key: _short(value) for key, value in probed(name).items()} for name in artefact.probes}
+    return {"probes": probes, "files": {name: _digest(name) for name in artefact.files}}
+
+
+def stale(artefact: Artefact, kept: Mapping[str, Any] | None) -> list[str]:
+    """Tell why an artefact is stale, a reason each; nothing where it is fresh."""
+    if kept is None:
+        return ["it has no stamp: it was made before there were any"]
+    changed = [name for name in artefact.files if kept["files"].get(name) != _digest(name)]
+    return moved(artefact, kept["probes"]) + [f"{name} is not what the stamp is of" for name in changed]
+
+
+def moved(artefact: Artefact, before: Mapping[str, Values]) -> list[str]:
+    """Tell which figures of an artefact's probes come out otherwise than before, a sentence each."""
+    found = []
+    for name in artefact.probes:
+        was, now = before.get(name, {}), probed(name)
+        keys = [key for key in sorted(set(was) | set(now)) if not _alike(was.get(key), now.get(key))]
+        found += [f"{name}, {key}: {_told(was.get(key))}, now {_told(now.get(key))}" for key in keys[:MOST_REASONS]]
+    return found
+
+
+def _alike(one: Value | None, other: Value | None) -> bool:
+    if isinstance(one, str) or isinstance(other, str) or one is None or other is None:
+        return one == other
+    return math.isclose(one, other, rel_tol=TOLERANCE, abs_tol=1e-12) or (one != one and other != other)
+
+
+def _short(value: Value) -> Value:
+    return value if isinstance(value, str) else float(f"{value:.6g}")
+
+
+def _told(value: Value | None) -> str:
+    return f"{value:.5g}" if isinstance(value, float) else f"{value!s:.60}"
+
+
+def _digest(name: str) -> str:
+    path = ROOT / name
+    return hashlib.sha256(path.read_bytes()).hexdigest()[:16] if path.exists() else "missing"
+
+
+def write(name: str, artefact: Artefact) -> None:
+    """Write an artefact and its stamp; steps whose output is there from before are not done again.
+
+    Raises
+    ------
+    subprocess.CalledProcessError
+        A command failed.
+    """
+    scratch = SCRATCH / name
+    begun = scratch / "probes.json"
+    if not begun.exists() or moved(artefact, json.loads(begun.read_text(encoding="utf-8"))):
+        shutil.rmtree(scratch, ignore_errors=True)
+        scratch.mkdir(parents=True)
+        begun.write_text(json.dumps({probe: dict(probed(probe)) for probe in artefact.probes}), encoding="utf-8")
+    for key, step in artefact.steps.items():
+        out = scratch / key
+        if not out.exists():
+            _do(step, out)
+    places = {key: str(scratch / key) for key in artefact.steps}
+    for command in artefact.last:
+        subprocess.run([word.format(scratch, **places) for word in command], cwd=ROOT, check=True)
+    kept = {**stamps(), name: stamp(artefact)}
+    write_whole({STAMPS: (json.dumps(dict(sorted(kept.items())), indent=1) + "\n").encode()})
+    shutil.rmtree(scratch)
+
+
+def _do(step: Step, out: Path) -> None:
+    """Do a step; its output has its place only when it is whole."""
+    part = out.with_name(f"{out.name}.part")
+    shutil.rmtree(part, ignore_errors=True)
+    command = [word.format(out=part) for word in step.command]
+    if step.stdout:
+        with part.open("w", encoding="utf-8") as stream:
+            subprocess.run(command, cwd=ROOT, check=True, stdout=stream)
+    else:
+        subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+    part.rename(out)
+
+
+def cpu() -> float:
+    """Give the CPU time of all commands that have ended [min]."""
+    used = getrusage(RUSAGE_CHILDREN)
+    return (used.ru_utime + used.ru_stime) / 60.0
+
+
+def main() -> int:
+    """Write what is stale, or tell of it; give the exit code."""
+    parser = argparse.ArgumentParser(description=str(__doc__).split("\n\n")[0])
+    parser.add_argument("names", nargs="*", help=f"of {', '.join(ARTEFACTS)}; default: all that are stale")
+    parser.add_argument("--list", action="store_true", help="tell what is stale, and why; write nothing")
+    parser.add_argument("--all", action="store_true", help="write those that are fresh, too")
+    options = parser.parse_args()
+    if unknown := [name for name in options.names if name not in ARTEFACTS]:
+        parser.error(f"there is no {unknown[0]!r}; there are {', '.join(ARTEFACTS)}")
+    chosen = {name: ARTEFACTS[name] for name in options.names or ARTEFACTS}
+    reasons = {name: stale(artefact, stamps().get(name)) for name, artefact in chosen.items()}
+    if options.list:
+        for name, artefact in chosen.items():
+            print(f"{name}: {'; '.join(reasons[name]) or 'fresh'} ({artefact.minutes:g} min of CPU)")
+            print(*(f"    {file}" for file in artefact.files), sep="\n")
+        return 0
+    wanted = {name: artefact for name, artefact in chosen.items() if options.all or options.names or reasons[name]}
+    left = sum(artefact.minutes for artefact in wanted.values())
+    for number, (name, artefact) in enumerate(wanted.items(), 1):
+        print(f"{number} of {len(wanted)}: {name}; some {left:g} min of CPU left", file=sys.stderr, flush=True)
+        try:
+            write(name, artefact)
+        except subprocess.CalledProcessError as error:
+            print(
+                f"error: {name}: {' '.join(error.cmd)} ended with {error.returncode}; steps that are done are kept",
+                file=sys.stderr,
+            )
+            return 1
+        except KeyboardInterrupt:
+            print(f"stopped in {name}; the same command goes on from there", file=sys.stderr)
+            return 1
+        left -= artefact.minutes
+    print(f"{len(wanted)} written, {cpu():.1f} min of CPU", file=sys.stderr)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,126 @@
+"""Tell which figures of the presets moved between two revisions, and by how much, for release notes.
+
+python scripts/moved.py OLD NEW      # revisions as git knows them
+
+Both revisions are laid out in folders of their own and run by the same interpreter, so that nothing but the code
+differs. The table lists what moved by more than its last printed digit; below it stand the lines that CHANGELOG.md has
+gained, which say why.
+"""
+
+import argparse
+import hashlib
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from against import ROOT, Ended, Figures, Trial, ended, laid_out, loaded, of_the_json
+
+from cycloid_mj.design import PRESETS
+from cycloid_mj.log import read
+from cycloid_mj.result import Table
+
+DIGITS = 5e-6
+"""Least change that is listed, as a share of the figure: half of the last of five digits."""
+
+SHORT = 0.02
+"""Length of the runs under load [s]."""
+
+
+@dataclass(frozen=True)
+class Move:
+    """A figure of a design that one command prints, in the old revision and in the new one; None where it has none."""
+
+    design: str
+    command: str
+    key: str
+    old: float | None
+    new: float | None
+
+    @property
+    def change(self) -> str:
+        """By how much it moved, in percent of the old value where that is not 0."""
+        if self.old is None or self.new is None:
+            return "new" if self.old is None else "gone"
+        return f"{100.0 * (self.new / self.old - 1.0):+.3g} %" if self.old else "from 0"
+
+
+def trials(design: str) -> Iterator[Trial]:
+    """Iterate over the commands whose figures of a design are compared."""
+    run = ("--set", "drive.ramp_s=0", "--set", f"drive.hold_s={SHORT}")
+    yield Trial("design check", ("design", "check", design), figures=of_the_json, logged=False)
+    yield Trial("statics", ("statics", "--design", design), figures=of_the_json, logged=False)
+    yield Trial("rate", ("rate", "--design", design), figures=of_the_json, logged=False)
+    yield Trial("simulate, no load", ("simulate", "--design", design, *run), figures=of_the_run)
+    if design in ("pin", "nonpin"):
+        yield Trial("simulate, 36.68 N m", loaded(design, hold=SHORT), figures=of_the_run)
+
+
+def of_the_run(done: Ended) -> Figures:
+    """Read the figures that a run has printed, and a number that every bit of its logged columns decides."""
+    (log,) = done.out.glob("*.mcap")
+    run = read(log)
+    bits = hashlib.sha256(b"".join(run[name].tobytes() for name in sorted(run.columns)))
+    return {**of_the_json(done), "bits of the log": float(int(bits.hexdigest()[:8], 16))}
+
+
+def moves(design: str, command: str, old: Figures, new: Figures) -> Iterator[Move]:
+    """Iterate over the figures that differ by more than `DIGITS`, and those that only one side has."""
+    for key in dict.fromkeys([*old, *new]):
+        before, after = old.get(key), new.get(key)
+        if before is None or after is None or abs(after - before) > DIGITS * abs(before):
+            yield Move(design, command, key, before, after)
+
+
+def table(of: list[Move]) -> Table:
+    """Put moves into a table."""
+    rows = [
+        (
+            one.design,
+            one.command,
+            one.key,
+            *("-" if value is None else f"{value:.6g}" for value in (one.old, one.new)),
+            one.change,
+        )
+        for one in of
+    ]
+    return Table("what moved", ("design", "command", "figure", "old", "new", "change"), tuple(rows))
+
+
+def reasons(old: str, new: str) -> list[str]:
+    """List the lines that CHANGELOG.md gained between two revisions."""
+    command = ["git", "diff", "--unified=0", old, new, "--", "CHANGELOG.md"]
+    changed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    return [line[1:] for line in changed.splitlines() if line.startswith("+- ")]
+
+
+def compared(old: Path, new: Path) -> list[Move]:
+    """Run all commands in two trees and list what moved."""
+    found: list[Move] = []
+    with TemporaryDirectory() as folder:
+        for design in PRESETS:
+            for number, trial in enumerate(trials(design)):
+                print(f"{design}: {trial.name}", file=sys.stderr, flush=True)
+                figures = [
+                    trial.figures(ended(tree, trial, (), Path(folder) / f"{side}-{design}-{number}"))
+                    for side, tree in (("old", old), ("new", new))
+                ]
+                found += moves(design, trial.name, *figures)
+    return found
+
+
+def main() -> None:
+    """Compare two revisions and print the table in Markdown, with the reasons below it."""
+    parser = argparse.ArgumentParser(description=str(__doc__).split("\n\n")[0])
+    parser.add_argument("old", help="revision whose figures are known")
+    parser.add_argument("new", help="revision whose figures are asked for")
+    asked = parser.parse_args()
+    with laid_out(asked.old) as old, laid_out(asked.new) as new:
+        print(table(compared(old, new)).as_markdown())
+    print("", *reasons(asked.old, asked.new), sep="\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,114 @@
+"""One script lists every figure that the documentation prints, tells when it is stale, and writes it anew."""
+
+import importlib.util
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+
+
+@pytest.fixture(scope="module")
+def script() -> ModuleType:
+    spec = importlib.util.spec_from_file_location("docs_figures", ROOT / "scripts" / "docs_figures.py")
+    assert spec
+    assert spec.loader
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture
+def made(script: ModuleType, monkeypatch, tmp_path: Path) -> ModuleType:
+    """Give the script in a folder of its own, with one artefact of two steps, and a probe."""
+    copy = (sys.executable, "-c", "import sys; open('runs', 'a').write(sys.argv[1]); print(sys.argv[1])")
+    join = "import sys, pathlib; a, b = map(pathlib.Path, sys.argv[1:]); "
+    join += "pathlib.Path('out').write_text(a.read_text() + b.read_text())"
+    both = {"a": script.Step((*copy, "1"), stdout=True), "b": script.Step((*copy, "2"), stdout=True)}
+    one = script.Artefact(("out",), both, ((sys.executable, "-c", join, "{a}", "{b}"),), ("probe",), 0.1)
+    monkeypatch.setattr(script, "ROOT", tmp_path)
+    monkeypatch.setattr(script, "STAMPS", tmp_path / "figures.json")
+    monkeypatch.setattr(script, "SCRATCH", tmp_path / "scratch")
+    monkeypatch.setattr(script, "ARTEFACTS", {"one": one})
+    monkeypatch.setattr(script, "probed", lambda _: script.now)
+    monkeypatch.setattr(sys, "argv", ["docs_figures.py"])
+    script.now = {"force": 100.0, "word": "as it was"}
+    return script
+
+
+@pytest.mark.parametrize("name", ["picture", "report", "models", "measured", "compared", "paper"])
+def test_what_is_printed_is_what_the_model_says_now(script: ModuleType, name: str) -> None:
+    """Where this fails: `python scripts/docs_figures.py --list` says by how much, without --list it writes it anew."""
+    if name not in script.stamps():
+        pytest.skip("made before there were stamps: python scripts/docs_figures.py")
+    assert script.stale(script.ARTEFACTS[name], script.stamps()[name]) == []
+
+
+def test_the_script_lists_all_that_is_generated(script: ModuleType) -> None:
+    """Pictures and marked sections of the pages; `_drawings` are drawn with the pages, and the app's by hand."""
+    listed = {name for artefact in script.ARTEFACTS.values() for name in artefact.files}
+    commands = [" ".join(command) for artefact in script.ARTEFACTS.values() for command in artefact.last]
+    for page in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
+        text = page.read_text(encoding="utf-8")
+        for picture in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", text):
+            if not picture.startswith(("_drawings/", "http", "app.png")):
+                assert str((page.parent / picture).resolve().relative_to(ROOT)) in listed, picture
+        for writer in re.findall(r"<!-- Begin of \w+: (\S+) writes", text):
+            assert any(writer in command for command in commands), writer
+    assert set(script.stamps()) <= set(script.ARTEFACTS)
+    assert {name for artefact in script.ARTEFACTS.values() for name in artefact.probes} == set(script.PROBES)
+
+
+def test_an_artefact_is_stale_where_what_it_prints_has_moved(made: ModuleType, tmp_path: Path, capsys) -> None:
+    one = made.ARTEFACTS["one"]
+    assert "no stamp" in made.stale(one, None)[0]
+    assert made.main() == 0
+    assert (tmp_path / "out").read_text() == "1\n2\n"
+    kept = made.stamps()["one"]
+    assert made.stale(one, kept) == []
+    made.now = {"force": 100.0 * (1.0 + 0.5 * made.TOLERANCE), "word": "as it was"}
+    assert made.stale(one, kept) == []
+    made.now = {"force": 101.0, "word": "another"}
+    assert made.stale(one, kept) == ["probe, force: 100, now 101", "probe, word: as it was, now another"]
+    made.now = {"force": 100.0, "word": "as it was"}
+    (tmp_path / "out").write_text("edited")
+    assert made.stale(one, kept) == ["out is not what the stamp is of"]
+    capsys.readouterr()
+    sys.argv.append("--list")
+    assert made.main() == 0
+    assert capsys.readouterr().out.startswith("one: out is not what the stamp is of (0.1 min of CPU)")
+
+
+def test_what_is_done_is_not_done_again_unless_the_model_has_moved(
+    made: ModuleType, tmp_path: Path, monkeypatch
+) -> None:
+    """Stopped after the first step: the same command goes on; a model that says otherwise begins anew."""
+    begun, run = [], subprocess.run
+
+    def stopped(*given, **more):
+        begun.append(given)
+        if len(begun) == 2:
+            raise KeyboardInterrupt
+        return run(*given, **more)
+
+    monkeypatch.setattr(made.subprocess, "run", stopped)
+    assert made.main() == 1
+    assert not made.STAMPS.exists()
+    assert made.main() == 0
+    assert (tmp_path / "runs").read_text() == "12"
+    assert not (tmp_path / "scratch" / "one").exists()
+    assert made.main() == 0
+    assert (tmp_path / "runs").read_text() == "12"
+    begun.clear()
+    made.now = {"force": 200.0}
+    assert made.main() == 1
+    made.now = {"force": 300.0}
+    assert made.main() == 0
+    assert (tmp_path / "runs").read_text() == "12112"
+    assert json.loads(made.STAMPS.read_text())["one"]["probes"]["probe"] == {"force": 300.0}
