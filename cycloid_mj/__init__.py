@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from cycloid_mj.rating import rate
     from cycloid_mj.record import Run
     from cycloid_mj.result import Curve, Quantity, Table
-    from cycloid_mj.robot import Reducer, attach_reducer, reduce
+    from cycloid_mj.robot import ReducedJoint, attach_reducer, reduce
     from cycloid_mj.run import simulate
 
 __all__ = [
@@ -34,7 +34,7 @@ __all__ = [
     "Design",
     "Findings",
     "Quantity",
-    "Reducer",
+    "ReducedJoint",
     "Run",
     "Table",
     "analyze",
@@ -63,7 +63,7 @@ _ORIGINS = {
     "Design": "design",
     "Findings": "analysis",
     "Quantity": "result",
-    "Reducer": "robot",
+    "ReducedJoint": "robot",
     "Run": "record",
     "Table": "result",
     "analyze": "analysis",

@@ -12,8 +12,8 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.design import Design
 from cycloid_mj.kinematics import CrankLaw
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.member import sense
 from cycloid_mj.mjcf import ReducerModel
 from cycloid_mj.mjcf.keyframe import joint_state
@@ -45,31 +45,33 @@ class Course:
         return np.stack([self.drive(time), self.load(time)], axis=1)
 
 
-def ramp_and_hold(reducer: ReducerModel, design: Design) -> Course:
+def ramp_and_hold(compiled: ReducerModel, reducer: Reducer) -> Course:
     """Give a design's own course: crank speed ramps up and holds; the load rises to its constant torque."""
+    design = reducer.design
     law = CrankLaw(design.drive.speed, design.drive.ramp)
     return Course(
         angle=0.0,
         speed=float(law.speed_at(0.0)) if design.drive.ramp == 0.0 else 0.0,
-        drive=lambda time: servo_target(reducer, law, time),
-        load=lambda time: load_torque(design, time),
+        drive=lambda time: servo_target(compiled, law, time),
+        load=lambda time: load_torque(reducer, time),
     )
 
 
-def locked_crank(reducer: ReducerModel, angle: float, torque: Signal) -> Course:
+def locked_crank(compiled: ReducerModel, angle: float, torque: Signal) -> Course:
     """Hold the crank still at an angle [rad] under a torque on the output [N m] over time [s]."""
     law = CrankLaw(0.0, 0.0)
-    return Course(angle, 0.0, lambda time: angle + servo_target(reducer, law, time), torque)
+    return Course(angle, 0.0, lambda time: angle + servo_target(compiled, law, time), torque)
 
 
-def braked_output(reducer: ReducerModel, design: Design, torque: Signal, angle: float = 0.0) -> Course:
+def braked_output(compiled: ReducerModel, reducer: Reducer, torque: Signal, angle: float = 0.0) -> Course:
     """Hold the output at the speed that the design's crank speed gives it, under a torque on the crank [N m].
 
     The model holds the output: ``build(design, held="output")``. The crank starts at `angle` [rad], at full speed.
     """
+    design = reducer.design
     speed = design.drive.speed
     law = CrankLaw(speed / design.ratio, 0.0)
-    return Course(angle, speed, torque, lambda time: servo_target(reducer, law, time) + angle / design.ratio)
+    return Course(angle, speed, torque, lambda time: servo_target(compiled, law, time) + angle / design.ratio)
 
 
 def rising(torque: float, rise: float) -> Signal:
@@ -77,11 +79,11 @@ def rising(torque: float, rise: float) -> Signal:
     return lambda time: torque * 0.5 * (1.0 - np.cos(np.pi * np.clip(time / rise, 0.0, 1.0)))
 
 
-def initial_state(reducer: ReducerModel, design: Design, course: Course | None = None) -> Any:
+def initial_state(compiled: ReducerModel, reducer: Reducer, course: Course | None = None) -> Any:
     """Give the state at the start of a course, by default the design's own, as the closed form has it."""
-    course = course or ramp_and_hold(reducer, design)
-    data = mujoco.MjData(reducer.model)
-    position, velocity = joint_state(design, course.angle, course.speed)
+    course = course or ramp_and_hold(compiled, reducer)
+    data = mujoco.MjData(compiled.model)
+    position, velocity = joint_state(reducer, course.angle, course.speed)
     for joint, value in position.items():
         data.joint(joint).qpos[0] = value
     for joint, value in velocity.items():
@@ -89,18 +91,19 @@ def initial_state(reducer: ReducerModel, design: Design, course: Course | None =
     return data
 
 
-def load_torque(design: Design, time: npt.ArrayLike) -> Array:
+def load_torque(reducer: Reducer, time: npt.ArrayLike) -> Array:
     """Torque of the load on the output [N m], against its rotation; it rises as a half cosine from zero."""
-    return braking(design) * rising(design.load.torque, design.load.rise)(np.asarray(time, dtype=np.float64))
+    design = reducer.design
+    return braking(reducer) * rising(design.load.torque, design.load.rise)(np.asarray(time, dtype=np.float64))
 
 
-def braking(design: Design) -> float:
+def braking(reducer: Reducer) -> float:
     """Give the sign of a torque on the output that brakes the design's crank: 1 of a counter-clockwise one."""
-    return math.copysign(1.0, design.drive.speed) * sense(design)
+    return math.copysign(1.0, reducer.design.drive.speed) * sense(reducer.design)
 
 
-def servo_target(reducer: ReducerModel, law: CrankLaw, time: Array) -> Array:
+def servo_target(compiled: ReducerModel, law: CrankLaw, time: Array) -> Array:
     """Position command [rad] with which the servo follows a law without lag in speed or acceleration."""
-    kp, kv = reducer.servo_gains
-    torque = reducer.crank_inertia * law.acceleration_at(time)
+    kp, kv = compiled.servo_gains
+    torque = compiled.crank_inertia * law.acceleration_at(time)
     return law.angle_at(time) + (kv * law.speed_at(time) + torque) / kp

@@ -11,6 +11,7 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import TYPE_CHECKING, TypeVar
 
 from cycloid_mj.errors import warn
+from cycloid_mj.mechanism.whole import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.design import Design
@@ -76,9 +77,9 @@ def papers() -> tuple[Paper, ...]:
     return tuple(found.values())
 
 
-def published_torques(design: "Design") -> "list[Published]":
+def published_torques(reducer: "Reducer") -> "list[Published]":
     """List the output torques that the papers have for a design."""
-    return [one for _, torques in _answers(lambda paper: paper.torques(design)) for one in torques]
+    return [one for _, torques in _answers(lambda paper: paper.torques(reducer.design)) for one in torques]
 
 
 def vibration() -> Vibration:
@@ -86,11 +87,11 @@ def vibration() -> Vibration:
     return next((paper.vibration for paper in papers() if paper.vibration), Vibration())
 
 
-def stress_references(design: "Design") -> "dict[str, Reference]":
+def stress_references(reducer: "Reducer") -> "dict[str, Reference]":
     """Collect what the papers have on the stress of a design's parts, by their names."""
     return {
         part: reference
-        for _, references in _answers(lambda paper: paper.stress_references(design))
+        for _, references in _answers(lambda paper: paper.stress_references(reducer.design))
         for part, reference in references.items()
     }
 

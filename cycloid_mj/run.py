@@ -33,7 +33,7 @@ from cycloid_mj.design import Design, dump
 from cycloid_mj.errors import RunError, warn
 from cycloid_mj.interrupt import give_way
 from cycloid_mj.kinematics import carried_point
-from cycloid_mj.mechanism.reducer import mechanism
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import ReducerModel, addresses, build, sensors, unused, xml
 from cycloid_mj.names import (
     DRAGS,
@@ -115,21 +115,22 @@ class Schedule:
         return -(-self.steps // self.stride)
 
 
-def schedule(design: Design, step: float = 0.0) -> Schedule:
+def schedule(reducer: Reducer, step: float = 0.0) -> Schedule:
     """Give the steps of a design's run: ramp and hold, sampled as near to the log rate as whole steps allow.
 
     `step` is the time step [s] of the model that runs it; 0: the design's own.
     """
-    step = step or timestep(design)
+    design = reducer.design
+    step = step or timestep(reducer)
     steps = max(1, round((design.drive.ramp + design.drive.hold) / step))
     stride = max(1, round(1.0 / (design.settings.log_rate * step)))
     return Schedule(step, steps, min(stride, steps))
 
 
-def columns(reducer: ReducerModel, design: Design) -> Groups:
+def columns(compiled: ReducerModel, reducer: Reducer) -> Groups:
     """Give the log's columns with their units, by topic."""
-    kinds = sorted(reducer.laws)
-    groups = {topic: dict(names) for topic, names in sensors(design).items()}
+    kinds = sorted(compiled.laws)
+    groups = {topic: dict(names) for topic, names in sensors(reducer).items()}
     groups[REDUCER] |= {
         "contacts": "1",
         "penetration": "m",
@@ -139,14 +140,14 @@ def columns(reducer: ReducerModel, design: Design) -> Groups:
         "kinetic_energy": "J",
     }
     groups[REDUCER] |= {column(kind, power): "W" for kind in kinds for power in (FRICTION_POWER, NORMAL_POWER)}
-    groups[REDUCER] |= {column(name, FRICTION_POWER): "W" for name in drag_rows(reducer.model, DRAGS)}
+    groups[REDUCER] |= {column(name, FRICTION_POWER): "W" for name in drag_rows(compiled.model, DRAGS)}
     groups[REDUCER] |= POINT_Q
     acting = {FORCE_X: "N", FORCE_Y: "N", MOMENT: "N m", PEAK_FORCE: "N"}
-    groups[FORCES] = {column(pair.name, part): unit for pair in reducer.pairs for part, unit in acting.items()}
+    groups[FORCES] = {column(pair.name, part): unit for pair in compiled.pairs for part, unit in acting.items()}
     return groups
 
 
-def reducer_model(design: Design, contact: Contact = "profile") -> ReducerModel:
+def reducer_model(reducer: Reducer, contact: Contact = "profile") -> ReducerModel:
     """Build the model of a design for a kind of contact.
 
     Raises
@@ -157,20 +158,20 @@ def reducer_model(design: Design, contact: Contact = "profile") -> ReducerModel:
         MuJoCo cannot represent a contact's stiffness at this time step.
     """
     if contact == "profile":
-        return build(design)
+        return build(reducer.design)
     from cycloid_mj.mjcf.mesh import build_mesh
 
-    return build_mesh(design)
+    return build_mesh(reducer)
 
 
-def contact_of(reducer: ReducerModel) -> Contact:
+def contact_of(compiled: ReducerModel) -> Contact:
     """Tell the kind of contact of a model: what the collider needs to know of the exact profiles is user data."""
-    return "profile" if reducer.model.nuser_geom else "mesh"
+    return "profile" if compiled.model.nuser_geom else "mesh"
 
 
 def simulate(
     design: Design,
-    reducer: ReducerModel | None = None,
+    compiled: ReducerModel | None = None,
     course: Course | None = None,
     progress: Callable[[int, int], None] = lambda done, whole: None,
 ) -> Run:
@@ -188,10 +189,11 @@ def simulate(
     CycloidWarning
         Its figures may not be those of the design; `Run.warnings` keeps why.
     """
-    reducer = reducer or build(design)
-    groups = columns(reducer, design)
-    samples, run = schedule(design, reducer.model.opt.timestep).samples, list[Block]()
-    for block in blocks(reducer, design, course):
+    reducer = Reducer(design)
+    compiled = compiled or build(reducer.design)
+    groups = columns(compiled, reducer)
+    samples, run = schedule(reducer, compiled.model.opt.timestep).samples, list[Block]()
+    for block in blocks(compiled, reducer, course):
         run.append(block)
         progress(sum(len(one.time) for one in run), samples)
     time = np.concatenate([block.time for block in run])
@@ -204,41 +206,41 @@ def simulate(
         time=time,
         columns=values,
         units=units,
-        provenance=provenance(design, contact_of(reducer), reducer.model.opt.timestep)
-        | warned(warnings(reducer, design, course)),
-        attachments=attachments(reducer, design),
+        provenance=provenance(reducer, contact_of(compiled), compiled.model.opt.timestep)
+        | warned(warnings(compiled, reducer, course)),
+        attachments=attachments(compiled, reducer),
         topics={topic: tuple(names) for topic, names in groups.items()},
     )
 
 
-def provenance(design: Design, contact: Contact = "profile", step: float = 0.0) -> dict[str, str]:
+def provenance(reducer: Reducer, contact: Contact = "profile", step: float = 0.0) -> dict[str, str]:
     """Give what a run stands on: contact method, time step, the forces that stiffness is the secant of, versions.
 
     `step` is as in `schedule`.
     """
     from cycloid_mj import __version__
 
-    made = for_slices(design) if contact == "mesh" else design
+    made = for_slices(reducer) if contact == "mesh" else reducer
     own = chosen(made)
     step = step or own.seconds
     return {
-        "design": design.name,
+        "design": reducer.design.name,
         "contact": contact,
         "timestep_s": repr(step),
         "timestep": str(own if own.seconds == step else Step(step, "the model's")),
         "timestep_for": held_figures(made if own.seconds == step else made.but(settings={"timestep": step})),
-        "working_forces": working_forces_told(made, mechanism(design).kinds),
+        "working_forces": working_forces_told(made, reducer.mechanism.kinds),
         "cycloid_mj": __version__,
         "mujoco": mujoco.__version__,
         "numpy": np.__version__,
     }
 
 
-def warnings(reducer: ReducerModel, design: Design, course: Course | None = None) -> tuple[str, ...]:
+def warnings(compiled: ReducerModel, reducer: Reducer, course: Course | None = None) -> tuple[str, ...]:
     """Tell why the figures of a run may not be those of its design; a course that starts at rest does not hurry."""
     hurries = course is None or course.speed != 0.0
-    sways = (MESH_SWAYS,) if contact_of(reducer) == "mesh" and hurries else ()
-    return (*sways, *reducer.warnings, *(pace(design) if hurries else ()), *(idle(design) if course is None else ()))
+    sways = (MESH_SWAYS,) if contact_of(compiled) == "mesh" and hurries else ()
+    return (*sways, *compiled.warnings, *(pace(reducer) if hurries else ()), *(idle(reducer) if course is None else ()))
 
 
 def warned(texts: Sequence[str]) -> dict[str, str]:
@@ -246,14 +248,14 @@ def warned(texts: Sequence[str]) -> dict[str, str]:
     return {"warnings": "\n".join(texts)} if texts else {}
 
 
-def attachments(reducer: ReducerModel, design: Design) -> Mapping[str, bytes]:
+def attachments(compiled: ReducerModel, reducer: Reducer) -> Mapping[str, bytes]:
     """Give the files that make a log complete: the design file and the model, with the meshes that it refers to."""
-    assets = {name: partial(bytes, content) for name, content in reducer.spec.assets.items()}
-    own = {"design.toml": lambda: dump(design).encode(), "model.xml": lambda: xml(reducer.spec).encode()}
+    assets = {name: partial(bytes, content) for name, content in compiled.spec.assets.items()}
+    own = {"design.toml": lambda: dump(reducer.design).encode(), "model.xml": lambda: xml(compiled.spec).encode()}
     return Deferred(own | assets)
 
 
-def blocks(reducer: ReducerModel, design: Design, course: Course | None = None) -> Generator[Block, None, None]:
+def blocks(compiled: ReducerModel, reducer: Reducer, course: Course | None = None) -> Generator[Block, None, None]:
     """Run a model over a course, by default the design's own, and give its samples block by block.
 
     Raises
@@ -267,15 +269,15 @@ def blocks(reducer: ReducerModel, design: Design, course: Course | None = None) 
     CycloidWarning
         As `simulate`.
     """
-    warn(design.name, warnings(reducer, design, course))
-    plan = schedule(design, reducer.model.opt.timestep)
-    driven, course = course is None, course or ramp_and_hold(reducer, design)
-    data = initial_state(reducer, design, course)
-    recorder = _Recorder(reducer, design, data, plan, driven)
-    profile = contact_of(reducer) == "profile"
-    exact = collider.installed(design.ring.kind == "nonpin") if profile else nullcontext()
+    warn(reducer.design.name, warnings(compiled, reducer, course))
+    plan = schedule(reducer, compiled.model.opt.timestep)
+    driven, course = course is None, course or ramp_and_hold(compiled, reducer)
+    data = initial_state(compiled, reducer, course)
+    recorder = _Recorder(compiled, reducer, data, plan, driven)
+    profile = contact_of(compiled) == "profile"
+    exact = collider.installed(reducer.design.ring.kind == "nonpin") if profile else nullcontext()
     at_once = max(1, _STEPS_AT_ONCE // plan.stride) if profile else 1
-    with exact, each_step.installed(), unused.left_out(reducer.model), _no_log_file.made():
+    with exact, each_step.installed(), unused.left_out(compiled.model), _no_log_file.made():
         size = max(_BLOCK, at_once)
         for first in range(0, plan.samples, size):
             samples = range(first, min(first + size, plan.samples))
@@ -307,30 +309,31 @@ def _advance(plan: Schedule, course: Course, samples: range, recorder: "_Recorde
 class _Recorder:
     """Takes samples, judges them, and makes tables of them."""
 
-    def __init__(self, reducer: ReducerModel, design: Design, data: Any, plan: Schedule, driven: bool) -> None:
-        groups = sensors(design)
+    def __init__(self, compiled: ReducerModel, reducer: Reducer, data: Any, plan: Schedule, driven: bool) -> None:
+        design = reducer.design
+        groups = sensors(reducer)
         names = list(chain.from_iterable(groups.values()))
-        index, drags = pair_index(reducer.model, reducer.pairs), drag_rows(reducer.model, DRAGS)
-        laws = [impact_of(design, pair.kind) for pair in reducer.pairs]
+        index, drags = pair_index(compiled.model, compiled.pairs), drag_rows(compiled.model, DRAGS)
+        laws = [impact_of(reducer, pair.kind) for pair in compiled.pairs]
         impacts = [law for law in laws if law]
         self.each_step = EachStep(
-            reducer.model, data, index, plan.stride, addresses(data, design), [*drags.values()], impacts
+            compiled.model, data, index, plan.stride, addresses(data, reducer), [*drags.values()], impacts
         )
         self._read, self._first_pin = len(names), len(groups[REDUCER])
         self._has_pins = PINS in groups
-        self._kinds = [np.array([pair.kind == kind for pair in reducer.pairs]) for kind in sorted(reducer.laws)]
-        self._deepest, self._most_iterations = deepest(design), reducer.model.opt.iterations
+        self._kinds = [np.array([pair.kind == kind for pair in compiled.pairs]) for kind in sorted(compiled.laws)]
+        self._deepest, self._most_iterations = deepest(reducer), compiled.model.opt.iterations
         self._design, self._data = design, data
-        self._jamming = jamming_power(design) if driven else math.inf
+        self._jamming = jamming_power(reducer) if driven else math.inf
         mesh = 2.0 * math.pi / (design.ring.teeth * abs(design.drive.speed)) if design.drive.speed else math.inf
         of_mesh = min(mesh / (plan.stride * plan.timestep), plan.samples)
         self._lost = np.zeros(max(math.ceil(of_mesh), 1) - 1)
-        self._gears = [names.index(disc.joints[-1]) for disc in mechanism(design).discs]
+        self._gears = [names.index(disc.joints[-1]) for disc in reducer.mechanism.discs]
         first_disc = gears(design.gear.discs)[0]
         self._pose = [names.index(name) for name in planar_joints(first_disc)]
         self._motion = [names.index(name) for name in planar_speeds(first_disc)]
         self._crank, self._output = names.index("crank_angle"), names.index("output_angle")
-        bodies = mechanism(design).pins if design.ring.has_sockets else ()
+        bodies = reducer.mechanism.pins if design.ring.has_sockets else ()
         self._free_pins = np.array([[names.index(joint) for joint in pin.joints[:2]] for pin in bodies], dtype=int)
 
     def advance(self, samples: int) -> tuple[Array, str]:
@@ -352,8 +355,8 @@ class _Recorder:
         powers = np.stack([pairs[:, of_kind, 4:].sum(axis=1) for of_kind in self._kinds], axis=1)
         energies = seen[:, self._read :]
         q = carried_point((0.0, self._design.output.pin_circle_radius), seen[:, self._pose], seen[:, self._motion])
-        reducer = [seen[:, : self._first_pin], solver[:, :4], energies, powers.reshape(len(rows), -1), drags, *q]
-        tables = {REDUCER: np.concatenate(reducer, axis=1)}
+        compiled = [seen[:, : self._first_pin], solver[:, :4], energies, powers.reshape(len(rows), -1), drags, *q]
+        tables = {REDUCER: np.concatenate(compiled, axis=1)}
         if self._has_pins:
             tables[PINS] = seen[:, self._first_pin : self._read]
         return tables | {FORCES: pairs[:, :, :4].reshape(len(rows), -1)}

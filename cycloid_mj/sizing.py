@@ -14,6 +14,7 @@ from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.design.units import RPM
 from cycloid_mj.errors import DesignError, UsageError
 from cycloid_mj.mechanism.reducer import are_one_part
+from cycloid_mj.mechanism.whole import Reducer
 
 Process = Literal["steel", "printed"]
 
@@ -138,8 +139,8 @@ def sized(name: str, ratio: int, diameter: float, torque: float, process: Proces
             raise UsageError(f"the {what} is {value:g} {unit}; it must be more than 0")
     for short_width in SHORT_WIDTHS:
         shape = _shaped(name, ratio, diameter, torque, process, discs, short_width)
-        if shape is not None and _sound(shape):
-            return _carrying(shape, process, short_width)
+        if shape is not None and _sound(Reducer(shape)):
+            return _carrying(Reducer(shape), process, short_width)
     raise DesignError(
         f"no gear with a ratio of {ratio} fits into {1e3 * diameter:g} mm with the clearances of the process "
         f"{process!r}: take a larger diameter, or a smaller ratio"
@@ -200,25 +201,26 @@ def _shaped(
         return None
 
 
-def _sound(design: Design) -> bool:
+def _sound(reducer: Reducer) -> bool:
     """Tell whether the teeth and the body hold, with walls as thick as is assumed; the shaft is made longer later."""
-    failed = (item for item in soundness(design) if not item.passed and item.name not in ("balance", "bearings"))
+    failed = (item for item in soundness(reducer) if not item.passed and item.name not in ("balance", "bearings"))
     return not any(item.severity == "error" or item.name in WALLS for item in failed)
 
 
-def _carrying(design: Design, process: Process, short_width: float) -> Sized:
+def _carrying(reducer: Reducer, process: Process, short_width: float) -> Sized:
     """Make the gear as wide as the pressures ask for, and the shaft as long as its counterweight needs."""
     pressed = ("tooth_yield", "output_yield", "cam_yield", "bore_to_hole", "hole_to_root", "housing_ligament")
     for _ in range(WIDENINGS):
-        design = _balanced(design)
-        found = {item.name: item for item in check(design)}
+        reducer = Reducer(_balanced(reducer))
+        found = {item.name: item for item in check(reducer.design)}
         worst = max((_overload(found[name]) for name in pressed if name in found), default=math.inf)
         if worst <= 1.0:
-            return Sized(design, dict(_reasons(design, process, short_width)), tuple(found.values()))
-        width = design.gear.face_width * min(max(worst, 1.02) ** 1.5, 2.0)
-        if design.gear.discs * width > WIDEST * design.ring.pin_circle_radius:
+            return Sized(reducer.design, dict(_reasons(reducer, process, short_width)), tuple(found.values()))
+        width = reducer.design.gear.face_width * min(max(worst, 1.02) ** 1.5, 2.0)
+        if reducer.design.gear.discs * width > WIDEST * reducer.design.ring.pin_circle_radius:
             break
-        design = design.but(gear={"face_width": _rounded(1.02 * width)})
+        reducer = reducer.but(gear={"face_width": _rounded(1.02 * width)})
+    design = reducer.design
     raise UsageError(
         f"{design.rated_torque:g} N m are too much for a diameter of {2e3 * design.housing.outer_radius:g} mm made as "
         f"{process!r}: a face width of {1e3 * design.gear.face_width:g} mm still yields; take a larger diameter"
@@ -231,17 +233,18 @@ def _overload(item: Check) -> float:
     return MARGIN * item.value / item.bound
 
 
-def _balanced(design: Design) -> Design:
+def _balanced(reducer: Reducer) -> Design:
     """Lengthen the shaft until counterweight and bearings have room."""
     for _ in range(WIDENINGS):
-        failed = [item for item in soundness(design) if item.name in ("balance", "bearings") and not item.passed]
+        failed = [item for item in soundness(reducer) if item.name in ("balance", "bearings") and not item.passed]
         if not failed:
-            return design
-        design = design.but(shaft={"length": _rounded(1.25 * design.shaft.length)})
-    raise DesignError(f"no shaft of a reasonable length balances the gear of {design.name!r}: {failed[0]}")
+            return reducer.design
+        reducer = reducer.but(shaft={"length": _rounded(1.25 * reducer.design.shaft.length)})
+    raise DesignError(f"no shaft of a reasonable length balances the gear of {reducer.design.name!r}: {failed[0]}")
 
 
-def _reasons(design: Design, process: Process, short_width: float) -> Iterator[tuple[str, str]]:
+def _reasons(reducer: Reducer, process: Process, short_width: float) -> Iterator[tuple[str, str]]:
+    design = reducer.design
     yield "ring.teeth", f"the ratio {design.lobes} plus one"
     yield "ring.pin_circle_radius", f"leaves a wall of {WALL:.0%} of the outer radius"
     yield "ring.pin_radius", f"{PIN_SHARE:.0%} of the room between neighbours"

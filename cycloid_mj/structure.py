@@ -8,9 +8,8 @@ import math
 
 import numpy as np
 
-from cycloid_mj.design import Design
 from cycloid_mj.design.model import Material
-from cycloid_mj.member import share
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.solid.output import AXIAL_GAP
 from cycloid_mj.solid.parts import crank_stretches
 from cycloid_mj.solid.shaft import bearing_seats
@@ -24,13 +23,14 @@ TWISTING = ("carrier", "shaft", "housing")
 """What twists, in series with all contacts: keys of the table ``springs``."""
 
 
-def pin_flexibility(design: Design) -> Array:
+def pin_flexibility(reducer: Reducer) -> Array:
     """Give by how much an output pin bends at each disc's plane, for a force at each plane [m/N], shape (D, D).
 
     The pin is a round beam with its root, or both of its ends, built in at the faces of the plates that hold it, its
     load acts in the middle of each disc, and shear adds to bending: Timoshenko's beam with Cowper's coefficient
     6 (1 + nu)/(7 + 6 nu) (Cowper 1966, J. Appl. Mech. 33, 335-340, Table 1). Of a roller the core bends.
     """
+    design = reducer.design
     planes, gear = np.array(design.gear.disc_planes), design.gear
     if design.structure == "rigid":
         return np.zeros((planes.size, planes.size))
@@ -63,13 +63,14 @@ def beam_flexibility(made: Material, radius: float, arms: Array, length: float |
     return np.asarray(found - by_end @ np.linalg.solve(of_end, by_end.T))
 
 
-def twisting_stiffness(design: Design) -> dict[str, float]:
+def twisting_stiffness(reducer: Reducer) -> dict[str, float]:
     """Give the torsional stiffness of each of `TWISTING` about its own axis [N m/rad]; inf in a rigid structure.
 
     What is not given follows from the shape: of the shaft G pi r^4/(2 L), of rings G 4 pi t/(1/r^2 - 1/R^2) from the
     inner radius r to the outer R at the thickness t (in-plane shear): the output disc from its hub to its pins, the
     housing from the ring's pins or lobes out to its bolts or its rim.
     """
+    design = reducer.design
     if design.structure == "rigid":
         return dict.fromkeys(TWISTING, math.inf)
     output, shaft, housing = design.output, design.shaft, design.housing
@@ -85,14 +86,15 @@ def twisting_stiffness(design: Design) -> dict[str, float]:
     return {part: getattr(design.springs, part) or shapes[part] for part in TWISTING}
 
 
-def twisting_compliance(design: Design) -> dict[str, float]:
+def twisting_compliance(reducer: Reducer) -> dict[str, float]:
     """Give by how much the output turns at a locked crank, by what twists, per torque on it [rad/(N m)].
 
     The crank's twist reaches the output divided by the ratio N - 1, as the torque on it is; the ring's, under the
     torque N/(N - 1), times N/(N - 1); where the ring is the output, `member.share` squared of all that. The forces of
     the contacts stay: all of them turn alike.
     """
-    stiffness, teeth, seen = twisting_stiffness(design), design.ring.teeth, share(design) ** 2
+    design = reducer.design
+    stiffness, teeth, seen = twisting_stiffness(reducer), design.ring.teeth, reducer.share**2
     return {
         "carrier": seen / stiffness["carrier"],
         "shaft": seen / (stiffness["shaft"] * design.lobes**2),
@@ -100,12 +102,12 @@ def twisting_compliance(design: Design) -> dict[str, float]:
     }
 
 
-def wind_up(design: Design) -> float:
+def wind_up(reducer: Reducer) -> float:
     """Give the sum of `twisting_compliance` [rad/(N m)]."""
-    return sum(twisting_compliance(design).values())
+    return sum(twisting_compliance(reducer).values())
 
 
-def crank_flexibility(design: Design) -> Array:
+def crank_flexibility(reducer: Reducer) -> Array:
     """Give by how much the shaft bends at each cam per force on each [m/N], shape (D, D).
 
     An Euler beam of the shaft's radius on two bearings that do not give and let it tilt: the integral of M_d M_d'/(E I)
@@ -116,7 +118,8 @@ def crank_flexibility(design: Design) -> Array:
     DesignError
         The crank cannot be made.
     """
-    far, near = (0.5 * sum(seat) for seat in bearing_seats(design, crank_stretches(design)))
+    design = reducer.design
+    far, near = (0.5 * sum(seat) for seat in bearing_seats(reducer, crank_stretches(reducer)))
     planes, radius = np.array(design.gear.disc_planes), design.shaft.radius
     ends = np.unique([far, near, *planes])
     places = np.stack([ends[:-1], 0.5 * (ends[:-1] + ends[1:]), ends[1:]])
@@ -130,16 +133,16 @@ def crank_flexibility(design: Design) -> Array:
     return np.asarray(np.einsum("dps,eps,ps->de", moments, moments, weights) / bending)
 
 
-def structure_told(design: Design) -> str:
+def structure_told(reducer: Reducer) -> str:
     """Tell what the structure is taken as."""
-    if design.structure == "rigid":
+    if reducer.design.structure == "rigid":
         return "shafts, discs, output and housing are rigid: only contacts give"
-    twisting = ", ".join(f"{part} {ARCMINUTE * one:.3g}" for part, one in twisting_stiffness(design).items())
-    held = {"cantilever": "at one end", "both_ends": "at both ends"}[design.output.support]
+    twisting = ", ".join(f"{part} {ARCMINUTE * one:.3g}" for part, one in twisting_stiffness(reducer).items())
+    held = {"cantilever": "at one end", "both_ends": "at both ends"}[reducer.design.output.support]
     return (
         f"output pins bend as beams held {held}, {twisting} N m/arcmin twist, each about its own axis, which adds "
         "to the output's turn and not to the gear's; left out are the discs' own give, that of all bearings but the "
-        f"cams', and the shaft's bending: {1e9 * crank_flexibility(design).max():.3g} um at a cam under 1 kN there, "
+        f"cams', and the shaft's bending: {1e9 * crank_flexibility(reducer).max():.3g} um at a cam under 1 kN there, "
         "which a softer stiffness.cam_n_m can stand for"
     )
 

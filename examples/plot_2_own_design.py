@@ -13,6 +13,7 @@ import numpy as np
 
 import cycloid_mj as cm
 from cycloid_mj.loaded import loads, springs_of
+from cycloid_mj.mechanism.whole import Reducer
 
 design = cm.load(
     "pin",
@@ -35,7 +36,7 @@ for check in cm.check(design):
 # The force of each pin on the gear against the crank angle: a pin carries where it can push the gear back.
 
 crank = np.linspace(0.0, 2.0 * np.pi, 181)
-found = loads(design, springs_of(design, crank, friction=False), design.load.torque, follow=True)
+found = loads(Reducer(design), springs_of(Reducer(design), crank, friction=False), design.load.torque, follow=True)
 
 figure, axes = plt.subplots(layout="constrained")
 shown = axes.pcolormesh(np.degrees(crank), np.arange(1, 22), found.teeth.T, cmap="magma_r", shading="nearest")

@@ -12,6 +12,7 @@ import numpy as np
 
 import cycloid_mj as cm
 from cycloid_mj.loaded import loads, springs_of
+from cycloid_mj.mechanism.whole import Reducer
 
 still = {"drive.speed_rpm": 0.0, "environment.gravity_y_m_s2": 0.0}
 torque = np.concatenate([-np.geomspace(10.0, 0.01, 25), np.geomspace(0.01, 10.0, 25)])
@@ -23,8 +24,8 @@ for label, changes in {
     "a disc of aluminium": {"gear_material.name": "aluminium 6061"},
 }.items():
     design = cm.load("printed", still | changes)
-    springs = springs_of(design, [0.3], friction=False)
-    turn = np.degrees([loads(design, springs, float(one)).output_turn[0] for one in torque])
+    springs = springs_of(Reducer(design), [0.3], friction=False)
+    turn = np.degrees([loads(Reducer(design), springs, float(one)).output_turn[0] for one in torque])
     backlash = turn[torque > 0.0].min() - turn[torque < 0.0].max()
     axes.plot(torque, turn, label=f"{label}: backlash {backlash:.2f} deg")
 axes.set(xlabel="torque on the output [N m]", ylabel="turn of the output [deg]", ylim=(-0.8, 1.1))

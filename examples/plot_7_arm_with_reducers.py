@@ -22,7 +22,7 @@ START, GOAL = -1.0, -0.9  # of the elbow [rad]
 ASSETS = Path(find_spec("gymnasium").origin).parent / "envs" / "mujoco" / "assets"
 
 
-def step_response(reducer: cm.Reducer) -> np.ndarray:
+def step_response(reduced: cm.ReducedJoint) -> np.ndarray:
     """Step the elbow's servo; give time [s], the elbow's angle, and the motor's over the ratio [rad]."""
     spec = mujoco.MjSpec.from_file(str(ASSETS / "pusher_v5.xml"))
     spec.option.timestep = 5e-4
@@ -32,31 +32,31 @@ def step_response(reducer: cm.Reducer) -> np.ndarray:
     for joint in JOINTS:
         servo = spec.add_actuator(name=joint, target=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT)
         servo.set_to_position(kp=60.0, kv=6.0)
-        cm.attach_reducer(spec, joint, reducer)  # and the servo moves to the crank
+        cm.attach_reducer(spec, joint, reduced)  # and the servo moves to the crank
     model = spec.compile()
     data = mujoco.MjData(model)
     elbow, servo = data.joint(JOINTS[1]), data.actuator(JOINTS[1])
     elbow.qpos[0] = START
-    reducer.settle(model, data)
+    reduced.settle(model, data)
     found = []
     while data.time < 3.0:
         servo.ctrl[0] = START if data.time < 0.2 else GOAL
-        if reducer.level == "full":
-            reducer.step(model, data)
+        if reduced.level == "full":
+            reduced.step(model, data)
         before = data.time, elbow.qpos[0]
         mujoco.mj_step(model, data)
         found.append((*before, servo.length[0]))
     return np.array(found).T
 
 
-reducer = cm.reduce(cm.load("printed"))
+reduced = cm.reduce(cm.load("printed"))
 figure, (above, below) = plt.subplots(2, 1, sharex=True, layout="constrained")
 for level, colour, width in (("rigid", "#9CCBEA", 4.0), ("backlash", "#0B2E4F", 1.3), ("full", "#D55E00", 1.3)):
-    time, turned, motor = step_response(reducer.at(level))
+    time, turned, motor = step_response(reduced.at(level))
     above.plot(time, np.degrees(turned), color=colour, linewidth=width, label=level)
     below.plot(time, 60.0 * np.degrees(turned - motor), color=colour, linewidth=width)
-for stop in reducer.stops:
+for stop in reduced.stops:
     below.axhline(60.0 * np.degrees(stop), color="grey", linewidth=0.7, linestyle=":")
-above.set(ylabel="elbow [deg]", title=f"{reducer.ratio:g}:1; dotted below: the stops of the play")
+above.set(ylabel="elbow [deg]", title=f"{reduced.ratio:g}:1; dotted below: the stops of the play")
 above.legend()
 below.set(xlabel="time [s]", ylabel="elbow less motor [arcmin]")

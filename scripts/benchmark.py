@@ -47,6 +47,7 @@ from passes import (
 from sweeping import sweep_table
 
 from cycloid_mj.design import PRESETS, override
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build
 from cycloid_mj.run import reducer_model
 
@@ -128,7 +129,7 @@ def mesh_table(passes: int) -> Table:
     table: Table = {}
     for kind in KINDS:
         design, profile = example(kind, 36.0, 0, "drive.hold_s=6e-4", "load.rise_s=1e-4")
-        mesh = reducer_model(design, "mesh")
+        mesh = reducer_model(Reducer(design), "mesh")
         row = in_turn(passes, profile=partial(cost, (design, profile)), mesh=partial(cost, (design, mesh)))
         table[f"{kind}, 36 N m"] = row | ratio(row, "mesh", "profile")
     return table

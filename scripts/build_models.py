@@ -12,6 +12,7 @@ from typing import Any
 from cycloid_mj.contact.working import at_rated_load, working_force
 from cycloid_mj.convex import ConvexSettings
 from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf.folder import MANIFEST, SCENE, model_files, write_folder
 
 MODELS = Path(__file__).parent.parent / "models"
@@ -42,7 +43,7 @@ def two_discs() -> Design:
 
 def two_disc_files() -> dict[str, bytes]:
     """Give every file of models/twodisc, with its README."""
-    made = model_files(two_discs(), COARSE)
+    made = model_files(Reducer(two_discs()), COARSE)
     manifest = json.loads(made[MANIFEST])
     rows = [
         f"| {name} | {found['parts']} | {found['max_overfill_um']:.3g} | {found['max_underfill_um']:.3g} |"
@@ -62,7 +63,7 @@ def two_disc_files() -> dict[str, bytes]:
 
 def files(name: str, design: Design, plain: dict[str, dict[str, Any]]) -> dict[str, bytes]:
     """Give every generated file of one model folder but its picture."""
-    made = model_files(design)
+    made = model_files(Reducer(design))
     return {**made, "README.md": readme(name, json.loads(made[MANIFEST]), plain).encode()}
 
 
@@ -112,7 +113,7 @@ def overview(manifests: dict[str, dict[str, Any]]) -> str:
         agreement="\n".join(_run_row(row) for row in rows),
         ratios=_ratios(rows),
         free="\n".join(_free_row(name, found) for name, found in free.items()),
-        force=round(working_force(at_rated_load(PRESETS["pin"]), "pin_gear")),
+        force=round(working_force(at_rated_load(Reducer(PRESETS["pin"])), "pin_gear")),
     )
 
 

@@ -13,6 +13,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from cycloid_mj.mechanism.whole import Reducer
+
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("cycloid_mj", "papers/hsieh2014")
 
@@ -133,7 +135,7 @@ def drawers_opened() -> tuple[str, ...]:
 
     sys.setprofile(watch)
     try:
-        datasheet(PRESETS["twodisc"])
+        datasheet(Reducer(PRESETS["twodisc"]))
     finally:
         sys.setprofile(None)
     return tuple(calls)

@@ -29,6 +29,7 @@ from pathlib import Path
 from resource import RUSAGE_CHILDREN, getrusage
 from typing import Any
 
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.whole import write_whole
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -150,7 +151,7 @@ def statics_of(preset: str) -> dict[str, Value]:
     from cycloid_mj.loaded.sheet import glance
 
     design = DESIGNS[preset]
-    return {key: one.value for key, one in glance(design, design.rated_torque).quantities.items()}
+    return {key: one.value for key, one in glance(Reducer(design), design.rated_torque).quantities.items()}
 
 
 @cache

@@ -17,6 +17,7 @@ from build_models import MODELLED
 from cycloid_mj.analysis import analyze
 from cycloid_mj.convex import CoacdSettings, plain_gear, plain_ring
 from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf.folder import SCENE, quality_um
 from cycloid_mj.run import Contact, reducer_model, schedule, simulate
 
@@ -37,7 +38,7 @@ def plain() -> dict[str, dict[str, Any]]:
     found = {}
     for threshold in THRESHOLDS:
         settings = CoacdSettings(threshold=threshold)
-        gear, ring = plain_gear(PRESETS["pin"], settings), plain_ring(PRESETS["nonpin"], settings)
+        gear, ring = plain_gear(Reducer(PRESETS["pin"]), settings), plain_ring(Reducer(PRESETS["nonpin"]), settings)
         found[f"gear teeth, plain CoACD at threshold {threshold:g}"] = quality_um(gear.quality)
         found[f"internal gear, plain CoACD at threshold {threshold:g}"] = quality_um(ring.quality)
     return found
@@ -51,9 +52,9 @@ def agreement() -> list[dict[str, Any]]:
 def _run(name: str, load: float, contact: Contact, step: float) -> dict[str, Any]:
     changes = ["drive.ramp_s=0.0", f"drive.hold_s={HOLD}", f"load.torque_nm={load}", f"settings.timestep_us={step}"]
     design = override(PRESETS[name], changes)
-    reducer = reducer_model(design, contact)
+    compiled = reducer_model(Reducer(design), contact)
     start = time.process_time()
-    run = simulate(design, reducer)
+    run = simulate(design, compiled)
     seconds = time.process_time() - start
     found = analyze(run, settle=SETTLED)
     settled = run.select(run.time >= SETTLED)
@@ -69,7 +70,7 @@ def _run(name: str, load: float, contact: Contact, step: float) -> dict[str, Any
         ),
         "crank_torque_nm": round(found.power.crank_torque_nm, 4),
         "cam_force_n": round(float(np.mean(np.hypot(settled["cam_force_x"], settled["cam_force_y"]))), 1),
-        "us_per_step": round(1e6 * seconds / schedule(design).steps, 1),
+        "us_per_step": round(1e6 * seconds / schedule(Reducer(design)).steps, 1),
     }
 
 

@@ -25,6 +25,7 @@ from cycloid_mj.contact.memory import read_address, write_float
 from cycloid_mj.course import initial_state, ramp_and_hold
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.log import LogWriter
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import ReducerModel, build
 from cycloid_mj.run import attachments, blocks, columns, contact_of, provenance, schedule
 from cycloid_mj.scene import Scene, frame_rate
@@ -94,16 +95,18 @@ def example(kind: str, load: float, steps: int, *changes: str) -> Case:
     return design, build(design)
 
 
-def bare_cost(design: Design, reducer: ReducerModel, warm: int = WARM) -> tuple[float, float]:
+def bare_cost(design: Design, compiled: ReducerModel, warm: int = WARM) -> tuple[float, float]:
     """CPU time of a step [us] of MuJoCo's alone, taken without Python; and what its timers give to the narrow phase.
 
     The narrow phase counts only between ``timers``; a reading of the clock falls into it each time.
     """
-    plan = schedule(design)
-    commands = ramp_and_hold(reducer, design).commands(plan.timestep * np.arange(plan.steps, dtype=np.float64))
-    data = initial_state(reducer, design)
-    places = reducer.model._address, data._address, data.ctrl.ctypes.data
-    with installed() if contact_of(reducer) == "profile" else nullcontext():
+    plan = schedule(Reducer(design))
+    commands = ramp_and_hold(compiled, Reducer(design)).commands(
+        plan.timestep * np.arange(plan.steps, dtype=np.float64)
+    )
+    data = initial_state(compiled, Reducer(design))
+    places = compiled.model._address, data._address, data.ctrl.ctypes.data
+    with installed() if contact_of(compiled) == "profile" else nullcontext():
         _steps(*places, commands[:warm])
         narrow, start = data.timer[_NARROW].duration, time.thread_time_ns()
         _steps(*places, commands[warm:])
@@ -119,40 +122,44 @@ def _reading_cost() -> float:
     return 1e-3 * (time.thread_time_ns() - start) / readings
 
 
-def own_cost(design: Design, reducer: ReducerModel) -> tuple[float, float]:
+def own_cost(design: Design, compiled: ReducerModel) -> tuple[float, float]:
     """CPU time of a step that is MuJoCo's own work, all but the narrow phase of collision, and of that phase [us]."""
     reading = min(_reading_cost() for _ in range(20))
     with timers():
-        _, narrow = bare_cost(design, reducer)
-    step, _ = bare_cost(design, reducer)
+        _, narrow = bare_cost(design, compiled)
+    step, _ = bare_cost(design, compiled)
     return step - (narrow - reading), narrow - reading
 
 
-def loop_cost(design: Design, reducer: ReducerModel, log: LogWriter | None = None) -> float:
+def loop_cost(design: Design, compiled: ReducerModel, log: LogWriter | None = None) -> float:
     """CPU time of a step of ``simulate`` [us], with its log or without."""
     start = 0
-    for block in blocks(reducer, design):
+    for block in blocks(compiled, Reducer(design)):
         if log:
             log.write(block.time, block.values)
         start = start or time.thread_time_ns()
-    return 1e-3 * (time.thread_time_ns() - start) / (schedule(design).steps - WARM)
+    return 1e-3 * (time.thread_time_ns() - start) / (schedule(Reducer(design)).steps - WARM)
 
 
-def run_cost(design: Design, reducer: ReducerModel) -> float:
+def run_cost(design: Design, compiled: ReducerModel) -> float:
     """CPU time of a step [us] over the whole of a run, from its start on."""
     start = time.thread_time_ns()
-    steps = schedule(design).stride * (sum(len(block.time) for block in blocks(reducer, design)) - 1) + 1
+    steps = (
+        schedule(Reducer(design)).stride * (sum(len(block.time) for block in blocks(compiled, Reducer(design))) - 1) + 1
+    )
     return 1e-3 * (time.thread_time_ns() - start) / steps
 
 
-def logged_cost(design: Design, reducer: ReducerModel) -> float:
+def logged_cost(design: Design, compiled: ReducerModel) -> float:
     """CPU time of a step of ``simulate`` [us] into a log as ``cycloid-mj simulate`` writes it."""
-    groups = {topic: list(units.items()) for topic, units in columns(reducer, design).items()}
-    scene = Scene(design, frame_rate(design))
+    groups = {topic: list(units.items()) for topic, units in columns(compiled, Reducer(design)).items()}
+    scene = Scene(design, frame_rate(Reducer(design)))
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "benchmark.mcap"
-        with LogWriter(path, groups, provenance(design), attachments(reducer, design), viewer=scene) as log:
-            return loop_cost(design, reducer, log)
+        with LogWriter(
+            path, groups, provenance(Reducer(design)), attachments(compiled, Reducer(design)), viewer=scene
+        ) as log:
+            return loop_cost(design, compiled, log)
 
 
 _LAUNCHER = """

@@ -30,6 +30,7 @@ from cycloid_mj.contact.collider import installed
 from cycloid_mj.contact.working import working_force
 from cycloid_mj.course import initial_state, ramp_and_hold
 from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build
 from cycloid_mj.modification import gear_profile, profile_offset, tooth_profile
 from cycloid_mj.profile import pin_angles, sample, unit
@@ -73,10 +74,10 @@ def design_of(step: float, friction: float, pins: str = "fixed") -> Design:
 def run_ours(step: float, friction: float, end: float, pins: str = "fixed") -> Motion:
     """Run this project's model, with the load on the gear."""
     design = design_of(step, friction, pins)
-    reducer = build(design)
-    data = initial_state(reducer, design)
+    compiled = build(design)
+    data = initial_state(compiled, Reducer(design))
     data.joint("gear_angle").qfrc_applied[0] = LOAD
-    commands = ramp_and_hold(reducer, design).commands(step * np.arange(round(end / step), dtype=np.float64))
+    commands = ramp_and_hold(compiled, Reducer(design)).commands(step * np.arange(round(end / step), dtype=np.float64))
     commands[:, 1] = 0.0  # the output, which nothing holds, has no load: that is on the gear
     every, rows = round(SAMPLING / step), []
     crank, gear, drive = data.joint("crank"), data.joint("gear_angle"), data.actuator("drive")
@@ -84,7 +85,7 @@ def run_ours(step: float, friction: float, end: float, pins: str = "fixed") -> M
         start = time.process_time()
         for number, command in enumerate(commands):
             data.ctrl[:] = command
-            mujoco.mj_step(reducer.model, data)
+            mujoco.mj_step(compiled.model, data)
             if number % every == 0:
                 rows.append((crank.qpos[0], gear.qpos[0], gear.qvel[0], drive.force[0]))
         cpu = (time.process_time() - start) / end
@@ -97,7 +98,7 @@ def bedding(design: Design, stiffness: float) -> float:
 
     A circle of radius rho, p deep in the bed, meets a force of 4/3 sqrt(2 rho) p^(3/2) times it.
     """
-    force = working_force(design, design.tooth_pair)
+    force = working_force(Reducer(design), design.tooth_pair)
     return force / (4.0 / 3.0 * math.sqrt(2.0 * design.ring.pin_radius) * (force / stiffness) ** 1.5)
 
 
@@ -107,8 +108,8 @@ def run_exudyn(step: float, friction: float, end: float, segments: int) -> Motio
     from exudyn import itemInterface as item
 
     design = design_of(step, friction)
-    reducer = build(design)
-    tooth, cam, gear = reducer.laws["pin_gear"], reducer.laws["cam"], reducer.model.body("gear")
+    compiled = build(design)
+    tooth, cam, gear = compiled.laws["pin_gear"], compiled.laws["cam"], compiled.model.body("gear")
     speed, eccentricity = design.drive.speed, design.gear.eccentricity
     # Going along a segment, Exudyn has the outside on the right.
     corners = sample(gear_profile(design), segments, profile_offset(design)).points[::-1]
@@ -281,8 +282,8 @@ def run_compiled(step: float, friction: float, end: float, pins: str = "fixed") 
     from exudyn import itemInterface as item
 
     design = design_of(step, friction, pins)
-    reducer, gear, free = build(design), tooth_profile(design), pins == "free"
-    laws, angles = reducer.laws, pin_angles(gear)
+    compiled, gear, free = build(design), tooth_profile(design), pins == "free"
+    laws, angles = compiled.laws, pin_angles(gear)
 
     def law(kind: str) -> tuple[float, float]:
         return (laws[kind].stiffness, laws[kind].damping) if kind in laws else (0.0, 0.0)
@@ -304,7 +305,7 @@ def run_compiled(step: float, friction: float, end: float, pins: str = "fixed") 
         load=LOAD,
         pin=int(free),
     )
-    bodies = [reducer.model.body("gear"), *(reducer.model.body(f"pin_{i + 1}") for i in range(len(angles)) if free)]
+    bodies = [compiled.model.body("gear"), *(compiled.model.body(f"pin_{i + 1}") for i in range(len(angles)) if free)]
     mass = np.concatenate([[body.mass[0], body.mass[0], inertia_about_axis(body)] for body in bodies])
     speeds = np.zeros(mass.size)
     speeds[:3] = -gear.eccentricity * of.speed, 0.0, -of.speed / gear.lobes

@@ -17,6 +17,7 @@ from cycloid_mj.explore.figures import ANGLES, FIGURES
 from cycloid_mj.explore.measured import Options
 from cycloid_mj.explore.row import Row, Task, measured_row
 from cycloid_mj.explore.tolerances import balanced
+from cycloid_mj.mechanism.whole import Reducer
 
 WORKERS = 2
 COLUMNS = ("CPU", "2 processes", "Dask", "client", "scheduler")
@@ -45,7 +46,7 @@ def works(many: int, few: int) -> dict[str, Work]:
     pin = PRESETS["pin"]
 
     def points(key: str, measure: str, changes: dict[str, Any], count: int, real_pins: bool = False) -> Work:
-        task = Task(override(pin, changes), (key,), (measure,), Options(real_pins=real_pins))
+        task = Task(Reducer(override(pin, changes)), (key,), (measure,), Options(real_pins=real_pins))
         return Work(partial(measured_row, task), [(20.0 + 0.1 * number,) for number in range(count)])
 
     made = override(pin, TOLERANCES)
@@ -55,7 +56,7 @@ def works(many: int, few: int) -> dict[str, Work]:
         "turn, massless pins": points("load.torque_nm", "simulate", TURN, few),
         "turn, free pins": points("load.torque_nm", "simulate", TURN, WORKERS, real_pins=True),
         f"{BLOCK} samples": Work(
-            partial(balanced, made, tolerances(made), 0, ANGLES),
+            partial(balanced, Reducer(made), tolerances(Reducer(made)), 0, ANGLES),
             [(block, tuple(FIGURES)) for block in blocks(WORKERS * BLOCK)],
         ),
     }

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from cycloid_mj.circles import look_rarely
+from cycloid_mj.mechanism.whole import Reducer
 
 look_rarely()
 
@@ -50,7 +51,7 @@ def _contact_and_sliding() -> None:
     from cycloid_mj.loaded.sliding import Losses, turn_along
 
     _contact()
-    turn_along(Design(), np.linspace(0.0, 1.0, 3), 0.0, Losses())
+    turn_along(Reducer(Design()), np.linspace(0.0, 1.0, 3), 0.0, Losses())
 
 
 def _statics() -> None:
@@ -58,5 +59,5 @@ def _statics() -> None:
     from cycloid_mj.loaded.samples import alike, solve_samples
     from cycloid_mj.loaded.sheet import sheet
 
-    sheet(Design())
-    solve_samples(Design(), alike(Design(), 1), [1.0], 2)
+    sheet(Reducer(Design()))
+    solve_samples(Reducer(Design()), alike(Reducer(Design()), 1), [1.0], 2)

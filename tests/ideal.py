@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from cycloid_mj.design import Design, dump
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import CAM, FORCE_X, FORCE_Y, MOMENT, OUTPUT_PIN, PEAK_FORCE, all_numbered, column
 from cycloid_mj.record import Run
 from cycloid_mj.run import schedule
@@ -47,7 +48,7 @@ def ideal_mechanism(design: Design, time: Array | None = None, **added: Added) -
 
 def ideal_run(design: Design, wave: float = 0.0, ratio: float = LOBES) -> Run:
     """The ideal mechanism at the samples of a design's run under its load, its speeds with a wave of 36 a turn."""
-    steps = schedule(design)
+    steps = schedule(Reducer(design))
     added = dict.fromkeys(("gear_speed", "output_speed", "gear_vx"), lambda theta: wave * np.cos(36 * theta))
     added |= dict.fromkeys(("gear_angle", "output_angle"), lambda theta: theta / LOBES - theta / ratio)
     if design.ring.has_moving_pins:

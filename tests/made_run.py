@@ -5,6 +5,7 @@ import numpy as np
 from cycloid_mj import kinematics, profile
 from cycloid_mj.design import Design, dump
 from cycloid_mj.mechanism.reducer import mechanism
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import sensors
 from cycloid_mj.record import Run
 from cycloid_mj.scene.pose import ring_places
@@ -18,7 +19,7 @@ TORQUE = 36.0
 
 def made_groups(design: Design) -> dict[str, dict[str, str]]:
     """Topics, columns and units, as ``simulate`` has them."""
-    groups = {topic: dict(names) for topic, names in sensors(design).items()}
+    groups = {topic: dict(names) for topic, names in sensors(Reducer(design)).items()}
     groups["/reducer"] |= {"contacts": "1", "penetration": "m", "peak_force": "N"}
     groups["/reducer"] |= {"cam_friction_power": "W", "cam_normal_power": "W"}
     groups["/forces"] = {
@@ -81,7 +82,7 @@ def _forces(design: Design, columns: dict[str, np.ndarray]) -> dict[str, np.ndar
     moving, holder = design.ring.has_moving_pins, "socket" if design.ring.has_sockets else "sleeve"
     found: dict[str, np.ndarray] = {}
     total = np.zeros_like(centre)
-    for i, place in enumerate(ring_places(design)):
+    for i, place in enumerate(ring_places(Reducer(design))):
         force = sizes[:, i : i + 1] * inwards[:, i]
         pin = np.stack([columns[f"pin_{i + 1}_{axis}"] for axis in "xy"], axis=1) if moving else 0.0
         point = place + pin + design.ring.pin_radius * inwards[:, i]
@@ -90,7 +91,7 @@ def _forces(design: Design, columns: dict[str, np.ndarray]) -> dict[str, np.ndar
             found |= _columns(f"{holder}_{i + 1}", force, np.zeros_like(force))
         total += force
     found |= _columns("cam", -total, np.zeros_like(total))
-    for k, place in enumerate(output_centres(design)):
+    for k, place in enumerate(output_centres(Reducer(design))):
         force = 100.0 * (k + 1) * np.stack([-np.cos(theta), -np.sin(theta)], axis=1)
         found |= _columns(f"output_pin_{k + 1}", force, place + 0.0 * force)
     return found

@@ -15,6 +15,7 @@ from cycloid_mj.analysis.window import turn_by_turn
 from cycloid_mj.contact.timestep import timestep
 from cycloid_mj.design import PRESETS, Design, dump, override
 from cycloid_mj.errors import DesignError, LogError, UsageError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.record import Run
 from cycloid_mj.run import simulate
 
@@ -305,10 +306,10 @@ def test_the_start_up_is_left_out_but_never_more_than_half_of_the_hold():
 
 def test_a_slow_drive_settles_over_a_share_of_its_turn():
     fast, slow = (override(PRESETS["pin"], [f"drive.speed_rpm={rpm}"]) for rpm in (-5000.0, 60.0))
-    assert window.settling(fast) == window.SETTLING
-    assert window.settling(slow) == near(1.0 / 8.0)
+    assert window.settling(Reducer(fast)) == window.SETTLING
+    assert window.settling(Reducer(slow)) == near(1.0 / 8.0)
     time, ramp = np.linspace(0.0, 2.0, 2001), slow.drive.ramp
-    assert time[window.in_hold(slow, time)][0] == near(ramp + 1.0 / 8.0)
+    assert time[window.in_hold(Reducer(slow), time)][0] == near(ramp + 1.0 / 8.0)
 
 
 def test_what_happens_while_it_settles_is_not_judged():
@@ -404,7 +405,7 @@ def test_provenance_is_handed_on():
     assert (told.contact, told.timestep_s, told.steps, told.wall_s) == (None, 2e-6, 1800, 3.5)
     assert (told.complete, told.note) == (False, "cut")
     bare = analyze(replace(run, provenance={}))
-    assert bare.timestep_s == timestep(designed())
+    assert bare.timestep_s == timestep(Reducer(designed()))
     assert pickle.loads(pickle.dumps(told)) == told
 
 

@@ -15,6 +15,7 @@ from cycloid_mj.contact.gap import Trochoid, trochoid_distance
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.envelope import sample_ring_by_sagitta
 from cycloid_mj.errors import CycloidError, LogError, UsageError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build
 from cycloid_mj.mjcf.model import xml
 from cycloid_mj.plots import movie, stage
@@ -68,7 +69,7 @@ def nonpin_run():
 def made(request):
     design = request.param
     run = made_run(design, 400).select(slice(0, 400, 13))
-    return design, run, poses(design, run.columns), gaps(design, run.columns)
+    return design, run, poses(Reducer(design), run.columns), gaps(Reducer(design), run.columns)
 
 
 def nominal(i):
@@ -80,21 +81,21 @@ def nominal(i):
 def test_openings_are_the_exact_gaps(design, scale):
     """Against the collider's own distance to the trochoid, also where gear and pin are nearly conformal."""
     run = made_run(design, 400, scale).select(slice(0, 400, 23))
-    place, measured = poses(design, run.columns), gaps(design, run.columns)
+    place, measured = poses(Reducer(design), run.columns), gaps(Reducer(design), run.columns)
     for row in range(len(run)):
         for i in range(36):
             pin = place[f"pin_{i + 1}"][row, :2] if "pin_1" in place else nominal(i)
             true = tooth_gap(place["gear"][row], pin, 2.25e-3)
             assert measured.opening[row, i] + CLEARANCE == pytest.approx(true, abs=1e-15)
     shifted = dict(run.columns) | {"gear_x": run["gear_x"] + 1e-6}
-    assert np.abs(gaps(design, shifted).opening - measured.opening).max() > 0.9e-6
+    assert np.abs(gaps(Reducer(design), shifted).opening - measured.opening).max() > 0.9e-6
 
 
 @pytest.mark.parametrize("times", MAGNIFICATIONS)
 def test_every_gap_is_drawn_to_one_scale(made, times):
     design, run, place, measured = made
-    drawn = drawing(design, measured, times)
-    gear, centres = tooth_profile(design), output_centres(design)
+    drawn = drawing(Reducer(design), measured, times)
+    gear, centres = tooth_profile(design), output_centres(Reducer(design))
     zeta = profile.pin_angles(gear)
     normals = profile.unit(zeta - profile.conjugate_alpha(gear, zeta + run["crank_angle"][:, np.newaxis]))
     for row in range(len(run)):
@@ -126,12 +127,12 @@ def test_every_gap_is_drawn_to_one_scale(made, times):
 def test_internal_gear_is_drawn_by_its_gaps(times):
     """Where the ideal mesh touches, each point is as far from its flank as the true gap, magnified, to first order."""
     run = made_run(NONPIN, 200).select(slice(0, 200, 40))
-    place, measured = poses(NONPIN, run.columns), gaps(NONPIN, run.columns)
-    drawn = drawing(NONPIN, measured, times)
+    place, measured = poses(Reducer(NONPIN), run.columns), gaps(Reducer(NONPIN), run.columns)
+    drawn = drawing(Reducer(NONPIN), measured, times)
     ring = sample_ring_by_sagitta(tooth_profile(NONPIN), 3e-7)
     touching = 0
     for row in range(len(run)):
-        outline = ring_outline(NONPIN, ring.points, ring.normals, drawn, row)
+        outline = ring_outline(Reducer(NONPIN), ring.points, ring.normals, drawn, row)
         for point, normal, shown in zip(ring.points, ring.normals, outline, strict=True):
             if tooth_gap(drawn.gear[row], point, 0.0) < CLEARANCE + 1e-8:
                 touching += 1
@@ -144,8 +145,8 @@ def test_internal_gear_is_drawn_by_its_gaps(times):
 
 def test_arrows_of_a_magnified_drawing_end_on_its_parts(pin_run):
     run = pin_run.select(slice(0, 300, 25))
-    drawn = drawing(PIN, gaps(PIN, run.columns), 300.0)
-    acting = contact_forces(PIN, run.columns, drawn)
+    drawn = drawing(Reducer(PIN), gaps(Reducer(PIN), run.columns), 300.0)
+    acting = contact_forces(Reducer(PIN), run.columns, drawn)
     ring = acting.of("pin_gear")
     apart = np.linalg.norm(ring.point - drawn.ring, axis=2)
     assert np.abs(apart - drawn.radii.pin)[ring.size > 0].max() < 2e-7
@@ -154,13 +155,13 @@ def test_arrows_of_a_magnified_drawing_end_on_its_parts(pin_run):
 
 
 def test_magnifications_that_are_refused():
-    largest = largest_magnification(PIN)
+    largest = largest_magnification(Reducer(PIN))
     assert largest == pytest.approx(1 + 0.6 * 2250)
-    assert drawn_radii(PIN, largest).pin == pytest.approx(0.4 * 2.25e-3)
-    assert drawn_radii(PIN).pin == 2.25e-3
+    assert drawn_radii(Reducer(PIN), largest).pin == pytest.approx(0.4 * 2.25e-3)
+    assert drawn_radii(Reducer(PIN)).pin == 2.25e-3
     for times in (0.99, largest + 1, np.nan, np.inf):
         with pytest.raises(UsageError, match="give 1 to 1351 for this design"):
-            drawn_radii(PIN, times)
+            drawn_radii(Reducer(PIN), times)
 
 
 def test_take_is_even_over_the_settled_turns(pin_run):
@@ -181,7 +182,10 @@ def test_take_is_even_over_the_settled_turns(pin_run):
 def test_a_pair_without_its_whole_wrench_has_no_arrow():
     run = made_run(PIN, 3)
     columns = {name: values for name, values in run.columns.items() if name not in ("cam_moment", "pin_3_force_y")}
-    assert set(contact_forces(PIN, run.columns).names) - set(contact_forces(PIN, columns).names) == {"cam", "pin_3"}
+    assert set(contact_forces(Reducer(PIN), run.columns).names) - set(contact_forces(Reducer(PIN), columns).names) == {
+        "cam",
+        "pin_3",
+    }
 
 
 def test_frames_show_parts_and_forces_where_they_are(pin_run):
@@ -198,10 +202,10 @@ def test_frames_show_parts_and_forces_where_they_are(pin_run):
 def test_stage_moves_what_it_is_told(pin_run, monkeypatch):
     """The artists' own data: arrow tips, forces, bars and closed form are those of the row."""
     columns = {name: values[100:103] for name, values in pin_run.columns.items()}
-    drawn = drawing(PIN, gaps(PIN, columns), 100.0)
-    acting = contact_forces(PIN, columns, drawn)
-    ideal = ideal_forces(PIN, columns)
-    script = stage.Script(PIN, drawn, acting, ideal)
+    drawn = drawing(Reducer(PIN), gaps(Reducer(PIN), columns), 100.0)
+    acting = contact_forces(Reducer(PIN), columns, drawn)
+    ideal = ideal_forces(Reducer(PIN), columns)
+    script = stage.Script(Reducer(PIN), drawn, acting, ideal)
     set_up = stage.set_stage(script, 400)
     assert "36 N m, 1640 rpm" in [text.get_text() for text in set_up.figure.texts]
     for row in (2, 0):
@@ -298,19 +302,19 @@ def test_files_are_written_whole_or_not_at_all(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def reducer():
+def compiled():
     return build(PIN)
 
 
 @pytest.fixture(scope="module")
-def modelled(reducer):
-    return made_run(PIN, 300, attachments={"model.xml": xml(reducer.spec).encode()})
+def modelled(compiled):
+    return made_run(PIN, 300, attachments={"model.xml": xml(compiled.spec).encode()})
 
 
 def test_replay_puts_every_body_where_the_poses_have_it(modelled):
     model = replay_model(modelled)
     data = mujoco.MjData(model)
-    place = poses(PIN, modelled.columns)
+    place = poses(Reducer(PIN), modelled.columns)
     for row in (0, 123, 299):
         set_sample(model, data, modelled, row)
         assert data.time == modelled.time[row]
@@ -339,7 +343,7 @@ def test_picture_has_the_parts_and_arrows_that_reach_the_contacts(modelled, monk
 
     straight_down = (90.0, -90.0)
     try:
-        picture = render.render(modelled, PIN, 200, (400, 400), straight_down)
+        picture = render.render(modelled, Reducer(PIN), 200, (400, 400), straight_down)
     except CycloidError as missing:
         pytest.skip(f"no OpenGL here: {missing}")
     assert picture.shape == (400, 400, 3)
@@ -349,7 +353,7 @@ def test_picture_has_the_parts_and_arrows_that_reach_the_contacts(modelled, monk
     end = np.array([0.02, 0.0, 0.02])
     arrow = {"tail": np.array([0.0, 0.0, 0.02]), "tip": end, "width": 8e-4, "colour": (1.0, 0.0, 0.0, 1.0)}
     monkeypatch.setattr(render, "_arrows", lambda *_: [arrow])
-    red = render.render(modelled, PIN, 200, (400, 400), straight_down).astype(int)
+    red = render.render(modelled, Reducer(PIN), 200, (400, 400), straight_down).astype(int)
     columns = np.flatnonzero((red[..., 0] > red[..., 1:].max(axis=2) + 20).any(axis=0))
     model = replay_model(modelled)
     height = 1.35 * model.stat.extent - end[2]
@@ -362,8 +366,8 @@ def test_pictures_that_are_refused(modelled, monkeypatch):
     from cycloid_mj.scene import render
 
     with pytest.raises(UsageError, match="give 64 to 8192 each"):
-        render.render(modelled, PIN, 0, (10, 400))
+        render.render(modelled, Reducer(PIN), 0, (10, 400))
     monkeypatch.setenv("MUJOCO_GL", "nothing")
     with pytest.raises(CycloidError, match=r"no OpenGL \(nothing\) to render with: .*cycloid-mj animate"):
-        render.render(modelled, PIN, 0, (100, 100))
+        render.render(modelled, Reducer(PIN), 0, (100, 100))
     assert FORCE_COLOURS.keys() == {"pin_gear", "tooth", "cam", "output"}

@@ -40,6 +40,7 @@ from cycloid_mj.app.workers import Workers
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import CycloidError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.solid import mass_properties, parts
 
 DESIGNS = {**PRESETS, **{name: unlike(name) for name in UNLIKE}}
@@ -291,12 +292,12 @@ def test_an_exception_of_the_server_is_one_line(caplog: pytest.LogCaptureFixture
 
 def test_shapes_that_a_slider_went_through_are_let_go() -> None:
     first, *others = (turned(PRESETS["pin"], {"ring.pin_radius_mm": 2.0 + 0.001 * step}) for step in range(14))
-    solid = parts(first, 1e-4)["gear"]
+    solid = parts(Reducer(first), 1e-4)["gear"]
     mass_properties(solid)
     kept = weakref.ref(solid)
     del solid
     for design in others:
-        mass_properties(parts(design, 1e-4)["gear"])
+        mass_properties(parts(Reducer(design), 1e-4)["gear"])
     gc.collect()
     assert kept() is None
 

@@ -10,6 +10,7 @@ from cycloid_mj.errors import RunError
 from cycloid_mj.loaded import loads, powers, springs_of
 from cycloid_mj.loaded.sheet import PARTS_OF_SHEET, sheet_part
 from cycloid_mj.mechanism.kernel import state
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.member import share
 
 ZOO = sorted((Path(__file__).parent / "data" / "designs").glob("*.toml"))
@@ -32,11 +33,11 @@ def test_every_odd_drive_balances_under_every_load(path: Path) -> None:
     cranks = np.linspace(0.0, 2.0 * np.pi, 5, endpoint=False)
     for way, sign in WAYS.values():
         turning = design.but(drive={"speed": way * abs(design.drive.speed)})
-        springs = springs_of(turning, cranks)
-        smooth = springs_of(turning, cranks, friction=False)
+        springs = springs_of(Reducer(turning), cranks)
+        smooth = springs_of(Reducer(turning), cranks, friction=False)
         for torque in sign * np.array(SHARES) * design.rated_torque:
-            assert np.isfinite(loads(turning, springs, torque).teeth).all()
-            found, load = loads(turning, smooth, torque), smooth.load(share(design) * torque)
+            assert np.isfinite(loads(Reducer(turning), springs, torque).teeth).all()
+            found, load = loads(Reducer(turning), smooth, torque), smooth.load(share(design) * torque)
             for k, z in enumerate(found.departures):
                 left = state(smooth.contacts, k, load[k], z)
                 assert np.abs(left.residual).max() < 1e-3 * np.abs(load[k]).max()
@@ -47,14 +48,14 @@ def test_every_odd_drive_balances_under_every_load(path: Path) -> None:
 @pytest.mark.parametrize("torque", [0.3, 3.5, 11.6])
 def test_wide_play_jams_nothing(play: float, torque: float) -> None:
     for part in PARTS_OF_SHEET:
-        assert sheet_part(wide(play), part, torque)
+        assert sheet_part(Reducer(wide(play)), part, torque)
 
 
 def test_two_discs_of_wide_play_carry_what_an_independent_integration_finds() -> None:
     """Rigid, 11.6 N m: an efficiency of 0.8362, 211.3 N on a cam and 206.4 arcsec behind, in the mean."""
     design = override(wide(10.0), ["structure=rigid", "load.torque_nm=11.6"])
-    found = loads(design, springs_of(design), 11.6)
-    assert powers(design, 11.6).efficiency == pytest.approx(0.8362, abs=5e-4)
+    found = loads(Reducer(design), springs_of(Reducer(design)), 11.6)
+    assert powers(Reducer(design), 11.6).efficiency == pytest.approx(0.8362, abs=5e-4)
     assert np.linalg.norm(found.cam, axis=-1).mean() == pytest.approx(211.3, rel=2e-3)
     assert np.rad2deg(found.output_turn.mean()) * 3600.0 == pytest.approx(206.4, rel=3e-3)
 
@@ -62,4 +63,4 @@ def test_two_discs_of_wide_play_carry_what_an_independent_integration_finds() ->
 def test_a_jam_is_told_with_the_friction_that_is_borne() -> None:
     design = override(PRESETS["pin"], ["ring.pins=fixed", "friction.pin_gear=0.9"])
     with pytest.raises(RunError, match=r"too large for the crank to turn under this load, whatever .* crank .*% of"):
-        loads(design, springs_of(design), design.rated_torque)
+        loads(Reducer(design), springs_of(Reducer(design)), design.rated_torque)

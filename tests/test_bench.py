@@ -35,6 +35,7 @@ from cycloid_mj.errors import UsageError
 from cycloid_mj.loaded import loads, springs_of
 from cycloid_mj.loaded.sliding import Losses, turn_along
 from cycloid_mj.mechanism.limits import stops
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.types import Array
 from cycloid_mj.units import DEGREE
 
@@ -63,10 +64,10 @@ def test_without_friction_it_is_the_balance(name: str) -> None:
     design = design.but(friction=FRICTIONLESS, drive={"speed": 0.0})
     ends = [0.0, design.rated_torque, -design.rated_torque, 0.2 * design.rated_torque]
     torque = course(*ends, count=12)
-    found = turn_along(design, torque, 0.3, Losses())
-    springs = springs_of(design, [0.3], friction=False)
+    found = turn_along(Reducer(design), torque, 0.3, Losses())
+    springs = springs_of(Reducer(design), [0.3], friction=False)
     for place in (12, 20, 24, 36):
-        expected = loads(design, springs, float(torque[place])).output_turn[0]
+        expected = loads(Reducer(design), springs, float(torque[place])).output_turn[0]
         assert found[place] == pytest.approx(expected, rel=1e-4)
 
 
@@ -76,7 +77,7 @@ def test_constant_friction_comes_on_over_its_travel() -> None:
     design = resolve("printed").but(clearance={"pin_gear": 500e-6, "output": 500e-6}, friction=FRICTIONLESS)
     design = design.but(environment={"gravity_y": 0.0})
     torque = np.linspace(0.0, 0.9 * drag, 20)
-    turn = turn_along(design, torque, 0.0, Losses(drag, travel))
+    turn = turn_along(Reducer(design), torque, 0.0, Losses(drag, travel))
     assert torque[1:] == pytest.approx(drag * (1.0 - np.exp(-turn[1:] / travel)), abs=0.04 * drag)
 
 
@@ -84,18 +85,18 @@ def test_constant_friction_comes_on_over_its_travel() -> None:
 def test_a_partial_reversal_is_forgotten_once_it_closes(held: str) -> None:
     """Return-point memory: after a small loop inside, the course goes on as if there had been none."""
     losses = Losses(1.0, 1e-3)
-    plain = turn_along(soft(), course(0, 20, -20, 20), 0.0, losses, held)
-    nested = turn_along(soft(), course(0, 20, -20, 10, 4, 10, 20), 0.0, losses, held)
+    plain = turn_along(Reducer(soft()), course(0, 20, -20, 20), 0.0, losses, held)
+    nested = turn_along(Reducer(soft()), course(0, 20, -20, 10, 4, 10, 20), 0.0, losses, held)
     assert nested[-1] == pytest.approx(plain[-1], rel=1e-3)
     entered, left = nested[120], nested[200]
     assert left == pytest.approx(entered, rel=2e-3)
-    assert nested[160] > entered - 0.7 * (entered - stops(soft(), 0.0)[1])  # it stuck on the way back
+    assert nested[160] > entered - 0.7 * (entered - stops(Reducer(soft()), 0.0)[1])  # it stuck on the way back
 
 
 def test_parts_stick_before_they_slide_back() -> None:
     """Load-dependent friction: just after the reversal the loop is several times as stiff as before it."""
     torque = course(0, 20, 0, count=80)
-    turn = turn_along(soft(), torque, 0.0, Losses())
+    turn = turn_along(Reducer(soft()), torque, 0.0, Losses())
     before, after = turn[80] - turn[76], turn[80] - turn[84]
     assert 0.0 < after < 0.25 * before
 
@@ -104,7 +105,7 @@ def test_a_loop_takes_the_work_of_its_constant_friction() -> None:
     """Friction that acts at once takes twice its torque times the turn from one end to the other."""
     drag = 2.0
     torque = course(0, 20, -20, 20, count=400)
-    turn = turn_along(soft().but(friction=FRICTIONLESS), torque, 0.0, Losses(drag))
+    turn = turn_along(Reducer(soft().but(friction=FRICTIONLESS)), torque, 0.0, Losses(drag))
     work = abs(float(np.trapezoid(turn[400:], torque[400:])))
     assert work == pytest.approx(2.0 * drag * float(np.ptp(turn[400:])), rel=0.02)
 
@@ -114,7 +115,7 @@ def test_a_loop_takes_work_that_grows_with_friction() -> None:
     for friction in (0.05, 0.1, 0.2):
         design = soft().but(friction={"pin_gear": friction})
         torque = course(0, 20, -20, 20)
-        areas.append(abs(float(np.trapezoid(turn_along(design, torque, 0.0, Losses())[40:], torque[40:]))))
+        areas.append(abs(float(np.trapezoid(turn_along(Reducer(design), torque, 0.0, Losses())[40:], torque[40:]))))
     assert 0.0 < areas[0] < areas[1] < areas[2]
 
 
@@ -134,7 +135,7 @@ def made_loop(model: Model, most: float, seed: int, name: str = "made", begin: f
 def clean_loop(model: Model, most: float, begin: float) -> tuple[Array, Array]:
     lead = course(0.0, -most, begin * most)[:-1] if begin else np.zeros(0)
     loop = course(begin * most, most, -most, begin * most, count=FINER * COUNT)
-    turn = turn_along(model.design, np.concatenate([lead, loop]), 0.0, model.losses)[len(lead) :]
+    turn = turn_along(model.reducer, np.concatenate([lead, loop]), 0.0, model.losses)[len(lead) :]
     return loop[::FINER], turn[::FINER]
 
 
@@ -150,8 +151,8 @@ class Known:
     def model(self) -> Model:
         ends = measured_loop("ends", *[course(0.0, 1.0, -1.0, 0.0)] * 2)
         return put_all(
-            Model(self.design, Losses()),
-            parameters(self.design, tuple(self.values), [ends]),
+            Model(Reducer(self.design), Losses()),
+            parameters(Reducer(self.design), tuple(self.values), [ends]),
             np.array(list(self.values.values())),
         )
 
@@ -161,7 +162,7 @@ class Known:
         Give which of them are in their intervals, or named as what the loop does not determine.
         """
         rest = {key: value for key, value in self.values.items() if key not in keys}
-        given = Known(self.design, rest, self.most).model.design if rest else self.design
+        given = Known(self.design, rest, self.most).model.reducer.design if rest else self.design
         found = calibrate(given, [made_loop(self.model, self.most, seed)], keys)
         inside = {key: one.ci95[0] <= self.values[key] <= one.ci95[1] for key, one in found.estimates.items()}
         return {key: hit or not found.estimates[key].identified for key, hit in inside.items()}
@@ -230,10 +231,10 @@ def test_a_leap_has_its_own_torque() -> None:
 def bench() -> Fitted:
     """Give the fit to the printed drive's loops, from near where the search of many starts ends."""
     loops, design = [read_loop(path) for path in BENCH], resolve("printed")
-    chosen = parameters(design, FIVE, loops)
+    chosen = parameters(Reducer(design), FIVE, loops)
     near = [one.place(value) for one, value in zip(chosen, NEAR, strict=True)]
     return fit(
-        Model(design, Losses()),
+        Model(Reducer(design), Losses()),
         chosen,
         loops,
         Bench("crank", 0.0),
@@ -249,7 +250,7 @@ def test_the_printed_drive_is_explained(bench: Fitted) -> None:
     assert shares[1] < 0.04
     friction = FIVE.index("friction")
     assert bench.parameters[friction].value(bench.ends[friction, 0]) > 0.1
-    low, high = stops(bench.calibrated.design, 0.0)
+    low, high = stops(bench.calibrated.reducer, 0.0)
     assert math.degrees(high - low) < 1.24
 
 
@@ -458,7 +459,7 @@ def measured_te(design: Design, torque: float, shift_deg: float, noise: float, t
 
     crank = np.linspace(0.0, 360.0 * turns, 720 * turns, endpoint=False)
     level = design.but(environment={"gravity_x": 0.0, "gravity_y": 0.0})
-    error = transmission_error(level, np.radians(crank + shift_deg), torque)[:, 1] / ARCSECOND
+    error = transmission_error(Reducer(level), np.radians(crank + shift_deg), torque)[:, 1] / ARCSECOND
     return crank, error + 7.0 + noise * np.random.default_rng(0).standard_normal(len(error))
 
 

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from cycloid_mj.mechanism.whole import Reducer
+
 SCRIPTS = Path(__file__).parents[1] / "scripts"
 sys.path.insert(0, str(SCRIPTS))
 
@@ -57,18 +59,18 @@ def test_threads_are_timed_together() -> None:
 @pytest.mark.slow
 def test_the_number_of_teeth_fits() -> None:
     for teeth, fit in (benchmark.TEETH | benchmark.FREE_PINS).items():
-        design, reducer = benchmark.example(
+        design, compiled = benchmark.example(
             "fixed pins", 36.0, 0, f"ring.teeth={teeth}", *(f"{name}={value}" for name, value in fit.items())
         )
         assert design.ring.teeth == teeth
-        assert sum(pair.kind == "pin_gear" for pair in reducer.pairs) == teeth
+        assert sum(pair.kind == "pin_gear" for pair in compiled.pairs) == teeth
 
 
 @pytest.mark.slow
 def test_two_discs_are_held_against_one_under_the_same_load_a_disc(monkeypatch) -> None:
-    def cost(design, reducer):
-        assert reducer.model.opt.timestep == design.settings.timestep
-        assert passes.schedule(design).steps == benchmark.WARM + 10_000
+    def cost(design, compiled):
+        assert compiled.model.opt.timestep == design.settings.timestep
+        assert passes.schedule(Reducer(design)).steps == benchmark.WARM + 10_000
         return design.gear.discs * design.load.torque
 
     monkeypatch.setattr(benchmark, "loop_cost", cost)
@@ -82,10 +84,10 @@ def test_two_discs_are_held_against_one_under_the_same_load_a_disc(monkeypatch) 
 def test_scaling_holds_steps_that_resolve_the_pins_alike(monkeypatch) -> None:
     seen = {}
 
-    def cost(design, reducer):
-        seen[design.ring.teeth] = max(law.stiffness / law.effective_mass for law in reducer.laws.values())
+    def cost(design, compiled):
+        seen[design.ring.teeth] = max(law.stiffness / law.effective_mass for law in compiled.laws.values())
         seen[design.ring.teeth] *= design.settings.timestep**2
-        assert passes.schedule(design).steps == benchmark.WARM + 5_000
+        assert passes.schedule(Reducer(design)).steps == benchmark.WARM + 5_000
         return float(design.ring.teeth) ** 1.1
 
     monkeypatch.setattr(benchmark, "loop_cost", cost)
@@ -97,9 +99,9 @@ def test_scaling_holds_steps_that_resolve_the_pins_alike(monkeypatch) -> None:
 
 
 def test_a_ratio_to_exudyn_is_to_each_published_cost(monkeypatch) -> None:
-    def cost(design, reducer):
-        assert passes.schedule(design).steps == passes.WARM + 20_000
-        assert passes.schedule(design).stride * 100 == passes.WARM
+    def cost(design, compiled):
+        assert passes.schedule(Reducer(design)).steps == passes.WARM + 20_000
+        assert passes.schedule(Reducer(design)).stride * 100 == passes.WARM
         return 20.0
 
     monkeypatch.setattr(benchmark, "loop_cost", cost)

@@ -13,6 +13,7 @@ from cycloid_mj.checks import WALL_SHARE, WALLS, Check, check, require_sound, so
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import DesignError
 from cycloid_mj.explore.quantities import refusals
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.profile import CycloidGear, unit
 
 Array = npt.NDArray[np.float64]
@@ -118,7 +119,7 @@ PASSING = [
 
 
 def failed(design: Design) -> dict[str, Check]:
-    return {item.name: item for item in soundness(design) if not item.passed}
+    return {item.name: item for item in soundness(Reducer(design)) if not item.passed}
 
 
 def mesh_of(design: Design) -> CycloidGear:
@@ -207,10 +208,10 @@ def crosses_itself(points: Array) -> bool:
 
 
 def test_the_presets_pass_everything() -> None:
-    names = {kind: [item.name for item in soundness(design)] for kind, design in PRESETS.items()}
+    names = {kind: [item.name for item in soundness(Reducer(design))] for kind, design in PRESETS.items()}
     for design in PRESETS.values():
         assert failed(design) == {}
-        assert require_sound(design) is None
+        assert require_sound(Reducer(design)) is None
     assert set(names["pin"]) - set(names["nonpin"]) == {"neighbouring_pins", "socket", "pin_held"}
     # Every check that exists is failed by a design below.
     assert {name for _, names_failed, _ in FAILING for name in names_failed} == set(names["pin"]) | {
@@ -242,16 +243,16 @@ def test_a_thin_wall_is_a_warning_with_its_number_and_none_an_error(name: str) -
     found = failed(thin)[name]
     assert (found.severity, "assumed" in found.why) == ("warning", True)
     if name != "bore":  # the holes lie between, and cut into it
-        assert require_sound(thin) is None
+        assert require_sound(Reducer(thin)) is None
         assert name in {item.name for item in check(thin) if not item.passed}
-        assert {"gear", "housing"} <= set(solid.parts(thin))
+        assert {"gear", "housing"} <= set(solid.parts(Reducer(thin)))
         # an optimum that eats up its walls is no better design
-        assert set(refusals(thin, strict=False)) == {name}
+        assert set(refusals(Reducer(thin), strict=False)) == {name}
     refused = failed(none)[name]
     assert (refused.severity, "assumed" in refused.why) == ("error", False)
     assert refused.remedy
     with pytest.raises(DesignError, match=f"{name}: "):
-        require_sound(none)
+        require_sound(Reducer(none))
 
 
 @pytest.mark.parametrize("changes", PASSING)
@@ -299,11 +300,11 @@ def test_too_small_and_too_large_holes_are_told_apart_by_the_remedy() -> None:
 def test_require_sound_lists_each_failed_check_in_its_line() -> None:
     changes = ["ring.pin_radius_mm=2.7", "shaft.radius_mm=14.2", "load.torque_nm=50"]
     with pytest.raises(DesignError, match=r"^the design 'pin' cannot be built:\n") as error:
-        require_sound(override(PRESETS["pin"], changes))
+        require_sound(Reducer(override(PRESETS["pin"], changes)))
     _, *lines = str(error.value).splitlines()
     assert [line.split(":")[0].strip() for line in lines] == ["undercut", "shaft"]
     assert "ring.pin_radius_mm is 2.7 mm, must be less than 2.607 mm: " in lines[0]
-    assert require_sound(override(PRESETS["pin"], ["load.torque_nm=50"])) is None
+    assert require_sound(Reducer(override(PRESETS["pin"], ["load.torque_nm=50"]))) is None
 
 
 @pytest.mark.parametrize("teeth", TEETH)
@@ -314,7 +315,7 @@ def test_a_well_proportioned_gear_passes_for_any_tooth_count(teeth: int, kind: s
     assert {name for name in failed(design) if name not in WARNINGS} == set()
     # What passes can be made: the parts refuse nothing. (The internal gear of many teeth takes seconds.)
     if (kind == "pin" and teeth <= 120) or teeth <= 6:
-        assert {"gear", "housing", "shaft", "output"} <= set(solid.parts(design))
+        assert {"gear", "housing", "shaft", "output"} <= set(solid.parts(Reducer(design)))
 
 
 @pytest.mark.parametrize("teeth", TEETH)
@@ -424,7 +425,7 @@ def test_check_never_crashes_on_what_the_model_accepts() -> None:
     rng = np.random.default_rng(11)
     outcomes: set[tuple[str, bool]] = set()
     for _ in range(200):
-        for item in soundness(random_design(rng)):
+        for item in soundness(Reducer(random_design(rng))):
             outcomes.add((item.name, item.passed))
             assert not re.search(r"\b(nan|inf|None)\b", f"{item.got} {item.limit}")
             assert (item.remedy == "") is item.passed

@@ -25,6 +25,7 @@ from cycloid_mj.errors import DesignError, LogError, RunError
 from cycloid_mj.interrupt import unbroken
 from cycloid_mj.kinematics import CrankLaw
 from cycloid_mj.log import LogWriter, read
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.profile import CycloidGear
 
 DATA = Path(__file__).parent / "data"
@@ -169,7 +170,7 @@ def test_json_of_a_run_has_the_fixed_keys(run):
         assert inner is None or list(found[key]) == inner
     assert found["design"] == "pin"
     assert found["log"] == str(log)
-    assert found["timestep_s"] == timestep(PRESETS["pin"])
+    assert found["timestep_s"] == timestep(Reducer(PRESETS["pin"]))
     assert found["timestep"] == "3.44828 us (chosen by the design: stiffness of pin_socket)"
     assert found["steps"] == round(0.01 / found["timestep_s"])
     assert found["wall_s"] > 0
@@ -190,7 +191,7 @@ def test_log_holds_the_design_the_model_and_the_settings(run):
     asked = override(PRESETS["pin"], ["drive.ramp_s=0", "drive.hold_s=0.01"])
     assert loads(logged.attachments["design.toml"].decode()) == asked
     assert logged.attachments["model.xml"].startswith(b"<mujoco")
-    assert logged.provenance["timestep_s"] == repr(timestep(asked))
+    assert logged.provenance["timestep_s"] == repr(timestep(Reducer(asked)))
     assert logged.complete
 
 
@@ -240,8 +241,8 @@ def two_samples(monkeypatch):
     """Let runs last an instant: the given blocks, then what `end` raises."""
     ends = []
 
-    def blocks(reducer, design):
-        groups = cycloid_mj.run.columns(reducer, design)
+    def blocks(compiled, reducer):
+        groups = cycloid_mj.run.columns(compiled, reducer)
         for first in (0, 2):
             time = 1e-4 * np.arange(first, first + 2)
             yield cycloid_mj.run.Block(time, {topic: np.zeros((2, len(group))) for topic, group in groups.items()})

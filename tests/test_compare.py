@@ -21,6 +21,7 @@ from cycloid_mj.contact_lines import contact_lines, mesh_period
 from cycloid_mj.design import PRESETS, dump, loads, override
 from cycloid_mj.errors import RunError, UsageError
 from cycloid_mj.log import read
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.plots.comparison import comparison_figures
 from cycloid_mj.plots.curvature import CRANK_ANGLES, curvature_figure
 from cycloid_mj.profile import CycloidGear
@@ -100,14 +101,17 @@ def instant(monkeypatch):
     monkeypatch.setattr("cycloid_mj.scene.Scene.opening", lambda scene, time: iter(()))
     monkeypatch.setattr("cycloid_mj.scene.Scene.frames", lambda scene, time, columns: iter(()))
 
-    def blocks(reducer, design):
-        ran.append(design)
+    def blocks(compiled, reducer):
+        ran.append(reducer.design)
         random = np.random.default_rng(len(ran))
-        groups = cycloid_mj.run.columns(reducer, design)
-        time = np.arange(round(design.drive.hold * design.settings.log_rate)) / design.settings.log_rate
+        groups = cycloid_mj.run.columns(compiled, reducer)
+        time = (
+            np.arange(round(reducer.design.drive.hold * reducer.design.settings.log_rate))
+            / reducer.design.settings.log_rate
+        )
         values = {topic: np.zeros((len(time), len(group))) for topic, group in groups.items()}
         values["/reducer"] = random.normal(size=values["/reducer"].shape)
-        values["/reducer"][:, list(groups["/reducer"]).index("crank_angle")] = design.drive.speed * time
+        values["/reducer"][:, list(groups["/reducer"]).index("crank_angle")] = reducer.design.drive.speed * time
         yield cycloid_mj.run.Block(time, values)
 
     monkeypatch.setattr(cycloid_mj.run, "blocks", blocks)
@@ -230,7 +234,9 @@ def test_default_hold_is_whole_turns_after_settling(here, planned):
     design = loaded[0]
     assert design.drive.ramp == 0.0
     turn = 2 * math.pi / design.drive.speed
-    assert design.drive.hold == pytest.approx(settling(design) + TURNS * turn, abs=1.5 / design.settings.log_rate)
+    assert design.drive.hold == pytest.approx(
+        settling(Reducer(design)) + TURNS * turn, abs=1.5 / design.settings.log_rate
+    )
     assert f"{design.drive.hold:.4f}" == "0.2661", "the help says how long"
 
 
@@ -320,12 +326,12 @@ def test_a_run_that_fails_stops_the_others_and_is_told(here, monkeypatch):
     """The other run ends at its next block, with its log closed and readable."""
     failed = threading.Event()
 
-    def blocks(reducer, design):
-        groups = cycloid_mj.run.columns(reducer, design)
+    def blocks(compiled, reducer):
+        groups = cycloid_mj.run.columns(compiled, reducer)
         for first in range(0, 2000, 2):
             time = 1e-4 * np.arange(first, first + 2)
             yield cycloid_mj.run.Block(time, {topic: np.zeros((2, len(group))) for topic, group in groups.items()})
-            if design.name == "nonpin":
+            if reducer.design.name == "nonpin":
                 failed.set()
                 raise RunError("the gear jumped a tooth")
             assert failed.wait(30)
@@ -492,7 +498,7 @@ def test_designs_that_settle_apart_and_have_other_tables_are_compared(names: tup
         own = [case for case in cases if case.load.torque == load]
         assert len(own) >= 2
         (hold,) = {case.drive.hold for case in own}
-        assert hold > max(settling(case) for case in own)
+        assert hold > max(settling(Reducer(case)) for case in own)
     found = differences(list(comparable(cases).values())[:2])
     assert None in found["pin_material.name"]
     assert "bearing steel" in found["pin_material.name"]

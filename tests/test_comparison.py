@@ -35,6 +35,7 @@ from cycloid_mj.comparison.sensitivity import ASSUMPTIONS, Response, Sensitivity
 from cycloid_mj.comparison.vibration import acceleration, spectrum
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import LogError, UsageError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.papers import vibration
 from cycloid_mj.plots.sweep import sweep_figure
 
@@ -65,8 +66,8 @@ def trial_of(preset: str, *changes: str, **added) -> Trial:
 
 def test_settling_is_the_loads_rise_its_ringing_and_a_turn():
     design = designed("pin")
-    assert settling(design) == pytest.approx(0.005 + 0.005 + 360 * DT)
-    assert settling(override(design, ["drive.ramp_s=0.1"])) == pytest.approx(0.005 + 360 * DT)
+    assert settling(Reducer(design)) == pytest.approx(0.005 + 0.005 + 360 * DT)
+    assert settling(Reducer(override(design, ["drive.ramp_s=0.1"]))) == pytest.approx(0.005 + 360 * DT)
 
 
 def test_turns_are_whole_and_follow_one_another():
@@ -121,7 +122,7 @@ def test_measures_of_known_waves():
 
 def test_a_rough_turn_shows():
     def burst(theta):
-        settled_turn = (theta - SPEED * settling(designed("pin"))) / (2 * np.pi)
+        settled_turn = (theta - SPEED * settling(Reducer(designed("pin")))) / (2 * np.pi)
         return np.where((settled_turn >= 2) & (settled_turn < 3), 0.01, 0.001) * np.cos(10 * theta)
 
     found = measure(motion_of(gear_speed=burst)).fluctuation.gear_speed_rad_s
@@ -205,8 +206,8 @@ def test_a_run_without_forces_is_refused():
 def test_under_takes_conditions_and_leaves_the_design():
     first = designed("pin", "settings.timestep_us=3.0", "environment.gravity_y_m_s2=0.0", "load.rise_s=0.01")
     other = override(PRESETS["nonpin"], ["contact.damping_ratio=0.2", "drive.torque_nm=5.0"])
-    found = under(other, conditions(first), 12.5)
-    assert conditions(found) == conditions(first)
+    found = under(Reducer(other), conditions(Reducer(first)), 12.5)
+    assert conditions(Reducer(found)) == conditions(Reducer(first))
     assert found.load.torque == 12.5
     assert found.drive.torque == 5.0
     assert (found.ring, found.contact, found.gear) == (other.ring, other.contact, other.gear)
@@ -414,7 +415,7 @@ def with_hold(trial: Trial, hold: float) -> Trial:
 @pytest.mark.parametrize("teeth", [36, STARTS, 5])
 def test_starts_differ_by_gravity_turned_and_nothing_else(teeth):
     design = override(PRESETS["pin"], [f"ring.teeth={teeth}"])
-    found = all_started(design)
+    found = all_started(Reducer(design))
     assert len(found) == STARTS
     assert found[0] == design
     pull = design.environment
@@ -424,7 +425,7 @@ def test_starts_differ_by_gravity_turned_and_nothing_else(teeth):
         assert math.hypot(turned.gravity_x, turned.gravity_y) == pytest.approx(
             math.hypot(pull.gravity_x, pull.gravity_y)
         )
-    angles = np.array([gravity_turn(one) for one in found])
+    angles = np.array([gravity_turn(Reducer(one)) for one in found])
     # to the next whole pitch, where there are as many
     within = math.pi / teeth + 1e-9 if teeth > STARTS else 1e-9
     assert angles == pytest.approx(2 * math.pi * np.arange(STARTS) / STARTS, abs=within)
@@ -432,7 +433,7 @@ def test_starts_differ_by_gravity_turned_and_nothing_else(teeth):
 
 def test_without_gravity_in_its_plane_a_design_has_one_start():
     design = override(PRESETS["pin"], ["environment.gravity_x_m_s2=0.0", "environment.gravity_y_m_s2=0.0"])
-    assert all_started(design) == (design,)
+    assert all_started(Reducer(design)) == (design,)
 
 
 def test_json_of_a_comparison_is_plain_and_complete():
@@ -531,7 +532,7 @@ def test_a_figure_that_the_repeated_runs_lack_has_no_changes():
 
 def test_assumptions_change_what_they_name_only():
     for variation, key in zip(ASSUMPTIONS, ("contact.creep_speed_mm_s", "contact.damping_ratio"), strict=True):
-        assert list(differences([PRESETS["pin"], variation.of(PRESETS["pin"])])) == [key]
+        assert list(differences([PRESETS["pin"], variation.of(Reducer(PRESETS["pin"]))])) == [key]
 
 
 # --- sweep
@@ -541,10 +542,10 @@ def test_variations_change_what_they_name_only():
     pin, nonpin = PRESETS["pin"], PRESETS["nonpin"]
     assert {variation.parameter for variation in SWEEP} == {"damping", "friction", "pins"}
     for variation in SWEEP:
-        changed = differences([pin, variation.of(pin)])
+        changed = differences([pin, variation.of(Reducer(pin))])
         assert changed
         assert all(key.startswith(("contact.damping", "friction.", "ring.pins")) for key in changed)
-        assert (variation.of(nonpin) == nonpin) == (variation.parameter == "pins")
+        assert (variation.of(Reducer(nonpin)) == nonpin) == (variation.parameter == "pins")
 
 
 def test_decisions_name_what_closes_the_gap():

@@ -12,6 +12,7 @@ from cycloid_mj.contact.layout import discover
 from cycloid_mj.contact.library import CYLINDER, TYPES, collision_table
 from cycloid_mj.course import initial_state
 from cycloid_mj.design import PRESETS, override
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build
 from cycloid_mj.profile import CycloidGear, curvature, trochoid
 from cycloid_mj.solid.gear import tooth_profile
@@ -85,19 +86,19 @@ def test_layout_is_found_and_stable() -> None:
 def test_gaps_of_the_centred_model_are_its_clearances(crank: float) -> None:
     """Every pin is one clearance from the gear at every crank angle; a deep margin shows gaps as contacts."""
     design = PRESETS["pin"]
-    reducer = build(design)
+    compiled = build(design)
     margin = 1e-5
-    reducer.model.pair_margin[:] = margin
-    data = pose(reducer, design, crank)
+    compiled.model.pair_margin[:] = margin
+    data = pose(compiled, design, crank)
     with collider.installed():
-        mujoco.mj_forward(reducer.model, data)
-    assert data.ncon == len(reducer.pairs)
+        mujoco.mj_forward(compiled.model, data)
+    assert data.ncon == len(compiled.pairs)
     assert data.contact.dist == pytest.approx(np.full(data.ncon, 1e-6), abs=2e-14)
 
 
-def pose(reducer, design, crank: float):
+def pose(compiled, design, crank: float):
     """Place every part as the closed form has it."""
-    data = mujoco.MjData(reducer.model)
+    data = mujoco.MjData(compiled.model)
     c = design.gear.eccentricity
     place = {
         "crank": crank,
@@ -148,11 +149,11 @@ def without_pairs(spec):
     return bare.compile()
 
 
-def inject(model, data, reducer, design) -> None:
+def inject(model, data, compiled, design) -> None:
     """Add the contacts of our gap functions by MuJoCo's public API: an independent way in."""
-    law = reducer.model
+    law = compiled.model
     number = {law.pair(i).name: i for i in range(law.npair)}
-    for pair in reducer.pairs:
+    for pair in compiled.pairs:
         on, by = model.geom(pair.on).id, model.geom(pair.by).id
         delta = data.geom_xpos[by] - data.geom_xpos[on]
         if pair.kind == "pin_gear":
@@ -164,7 +165,7 @@ def inject(model, data, reducer, design) -> None:
             )
             dist = distance + clearance
             relative = curvature(gear, t, gear.pin_radius + clearance) + 1.0 / gear.pin_radius
-            scale = curvature_law(design).factor(relative)
+            scale = curvature_law(Reducer(design)).factor(relative)
             normal = frame @ [nx, ny, 0.0]
             point = data.geom_xpos[by] - (model.geom_size[by, 0] + 0.5 * dist) * normal
         else:
@@ -174,7 +175,7 @@ def inject(model, data, reducer, design) -> None:
             scale = 1.0
             dist, nx, ny = gap.circle_in_circle(away[0], away[1], inner_radius, outer_radius)
             if pair.kind == "pin_socket":
-                between, towards = equilibrium.seats(design, np.tile(away[:2], (design.ring.teeth, 1)))
+                between, towards = equilibrium.seats(Reducer(design), np.tile(away[:2], (design.ring.teeth, 1)))
                 dist, (nx, ny) = between[pair.owner], towards[pair.owner]
             outward = np.array([nx, ny, 0.0])
             point = data.geom_xpos[inner] + (inner_radius + 0.5 * dist) * outward
@@ -203,7 +204,7 @@ def take_off_lift(data) -> None:
             data.efc_aref[contact.efc_address] -= max(lift, 0.0)
 
 
-def injected_step(model, data, reducer, design) -> None:
+def injected_step(model, data, compiled, design) -> None:
     """One semi-implicit Euler step, stage by stage, with injected contacts."""
     mujoco.mj_fwdPosition(model, data)
     mujoco.mj_kinematics(model, data)
@@ -211,7 +212,7 @@ def injected_step(model, data, reducer, design) -> None:
     mujoco.mj_crb(model, data)
     mujoco.mj_factorM(model, data)
     mujoco.mj_collision(model, data)
-    inject(model, data, reducer, design)
+    inject(model, data, compiled, design)
     mujoco.mj_makeConstraint(model, data)
     mujoco.mj_transmission(model, data)
     mujoco.mj_projectConstraint(model, data)
@@ -227,18 +228,18 @@ def test_collider_equals_injected_contacts() -> None:
     """Two hundred loaded steps by the collider and by ``mj_addContact`` move every joint alike."""
     changes = ["drive.ramp_s=0.0", "load.torque_nm=36.0", "load.rise_s=0.0005", "settings.timestep_us=1"]
     design = override(PRESETS["pin"], changes)
-    reducer = build(design)
-    by_collider, by_injection = initial_state(reducer, design), initial_state(reducer, design)
-    bare = without_pairs(reducer.spec)
+    compiled = build(design)
+    by_collider, by_injection = initial_state(compiled, Reducer(design)), initial_state(compiled, Reducer(design))
+    bare = without_pairs(compiled.spec)
     for number, (model, data, step) in itertools.product(
-        range(200), ((reducer.model, by_collider, "collider"), (bare, by_injection, "injection"))
+        range(200), ((compiled.model, by_collider, "collider"), (bare, by_injection, "injection"))
     ):
         data.ctrl[:] = [171.74 * 2e-6 * number, 36.0 * number / 200]
         if step == "collider":
             with collider.installed():
                 mujoco.mj_step(model, data)
         else:
-            injected_step(model, data, reducer, design)
+            injected_step(model, data, compiled, design)
     assert by_collider.ncon > 30
     assert by_injection.ncon == by_collider.ncon
     # The collider expands near the foot, to 1e-7 rad in the normal, and rattling light pins amplify that.

@@ -33,6 +33,7 @@ from cycloid_mj.convex.surface import convex_slice
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import DesignError
 from cycloid_mj.export.clearance import flank_distance
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.solid import Prism, circle, mass_properties, mesh, parts
 from cycloid_mj.solid.inertia import region_moments
@@ -92,7 +93,7 @@ def test_fill_in_three_dimensions() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("design", [PIN, FEW_TEETH], ids=["pin", "few"])
 def test_every_surface_keeps_its_bound(design: Design) -> None:
-    for surface in surfaces(design, SETTINGS):
+    for surface in surfaces(Reducer(design), SETTINGS):
         found = surface_quality(surface)
         assert found.parts == len(surface.places)
         if surface.name in ("teeth", "lobe"):
@@ -104,7 +105,7 @@ def test_every_surface_keeps_its_bound(design: Design) -> None:
 @pytest.mark.slow
 def test_flanks_are_balanced_and_as_many_as_curvature_asks() -> None:
     """89 pieces to a lobe at 0.1 um (physics: 126 with the error to one side only), plus the cuts of the tip."""
-    surface = gear_teeth(PIN, SETTINGS)
+    surface = gear_teeth(Reducer(PIN), SETTINGS)
     concave = sum(np.isfinite(part.width) for part in surface.slices)
     assert 2 * concave + 1 == 89
     found = surface_quality(surface)
@@ -114,7 +115,7 @@ def test_flanks_are_balanced_and_as_many_as_curvature_asks() -> None:
 @pytest.mark.slow
 def test_the_error_is_of_second_order_in_the_width() -> None:
     """A chord's sagitta goes with its width squared: four times the error, half the slices."""
-    coarse, fine = (ring_lobes(NONPIN, finer(error)) for error in (4e-7, 1e-7))
+    coarse, fine = (ring_lobes(Reducer(NONPIN), finer(error)) for error in (4e-7, 1e-7))
     counts = [sum(np.isfinite(part.width) for part in surface.slices) for surface in (coarse, fine)]
     assert counts[1] == pytest.approx(2 * counts[0], abs=2)
     errors = [surface_quality(surface).max_overfill for surface in (coarse, fine)]
@@ -124,7 +125,7 @@ def test_the_error_is_of_second_order_in_the_width() -> None:
 @pytest.mark.slow
 def test_a_slice_out_of_place_is_an_error() -> None:
     """One slice half a micrometre outwards, and some slices missing."""
-    surface = gear_teeth(PIN, SETTINGS)
+    surface = gear_teeth(Reducer(PIN), SETTINGS)
     first, *others = surface.places
     moved = dataclasses.replace(first, centre=(0.0, 0.5e-6))
     with pytest.raises(DesignError, match=r"overfill it by 0\.[3-6]"):
@@ -136,7 +137,7 @@ def test_a_slice_out_of_place_is_an_error() -> None:
 @pytest.mark.parametrize("make", [gear_bore, gear_holes, pin_sockets])
 def test_the_play_in_the_facets_is_that_of_the_circle(make: object) -> None:
     """Walk a round part against the facets in many directions: it stops where the true hole stops it."""
-    surface = make(PIN, SETTINGS)  # type: ignore[operator]
+    surface = make(Reducer(PIN), SETTINGS)  # type: ignore[operator]
     part = surface.slices[0]
     inner = part.radius - part.play
     own = [place for place in surface.places if place.member == 1]
@@ -151,27 +152,27 @@ def test_the_play_in_the_facets_is_that_of_the_circle(make: object) -> None:
     assert np.abs(stops - part.play).max() < 1.01 * SETTINGS.play_error
     coarse = dataclasses.replace(SETTINGS, play_error=1e-7)
     if surface.name == "hole":
-        assert len(make(PIN, coarse).places) < 0.5 * len(surface.places)  # type: ignore[operator]
+        assert len(make(Reducer(PIN), coarse).places) < 0.5 * len(surface.places)  # type: ignore[operator]
 
 
 def test_slices_and_rest_are_the_whole_gear() -> None:
     """Their regions share no area and miss none: the sum is the gear's, but for the rest's chord error."""
-    working = [surface for surface in surfaces(NONPIN, SETTINGS) if surface.name != "lobe"]
+    working = [surface for surface in surfaces(Reducer(NONPIN), SETTINGS) if surface.name != "lobe"]
     sliced = sum(area_moments(placed_outline(surface, place)).area for surface in working for place in surface.places)
-    behind = [sector for sector in sectors(NONPIN, SETTINGS) if sector.part == "gear"]
+    behind = [sector for sector in sectors(Reducer(NONPIN), SETTINGS) if sector.part == "gear"]
     rest = sum(sector.count * region_moments(sector.region).area for sector in behind)
-    volume = mass_properties(parts(NONPIN)["gear"]).volume
+    volume = mass_properties(parts(Reducer(NONPIN))["gear"]).volume
     assert (sliced + rest) * NONPIN.gear.face_width == pytest.approx(volume, rel=1e-3)
 
 
 @pytest.mark.slow
 def test_coacd_takes_every_slice_as_one_body_and_cuts_what_is_not() -> None:
-    for surface in surfaces(PIN, SETTINGS):
+    for surface in surfaces(Reducer(PIN), SETTINGS):
         require_single(surface, SETTINGS.coacd)
     corner = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]]) * 1e-3
     with pytest.raises(DesignError, match="not convex"):
         convex_slice("corner", corner, 1e-3, 1.0)
-    teeth = gear_teeth(PIN, SETTINGS)
+    teeth = gear_teeth(Reducer(PIN), SETTINGS)
     spoiled = dataclasses.replace(teeth, slices=(dataclasses.replace(teeth.slices[0], outline=corner),))
     with pytest.raises(DesignError, match="2 parts"):
         require_single(spoiled, SETTINGS.coacd)
@@ -179,7 +180,7 @@ def test_coacd_takes_every_slice_as_one_body_and_cuts_what_is_not() -> None:
 
 @pytest.fixture(scope="module")
 def band() -> Sector:
-    return sectors(PIN, SETTINGS)[1]
+    return sectors(Reducer(PIN), SETTINGS)[1]
 
 
 @pytest.mark.slow
@@ -216,7 +217,7 @@ def test_coacd_fills_what_is_not_convex() -> None:
 
 def test_lobes_too_wide_for_their_hub_are_refused() -> None:
     with pytest.raises(DesignError, match=r"ring\.teeth = 5 leaves lobes so wide"):
-        sectors(override(PIN, ["ring.teeth=5"]), SETTINGS)
+        sectors(Reducer(override(PIN, ["ring.teeth=5"])), SETTINGS)
 
 
 def test_settings_out_of_range_are_refused() -> None:
@@ -226,7 +227,7 @@ def test_settings_out_of_range_are_refused() -> None:
 
 
 def test_mirrored_places_are_mirror_images() -> None:
-    surface = gear_teeth(PIN, SETTINGS)
+    surface = gear_teeth(Reducer(PIN), SETTINGS)
     plain, mirrored = Place(0, 1, 0.0), Place(0, 1, 0.0, mirrored=True)
     one, other = placed_outline(surface, plain), placed_outline(surface, mirrored)
     np.testing.assert_array_equal(one * [-1.0, 1.0], other[::-1])
@@ -243,7 +244,7 @@ def test_pieces_are_hulls_of_their_vertices() -> None:
 @pytest.mark.slow
 def test_plain_coacd_fills_the_valleys() -> None:
     """By the whole depth of 2 mm, nearly: this is why flanks are sliced. At 0.05 too, in a minute."""
-    found = plain_gear(PIN, CoacdSettings(threshold=0.3)).quality
+    found = plain_gear(Reducer(PIN), CoacdSettings(threshold=0.3)).quality
     assert found.max_overfill > 1.5e-3
     assert found.max_underfill < 1e-5
     assert found.volume_error > 0.05
@@ -252,7 +253,7 @@ def test_plain_coacd_fills_the_valleys() -> None:
 @pytest.mark.slow
 def test_surfaces_follow_the_kind_of_ring() -> None:
     def names(design: Design) -> list[str]:
-        return [surface.name for surface in surfaces(design, SETTINGS)]
+        return [surface.name for surface in surfaces(Reducer(design), SETTINGS)]
 
     assert names(PIN) == ["teeth", "bore", "hole", "socket"]
     assert names(NONPIN) == ["teeth", "bore", "hole", "lobe"]
@@ -263,7 +264,7 @@ def test_surfaces_follow_the_kind_of_ring() -> None:
 def test_discs_of_unlike_size_have_teeth_of_their_own() -> None:
     """Those of a disc larger by 2 um stand out by that; the discs that are alike share what they are."""
     design = override(PIN, ["gear.discs=3", "errors.disc_dr_um={2=2.0}"])
-    found = {surface.key: surface for surface in surfaces(design, SETTINGS)}
+    found = {surface.key: surface for surface in surfaces(Reducer(design), SETTINGS)}
     assert list(found) == ["teeth", "gear_2_teeth", "bore", "hole", "socket"]
     larger = found["gear_2_teeth"]
     beyond = flank_distance(tooth_profile(PIN), larger.points) - PIN.ring.pin_radius - PIN.clearance.pin_gear
@@ -272,7 +273,7 @@ def test_discs_of_unlike_size_have_teeth_of_their_own() -> None:
 
 
 def test_a_surface_is_a_value() -> None:
-    first, second = (gear_teeth(PIN, SETTINGS) for _ in range(2))
+    first, second = (gear_teeth(Reducer(PIN), SETTINGS) for _ in range(2))
     assert isinstance(first, Surface)
     for one, other in zip(first.slices, second.slices, strict=True):
         np.testing.assert_array_equal(one.outline, other.outline)

@@ -17,6 +17,7 @@ from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS
 from cycloid_mj.errors import DesignError
 from cycloid_mj.loaded.sheet import sheet as static
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.plots.datasheet import datasheet_pages, datasheet_pictures, written
 from cycloid_mj.plots.save import document
 from cycloid_mj.rating import rate
@@ -35,7 +36,7 @@ SQUARE = np.array([[-3.0, -2.0], [3.0, -2.0], [3.0, 2.0], [-3.0, 2.0]])
 
 @pytest.fixture(scope="module")
 def sheet() -> Datasheet:
-    return datasheet(PIN)
+    return datasheet(Reducer(PIN))
 
 
 def told(sheet: Datasheet) -> dict[str, Quantity]:
@@ -64,14 +65,14 @@ def test_the_torque_of_the_bearings_goes_by_their_law(sheet) -> None:
 
 @pytest.mark.slow
 def test_a_longer_life_is_asked_of_a_smaller_torque() -> None:
-    torques = [rated_torque(PIN, PIN.drive.speed, life)[0] for life in (1000.0, 6000.0)]
+    torques = [rated_torque(Reducer(PIN), PIN.drive.speed, life)[0] for life in (1000.0, 6000.0)]
     assert torques[0] / torques[1] > 1.15
-    assert rated_torque(PIN, PIN.drive.speed, 6000.0, guess=50.0)[0] == pytest.approx(torques[1], rel=2e-3)
+    assert rated_torque(Reducer(PIN), PIN.drive.speed, 6000.0, guess=50.0)[0] == pytest.approx(torques[1], rel=2e-3)
 
 
 def test_what_bears_nothing_for_so_long_says_so() -> None:
     with pytest.raises(DesignError, match=r"no torque down to .* is borne for 1e\+20 h"):
-        rated_torque(PIN, PIN.drive.speed, 1e20)
+        rated_torque(Reducer(PIN), PIN.drive.speed, 1e20)
 
 
 def test_the_momentary_torque_is_that_of_the_weakest_stop(sheet) -> None:
@@ -84,19 +85,19 @@ def test_the_rated_torque_is_held_once_as_well() -> None:
     """Where first yield comes before what lasts, it governs: no sheet has a momentary torque below its rated one."""
     soft = PIN.but(material={"name": "", "youngs_modulus": 2.1e11, "tensile_strength": 2e9, "yield_strength": 2e8})
     for design in (soft, PIN):
-        rated, momentary = (told(datasheet(design, 10.0))[key] for key in ("rated_torque", "momentary_torque"))
+        rated, momentary = (told(datasheet(Reducer(design), 10.0))[key] for key in ("rated_torque", "momentary_torque"))
         assert rated.value <= momentary.value
         assert "safety 1" in rated.note
         assert "safety 1" in momentary.note
 
 
 def test_figures_are_those_of_statics_and_solids(sheet) -> None:
-    found, expected = told(sheet), static(PIN).quantities
+    found, expected = told(sheet), static(Reducer(PIN)).quantities
     for key in ("backlash", "lost_motion_ideal", "stiffness_ideal", "efficiency", "back_driving_torque_rated"):
         assert found[key].value == expected[key].value
-    low, high = axial_extent(PIN)
+    low, high = axial_extent(Reducer(PIN))
     assert found["length"].value == pytest.approx(1e3 * (high - low)) == pytest.approx(50.0)
-    solids = {name: mass_properties(solid) for name, solid in parts(PIN).items()}
+    solids = {name: mass_properties(solid) for name, solid in parts(Reducer(PIN)).items()}
     assert found["mass"].value == pytest.approx(
         sum(one.mass * (36 if name == "pin" else 1) for name, one in solids.items())
     )
@@ -105,22 +106,24 @@ def test_figures_are_those_of_statics_and_solids(sheet) -> None:
 
 def test_the_inertia_at_the_input_is_that_of_the_energy() -> None:
     """Twice the kinetic energy over the square of the crank's speed, part by part from their motion."""
-    solids, speed = {name: mass_properties(solid) for name, solid in parts(PIN).items()}, 7.0
+    solids, speed = {name: mass_properties(solid) for name, solid in parts(Reducer(PIN)).items()}, 7.0
     slow = speed / PIN.lobes
     shaft, gear, output = solids["shaft"], solids["gear"], solids["output"]
     spun = shaft.inertia[2, 2] * speed**2 + shaft.mass * (speed * np.hypot(*shaft.centroid[:2])) ** 2
     rolled = gear.mass * (PIN.gear.eccentricity * speed) ** 2 + gear.inertia[2, 2] * slow**2
-    assert input_inertia(PIN) == pytest.approx((spun + rolled + output.inertia[2, 2] * slow**2) / speed**2, rel=1e-9)
+    assert input_inertia(Reducer(PIN)) == pytest.approx(
+        (spun + rolled + output.inertia[2, 2] * slow**2) / speed**2, rel=1e-9
+    )
 
 
 def test_a_ring_that_turns_counts_in_the_place_of_the_output() -> None:
     """The discs then orbit without turning, and housing and pins turn by one in N."""
     turned = PIN.but(output={"member": "ring"})
-    solids = {name: mass_properties(solid) for name, solid in parts(turned).items()}
+    solids = {name: mass_properties(solid) for name, solid in parts(Reducer(turned)).items()}
     ring = solids["housing"].inertia[2, 2] + 36 * solids["pin"].mass * PIN.ring.pin_circle_radius**2
     crank = solids["shaft"].inertia[2, 2] + solids["shaft"].mass * np.sum(solids["shaft"].centroid[:2] ** 2)
     orbit = solids["gear"].mass * PIN.gear.eccentricity**2
-    assert input_inertia(turned) == pytest.approx(crank + orbit + ring / 36.0**2, rel=1e-9)
+    assert input_inertia(Reducer(turned)) == pytest.approx(crank + orbit + ring / 36.0**2, rel=1e-9)
 
 
 def test_a_cut_is_what_the_plane_meets() -> None:
@@ -134,7 +137,7 @@ def test_a_cut_is_what_the_plane_meets() -> None:
 
 
 def test_the_section_of_the_gear_has_its_holes_and_bore() -> None:
-    found = cut(parts(PIN)["gear"].prisms[0])
+    found = cut(parts(Reducer(PIN))["gear"].prisms[0])
     edges = 1e3 * np.array(found).ravel()
     hole = 5.001
     assert edges[1:-1] == pytest.approx([-26 - hole, -26 + hole, -15.001, 15.001, 26 - hole, 26 + hole], abs=1e-3)
@@ -220,12 +223,12 @@ def test_what_cannot_be_written_or_asked_is_told(tmp_path: Path, capsys) -> None
 
 
 def test_a_curve_leaves_out_speeds_at_which_nothing_is_borne(monkeypatch) -> None:
-    def borne(design, speed, life, guess=0.0):
-        if speed > design.drive.speed:
+    def borne(reducer, speed, life, guess=0.0):
+        if speed > reducer.design.drive.speed:
             raise DesignError("too fast")
         return 100.0 / speed, None
 
     monkeypatch.setattr("cycloid_mj.rating.datasheet.rated_torque", borne)
-    found = life_curve(PIN, 6000.0)
+    found = life_curve(Reducer(PIN), 6000.0)
     assert found.x == pytest.approx([410.0, 820.0, 1230.0, 1640.0])
     assert np.all(np.diff(found.y) < 0.0)

@@ -11,6 +11,7 @@ from designs import UNLIKE, design_file
 from cycloid_mj.checks import summary
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, load, override
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.rating import rate
 from cycloid_mj.result import plain
 
@@ -106,7 +107,7 @@ def test_summary_agrees_with_the_measures(name):
 @pytest.mark.parametrize("name", UNLIKE)
 def test_every_design_can_be_summed_up(name):
     design = load(design_file(name))
-    found = summary(design)
+    found = summary(Reducer(design))
     assert found.ratio == design.ring.teeth - 1
     assert 1 <= found.loaded_teeth < design.ring.teeth
     assert found.capacity > found.rated_torque  # they are sized with room to spare

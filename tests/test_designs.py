@@ -2,11 +2,12 @@ import pytest
 from designs import UNLIKE, unlike
 
 from cycloid_mj.checks import check, require_sound
+from cycloid_mj.mechanism.whole import Reducer
 
 
 @pytest.mark.parametrize("name", UNLIKE)
 def test_the_designs_that_others_are_tried_on_can_be_built(name):
-    require_sound(unlike(name))
+    require_sound(Reducer(unlike(name)))
 
 
 @pytest.mark.parametrize("name", [name for name in UNLIKE if name != "teeth21"])

@@ -11,6 +11,7 @@ from designs import UNLIKE, unlike
 
 from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.digits import on_grid, significant, significant_tensor
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build, xml
 from cycloid_mj.solid import mass_properties, parts
 from cycloid_mj.solid.polygon import area_moments
@@ -43,7 +44,7 @@ def test_a_run_is_the_same_bit_for_bit_with_any_number_of_threads() -> None:
 
 
 def test_moments_do_not_depend_on_where_a_polygon_begins() -> None:
-    polygon = parts(PRESETS["pin"])["gear"].prisms[0].outline
+    polygon = parts(Reducer(PRESETS["pin"]))["gear"].prisms[0].outline
     first = area_moments(polygon)
     for shift in (1, 1000, 12345):
         assert area_moments(np.roll(polygon, shift, axis=0)) == first
@@ -51,29 +52,29 @@ def test_moments_do_not_depend_on_where_a_polygon_begins() -> None:
 
 @pytest.mark.parametrize("design", [PRESETS["pin"], PRESETS["nonpin"], *map(unlike, UNLIKE)], ids=lambda one: one.name)
 def test_derived_numbers_have_as_many_digits_as_they_mean(design: Design) -> None:
-    for name, solid in parts(design).items():
+    for name, solid in parts(Reducer(design)).items():
         made = mass_properties(solid)
         assert made.mass == float(f"{made.mass:.12g}"), name
         assert np.array_equal(made.inertia, significant_tensor(made.inertia)), name
         assert np.array_equal(made.centroid, on_grid(made.centroid)), name
-    reducer = build(design)
-    for pair in reducer.spec.pairs:
+    compiled = build(design)
+    for pair in compiled.spec.pairs:
         numbers = [*pair.solref, pair.solreffriction[1], *pair.solimp]
         assert [one for one in numbers if one != float(f"{one:.12g}")] == [], pair.name
 
 
 def test_parts_are_drawn_once_for_all_loads_but_not_for_another_shape() -> None:
-    drawn = parts(PRESETS["pin"])
-    assert parts(PRESETS["pin"].but(load={"torque": 36.0}, name="loaded"))["gear"] is drawn["gear"]
+    drawn = parts(Reducer(PRESETS["pin"]))
+    assert parts(Reducer(PRESETS["pin"].but(load={"torque": 36.0}, name="loaded")))["gear"] is drawn["gear"]
     for change in (
         {"material": {"density": 7800.0}},
         {"clearance": {"pin_gear": 2e-6}},
         {"gear": {"bore_radius": 0.014}},
     ):
-        other = parts(PRESETS["pin"].but(**change))["gear"]
+        other = parts(Reducer(PRESETS["pin"].but(**change)))["gear"]
         assert mass_properties(other).mass != mass_properties(drawn["gear"]).mass
     drawn.clear()
-    assert parts(PRESETS["pin"])
+    assert parts(Reducer(PRESETS["pin"]))
 
 
 def test_a_last_bit_of_a_mass_does_not_reach_the_model(monkeypatch: pytest.MonkeyPatch) -> None:

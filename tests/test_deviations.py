@@ -15,6 +15,7 @@ from cycloid_mj.design import PRESETS, Design, dump, loads, override
 from cycloid_mj.deviations import deviations, is_ideal, profile_error
 from cycloid_mj.errors import DesignError
 from cycloid_mj.mechanism import limits
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build
 from cycloid_mj.modification import flank_ends, gear_profile, profile_offset, sample_turned
 from cycloid_mj.profile import CycloidGear, unit
@@ -203,8 +204,8 @@ def test_pins_touch_the_polygons(name: str) -> None:
     A pin farther from its valley than the 48 um between their radii is beyond the valley's centre: no contact is near.
     """
     design = pin(*MODIFICATIONS[name])
-    reducer, polygons, rng = build(design), polygons_of(design), np.random.default_rng(1)
-    flanks = flanks_of(design)
+    compiled, polygons, rng = build(design), polygons_of(design), np.random.default_rng(1)
+    flanks = flanks_of(Reducer(design))
     nominal = CycloidGear(36, 1e-3, 40.75e-3, 2.25e-3)
     centres = nominal.pin_circle_radius * unit(profile.pin_angles(nominal))
     unmodified = polygons_of(pin())
@@ -213,7 +214,7 @@ def test_pins_touch_the_polygons(name: str) -> None:
         crank, shift, turn = rng.uniform(0, 2 * np.pi), rng.uniform(-8e-6, 8e-6, 2), rng.uniform(-1e-4, 1e-4)
         pose = Pose(1e-3 * np.array([-np.sin(crank), np.cos(crank)]) + shift, -crank / 35 + turn)
         expected = polygons.distance(pose.to_gear(centres)) - nominal.pin_radius
-        seen = gaps_of_pins(reducer, pose, crank)
+        seen = gaps_of_pins(compiled, pose, crank)
         near = expected < 4.5e-5
         assert seen[near] == pytest.approx(expected[near], abs=6e-10)
         statics = pin_gaps(nominal, pose, centres, flanks).distance + flanks.offset - nominal.pin_radius
@@ -226,16 +227,16 @@ def test_pins_touch_the_polygons(name: str) -> None:
     assert difference > 1e-6
 
 
-def gaps_of_pins(reducer, pose: Pose, crank: float) -> np.ndarray:
+def gaps_of_pins(compiled, pose: Pose, crank: float) -> np.ndarray:
     """Gap of each pin by the collider, at a stiffness factor of one: closed contacts would be scaled."""
-    model, data = reducer.model, mujoco.MjData(reducer.model)
+    model, data = compiled.model, mujoco.MjData(compiled.model)
     model.pair_margin[:] = 1e-3
     for joint, value in (("gear_x", pose.centre[0]), ("gear_y", pose.centre[1]), ("gear_angle", pose.angle)):
         data.joint(joint).qpos[0] = value
     data.joint("crank").qpos[0] = crank
     with installed():
         mujoco.mj_fwdPosition(model, data)
-    number = {model.geom(pair.by).id: k for k, pair in enumerate(reducer.pairs) if pair.kind == "pin_gear"}
+    number = {model.geom(pair.by).id: k for k, pair in enumerate(compiled.pairs) if pair.kind == "pin_gear"}
     found = np.full(36, np.nan)
     for contact in data.contact:
         for geom in contact.geom:
@@ -290,9 +291,9 @@ def test_flanks_end_in_corners_on_the_middles(arcsec: float) -> None:
 def test_the_solid_follows_the_modification() -> None:
     """Areas: less by perimeter times the equidistant; a turn takes its angle times what the radii span."""
     changes = ("equidistant_um=12.0", "pin_circle_um=-15.0", "rotation_arcsec=20.0", "rotation_arcsec=150.0")
-    plain = polygon_area(gear_outline(pin(), 1e-8))
+    plain = polygon_area(gear_outline(Reducer(pin()), 1e-8))
     equidistant, circle, turn, strong = (
-        polygon_area(gear_outline(pin(f"modification.{change}"), 1e-8)) for change in changes
+        polygon_area(gear_outline(Reducer(pin(f"modification.{change}")), 1e-8)) for change in changes
     )
     perimeter = 295.02e-3
     assert plain - equidistant == pytest.approx(perimeter * 12e-6, rel=2e-3)
@@ -365,7 +366,7 @@ def test_parts_of_the_model_stand_where_they_were_made() -> None:
 def test_an_ideal_reducer_has_its_clearance_as_room() -> None:
     for preset in PRESETS.values():
         least = min(getattr(preset.clearance, kind) for kind in preset.pair_kinds if kind != preset.seat_pair)
-        assert limits.best_fit(preset, 0.7).room == pytest.approx(least, rel=1e-6)
+        assert limits.best_fit(Reducer(preset), 0.7).room == pytest.approx(least, rel=1e-6)
 
 
 def test_the_best_pose_is_seen_by_the_collider() -> None:
@@ -373,7 +374,7 @@ def test_the_best_pose_is_seen_by_the_collider() -> None:
     changes = ["errors.pin_position_um=2.0", "errors.eccentricity_um=6.0", "errors.hole_position_um=2.0"]
     start = ["drive.ramp_s=0.0", "drive.hold_s=1e-5", 'contact.stiffness_law="uniform"']
     for design in (pin(*changes, *start), nonpin(*changes[1:], "modification.pin_circle_um=-30.0", *start)):
-        room = limits.best_fit(design, 0.0).room
+        room = limits.best_fit(Reducer(design), 0.0).room
         assert room < -1e-6
         # The polygon around the cam's circle: 1 - cos(pi/16) of its displacement, 6 um.
         assert simulate(design)["penetration"][0] == pytest.approx(-room, abs=0.15e-6)
@@ -383,7 +384,7 @@ def test_free_pins_that_are_in_the_way_move_aside() -> None:
     design = override(
         PRESETS["pin"], ["errors.pin_y_um={1 = -3.0}", "drive.ramp_s=0.0", "drive.hold_s=1e-5", "clearance.cam_um=0.1"]
     )
-    fit = limits.best_fit(design, np.pi)
+    fit = limits.best_fit(Reducer(design), np.pi)
     assert fit.pin_shift.any()
     run = simulate(design)
     assert run["penetration"][0] < 1.2e-6
@@ -421,7 +422,7 @@ def test_equidistant_is_backlash_as_clearance_is(kind: str) -> None:
         f"clearance.{tooth}_um=1.0",
         "modification.equidistant_um=1.5",
     )
-    low, high = backlash.stops(design)
+    low, high = backlash.stops(Reducer(design))
     assert high - low == pytest.approx(2 * 2.5e-6 / (1e-3 * 35), rel=0.005)
 
 
@@ -450,17 +451,17 @@ def test_load_sharing_is_the_independent_solution(name: str) -> None:
         "settings.log_rate_hz=2500.0",
         *changes,
     )
-    reducer = build(design)
+    compiled = build(design)
     run = simulate(design)
-    stiffness = {kind: law.stiffness for kind, law in reducer.laws.items()}
+    stiffness = {kind: law.stiffness for kind, law in compiled.laws.items()}
     crank = float(run["crank_angle"][-1])
     ours = run.forces(design.tooth_pair)[-1]
-    solved = equilibrium.solve(design, stiffness, crank).ring_forces
+    solved = equilibrium.solve(Reducer(design), stiffness, crank).ring_forces
     largest = rig.sizes(solved).max()
     assert rig.sizes(ours - solved).max() < 0.02 * largest
     # The control: the ideal reducer shares the load otherwise.
     ideal = rig.reducer_of(kind, "load.torque_nm=36.0")
-    assert rig.sizes(ours - equilibrium.solve(ideal, stiffness, crank).ring_forces).max() > 0.04 * largest
+    assert rig.sizes(ours - equilibrium.solve(Reducer(ideal), stiffness, crank).ring_forces).max() > 0.04 * largest
 
 
 def test_every_disc_has_errors_of_its_own_and_the_first_those_of_a_single_one() -> None:

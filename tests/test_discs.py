@@ -15,6 +15,7 @@ from cycloid_mj.loaded.bearings import reactions
 from cycloid_mj.loaded.samples import alike, solve_samples
 from cycloid_mj.loaded.sheet import sheet
 from cycloid_mj.mechanism.reducer import are_one_part
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.solid.shaft import bearing_seats
 from cycloid_mj.structure import (
@@ -45,7 +46,7 @@ def two(design: Design, **gear: object) -> Design:
 
 def carried(design: Design, torque: float, cranks: np.ndarray | None = None) -> Loads:
     cranks = np.linspace(0.0, 2.0 * np.pi, 181) if cranks is None else cranks
-    return loads(design, springs_of(design, cranks, friction=False), torque)
+    return loads(Reducer(design), springs_of(Reducer(design), cranks, friction=False), torque)
 
 
 def size(found: Loads) -> np.ndarray:
@@ -55,7 +56,7 @@ def size(found: Loads) -> np.ndarray:
 
 def on_ring(design: Design, found: Loads, cranks: np.ndarray) -> np.ndarray:
     """Net force of the teeth on the ring, (m, 2)."""
-    contacts = springs_of(design, cranks, friction=False)
+    contacts = springs_of(Reducer(design), cranks, friction=False)
     slope = contacts.contacts.slope[:, : contacts.teeth]
     by_place = slope[..., :-1].reshape(*slope.shape[:2], -1, 3)[..., :2].sum(axis=2)
     return -np.einsum("mn,mni->mi", found.teeth, by_place)
@@ -110,7 +111,7 @@ def test_the_published_two_disc_drive_has_its_ideal_forces() -> None:
 
 
 def test_what_ideal_sharing_states_is_that_case() -> None:
-    value = sheet(TWODISC).quantities
+    value = sheet(Reducer(TWODISC)).quantities
     stated = {"pin_gear": 213.14, "output": 1705.9, "cam": 2460.0}
     for kind, force in stated.items():
         assert value[f"{kind}_peak_force"].reference == pytest.approx(force, rel=0.005)
@@ -156,9 +157,9 @@ def test_an_output_pin_is_loaded_by_one_disc_at_a_time_but_at_handover() -> None
 def test_bearings_balance_forces_and_moments() -> None:
     """The shaft hangs in two bearings: what they hold is opposite to the discs' forces and to their moments."""
     design = two(ideal(PRESETS["pin"], ring={"teeth": 37}, output={"pins": 7, "support": "both_ends"}))
-    springs = springs_of(design, np.linspace(0.0, 6.0, 7), friction=False)
-    held = reactions(design, springs, loads(design, springs, 36.0))
-    far, near = (0.5 * sum(seat) for seat in bearing_seats(design))
+    springs = springs_of(Reducer(design), np.linspace(0.0, 6.0, 7), friction=False)
+    held = reactions(Reducer(design), springs, loads(Reducer(design), springs, 36.0))
+    far, near = (0.5 * sum(seat) for seat in bearing_seats(Reducer(design)))
     np.testing.assert_allclose(held.shaft_far + held.shaft_near, -held.shaft.net, atol=1e-9)
     lever = np.stack([-held.shaft.moment[:, 1], held.shaft.moment[:, 0]], axis=1)
     np.testing.assert_allclose(far * held.shaft_far + near * held.shaft_near, lever, atol=1e-9)
@@ -207,7 +208,7 @@ def test_bent_pins_of_the_paper_take_a_third_of_its_stiffness() -> None:
 def test_pins_bend_as_a_beam_of_finite_elements(support: str) -> None:
     """Hermite elements of Euler's beam with shear as a second spring in each: Timoshenko's beam in the limit."""
     design = PRESETS["pin"].but(structure="springs", gear={"discs": 3}, output={"support": support})
-    ours = pin_flexibility(design)
+    ours = pin_flexibility(Reducer(design))
     made, radius, count = design.material, design.output.root_radius, 480
     length = design.gear.stack_width + 2e-3
     h, modulus = length / count, made.youngs_modulus
@@ -246,7 +247,7 @@ def searched(design: Design, torque: float, crank: float) -> tuple[np.ndarray, f
     studs = radius * np.stack([np.sin(around), np.cos(around)], axis=1)
     larger, held = design.errors.disc_dr or (0.0, 0.0), np.zeros((2, 2))
     if bends:
-        held = np.linalg.inv(pin_flexibility(design))
+        held = np.linalg.inv(pin_flexibility(Reducer(design)))
     middles = [np.asarray(gear_centre(gear, crank + math.pi * disc)) for disc in range(2)]
     along = middles[0] / gear.eccentricity
 
@@ -305,7 +306,9 @@ def test_unlike_discs_share_as_an_independent_search_of_the_least_energy_finds(l
     found = carried(design, 36.0, np.array([0.7]))
     share, turn = searched(design, 36.0, 0.7)
     np.testing.assert_allclose(found.share[0], share, rtol=0.02)
-    assert found.output_turn[0] - 36.0 * sum(twisting_compliance(design).values()) == pytest.approx(turn, rel=0.005)
+    assert found.output_turn[0] - 36.0 * sum(twisting_compliance(Reducer(design)).values()) == pytest.approx(
+        turn, rel=0.005
+    )
     if structure == "rigid" and larger == "[0, 0]":
         np.testing.assert_allclose(found.share, 0.5, rtol=0.01)
     elif structure == "rigid":
@@ -319,12 +322,12 @@ def test_the_crank_bends_at_its_cams_as_handbooks_have_it() -> None:
         design: design.material_of("shaft").youngs_modulus * np.pi * design.shaft.radius**4 / 4.0
         for design in (one, two)
     }
-    far, near = (0.5 * sum(seat) for seat in bearing_seats(one))
+    far, near = (0.5 * sum(seat) for seat in bearing_seats(Reducer(one)))
     overhung = near**2 * -far / (3.0 * stiff[one])
-    assert crank_flexibility(one) == pytest.approx(np.array([[overhung]]), rel=1e-9)
-    assert f"{1e9 * overhung:.3g} um at a cam under 1 kN" in structure_told(one)
-    far, near = (0.5 * sum(seat) for seat in bearing_seats(two))
-    found, planes = crank_flexibility(two), np.array(two.gear.disc_planes)
+    assert crank_flexibility(Reducer(one)) == pytest.approx(np.array([[overhung]]), rel=1e-9)
+    assert f"{1e9 * overhung:.3g} um at a cam under 1 kN" in structure_told(Reducer(one))
+    far, near = (0.5 * sum(seat) for seat in bearing_seats(Reducer(two)))
+    found, planes = crank_flexibility(Reducer(two)), np.array(two.gear.disc_planes)
     between = ((planes - near) * (far - planes)) ** 2 / (3.0 * stiff[two] * (far - near))
     assert found.diagonal() == pytest.approx(between, rel=1e-9)
     assert found[0, 1] == pytest.approx(found[1, 0], rel=1e-12)
@@ -335,8 +338,8 @@ def test_samples_of_two_discs_are_the_statics_of_designs_made_so() -> None:
     errors = ["errors.hole_position_um=0.8", "errors.disc_size_um=0.5", "errors.cam_position_um=0.5"]
     design = override(NOT_IDEAL, [*errors, "errors.pin_position_um=0.5", "structure=springs"])
     cranks = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
-    alone = loads(design, springs_of(design, cranks, friction=False), 36.0)
-    found = solve_samples(design, alike(design, 1), [36.0], cranks.size)[0]
+    alone = loads(Reducer(design), springs_of(Reducer(design), cranks, friction=False), 36.0)
+    found = solve_samples(Reducer(design), alike(Reducer(design), 1), [36.0], cranks.size)[0]
     assert found.output_mean[0] == pytest.approx(alone.output_turn.mean(), rel=1e-4)
     assert found.tooth[0] == pytest.approx(alone.teeth.max(), rel=1e-4)
     assert found.cam[0] == pytest.approx(size(alone).max(), rel=1e-4)

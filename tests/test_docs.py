@@ -9,6 +9,7 @@ import pytest
 
 from cycloid_mj.design import PRESETS
 from cycloid_mj.loaded.sheet import sheet
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.rating.items import rate
 
 ROOT = Path(__file__).parent.parent
@@ -43,7 +44,7 @@ def test_files_and_modules_exist(page: Path) -> None:
 def test_figures_of_statics_are_those_of_the_code() -> None:
     """What pages print of `pin` at its rated load, from statics and rating, to the digits that they have."""
     design = PRESETS["pin"]
-    found = {key: one.value for key, one in sheet(design).quantities.items()}
+    found = {key: one.value for key, one in sheet(Reducer(design)).quantities.items()}
     items = rate(design).items
     printed = {
         "explore": (

@@ -7,17 +7,18 @@ from cycloid_mj.design import PRESETS, override
 from cycloid_mj.measure.closed_form import ideal_efficiency, ideal_limit
 from cycloid_mj.measure.steady import SETTLED, powers, steady, steady_design
 from cycloid_mj.measure.steady import first_half as shorter
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build
 from cycloid_mj.validation.energy import balance
 
-LOADED = steady_design(override(PRESETS["nonpin"], ["load.torque_nm=36.68"]))
+LOADED = steady_design(Reducer(override(PRESETS["nonpin"], ["load.torque_nm=36.68"])))
 DRAGGED = ["drag.crank_nm=0.05", "drag.output_nm=1.0"]
 PERIODS = 4
 
 
 @pytest.fixture(scope="module")
 def dragged():
-    return steady(override(LOADED, DRAGGED), SETTLED, PERIODS)
+    return steady(Reducer(override(LOADED.design, DRAGGED)), SETTLED, PERIODS)
 
 
 def test_drag_takes_its_torque_times_the_speed(dragged):
@@ -41,17 +42,17 @@ def test_balance_closes_with_drag_and_bearings(dragged):
 def test_a_design_without_drag_has_no_columns_of_it():
     run = steady(LOADED, SETTLED, 1)
     assert not [name for name in run.columns if "drag" in name]
-    assert not build(LOADED).model.dof_frictionloss.any()
+    assert not build(LOADED.design).model.dof_frictionloss.any()
 
 
 @pytest.mark.slow
 def test_drag_and_bearings_cost_what_the_closed_form_says():
     # ideal sharing: fixed teeth, next to no clearance, a stiff cam
     for changes in ([], DRAGGED, ["friction.cam_rolling=0.004"]):
-        design = override(LOADED, changes)
-        found = powers(steady(ideal_limit(design), SETTLED, PERIODS))
-        assert found.efficiency == pytest.approx(ideal_efficiency(design, 36.68).efficiency, abs=0.005)
-    without = ideal_efficiency(override(LOADED, ["friction.cam_rolling=0.0"]), 36.68).efficiency
+        design = override(LOADED.design, changes)
+        found = powers(steady(ideal_limit(Reducer(design)), SETTLED, PERIODS))
+        assert found.efficiency == pytest.approx(ideal_efficiency(Reducer(design), 36.68).efficiency, abs=0.005)
+    without = ideal_efficiency(Reducer(override(LOADED.design, ["friction.cam_rolling=0.0"])), 36.68).efficiency
     assert without - ideal_efficiency(LOADED, 36.68).efficiency > 0.03
 
 
@@ -60,21 +61,23 @@ def test_bearing_acts_at_the_radius_of_the_cam():
     run = steady(LOADED, SETTLED, PERIODS)
     force = np.hypot(run["cam_force_x"], run["cam_force_y"])
     relative = np.abs(run["crank_speed"] - run["gear_speed"])
-    asked = LOADED.friction.cam_rolling * LOADED.gear.bore_radius * np.mean(force * relative)
+    asked = LOADED.design.friction.cam_rolling * LOADED.design.gear.bore_radius * np.mean(force * relative)
     assert np.mean(run["cam_friction_power"]) == pytest.approx(asked, rel=1e-3)
 
 
 @pytest.mark.parametrize("timestep_us", [5.0, 2.5])
 def test_drag_holds_at_half_the_step(timestep_us, dragged):
-    design = override(LOADED, [*DRAGGED, f"settings.timestep_us={timestep_us}"])
-    found = powers(steady(design, SETTLED, PERIODS))
+    design = override(LOADED.design, [*DRAGGED, f"settings.timestep_us={timestep_us}"])
+    found = powers(steady(Reducer(design), SETTLED, PERIODS))
     assert found.efficiency == pytest.approx(powers(dragged).efficiency, abs=2e-4)
 
 
 @pytest.mark.slow
 def test_seals_hold_a_shaft_at_rest():
     # less torque than the seals': the output stays, but for the creep of the constraint
-    resting = override(LOADED, ["drive.speed_rpm=0.0", "load.torque_nm=0.5", "drag.output_nm=1.0", "drive.hold_s=0.02"])
+    resting = override(
+        LOADED.design, ["drive.speed_rpm=0.0", "load.torque_nm=0.5", "drag.output_nm=1.0", "drive.hold_s=0.02"]
+    )
     from cycloid_mj.run import simulate
 
     speeds = [

@@ -19,6 +19,7 @@ from cycloid_mj.course import initial_state, ramp_and_hold
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import ContactError, RunError
 from cycloid_mj.log import read, write
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build
 from cycloid_mj.run import Contact, blocks, reducer_model, schedule, simulate
 
@@ -34,17 +35,17 @@ def short(preset: str, *changes: str) -> Design:
 
 
 def sampled(design: Design, every: int) -> Design:
-    return override(design, [f"settings.log_rate_hz={1.0 / (every * timestep(design))!r}"])
+    return override(design, [f"settings.log_rate_hz={1.0 / (every * timestep(Reducer(design)))!r}"])
 
 
-def normal_forces(data, reducer) -> dict[str, float]:
+def normal_forces(data, compiled) -> dict[str, float]:
     """Add up MuJoCo's own normal forces by the geoms' names."""
-    named = {frozenset((pair.on, pair.by)): pair.name for pair in reducer.pairs}
-    total = dict.fromkeys((pair.name for pair in reducer.pairs), 0.0)
+    named = {frozenset((pair.on, pair.by)): pair.name for pair in compiled.pairs}
+    total = dict.fromkeys((pair.name for pair in compiled.pairs), 0.0)
     force = np.zeros(6)
     for number, contact in enumerate(data.contact):
-        mujoco.mj_contactForce(reducer.model, data, number, force)
-        total[named[frozenset(surface_name(reducer.model, geom) for geom in contact.geom)]] += force[0]
+        mujoco.mj_contactForce(compiled.model, data, number, force)
+        total[named[frozenset(surface_name(compiled.model, geom) for geom in contact.geom)]] += force[0]
     return total
 
 
@@ -62,18 +63,18 @@ def test_peaks_are_the_largest_of_mujocos_own_forces_at_every_step(
     preset: str, changes: tuple[str, ...], contact: Contact
 ) -> None:
     design = short(preset, *changes)
-    reducer = reducer_model(design, contact)
-    data, course = initial_state(reducer, design), ramp_and_hold(reducer, design)
-    index = pair_index(reducer.model, reducer.pairs)
-    largest = dict.fromkeys((pair.name for pair in reducer.pairs), 0.0)
-    plan = schedule(design)
+    compiled = reducer_model(Reducer(design), contact)
+    data, course = initial_state(compiled, Reducer(design)), ramp_and_hold(compiled, Reducer(design))
+    index = pair_index(compiled.model, compiled.pairs)
+    largest = dict.fromkeys((pair.name for pair in compiled.pairs), 0.0)
+    plan = schedule(Reducer(design))
     commands = course.commands(plan.timestep * np.arange(min(plan.steps, STEPS)))
     for command in commands:
         data.ctrl[:] = command
         with collider.installed():
-            mujoco.mj_step(reducer.model, data)
-        largest = {name: max(largest[name], force) for name, force in normal_forces(data, reducer).items()}
-    run = EachStep(reducer.model, initial_state(reducer, design, course), index, every=len(commands) - 1)
+            mujoco.mj_step(compiled.model, data)
+        largest = {name: max(largest[name], force) for name, force in normal_forces(data, compiled).items()}
+    run = EachStep(compiled.model, initial_state(compiled, Reducer(design), course), index, every=len(commands) - 1)
     run.command(commands)
     with collider.installed(), each_step.installed():
         first, last = (np.array(row[run.pairs]).reshape(-1, OF_PAIR)[:, 3] for row in run.advance(2))
@@ -103,9 +104,9 @@ def test_a_log_holds_what_came_between_its_samples() -> None:
 @pytest.mark.parametrize("steps", [1, 2, 3, 10])
 def test_as_many_steps_are_taken_as_were_asked_for(steps: int) -> None:
     design = short("pin")
-    reducer = build(design)
-    data, course = initial_state(reducer, design), ramp_and_hold(reducer, design)
-    run = EachStep(reducer.model, data, pair_index(reducer.model, reducer.pairs), steps, [data.qpos.ctypes.data])
+    compiled = build(design)
+    data, course = initial_state(compiled, Reducer(design)), ramp_and_hold(compiled, Reducer(design))
+    run = EachStep(compiled.model, data, pair_index(compiled.model, compiled.pairs), steps, [data.qpos.ctypes.data])
     run.command(course.commands(1e-6 * np.arange(STEPS)))
     with collider.installed(), each_step.installed():
         for taken, samples in ((0, 1), (2, 2), (5, 3)):
@@ -122,21 +123,21 @@ def test_as_many_steps_are_taken_as_were_asked_for(steps: int) -> None:
 def test_speeds_of_a_sample_are_of_the_middle_between_two_steps(contact: Contact) -> None:
     """MuJoCo's are half a step behind: what the step leaves, and what it found, have the sample's in their middle."""
     design = short("pin", "load.torque_nm=20", "ring.pins=fixed")
-    reducer = reducer_model(design, contact)
-    data, course = initial_state(reducer, design), ramp_and_hold(reducer, design)
+    compiled = reducer_model(Reducer(design), contact)
+    data, course = initial_state(compiled, Reducer(design)), ramp_and_hold(compiled, Reducer(design))
     with collider.installed():
-        mujoco.mj_step(reducer.model, data, 30)
-    speeds = data.qvel.ctypes.data + 8 * np.arange(reducer.model.nv)
-    run = EachStep(reducer.model, data, pair_index(reducer.model, reducer.pairs), 1, speeds.tolist())
+        mujoco.mj_step(compiled.model, data, 30)
+    speeds = data.qvel.ctypes.data + 8 * np.arange(compiled.model.nv)
+    run = EachStep(compiled.model, data, pair_index(compiled.model, compiled.pairs), 1, speeds.tolist())
     run.command(course.commands(1e-6 * np.arange(STEPS)))
     before = data.qvel.copy()
     with collider.installed(), each_step.installed():
         row = run.advance(1)[0]
     middle = 0.5 * (before + data.qvel)
-    np.testing.assert_allclose(row[: reducer.model.nv], middle, rtol=1e-12, atol=1e-15)
+    np.testing.assert_allclose(row[: compiled.model.nv], middle, rtol=1e-12, atol=1e-15)
     assert np.abs(middle - before).max() > 1e-6
-    momentum = np.zeros(reducer.model.nv)
-    mujoco.mj_mulM(reducer.model, data, momentum, middle)
+    momentum = np.zeros(compiled.model.nv)
+    mujoco.mj_mulM(compiled.model, data, momentum, middle)
     assert row[run.copied][-1] == pytest.approx(0.5 * middle @ momentum, rel=1e-9)
 
 
@@ -144,13 +145,13 @@ def test_a_fatal_error_of_mujocos_between_samples_is_an_error_of_python(monkeypa
     """Too little memory for the solver, once the load is on."""
     monkeypatch.chdir(tmp_path)  # MuJoCo writes its warnings to a file there
     design = short("pin")
-    reducer = build(design)
-    reducer.spec.memory = 80_000
-    model, start = reducer.spec.compile(), initial_state(reducer, design)
+    compiled = build(design)
+    compiled.spec.memory = 80_000
+    model, start = compiled.spec.compile(), initial_state(compiled, Reducer(design))
     data = mujoco.MjData(model)
     data.qpos[:], data.qvel[:] = start.qpos, start.qvel
-    run = EachStep(model, data, pair_index(model, reducer.pairs), STEPS)
-    run.command(ramp_and_hold(reducer, design).commands(1e-6 * np.arange(STEPS)))
+    run = EachStep(model, data, pair_index(model, compiled.pairs), STEPS)
+    run.command(ramp_and_hold(compiled, Reducer(design)).commands(1e-6 * np.arange(STEPS)))
     with collider.installed(), each_step.installed(), pytest.raises(mujoco.FatalError, match="out of memory"):
         run.advance(2)
     assert 1 < round(1e6 * data.time) < STEPS - 2
@@ -190,11 +191,11 @@ def test_peaks_stand_with_the_forces() -> None:
 
 
 def test_a_model_of_ours_goes_its_way_without_a_run() -> None:
-    reducer = build(short("nonpin"))
-    data = mujoco.MjData(reducer.model)
+    compiled = build(short("nonpin"))
+    data = mujoco.MjData(compiled.model)
     data.ctrl[:] = 1e-3
     with collider.installed(), each_step.installed():
-        mujoco.mj_step(reducer.model, data, 3)
+        mujoco.mj_step(compiled.model, data, 3)
     assert data.ctrl.tolist() == [1e-3, 1e-3]
     assert data.sensor(each_step.SENSOR).data == [0.0]
 
@@ -212,11 +213,11 @@ def test_a_foreign_model_keeps_its_user_sensors_and_user_data() -> None:
 @pytest.mark.parametrize("setter", [mujoco.set_mjcb_sensor, mujoco.set_mjcb_control])
 def test_a_callback_of_somebody_else_is_not_replaced(setter: Callable[[Any], None]) -> None:
     design = short("nonpin")
-    reducer = build(design)
+    compiled = build(design)
     setter(lambda *_: None)
     try:
         with pytest.raises(ContactError, match=setter.__name__):
-            list(blocks(reducer, design))
+            list(blocks(compiled, Reducer(design)))
     finally:
         setter(None)
     assert len(simulate(sampled(short("nonpin"), STRIDE)))
@@ -234,12 +235,12 @@ def test_the_model_of_a_run_is_written_when_it_is_asked_for(monkeypatch: pytest.
 
 
 def test_timers_stand_still_in_a_run_and_go_on_after_it() -> None:
-    reducer = build(short("nonpin"))
-    data = mujoco.MjData(reducer.model)
+    compiled = build(short("nonpin"))
+    data = mujoco.MjData(compiled.model)
     with each_step.installed():
-        mujoco.mj_step(reducer.model, data)
+        mujoco.mj_step(compiled.model, data)
     assert not data.timer.duration.any()
-    mujoco.mj_step(reducer.model, data)
+    mujoco.mj_step(compiled.model, data)
     assert data.timer.duration.any()
 
 
@@ -249,7 +250,7 @@ def test_a_run_that_goes_wrong_gives_its_samples_up_to_there() -> None:
     depth = simulate(design)["penetration"]
     limit = 0.5 * float(depth.max())
     limited = override(design, [f"contact.max_penetration_um={1e6 * limit!r}"])
-    given = blocks(build(limited), limited)
+    given = blocks(build(limited), Reducer(limited))
     kept = []
     with pytest.raises(RunError, match="max_penetration_um"):
         kept.extend(block.values["/reducer"] for block in given)

@@ -23,6 +23,7 @@ from cycloid_mj.errors import CycloidError, DesignError
 from cycloid_mj.export import Spline, export, part_sections, read_stl, read_volume, step_part, stl_bytes
 from cycloid_mj.export import clearance as measured
 from cycloid_mj.export.curve import SPLINE_ERROR, Arc, Circle, Flank, Line, fit_splines, turned_curve
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import gears
 from cycloid_mj.solid import mass_properties, mesh, parts
 from cycloid_mj.solid.gear import gear_outline, profile_offset, tooth_profile
@@ -46,7 +47,7 @@ def design(request: pytest.FixtureRequest) -> Design:
 def test_meshes_read_back_by_trimesh(design: Design, file_format: str) -> None:
     """Watertight, in millimetres, and of the volume that the solid has at this chord error."""
     found = export(design, file_format, CHORD_ERROR)  # type: ignore[arg-type]
-    solids = parts(design, CHORD_ERROR)
+    solids = parts(Reducer(design), CHORD_ERROR)
     assert {name.partition(".")[0] for name in found.files} == set(solids)
     for name, content in found.files.items():
         part = trimesh.load(io.BytesIO(content), file_type=file_format, process=file_format == "stl")
@@ -56,7 +57,7 @@ def test_meshes_read_back_by_trimesh(design: Design, file_format: str) -> None:
 
 
 def test_stl_is_single_precision_of_the_mesh() -> None:
-    shape = mesh(parts(PIN, CHORD_ERROR)["shaft"])
+    shape = mesh(parts(Reducer(PIN), CHORD_ERROR)["shaft"])
     corners = read_stl(stl_bytes(shape, 1e3))
     np.testing.assert_allclose(corners, 1e3 * shape.vertices[shape.faces], rtol=0.0, atol=2e-6)
     with pytest.raises(DesignError, match="no binary STL"):
@@ -82,9 +83,9 @@ def test_the_clearance_is_what_was_asked_for(design: Design) -> None:
 
 def test_a_wrong_clearance_is_an_error() -> None:
     """The outline of a design with another clearance, measured against this one."""
-    (gear,), (housing,) = parts(LOOSE)["gear"].prisms, parts(LOOSE)["housing"].prisms
+    (gear,), (housing,) = parts(Reducer(LOOSE))["gear"].prisms, parts(Reducer(LOOSE))["housing"].prisms
     with pytest.raises(DesignError, match=r"tooth of the outline is 20 to 20 um, not the 1 um"):
-        measured.measure(NONPIN, [gear.outline, *gear.holes], housing.holes[0])
+        measured.measure(Reducer(NONPIN), [gear.outline, *gear.holes], housing.holes[0])
 
 
 def test_flank_distance_is_that_of_the_parallel_curve() -> None:
@@ -151,7 +152,7 @@ def test_dxf_sockets_and_shaft_are_arcs_and_lines() -> None:
     arcs = list(housing.query("ARC"))
     assert len(arcs) == 72
     outline = np.concatenate([curve_points(arc)[:-1] for arc in arcs])
-    (body,) = parts(PIN, 1e-8)["housing"].prisms
+    (body,) = parts(Reducer(PIN), 1e-8)["housing"].prisms
     assert area_moments(outline).area * 1e-6 == pytest.approx(area_moments(body.holes[0]).area, rel=2e-6)
     assert {entity.dxf.layer for entity in shaft} == {"journal", "counterweight", "inner_journal", "cam"}
     half_disc = np.concatenate([curve_points(entity)[:-1] for entity in shaft.query('*[layer=="counterweight"]')])
@@ -195,15 +196,15 @@ def test_modified_flanks_are_cut_as_the_solid_is() -> None:
     """Two splines a lobe where flanks are turned, closed at corners; the solid's area, the clearance asked for."""
     changes = ["modification.equidistant_um=4", "modification.pin_circle_um=-6", "modification.rotation_arcsec=40"]
     changed = override(NONPIN, changes)
-    outline = part_sections(changed)["gear"][0].loops[0]
+    outline = part_sections(Reducer(changed))["gear"][0].loops[0]
     assert len(outline) == 70
     points = [curve.points(400) for curve in outline if isinstance(curve, Spline)]
     for before, after in zip(points, [*points[1:], points[0]], strict=True):
         np.testing.assert_allclose(before[-1], after[0], rtol=0.0, atol=1e-12)
     area = area_moments(np.concatenate([stretch[:-1] for stretch in points])).area
-    (solid,) = parts(changed, 1e-8)["gear"].prisms
+    (solid,) = parts(Reducer(changed), 1e-8)["gear"].prisms
     assert area == pytest.approx(area_moments(solid.outline).area, rel=1e-6)
-    assert area < area_moments(parts(NONPIN, 1e-8)["gear"].prisms[0].outline).area
+    assert area < area_moments(parts(Reducer(NONPIN), 1e-8)["gear"].prisms[0].outline).area
     for file_format in ("stl", "dxf"):
         teeth = export(changed, file_format, CHORD_ERROR).clearances[0]  # type: ignore[arg-type]
         assert (teeth.least, teeth.most) == pytest.approx((1e-6, 1e-6), abs=measured.TOLERANCE)
@@ -225,8 +226,8 @@ def test_a_mesh_that_is_not_watertight_is_an_error_and_no_file(
 def test_an_outline_that_crosses_itself_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     """Two neighbouring vertices of the gear change places."""
 
-    def crossed(design: Design, chord_error: float) -> np.ndarray:
-        outline = gear_outline(design, chord_error).copy()
+    def crossed(reducer: Reducer, chord_error: float) -> np.ndarray:
+        outline = gear_outline(reducer, chord_error).copy()
         outline[[10, 12]] = outline[[12, 10]]
         return outline
 
@@ -236,13 +237,13 @@ def test_an_outline_that_crosses_itself_is_an_error(monkeypatch: pytest.MonkeyPa
 
 
 def test_sections_have_the_solids_heights(design: Design) -> None:
-    solids = parts(design)
-    for name, sections in part_sections(design).items():
+    solids = parts(Reducer(design))
+    for name, sections in part_sections(Reducer(design)).items():
         assert [(one.z0, one.z1) for one in sections] == [(one.z0, one.z1) for one in solids[name].prisms]
 
 
 def test_gear_splines_start_and_end_in_the_valleys() -> None:
-    outline = part_sections(PIN)["gear"][0].loops[0]
+    outline = part_sections(Reducer(PIN))["gear"][0].loops[0]
     assert len(outline) == PIN.lobes
     root, _ = profile.radii(tooth_profile(PIN))
     for spline in outline:
@@ -254,7 +255,7 @@ def test_gear_splines_start_and_end_in_the_valleys() -> None:
 @pytest.mark.slow
 def test_step_solids_have_the_parts_volumes() -> None:
     pytest.importorskip("gmsh")
-    solids = parts(NONPIN)
+    solids = parts(Reducer(NONPIN))
     for name, content in export(NONPIN, "step").files.items():
         true = mass_properties(solids[name.partition(".")[0]]).volume
         # OpenCASCADE's integral over splines is right to some 1e-5, the reference polygons to 1e-6
@@ -264,7 +265,7 @@ def test_step_solids_have_the_parts_volumes() -> None:
 def test_the_crank_of_several_discs_comes_apart_in_named_parts() -> None:
     """Its cams and its spacer fit on the shaft; in STEP they have the volumes of their solids."""
     pytest.importorskip("gmsh")
-    sections, solids = part_sections(THREE), parts(THREE)
+    sections, solids = part_sections(Reducer(THREE)), parts(Reducer(THREE))
     gears, cams = {"gear_1", "gear_2", "gear_3"}, {"cam_1", "cam_2", "cam_3"}
     assert set(sections) == set(solids) == {"housing", "shaft", "spacer", "output"} | gears | cams
     for name in ("shaft", "spacer", "cam_2", "output"):
@@ -279,7 +280,7 @@ def test_rollers_of_output_pins_are_tubes_in_every_format() -> None:
     """Where their cores are given; the pins of the output that they turn on are as thick as those."""
     pytest.importorskip("gmsh")
     design = PRESETS["printed"]
-    sections, true = part_sections(design), mass_properties(parts(design)["output_roller"]).volume
+    sections, true = part_sections(Reducer(design)), mass_properties(parts(Reducer(design))["output_roller"]).volume
     (tube,) = sections["output_roller"]
     assert [loop[0] for loop in tube.loops] == [Circle((0.0, 0.0), 4.5e-3), Circle((0.0, 0.0), 2.5e-3)]
     assert (tube.z0, tube.z1) == (-12.5e-3, 12.5e-3)
@@ -294,23 +295,23 @@ def test_step_of_a_sleeved_pinwheel_holds_its_pins() -> None:
     """The pins inside the sleeves touch nothing that is drawn: solids of their own."""
     pytest.importorskip("gmsh")
     sleeved = override(PIN, ["ring.pins=sleeved"])
-    content = step_part("housing", part_sections(sleeved)["housing"], 37)
+    content = step_part("housing", part_sections(Reducer(sleeved))["housing"], 37)
     assert content.count(b"MANIFOLD_SOLID_BREP") == 37
-    assert read_volume(content) == pytest.approx(mass_properties(parts(sleeved)["housing"]).volume, rel=1e-6)
+    assert read_volume(content) == pytest.approx(mass_properties(parts(Reducer(sleeved))["housing"]).volume, rel=1e-6)
     with pytest.raises(CycloidError, match="37 solids instead of 1"):
-        step_part("housing", part_sections(sleeved)["housing"])
+        step_part("housing", part_sections(Reducer(sleeved))["housing"])
 
 
 def test_step_is_one_solid_and_the_same_every_time() -> None:
     """The shaft, joined of four prisms, and the pinwheel; nothing else in the file, no time, no counter."""
     pytest.importorskip("gmsh")
-    sections = part_sections(PIN)
+    sections = part_sections(Reducer(PIN))
     for part in ("shaft", "housing"):
         first, second = (step_part(part, sections[part]) for _ in range(2))
         assert first == second
         assert first.startswith(b"ISO-10303-21;")
         assert first.count(b"MANIFOLD_SOLID_BREP") == 1
-        assert read_volume(first) == pytest.approx(mass_properties(parts(PIN)[part]).volume, rel=1e-6)
+        assert read_volume(first) == pytest.approx(mass_properties(parts(Reducer(PIN))[part]).volume, rel=1e-6)
 
 
 @pytest.mark.parametrize("file_format", ["stl", "dxf"])
@@ -319,7 +320,9 @@ def test_the_command_writes_the_parts(file_format: str, tmp_path: Path, capsys: 
     arguments = ["export", "--design", "pin", "--format", file_format, "--chord-error-um", "5", "--out", str(out)]
     assert main([*arguments, "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
-    assert sorted(told["files"]) == sorted(str(out / f"{part}.{file_format}") for part in parts(PIN, CHORD_ERROR))
+    assert sorted(told["files"]) == sorted(
+        str(out / f"{part}.{file_format}") for part in parts(Reducer(PIN), CHORD_ERROR)
+    )
     assert {path.name: path.read_bytes() for path in out.iterdir()} == export(PIN, file_format, CHORD_ERROR).files  # type: ignore[arg-type]
     assert told["clearances"][0] == pytest.approx(
         {"pair": "pin_gear", "asked": 1e-6, "least": 1e-6, "most": 1e-6}, abs=2e-8

@@ -10,6 +10,7 @@ import pytest
 
 from cycloid_mj.design import PRESETS
 from cycloid_mj.mechanism import gaps as unspoiled
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.validation import balance, mechanism
 
 SCRIPT = Path(__file__).resolve().parents[1] / "scripts" / "flip_signs.py"
@@ -75,7 +76,7 @@ def test_a_module_is_loaded_with_its_sign_flipped(monkeypatch) -> None:
     module = importlib.util.module_from_spec(spec)
     monkeypatch.setitem(sys.modules, spec.name, module)
     spec.loader.exec_module(module)
-    ours, spoiled = (gaps(PRESETS["pin"], 1.9) for gaps in (unspoiled.gaps, module.gaps))
+    ours, spoiled = (gaps(Reducer(PRESETS["pin"]), 1.9) for gaps in (unspoiled.gaps, module.gaps))
     assert abs(ours.width - (ours.room + ours.distance)).max() == 0.0
     assert abs(spoiled.width - (spoiled.room - spoiled.distance)).max() == 0.0
 

@@ -11,6 +11,7 @@ from cycloid_mj.engine import Engine
 from cycloid_mj.errors import DesignError, UsageError
 from cycloid_mj.explore import optimize, sweep
 from cycloid_mj.explore.followers import followed, following
+from cycloid_mj.mechanism.whole import Reducer
 
 PIN = PRESETS["pin"]
 HERE = Engine(1)
@@ -19,8 +20,8 @@ HOLE = "output.hole_radius_mm=output.pin_radius_mm+gear.eccentricity_mm"
 
 def at(changes: dict[str, float], *given: str) -> dict[str, float]:
     """Values of the keys that follow at a point."""
-    followers = following(PIN, given, changes)
-    design = followed(PIN, override(PIN, changes), followers)
+    followers = following(Reducer(PIN), given, changes)
+    design = followed(Reducer(PIN), Reducer(override(PIN, changes)), followers)
     return {one.key: value_of(design, one.key) for one in followers}
 
 
@@ -47,8 +48,10 @@ def test_later_keys_stand_on_earlier_ones() -> None:
 def test_two_keys_know_how_they_follow() -> None:
     """A hole keeps the room of the start, the drive's torque the rated torque on the output."""
     wide = override(PIN, {"output.hole_radius_mm": 5.3})
-    (hole,) = following(wide, "output.hole_radius_mm", ["gear.eccentricity_mm"])
-    assert value_of(hole.at(wide, override(wide, {"gear.eccentricity_mm": 0.8})), hole.key) == pytest.approx(5.1)
+    (hole,) = following(Reducer(wide), "output.hole_radius_mm", ["gear.eccentricity_mm"])
+    assert value_of(
+        hole.at(Reducer(wide), Reducer(override(wide, {"gear.eccentricity_mm": 0.8}))), hole.key
+    ) == pytest.approx(5.1)
     assert at({"ring.teeth": 31}, "drive.torque_nm")["drive.torque_nm"] == pytest.approx(PIN.rated_torque / 30.0)
 
 
@@ -93,7 +96,7 @@ def test_an_optimisation_takes_formulas_over_its_own_rules() -> None:
 )
 def test_wrong_wishes_are_refused(given: str, message: str) -> None:
     with pytest.raises(UsageError, match=message):
-        following(PIN, given, ["gear.eccentricity_mm"])
+        following(Reducer(PIN), given, ["gear.eccentricity_mm"])
 
 
 def test_the_command_has_the_same_words(tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ from cycloid_mj.contact.working import working_force
 from cycloid_mj.course import initial_state
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.errors import DesignError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build
 from cycloid_mj.run import reducer_model, simulate
 
@@ -22,15 +23,15 @@ IMPACT = ('contact.law="impact"', "settings.timestep_us=1", "drive.ramp_s=0", "d
 @pytest.mark.parametrize("preset", ["pin", "nonpin"])
 def test_every_contact_bears_what_the_law_says(preset):
     design = override(PRESETS[preset], IMPACT)
-    law = impact_of(design)
+    law = impact_of(Reducer(design))
     assert law is not None
-    reducer = build(design)
-    index = pair_index(reducer.model, reducer.pairs)
-    data = initial_state(reducer, design)
+    reduced = build(design)
+    index = pair_index(reduced.model, reduced.pairs)
+    data = initial_state(reduced, Reducer(design))
     # the gear aside and turned: teeth, cam and holes overlap by some um, and close with some mm/s
     data.joint("gear_x").qpos[0] += 12e-6
     data.joint("gear_x").qvel[0] += 0.05
-    step = EachStep(reducer.model, data, index, impacts=[law] * len(reducer.pairs))
+    step = EachStep(reduced.model, data, index, impacts=[law] * len(reduced.pairs))
     step.command(np.array([data.ctrl]))
     with collider.installed(), each_step.installed():
         step.advance(1)
@@ -52,16 +53,16 @@ def test_a_run_without_the_law_is_left_as_it_is():
 
 
 def test_the_parameters_are_those_of_the_file():
-    law = impact_of(override(PRESETS["pin"], ['contact.law="impact"']))
+    law = impact_of(Reducer(override(PRESETS["pin"], ['contact.law="impact"'])))
     assert law is not None
     assert spring(1e-3, law.stiffness, law.exponent) == pytest.approx(1e5)
     assert damper(1e-3, law.damping, law.depth) == pytest.approx(1e4)
     assert damper(0.5e-4, law.damping, law.depth) == pytest.approx(5e3)
     assert (spring(-1e-6, law.stiffness, law.exponent), damper(0.0, law.damping, law.depth)) == (0.0, 0.0)
-    other = impact_of(override(PRESETS["pin"], ['contact.law="impact"', "contact.impact_exponent=1.5"]))
+    other = impact_of(Reducer(override(PRESETS["pin"], ['contact.law="impact"', "contact.impact_exponent=1.5"])))
     assert other is not None
     assert spring(1e-3, other.stiffness, other.exponent) == pytest.approx(1e5)
-    assert impact_of(PRESETS["pin"]) is None
+    assert impact_of(Reducer(PRESETS["pin"])) is None
 
 
 def test_two_contacts_in_series_share_the_depth():
@@ -71,7 +72,7 @@ def test_two_contacts_in_series_share_the_depth():
     assert both.damping_ratio(50.0, 0.1) == pytest.approx(law.damping_ratio(50.0, 0.1) / 2.0**0.5)
     assert damper(8e-5, both.damping, both.depth) == pytest.approx(0.5 * damper(4e-5, law.damping, law.depth))
     design = override(PRESETS["pin"], ['contact.law="impact"', 'ring.pins="massless"'])
-    found, seat = impact_of(design, "pin_gear"), impact_of(design, "cam")
+    found, seat = impact_of(Reducer(design), "pin_gear"), impact_of(Reducer(design), "cam")
     assert found is not None
     assert seat is not None
     assert found == seat.in_series()
@@ -79,11 +80,11 @@ def test_two_contacts_in_series_share_the_depth():
 
 def test_elsewhere_the_law_is_its_secant_at_the_working_force():
     design = override(PRESETS["pin"], ['contact.law="impact"', "load.torque_nm=36.68"])
-    law = impact_of(design)
+    law = impact_of(Reducer(design))
     assert law is not None
     for kind in design.pair_kinds:
-        force = working_force(design, kind)
-        assert pair_stiffness(design, kind) * law.depth_under(force) == pytest.approx(force)
+        force = working_force(Reducer(design), kind)
+        assert pair_stiffness(Reducer(design), kind) * law.depth_under(force) == pytest.approx(force)
 
 
 @pytest.mark.parametrize(
@@ -102,7 +103,7 @@ def test_a_second_law_is_refused(change, named):
 
 def test_meshes_do_not_take_the_law():
     with pytest.raises(DesignError, match="--contact profile"):
-        reducer_model(override(PRESETS["nonpin"], IMPACT), "mesh")
+        reducer_model(Reducer(override(PRESETS["nonpin"], IMPACT)), "mesh")
 
 
 @pytest.mark.slow

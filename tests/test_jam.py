@@ -11,6 +11,7 @@ from cycloid_mj.contact.jam import JAMMED, STALLING, jamming_power, means_of_las
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import RunError
 from cycloid_mj.log import read
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.run import simulate
 
 KINDS = ("pin_gear", "pin_socket", "cam", "output", "cam_rolling", "output_rolling")
@@ -58,11 +59,13 @@ def test_a_jam_is_told_from_the_rated_torque_or_a_larger_load() -> None:
     pin = PRESETS["pin"]
     speed, rated = pin.drive.speed, pin.drive.torque
     for idle in ("0", "1"):
-        assert jamming_power(override(pin, [f"load.torque_nm={idle}"])) == pytest.approx(STALLING * rated * speed)
-    assert jamming_power(override(pin, ["load.torque_nm=36.68"])) == pytest.approx(JAMMED * rated * speed)
+        assert jamming_power(Reducer(override(pin, [f"load.torque_nm={idle}"]))) == pytest.approx(
+            STALLING * rated * speed
+        )
+    assert jamming_power(Reducer(override(pin, ["load.torque_nm=36.68"]))) == pytest.approx(JAMMED * rated * speed)
     larger = override(pin, ["load.torque_nm=100"])
-    assert jamming_power(larger) == pytest.approx(JAMMED * 100.0 / 35.0 * speed)
-    assert jamming_power(override(pin, ["drive.speed_rpm=0"])) == math.inf
+    assert jamming_power(Reducer(larger)) == pytest.approx(JAMMED * 100.0 / 35.0 * speed)
+    assert jamming_power(Reducer(override(pin, ["drive.speed_rpm=0"]))) == math.inf
 
 
 def test_a_jam_is_told_by_the_mean_of_a_mesh_across_blocks() -> None:

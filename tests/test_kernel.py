@@ -31,6 +31,7 @@ from cycloid_mj.mechanism.kernel import (
     state,
     state_after,
 )
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.validation.displaced import exact_gaps, held_back
 
 CRANK = 1.9
@@ -50,7 +51,7 @@ def springs(name: str, *changes: str, crank: tuple[float, ...] = (CRANK,), frict
     """Give the springs of a design with errors in all parts."""
     made = ("errors.seed=4", "errors.hole_position_um=1.0", "errors.eccentricity_um=1.5", "errors.cam_position_um=0.7")
     design = override(design_of(name), [*made, *changes])
-    return springs_of(design.but(clearance=dict.fromkeys(design.pair_kinds, 1e-6)), crank, friction).contacts
+    return springs_of(Reducer(design.but(clearance=dict.fromkeys(design.pair_kinds, 1e-6))), crank, friction).contacts
 
 
 def rubbed(name: str, held: Held) -> tuple[loaded.Springs, Rubbing]:
@@ -58,8 +59,8 @@ def rubbed(name: str, held: Held) -> tuple[loaded.Springs, Rubbing]:
     design = design_of(name)
     pairs = design.pair_kinds
     design = design.but(clearance=dict.fromkeys(pairs, 1e-6), friction=dict.fromkeys(pairs, 0.15), drive={"speed": 0.0})
-    found = springs_of(design, [CRANK], friction=False)
-    return found, rubbing_of(design, found.contacts, CRANK, Losses(drag=1.0, travel=1e-4, material=0.1), held)
+    found = springs_of(Reducer(design), [CRANK], friction=False)
+    return found, rubbing_of(Reducer(design), found.contacts, CRANK, Losses(drag=1.0, travel=1e-4, material=0.1), held)
 
 
 def pose(contacts: Springs, size: float) -> np.ndarray:
@@ -90,13 +91,13 @@ def test_far_from_their_places_teeth_press_by_exact_gaps(name: str, size: float)
     """Discs that are displaced as far as wide clearances let them, and the output turned against them."""
     design = override(design_of(name), ["structure=rigid"])
     design = design.but(clearance=dict.fromkeys(design.pair_kinds, 0.9 * size))
-    contacts = springs_of(design, [CRANK], friction=False).contacts
+    contacts = springs_of(Reducer(design), [CRANK], friction=False).contacts
     teeth = contacts.turning.sum()
     for angle in np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False):
         z = np.zeros(contacts.slope.shape[2])
         z[:-1:3], z[1:-1:3] = size * np.cos(angle), size * np.sin(angle)
         z[2:-1:3] = 0.7 * size
-        exact = exact_gaps(design, CRANK, z)[:teeth] + design.pin_play
+        exact = exact_gaps(Reducer(design), CRANK, z)[:teeth] + design.pin_play
         found = np.array([gap(contacts, 0, i, z).width for i in range(teeth)])
         np.testing.assert_allclose(np.minimum(found, 0.0), np.minimum(exact, 0.0), rtol=0.0, atol=2e-9)
         holes = np.array([gap(contacts, 0, i, z).width for i in range(teeth, contacts.disc.size)])
@@ -150,8 +151,8 @@ def test_figures_of_a_sample_are_those_of_its_balances() -> None:
     design = override(design_of("2"), made)
     design = design.but(stiffness=dict.fromkeys(design.pair_kinds, 3e8))
     cranks = np.linspace(0.0, 2.0 * np.pi, 4, endpoint=False)
-    found = solve_samples(design, alike(design, 1), [36.0], cranks.size)[0]
-    alone = loads(design, springs_of(design, cranks, friction=False), 36.0)
+    found = solve_samples(Reducer(design), alike(Reducer(design), 1), [36.0], cranks.size)[0]
+    alone = loads(Reducer(design), springs_of(Reducer(design), cranks, friction=False), 36.0)
     for name, exact in (
         ("gear_mean", alone.gear_turn.mean()),
         ("gear_range", np.ptp(alone.gear_turn)),
@@ -334,7 +335,7 @@ def test_what_was_searched_before_leaves_a_slow_search_its_time() -> None:
 def test_a_tooth_that_rests_where_its_foot_point_begins_to_be_looked_for_is_searched_again() -> None:
     """At this torque its force is too small on one side of the step of its width and too large beyond it."""
     design = PRESETS["pin"].but(clearance=dict.fromkeys(PRESETS["pin"].pair_kinds, 4e-6))
-    found = springs_of(design, [3.37], friction=False)
+    found = springs_of(Reducer(design), [3.37], friction=False)
     load = found.load(11.288784096638361)
     z, force = np.zeros_like(load), np.zeros(found.contacts.distance.shape)
     z[:, :2] = found.contacts.cam_place[:, 0]

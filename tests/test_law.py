@@ -25,6 +25,7 @@ from cycloid_mj.contact.working import STRIBECK, working_force
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import ContactError
 from cycloid_mj.mechanism.reducer import Role
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build
 from cycloid_mj.mjcf.laws import contact_laws
 
@@ -129,21 +130,21 @@ def test_an_impossible_impedance_is_refused() -> None:
 @pytest.mark.parametrize("torque", [1.0, 36.68])
 def test_friction_is_centred_in_the_step_or_more_and_leads_its_sliding_by_little(name: str, torque: float) -> None:
     design = PRESETS[name].but(load={"torque": torque})
-    laws, ratio, step = contact_laws(design), build(design).model.opt.impratio, steps.timestep(design)
+    laws, ratio, step = contact_laws(Reducer(design)), build(design).model.opt.impratio, steps.timestep(Reducer(design))
     rubbing = [law for law in laws.values() if law.friction]
     assert all(ratio * law.added_mass >= 0.4999 * law.creep * step for law in rubbing)
     assert all(law.friction**2 / ratio <= 1.0001 * COUPLED for law in rubbing)
-    assert 0.0 < max(leads(design, laws, ratio).values()) < 0.02
+    assert 0.0 < max(leads(Reducer(design), laws, ratio).values()) < 0.02
 
 
 @pytest.mark.parametrize(("name", "first", "most"), [("nonpin", "tooth", 0.15), ("pin", "pin_socket", 0.05)])
 def test_stock_friction_leads_its_sliding_no_more_than_allowed(name: str, first: str, most: float) -> None:
     light, rated = (PRESETS[name].but(load={"torque": torque}) for torque in (1.0, 36.68))
-    laws = contact_laws(light)
-    found = leads(light, laws, stock_impratio(light, [laws]))
+    laws = contact_laws(Reducer(light))
+    found = leads(Reducer(light), laws, stock_impratio(Reducer(light), [laws]))
     assert found[first] == pytest.approx(most, rel=1e-9)
     assert max(found.values()) < 0.151
-    assert stock_impratio(rated, [contact_laws(rated)]) == IMPRATIO
+    assert stock_impratio(Reducer(rated), [contact_laws(Reducer(rated))]) == IMPRATIO
 
 
 def test_a_crank_that_stands_has_friction_as_firm_as_can_be() -> None:
@@ -175,7 +176,7 @@ def with_pair(kind: str, *changes: str) -> Design:
 
 
 def laws_of(design: Design) -> dict[str, ContactLaw]:
-    return contact_laws(design)
+    return contact_laws(Reducer(design))
 
 
 def others(kind: str, before: Design, after: Design) -> None:
@@ -187,7 +188,7 @@ def others(kind: str, before: Design, after: Design) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_each_pair_has_a_stiffness_of_its_own(kind: str) -> None:
     before, after = with_pair(kind), with_pair(kind, f"stiffness.{kind}_n_m=1.5e8")
-    assert pair_stiffness(before, kind) != 1.5e8
+    assert pair_stiffness(Reducer(before), kind) != 1.5e8
     assert laws_of(after)[kind].stiffness == 1.5e8
     others(kind, before, after)
 
@@ -195,7 +196,7 @@ def test_each_pair_has_a_stiffness_of_its_own(kind: str) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_each_pair_has_a_damping_of_its_own(kind: str) -> None:
     before, after = with_pair(kind), with_pair(kind, f"damping.{kind}=0.1")
-    assert (damping_ratio(before, kind), damping_ratio(after, kind)) == (0.5, 0.1)
+    assert (damping_ratio(Reducer(before), kind), damping_ratio(Reducer(after), kind)) == (0.5, 0.1)
     assert laws_of(after)[kind].damping == pytest.approx(0.2 * laws_of(before)[kind].damping, rel=1e-12)
     others(kind, before, after)
 
@@ -205,36 +206,38 @@ def test_each_pair_has_a_working_force_of_its_own(kind: str) -> None:
     before, after = (
         with_pair(kind, "contact.working_force_n=100", *own) for own in ([], [f"working_force.{kind}_n=400"])
     )
-    assert working_force(after, kind) == 400.0
+    assert working_force(Reducer(after), kind) == 400.0
     others(kind, before, after)
     # The secant stiffness pi E* L / (a + ln kappa) falls by the logarithm of the force in a.
     modulus = statics.contact_modulus(210e9, 0.28)
-    compliance = [math.pi * modulus * 10e-3 / curvature_law(d, kind).stiffness for d in (before, after)]
+    compliance = [math.pi * modulus * 10e-3 / curvature_law(Reducer(d), kind).stiffness for d in (before, after)]
     roller = 400.0 * STRIBECK / 20 if kind == "cam" else 400.0
     assert compliance[0] - compliance[1] == pytest.approx(math.log(roller / 100.0), rel=1e-9)
 
 
 def test_teeth_follow_their_own_stiffness_and_force() -> None:
     """The collider's law of the teeth, and the gap below which lines are one patch, follow the tooth pair's keys."""
-    law = curvature_law(with_pair("tooth", "stiffness.tooth_n_m=2e8", "working_force.tooth_n=50"))
+    law = curvature_law(Reducer(with_pair("tooth", "stiffness.tooth_n_m=2e8", "working_force.tooth_n=50")))
     assert (law.stiffness, law.deflection) == (2e8, 50.0 / 2e8)
     # Those of the pins do not reach an internal gear.
-    assert curvature_law(with_pair("tooth", "stiffness.pin_gear_n_m=2e8")) == curvature_law(with_pair("tooth"))
+    assert curvature_law(Reducer(with_pair("tooth", "stiffness.pin_gear_n_m=2e8"))) == curvature_law(
+        Reducer(with_pair("tooth"))
+    )
 
 
 def test_a_stiffness_for_all_is_that_of_a_pin_on_a_flat() -> None:
     design = with_pair("pin_gear", "contact.stiffness_n_m=1e8", "contact.working_force_n=100")
-    assert pair_stiffness(design, "pin_gear") == 1e8
-    assert pair_stiffness(design, "cam") == pytest.approx(1e8 * 20 / (2 * STRIBECK), rel=1e-12)
-    assert pair_stiffness(design, "pin_socket") == pytest.approx(2e8, rel=1e-12)
+    assert pair_stiffness(Reducer(design), "pin_gear") == 1e8
+    assert pair_stiffness(Reducer(design), "cam") == pytest.approx(1e8 * 20 / (2 * STRIBECK), rel=1e-12)
+    assert pair_stiffness(Reducer(design), "pin_socket") == pytest.approx(2e8, rel=1e-12)
 
 
 def test_one_working_force_may_be_given_for_all_pairs() -> None:
     design = with_pair("pin_gear", "contact.working_force_n=70")
-    assert {working_force(design, kind) for kind in KINDS if kind != "cam"} == {70.0}
+    assert {working_force(Reducer(design), kind) for kind in KINDS if kind != "cam"} == {70.0}
     # Its most loaded roller bears 70 N, or ideal load sharing asks N/4 of it of a plain cam.
-    assert working_force(design, "cam") == pytest.approx(70.0 * 20 / STRIBECK, rel=1e-12)
-    assert working_force(override(design, ["gear.bearing=plain"]), "cam") == 70.0 * 36 / 4
+    assert working_force(Reducer(design), "cam") == pytest.approx(70.0 * 20 / STRIBECK, rel=1e-12)
+    assert working_force(Reducer(override(design, ["gear.bearing=plain"])), "cam") == 70.0 * 36 / 4
 
 
 def test_rollers_have_a_friction_of_their_own() -> None:
@@ -254,13 +257,17 @@ def test_rollers_have_a_friction_of_their_own() -> None:
 def test_a_plain_cam_is_a_conformal_bearing() -> None:
     design = with_pair("cam", "gear.bearing=plain", "contact.working_force_n=100")
     modulus = statics.contact_modulus(210e9, 0.28)
-    assert pair_stiffness(design, "cam") == statics.conformal_stiffness(900.0, 10e-3, modulus, 1e-6)
+    assert pair_stiffness(Reducer(design), "cam") == statics.conformal_stiffness(900.0, 10e-3, modulus, 1e-6)
     # It is stiffer than the rollers, and no stiffer than a bearing without play.
-    assert pair_stiffness(with_pair("cam"), "cam") < pair_stiffness(design, "cam") < math.pi / 2 * modulus * 10e-3
+    assert (
+        pair_stiffness(Reducer(with_pair("cam")), "cam")
+        < pair_stiffness(Reducer(design), "cam")
+        < math.pi / 2 * modulus * 10e-3
+    )
 
 
 def test_a_working_force_beyond_a_line_contact_is_told_by_its_key() -> None:
     with pytest.raises(ContactError, match=r"^working_force\.output_n "):
-        curvature_law(with_pair("output", "working_force.output_n=1e6", "gear.face_width_mm=0.1"), "output")
+        curvature_law(Reducer(with_pair("output", "working_force.output_n=1e6", "gear.face_width_mm=0.1")), "output")
     with pytest.raises(ContactError, match=r"^contact\.working_force_n "):
-        curvature_law(with_pair("output", "contact.working_force_n=1e6", "gear.face_width_mm=0.1"), "output")
+        curvature_law(Reducer(with_pair("output", "contact.working_force_n=1e6", "gear.face_width_mm=0.1")), "output")

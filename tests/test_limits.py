@@ -12,6 +12,7 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.deviations import deviations
 from cycloid_mj.kinematics import gear_centre
 from cycloid_mj.mechanism.limits import Fit, best_fit, stops
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.types import Array
 from cycloid_mj.validation.displaced import cam_ways, exact_gaps, in_workshop
@@ -43,7 +44,7 @@ def test_the_output_stops_where_the_pin_with_the_longest_arm_touches(crank: floa
     clockwise = 2.0 * np.pi * np.arange(7) / 7 + crank / design.lobes
     pins = design.output.pin_circle_radius * profile.unit(clockwise)
     arm = pins[:, 0] * out[1] - pins[:, 1] * out[0]
-    low, high = stops(design, crank)
+    low, high = stops(Reducer(design), crank)
     assert (low, high) == pytest.approx((-play / arm.max(), -play / arm.min()), rel=1e-4)
     assert abs(low + high) > 0.01 * high
 
@@ -53,14 +54,14 @@ def test_to_rigid_parts_a_pin_that_moves_is_a_fixed_one_with_the_play_of_both(de
     made = override(design, [one for one in ERRORS if "radius" not in one])
     moving = with_clearances(made, 2e-6, **{design.seat_pair: 3e-6})
     fixed = with_clearances(override(made, ["ring.pins=fixed"]), 2e-6, pin_gear=5e-6)
-    assert stops(moving, CRANK) == pytest.approx(stops(fixed, CRANK), rel=1e-9)
+    assert stops(Reducer(moving), CRANK) == pytest.approx(stops(Reducer(fixed), CRANK), rel=1e-9)
 
 
 def gaps_of_fit(design: Design, crank: float, fit: Fit, pins: Array | float = 0.0) -> tuple[Array, Array]:
     """Give the gaps of teeth and output pins, and those of cams [m], of parts that stand as a fit tells."""
-    seen, z = in_workshop(design, crank, fit.shift, fit.gear_turn, fit.output_turn)
-    cams = design.clearance.cam - np.linalg.norm(cam_ways(design, seen, z), axis=1)
-    return exact_gaps(design, seen, z, pins), cams
+    seen, z = in_workshop(Reducer(design), crank, fit.shift, fit.gear_turn, fit.output_turn)
+    cams = design.clearance.cam - np.linalg.norm(cam_ways(Reducer(design), seen, z), axis=1)
+    return exact_gaps(Reducer(design), seen, z, pins), cams
 
 
 @pytest.mark.parametrize("member", ["carrier", "ring"])
@@ -68,7 +69,7 @@ def gaps_of_fit(design: Design, crank: float, fit: Fit, pins: Array | float = 0.
 def test_the_least_gap_of_the_best_fit_is_its_room(discs: int, member: str) -> None:
     design = override(PRESETS["pin"], [*ERRORS, "ring.pins=fixed", f"gear.discs={discs}", f"output.member={member}"])
     design = with_clearances(design, 4e-6)
-    fit = best_fit(design, CRANK)
+    fit = best_fit(Reducer(design), CRANK)
     assert abs(fit.output_turn) > 8e-6, "the output is not where it would be anyhow"
     # The polygon around a cam's play has sixteen sides: it is larger than the circle by up to 2 %.
     assert np.concatenate(gaps_of_fit(design, CRANK, fit)).min() == pytest.approx(
@@ -80,7 +81,7 @@ def test_a_pin_that_gives_way_stands_in_the_middle_of_its_room() -> None:
     """As far from the nearer disc as from the wall of its socket."""
     design = override(unlike("few"), [*ERRORS, "gear.discs=2"])
     design = with_clearances(design, 0.5e-6, pin_socket=4e-6)
-    fit = best_fit(design, CRANK)
+    fit = best_fit(Reducer(design), CRANK)
     moved, pins = np.any(fit.pin_shift, axis=1), design.ring.teeth
     assert moved.any()
     ahead = gaps_of_fit(design, CRANK, fit, fit.pin_shift)[0][: 2 * pins].reshape(2, pins).min(axis=0)
@@ -92,6 +93,6 @@ def test_a_pin_that_gives_way_stands_in_the_middle_of_its_room() -> None:
 def test_a_pin_in_the_way_of_two_discs_moves_no_farther_than_for_one(crank: float) -> None:
     """The topmost pin stands 3 um too deep, on a tip of one disc and in a valley of the other: both push it up."""
     one = with_clearances(override(PRESETS["pin"], ["errors.pin_y_um={1=-3.0}"]), 1e-6, cam=TIGHT, output=TIGHT)
-    alone, both = (best_fit(design, crank).pin_shift[0] for design in (one, override(one, ["gear.discs=2"])))
+    alone, both = (best_fit(Reducer(design), crank).pin_shift[0] for design in (one, override(one, ["gear.discs=2"])))
     assert alone[1] > 1e-6
     assert both == pytest.approx(alone, abs=1e-12)

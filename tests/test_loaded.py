@@ -13,6 +13,7 @@ from cycloid_mj.loaded.springs import turn_evenly
 from cycloid_mj.measure import play
 from cycloid_mj.measure.loads import loads
 from cycloid_mj.mechanism.kernel import gap
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.validation import equilibrium, rig
 
 DESIGNS = {**PRESETS, **{name: unlike(name) for name in UNLIKE}}
@@ -26,8 +27,8 @@ SIMULATED = {"pin": (154.0, 954, 1414, 1231, 28.1, 0.8805), "nonpin": (155.3, 90
 
 
 def carried(design: Design, torque: float | None = None) -> tuple[loaded.Springs, loaded.Loads]:
-    springs = loaded.springs_of(design)
-    return springs, loaded.loads(design, springs, design.rated_torque if torque is None else torque)
+    springs = loaded.springs_of(Reducer(design))
+    return springs, loaded.loads(Reducer(design), springs, design.rated_torque if torque is None else torque)
 
 
 @pytest.mark.parametrize("name", SIMULATED)
@@ -38,8 +39,10 @@ def test_figures_are_those_of_the_simulation_within_two_percent(name):
     assert loaded.peak_force(found, design.tooth_pair) == pytest.approx(tooth, rel=0.02)
     assert loaded.peak_force(found, "output") == pytest.approx(output, rel=0.02)
     assert loaded.peak_force(found, "cam") == pytest.approx(cam, rel=0.02)
-    assert loaded.peak_pressure(design, springs, found, design.tooth_pair) == pytest.approx(1e6 * pressure, rel=0.02)
-    assert loaded.yield_torque(design, springs, design.tooth_pair, 30.0) == pytest.approx(first, rel=0.02)
+    assert loaded.peak_pressure(Reducer(design), springs, found, design.tooth_pair) == pytest.approx(
+        1e6 * pressure, rel=0.02
+    )
+    assert loaded.yield_torque(Reducer(design), springs, design.tooth_pair, 30.0) == pytest.approx(first, rel=0.02)
     ahead = -np.stack([np.cos(springs.crank), np.sin(springs.crank)], axis=1)
     # the crank works against the cam's force on the eccentric, and against the friction of its bearing
     held = np.sum(found.cam[:, 0] * ahead, axis=1).mean() * design.gear.eccentricity
@@ -54,8 +57,8 @@ def test_peak_forces_of_other_designs_are_those_of_the_simulation(name):
     # of the printed one, whose clearances are wide and whose gears swing in them, the cam is 7 % off
     bound = 0.1 if name == "printed" else 0.05
     measured = loads(design, quick=True)
-    springs = loaded.springs_of(design, measured.runs["loaded"]["crank_angle"][::20])
-    found = loaded.loads(design, springs, design.rated_torque)
+    springs = loaded.springs_of(Reducer(design), measured.runs["loaded"]["crank_angle"][::20])
+    found = loaded.loads(Reducer(design), springs, design.rated_torque)
     for kind in design.pair_kinds:
         assert loaded.peak_force(found, kind) == pytest.approx(
             measured.quantities[f"{kind}_peak_force"].value, rel=bound
@@ -69,9 +72,9 @@ SLOW = [pytest.param(name, marks=pytest.mark.slow) for name in ("light", "large"
 def test_without_friction_it_is_the_independent_equilibrium(name):
     design = override(DESIGNS[name], [*STILL, *SMOOTH, f"load.torque_nm={DESIGNS[name].rated_torque!r}"])
     springs, found = carried(design)
-    stiffness = {kind: pair_stiffness(design, kind) for kind in design.pair_kinds}
+    stiffness = {kind: pair_stiffness(Reducer(design), kind) for kind in design.pair_kinds}
     for row in (3, 20):
-        other = equilibrium.solve(design, stiffness, float(springs.crank[row]))
+        other = equilibrium.solve(Reducer(design), stiffness, float(springs.crank[row]))
         largest = np.linalg.norm(other.ring_forces, axis=1).max()
         assert found.teeth[row].max() == pytest.approx(largest, rel=0.02)
         assert found.cam[row, 0] == pytest.approx(other.cam_force, abs=0.01 * np.linalg.norm(other.cam_force))
@@ -81,8 +84,10 @@ def test_without_friction_it_is_the_independent_equilibrium(name):
 def test_a_larger_free_pin_closes_its_gap_and_its_socket() -> None:
     larger = "errors.pin_dr_um={9 = 0.9}"
     design = override(PRESETS["pin"], [*STILL, *SMOOTH, larger, f"load.torque_nm={PRESETS['pin'].rated_torque!r}"])
-    found = loaded.loads(design, loaded.springs_of(design, 2.0), design.rated_torque)
-    other = equilibrium.solve(design, {kind: pair_stiffness(design, kind) for kind in design.pair_kinds}, 2.0)
+    found = loaded.loads(Reducer(design), loaded.springs_of(Reducer(design), 2.0), design.rated_torque)
+    other = equilibrium.solve(
+        Reducer(design), {kind: pair_stiffness(Reducer(design), kind) for kind in design.pair_kinds}, 2.0
+    )
     # without the larger radius it carries 44 N, with its gap alone 121 N
     assert found.teeth[0, 8] == pytest.approx(np.linalg.norm(other.ring_forces[8]), rel=1e-3)
     assert found.teeth[0, 8] > 250.0
@@ -91,12 +96,15 @@ def test_a_larger_free_pin_closes_its_gap_and_its_socket() -> None:
 @pytest.mark.parametrize("name", DESIGNS)
 def test_under_next_to_no_load_the_output_turns_by_its_backlash(name):
     design = override(DESIGNS[name], [*STILL, *SMOOTH])
-    springs = loaded.springs_of(design, turn_evenly(7))
+    springs = loaded.springs_of(Reducer(design), turn_evenly(7))
     small = 1e-5 * design.rated_torque
-    width = loaded.loads(design, springs, small).output_turn - loaded.loads(design, springs, -small).output_turn
+    width = (
+        loaded.loads(Reducer(design), springs, small).output_turn
+        - loaded.loads(Reducer(design), springs, -small).output_turn
+    )
     # Limits are linear in the clearances, the balance follows the curves; exact gaps lie between, 0.4 % from either.
     wide = {"printed": 1.2e-2, "few": 2e-3}
-    assert width == pytest.approx(play.total(design, springs.crank), rel=wide.get(name, 1e-3))
+    assert width == pytest.approx(play.total(Reducer(design), springs.crank), rel=wide.get(name, 1e-3))
 
 
 @pytest.mark.parametrize("name", DESIGNS)

@@ -17,6 +17,7 @@ from PIL import Image
 from cycloid_mj.cli import animate, main, render
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.log import LogWriter, load, read
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build
 from cycloid_mj.mjcf.model import xml
 from cycloid_mj.plots import animation, movie
@@ -180,7 +181,7 @@ def test_log_without_a_design_is_repaired_without_a_scene(tmp_path):
 
 def test_layout_is_json_for_foxglove(path):
     code, out, _ = told("log", "layout", path)
-    assert (code, json.loads(out)) == (0, json.loads(json.dumps(layout(DESIGN))))
+    assert (code, json.loads(out)) == (0, json.loads(json.dumps(layout(Reducer(DESIGN)))))
 
 
 @pytest.mark.slow

@@ -17,6 +17,7 @@ from cycloid_mj.loaded import loads as carried
 from cycloid_mj.loaded import springs_of
 from cycloid_mj.loaded.sheet import sheet
 from cycloid_mj.measure.measurement import Measurement
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.rating.duty import steady
 from cycloid_mj.rating.items import rate
 from cycloid_mj.solid import mass_properties, parts
@@ -80,9 +81,9 @@ def test_wrong_materials_are_refused(changes: list[str], message: str) -> None:
 def test_one_material_named_for_every_part_changes_nothing() -> None:
     apart = override(PIN, {f"{part}_material.name": DEFAULT for part in PARTS})
     for kind in PARTNERS:
-        assert pair_modulus(apart, kind) == pair_modulus(PIN, kind)
+        assert pair_modulus(Reducer(apart), kind) == pair_modulus(Reducer(PIN), kind)
         if kind != "pin_sleeve":
-            assert pair_stiffness(apart, kind) == pair_stiffness(PIN, kind)
+            assert pair_stiffness(Reducer(apart), kind) == pair_stiffness(Reducer(PIN), kind)
 
 
 @pytest.mark.parametrize("kind", PARTNERS)
@@ -90,9 +91,9 @@ def test_the_modulus_of_a_pair_is_that_of_springs_in_series(kind: str) -> None:
     soft = override(PIN, {"gear_material.name": "POM"})
     one, other = soft.partners(kind)
     flexibility = sum((1.0 - part.poisson**2) / part.youngs_modulus for part in (one, other))
-    assert pair_modulus(soft, kind) == pytest.approx(1.0 / flexibility, rel=1e-12)
-    assert ("gear" in PARTNERS[kind]) == (pair_modulus(soft, kind) < 0.1 * pair_modulus(PIN, kind))
-    assert pair_strength(soft, kind) == min(one.yield_strength, other.yield_strength)
+    assert pair_modulus(Reducer(soft), kind) == pytest.approx(1.0 / flexibility, rel=1e-12)
+    assert ("gear" in PARTNERS[kind]) == (pair_modulus(Reducer(soft), kind) < 0.1 * pair_modulus(Reducer(PIN), kind))
+    assert pair_strength(Reducer(soft), kind) == min(one.yield_strength, other.yield_strength)
 
 
 def test_only_contacts_of_the_soft_part_are_softer_and_less_pressed() -> None:
@@ -101,15 +102,21 @@ def test_only_contacts_of_the_soft_part_are_softer_and_less_pressed() -> None:
     # both in series: the compliance is at least that of the soft part alone, half of what two soft ones have
     both = override(steel, {"material.name": "POM"})
     for kind in ("pin_gear", "output"):
-        assert pair_stiffness(both, kind) < pair_stiffness(soft, kind) < 2.2 * pair_stiffness(both, kind)
-        assert hertz_pressure(soft, kind, 100.0, 400.0) < 0.2 * hertz_pressure(PIN, kind, 100.0, 400.0)
-    assert pair_stiffness(soft, "pin_socket") == pair_stiffness(steel, "pin_socket")
-    assert curvature_law(soft).deflection > 10.0 * curvature_law(steel).deflection
+        assert (
+            pair_stiffness(Reducer(both), kind)
+            < pair_stiffness(Reducer(soft), kind)
+            < 2.2 * pair_stiffness(Reducer(both), kind)
+        )
+        assert hertz_pressure(Reducer(soft), kind, 100.0, 400.0) < 0.2 * hertz_pressure(
+            Reducer(PIN), kind, 100.0, 400.0
+        )
+    assert pair_stiffness(Reducer(soft), "pin_socket") == pair_stiffness(Reducer(steel), "pin_socket")
+    assert curvature_law(Reducer(soft)).deflection > 10.0 * curvature_law(Reducer(steel)).deflection
 
 
 def test_a_rolling_cam_is_two_rows_of_contacts_in_series() -> None:
     soft, steel = override(PIN, {"gear_material.name": "POM"}), PIN
-    rollers_on_steel, whole = 2.0 * pair_stiffness(steel, "cam"), pair_stiffness(soft, "cam")
+    rollers_on_steel, whole = 2.0 * pair_stiffness(Reducer(steel), "cam"), pair_stiffness(Reducer(soft), "cam")
     on_plastic = 1.0 / (1.0 / whole - 1.0 / rollers_on_steel)
     assert 0.01 * rollers_on_steel < on_plastic < 0.04 * rollers_on_steel
 
@@ -117,14 +124,14 @@ def test_a_rolling_cam_is_two_rows_of_contacts_in_series() -> None:
 def test_each_part_weighs_what_it_is_made_of() -> None:
     design = override(PIN, {f"{part}_material.density_kg_m3": 1000.0 * n for n, part in enumerate(PARTS, start=1)})
     for n, part in enumerate(PARTS, start=1):
-        before, after = (mass_properties(parts(one)[part]) for one in (PIN, design))
+        before, after = (mass_properties(parts(Reducer(one))[part]) for one in (PIN, design))
         assert after.mass / after.volume == pytest.approx(1000.0 * n, rel=1e-9)
         assert part == "shaft" or after.volume == before.volume  # the shaft's counterweight balances the gear
 
 
 def test_statics_share_the_load_over_more_teeth_of_a_soft_gear() -> None:
     def teeth(design: Design) -> float:
-        force = carried(design, springs_of(design, np.linspace(0.0, 0.2, 5)), 10.0).teeth
+        force = carried(Reducer(design), springs_of(Reducer(design), np.linspace(0.0, 0.2, 5)), 10.0).teeth
         return float((force > 0.01 * force.max()).sum(axis=1).mean())
 
     assert teeth(override(PIN, {"gear_material.name": "POM"})) > teeth(PIN)
@@ -140,7 +147,7 @@ def test_the_weaker_part_decides_and_the_remedy_names_its_table() -> None:
 
 def test_plastics_say_that_they_creep_and_how_hot_they_may_be() -> None:
     assert material_limits(PIN) == ()
-    (limit,) = summary(override(PIN, {"gear_material.name": "POM"})).material_limits
+    (limit,) = summary(Reducer(override(PIN, {"gear_material.name": "POM"}))).material_limits
     assert "POM (gear) creeps and holds up to 90 °C" in limit
     (own,) = material_limits(unlike("printed"))
     assert own.startswith("a plastic (gear, housing, pin, output, shaft) creeps:")
@@ -149,16 +156,16 @@ def test_plastics_say_that_they_creep_and_how_hot_they_may_be() -> None:
 @pytest.mark.parametrize("name", UNLIKE)
 def test_a_part_of_another_material_goes_through_statics_on_every_design(name: str) -> None:
     design = override(unlike(name), {"pin_material.name": "bearing steel"})
-    found = summary(design)
+    found = summary(Reducer(design))
     assert math.isfinite(found.backlash)
     assert math.isfinite(found.mass)
 
 
 def test_stress_takes_each_part_for_what_it_is_made_of() -> None:
     design = override(PIN, {"housing_material.name": "aluminium 6061", "pin_material.name": "bearing steel"})
-    assert material_of(design, "ring").name == "aluminium 6061"
-    assert material_of(design, "pin_1").name == "bearing steel"
-    assert material_of(design, "gear") == material_of(design, "shaft") == PIN.material
+    assert material_of(Reducer(design), "ring").name == "aluminium 6061"
+    assert material_of(Reducer(design), "pin_1").name == "bearing steel"
+    assert material_of(Reducer(design), "gear") == material_of(Reducer(design), "shaft") == PIN.material
 
 
 def test_limits_of_plastics_stand_beside_the_figures_that_rest_on_them() -> None:
@@ -166,7 +173,7 @@ def test_limits_of_plastics_stand_beside_the_figures_that_rest_on_them() -> None
     (limit,) = material_limits(printed)
     assert "Onyx (gear, housing) creeps and holds up to 80 °C" in limit
     assert material_limits(PIN) == ()
-    assert sheet(printed).assumptions[-1] == limit
+    assert sheet(Reducer(printed)).assumptions[-1] == limit
     assert rate(printed, duty_of(printed, 10.0)).assumptions[-1] == limit
     measured = Measurement("te", printed, {}, assumptions=("one",))
     assert measured.assumptions == ("one", limit)

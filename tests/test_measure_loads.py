@@ -16,6 +16,7 @@ from cycloid_mj.loaded.ideal import ideal_peak
 from cycloid_mj.measure.loads import SHOWN, UNDECIDED, UNPRESSED, YIELD_PRESSURE, loads
 from cycloid_mj.measure.pressed import CARRIES, pressed, relative_curvature
 from cycloid_mj.measure.steady import steady
+from cycloid_mj.mechanism.whole import Reducer
 
 FIXED = override(PRESETS["pin"], ['ring.pins="fixed"', "settings.timestep_us=5.0"])
 IDEAL = [
@@ -41,13 +42,13 @@ def found():
 def test_ideal_loads_are_those_of_statics() -> None:
     """F_i = T l_i / sum l^2 on the pins, their like on the output pins, and both together on the cam, within 1 %."""
     design = override(FIXED, IDEAL)
-    run = steady(design, 0.008, 1)
-    for kind, one in pressed(run, design).items():
-        expected = ideal_peak(design, kind, one.angle)
+    run = steady(Reducer(design), 0.008, 1)
+    for kind, one in pressed(run, Reducer(design)).items():
+        expected = ideal_peak(Reducer(design), kind, one.angle)
         assert one.peak_force == pytest.approx(expected, rel=0.01), kind
     spoiled = override(design, ["load.torque_nm=1.05"])
-    assert pressed(run, design)["cam"].peak_force != pytest.approx(
-        ideal_peak(spoiled, "cam", run["crank_angle"]), rel=0.01
+    assert pressed(run, Reducer(design))["cam"].peak_force != pytest.approx(
+        ideal_peak(Reducer(spoiled), "cam", run["crank_angle"]), rel=0.01
     )
 
 
@@ -98,10 +99,10 @@ def test_pressure_grows_with_curvature() -> None:
     """A pin on the sharpest part of a lobe is pressed harder than a pin in its socket under the same force."""
     crank = np.linspace(0.0, 0.17, 20)
     design = PRESETS["pin"]
-    on_gear = relative_curvature(design, "pin_gear", crank)
+    on_gear = relative_curvature(Reducer(design), "pin_gear", crank)
     assert on_gear.shape == (20, 36)
     assert on_gear.max() == pytest.approx(1.0 / 0.357950e-3 + 1.0 / 2.25e-3, rel=0.01)
-    assert relative_curvature(design, "pin_socket", crank)[0] < 1.0 < on_gear.max()
+    assert relative_curvature(Reducer(design), "pin_socket", crank)[0] < 1.0 < on_gear.max()
 
 
 def test_a_plain_cam_presses_the_bore_and_a_rolling_one_a_roller() -> None:
@@ -109,8 +110,8 @@ def test_a_plain_cam_presses_the_bore_and_a_rolling_one_a_roller() -> None:
     plain = override(PRESETS["pin"], ['gear.bearing="plain"'])
     play = plain.clearance.cam
     conformal = 1.0 / gear.bore_radius - 1.0 / (gear.bore_radius + play)
-    assert relative_curvature(plain, "cam", crank) == pytest.approx(conformal, rel=1e-12)
-    assert relative_curvature(PRESETS["pin"], "cam", crank) > 2.0 / gear.bore_radius
+    assert relative_curvature(Reducer(plain), "cam", crank) == pytest.approx(conformal, rel=1e-12)
+    assert relative_curvature(Reducer(PRESETS["pin"]), "cam", crank) > 2.0 / gear.bore_radius
 
 
 @pytest.mark.parametrize("torque", [0.0, -5.0, float("nan")])
@@ -135,7 +136,9 @@ def test_the_error_of_a_peak_tells_what_two_mesh_periods_leave_out(found) -> Non
     turn = np.linspace(0.0, 2.0 * np.pi, 2000)
     swept = next(curve.x for curve in found.curves if curve.panel.startswith("output"))
     loaded = override(FIXED, [f"load.torque_nm={found.details['load_torque_nm']!r}"])
-    missed = ideal_peak(loaded, "output", turn) / ideal_peak(loaded, "output", np.radians(swept)) - 1.0
+    missed = (
+        ideal_peak(Reducer(loaded), "output", turn) / ideal_peak(Reducer(loaded), "output", np.radians(swept)) - 1.0
+    )
     assert missed > 0.01
     assert one.error > 0.99 * missed * one.value
     assert found.quantities["capacity"].error > 0.0

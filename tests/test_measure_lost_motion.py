@@ -18,11 +18,12 @@ from cycloid_mj.measure.hysteresis import Loop
 from cycloid_mj.measure.lost_motion import lost_motion
 from cycloid_mj.measure.lost_motion_table import loop_series
 from cycloid_mj.mechanism import limits
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.record import Run
 from cycloid_mj.units import ARCMINUTE
 from cycloid_mj.validation import equilibrium
 
-FIXED = at_rated_load(override(PRESETS["pin"], ['ring.pins="fixed"']))
+FIXED = at_rated_load(Reducer(override(PRESETS["pin"], ['ring.pins="fixed"'])))
 CRANK = 1.7
 
 
@@ -56,7 +57,7 @@ def test_work_of_a_loop_is_its_area():
 
 @pytest.fixture(scope="module")
 def ideal_loop() -> Loop:
-    rated = FIXED.rated_torque
+    rated = FIXED.design.rated_torque
     return hysteresis.loop(bench.ideal(FIXED), CRANK, rated, hysteresis.slow_period(FIXED, rated))
 
 
@@ -72,8 +73,8 @@ def test_loop_without_friction_is_the_static_balance(ideal_loop: Loop):
 
 
 def test_balance_of_a_softer_cam_is_another(ideal_loop: Loop):
-    softer = override(FIXED, ["stiffness.cam_n_m=4.0e8"])
-    solved = windups(softer, [CRANK], ideal_loop.rated)[0]
+    softer = override(FIXED.design, ["stiffness.cam_n_m=4.0e8"])
+    solved = windups(Reducer(softer), [CRANK], ideal_loop.rated)[0]
     assert ideal_loop.stiffness != pytest.approx(1.0 / solved.compliance(solved.turn), rel=0.03)
 
 
@@ -84,7 +85,7 @@ def test_backlash_of_a_loop_is_that_of_rigid_contacts(ideal_loop: Loop):
 
 
 def test_friction_makes_hysteresis_and_its_work_is_the_area():
-    rated = FIXED.rated_torque
+    rated = FIXED.design.rated_torque
     period = hysteresis.slow_period(FIXED, rated)
     loop = hysteresis.loop(FIXED, CRANK, rated, period)
     assert loop.width > 5.0 * ARCMINUTE * 2e-3
@@ -92,35 +93,37 @@ def test_friction_makes_hysteresis_and_its_work_is_the_area():
 
 
 def test_series_of_clearances_and_closed_stiffness_are_of_the_size_of_the_balance():
-    design = at_rated_load(PRESETS["pin"])
+    design = at_rated_load(Reducer(PRESETS["pin"]))
     solved = windups(design, [CRANK], 36.68)[0]
     # with clearance, fewer contacts are closed than the estimate takes
     assert 0.5 < 1.0 / solved.compliance(solved.turn) / closed_stiffness(design) < 1.05
 
 
 def test_lost_motion_is_the_backlash_and_a_little_give():
-    crank = float(bench.crank_angles(PRESETS["pin"], 6)[1])
-    solved = windups(PRESETS["pin"], [crank], 36.68)[0]
-    low, high = limits.stops(PRESETS["pin"], crank)
+    crank = float(bench.crank_angles(Reducer(PRESETS["pin"]), 6)[1])
+    solved = windups(Reducer(PRESETS["pin"]), [crank], 36.68)[0]
+    low, high = limits.stops(Reducer(PRESETS["pin"]), crank)
     assert high - low < solved.lost_motion < 1.1 * (high - low)
     shares = sorted(solved.turn)
     assert all(solved.turn[a] < solved.turn[b] for a, b in pairwise(shares))
 
 
 def test_a_free_pin_needs_the_step_of_its_bowl():
-    ideal, rated = bench.ideal(PRESETS["pin"]), PRESETS["pin"].rated_torque
+    ideal, rated = bench.ideal(Reducer(PRESETS["pin"])), PRESETS["pin"].rated_torque
     assert bench.step(ideal, rated) < 5e-6
     assert bench.step(bench.ideal(FIXED), rated) == bench.LONGEST_STEP
-    given = override(FIXED, ["settings.timestep_us=2.0"])
-    assert bench.step(given, rated) == 2e-6
+    given = override(FIXED.design, ["settings.timestep_us=2.0"])
+    assert bench.step(Reducer(given), rated) == 2e-6
 
 
 @pytest.mark.parametrize("changes", [["errors.pin_dr_um={9=0.9}"], ["modification.pin_circle_um=-2.0"]])
 @pytest.mark.parametrize("kind", cases(["fixed", "free"], "fixed"))
 def test_statics_of_parts_as_made_is_the_independent_balance(kind: str, changes: list[str]):
-    design = at_rated_load(override(bench.ideal(PRESETS["pin"]), [f'ring.pins="{kind}"', *changes]))
+    design = at_rated_load(
+        Reducer(override(bench.ideal(Reducer(PRESETS["pin"])).design, [f'ring.pins="{kind}"', *changes]))
+    )
     solved = windups(design, [CRANK], 36.68)[0]
-    stiffness = {pair: pair_stiffness(design, pair) for pair in design.pair_kinds}
+    stiffness = {pair: pair_stiffness(design, pair) for pair in design.design.pair_kinds}
     for share, turn in solved.turn.items():
         if abs(share) >= 0.5:
             alone = equilibrium.solve(design.but(load={"torque": share * 36.68}), stiffness, CRANK)
@@ -130,7 +133,7 @@ def test_statics_of_parts_as_made_is_the_independent_balance(kind: str, changes:
 @pytest.mark.parametrize(("rated", "angles"), [(0.0, 8), (-1.0, 8), (30.0, 0)])
 def test_nothing_to_measure_is_a_usage_error(rated: float, angles: int):
     with pytest.raises(UsageError, match="more than 0"):
-        lost_motion(FIXED, rated, angles)
+        lost_motion(FIXED.design, rated, angles)
 
 
 def test_command_refuses_a_torque_that_is_none(capsys):

@@ -6,6 +6,7 @@ from designs import unlike
 
 from cycloid_mj.measure import bench, play
 from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
+from cycloid_mj.mechanism.whole import Reducer
 
 TURN = np.linspace(0.0, 2.0 * np.pi, 721)
 
@@ -54,9 +55,9 @@ def test_the_error_of_a_mean_covers_what_sampling_leaves_out_of_ripples_most_of_
 def test_backlash_at_two_angles_misses_the_turn_by_no_more_than_its_error():
     """The closed form stands for the simulation here: it differs from it by less than its scatter."""
     design = unlike("few")
-    cranks = bench.crank_angles(design, 2)
-    turn = play.over_a_turn(design)[1]
-    known = Known(play.total(design, cranks), turn)
+    cranks = bench.crank_angles(Reducer(design), 2)
+    turn = play.over_a_turn(Reducer(design))[1]
+    known = Known(play.total(Reducer(design), cranks), turn)
     simulated = known.sampled * (1.0 + 1e-3)
     assert abs(simulated.mean() - turn.mean()) <= error_of_mean(simulated, known) + 1.1e-3 * turn.mean()
     assert error_of_mean(simulated, known) > 1e-3 * turn.mean()
@@ -65,5 +66,5 @@ def test_backlash_at_two_angles_misses_the_turn_by_no_more_than_its_error():
 def test_a_coarse_polygon_is_near_the_fine_one():
     design = unlike("few")
     cranks = np.linspace(0.0, 6.0, 7)
-    fine, coarse = play.total(design, cranks), play.total(design, cranks, play.COARSE_SIDES)
+    fine, coarse = play.total(Reducer(design), cranks), play.total(Reducer(design), cranks, play.COARSE_SIDES)
     assert np.all((coarse >= fine * (1.0 - 1e-9)) & (coarse < fine * (1.0 + 1.6e-4)))

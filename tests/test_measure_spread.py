@@ -13,6 +13,7 @@ from cycloid_mj.measure.conditions import halved
 from cycloid_mj.measure.efficiency import efficiency
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.steady import SETTLED, powers, steady, steady_design
+from cycloid_mj.mechanism.whole import Reducer
 
 NONPIN = PRESETS["nonpin"]
 NAMES = [
@@ -35,7 +36,7 @@ def moved(measured: Measurement) -> dict[str, dict[str, float]]:
 def test_every_assumed_input_is_varied_alone_about_the_design(measured, moved):
     assert list(moved) == NAMES
     assert all(set(one) == {"input", "unit", "low", "high", "value_low", "value_high"} for one in moved.values())
-    for one in spread.inputs(NONPIN):
+    for one in spread.inputs(Reducer(NONPIN)):
         for end in (one.low_design, one.high_design):
             assert end != NONPIN or one.name in ("creep speed", "contact damping")
     # the value itself belongs to the spread, and the ends of an input that the design has are its own figure
@@ -61,25 +62,25 @@ def test_the_spread_is_far_wider_than_the_numerical_error(measured, moved):
 
 @pytest.mark.slow
 def test_an_end_is_what_a_run_of_that_design_gives(moved):
-    by_hand = override(steady_design(NONPIN), ["load.torque_nm=36.68", "friction.cam_rolling=0.003"])
-    found = powers(steady(by_hand, SETTLED, spread.PERIODS)).efficiency
+    by_hand = override(steady_design(Reducer(NONPIN)).design, ["load.torque_nm=36.68", "friction.cam_rolling=0.003"])
+    found = powers(steady(Reducer(by_hand), SETTLED, spread.PERIODS)).efficiency
     assert moved["friction of the cam's rollers"]["value_high"] == pytest.approx(found, abs=1e-9)
 
 
 def test_play_of_free_pins_is_that_of_both_their_gaps():
-    mesh = spread.inputs(PRESETS["pin"])[0]
+    mesh = spread.inputs(Reducer(PRESETS["pin"]))[0]
     assert (mesh.low, mesh.high) == pytest.approx((1.0, 4.0))
     assert mesh.high_design.clearance.pin_socket == pytest.approx(2e-6)
 
 
 def test_what_slides_is_varied_as_what_slides():
     plain = override(NONPIN, ["gear.bearing=plain", "output.rollers=false"])
-    names = [one.name for one in spread.inputs(plain)]
+    names = [one.name for one in spread.inputs(Reducer(plain))]
     assert "friction of the cam, sliding" in names
     assert "friction of the output, sliding" in names
-    assert spread.inputs(plain)[4].high_design.friction.cam == 0.1
+    assert spread.inputs(Reducer(plain))[4].high_design.friction.cam == 0.1
     # a roller that is a sleeve slides on its core of three quarters of its radius
-    assert spread.plain_roller(NONPIN) == pytest.approx(0.05 * 0.75)
+    assert spread.plain_roller(Reducer(NONPIN)) == pytest.approx(0.05 * 0.75)
 
 
 @pytest.mark.slow
@@ -109,8 +110,10 @@ def test_the_paper_stands_beside_its_own_reducers_alone():
 
 
 def test_seals_are_a_part_of_the_build_up():
-    design = override(steady_design(NONPIN), ["load.torque_nm=36.68", "drag.crank_nm=0.02", "drag.output_nm=0.4"])
-    losses = build_up.build_up(powers(steady(design, SETTLED, spread.PERIODS)))
+    design = override(
+        steady_design(Reducer(NONPIN)).design, ["load.torque_nm=36.68", "drag.crank_nm=0.02", "drag.output_nm=0.4"]
+    )
+    losses = build_up.build_up(powers(steady(Reducer(design), SETTLED, spread.PERIODS)))
     supplied = 36.68 / 35 / 0.84
     assert losses["seals"] == pytest.approx((0.02 + 0.4 / 35) / supplied, rel=0.02)
     assert math.isclose(sum(losses.values()), 1.0 - 0.84, abs_tol=0.03)
@@ -121,10 +124,10 @@ def test_other_designs_build_up_and_hold_at_half_the_step(name):
     # found within 0.001 points of half the step, and 0.4 to 5.6 points of ideal sharing, which knows no clearance
     design = unlike(name)
     torque = design.rated_torque
-    own = steady_design(override(design, [f"load.torque_nm={torque!r}"]))
+    own = steady_design(Reducer(override(design, [f"load.torque_nm={torque!r}"])))
     found, finer = (powers(steady(one, SETTLED, spread.PERIODS)) for one in (own, halved(own)))
     assert found.efficiency == pytest.approx(finer.efficiency, abs=1e-3)
-    assert found.efficiency == pytest.approx(ideal_efficiency(design, torque).efficiency, abs=0.08)
+    assert found.efficiency == pytest.approx(ideal_efficiency(Reducer(design), torque).efficiency, abs=0.08)
     assert abs(found.residual) < 1e-4
     assert all(share >= 0.0 for part, share in build_up.build_up(found).items() if part != build_up.DAMPING)
     assert torques(design) == []

@@ -16,6 +16,7 @@ from cycloid_mj.measure.te import te
 from cycloid_mj.measure.trace import Case, trace
 from cycloid_mj.measure.vibration import vibration
 from cycloid_mj.mechanism.gaps import arc_gaps, cam_places
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build
 from cycloid_mj.solid.gear import tooth_profile
 from cycloid_mj.statics import ideal_load_sharing
@@ -35,12 +36,12 @@ def fixed(*changes: str) -> Design:
 
 
 def cause(key: str) -> Cause:
-    return next(one for one in causes(fixed()) if one.key == key)
+    return next(one for one in causes(Reducer(fixed())) if one.key == key)
 
 
 def shares(design: Design, place: str, base: float) -> dict[int, float]:
     """Amplitudes [arcsec] of the multiples of a base order in the elastic error under the rated load."""
-    gear, output = ARCSECONDS * transmission_error(design, TURN, 36.68).T
+    gear, output = ARCSECONDS * transmission_error(Reducer(design), TURN, 36.68).T
     found = periodic_orders(TURN, gear if place == "gear" else output - gear, base, 80.0)
     return {round(order / base): float(size) for order, size in zip(found.order, found.amplitude, strict=True)}
 
@@ -48,7 +49,7 @@ def shares(design: Design, place: str, base: float) -> dict[int, float]:
 def test_each_order_has_one_cause_in_its_place() -> None:
     for place, base in (("gear", 1.0), ("stage", AGAINST_GEAR)):
         for multiple in range(1, 100):
-            found = [one.key for one in causes(fixed()) if one.place == place and one.has(base * multiple)]
+            found = [one.key for one in causes(Reducer(fixed())) if one.place == place and one.has(base * multiple)]
             assert len(found) <= 1
             if place == "gear":
                 assert found == ["ring" if multiple % N else "mesh"]
@@ -59,9 +60,9 @@ def test_each_order_has_one_cause_in_its_place() -> None:
 
 def kinematic_error(design: Design, crank: np.ndarray) -> np.ndarray:
     """Turn [rad] at which the first rigid tooth stops a gear that is centred on the cam, pressed counter-clockwise."""
-    found = arc_gaps(design, crank)
+    found = arc_gaps(Reducer(design), crank)
     teeth = found.kind == design.tooth_pair
-    at_cam = np.einsum("kni,ki->kn", found.slope[:, teeth, :2], cam_places(design, crank)[:, 0])
+    at_cam = np.einsum("kni,ki->kn", found.slope[:, teeth, :2], cam_places(Reducer(design), crank)[:, 0])
     gap, closing = found.width[:, teeth] + at_cam, -design.output.pin_circle_radius * found.slope[:, teeth, 2]
     return np.min(np.divide(gap, closing, out=np.full(gap.shape, np.inf), where=closing > 0.0), axis=1)
 
@@ -94,7 +95,7 @@ def test_statics_without_clearance_is_ideal_load_sharing() -> None:
     stiff = ['contact.stiffness_law="uniform"', "stiffness.pin_gear_n_m=1e7", "stiffness.cam_n_m=1e12"]
     design = fixed(*SMOOTH, *(f"clearance.{pair}_um=1e-6" for pair in PAIRS), *stiff, "stiffness.output_n_m=1e12")
     crank = np.linspace(0.0, 2.0 * np.pi / N, 7)
-    turned = transmission_error(design, crank, 0.1)[:, 0]
+    turned = transmission_error(Reducer(design), crank, 0.1)[:, 0]
     arms = ideal_load_sharing(tooth_profile(design), 0.1, crank).arms
     ideal = 0.1 / (1e7 * np.sum(np.where(arms < 0.0, arms**2, 0.0), axis=-1))
     # The cam gives 1e-5 as much as the teeth; at ten times the load the normals' turning shows, by 1e-3.
@@ -107,8 +108,8 @@ def test_statics_agrees_with_the_independent_solution(changes: list[str]) -> Non
     design = override(PRESETS["pin"], [*SMOOTH, "load.torque_nm=36.0", *changes])
     stiffness = {kind: law.stiffness for kind, law in build(design).laws.items()}
     for crank in (4.2, 5.0):
-        solved = equilibrium.solve(design, stiffness, crank)
-        gear, output = transmission_error(design, crank, 36.0)[0]
+        solved = equilibrium.solve(Reducer(design), stiffness, crank)
+        gear, output = transmission_error(Reducer(design), crank, 36.0)[0]
         assert gear == pytest.approx(solved.gear_turn, rel=0.005)
         assert output == pytest.approx(solved.output_turn, rel=0.005)
 
@@ -118,7 +119,7 @@ def test_one_pin_in_error_shows_as_its_displacement_over_its_arm() -> None:
     """Cam and output pins are without play, so the pin in the way stops the gear alone: n . d / l."""
     tight = ["clearance.cam_um=0.01", "clearance.output_um=0.01", "clearance.pin_gear_um=8.0"]
     design = fixed(*tight, "errors.pin_y_um={1=-5.0}")
-    found = trace(design, build(design), 1.0, Case("unloaded", "forward", "slow", 0.1, 30.0))
+    found = trace(Reducer(design), build(design), 1.0, Case("unloaded", "forward", "slow", 0.1, 30.0))
     rigid = ARCSECONDS * kinematic_error(design, found.crank)
     assert np.ptp(found.gear) == pytest.approx(np.ptp(rigid), rel=0.05)
     assert np.std(found.gear) == pytest.approx(np.std(rigid), rel=0.05)
@@ -136,8 +137,10 @@ def test_one_pin_in_error_shows_as_its_displacement_over_its_arm() -> None:
 def test_no_error_no_load_and_no_clearance_leave_no_transmission_error(name: str) -> None:
     """Weight is a load: the gear's, which goes round in its frame, winds it up by 0.05 arcsec once a turn."""
     pins = ['ring.pins="fixed"'] if name == "pin" else []
-    design = at_rated_load(override(PRESETS[name], [*pins, *CLOSED, "environment.gravity_y_m_s2=0"]))
-    found = trace(design, build(design), 1.0, Case("unloaded", "forward", "speed", 0.0, design.drive.speed))
+    design = at_rated_load(Reducer(override(PRESETS[name], [*pins, *CLOSED, "environment.gravity_y_m_s2=0"])))
+    found = trace(
+        design, build(design.design), 1.0, Case("unloaded", "forward", "speed", 0.0, design.design.drive.speed)
+    )
     assert np.ptp(found.gear) < 0.02
     assert np.ptp(found.output) < 0.02
 
@@ -174,7 +177,7 @@ def test_a_crank_that_stands_still_is_refused() -> None:
 def test_statics_is_found_from_the_ideal_pose_of_any_reducer(name: str, way: float) -> None:
     """A step past the middle of a valley's circle would leave the large reducer without a balance at 0.1 rad."""
     design = unlike(name)
-    found = transmission_error(design, [0.1], way * design.rated_torque)[0]
-    near = transmission_error(design, np.linspace(0.0, 0.1, 6), way * design.rated_torque)[-1]
+    found = transmission_error(Reducer(design), [0.1], way * design.rated_torque)[0]
+    near = transmission_error(Reducer(design), np.linspace(0.0, 0.1, 6), way * design.rated_torque)[-1]
     assert found == pytest.approx(near, rel=1e-4)
     assert way * found[1] > way * found[0] > 0.0

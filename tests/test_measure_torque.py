@@ -21,6 +21,7 @@ from cycloid_mj.measure.conditions import LOG_RATE, halved
 from cycloid_mj.measure.efficiency_map import forward
 from cycloid_mj.measure.steady import powers, steady_design, whole_periods
 from cycloid_mj.measure.torque import held_efficiency, rated_test
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.validation import published, rig
 
 FIXED = override(PRESETS["pin"], ['ring.pins="fixed"'])
@@ -83,8 +84,8 @@ def test_balance_misses_a_loss_that_is_left_out(efficiency):
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_without_friction_nothing_is_lost(kind):
-    design = steady_design(override(KINDS[kind], rig.without_friction()))
-    held = forward(design, 36.68, design.drive.speed, PERIODS)
+    design = steady_design(Reducer(override(KINDS[kind], rig.without_friction())))
+    held = forward(design, 36.68, design.design.drive.speed, PERIODS)
     assert held.powers.efficiency == pytest.approx(1.0, abs=5e-4)
     # some of the ringing's energy is still in the mesh when the braked run begins to count
     assert rated_test(design, 13).powers.efficiency == pytest.approx(1.0, abs=2e-3)
@@ -95,25 +96,27 @@ def test_without_friction_nothing_is_lost(kind):
 def test_the_chosen_step_gives_the_figures_of_a_short_one(kind):
     design = override(KINDS[kind], ["drive.ramp_s=0.0", f"settings.log_rate_hz={LOG_RATE!r}"])
     fine = override(design, ["settings.timestep_us=1.0"])
-    assert timestep(design) == 1e-5
-    assert held_efficiency(design, 32.7, PERIODS) == pytest.approx(held_efficiency(fine, 32.7, PERIODS), abs=1e-4)
+    assert timestep(Reducer(design)) == 1e-5
+    assert held_efficiency(Reducer(design), 32.7, PERIODS) == pytest.approx(
+        held_efficiency(Reducer(fine), 32.7, PERIODS), abs=1e-4
+    )
 
 
 def test_half_the_step_is_half_of_the_chosen_or_the_given_one():
-    assert timestep(halved(FIXED)) == 5e-6
-    assert timestep(halved(override(FIXED, ["settings.timestep_us=3.0"]))) == pytest.approx(1.5e-6)
+    assert timestep(halved(Reducer(FIXED))) == 5e-6
+    assert timestep(halved(Reducer(override(FIXED, ["settings.timestep_us=3.0"])))) == pytest.approx(1.5e-6)
 
 
 def test_window_holds_whole_periods_of_the_output_pins():
-    count = whole_periods(FIXED, 12)
+    count = whole_periods(Reducer(FIXED), 12)
     assert count == 13
     assert abs(count * 8 / 35 - 3) <= steady.NEAR_WHOLE
-    assert whole_periods(FIXED, 35) == 35
+    assert whole_periods(Reducer(FIXED), 35) == 35
 
 
 def test_mean_of_the_braked_run_is_converged():
     # twice the average, and the ringing has gone: the mean torque moves by less than 0.1 %
-    design = steady_design(FIXED)
+    design = steady_design(Reducer(FIXED))
     once, twice = (rated_test(design, count).output for count in (13, 26))
     assert once == pytest.approx(twice, rel=1e-3)
 
@@ -121,23 +124,23 @@ def test_mean_of_the_braked_run_is_converged():
 def test_ideal_limit_meets_the_closed_form(efficiency):
     # next to no clearance, a stiff cam and one stiffness: what ideal sharing assumes; as built, it loses more by half
     ideal = efficiency.quantities["efficiency_ideal_limit"]
-    assert ideal.value == pytest.approx(1e2 * ideal_efficiency(FIXED, 36.68).efficiency, abs=0.5)
+    assert ideal.value == pytest.approx(1e2 * ideal_efficiency(Reducer(FIXED), 36.68).efficiency, abs=0.5)
     assert efficiency["efficiency"] < ideal.value - 2.0
     spoiled = override(FIXED, ["friction.pin_gear=0.06"])
-    assert ideal.value != pytest.approx(1e2 * ideal_efficiency(spoiled, 36.68).efficiency, abs=0.5)
+    assert ideal.value != pytest.approx(1e2 * ideal_efficiency(Reducer(spoiled), 36.68).efficiency, abs=0.5)
 
 
 def test_wang_formula_is_that_of_case_c():
     for case in published.WANG:
         design = published.wang_design(case, ideal=True)
         printed = published.mesh_efficiency(case) * published.output_efficiency(case)
-        assert wang_efficiency(design).efficiency == pytest.approx(printed, rel=1e-12)
+        assert wang_efficiency(Reducer(design)).efficiency == pytest.approx(printed, rel=1e-12)
 
 
 def test_wang_formula_and_ideal_sharing_meet_at_small_friction():
     # the formula has the bearings as factors of their own
     small = override(FIXED, [*rig.without_friction(), "friction.pin_gear=1e-4"])
-    wang, ideal = wang_efficiency(small).efficiency, ideal_efficiency(small, 36.68).efficiency
+    wang, ideal = wang_efficiency(Reducer(small)).efficiency, ideal_efficiency(Reducer(small), 36.68).efficiency
     # ideal sharing takes the pins as they stand, the formula an integral over many: some percent of the loss
     assert 1.0 - wang == pytest.approx(1.0 - ideal, rel=0.06)
 
@@ -151,8 +154,8 @@ def test_pins_that_turn_take_the_easier_way():
 
 
 def test_output_drives_against_the_crank():
-    design = steady_design(FIXED)
-    found = powers(braked_run(design, -design.drive.torque, 13))
+    design = steady_design(Reducer(FIXED))
+    found = powers(braked_run(design, -design.design.drive.torque, 13))
     assert found.output > 0.0 > found.crank
     # losses alike both ways, to the second order of the loss
     ahead = held_efficiency(design, 36.68, PERIODS)
@@ -160,9 +163,9 @@ def test_output_drives_against_the_crank():
 
 
 def test_free_crank_turns_from_rest_and_a_blocked_one_is_self_locking():
-    turns = break_away(steady_design(FIXED))
+    turns = break_away(steady_design(Reducer(FIXED)))
     assert abs(turns.torque) < 0.05
-    blocked = break_away(steady_design(override(FIXED, ["friction.pin_gear=2.0"])))
+    blocked = break_away(steady_design(Reducer(override(FIXED, ["friction.pin_gear=2.0"]))))
     assert math.isnan(blocked.torque)
 
 
@@ -183,15 +186,15 @@ def test_friction_of_the_paper_lies_where_the_rates_do(torque):
 
 
 def test_sensitivity_covers_pins_free_fixed_and_sleeved():
-    rows = sensitivity.variations(PRESETS["pin"])
+    rows = sensitivity.variations(Reducer(PRESETS["pin"]))
     assert {row.pins for row in rows} == {"free", "fixed", "sleeved"}
     assert {"pin_socket", "pin_sleeve", "pin_gear", "cam, rolling", "output, sliding"} <= {row.pair for row in rows}
-    assert {row.pins for row in sensitivity.variations(PRESETS["nonpin"])} == {"none"}
+    assert {row.pins for row in sensitivity.variations(Reducer(PRESETS["nonpin"]))} == {"none"}
 
 
 def test_reversed_drive_gives_the_same_torque():
-    design = steady_design(override(FIXED, ["drive.speed_rpm=-1640.0", "environment.gravity_y_m_s2=0.0"]))
-    ahead = steady_design(override(FIXED, ["environment.gravity_y_m_s2=0.0"]))
+    design = steady_design(Reducer(override(FIXED, ["drive.speed_rpm=-1640.0", "environment.gravity_y_m_s2=0.0"])))
+    ahead = steady_design(Reducer(override(FIXED, ["environment.gravity_y_m_s2=0.0"])))
     back, forth = (rated_test(one, PERIODS) for one in (design, ahead))
     assert back.output == pytest.approx(forth.output, rel=1e-3)
     assert back.powers.efficiency == pytest.approx(forth.powers.efficiency, abs=1e-3)

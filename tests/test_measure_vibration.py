@@ -14,6 +14,7 @@ from cycloid_mj.measure import Measurement
 from cycloid_mj.measure.conditions import LOG_RATE
 from cycloid_mj.measure.reaction import masses, reaction, unbalance, weight, without_counterweight
 from cycloid_mj.measure.vibration import vibration
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.run import simulate
 from cycloid_mj.solid import shaft_solid
 from cycloid_mj.solid.gear import profile_offset, tooth_profile
@@ -32,13 +33,13 @@ def test_the_bare_unbalance_is_gear_and_cam_at_the_eccentricity() -> None:
     disc = profile.area(tooth_profile(design), profile_offset(design))
     solid = disc - holes - math.pi * (gear.bore_radius + play.cam) ** 2 + math.pi * gear.bore_radius**2
     closed = design.material.density * gear.face_width * solid * gear.eccentricity
-    assert unbalance(design).bare == pytest.approx(closed, rel=1e-4)
+    assert unbalance(Reducer(design)).bare == pytest.approx(closed, rel=1e-4)
 
 
 def test_the_counterweight_balances_the_force_and_leaves_the_couple() -> None:
     """The couple is the balancing force times the way from the gear's middle to the counterweight's."""
     design = PRESETS["pin"]
-    found, counterweight = unbalance(design), shaft_solid(design).prisms[1]
+    found, counterweight = unbalance(Reducer(design)), shaft_solid(Reducer(design)).prisms[1]
     assert abs(found.balanced) < 1e-12 * found.bare
     middle = 0.5 * (counterweight.z0 + counterweight.z1)
     assert abs(found.couple) == pytest.approx(found.bare * abs(middle), rel=1e-9)
@@ -52,23 +53,23 @@ def test_contact_forces_on_the_housing_are_weight_less_momentum(pins: str) -> No
     design = override(PRESETS["pin"], [f'ring.pins="{pins}"', *quick, "settings.log_rate_hz=100000.0"])
     run = simulate(design)
     run = run.select(run.time > 0.003)
-    of, span = masses(design), run.time[-1] - run.time[0]
-    whole = reaction(run, design).whole
+    of, span = masses(Reducer(design)), run.time[-1] - run.time[0]
+    whole = reaction(run, Reducer(design)).whole
     turned = np.stack([-np.sin(run["crank_angle"]), np.cos(run["crank_angle"])], axis=1)
     tangent = np.stack([-turned[:, 1], turned[:, 0]], axis=1) * run["crank_speed"][:, np.newaxis]
     momentum = of["gear"].mass * run.block(["gear_vx", "gear_vy"])
     momentum += of["shaft"].mass * of["shaft"].centroid[1] * tangent
     change = (momentum[-1] - momentum[0]) / span
     # Forces near 1000 N each are summed here; pins that rattle carry momentum of their own.
-    assert whole.mean(axis=0) == pytest.approx(weight(design) - change, abs=0.15)
-    assert np.abs(reaction(run, design).ring.mean(axis=0)).max() > 100.0
+    assert whole.mean(axis=0) == pytest.approx(weight(Reducer(design)) - change, abs=0.15)
+    assert np.abs(reaction(run, Reducer(design)).ring.mean(axis=0)).max() > 100.0
 
 
 def test_without_the_counterweight_the_unbalance_goes_round() -> None:
     design = fixed("drive.ramp_s=0.0", "drive.hold_s=0.002", LONG_STEP)
     run = simulate(design)
-    added = without_counterweight(run, design, np.zeros((len(run), 2)))
-    assert np.hypot(*added.T) == pytest.approx(unbalance(design).bare * run["crank_speed"] ** 2, rel=1e-9)
+    added = without_counterweight(run, Reducer(design), np.zeros((len(run), 2)))
+    assert np.hypot(*added.T) == pytest.approx(unbalance(Reducer(design)).bare * run["crank_speed"] ** 2, rel=1e-9)
     centre = run.block(["gear_x", "gear_y"])
     # Along the gear's centre, which stays within clearances of c.
     assert np.sum(added * centre, axis=1) / np.hypot(*centre.T) == pytest.approx(np.hypot(*added.T), rel=1e-4)

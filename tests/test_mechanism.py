@@ -12,6 +12,7 @@ from cycloid_mj.mechanism import limits
 from cycloid_mj.mechanism.gaps import arc_gaps, cam_places, gaps, ideal_motion
 from cycloid_mj.mechanism.kernel import gap
 from cycloid_mj.mechanism.reducer import mechanism
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.modification import gear_profile, profile_offset, tooth_profile
 from cycloid_mj.validation.gaps import Flanks, Pose, flanks_of, pin_gaps, ring_gaps, rotate
 
@@ -44,7 +45,7 @@ def exact(design: Design, crank: float, z: np.ndarray) -> tuple[np.ndarray, np.n
     centre = kinematics.gear_centre(gear, crank) + z[:2]
     turned = float(kinematics.gear_rotation(gear, crank))
     angle, out = turned + z[2] / output.pin_circle_radius, turned + z[3] / output.pin_circle_radius
-    flanks = flanks_of(design)
+    flanks = flanks_of(Reducer(design))
     pins = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear)) + made.pin_place
     mesh = pin_gaps(gear, Pose(centre, angle), pins, flanks)
     teeth = mesh.distance + profile_offset(design) - gear.pin_radius - made.pin_radius
@@ -56,8 +57,8 @@ def exact(design: Design, crank: float, z: np.ndarray) -> tuple[np.ndarray, np.n
 
 def curved(design: Design, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Gaps of teeth and output pins [m] at departures z, and their gradient, as the balance has them."""
-    springs = springs_of(design, CRANK, friction=False).contacts
-    play = arc_gaps(design, CRANK).play
+    springs = springs_of(Reducer(design), CRANK, friction=False).contacts
+    play = arc_gaps(Reducer(design), CRANK).play
     found = [gap(springs, 0, i, z) for i in range(springs.disc.size)]
     return np.array([one.width for one in found]) - play, np.array([one.ahead for one in found])
 
@@ -100,7 +101,7 @@ def test_to_first_order_a_gap_is_what_parts_as_made_leave_in_their_places(name: 
     design = override(design_of(name), [*ERRORS, *MODIFIED[:2], *WAVES])
     teeth, output = exact(design, CRANK, np.zeros(4))
     widths = np.concatenate([teeth, output])
-    np.testing.assert_allclose(arc_gaps(design, CRANK).width, widths, rtol=0.0, atol=3e-3 * np.ptp(teeth))
+    np.testing.assert_allclose(arc_gaps(Reducer(design), CRANK).width, widths, rtol=0.0, atol=3e-3 * np.ptp(teeth))
 
 
 @pytest.mark.parametrize(("pins", "seat"), [("free", "pin_socket"), ("sleeved", "pin_sleeve")])
@@ -108,7 +109,7 @@ def test_a_thicker_pin_has_less_play_in_its_socket_and_a_thicker_sleeve_has_the_
     design = override(PRESETS["pin"], [*ERRORS, f"ring.pins={pins}"])
     held = mechanism(design).mating(seat)
     outside, inside = (held.by, held.on) if pins == "free" else (held.on, held.by)
-    found = arc_gaps(design, CRANK)
+    found = arc_gaps(Reducer(design), CRANK)
     np.testing.assert_allclose(found.play[:36], outside.radius - inside.radius, rtol=0.0, atol=1e-17)
     assert (np.ptp(found.play[:36]) > 1e-7) == (pins == "free")
 
@@ -117,7 +118,7 @@ def test_a_thicker_pin_has_less_play_in_its_socket_and_a_thicker_sleeve_has_the_
 def test_the_slit_beside_a_line_of_contact_widens_by_its_relative_curvature(name: str) -> None:
     """At s on either side of the line, the surfaces are s^2/2 times the relative curvature apart."""
     design = design_of(name)
-    gear, output, found = tooth_profile(design), design.output, arc_gaps(design, CRANK)
+    gear, output, found = tooth_profile(design), design.output, arc_gaps(Reducer(design), CRANK)
     t = found.phase[: gear.ring_teeth] / gear.lobes
     pins, lines, apart = profile.trochoid(gear, t), profile.outline(gear, t), []
     for step in (-1e-6, 1e-6):
@@ -134,7 +135,7 @@ def test_the_slit_beside_a_line_of_contact_widens_by_its_relative_curvature(name
 def test_the_path_of_a_pin_bends_and_twists_as_its_normal_turns(name: str) -> None:
     """At s on the path from the contact, the normal has turned by (bend + twist s/2) s."""
     design = design_of(name)
-    gear, found = tooth_profile(design), arc_gaps(design, CRANK)
+    gear, found = tooth_profile(design), arc_gaps(Reducer(design), CRANK)
     t = found.phase[: gear.ring_teeth] / gear.lobes
     (before, behind), (after, ahead) = (
         (
@@ -165,7 +166,7 @@ def test_flanks_of_an_internal_gear_close_as_the_exact_gaps_do() -> None:
     """To first order in a small departure: gaps of the flanks against a search along every root."""
     design = override(PRESETS["nonpin"], ["clearance.tooth_um=1.0"])
     gear = tooth_profile(design)
-    found = gaps(design, CRANK)
+    found = gaps(Reducer(design), CRANK)
     flank = np.arange(found.owner.size) >= design.ring.teeth
     flank &= found.kind == "tooth"
     assert 4 <= flank.sum() <= 5
@@ -185,22 +186,22 @@ def test_flanks_of_an_internal_gear_close_as_the_exact_gaps_do() -> None:
 def test_many_crank_angles_at_once_are_each_of_them() -> None:
     design = override(PRESETS["pin"], list(ERRORS))
     angles = np.array([0.0, 1.0, 4.0])
-    together, places = arc_gaps(design, angles), cam_places(design, angles)
+    together, places = arc_gaps(Reducer(design), angles), cam_places(Reducer(design), angles)
     for k, angle in enumerate(angles):
-        alone = gaps(design, float(angle))
+        alone = gaps(Reducer(design), float(angle))
         np.testing.assert_array_equal(together.owner, alone.owner)
         np.testing.assert_allclose(together.distance[k], alone.distance, rtol=0.0, atol=1e-18)
         np.testing.assert_allclose(together.slope[k], alone.slope, rtol=0.0, atol=1e-15)
-        np.testing.assert_array_equal(places[k], cam_places(design, float(angle)))
+        np.testing.assert_array_equal(places[k], cam_places(Reducer(design), float(angle)))
 
 
 @pytest.mark.parametrize("kind", ["pin", "nonpin"])
 def test_a_disc_ahead_on_the_crank_meshes_as_a_single_one_at_a_crank_that_is_as_far_ahead(kind: str) -> None:
     errors = "errors.pin_position_um=1.0" if kind == "pin" else "modification.pin_circle_um=1.0"
     design = override(PRESETS[kind], [errors, "errors.seed=4"])
-    alone = [gaps(design, CRANK + ahead) for ahead in AHEAD]
+    alone = [gaps(Reducer(design), CRANK + ahead) for ahead in AHEAD]
     design = override(design, ["gear.discs=3"])
-    every, motion = gaps(design, CRANK), ideal_motion(design, CRANK)
+    every, motion = gaps(Reducer(design), CRANK), ideal_motion(Reducer(design), CRANK)
     for disc, single in enumerate(alone):
         teeth = every.select((every.kind == design.tooth_pair) & (every.disc == disc))
         single = single.select(single.kind == design.tooth_pair)
@@ -216,14 +217,14 @@ def test_a_disc_ahead_on_the_crank_meshes_as_a_single_one_at_a_crank_that_is_as_
 def test_every_cam_is_too_far_out_along_its_own_eccentric() -> None:
     design = override(PRESETS["pin"], ["errors.eccentricity_um=20.0", "gear.discs=3"])
     out = kinematics.gear_centre(tooth_profile(design), CRANK + AHEAD) / design.gear.eccentricity
-    np.testing.assert_allclose(cam_places(design, CRANK), 20e-6 * out, rtol=0.0, atol=1e-18)
+    np.testing.assert_allclose(cam_places(Reducer(design), CRANK), 20e-6 * out, rtol=0.0, atol=1e-18)
 
 
 def test_the_cam_carries_the_gear_outwards_by_its_error() -> None:
     """At the crank angle 0 the eccentric is on +y: the pose with the most room goes part of the way with it."""
     design = override(PRESETS["pin"], ["errors.eccentricity_um=20.0", "clearance.cam_um=0.5"])
-    np.testing.assert_allclose(cam_places(design, 0.0), [[0.0, 20e-6]], rtol=0.0, atol=1e-18)
-    fit = limits.best_fit(design, 0.0)
+    np.testing.assert_allclose(cam_places(Reducer(design), 0.0), [[0.0, 20e-6]], rtol=0.0, atol=1e-18)
+    fit = limits.best_fit(Reducer(design), 0.0)
     assert 2e-6 < fit.shift[0, 1] < 20e-6
 
 
@@ -231,7 +232,7 @@ def test_the_cam_carries_the_gear_outwards_by_its_error() -> None:
 def test_ideal_parts_slide_and_never_part(kind: str) -> None:
     """The normals meet in the pitch point: sliding is the distance from there times the relative speed of turning."""
     design = PRESETS[kind]
-    gear, found, motion = tooth_profile(design), gaps(design, CRANK), ideal_motion(design, CRANK)
+    gear, found, motion = tooth_profile(design), gaps(Reducer(design), CRANK), ideal_motion(Reducer(design), CRANK)
     np.testing.assert_allclose(found.slope @ motion, 0.0, rtol=0.0, atol=1e-17)
     slip, arcs = found.slip_slope @ motion, np.arange(found.owner.size) < design.ring.teeth
     # The gear turns about the pitch point c N from the axis, by -1/(N-1) of the crank.

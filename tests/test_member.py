@@ -22,6 +22,7 @@ from cycloid_mj.measure.orders import causes
 from cycloid_mj.measure.te_table import quantities
 from cycloid_mj.measure.trace import Case, Errors, trace
 from cycloid_mj.mechanism.limits import best_fit, stops
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.names import FORCE_X, FORCE_Y
@@ -97,25 +98,27 @@ def test_the_ring_has_the_carriers_stops_by_the_ratio_of_the_ratios(design: Desi
     errors = design.but(errors={"pin_position": 5e-7, "hole_position": 5e-7})
     ring, of = errors.but(output=RING), errors.lobes / errors.ring.teeth
     for theta in (0.0, 1.0):
-        low, high = stops(errors, float(member.against_ring(ring, theta)))
-        assert stops(ring, theta) == pytest.approx((-of * high, -of * low), rel=1e-9)
-        assert best_fit(ring, theta).room == pytest.approx(best_fit(errors, theta / (1 + 1 / errors.lobes)).room)
+        low, high = stops(Reducer(errors), float(member.against_ring(ring, theta)))
+        assert stops(Reducer(ring), theta) == pytest.approx((-of * high, -of * low), rel=1e-9)
+        assert best_fit(Reducer(ring), theta).room == pytest.approx(
+            best_fit(Reducer(errors), theta / (1 + 1 / errors.lobes)).room
+        )
 
 
 def test_forces_stiffness_and_working_forces_are_those_of_the_mesh() -> None:
     ring = turned_over(PIN.but(load={"torque": 30.0}, drive={"speed": 1.0}, **FREE_OF_LOSSES))
     carrier, more = member.seen_from_ring(ring), PIN.ring.teeth / PIN.lobes
     for kind in PIN.pair_kinds:
-        assert working_force(ring, kind) == pytest.approx(working_force(carrier, kind))
+        assert working_force(Reducer(ring), kind) == pytest.approx(working_force(Reducer(carrier), kind))
     theta = np.linspace(0.0, 6.0, 7)
-    own = loads(ring, springs_of(ring, theta), 30.0 * more)
-    same = loads(carrier, springs_of(carrier, member.against_ring(ring, theta)), 30.0)
+    own = loads(Reducer(ring), springs_of(Reducer(ring), theta), 30.0 * more)
+    same = loads(Reducer(carrier), springs_of(Reducer(carrier), member.against_ring(ring, theta)), 30.0)
     for name in ("teeth", "output"):
         assert getattr(own, name) == pytest.approx(getattr(same, name), rel=2e-4, abs=0.02), name
     assert own.output_turn == pytest.approx(same.output_turn / more, rel=1e-3)
     assert own.gear_turn == pytest.approx(same.output_turn - same.gear_turn, rel=1e-3)
     theta = float(member.against_ring(ring, 0.5))
-    wound = windups(ring, [0.5], 30.0 * more)[0], windups(carrier, [theta], 30.0)[0]
+    wound = windups(Reducer(ring), [0.5], 30.0 * more)[0], windups(Reducer(carrier), [theta], 30.0)[0]
     stiff = [1.0 / one.compliance(one.turn) for one in wound]
     assert stiff[0] == pytest.approx(more**2 * stiff[1], rel=1e-6)
 
@@ -125,14 +128,14 @@ def test_efficiency_follows_from_the_carriers_by_the_balance_of_power(torque: fl
     slowly = {"gravity_x": 0.0, "gravity_y": 0.0}
     level = PIN.but(environment=slowly, ring={"pins": "fixed"}, drive={"speed": 1.0})
     ring = level.but(output=RING, load={"torque": abs(torque)})
-    own = powers(ring, torque)
+    own = powers(Reducer(ring), torque)
     crank, slow = own.crank / ring.drive.speed, ring.drive.speed / ring.ring.teeth
     held = torque - crank
     assert own.output == pytest.approx(-torque * slow)
     assert own.crank + own.output == pytest.approx(sum(own.losses.values()))
     # the carrier's drive at the same speeds, under what holds the carrier here, takes the same torque on its crank
     seen = member.seen_from_ring(ring)
-    same = powers(seen, held)
+    same = powers(Reducer(seen), held)
     assert same.crank / seen.drive.speed == pytest.approx(crank, rel=1e-4)
     if torque > 0.0:
         known = (1.0 + level.lobes * same.efficiency) / level.ring.teeth
@@ -145,7 +148,7 @@ def test_efficiency_follows_from_the_carriers_by_the_balance_of_power(torque: fl
 def test_weight_turns_round_the_ring() -> None:
     ring = PIN.but(output=RING, drive={"speed": 0.0})
     # a quarter of a turn of the ring, seen from which the weight has turned back
-    force = springs_of(ring, [0.0, 9.0 * 2.0 * math.pi], friction=False).body_force[:, 0]
+    force = springs_of(Reducer(ring), [0.0, 9.0 * 2.0 * math.pi], friction=False).body_force[:, 0]
     assert force[0, 1] < 0.0
     assert force == pytest.approx(np.array([[0.0, force[0, 1]], [force[0, 1], 0.0]]), abs=1e-9)
 
@@ -214,36 +217,36 @@ def test_what_twists_turns_the_output_and_not_the_gear(turning: str) -> None:
     """A carrier that twists more changes the output's turn alone, in statics and in a run, forward and in reverse."""
     stiff = PRESETS["twodisc"].but(output={"member": turning}, friction=FREE_OF_LOSSES["friction"])
     torque = stiff.rated_torque
-    stiff = working_at(stiff, torque)
+    stiff = working_at(Reducer(stiff), torque).design
     soft = stiff.but(springs={"carrier": 1e5})
-    more = wind_up(soft) - wind_up(stiff)
+    more = wind_up(Reducer(soft)) - wind_up(Reducer(stiff))
     assert more > 5e-6
-    found = [windups(one, [0.7], torque)[0] for one in (stiff, soft)]
-    parts = [one.series(design) for one, design in zip(found, (stiff, soft), strict=True)]
+    found = [windups(Reducer(one), [0.7], torque)[0] for one in (stiff, soft)]
+    parts = [one.series(Reducer(design)) for one, design in zip(found, (stiff, soft), strict=True)]
     assert parts[1] == pytest.approx(parts[0] | {"output": parts[0]["output"] + more}, rel=1e-6)
     assert found[1].gear_turn == pytest.approx(found[0].gear_turn, rel=1e-9)
     for way, sign in (("forward", 1.0), ("reverse", -1.0)):
         case = Case("loaded", way, "speed", torque, sign * stiff.drive.speed)
-        first, second = (trace(one, build(one), 0.02, case) for one in (stiff, soft))
+        first, second = (trace(Reducer(one), build(one), 0.02, case) for one in (stiff, soft))
         twist = sign * member.sense(stiff) * more * torque * ARCSECONDS
         assert second.output - first.output == pytest.approx(np.full(first.output.size, twist), rel=1e-3)
         assert second.gear == pytest.approx(first.gear, rel=1e-4)
-        solved = ARCSECONDS * member.sense(stiff) * transmission_error(soft, second.crank, sign * torque)
+        solved = ARCSECONDS * member.sense(stiff) * transmission_error(Reducer(soft), second.crank, sign * torque)
         assert second.gear.mean() == pytest.approx(solved[:, 0].mean(), rel=0.05)
         assert second.output.mean() == pytest.approx(solved[:, 1].mean(), rel=0.05)
 
 
 def test_backlash_at_the_ring_is_measured_as_the_programme_has_it(at_the_ring) -> None:
-    found, known = press(bench.ideal(at_the_ring), 0.7, longer=4.0).backlash, stops(at_the_ring, 0.7)
+    found, known = press(bench.ideal(Reducer(at_the_ring)), 0.7, longer=4.0).backlash, stops(Reducer(at_the_ring), 0.7)
     assert found == pytest.approx(known[1] - known[0], rel=0.005)
-    parts = play.parts_alone(at_the_ring, 0.7)
+    parts = play.parts_alone(Reducer(at_the_ring), 0.7)
     gear, clearance = at_the_ring.gear, at_the_ring.clearance
     assert parts["cam"] == pytest.approx(2.0 * clearance.cam / (gear.eccentricity * at_the_ring.ring.teeth))
 
 
 def test_the_loop_at_the_ring_has_the_slope_of_statics(at_the_ring) -> None:
-    level = working_at(bench.ideal(at_the_ring), at_the_ring.rated_torque)
-    rated = level.rated_torque
+    level = working_at(bench.ideal(Reducer(at_the_ring)), at_the_ring.rated_torque)
+    rated = level.design.rated_torque
     loop = hysteresis.loop(level, 0.7, rated, hysteresis.slow_period(level, rated), 1.0)
     known = windups(level, [0.7], rated)[0]
     assert loop.lost_motion == pytest.approx(known.lost_motion, rel=0.005)
@@ -257,10 +260,10 @@ def test_the_transmission_error_of_the_ring_is_that_of_statics(at_the_ring) -> N
     slow = at_the_ring.but(drive={"speed": 20.0})
     case = Case("loaded", "forward", "slow", slow.rated_torque, slow.drive.speed)
     free = slow.but(friction=FREE_OF_LOSSES["friction"])
-    reducer = build(free.but(load={"torque": case.torque}))
-    periods = 3 / slow.mesh_periods
-    found = trace(free.but(contact={"working_load": case.torque}), reducer, periods, case)
-    solved = transmission_error(free.but(contact={"working_load": case.torque}), found.crank, case.torque)
+    compiled = build(free.but(load={"torque": case.torque}))
+    periods, loaded = 3 / slow.mesh_periods, Reducer(free.but(contact={"working_load": case.torque}))
+    found = trace(loaded, compiled, periods, case)
+    solved = transmission_error(loaded, found.crank, case.torque)
     theory = ARCSECONDS * member.sense(free) * solved
     assert found.gear == pytest.approx(theory[:, 0], abs=0.02 * np.abs(theory[:, 0]).max())
     assert found.output == pytest.approx(theory[:, 1], abs=0.02 * np.abs(theory[:, 1]).max())
@@ -280,14 +283,14 @@ def test_backlash_and_wind_up_are_positive_whichever_way_the_output_turns(turnin
         for load in lag
         for way, sign in (("forward", 1.0), ("reverse", -1.0))
     }
-    found = {one.key: one for one in quantities(design, made, {}, made)}
+    found = {one.key: one for one in quantities(Reducer(design), made, {}, made)}
     for shaft in ("gear", "output"):
         assert (found[f"{shaft}_reversal"].value, found[f"{shaft}_reversal"].reference) == pytest.approx((10.0, 10.0))
         assert (found[f"{shaft}_wind_up"].value, found[f"{shaft}_wind_up"].reference) == pytest.approx((30.0, 30.0))
 
 
 def test_causes_of_orders_at_the_ring() -> None:
-    own = {cause.key: cause for cause in causes(PIN.but(output=RING))}
+    own = {cause.key: cause for cause in causes(Reducer(PIN.but(output=RING)))}
     assert own["mesh"].has(35.0)
     assert not own["mesh"].has(36.0)
     assert own["ring"].has(35.0 / 36.0)
@@ -300,11 +303,11 @@ def test_causes_of_orders_at_the_ring() -> None:
 
 def test_the_closed_form_of_efficiency_at_the_ring_is_its_balance_of_power() -> None:
     ring = RIGID.but(output=RING, drag={"crank": 0.01})
-    carrier = ideal_efficiency(RIGID, 30.0).efficiency
-    own = ideal_efficiency(ring.but(drag={"crank": 0.0}), 30.0).efficiency
+    carrier = ideal_efficiency(Reducer(RIGID), 30.0).efficiency
+    own = ideal_efficiency(Reducer(ring.but(drag={"crank": 0.0})), 30.0).efficiency
     assert own == pytest.approx((1.0 + 35.0 * carrier) / 36.0)
     supplied = 30.0 / own + 0.01 * 36.0
-    assert ideal_efficiency(ring, 30.0).efficiency == pytest.approx(30.0 / supplied)
+    assert ideal_efficiency(Reducer(ring), 30.0).efficiency == pytest.approx(30.0 / supplied)
 
 
 # --- pictures and parts -----------------------------------------------------------------------------------------------
@@ -335,14 +338,14 @@ def test_columns_seen_from_the_ring_are_those_of_a_carrier(turning) -> None:
 
 def test_the_housing_and_its_pins_turn_and_the_carrier_does_not(turning) -> None:
     design = design_of(turning)
-    place, last = poses(design, turning.columns), turning["output_angle"][-1]
+    place, last = poses(Reducer(design), turning.columns), turning["output_angle"][-1]
     assert last > 0.1
     assert place["housing"][-1] == pytest.approx([0.0, 0.0, last])
     assert place["output"][:, 2] == pytest.approx(np.zeros(len(turning)))
     radius = design.ring.pin_circle_radius
     assert place["pin_1"][-1] == pytest.approx([-radius * math.sin(last), radius * math.cos(last), last])
     # forces act where the pins are: towards the pitch point, from there
-    acting = contact_forces(design, turning.columns).of("pin_gear")
+    acting = contact_forces(Reducer(design), turning.columns).of("pin_gear")
     pressed = acting.size[-1] > 1.0
     assert pressed.sum() > 5
     centres = np.stack([place[f"pin_{number}"][-1, :2] for number in range(1, 37)])
@@ -354,7 +357,7 @@ def test_the_housing_and_its_pins_turn_and_the_carrier_does_not(turning) -> None
 def test_the_mechanism_is_drawn_as_its_ring_sees_it(turning) -> None:
     design = design_of(turning)
     seen = member.columns_from_ring(design, turning.columns)
-    measured = gaps(member.seen_from_ring(design), seen)
+    measured = gaps(Reducer(member.seen_from_ring(design)), seen)
     late = turning.time > 0.008
     assert np.abs(measured.deviation[late, :2]).max() < 20e-6
     assert np.abs(measured.opening[late]).max() < 60e-6
@@ -366,7 +369,7 @@ def test_the_mechanism_is_drawn_as_its_ring_sees_it(turning) -> None:
 
 @pytest.mark.parametrize("part", ["gear", "shaft", "output", "ring"])
 def test_the_loads_on_a_part_are_in_balance(turning, part: str) -> None:
-    found = part_loads(turning, design_of(turning), part, np.radians(np.arange(0.0, 360.0, 15.0)))
+    found = part_loads(turning, Reducer(design_of(turning)), part, np.radians(np.arange(0.0, 360.0, 15.0)))
     assert np.abs(found.force).max() > 50.0
     if part in ("output", "ring"):
         arms = found.place[..., 0] * found.force[..., 1] - found.place[..., 1] * found.force[..., 0]

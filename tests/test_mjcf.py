@@ -9,6 +9,7 @@ from cycloid_mj.contact.collider import installed
 from cycloid_mj.contact.library import exact_xml
 from cycloid_mj.course import initial_state
 from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build, sensors, xml
 from cycloid_mj.run import columns
 from cycloid_mj.solid import mass_properties, parts
@@ -20,17 +21,17 @@ def design() -> Design:
 
 
 @pytest.fixture(scope="module")
-def reducer(design):
+def compiled(design):
     return build(design)
 
 
-def test_degrees_of_freedom(reducer, design) -> None:
-    assert reducer.model.nv == 1 + 3 + 1 + 3 * design.ring.teeth
+def test_degrees_of_freedom(compiled, design) -> None:
+    assert compiled.model.nv == 1 + 3 + 1 + 3 * design.ring.teeth
 
 
-def test_the_counterweight_balances_the_gear(reducer, design) -> None:
+def test_the_counterweight_balances_the_gear(compiled, design) -> None:
     """Static moment of all that turns with the crank, the gear at its centre, read from the compiled model."""
-    model = reducer.model
+    model = compiled.model
     shaft, gear = model.body("shaft"), model.body("gear")
     moment = shaft.mass[0] * shaft.ipos[:2] + gear.mass[0] * np.array([0.0, design.gear.eccentricity])
     assert np.abs(moment).max() < 1e-9 * gear.mass[0] * design.gear.eccentricity
@@ -38,28 +39,28 @@ def test_the_counterweight_balances_the_gear(reducer, design) -> None:
     assert np.abs(unbalanced).max() == pytest.approx(gear.mass[0] * design.gear.eccentricity, rel=1e-6)
 
 
-def test_masses_are_the_solids(reducer, design) -> None:
-    solids = {name: mass_properties(solid) for name, solid in parts(design).items()}
+def test_masses_are_the_solids(compiled, design) -> None:
+    solids = {name: mass_properties(solid) for name, solid in parts(Reducer(design)).items()}
     for body, part in (("gear", "gear"), ("shaft", "shaft"), ("output", "output"), ("pin_7", "pin")):
-        compiled = reducer.model.body(body)
-        assert compiled.mass[0] == pytest.approx(solids[part].mass, rel=1e-14)
-        assert sorted(compiled.inertia) == pytest.approx(np.linalg.eigvalsh(solids[part].inertia), rel=1e-9)
+        made = compiled.model.body(body)
+        assert made.mass[0] == pytest.approx(solids[part].mass, rel=1e-14)
+        assert sorted(made.inertia) == pytest.approx(np.linalg.eigvalsh(solids[part].inertia), rel=1e-9)
 
 
-def test_sensors_are_named_as_the_columns(reducer, design) -> None:
-    *named, kept = [reducer.model.sensor(i).name for i in range(reducer.model.nsensor)]
+def test_sensors_are_named_as_the_columns(compiled, design) -> None:
+    *named, kept = [compiled.model.sensor(i).name for i in range(compiled.model.nsensor)]
     assert kept == each_step.SENSOR
-    assert named == [name for group in sensors(design).values() for name in group]
-    logged = [name for group in columns(reducer, design).values() for name in group]
+    assert named == [name for group in sensors(Reducer(design)).values() for name in group]
+    logged = [name for group in columns(compiled, Reducer(design)).values() for name in group]
     assert set(named) < set(logged)
     assert len(set(logged)) == len(logged)
 
 
-def test_pairs_state_the_physics(reducer) -> None:
+def test_pairs_state_the_physics(compiled) -> None:
     """K, C and 1/R come back out of each compiled pair."""
-    model = reducer.model
-    for pair in reducer.pairs:
-        law, number = reducer.laws[pair.kind], model.pair(pair.name).id
+    model = compiled.model
+    for pair in compiled.pairs:
+        law, number = compiled.laws[pair.kind], model.pair(pair.name).id
         bodies = [model.geom(name).bodyid[0] for name in (pair.on, pair.by)]
         weight = sum(model.body_invweight0[body, 0] for body in bodies)
         impedance = model.pair_solimp[number, 0]
@@ -73,9 +74,9 @@ def test_pairs_state_the_physics(reducer) -> None:
             assert creep == pytest.approx(law.creep, rel=1e-9)
 
 
-def test_the_xml_is_the_model(reducer, design) -> None:
+def test_the_xml_is_the_model(compiled, design) -> None:
     """Compiled from its XML, the model moves bit for bit alike; six digits would not do."""
-    text = xml(reducer.spec)
+    text = xml(compiled.spec)
     again = mujoco.MjModel.from_xml_string(text)
     for name in (
         "body_pos",
@@ -87,16 +88,16 @@ def test_the_xml_is_the_model(reducer, design) -> None:
         "body_mass",
         "qpos0",
     ):
-        np.testing.assert_array_equal(getattr(again, name), getattr(reducer.model, name), err_msg=name)
+        np.testing.assert_array_equal(getattr(again, name), getattr(compiled.model, name), err_msg=name)
     states = []
-    for model in (reducer.model, again):
-        data = initial_state(reducer, design) if model is reducer.model else mujoco.MjData(again)
+    for model in (compiled.model, again):
+        data = initial_state(compiled, Reducer(design)) if model is compiled.model else mujoco.MjData(again)
         with installed():
             mujoco.mj_step(model, data, 50)
         states.append(data.qpos.copy())
     np.testing.assert_array_equal(*states)
-    coarse = mujoco.MjModel.from_xml_string(reducer.spec.to_xml())
-    assert np.any(coarse.body_pos != reducer.model.body_pos)
+    coarse = mujoco.MjModel.from_xml_string(compiled.spec.to_xml())
+    assert np.any(coarse.body_pos != compiled.model.body_pos)
 
 
 def test_exact_xml_is_undone() -> None:
@@ -109,7 +110,7 @@ def test_exact_xml_is_undone() -> None:
     assert "0.3333333" not in spec.to_xml()
 
 
-def test_contact_geoms_reach_each_other_at_every_crank_angle(reducer, design) -> None:
+def test_contact_geoms_reach_each_other_at_every_crank_angle(compiled, design) -> None:
     """The broad phase drops pairs whose bounding boxes are apart; a wide margin shows every pair as a contact."""
     model = build(design).model
     model.pair_margin[:] = 1e-5
@@ -123,11 +124,11 @@ def test_contact_geoms_reach_each_other_at_every_crank_angle(reducer, design) ->
         data.joint("output").qpos[0] = -crank / design.lobes
         with installed():
             mujoco.mj_forward(model, data)
-        assert data.ncon == len(reducer.pairs), crank
+        assert data.ncon == len(compiled.pairs), crank
 
 
 def test_fixed_pins_are_part_of_the_housing() -> None:
     design = override(PRESETS["pin"], ['ring.pins="fixed"'])
-    reducer = build(design)
-    assert reducer.model.nv == 5
-    assert {pair.kind for pair in reducer.pairs} == {"pin_gear", "cam", "output"}
+    compiled = build(design)
+    assert compiled.model.nv == 5
+    assert {pair.kind for pair in compiled.pairs} == {"pin_gear", "cam", "output"}

@@ -24,6 +24,7 @@ from cycloid_mj.explore.optimizer import HISTORY, optimize
 from cycloid_mj.explore.problem import problem
 from cycloid_mj.explore.quantities import catalogue, refusals
 from cycloid_mj.loaded.sheet import sheet, sheet_part
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.profile import CycloidGear
 
 PIN = PRESETS["pin"]
@@ -66,7 +67,7 @@ def test_the_largest_convex_radius_is_that_of_a_fine_grid(convex) -> None:
         rho = radii[np.searchsorted(radii, c, side="right")]
         best = max(best, float(bends(c, rho)))
     at = convex.design()
-    assert not refusals(at, strict=False)
+    assert not refusals(Reducer(at), strict=False)
     found = convex.best_figures["least_convex_radius_mm"]
     assert found == pytest.approx(best, rel=1e-3)
     assert found == pytest.approx(float(bends(1e3 * at.gear.eccentricity, 1e3 * at.ring.pin_radius)), rel=1e-6)
@@ -124,11 +125,11 @@ def test_a_front_trades_one_objective_for_the_other() -> None:
 @pytest.mark.slow
 def test_the_paper_s_design_presses_its_teeth_less_in_the_same_housing() -> None:
     """Rated torque, same housing, no more backlash: docs/explore.md has a longer search, and its price."""
-    before = sheet(PIN).quantities
+    before = sheet(Reducer(PIN)).quantities
     vary = {"gear.eccentricity_mm": "0.9:1.1", "ring.pin_radius_mm": "1.6:2.3", "ring.pin_circle_radius_mm": "40:47"}
     limit = f"backlash<={before['backlash'].value!r}"
     found = optimize(PIN, vary, "pin_gear_pressure", limits=limit, evaluations=40, starts=1, verify=False, engine=HERE)
-    after = sheet(found.design()).quantities
+    after = sheet(Reducer(found.design())).quantities
     assert after["pin_gear_pressure"].value < 0.75 * before["pin_gear_pressure"].value
     assert after["backlash"].value <= before["backlash"].value
     assert found.design().housing == PIN.housing
@@ -140,12 +141,12 @@ def test_the_paper_s_design_presses_its_teeth_less_in_the_same_housing() -> None
 
 
 def test_figures_are_those_of_statics_and_of_the_checks() -> None:
-    there = catalogue(PIN)
-    whole = sheet(PIN).quantities
+    there = catalogue(Reducer(PIN))
+    whole = sheet(Reducer(PIN)).quantities
     assert set(whole) <= set(there)
     for key in ("backlash", "pin_gear_pressure", "efficiency", "output_peak_to_peak_loaded_forward_speed"):
         assert there[key][1].value == whole[key].value
-    assert sheet_part(PIN, "loads")["capacity"] == whole["capacity"]
+    assert sheet_part(Reducer(PIN), "loads")["capacity"] == whole["capacity"]
     gear = CycloidGear(
         PIN.ring.teeth,
         *(
@@ -159,10 +160,12 @@ def test_figures_are_those_of_statics_and_of_the_checks() -> None:
 
 def test_a_design_that_cannot_be_built_still_names_its_figures() -> None:
     broken = override(PRESETS["nonpin"], {"gear.eccentricity_mm": 1.5})
-    assert not all(one.passed for one in soundness(broken))
-    assert {"tooth_pressure", "mass_kg"} <= set(catalogue(broken))
-    assert "efficiency" in catalogue(override(PIN, {"drive.speed_rpm": 0}))
-    assert "pin_socket_pressure" not in catalogue(override(PIN, {"ring.pins": "fixed", "gear.eccentricity_mm": 1.5}))
+    assert not all(one.passed for one in soundness(Reducer(broken)))
+    assert {"tooth_pressure", "mass_kg"} <= set(catalogue(Reducer(broken)))
+    assert "efficiency" in catalogue(Reducer(override(PIN, {"drive.speed_rpm": 0})))
+    assert "pin_socket_pressure" not in catalogue(
+        Reducer(override(PIN, {"ring.pins": "fixed", "gear.eccentricity_mm": 1.5}))
+    )
 
 
 def test_a_search_may_start_from_a_design_that_cannot_be_built() -> None:
@@ -170,7 +173,7 @@ def test_a_search_may_start_from_a_design_that_cannot_be_built() -> None:
     found = optimize(broken, SHAPE, **CONVEX, evaluations=40)
     assert not found.start_figures
     assert found.best is not None
-    assert not refusals(found.design(), strict=False)
+    assert not refusals(Reducer(found.design()), strict=False)
 
 
 @pytest.mark.slow
@@ -267,7 +270,7 @@ def test_a_search_that_was_stopped_goes_on_to_the_same_points(tmp_path: Path) ->
     history = (tmp_path / "one" / HISTORY).read_text().splitlines()
     assert len(history) > 20
     kept = rows.read_bytes().splitlines()
-    task = problem(PIN, SHAPE, (), ("least_convex_radius_mm",), ("short_width>=0.5",))
+    task = problem(Reducer(PIN), SHAPE, (), ("least_convex_radius_mm",), ("short_width>=0.5",))
     resumed, whole = (
         optimizer.explored(task, 200, 3, 0, folder, HERE, optimizer.silent) for folder in (tmp_path / "one", None)
     )

@@ -12,6 +12,7 @@ from cycloid_mj.cli.app import main
 from cycloid_mj.contact.tested import KNOWN
 from cycloid_mj.design import PRESETS
 from cycloid_mj.errors import CycloidWarning
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.papers import GROUP, Paper, papers, published_torques, stress_references
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -108,7 +109,7 @@ def test_a_paper_that_fails_when_it_is_asked_is_passed_over(found, capsys):
     found(leaving="test_packaging:LEAVING")
     for ask, nothing in ((published_torques, []), (stress_references, {})):
         with pytest.warns(CycloidWarning, match="paper leaving: passed over, since it ends the program"):
-            assert ask(PRESETS["pin"]) == nothing
+            assert ask(Reducer(PRESETS["pin"])) == nothing
 
 
 def test_a_second_paper_makes_reproduce_a_group_of_commands(found, capsys):

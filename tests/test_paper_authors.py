@@ -12,6 +12,7 @@ from hsieh2014.soft_contact import GENERIC, soft_idle
 
 from cycloid_mj.comparison import gravity_turn, settled
 from cycloid_mj.design import PRESETS
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.run import simulate
 
 
@@ -74,8 +75,10 @@ def test_two_solvers_find_the_papers_two_peaks_with_the_soft_contact():
     from hsieh2014.peaks import by_angle
     from hsieh2014.plan import IMPACT, at_speed
 
-    run = simulate(at_speed(IMPACT.of(design).but(friction=dict.fromkeys(("pin_gear", "pin_socket"), 0.0)), 0.0, 1))
-    assert gravity_turn(settled(run).design) == 0.0
+    run = simulate(
+        at_speed(IMPACT.of(Reducer(design)).but(friction=dict.fromkeys(("pin_gear", "pin_socket"), 0.0)), 0.0, 1)
+    )
+    assert gravity_turn(Reducer(settled(run).design)) == 0.0
     curve = by_angle(run, ["cam"])
     assert len(maxima(curve)) == 2
     assert maxima(curve) == pytest.approx((75.0, 255.0), abs=25.0)

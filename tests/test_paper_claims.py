@@ -41,6 +41,7 @@ from ideal import ideal_run, ideal_runs
 from cycloid_mj.comparison import Spread, gravity_turn, order, started
 from cycloid_mj.design import PRESETS
 from cycloid_mj.measure import Measurement
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.result import Quantity, Verdict
 
 KEYS = (
@@ -243,7 +244,7 @@ def test_forces_become_the_peaks_between_samples():
 
 @pytest.mark.parametrize("number", [0, 1, 5])
 def test_angles_are_counted_from_gravity(number):
-    design = started(at_speed(PRESETS["pin"], 0.0, 1), number)
+    design = started(Reducer(at_speed(PRESETS["pin"], 0.0, 1)), number)
     run, turn = ideal_run(design), math.degrees(math.atan2(design.environment.gravity_x, -design.environment.gravity_y))
     degrees = np.mod(np.degrees(run["crank_angle"]) - turn, 360.0)
     force = np.where(np.abs(degrees - 95.0) < 4.0, 6.0, 0.0) + np.where(np.abs(degrees - 265.0) < 4.0, 4.0, 0.0)
@@ -350,7 +351,7 @@ def test_a_rank_test_orders_designs_and_its_starts_are_enough():
 
 def at_degrees(run, pair, degrees, force=3.0):
     """A run in which a pair presses within five degrees of crank angles counted from gravity."""
-    turned = np.degrees(run["crank_angle"] - gravity_turn(motion.series(run).design))
+    turned = np.degrees(run["crank_angle"] - gravity_turn(Reducer(motion.series(run).design)))
     near = np.any([np.abs((turned - at + 180.0) % 360.0 - 180.0) < 5.0 for at in degrees], axis=0)
     values = np.where(near, force, 0.0)
     return with_force(run, pair, values, values)

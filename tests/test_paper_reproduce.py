@@ -27,6 +27,7 @@ from cycloid_mj.comparison.conditions import differences
 from cycloid_mj.contact.law import series_stiffness
 from cycloid_mj.design import PRESETS, dump, override
 from cycloid_mj.errors import RunError, UsageError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.run import schedule
 
 ROOT = Path(__file__).parent.parent
@@ -72,7 +73,7 @@ def test_the_third_rated_design_is_as_loose_and_as_soft_as_the_pin_design():
     assert set(differences([nonpin, third])) == {"clearance.tooth_um", "stiffness.tooth_n_m"}
     assert third.clearance.tooth == pytest.approx(pin.clearance.pin_gear + pin.clearance.pin_socket)
     # At the load of these runs; at none the springs are 0.7 times as stiff.
-    assert third.stiffness.tooth == pytest.approx(series_stiffness(pin), rel=1e-9)
+    assert third.stiffness.tooth == pytest.approx(series_stiffness(Reducer(pin)), rel=1e-9)
 
 
 # --- independent starts
@@ -80,10 +81,10 @@ def test_the_third_rated_design_is_as_loose_and_as_soft_as_the_pin_design():
 
 def test_starts_turn_gravity_by_whole_tooth_pitches():
     design = at_speed(PRESETS["pin"], 0.0, 1)
-    found = [started(design, number) for number in range(STARTS)]
+    found = [started(Reducer(design), number) for number in range(STARTS)]
     assert found[0] == design
     assert len(set(found)) == STARTS >= 8
-    pitches = [gravity_turn(each) / (2 * np.pi / 36) for each in found]
+    pitches = [gravity_turn(Reducer(each)) / (2 * np.pi / 36) for each in found]
     assert pitches == pytest.approx(np.round(pitches), abs=1e-9)
     assert np.diff(pitches) == pytest.approx(4.5, abs=0.5 + 1e-9)
     for each in found:
@@ -97,7 +98,7 @@ def test_starts_turn_gravity_by_whole_tooth_pitches():
 
 @pytest.mark.parametrize("design", plan.designs(), ids=["pin", "nonpin"])
 def test_samples_fall_on_whole_degrees(design):
-    run = schedule(at_speed(design, 0.0, 4))
+    run = schedule(Reducer(at_speed(design, 0.0, 4)))
     assert run.stride == plan.STEPS
     sample = plan.LOGGED * run.stride * run.timestep
     assert sample == pytest.approx(0.000101626, abs=5e-10)
@@ -106,7 +107,7 @@ def test_samples_fall_on_whole_degrees(design):
 
 
 def test_half_the_step_keeps_the_samples():
-    coarse, fine = (schedule(at_speed(PRESETS["pin"], 0.0, 4, finer)) for finer in (1, 2))
+    coarse, fine = (schedule(Reducer(at_speed(PRESETS["pin"], 0.0, 4, finer))) for finer in (1, 2))
     assert fine.stride * fine.timestep == pytest.approx(coarse.stride * coarse.timestep, rel=1e-12)
     assert fine.timestep == pytest.approx(coarse.timestep / 2, rel=1e-12)
 
@@ -123,7 +124,7 @@ def test_figures_show_one_turn_of_360_samples():
 def test_the_ramp_is_the_papers():
     design = ramped(PRESETS["pin"])
     assert (design.drive.ramp, design.load.torque) == (1.0, 0.0)
-    assert design.drive.hold > settling(design)
+    assert design.drive.hold > settling(Reducer(design))
 
 
 # --- stages

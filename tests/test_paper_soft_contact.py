@@ -14,6 +14,7 @@ from hsieh2014.soft_contact import GENERIC, STEEL, Forces, SoftContact, _facets,
 
 from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.design import PRESETS, override
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.run import simulate
 from cycloid_mj.solid import mass_properties, parts
 from cycloid_mj.stress.loads import PartLoads
@@ -39,8 +40,8 @@ def test_parameters_are_those_of_the_solvers_table():
 @pytest.mark.slow
 def test_stiff_linear_springs_strike_as_hard_as_the_model():
     # another integrator, without friction, added mass or MuJoCo: the cam's largest force of an idle turn
-    gear = mass_properties(parts(PIN)["gear"]).mass
-    stiffness = pair_stiffness(PIN, "pin_gear")
+    gear = mass_properties(parts(Reducer(PIN))["gear"]).mass
+    stiffness = pair_stiffness(Reducer(PIN), "pin_gear")
     linear = SoftContact("linear", stiffness, 1.0, math.sqrt(stiffness * gear / PIN.ring.teeth), 1e-15)
     soft = soft_idle(PIN, linear, 0.0, 1, 0)
     run = simulate(at_speed(PIN, 0.0, 1))

@@ -11,6 +11,7 @@ from cycloid_mj import envelope
 from cycloid_mj.contact.collider import installed
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import RunError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.run import simulate
@@ -50,7 +51,7 @@ class Outlines:
     """The outlines of gear and ring by dense points."""
 
     def __init__(self, design: Design) -> None:
-        polygon = gear_outline(design, CHORD_ERROR)
+        polygon = gear_outline(Reducer(design), CHORD_ERROR)
         self.polygon = polygon if area_moments(polygon).area > 0.0 else polygon[::-1]
         self.tree = cKDTree(self.polygon)
         if design.ring.kind == "nonpin":
@@ -77,11 +78,11 @@ class Outlines:
 def test_penetration_is_how_deep_the_outlines_are_in_each_other(name: str) -> None:
     # So much play in cam and output that nothing but the teeth is in touch.
     design = override(DESIGNS[name], ["clearance.cam_um=100", "clearance.output_um=300"])
-    reducer = build(design)
+    compiled = build(design)
     outlines, rng, factors = Outlines(design), np.random.default_rng(1), []
     play, c = getattr(design.clearance, design.tooth_pair), design.gear.eccentricity
     for crank in (0.0, 0.4, 2.0, 4.4):
-        data = mujoco.MjData(reducer.model)
+        data = mujoco.MjData(compiled.model)
         lead = -crank / design.lobes
         x, y = c * np.array([-np.sin(crank), np.cos(crank)]) + rng.uniform(-4e-6, 4e-6, 2)
         turn = lead + (play + 8e-6) / (c * design.lobes) * rng.choice([-1.0, 1.0])
@@ -89,7 +90,7 @@ def test_penetration_is_how_deep_the_outlines_are_in_each_other(name: str) -> No
         for joint, value in pose.items():
             data.joint(joint).qpos[0] = value
         with installed():
-            found = stepped(reducer.model, data, reducer.pairs).penetration
+            found = stepped(compiled.model, data, compiled.pairs).penetration
         expected = outlines.deepest(x, y, turn)
         assert expected > 2e-6
         assert found == pytest.approx(expected, abs=3e-9)

@@ -5,6 +5,7 @@ import pytest
 
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.errors import DesignError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.validation import planar, witness
 from cycloid_mj.validation.rig import FIXED, FREE, SETTLED, reducer_of, without_friction
 
@@ -26,19 +27,21 @@ def test_without_friction_all_power_comes_out() -> None:
 
 def test_a_run_at_high_friction_agrees_and_one_whose_friction_leads_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
     design = override(witness.high_friction(), [f"drive.hold_s={SETTLED + 60.0 / 1640.0 / 36.0!r}"])
-    assert all(row.verdict == "pass" for row in witness.rows_of("short", design))
+    assert all(row.verdict == "pass" for row in witness.rows_of("short", Reducer(design)))
     monkeypatch.setattr("cycloid_mj.mjcf.model.impratio", lambda *_: 3e3)
-    assert sum(row.verdict == "fail" for row in witness.rows_of("short", design)) >= 2
+    assert sum(row.verdict == "fail" for row in witness.rows_of("short", Reducer(design))) >= 2
 
 
 def test_half_the_step_changes_nothing() -> None:
     design = override(witness.high_friction(), [f"drive.hold_s={SETTLED + 60.0 / 1640.0 / 36.0!r}"])
-    np.testing.assert_allclose(witness.of_witness(design), witness.of_witness(design, 0.5e-6), rtol=2e-3)
+    np.testing.assert_allclose(
+        witness.of_witness(Reducer(design)), witness.of_witness(Reducer(design), 0.5e-6), rtol=2e-3
+    )
 
 
 @pytest.mark.slow
 def test_free_pins_in_closed_sockets_agree() -> None:
-    rows = witness.rows_of("free", reducer_of(FREE, *SHORT, 'ring.socket="closed"'))
+    rows = witness.rows_of("free", Reducer(reducer_of(FREE, *SHORT, 'ring.socket="closed"')))
     assert [row.verdict for row in rows[:4]] == ["pass"] * 4
     assert rows[4].difference < 10.0
 
@@ -46,7 +49,7 @@ def test_free_pins_in_closed_sockets_agree() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("case", witness.CASES)
 def test_runs_agree_with_the_witness(case: str) -> None:
-    assert all(row.verdict == "pass" for row in witness.rows_of(case, witness.CASES[case]()))
+    assert all(row.verdict == "pass" for row in witness.rows_of(case, Reducer(witness.CASES[case]())))
 
 
 @pytest.mark.parametrize(("preset", "change"), [("nonpin", "load.torque_nm=1"), ("pin", "drag.crank_nm=0.1")])

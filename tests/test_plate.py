@@ -20,6 +20,7 @@ from cycloid_mj.export.clearance import flank_distance
 from cycloid_mj.export.plate import GAP, shelves
 from cycloid_mj.export.printing import made
 from cycloid_mj.mechanism.reducer import phases
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.modification import gear_profile
 from cycloid_mj.solid import mass_properties, output_centres, parts, sleeve_core_radius
 
@@ -75,14 +76,14 @@ BOUGHT = {
 def laid(request: pytest.FixtureRequest) -> tuple[str, Design, Plate, np.ndarray]:
     """Give a design by its name, its plate with the offset, and the triangles of the plate's STL [m]."""
     design = DESIGNS[request.param]
-    found = plate(widened(design, OFFSET), CHORD_ERROR)
+    found = plate(widened(Reducer(design), OFFSET), CHORD_ERROR)
     return request.param, design, found, 1e-3 * read_stl(stl_bytes(found.mesh, 1e3))
 
 
 def test_every_part_lies_flat_in_a_box_of_its_own(laid: tuple[str, Design, Plate, np.ndarray]) -> None:
     """Boxes are apart; each triangle is in one; each box has its part's volume, closed, and stands on z = 0."""
     _, design, found, triangles = laid
-    solids = {name: part.solid for name, part in made(widened(design, OFFSET), CHORD_ERROR).items()}
+    solids = {name: part.solid for name, part in made(widened(Reducer(design), OFFSET), CHORD_ERROR).items()}
     for one, other in combinations(found.places, 2):
         apart = np.maximum(np.subtract(one.low, other.high), np.subtract(other.low, one.high))[:2].max()
         assert apart > GAP - 1e-12
@@ -100,7 +101,7 @@ def test_every_part_lies_flat_in_a_box_of_its_own(laid: tuple[str, Design, Plate
 
 def test_the_plate_has_what_is_made_and_the_bill_all_of_it(laid: tuple[str, Design, Plate, np.ndarray]) -> None:
     name, design, found, _ = laid
-    items = bill(design)
+    items = bill(Reducer(design))
     if name in ON_PLATE:
         assert found.counts == ON_PLATE[name]
     if name in BOUGHT:
@@ -121,7 +122,9 @@ def test_the_offset_is_in_the_outlines(laid: tuple[str, Design, Plate, np.ndarra
         own = ((triangles > np.subtract(place.low, SINGLE)) & (triangles < np.add(place.high, SINGLE))).all(axis=(1, 2))
         points = triangles[own].reshape(-1, 3)[:, :2] - place.origin
         radius = np.linalg.norm(points, axis=1)
-        to_hole = np.min([np.linalg.norm(points - centre, axis=1) for centre in output_centres(design)], axis=0)
+        to_hole = np.min(
+            [np.linalg.norm(points - centre, axis=1) for centre in output_centres(Reducer(design))], axis=0
+        )
         reach = output.hole_radius + asked.output + 2.0 * OFFSET
         bore, hole = radius < design.gear.bore_radius + asked.cam + 2.0 * OFFSET, to_hole < reach
         np.testing.assert_allclose(radius[bore], design.gear.bore_radius + asked.cam + OFFSET, rtol=0.0, atol=SINGLE)
@@ -139,39 +142,40 @@ def test_sockets_and_sleeves_take_the_offset_and_pins_keep_their_size() -> None:
     for name, one in pairs.items():
         assert one.asked == getattr(free.clearance, name)
         assert (one.least, one.most) == pytest.approx((one.asked + OFFSET,) * 2, abs=2e-8)
-    wide = widened(sleeved, OFFSET)
-    assert sleeve_core_radius(wide) == pytest.approx(sleeve_core_radius(sleeved), rel=1e-12)
+    wide = widened(Reducer(sleeved), OFFSET)
+    assert sleeve_core_radius(wide) == pytest.approx(sleeve_core_radius(Reducer(sleeved)), rel=1e-12)
     bores = [
-        np.linalg.norm(parts(one, CHORD_ERROR)["pin"].prisms[0].holes[0], axis=1).mean() for one in (sleeved, wide)
+        np.linalg.norm(parts(one, CHORD_ERROR)["pin"].prisms[0].holes[0], axis=1).mean()
+        for one in (Reducer(sleeved), wide)
     ]
     assert bores[1] - bores[0] == pytest.approx(OFFSET, rel=1e-9)
-    assert widened(free, 0.0) is free
+    assert widened(Reducer(free), 0.0) == Reducer(free)
 
 
 @pytest.mark.parametrize(("name", "offset"), [("pin", 1.1e-3), ("sleeved", 7.6e-4)])
 def test_an_offset_that_is_too_much_is_refused(name: str, offset: float) -> None:
     with pytest.raises(DesignError, match=rf"offset of {1e6 * offset:g} um is too much for the design"):
-        widened(DESIGNS[name], offset)
+        widened(Reducer(DESIGNS[name]), offset)
 
 
 def test_output_pins_that_are_bought_fill_their_bores_and_reach_through_the_discs() -> None:
     """Of the preset printed: 5 mm under rollers of 9 mm, through two discs of 8 mm, two gaps of 1 mm and the gear."""
     design = DESIGNS["printed"]
-    lines = {item.item: item for item in bill(design)}
+    lines = {item.item: item for item in bill(Reducer(design))}
     assert lines["output_pin"].size == "diameter 5 x length 43 mm"
     assert lines["output_roller"].size == "outside diameter 9 x bore 5 x length 25 mm"
     assert (lines["pin"].size, lines["pin"].material) == ("diameter 7 x length 25 mm", "bearing steel")
     assert lines["shaft_bearing"].size.startswith("bore 12 x length ")
     for name in ("output", "output_2"):
-        bores = made(design, CHORD_ERROR)[name].solid.prisms[0].holes[-design.output.pins :]
-        for bore, centre in zip(bores, output_centres(design), strict=True):
+        bores = made(Reducer(design), CHORD_ERROR)[name].solid.prisms[0].holes[-design.output.pins :]
+        for bore, centre in zip(bores, output_centres(Reducer(design)), strict=True):
             np.testing.assert_allclose(np.linalg.norm(bore - centre, axis=1), 2.5e-3, rtol=1e-9)
 
 
 def test_parts_stand_on_their_larger_end_as_they_are_and_not_mirrored() -> None:
     """The shaft stands on its cam, whose eccentricity then points to -y; the plastic output stands pins up."""
     design = override(DESIGNS["plastic"], ["ring.pins=fixed"])
-    found = plate(design, CHORD_ERROR)
+    found = plate(Reducer(design), CHORD_ERROR)
     places = {place.part: place for place in found.places}
     assert {part for part, place in places.items() if place.turned_over} == {"shaft", "output"}
     shaft, low = places["shaft"], found.mesh.vertices[:, 2] == 0.0
@@ -187,7 +191,7 @@ def test_parts_stand_on_their_larger_end_as_they_are_and_not_mirrored() -> None:
 def test_cams_are_as_thick_as_the_bore_of_their_bearing(name: str, seat: float) -> None:
     """About the same axis as before, each in its own direction; the bill tells the bore; nothing else changes."""
     design = DESIGNS[name]
-    drawn, seated = made(design, CHORD_ERROR), made(design, CHORD_ERROR, seat)
+    drawn, seated = made(Reducer(design), CHORD_ERROR), made(Reducer(design), CHORD_ERROR, seat)
     changed = [part for part in drawn if seated[part].solid is not drawn[part].solid and part not in ("housing",)]
     cams = ["shaft"] if design.gear.discs == 1 else ["cam_1", "cam_2", "cam_3"]
     assert set(changed) - {"output", "output_2"} == set(cams)
@@ -196,7 +200,7 @@ def test_cams_are_as_thick_as_the_bore_of_their_bearing(name: str, seat: float) 
         (outline,) = [new.outline for old, new in pairs if len(old.outline) != len(new.outline)]
         centre = design.gear.eccentricity * np.array([-np.sin(phase), np.cos(phase)])
         np.testing.assert_allclose(np.linalg.norm(outline - centre, axis=1), seat, rtol=1e-9)
-    (bearing,) = [item for item in bill(design, seat) if item.item == "cam_bearing"]
+    (bearing,) = [item for item in bill(Reducer(design), seat) if item.item == "cam_bearing"]
     assert f"outside diameter 30 x bore {2e3 * seat:g} x length" in bearing.size
     assert {part: one.count for part, one in seated.items()} == {part: one.count for part, one in drawn.items()}
 
@@ -204,9 +208,9 @@ def test_cams_are_as_thick_as_the_bore_of_their_bearing(name: str, seat: float) 
 def test_a_bore_that_does_not_fit_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     for name, seat in (("pin", 15e-3), ("pin", 1e-3), ("3_discs", 9e-3)):
         with pytest.raises(DesignError, match=rf"bore of {2e3 * seat:g} mm does not fit"):
-            made(DESIGNS[name], CHORD_ERROR, seat)
+            made(Reducer(DESIGNS[name]), CHORD_ERROR, seat)
     with pytest.raises(DesignError, match="it has no bearing"):
-        made(DESIGNS["plastic"], CHORD_ERROR, 10e-3)
+        made(Reducer(DESIGNS["plastic"]), CHORD_ERROR, 10e-3)
     arguments = ["export", "--design", "pin", "--cam-bearing-bore-mm", "20", "--out", str(tmp_path / "no")]
     assert main(arguments) == 2
     assert "add --plate" in capsys.readouterr().err
@@ -264,7 +268,7 @@ def test_the_command_without_a_plate_writes_parts_alone(tmp_path: Path, capsys: 
 
 
 def test_a_bill_is_csv_of_its_lines() -> None:
-    items = bill(DESIGNS["sleeved"])
+    items = bill(Reducer(DESIGNS["sleeved"]))
     rows = list(csv.reader(io.StringIO(bill_csv(items).decode())))
     assert rows[0] == ["item", "count", "size", "material", "made_or_bought"]
     assert len(rows) == 1 + len(items)

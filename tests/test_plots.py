@@ -19,6 +19,7 @@ from cycloid_mj import kinematics, profile
 from cycloid_mj.analysis import analyze, series
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import CycloidError, LogError, UsageError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.plots import FigureError, figures, mechanism, save
 from cycloid_mj.plots.pin import pin_figure
 from cycloid_mj.plots.stress import map_figure
@@ -359,7 +360,7 @@ def angle_cw(points: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("crank_angle", [0.0, 0.9, -2.0])
 def test_the_drawn_gear_touches_the_drawn_pins(crank_angle):
-    figure = mechanism(PRESETS["pin"], crank_angle=crank_angle)
+    figure = mechanism(Reducer(PRESETS["pin"]), crank_angle=crank_angle)
     _, gear = outlines(figure)
     pins = circles(figure, 2.25)
     assert angle_cw(pins) == pytest.approx(np.arange(36) * 10.0, abs=1e-9)
@@ -369,7 +370,7 @@ def test_the_drawn_gear_touches_the_drawn_pins(crank_angle):
 
 
 def test_a_gear_turned_the_wrong_way_would_not_touch_the_pins():
-    figure = mechanism(PRESETS["pin"], crank_angle=0.9)
+    figure = mechanism(Reducer(PRESETS["pin"]), crank_angle=0.9)
     centre, back = 1e3 * kinematics.gear_centre(GEAR, 0.9), 2 * 0.9 / 35
     turn = np.array([[math.cos(back), -math.sin(back)], [math.sin(back), math.cos(back)]])
     wrong = centre + (outlines(figure)[1] - centre) @ turn.T
@@ -378,7 +379,7 @@ def test_a_gear_turned_the_wrong_way_would_not_touch_the_pins():
 
 def test_the_drawn_output_pins_touch_their_holes():
     design = PRESETS["pin"]
-    figure = mechanism(design, crank_angle=0.9)
+    figure = mechanism(Reducer(design), crank_angle=0.9)
     pins = circles(figure, 4.0)
     centre = 1e3 * kinematics.gear_centre(GEAR, 0.9)
     turn = math.degrees(0.9 / 35)
@@ -391,7 +392,7 @@ def test_the_drawn_output_pins_touch_their_holes():
 
 
 def test_the_internal_gear_is_drawn_as_one_piece():
-    figure = mechanism(PRESETS["nonpin"], crank_angle=0.4)
+    figure = mechanism(Reducer(PRESETS["nonpin"]), crank_angle=0.4)
     ring, gear = outlines(figure)
     assert len(circles(figure, 2.25)) == 0
     radius = np.hypot(*ring.T)
@@ -416,7 +417,7 @@ def loaded(design: Design) -> Run:
 
 def test_forces_start_where_the_pins_touch_the_gear(design):
     run = loaded(design)
-    figure = mechanism(design, run)
+    figure = mechanism(Reducer(design), run)
     (arrows,) = (item for item in figure.axes[0].collections if isinstance(item, Quiver))
     (pin, output), forces = arrows.get_offsets(), np.stack([arrows.U, arrows.V], axis=1)
     np.testing.assert_allclose(forces, [[-80, 60], [0, -400]])
@@ -430,24 +431,24 @@ def test_forces_start_where_the_pins_touch_the_gear(design):
 
 def test_a_run_is_drawn_at_the_asked_crank_angle_of_its_last_turn(design):
     run = loaded(design)
-    figure = mechanism(design, run, crank_angle=1.0)
+    figure = mechanism(Reducer(design), run, crank_angle=1.0)
     written, time = re.fullmatch(r"crank at (\S+) deg, (\S+) s", figure.axes[0].get_title()).groups()
     assert abs(float(written) - math.degrees(1.0)) < 0.6  # half a sample
     sample = int(np.argmin(np.abs(run.time - float(time))))
     assert 0 <= run["crank_angle"][-1] - run["crank_angle"][sample] < 2 * math.pi
     _, gear = outlines(figure)
-    _, ideal = outlines(mechanism(design, crank_angle=float(run["crank_angle"][sample])))
+    _, ideal = outlines(mechanism(Reducer(design), crank_angle=float(run["crank_angle"][sample])))
     assert np.abs(gear - ideal).max() < 0.01  # the run's waves are um, not its place in the turn
 
 
 def test_a_run_without_forces_is_drawn_without_arrows(design):
-    figure = mechanism(design, run_of(design))
+    figure = mechanism(Reducer(design), run_of(design))
     assert not [item for item in figure.axes[0].collections if isinstance(item, Quiver)]
 
 
 def test_a_run_of_something_else_is_refused(design):
     strange = Run(np.arange(3.0), {"x": np.arange(3.0)}, {"x": "m"})
     with pytest.raises(LogError, match="no column 'crank_angle'"):
-        mechanism(design, strange)
+        mechanism(Reducer(design), strange)
     with pytest.raises(LogError, match=r"design\.toml"):
         figures(strange)

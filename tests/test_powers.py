@@ -14,6 +14,7 @@ from cycloid_mj.contact.collider import installed
 from cycloid_mj.course import initial_state
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import RunError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build
 
 FIXED = override(PRESETS["pin"], ["ring.pins=fixed"])
@@ -24,19 +25,19 @@ FIXED = override(PRESETS["pin"], ["ring.pins=fixed"])
 def test_powers_are_what_the_forces_on_the_gear_take_from_its_motion(kind: str, spin: float) -> None:
     """The ring stands still: what a tooth takes, by its normal and by friction, is -(F v + M omega) of the gear."""
     design = override(FIXED if kind == "fixed" else unlike(kind), ["clearance.cam_um=100", "clearance.output_um=300"])
-    reducer = build(design)
-    data = initial_state(reducer, design)
+    compiled = build(design)
+    data = initial_state(compiled, Reducer(design))
     play, arm = getattr(design.clearance, design.tooth_pair), design.gear.eccentricity * design.lobes
     data.joint("gear_angle").qpos[0] += (1.3 * play + 3e-6) / arm
     data.joint("gear_angle").qvel[0] = spin
     data.joint("gear_x").qvel[0], data.joint("gear_y").qvel[0] = 0.02, -0.01
-    reducer.model.opt.timestep *= 1e-6  # so short that no contact turns round in it
+    compiled.model.opt.timestep *= 1e-6  # so short that no contact turns round in it
     before = motion(data)
     with installed():
-        found = stepped(reducer.model, data, reducer.pairs)
+        found = stepped(compiled.model, data, compiled.pairs)
     middle = 0.5 * (before + motion(data))
     touched = 0
-    for number, pair in enumerate(reducer.pairs):
+    for number, pair in enumerate(compiled.pairs):
         if pair.kind != design.tooth_pair or not found.wrench[number].any():
             continue
         touched += 1
@@ -54,17 +55,17 @@ def motion(data: Any) -> np.ndarray:
 
 def without_contact(design: Design):
     """A reducer whose parts meet nowhere: its gear is where it is put."""
-    reducer = build(design)
-    for pair in list(reducer.spec.pairs):
-        reducer.spec.delete(pair)
-    return replace(reducer, model=reducer.spec.compile())
+    compiled = build(design)
+    for pair in list(compiled.spec.pairs):
+        compiled.spec.delete(pair)
+    return replace(compiled, model=compiled.spec.compile())
 
 
 @pytest.mark.parametrize("design", [FIXED, unlike("light")], ids=lambda one: one.name)
 @pytest.mark.parametrize("way", [1.0, -1.0])
 def test_a_gear_a_quarter_of_a_lobe_off_has_jumped(design: Design, way: float, monkeypatch: pytest.MonkeyPatch) -> None:
     design = override(design, ["drive.ramp_s=0", "drive.hold_s=0.0002"])
-    reducer = without_contact(design)
+    compiled = without_contact(design)
 
     def off(share: float) -> None:
         def state(*given):
@@ -73,7 +74,7 @@ def test_a_gear_a_quarter_of_a_lobe_off_has_jumped(design: Design, way: float, m
             return data
 
         monkeypatch.setattr(run, "initial_state", state)
-        list(run.blocks(reducer, design))
+        list(run.blocks(compiled, Reducer(design)))
 
     off(0.24)
     with pytest.raises(RunError, match="jumped a tooth"):

@@ -16,6 +16,7 @@ from cycloid_mj.design import PRESETS, dump, load, loads, reasons
 from cycloid_mj.loaded import powers
 from cycloid_mj.measure import bench, play
 from cycloid_mj.measure.backlash import press
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.record import Run
 from cycloid_mj.run import simulate
 from cycloid_mj.validation.energy import balance
@@ -53,16 +54,16 @@ def test_values_of_a_preset_have_reasons_until_they_are_changed(tmp_path) -> Non
 
 @pytest.mark.slow
 def test_the_printed_drive_has_the_backlash_of_its_drawing() -> None:
-    assert math.degrees(summary(PRINTED).backlash) == pytest.approx(PLAY, rel=0.01)
-    _, turn = play.over_a_turn(PRINTED)
+    assert math.degrees(summary(Reducer(PRINTED)).backlash) == pytest.approx(PLAY, rel=0.01)
+    _, turn = play.over_a_turn(Reducer(PRINTED))
     assert math.degrees(turn.mean()) == pytest.approx(PLAY, rel=0.01)
 
 
 @pytest.mark.slow
 def test_the_printed_drive_is_pressed_to_its_backlash() -> None:
-    angles = [float(angle) for angle in bench.crank_angles(PRINTED, 2)]
-    found = [press(bench.ideal(PRINTED), angle, longer=2.0).backlash for angle in angles]
-    assert found == pytest.approx(play.total(PRINTED, angles).tolist(), rel=0.005)
+    angles = [float(angle) for angle in bench.crank_angles(Reducer(PRINTED), 2)]
+    found = [press(bench.ideal(Reducer(PRINTED)), angle, longer=2.0).backlash for angle in angles]
+    assert found == pytest.approx(play.total(Reducer(PRINTED), angles).tolist(), rel=0.005)
 
 
 @pytest.fixture(scope="module")
@@ -71,7 +72,7 @@ def at_speed() -> dict[float, Run]:
     period = 2.0 * math.pi / (PRINTED.ring.teeth * PRINTED.drive.speed)
     design = PRINTED.but(drive={"ramp": 0.0, "hold": 0.08 + 4.0 * period})
     assert (design.load.torque, design.drive.speed) == (10.0, pytest.approx(100.0 * math.pi / 30.0))
-    step = timestep(design)
+    step = timestep(Reducer(design))
     return {share: simulate(design.but(settings={"timestep": share * step})) for share in (1.0, 0.5)}
 
 
@@ -116,7 +117,7 @@ def test_rollers_roll_on_a_core_that_is_given() -> None:
     assert rim.friction_of("output") == own
     assert PRINTED.friction_of("output") == pytest.approx(own * 2.5 / 4.5)
     assert PRINTED.but(output={"rollers": False}).friction_of("output") == PRINTED.friction.output
-    lost = [powers(one, 10.0).losses["output"] for one in (PRINTED, rim)]
+    lost = [powers(Reducer(one), 10.0).losses["output"] for one in (PRINTED, rim)]
     assert lost[0] == pytest.approx(lost[1] * 2.5 / 4.5, rel=0.02)
 
 

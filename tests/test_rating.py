@@ -16,6 +16,7 @@ from cycloid_mj import statics
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import DesignError, RunError, UsageError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.rating import Duty, DutyPoint, rate, read_duty, rolling
 from cycloid_mj.rating.duty import steady
@@ -91,7 +92,7 @@ def test_a_mean_load_weighs_by_its_power() -> None:
 def test_output_pins_at_909_newtons(core: float, safety: float) -> None:
     """Notch factor 1.6, endurance limit 260 MPa: 108 and 257 MPa."""
     known = override(PIN, {"service.notch_factor": 1.6, "service.endurance_limit_mpa": 260.0})
-    item = output_pin(known.but(output={"core_radius": core}), np.array([[909.0]]))
+    item = output_pin(Reducer(known.but(output={"core_radius": core})), np.array([[909.0]]))
     assert item.value == pytest.approx({4e-3: 108.0, 3e-3: 257.0}[core], rel=0.01)
     assert item.safety == pytest.approx(safety, rel=0.05)
 
@@ -124,21 +125,21 @@ def test_output_pins_held_at_both_ends() -> None:
     """A beam clamped at both ends under a force in its middle: F l/8 at each."""
     held = PIN.but(output={"support": "both_ends"})
     length = PIN.gear.face_width + 2.0 * AXIAL_GAP
-    assert pin_moment(held, np.array([[900.0]])) == pytest.approx(900.0 * length / 8.0)
-    assert pin_moment(PIN, np.array([[900.0]])) == pytest.approx(900.0 * length / 2.0)
+    assert pin_moment(Reducer(held), np.array([[900.0]])) == pytest.approx(900.0 * length / 8.0)
+    assert pin_moment(Reducer(PIN), np.array([[900.0]])) == pytest.approx(900.0 * length / 2.0)
 
 
 def test_output_pins_of_several_discs_bend_by_every_disc() -> None:
     two = PIN.but(gear={"discs": 2, "disc_gap": 2e-3})
     arms = [0.5 * two.gear.stack_width + AXIAL_GAP - plane for plane in two.gear.disc_planes]
     assert arms[0] == pytest.approx(arms[1] + 12e-3)
-    assert pin_moment(two, np.array([[100.0], [40.0]])) == pytest.approx(100.0 * arms[0] + 40.0 * arms[1])
+    assert pin_moment(Reducer(two), np.array([[100.0], [40.0]])) == pytest.approx(100.0 * arms[0] + 40.0 * arms[1])
 
 
 def test_two_discs_share_what_one_carries() -> None:
     """Each cam bears about half, and opposite the other: what is left for the shaft's bearings is their couple."""
     two = PIN.but(gear={"discs": 2})
-    one, both = loading(PIN, single(PIN)), loading(two, single(two))
+    one, both = loading(Reducer(PIN), single(PIN)), loading(Reducer(two), single(two))
     assert both.cam.shape == (181, 2)
     assert both.output.shape == (181, 2, 8)
     assert both.cam.mean() == pytest.approx(0.5 * one.cam.mean(), rel=0.1)
@@ -154,21 +155,21 @@ def test_two_discs_share_what_one_carries() -> None:
 def test_what_heat_does_to_clearances() -> None:
     """One material grows as a whole: a clearance by its own share. Steel pins in a plastic gear close, as by hand."""
     alpha = PIN.material.expansion
-    assert clearance_growth(PIN, "cam") == clearance_growth(PIN, "pin_socket") == 0.0
+    assert clearance_growth(Reducer(PIN), "cam") == clearance_growth(Reducer(PIN), "pin_socket") == 0.0
     assert str(rate(PIN).items["cam_hot_clearance"].value) == "0.0", "and not less than nothing"
-    assert clearance_growth(PIN, "pin_gear") == pytest.approx(0.0, abs=1e-12)
-    assert clearance_growth(PIN, "output") == pytest.approx(0.0, abs=1e-12)
+    assert clearance_growth(Reducer(PIN), "pin_gear") == pytest.approx(0.0, abs=1e-12)
+    assert clearance_growth(Reducer(PIN), "output") == pytest.approx(0.0, abs=1e-12)
     plastic = override(PIN, {"gear_material.name": "POM"})
     pom = plastic.gear_material.expansion
     assert pom == pytest.approx(110e-6)
     reach = PIN.ring.pin_circle_radius - PIN.ring.pin_radius
-    assert clearance_growth(plastic, "pin_gear") == pytest.approx((alpha - pom) * reach)
-    assert clearance_growth(plastic, "cam") == pytest.approx((pom - alpha) * 15e-3)
-    assert clearance_growth(plastic, "output") == pytest.approx((pom - alpha) * (5e-3 - 26e-3))
+    assert clearance_growth(Reducer(plastic), "pin_gear") == pytest.approx((alpha - pom) * reach)
+    assert clearance_growth(Reducer(plastic), "cam") == pytest.approx((pom - alpha) * 15e-3)
+    assert clearance_growth(Reducer(plastic), "output") == pytest.approx((pom - alpha) * (5e-3 - 26e-3))
     found = rate(override(plastic, {"drive.torque_nm": 0.1}))
     item = found.items["pin_gear_hot_clearance"]
     rise = found.items["temperature"].value - 20.0
-    assert item.value == pytest.approx(-1e6 * rise * clearance_growth(plastic, "pin_gear"))
+    assert item.value == pytest.approx(-1e6 * rise * clearance_growth(Reducer(plastic), "pin_gear"))
     assert item.safety == pytest.approx(item.limit / item.value)
     assert found.items["temperature"].limit == 90.0
     assert found.items["cam_hot_clearance"].safety == math.inf
@@ -213,7 +214,7 @@ def test_the_rated_design_of_the_paper(found) -> None:
 def test_every_law_has_its_exponent(monkeypatch) -> None:
     """Forces twice as large: lives fall by 2^(10/3), 2^(1/(2 0.056)) and 2, safeties by 2, of pressures by sqrt 2."""
     module = sys.modules["cycloid_mj.rating.items"]
-    one = loading(PIN, single(PIN))
+    one = loading(Reducer(PIN), single(PIN))
     double = replace(
         one,
         point=replace(one.point, torque=2.0 * one.point.torque),
@@ -281,7 +282,7 @@ def test_a_catalogue_rating_does_not_rest_on_the_assumed_length(monkeypatch) -> 
 
 
 def test_the_shaft_is_in_balance_and_bends_as_a_beam() -> None:
-    one = loading(PIN, single(PIN))
+    one = loading(Reducer(PIN), single(PIN))
     assert one.shaft.sum(axis=1) == pytest.approx(0.0, abs=1e-6)
     assert bending(one, one.places.max() + 1e-3) == pytest.approx(0.0)
     assert bending(one, one.places.min() - 1e-3) == pytest.approx(0.0, abs=1e-6)
@@ -436,8 +437,8 @@ def test_stress_ranges_of_a_study_take_the_place_of_beam_formulas(tmp_path: Path
     ]
     told = {"designs": [{"design": "pin", "load_nm": 18.34, "parts": parts}]}
     (tmp_path / "stress.json").write_text(json.dumps(told))
-    ranges = read_ranges(tmp_path, PIN)
-    assert ranges == read_ranges(tmp_path / "stress.json", PIN)
+    ranges = read_ranges(tmp_path, Reducer(PIN))
+    assert ranges == read_ranges(tmp_path / "stress.json", Reducer(PIN))
     rated = rate(PIN, Duty((single(PIN),), 73.36), ranges=ranges).items
     assert not [
         key for key in rated if key in {"hole_to_hole_fatigue", "bore_to_hole_fatigue", "housing_ligament_fatigue"}
@@ -462,7 +463,7 @@ def test_stress_ranges_of_a_study_take_the_place_of_beam_formulas(tmp_path: Path
 def test_results_that_are_no_study_are_refused(tmp_path: Path, told: str, message: str) -> None:
     (tmp_path / "stress.json").write_text(told)
     with pytest.raises(UsageError, match=message):
-        read_ranges(tmp_path, PIN)
+        read_ranges(tmp_path, Reducer(PIN))
 
 
 def test_the_give_of_the_cam_decides_what_it_carries(found) -> None:

@@ -11,8 +11,9 @@ from cycloid_mj import names
 from cycloid_mj.contact.collider import installed
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.deviations import deviations
-from cycloid_mj.mechanism import gaps, reducer
+from cycloid_mj.mechanism import gaps, reducer, whole
 from cycloid_mj.mechanism.reducer import mechanism
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build
 from cycloid_mj.mjcf.keyframe import joint_state
 
@@ -34,7 +35,7 @@ def contacts(design: Design, crank: float) -> tuple[mujoco.MjModel, int]:
     """Model of a design and the number of contacts with every part where the ideal mesh has it."""
     model = build(design).model
     data = mujoco.MjData(model)
-    for joint, value in joint_state(design, crank, 0.0)[0].items():
+    for joint, value in joint_state(Reducer(design), crank, 0.0)[0].items():
         data.joint(joint).qpos[0] = value
     with installed(design.ring.kind == "nonpin"):
         mujoco.mj_forward(model, data)
@@ -44,7 +45,7 @@ def contacts(design: Design, crank: float) -> tuple[mujoco.MjModel, int]:
 @pytest.mark.parametrize("name", sorted(VARIANTS))
 def test_every_gap_belongs_to_a_pair(name: str) -> None:
     design = VARIANTS[name]
-    found = gaps.arc_gaps(design, 0.3)
+    found = gaps.arc_gaps(Reducer(design), 0.3)
     rows = list(zip(found.kind.tolist(), found.owner.tolist(), found.disc.tolist(), strict=True))
     pairs = [(one.kind, one.owner, one.disc) for one in mechanism(design).pairs if one.kind in set(found.kind)]
     assert rows == pairs
@@ -104,6 +105,7 @@ def test_a_disc_on_the_wrong_phase_is_in_the_ring(monkeypatch: pytest.MonkeyPatc
         return reducer.Mating(mating.kind, mating.names, teeth, mating.by, mating.disc)
 
     monkeypatch.setattr(reducer, "_mesh", spoiled)
+    monkeypatch.setattr(whole, "_drawer", lambda design: {})  # nothing is kept of the reducer as it is
     _, touching = contacts(design, 0.7)
     assert touching > 0
 

@@ -29,6 +29,7 @@ from cycloid_mj.contact.timestep import (
 from cycloid_mj.contact.working import working_force
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.log import read
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import ReducerModel, build
 from cycloid_mj.run import simulate
 
@@ -39,7 +40,7 @@ FIXED, SLEEVED = "ring.pins=fixed", "ring.pins=sleeved"
 def told(preset: str, *changes: str) -> tuple[str, ...]:
     # contacts are as stiff as their load makes them: under the rated one, they bear the least
     design = override(PRESETS[preset], ["load.torque_nm=36", *changes])
-    return warnings(design, build(design))
+    return warnings(Reducer(design), build(design))
 
 
 @pytest.mark.parametrize(
@@ -124,7 +125,7 @@ def test_a_stiff_cam_that_is_warned_of_does_chatter() -> None:
         run = simulate(design)
         deviation = run["gear_speed"][run.time > 3.5e-3] + design.drive.speed / design.lobes
         error.append(float(np.sqrt(np.mean(deviation**2))))
-        assert bool(warnings(design, build(design))) == (stiffness == "1e12")
+        assert bool(warnings(Reducer(design), build(design))) == (stiffness == "1e12")
     assert error[1] > 20.0 * error[0]
 
 
@@ -139,25 +140,25 @@ class Other:
 
 def test_a_raised_impedance_is_told() -> None:
     design = PRESETS["nonpin"]
-    reducer: ReducerModel = build(design)
-    law = reducer.laws["cam"]
+    compiled: ReducerModel = build(design)
+    law = compiled.laws["cam"]
     light = replace(law, added_mass=1e-7, effective_mass=1e-4)
-    found = warnings(design, Other(reducer.model, reducer.pairs, {**reducer.laws, "cam": light}))
+    found = warnings(Reducer(design), Other(compiled.model, compiled.pairs, {**compiled.laws, "cam": light}))
     assert len([text for text in found if "least impedance" in text]) == 1
     heavy = replace(law, added_mass=1e-7)
-    assert warnings(design, Other(reducer.model, reducer.pairs, {**reducer.laws, "cam": heavy})) == ()
+    assert warnings(Reducer(design), Other(compiled.model, compiled.pairs, {**compiled.laws, "cam": heavy})) == ()
 
 
 def test_the_step_of_the_model_is_judged() -> None:
     """By mesh contact it is shorter than the design's own."""
     design = override(PRESETS["pin"], ["load.torque_nm=1.0"])
-    reducer = build(design)
-    reducer.model.opt.timestep *= 2.0
-    assert any("pin_socket" in text for text in warnings(design, reducer))
-    longer = design.but(settings={"timestep": 2.0 * timestep(design)})
-    assert any("pin_socket" in text for text in warnings(longer, reducer))
-    reducer.model.opt.timestep /= 2.0
-    assert not warnings(longer, reducer)
+    compiled = build(design)
+    compiled.model.opt.timestep *= 2.0
+    assert any("pin_socket" in text for text in warnings(Reducer(design), compiled))
+    longer = design.but(settings={"timestep": 2.0 * timestep(Reducer(design))})
+    assert any("pin_socket" in text for text in warnings(Reducer(longer), compiled))
+    compiled.model.opt.timestep /= 2.0
+    assert not warnings(Reducer(longer), compiled)
 
 
 @pytest.mark.slow
@@ -177,10 +178,10 @@ def test_a_remedy_lies_well_within_the_limit() -> None:
     """Sockets of 21 light pins ask for 1.98 us instead of 2 us: the remedy is a round step below it."""
     stiffness = 0.612e-3 * SEATED_IDLE / 1.98e-6**2
     design = override(PRESETS["pin"], [f"stiffness.pin_socket_n_m={stiffness!r}", "settings.timestep_us=2"])
-    found = warnings(design, build(design))
+    found = warnings(Reducer(design), build(design))
     assert [text for text in found if "shorten settings.timestep_us to 1 or" in text] == list(found) != []
     shorter = override(design, ["settings.timestep_us=1"])
-    assert warnings(shorter, build(shorter)) == ()
+    assert warnings(Reducer(shorter), build(shorter)) == ()
 
 
 @pytest.mark.parametrize("name", ["pin", "light", "printed"])
@@ -188,50 +189,52 @@ def test_a_remedy_lies_well_within_the_limit() -> None:
 def test_a_chosen_step_is_never_warned_of_and_twice_as_long_a_pins_step_is(name: str, share: float) -> None:
     design = unlike(name) if name in UNLIKE else PRESETS[name]
     design = override(design, [f"load.torque_nm={share * design.rated_torque!r}", "settings.timestep_us=0"])
-    step = timestep(design)
-    assert step <= min(LONGEST, *limits(design).values()) * (1.0 + 1e-9)
-    assert step > 0.8 * min(LONGEST, *limits(design).values())
-    assert warnings(design, build(design)) == ()
-    assert pace(design) == ()
+    step = timestep(Reducer(design))
+    assert step <= min(LONGEST, *limits(Reducer(design)).values()) * (1.0 + 1e-9)
+    assert step > 0.8 * min(LONGEST, *limits(Reducer(design)).values())
+    assert warnings(Reducer(design), build(design)) == ()
+    assert pace(Reducer(design)) == ()
     if design.ring.has_pin_bodies:
         longer = override(design, [f"settings.timestep_us={2e6 * step!r}"])
-        assert warnings(longer, build(longer))
+        assert warnings(Reducer(longer), build(longer))
 
 
 def test_the_step_follows_mass_stiffness_play_force_and_speed() -> None:
     """Each limit by its own formula, from the masses of the built model."""
     design = override(PRESETS["pin"], ["load.torque_nm=36.68"])
-    model, found = build(design).model, limits(design)
+    model, found = build(design).model, limits(Reducer(design))
     pin = float(model.body("pin_1").mass[0])
-    seat, force = pair_stiffness(design, "pin_socket"), working_force(design, "pin_socket")
+    seat, force = pair_stiffness(Reducer(design), "pin_socket"), working_force(Reducer(design), "pin_socket")
     assert found["stiffness of pin_socket"] == pytest.approx((SEATED * 0.5 * pin / seat) ** 0.5, rel=1e-6)
     idle = override(design, ["load.torque_nm=0", "contact.working_load_nm=36.68"])
-    assert limits(idle)["stiffness of pin_socket"] == pytest.approx((SEATED_IDLE * 0.5 * pin / seat) ** 0.5, rel=1e-6)
-    cam = pair_stiffness(design, "cam")
+    assert limits(Reducer(idle))["stiffness of pin_socket"] == pytest.approx(
+        (SEATED_IDLE * 0.5 * pin / seat) ** 0.5, rel=1e-6
+    )
+    cam = pair_stiffness(Reducer(design), "cam")
     gear = float(model.body("gear").mass[0])
     assert found["stiffness of cam"] == pytest.approx((RESOLVED * gear / cam) ** 0.5, rel=1e-6)
     bowl = force / (1e-6 + force / seat)
     assert found["rolling of pins in their play"] == pytest.approx(ROLLING * 2.0 * (pin / bowl) ** 0.5, rel=1e-6)
     passing = 36 * 1640.0 / 60.0
     assert found["the passing of teeth"] == pytest.approx(1.0 / (FEWEST_STEPS * passing), rel=1e-6)
-    assert timestep(design) == pytest.approx(3.125e-6)
-    assert timestep(override(design, ["settings.timestep_us=0.7"])) == pytest.approx(0.7e-6)
-    assert str(chosen(override(design, ["settings.timestep_us=0.7"]))) == "0.7 us (given)"
+    assert timestep(Reducer(design)) == pytest.approx(3.125e-6)
+    assert timestep(Reducer(override(design, ["settings.timestep_us=0.7"]))) == pytest.approx(0.7e-6)
+    assert str(chosen(Reducer(override(design, ["settings.timestep_us=0.7"])))) == "0.7 us (given)"
 
 
 @pytest.mark.parametrize("design", [PRESETS["pin"], PRESETS["nonpin"], *map(unlike, UNLIKE)], ids=lambda one: one.name)
 def test_steps_and_samples_are_counted_from_tooth_to_tooth(design: Design) -> None:
-    assert pace(design) == ()
+    assert pace(Reducer(design)) == ()
     passing = design.ring.teeth * abs(design.drive.speed) / (2.0 * np.pi)
     for inside, count in ((False, 0.99), (True, 1.01)):
         rate = override(design, [f"settings.log_rate_hz={count * FEWEST_SAMPLES * passing!r}"])
         fast = override(design, ["settings.log_rate_hz=1e6", "settings.timestep_us=1"])
         speed = design.drive.speed * 1e6 / passing / (count * FEWEST_STEPS)
         fast = fast.model_copy(update={"drive": design.drive.model_copy(update={"speed": speed})})
-        assert (pace(rate) == ()) == inside
-        assert (pace(fast) == ()) == inside
+        assert (pace(Reducer(rate)) == ()) == inside
+        assert (pace(Reducer(fast)) == ()) == inside
     still = design.model_copy(update={"drive": design.drive.model_copy(update={"speed": 0.0})})
-    assert pace(still) == ()
+    assert pace(Reducer(still)) == ()
 
 
 @pytest.mark.parametrize(
@@ -246,17 +249,17 @@ def test_steps_and_samples_are_counted_from_tooth_to_tooth(design: Design) -> No
 )
 def test_to_follow_a_warning_of_pace_silences_it(changes: tuple[str, ...]) -> None:
     design = override(PRESETS["pin"], [FIXED, *changes])
-    found = pace(design)
+    found = pace(Reducer(design))
     remedies = [re.search(r"^(settings\.\w+) .*(?:shorten|raise) it to ([\d.e+]+)", text) for text in found]
     assert remedies
-    assert pace(override(design, [f"{one[1]}={one[2]}" for one in remedies if one])) == ()
+    assert pace(Reducer(override(design, [f"{one[1]}={one[2]}" for one in remedies if one]))) == ()
 
 
 def test_a_slow_bench_is_judged_by_what_counts_at_rest() -> None:
     design = override(PRESETS["pin"], ["settings.timestep_us=10", "friction.cam=0.01", "clearance.cam_um=1e-8"])
-    found = at_rest(design, build(design).laws)
+    found = at_rest(Reducer(design), build(design).laws)
     assert {re.split(r"[: ]", text)[0] for text in found} == {"friction.cam", "clearance.cam_um"}
-    assert set(found) < set(warnings(design, build(design)))
+    assert set(found) < set(warnings(Reducer(design), build(design)))
 
 
 def test_no_friction_at_all_is_no_sliding_friction_given() -> None:
@@ -265,14 +268,14 @@ def test_no_friction_at_all_is_no_sliding_friction_given() -> None:
 
 def test_a_run_says_for_which_figures_its_step_was_chosen() -> None:
     loaded = PRESETS["pin"].but(load={"torque": 36.0})
-    assert "rms of speeds within 15 %" in held_figures(loaded)
-    assert "rms of speeds within 2 %" in held_figures(loaded.but(ring={"pins": "fixed"}))
-    assert "no rms" in held_figures(loaded.but(ring={"pins": "massless"}))
-    assert "starts" in held_figures(PRESETS["pin"])
+    assert "rms of speeds within 15 %" in held_figures(Reducer(loaded))
+    assert "rms of speeds within 2 %" in held_figures(Reducer(loaded.but(ring={"pins": "fixed"})))
+    assert "no rms" in held_figures(Reducer(loaded.but(ring={"pins": "massless"})))
+    assert "starts" in held_figures(Reducer(PRESETS["pin"]))
     given = loaded.but(settings={"timestep": 2e-6})
-    assert held_figures(given).startswith("given")
+    assert held_figures(Reducer(given)).startswith("given")
     found = analyze(simulate(given.but(drive={"ramp": 0.0, "hold": 0.001})))
-    assert found.timestep_for == held_figures(given)
+    assert found.timestep_for == held_figures(Reducer(given))
 
 
 def test_friction_that_leads_its_sliding_is_told_and_a_shorter_step_follows_it() -> None:

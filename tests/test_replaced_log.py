@@ -137,11 +137,11 @@ def at_the_end(monkeypatch):
     """Let runs last an instant; what is put in the list is called when half of the samples are logged."""
     calls = []
 
-    def blocks(reducer, design):
-        groups = cycloid_mj.run.columns(reducer, design)
+    def blocks(compiled, reducer):
+        groups = cycloid_mj.run.columns(compiled, reducer)
         for first in (0, 2):
             time = 1e-4 * np.arange(first, first + 2)
-            speed = np.full(2, design.drive.speed)
+            speed = np.full(2, reducer.design.drive.speed)
             values = {topic: np.zeros((2, len(group))) for topic, group in groups.items()}
             values["/reducer"][:, list(groups["/reducer"]).index("crank_speed")] = speed
             values["/reducer"][:, list(groups["/reducer"]).index("crank_angle")] = time * speed

@@ -16,6 +16,7 @@ from made_run import STEP, made_run
 from cycloid_mj.analysis import FIGURES, SIGNALS, judge, series, table
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.errors import LogError, UsageError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.report import MOST_RUNS, report
 from cycloid_mj.report.data import MOST_VALUES, curves
 from cycloid_mj.report.encode import decimated
@@ -160,7 +161,7 @@ def test_mechanism_carries_the_gaps_and_forces_of_the_scene(pin, nonpin, both):
         rows = np.searchsorted(run.time, time - 1e-7)
         np.testing.assert_allclose(run.time[rows], time, atol=1e-8)
         columns = {name: values[rows] for name, values in run.columns.items()}
-        measured, acting = gaps(design, columns), contact_forces(design, columns)
+        measured, acting = gaps(Reducer(design), columns), contact_forces(Reducer(design), columns)
         np.testing.assert_allclose(array(frames["opening"]), 1e3 * measured.opening, rtol=1e-5, atol=1e-12)
         np.testing.assert_allclose(array(frames["outputAway"]), 1e3 * measured.output_away, rtol=1e-5, atol=1e-12)
         np.testing.assert_allclose(array(frames["force"]["ring"]), acting.of("pin_gear", "tooth").force, rtol=1e-6)
@@ -168,9 +169,9 @@ def test_mechanism_carries_the_gaps_and_forces_of_the_scene(pin, nonpin, both):
         turns = np.ptp(columns["crank_angle"]) / (2 * np.pi)
         assert 0.98 < turns <= 1.001
         for drawn in shape["magnifications"]:
-            radii = drawn_radii(design, drawn["times"])
+            radii = drawn_radii(Reducer(design), drawn["times"])
             assert drawn["pin"] == pytest.approx(1e3 * radii.pin)
-            assert drawing(design, measured, drawn["times"]).radii == radii
+            assert drawing(Reducer(design), measured, drawn["times"]).radii == radii
         assert ("ring" in shape) == (design.ring.kind == "nonpin")
 
 
@@ -180,7 +181,7 @@ def test_the_widest_gap_decides_how_wide_gaps_are_drawn(both):
         assert data["mechanism"]["usual"] >= 100
     for um, largest in ((1.0, 200), (5.0, 50), (50.0, 5), (500.0, 1)):
         design = override(PRESETS["pin"], [f"clearance.{pair}_um={um}" for pair in ("pin_gear", "cam", "output")])
-        factor = fitting_magnification(design, 2e-6 * um, MAGNIFICATIONS)
+        factor = fitting_magnification(Reducer(design), 2e-6 * um, MAGNIFICATIONS)
         assert factor == largest
         assert factor == 1 or factor * 2e-6 * um <= 0.25 * min(design.ring.pin_radius, design.output.pin_radius)
     text = "".join(both.split())

@@ -13,6 +13,7 @@ from cycloid_mj.contact.gap import Trochoid
 from cycloid_mj.contact.ring import ideal_root_phase, is_monotone, offset_root
 from cycloid_mj.contact.teeth import DEFLECTION
 from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build
 from cycloid_mj.profile import CycloidGear, unit
 from cycloid_mj.solid.gear import tooth_profile
@@ -53,12 +54,12 @@ class Rig:
 
     def __init__(self, design: Design, margin: float) -> None:
         self.design, self.gear = design, tooth_profile(design)
-        self.reducer = build(design)
-        self.model = self.reducer.model
+        self.compiled = build(design)
+        self.model = self.compiled.model
         self.model.pair_margin[:] = margin
         self.data = mujoco.MjData(self.model)
         self.lobes = {
-            self.model.geom(pair.by).id: k for k, pair in enumerate(self.reducer.pairs) if pair.kind == "tooth"
+            self.model.geom(pair.by).id: k for k, pair in enumerate(self.compiled.pairs) if pair.kind == "tooth"
         }
 
     def contacts(self, crank: float, shift=(0.0, 0.0), turn: float = 0.0):
@@ -254,7 +255,7 @@ def test_contacts_shrink_with_the_normal_curvature(rig: Rig) -> None:
 
     design = nonpin()
     loaded, uniform = Rig(design, 0.0), Rig(override(design, ['contact.stiffness_law="uniform"']), 0.0)
-    law = curvature_law(design)
+    law = curvature_law(Reducer(design))
     shift = 3e-6 * unit(2.0)
     local, plain = loaded.contacts(0.0, shift), uniform.contacts(0.0, shift)
     arcs = envelope.arc_contacts(loaded.gear, 0.0)

@@ -21,7 +21,8 @@ from cycloid_mj.errors import CycloidError, DesignError, UsageError
 from cycloid_mj.loaded.sheet import sheet
 from cycloid_mj.measure import play
 from cycloid_mj.measure.efficiency_map import backward, forward
-from cycloid_mj.robot import LEVELS, Reducer, measured
+from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.robot import LEVELS, ReducedJoint, measured
 from cycloid_mj.robot.against import BOUNDS, POINTS, against
 from cycloid_mj.robot.bam import bam
 from cycloid_mj.robot.impact import impact, peak_of
@@ -51,14 +52,14 @@ def files(tmp_path_factory) -> Path:
 
 
 @cache
-def reduced(name: str) -> Reducer:
+def joint_of(name: str) -> ReducedJoint:
     return cm.reduce(unlike(name))
 
 
 @pytest.fixture
-def few() -> Reducer:
+def few() -> ReducedJoint:
     """A small reducer, 6:1, whose transmission error is large."""
-    return reduced("few")
+    return joint_of("few")
 
 
 @pytest.fixture(scope="module")
@@ -89,9 +90,11 @@ def test_the_joint_is_as_the_full_model(told: dict) -> None:
 @pytest.mark.slow
 def test_the_numbers_are_those_of_the_full_model(told: dict) -> None:
     design = PRESETS[told["design"]]
-    found = sheet(design).quantities
+    found = sheet(Reducer(design)).quantities
     assert told["ratio"]["value"] == design.lobes
-    assert told["backlash_arcmin"]["value"] == pytest.approx(play.over_a_turn(design)[1].mean() / ARCMINUTE, rel=0.002)
+    assert told["backlash_arcmin"]["value"] == pytest.approx(
+        play.over_a_turn(Reducer(design))[1].mean() / ARCMINUTE, rel=0.002
+    )
     assert told["backlash_arcmin"]["value"] == pytest.approx(found["backlash"].value, rel=0.002)
     assert told["stiffness_nm_per_arcmin"]["value"] == pytest.approx(found["stiffness_ideal"].value, rel=0.01)
     assert told["efficiency"]["value"] == pytest.approx(found["efficiency"].value, abs=0.05)
@@ -132,22 +135,22 @@ def test_dynamic_runs_find_the_same(told: dict) -> None:
 def test_a_dynamic_loop_and_run_find_the_same() -> None:
     """The full model in MuJoCo, run here: slow loops at two locked crank angles, and a loaded run each way."""
     design = PRESETS["nonpin"]
-    reducer = cm.reduce(design)
+    reduced = cm.reduce(design)
     loop = measure.lost_motion(design, quick=True)
-    wound = 2.0 * reducer.wind_up(0.03 * reducer.rated_torque) + reducer.backlash
+    wound = 2.0 * reduced.wind_up(0.03 * reduced.rated_torque) + reduced.backlash
     assert loop["lost_motion"] == pytest.approx(wound / ARCMINUTE, rel=0.015)  # two of the angles that the mean is over
-    assert loop["stiffness_ideal"] == pytest.approx(reducer.quantities["stiffness_nm_per_arcmin"].value, rel=0.02)
-    run = forward(design.but(settings={"log_rate": 20000.0}), design.rated_torque, design.drive.speed, 4)
-    assert 100.0 * run.powers.efficiency == pytest.approx(reducer.quantities["efficiency"].value, abs=0.3)
-    back = backward(design.but(settings={"log_rate": 20000.0}), design.drive.torque, 4)
-    assert 100.0 * back.powers.efficiency == pytest.approx(reducer.quantities["back_driving_efficiency"].value, abs=0.3)
+    assert loop["stiffness_ideal"] == pytest.approx(reduced.quantities["stiffness_nm_per_arcmin"].value, rel=0.02)
+    run = forward(Reducer(design.but(settings={"log_rate": 20000.0})), design.rated_torque, design.drive.speed, 4)
+    assert 100.0 * run.powers.efficiency == pytest.approx(reduced.quantities["efficiency"].value, abs=0.3)
+    back = backward(Reducer(design.but(settings={"log_rate": 20000.0})), design.drive.torque, 4)
+    assert 100.0 * back.powers.efficiency == pytest.approx(reduced.quantities["back_driving_efficiency"].value, abs=0.3)
 
 
 @pytest.mark.slow
 def test_steps_are_recommended_by_an_impact(told: dict) -> None:
     """`discrete` is stable at 5 ms and far off there; what is recommended is right, with its error beside it."""
-    reducer = Reducer.from_json(told)
-    steps = study(reducer)
+    reduced = ReducedJoint.from_json(told)
+    steps = study(reduced)
     assert {one.timestep for one in steps} >= set(STEPS)
     assert [one["stable"] for one in told["steps"]] == [one.stable for one in steps]
     for one in steps:
@@ -155,7 +158,7 @@ def test_steps_are_recommended_by_an_impact(told: dict) -> None:
             assert one.accurate
             continue
         if one.integrator == "implicitfast":
-            fastest = math.sqrt(reducer.stiffness(reducer.rated_torque) / (one.inertia + reducer.output_inertia))
+            fastest = math.sqrt(reduced.stiffness(reduced.rated_torque) / (one.inertia + reduced.output_inertia))
             assert not (one.good and one.timestep * fastest > 2.2)
             assert one.good or one.timestep * fastest > 0.3
         elif one.load != "bare output":
@@ -181,7 +184,7 @@ def test_steps_are_recommended_by_an_impact(told: dict) -> None:
     assert told["scene"]["timestep_s"] <= 1e-3
 
 
-def test_the_output_rests_where_the_springs_say_whatever_the_play(few: Reducer) -> None:
+def test_the_output_rests_where_the_springs_say_whatever_the_play(few: ReducedJoint) -> None:
     """Play from 0.1 arcmin to 5 deg, and a damping that would take minutes to cross it under the small torque."""
     for arcmin in (0.1, 10.0, 150.0, 300.0):
         half = 0.5 * arcmin * ARCMINUTE
@@ -193,7 +196,7 @@ def test_the_output_rests_where_the_springs_say_whatever_the_play(few: Reducer) 
             assert turn == pytest.approx(2.0 * (half + wide.wind_up(torque)), rel=2e-6)
 
 
-def test_a_slow_vibration_has_its_frequency(few: Reducer) -> None:
+def test_a_slow_vibration_has_its_frequency(few: ReducedJoint) -> None:
     """Of a load so heavy that ten thousand steps of 0.1 ms see less than two periods."""
     slow = replace(few, level="backlash")
     inertia = 1e6 * slow.reflected_inertia
@@ -205,29 +208,29 @@ def test_a_slow_vibration_has_its_frequency(few: Reducer) -> None:
     assert abs(frequency) < 1e-3
 
 
-def test_an_impact_converges_to_another_integrator(few: Reducer) -> None:
+def test_an_impact_converges_to_another_integrator(few: ReducedJoint) -> None:
     """LSODA on the joint's equation against MuJoCo at a hundredth of the vibration's period; damping halves by step."""
-    reducer = replace(few, level="backlash")
-    inertia = reducer.reflected_inertia
-    struck = impact(reducer, inertia)
-    period = 2.0 * math.pi * math.sqrt(inertia / reducer.stiffness(reducer.rated_torque))
+    reduced = replace(few, level="backlash")
+    inertia = reduced.reflected_inertia
+    struck = impact(reduced, inertia)
+    period = 2.0 * math.pi * math.sqrt(inertia / reduced.stiffness(reduced.rated_torque))
     errors = {
-        integrator: peak_of(bench(reducer, inertia, period / 400.0, integrator), struck) / struck.peak - 1.0
+        integrator: peak_of(bench(reduced, inertia, period / 400.0, integrator), struck) / struck.peak - 1.0
         for integrator in ("implicitfast", "discrete")
     }
     assert abs(errors["implicitfast"]) < 0.005
     assert errors["discrete"] < 3.0 * -abs(errors["implicitfast"])
-    assert struck.peak > 1.01 * reducer.wind_up(reducer.rated_torque)
+    assert struck.peak > 1.01 * reduced.wind_up(reduced.rated_torque)
 
 
-def test_an_impact_waits_for_a_heavy_load_to_cross(few: Reducer) -> None:
+def test_an_impact_waits_for_a_heavy_load_to_cross(few: ReducedJoint) -> None:
     wide = replace(few, stops=(-0.04, 0.04), level="backlash")
     struck = impact(wide, 100.0 * wide.reflected_inertia)
     assert struck.frequency < 3.0
     assert struck.peak > 0.0
 
 
-def test_a_pressed_joint_rests(few: Reducer) -> None:
+def test_a_pressed_joint_rests(few: ReducedJoint) -> None:
     """At `backlash` the transmission error has no part in where the joint is wound up to, at `full` it has."""
     for level in ("backlash", "full"):
         on = bench(few.at(level), few.reflected_inertia, 1e-4)
@@ -247,9 +250,9 @@ def test_the_joint_of_a_printed_drive_holds_whatever_its_play(um: float, tmp_pat
     size = ["--ratio", "15", "--diameter-mm", "60", "--torque-nm", "0.5", "--process", "printed"]
     assert main(["design", "new", "p15", *size]) == 0
     design = cm.load("p15.toml").but(clearance=dict.fromkeys(("pin_gear", "cam", "output"), um * 1e-6))
-    reducer = cm.reduce(design)
-    found = against(design, reducer)
-    assert reducer.backlash / ARCMINUTE == pytest.approx(1.545 * um, rel=0.02)
+    reduced = cm.reduce(design)
+    found = against(Reducer(design), reduced)
+    assert reduced.backlash / ARCMINUTE == pytest.approx(1.545 * um, rel=0.02)
     assert found.missed == []
 
 
@@ -281,28 +284,28 @@ print(json.dumps({"turn": turned[0] - turned[1], "version": mujoco.__version__})
         [sys.executable, "-c", code, str(files / "scene.xml")], capture_output=True, text=True, cwd=files, check=False
     )
     assert run.returncode == 0, run.stderr
-    reducer = Reducer.read(files / "reducer.json")
-    expected = reducer.backlash + 2.0 * reducer.wind_up(0.5)
+    reduced = ReducedJoint.read(files / "reducer.json")
+    expected = reduced.backlash + 2.0 * reduced.wind_up(0.5)
     assert json.loads(run.stdout)["turn"] == pytest.approx(expected, rel=1e-4)
 
 
 @pytest.mark.slow
 def test_a_reducer_comes_back_from_its_file(files: Path) -> None:
-    reducer = Reducer.read(files / "reducer.json")
-    again = Reducer.from_json(json.loads(json.dumps(reducer.as_json())))
-    assert again == reducer
-    assert again.fingerprint == reducer.fingerprint
+    reduced = ReducedJoint.read(files / "reducer.json")
+    again = ReducedJoint.from_json(json.loads(json.dumps(reduced.as_json())))
+    assert again == reduced
+    assert again.fingerprint == reduced.fingerprint
     assert (files / "joint.xml").read_text() == joint_xml(again)
 
 
 @pytest.mark.slow
 def test_bam_holds_the_friction(files: Path) -> None:
     """M5 by BAM's own formula is the reducer's friction both ways; M3 cannot tell who drives."""
-    reducer, found = Reducer.read(files / "reducer.json"), json.loads((files / "bam.json").read_text())
-    assert found == json.loads(json.dumps(bam(reducer)))
-    rated, ratio = reducer.rated_torque, reducer.ratio
+    reduced, found = ReducedJoint.read(files / "reducer.json"), json.loads((files / "bam.json").read_text())
+    assert found == json.loads(json.dumps(bam(reduced)))
+    rated, ratio = reduced.rated_torque, reduced.ratio
     for driving in (True, False):
-        own = ratio * reducer.friction.torque(rated, reducer.rated_speed, driving)
+        own = ratio * reduced.friction.torque(rated, reduced.rated_speed, driving)
         external, motor = -rated, rated + (own if driving else -own)
         m3, m5 = found["m3"], found["m5"]
         by_m3 = m3["friction_base"] + m3["load_friction_base"] * abs(external - motor)
@@ -325,21 +328,21 @@ def test_the_page_is_whole(files: Path) -> None:
 @pytest.mark.parametrize("name", ["few", "light", "printed"])
 def test_other_designs_hold_too(name: str) -> None:
     """Wide clearances and a reducer that locks itself; few teeth, whose error is a third of the wind-up."""
-    design, reducer = unlike(name), reduced(name)
-    assert against(design, reducer).missed == []
-    assert reducer.backlash == pytest.approx(play.over_a_turn(design)[1].mean(), rel=0.005)
+    design, reduced = unlike(name), joint_of(name)
+    assert against(Reducer(design), reduced).missed == []
+    assert reduced.backlash == pytest.approx(play.over_a_turn(Reducer(design))[1].mean(), rel=0.005)
     if name == "printed":
-        assert reducer.quantities["back_driving_efficiency"].value == 0.0
-        assert "self-locking" in reducer.quantities["back_driving_efficiency"].note
+        assert reduced.quantities["back_driving_efficiency"].value == 0.0
+        assert "self-locking" in reduced.quantities["back_driving_efficiency"].note
 
 
 @pytest.mark.slow
 def test_a_reducer_that_locks_itself_holds_its_load() -> None:
     """With friction from the load the output cannot turn the crank; the same without `step` lets it go."""
-    reducer, turned = reduced("printed"), []
+    reduced, turned = joint_of("printed"), []
     for level in ("full", "backlash"):
-        on = bench(reducer.at(level), 0.01, 1e-3)
-        on.press(reducer.rated_torque)
+        on = bench(reduced.at(level), 0.01, 1e-3)
+        on.press(reduced.rated_torque)
         for _ in range(500):
             on.step()
         turned.append(abs(on.data.qpos[on.place.crank_angle]))
@@ -348,10 +351,10 @@ def test_a_reducer_that_locks_itself_holds_its_load() -> None:
 
 
 @pytest.mark.slow
-def test_the_error_comes_through_up_to_the_speed_stated(few: Reducer) -> None:
+def test_the_error_comes_through_up_to_the_speed_stated(few: ReducedJoint) -> None:
     """At the matched inertia the strongest harmonic is within 5 % at the speed that is stated, not at thrice that."""
     design = unlike("few")
-    stated = against(design, few).highest_speed
+    stated = against(Reducer(design), few).highest_speed
     strongest = int(np.argmax(np.hypot(few.ripple.high_cos[-1], few.ripple.high_sin[-1])))
     order = few.ripple.orders[strongest]
     expected = math.hypot(few.ripple.high_cos[-1][strongest], few.ripple.high_sin[-1][strongest])
@@ -395,7 +398,7 @@ def arm(compiler: str = "") -> "mujoco.MjSpec":
 
 
 @pytest.mark.parametrize("compiler", ["", 'inertiafromgeom="true"'])
-def test_a_joint_of_any_model_takes_it(few: Reducer, compiler: str) -> None:
+def test_a_joint_of_any_model_takes_it(few: ReducedJoint, compiler: str) -> None:
     """Two joints of a tree: cranks on the joints' axes, motors that mean what they did, a keyframe that fits."""
     spec, before = arm(compiler), arm(compiler).compile()
     for joint in ("shoulder", "elbow"):
@@ -426,7 +429,7 @@ def test_a_joint_of_any_model_takes_it(few: Reducer, compiler: str) -> None:
     assert data.qfrc_actuator[turned] == pytest.approx(2.0 / few.ratio * few.way)
 
 
-def test_an_arm_moves_as_one_with_that_inertia(few: Reducer) -> None:
+def test_an_arm_moves_as_one_with_that_inertia(few: ReducedJoint) -> None:
     """By the same motor, an arm on the springs of a reducer goes the way of one on a joint with its inertia alone."""
     turned = []
     for level in ("backlash", "rigid"):
@@ -445,7 +448,7 @@ def test_an_arm_moves_as_one_with_that_inertia(few: Reducer) -> None:
     assert turned[0] == pytest.approx(turned[1], rel=0.02)
 
 
-def test_attached_and_included_are_one_model(few: Reducer) -> None:
+def test_attached_and_included_are_one_model(few: ReducedJoint) -> None:
     """joint.xml and `attach_reducer` give the same joint, level by level."""
     bare = (
         "<mujoco><option timestep='0.001' integrator='discrete' gravity='0 0 0'/><worldbody><body pos='0 0 0.05'>"
@@ -453,12 +456,12 @@ def test_attached_and_included_are_one_model(few: Reducer) -> None:
         "</body></worldbody><actuator><motor joint='output'/></actuator></mujoco>"
     )
     for level in LEVELS:
-        reducer = few.at(level)
+        reduced = few.at(level)
         spec = mujoco.MjSpec.from_string(bare)
-        cm.attach_reducer(spec, "output", reducer)
+        cm.attach_reducer(spec, "output", reduced)
         attached = spec.compile()
         included = mujoco.MjModel.from_xml_string(
-            scene_xml(reducer, 0.1, 1e-3), {"joint.xml": joint_xml(reducer).encode()}
+            scene_xml(reduced, 0.1, 1e-3), {"joint.xml": joint_xml(reduced).encode()}
         )
         assert attached.nv == included.nv == (1 if level == "rigid" else 2)
         for name in ("tendon_lengthspring", "tendon_stiffness", "tendon_damping", "tendon_stiffnesspoly"):
@@ -468,30 +471,30 @@ def test_attached_and_included_are_one_model(few: Reducer) -> None:
             for name in ("dof_armature", "dof_frictionloss", "dof_damping"):
                 one, other = (getattr(m, name)[dof] for m, dof in zip((attached, included), dofs, strict=True))
                 assert one == pytest.approx(other, rel=1e-9), name
-        assert len(list(reducer.places(attached))) == len(list(reducer.places(included))) == 1
+        assert len(list(reduced.places(attached))) == len(list(reduced.places(included))) == 1
 
 
-def test_the_rigid_joint_loses_what_the_load_takes(few: Reducer) -> None:
+def test_the_rigid_joint_loses_what_the_load_takes(few: ReducedJoint) -> None:
     """At the level rigid `step` reads the load from the motor's balance: power out over power in is the efficiency."""
-    reducer = few.at("rigid")
-    on = bench(reducer, 0.1, 1e-3)
-    torque = reducer.rated_torque
-    on.data.qvel[0] = reducer.way * reducer.rated_speed / reducer.ratio
-    on.push(-reducer.way * torque)
-    expected = reducer.friction.efficiency(torque, reducer.rated_speed, reducer.ratio, driving=True)
-    on.data.ctrl[0] = torque / reducer.ratio / expected
+    reduced = few.at("rigid")
+    on = bench(reduced, 0.1, 1e-3)
+    torque = reduced.rated_torque
+    on.data.qvel[0] = reduced.way * reduced.rated_speed / reduced.ratio
+    on.push(-reduced.way * torque)
+    expected = reduced.friction.efficiency(torque, reduced.rated_speed, reduced.ratio, driving=True)
+    on.data.ctrl[0] = torque / reduced.ratio / expected
     for _ in range(50):
-        reducer.step(on.model, on.data)
+        reduced.step(on.model, on.data)
         mujoco.mj_step(on.model, on.data)
     assert on.model.dof_frictionloss[0] == pytest.approx(torque * (1.0 / expected - 1.0), rel=0.02)
-    assert abs(on.data.qvel[0]) == pytest.approx(reducer.rated_speed / reducer.ratio, rel=0.01)
+    assert abs(on.data.qvel[0]) == pytest.approx(reduced.rated_speed / reduced.ratio, rel=0.01)
 
 
 @pytest.mark.parametrize(
     ("joint", "message"),
     [("knee", "no joint 'knee'; its joints: shoulder, elbow"), ("out", "no hinge"), ("elbow", "a reducer already")],
 )
-def test_a_joint_that_cannot_take_it_is_refused(few: Reducer, joint: str, message: str) -> None:
+def test_a_joint_that_cannot_take_it_is_refused(few: ReducedJoint, joint: str, message: str) -> None:
     spec = arm()
     cm.attach_reducer(spec, "elbow", few)
     with pytest.raises(UsageError, match=message):
@@ -499,7 +502,7 @@ def test_a_joint_that_cannot_take_it_is_refused(few: Reducer, joint: str, messag
     spec.compile()
 
 
-def test_a_model_that_does_not_compile_is_told(few: Reducer) -> None:
+def test_a_model_that_does_not_compile_is_told(few: ReducedJoint) -> None:
     spec = mujoco.MjSpec.from_string("<mujoco><worldbody><body><joint name='j'/></body></worldbody></mujoco>")
     with pytest.raises(UsageError, match="does not compile"):
         cm.attach_reducer(spec, "j", few)
@@ -521,12 +524,12 @@ def test_a_model_that_does_not_compile_is_told(few: Reducer) -> None:
     ],
     ids=str,
 )
-def test_a_spoiled_reducer_is_refused(few: Reducer, change: dict) -> None:
+def test_a_spoiled_reducer_is_refused(few: ReducedJoint, change: dict) -> None:
     given = few.as_json()
-    Reducer.from_json(given)
+    ReducedJoint.from_json(given)
     given["joint"] = given["joint"] | change
     with pytest.raises(UsageError, match="no reducer"):
-        Reducer.from_json(given)
+        ReducedJoint.from_json(given)
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{}", '{"joint": {}}', '{"joint": {"name": "x", "springs": [1]}}'])
@@ -534,19 +537,19 @@ def test_a_file_that_is_no_reducer_is_refused(tmp_path: Path, text: str) -> None
     path = tmp_path / "reducer.json"
     path.write_text(text)
     with pytest.raises(CycloidError, match=r"reducer\.json"):
-        Reducer.read(path)
+        ReducedJoint.read(path)
     with pytest.raises(CycloidError, match="cannot read"):
-        Reducer.read(tmp_path / "none.json")
+        ReducedJoint.read(tmp_path / "none.json")
 
 
-def test_a_model_without_it_is_refused(few: Reducer) -> None:
+def test_a_model_without_it_is_refused(few: ReducedJoint) -> None:
     """A step that serves no joint would be a joint without friction and ripple, and nobody told."""
     model = arm().compile()
     with pytest.raises(UsageError, match="no joint of the model carries the reducer 'few'"):
         few.step(model, mujoco.MjData(model))
 
 
-def test_a_reducer_serves_its_joints_at_any_level(few: Reducer) -> None:
+def test_a_reducer_serves_its_joints_at_any_level(few: ReducedJoint) -> None:
     assert len({few.at(level).fingerprint for level in LEVELS}) == 1
     assert 0 < few.fingerprint < 1_000_000
 
@@ -561,26 +564,26 @@ def test_a_reducer_serves_its_joints_at_any_level(few: Reducer) -> None:
 )
 def test_either_member_and_several_discs(changes: dict) -> None:
     """The ring turns as the crank does, by one in N; two discs share the load, and both turn with the output."""
-    design, plain = unlike("few").but(**changes), reduced("few")
-    reducer = cm.reduce(design)
-    assert against(design, reducer).missed == []
-    assert (reducer.ratio, reducer.way) == ((7.0, 1) if design.output.turns_ring else (6.0, -1))
+    design, plain = unlike("few").but(**changes), joint_of("few")
+    reduced = cm.reduce(design)
+    assert against(Reducer(design), reduced).missed == []
+    assert (reduced.ratio, reduced.way) == ((7.0, 1) if design.output.turns_ring else (6.0, -1))
     if design.output.turns_ring:
         # Willis: the same play and springs, seen from the ring, through (N - 1)/N
-        assert reducer.backlash == pytest.approx(plain.backlash * 6.0 / 7.0, rel=2e-3)
-        stiffness = [one.quantities["stiffness_nm_per_arcmin"].value for one in (reducer, plain)]
+        assert reduced.backlash == pytest.approx(plain.backlash * 6.0 / 7.0, rel=2e-3)
+        stiffness = [one.quantities["stiffness_nm_per_arcmin"].value for one in (reduced, plain)]
         assert stiffness[0] == pytest.approx(stiffness[1] * (7.0 / 6.0) ** 2, rel=0.02)
-        on = bench(reducer, 0.01, 1e-3)
+        on = bench(reduced, 0.01, 1e-3)
         on.data.ctrl[0] = 0.1
         for _ in range(200):
             on.step()
         assert on.data.qpos[on.place.output_angle] * on.data.qpos[on.place.crank_angle] > 0.0
     else:
-        assert reducer.output_inertia > plain.output_inertia
-        assert reducer.wind_up(reducer.rated_torque) < 0.9 * plain.wind_up(plain.rated_torque)
+        assert reduced.output_inertia > plain.output_inertia
+        assert reduced.wind_up(reduced.rated_torque) < 0.9 * plain.wind_up(plain.rated_torque)
 
 
-def test_an_unknown_level_is_refused(few: Reducer) -> None:
+def test_an_unknown_level_is_refused(few: ReducedJoint) -> None:
     with pytest.raises(UsageError, match="choose rigid, backlash, full"):
         few.at("soft")
 
@@ -590,7 +593,7 @@ def test_a_crank_at_rest_is_refused() -> None:
         measured.reduce(PRESETS["pin"].but(drive={"speed": 0.0}))
 
 
-def test_an_unstable_scene_is_told(few: Reducer) -> None:
+def test_an_unstable_scene_is_told(few: ReducedJoint) -> None:
     asked = tried(few.at("backlash"), "implicitfast", 5e-3, few.reflected_inertia)
     assert not asked.stable
     assert asked.words == "unstable"

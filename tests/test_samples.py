@@ -14,6 +14,7 @@ from cycloid_mj.loaded import loads, samples, springs_of
 from cycloid_mj.loaded.samples import Samples, alike, drawn, solve_samples
 from cycloid_mj.mechanism import limits
 from cycloid_mj.mechanism.gaps import cam_places
+from cycloid_mj.mechanism.whole import Reducer
 
 ERRORS = ("errors.pin_position_um=0.8", "errors.pin_radius_um=0.4", "errors.hole_position_um=0.8")
 FIXED = override(PRESETS["pin"], ['ring.pins="fixed"'])
@@ -39,7 +40,7 @@ def as_made(design: Design, made: Samples, number: int) -> Design:
 def varied(design: Design, count: int, seed: int = 3) -> Samples:
     """Samples that differ in all there is."""
     draw = np.random.default_rng(seed).uniform
-    made = drawn(design, count, seed)
+    made = drawn(Reducer(design), count, seed)
     wider = {name: getattr(made, name) * draw(0.6, 1.5, count) for name in ("mesh", "seat", "cam", "output")}
     shaped = {name: draw(-1e-6, 1e-6, count) for name in ("eccentricity", "equidistant", "pin_circle")}
     waves = np.zeros(made.waves.shape)
@@ -56,11 +57,11 @@ def test_a_sample_is_the_statics_of_a_design_made_so(name: str, friction: bool) 
     # stiffness and mass are those of the design, and not of the sample
     given = dict.fromkeys(design.pair_kinds, 300000000.0)
     design = design.but(stiffness=given, material={"density": 101.0}, contact={"stiffness_law": "uniform"})
-    found = solve_samples(design, made, [torque], angles, friction=friction)[0]
+    found = solve_samples(Reducer(design), made, [torque], angles, friction=friction)[0]
     crank = np.linspace(0.0, 2.0 * np.pi, angles, endpoint=False)
     for number in range(len(made)):
         one = as_made(design, made, number)
-        alone = loads(one, springs_of(one, crank, friction), torque)
+        alone = loads(Reducer(one), springs_of(Reducer(one), crank, friction), torque)
         assert found.output_mean[number] == pytest.approx(alone.output_turn.mean(), rel=3e-5)
         assert found.gear_range[number] == pytest.approx(np.ptp(alone.gear_turn), rel=2e-4)
         assert found.tooth[number] == pytest.approx(alone.teeth.max(), rel=1e-4)
@@ -70,10 +71,10 @@ def test_a_sample_is_the_statics_of_a_design_made_so(name: str, friction: bool) 
 
 def test_threads_and_neighbours_change_no_bit() -> None:
     design = override(PRESETS["pin"], ERRORS)
-    made = drawn(design, 9, seed=5)
-    one, two = (solve_samples(design, made, [36.0, -0.1], 36, threads) for threads in (1, 2))
+    made = drawn(Reducer(design), 9, seed=5)
+    one, two = (solve_samples(Reducer(design), made, [36.0, -0.1], 36, threads) for threads in (1, 2))
     alone = Samples(**{field.name: getattr(made, field.name)[4:5] for field in fields(Samples)})
-    single = solve_samples(design, alone, [36.0, -0.1], 36)
+    single = solve_samples(Reducer(design), alone, [36.0, -0.1], 36)
     for field in fields(one[0]):
         for torque in (0, 1):
             whole = getattr(one[torque], field.name)
@@ -83,12 +84,12 @@ def test_threads_and_neighbours_change_no_bit() -> None:
 
 def test_draws_have_their_seed_and_their_size() -> None:
     design = override(PRESETS["pin"], ERRORS)
-    made, again, other = drawn(design, 400, 7), drawn(design, 400, 7), drawn(design, 400, 8)
+    made, again, other = drawn(Reducer(design), 400, 7), drawn(Reducer(design), 400, 7), drawn(Reducer(design), 400, 8)
     np.testing.assert_array_equal(made.pin_place, again.pin_place)
     assert not np.array_equal(made.hole_place, other.hole_place)
     assert made.pin_place.std() == pytest.approx(0.8e-6, rel=0.02)
     assert made.pin_radius.std() == pytest.approx(0.4e-6, rel=0.02)
-    listed = drawn(override(design, ["errors.pin_x_um={2=1.5}"]), 5, 7)
+    listed = drawn(Reducer(override(design, ["errors.pin_x_um={2=1.5}"])), 5, 7)
     assert np.ptp(listed.pin_place[:, :, 0], axis=0).max() == 0.0
     assert listed.pin_place[3, 1, 0] == 1.5e-6
 
@@ -96,22 +97,22 @@ def test_draws_have_their_seed_and_their_size() -> None:
 @pytest.mark.slow
 def test_small_torques_find_the_backlash() -> None:
     design = PRESETS["nonpin"]
-    made = replace(alike(design, 3), cam=np.array([0.5e-6, 1e-6, 2e-6]), output=np.array([1e-6, 2e-6, 0.5e-6]))
+    made = replace(alike(Reducer(design), 3), cam=np.array([0.5e-6, 1e-6, 2e-6]), output=np.array([1e-6, 2e-6, 0.5e-6]))
     still = override(design, ["environment.gravity_y_m_s2=0", "drive.speed_rpm=0"])
-    ahead, back = solve_samples(still, made, [4e-4, -4e-4], 18)
+    ahead, back = solve_samples(Reducer(still), made, [4e-4, -4e-4], 18)
     for number, width in enumerate(samples.backlash(ahead, back)):
         one = as_made(design, made, number)
         low, high = np.array(
-            [limits.stops(one, crank) for crank in np.linspace(0.0, 2.0 * np.pi, 18, endpoint=False)]
+            [limits.stops(Reducer(one), crank) for crank in np.linspace(0.0, 2.0 * np.pi, 18, endpoint=False)]
         ).T
         assert width == pytest.approx((high - low).mean(), rel=1e-3)
 
 
 def exactly(design: Design, crank: float, torque: float, start: np.ndarray) -> np.ndarray:
     """Departures in balance: exact gaps by search, the forces' directions by differences of them."""
-    springs = springs_of(design, crank, friction=False)
+    springs = springs_of(Reducer(design), crank, friction=False)
     contacts, load, unit = springs.contacts, springs.load(torque)[0], 1e-6
-    cam, play = cam_places(design, crank)[0], design.pin_play
+    cam, play = cam_places(Reducer(design), crank)[0], design.pin_play
 
     def gaps(z: np.ndarray) -> np.ndarray:
         teeth, output = exact(design, crank, z)
@@ -143,7 +144,7 @@ def test_it_is_the_balance_of_the_exact_geometry(name: str, largest: float, boun
         if name == "fixed":
             made |= {axis: tuple(draw(-largest, largest, 36).tolist()) for axis in ("pin_x", "pin_y")}
         one = design.but(errors={**made, "eccentricity": largest}, clearance={"cam": 1e-6 + largest})
-        ours = loads(one, springs_of(one, crank, friction=False), 36.68).departures[0]
+        ours = loads(Reducer(one), springs_of(Reducer(one), crank, friction=False), 36.68).departures[0]
         worst = max(worst, abs(exactly(one, crank, 36.68, ours)[-1] - ours[-1]) / design.output.pin_circle_radius)
     assert 1e6 * worst < bound
 
@@ -151,16 +152,16 @@ def test_it_is_the_balance_of_the_exact_geometry(name: str, largest: float, boun
 @pytest.mark.slow
 def test_two_thousand_samples_take_less_than_four_seconds() -> None:
     design = override(PRESETS["pin"], [*ERRORS, "errors.eccentricity_um=1.0"])
-    solve_samples(design, drawn(design, 1, 0), [36.68])
+    solve_samples(Reducer(design), drawn(Reducer(design), 1, 0), [36.68])
     start = time.process_time()
-    found = solve_samples(design, drawn(design, 2_000, 1), [36.68], threads=2)[0]
+    found = solve_samples(Reducer(design), drawn(Reducer(design), 2_000, 1), [36.68], threads=2)[0]
     assert time.process_time() - start < 4.0
     assert found.output_range.std() > 0.0
 
 
 def placed(design: Design, count: int) -> tuple[Samples, dict[str, np.ndarray]]:
     """Give samples as designed, and places drawn about theirs by 1 um."""
-    draw, many = np.random.default_rng(1).standard_normal, alike(design, count)
+    draw, many = np.random.default_rng(1).standard_normal, alike(Reducer(design), count)
     places = ("pin_place", "hole_place", "eccentricity")
     return many, {name: getattr(many, name) + 1e-6 * draw(getattr(many, name).shape) for name in places}
 
@@ -170,7 +171,7 @@ def test_samples_that_rest_where_a_curve_is_cut_off_are_balanced() -> None:
     still = {"gravity_x": 0.0, "gravity_y": 0.0}
     design = PRESETS["nonpin"].but(environment=still, drive={"speed": 1e-7}, clearance={"cam": 12e-6})
     many, errors = placed(design, 40)
-    found = solve_samples(design, replace(many, **errors), [4e-3])[0]
+    found = solve_samples(Reducer(design), replace(many, **errors), [4e-3])[0]
     assert np.isfinite(found.output_mean).all()
     assert found.output_range == pytest.approx(np.median(found.output_range), rel=0.3)
 
@@ -179,16 +180,16 @@ def test_samples_that_rest_where_a_curve_is_cut_off_are_balanced() -> None:
 def test_a_sample_that_jams_has_no_numbers_and_leaves_its_neighbours_alone() -> None:
     """The first of drawn samples that friction jams, between two that are as designed and turn."""
     design = override(FIXED, ["friction.pin_gear=0.85"])
-    (many, errors), ideal = placed(design, 20), alike(design, 3)
+    (many, errors), ideal = placed(design, 20), alike(Reducer(design), 3)
     jams = np.flatnonzero(
-        np.isnan(solve_samples(design, replace(many, **errors), [36.0], 90, friction=True)[0].output_mean)
+        np.isnan(solve_samples(Reducer(design), replace(many, **errors), [36.0], 90, friction=True)[0].output_mean)
     )
     assert 0 < jams.size < len(many)
     places = {name: np.array(getattr(ideal, name)) for name in errors}
     for name, place in places.items():
         place[1] = errors[name][jams[0]]
     sound, found = (
-        solve_samples(design, made, [36.0], 90, friction=True)[0] for made in (ideal, replace(ideal, **places))
+        solve_samples(Reducer(design), made, [36.0], 90, friction=True)[0] for made in (ideal, replace(ideal, **places))
     )
     assert np.isnan([getattr(found, field.name)[1] for field in fields(found)]).all()
     assert found.output_mean[[0, 2]].tolist() == sound.output_mean[[0, 2]].tolist()

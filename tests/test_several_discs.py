@@ -29,6 +29,7 @@ from cycloid_mj.loaded.springs import springs_of
 from cycloid_mj.measure.closed_form import ideal_limit
 from cycloid_mj.measure.reaction import of_discs, unbalance
 from cycloid_mj.mechanism.reducer import phases
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build
 from cycloid_mj.mjcf.mesh import build_mesh, mesh_spec
 from cycloid_mj.plots import figures
@@ -79,7 +80,7 @@ UNLIKE = ("errors.disc_dr_um=[0.3,1]", "errors.cam_x_um=[0,0.5]")
 
 
 def test_meshes_of_unlike_discs_carry_their_own_teeth() -> None:
-    made = mesh_spec(case_k(*UNLIKE), ConvexSettings(chord_error=1e-6))
+    made = mesh_spec(Reducer(case_k(*UNLIKE)), ConvexSettings(chord_error=1e-6))
     first, second = (
         {geom.meshname for geom in made.spec.body(gear).geoms if "teeth/" in geom.name} for gear in ("gear_1", "gear_2")
     )
@@ -98,20 +99,20 @@ def test_meshes_of_two_discs_meet_their_own_mates_and_press_as_profiles_do(
 ) -> None:
     """No cap of a cam reaches the next disc's bore; forces of every disc agree with those of profile contact."""
     design = case_k("drive.hold_s=0.003", "load.rise_s=0.001", *errors)
-    mesh = build_mesh(design, ConvexSettings(chord_error=4e-7))
+    mesh = build_mesh(Reducer(design), ConvexSettings(chord_error=4e-7))
     data, surfaces, met = mujoco.MjData(mesh.model), stems(mesh.model), Counter[frozenset[str]]()
-    data.qvel[:] = initial_state(mesh, design).qvel
+    data.qvel[:] = initial_state(mesh, Reducer(design)).qvel
     law = CrankLaw(design.drive.speed, 0.0)
     for step in range(150):
         now = np.array([step * mesh.model.opt.timestep])
-        data.ctrl[0], data.ctrl[1] = servo_target(mesh, law, now)[0], load_torque(design, now)[0]
+        data.ctrl[0], data.ctrl[1] = servo_target(mesh, law, now)[0], load_torque(Reducer(design), now)[0]
         mujoco.mj_step(mesh.model, data)
         met.update(frozenset(surfaces[geom] for geom in data.contact[i].geom) for i in range(data.ncon))
     mating = {frozenset((pair.on, pair.by)): pair.name for pair in mesh.pairs}
     assert set(met) <= set(mating)
     assert {names.kind_of(mating[pair]) for pair in met} == {"pin_gear", "cam", "output"}
     assert {names.disc_of(mating[pair]) for pair in met} == {0, 1}
-    runs = [simulate(design, reducer) for reducer in (mesh, build(design))]
+    runs = [simulate(design, compiled) for compiled in (mesh, build(design))]
     for kind in ("cam", "output"):
         sliced, exact = (np.linalg.norm(run.forces(kind)[-8:], axis=2).max(axis=0) for run in runs)
         pressed = exact > 100.0
@@ -175,7 +176,7 @@ def test_a_disc_is_drawn_where_it_is(run: Run) -> None:
     """Arrows of each disc act on that disc: their points lie in it, on its pins, and on its cam."""
     design = design_of(run)
     columns = {name: values[300:303] for name, values in run.columns.items()}
-    place, acting = poses(design, columns), contact_forces(design, columns)
+    place, acting = poses(Reducer(design), columns), contact_forces(Reducer(design), columns)
     mass = np.zeros((3, 2, 2))
     for row, (kind, disc) in enumerate(zip(acting.kinds, acting.discs, strict=True)):
         away = acting.point[:, row] - place[f"gear_{disc + 1}"][:, :2]
@@ -184,7 +185,7 @@ def test_a_disc_is_drawn_where_it_is(run: Run) -> None:
         mass[:, disc] += acting.force[:, row]
     np.testing.assert_allclose(mass, 0.0, atol=0.05 * acting.size.max())
     for disc in (0, 1):
-        measured = gaps(design, columns, disc)
+        measured = gaps(Reducer(design), columns, disc)
         assert np.abs(measured.deviation[:, :2]).max() < 20e-6
         touching = acting.of_disc(disc).of("pin_gear").size > 50.0
         assert touching.any()
@@ -207,15 +208,15 @@ def test_contacts_lie_on_the_part_that_they_press_on(kind: str) -> None:
     ]
     design = override(PRESETS[kind], [*changes, *stiff, *pins])
     run, few = simulate(design), np.radians(np.arange(0.0, 360.0, 30.0))
-    on_gears = [part_loads(run, design, gear, few) for gear in ("gear_1", "gear_2", "gear_3")]
+    on_gears = [part_loads(run, Reducer(design), gear, few) for gear in ("gear_1", "gear_2", "gear_3")]
     for disc, loads in enumerate(on_gears):
-        (prism,) = gear_solid(design, 1e-7, disc).prisms
+        (prism,) = gear_solid(Reducer(design), 1e-7, disc).prisms
         near = cKDTree(np.concatenate([prism.outline, *prism.holes]))
         pressed = np.linalg.norm(loads.force, axis=2) > 5.0
         away, _ = near.query(loads.place[pressed])
         assert away.max() < 1e-4
         assert {names.disc_of(label) for label in loads.labels} == {disc}
-    shaft = part_loads(run, design, "shaft", few)
+    shaft = part_loads(run, Reducer(design), "shaft", few)
     assert shaft.labels == ("gear_1_cam", "gear_2_cam", "gear_3_cam")
     for disc, loads in enumerate(on_gears):
         cam = loads.labels.index(shaft.labels[disc])
@@ -257,11 +258,13 @@ def test_a_slow_run_shares_the_load_as_statics_does(changes: tuple[str, ...]) ->
     run = simulate(design)
     assert not run.warnings
     settled = run.select(run.time > 0.034)
-    found = static_loads(design, springs_of(design, settled["crank_angle"], friction=False), 116.0, follow=True)
+    found = static_loads(
+        Reducer(design), springs_of(Reducer(design), settled["crank_angle"], friction=False), 116.0, follow=True
+    )
     assert abs(found.share[:, 0] - 0.5).min() > 0.04
     np.testing.assert_allclose(shares(settled), found.share, atol=5e-4)
     turn = settled["output_angle"] + settled["crank_angle"] / design.lobes
-    np.testing.assert_allclose(turn, found.output_turn - wind_up(design) * 116.0, atol=1e-3 * turn.mean())
+    np.testing.assert_allclose(turn, found.output_turn - wind_up(Reducer(design)) * 116.0, atol=1e-3 * turn.mean())
 
 
 def test_pins_that_discs_bend_for_each_other_are_warned_of() -> None:
@@ -277,9 +280,11 @@ def test_the_warning_tells_how_much_the_coupling_of_bent_pins_moves(core: float)
     """Statics with the whole flexibility of the pins against statics whose discs do not know of each other."""
     slender = ["output.support=cantilever", "output.rollers=true", f"output.core_radius_mm={core}"]
     design = override(PRESETS["twodisc"], [*slender, "load.torque_nm=116"])
-    springs = springs_of(design, np.linspace(0.0, 2.0, 20), friction=False)
+    springs = springs_of(Reducer(design), np.linspace(0.0, 2.0, 20), friction=False)
     alone = springs.contacts._replace(bending=np.diag(springs.contacts.bending.diagonal()))
-    whole, apart = (static_loads(design, one, 116.0).share for one in (springs, replace(springs, contacts=alone)))
+    whole, apart = (
+        static_loads(Reducer(design), one, 116.0).share for one in (springs, replace(springs, contacts=alone))
+    )
     moved = 0.01 * float(re.search(r"up to about ([\d.]+)%", " ".join(build(design).warnings))[1])
     assert 0.6 * moved < np.abs(whole - apart).max() < 1.1 * moved
 
@@ -287,7 +292,7 @@ def test_the_warning_tells_how_much_the_coupling_of_bent_pins_moves(core: float)
 def test_discs_balance_each_other_but_for_couples(run: Run) -> None:
     """Gears and crank have no static unbalance; of the couple what the closed form has: m c times the spacing."""
     design = design_of(run)
-    found, gear = unbalance(design), mass_properties(gear_solid(design)).mass
+    found, gear = unbalance(Reducer(design)), mass_properties(gear_solid(Reducer(design))).mass
     cam = math.pi * 0.02**2 * 13.5e-3 * design.material.density
     assert found.bare < 1e-12
     assert found.couple == pytest.approx((gear + cam) * 1.250025e-3 * 16.5e-3, rel=1e-5)
@@ -296,12 +301,12 @@ def test_discs_balance_each_other_but_for_couples(run: Run) -> None:
 def test_tilting_moments_are_the_forces_times_their_distance(run: Run) -> None:
     """The cams of two discs pull the shaft to opposite sides; two bearings hold the couple, and no force is left."""
     design, settled = design_of(run), run.select(run.time > 0.02)
-    found, cams = of_discs(settled, design), settled.forces("cam")
+    found, cams = of_discs(settled, Reducer(design)), settled.forces("cam")
     size = np.linalg.norm(cams, axis=2).mean(axis=1)
     np.testing.assert_allclose(np.linalg.norm(found.shaft.moment, axis=1), 16.5e-3 * size, rtol=0.01)
     np.testing.assert_allclose(found.shaft.net, 0.0, atol=0.02 * size.max())
     np.testing.assert_allclose(found.shaft_far + found.shaft_near, -found.shaft.net, atol=1e-9)
-    far, near = (0.5 * sum(seat) for seat in bearing_seats(design))
+    far, near = (0.5 * sum(seat) for seat in bearing_seats(Reducer(design)))
     held = far * found.shaft_far + near * found.shaft_near
     np.testing.assert_allclose(held[:, 0], -found.shaft.moment[:, 1], atol=1e-9)
     np.testing.assert_allclose(held[:, 1], found.shaft.moment[:, 0], atol=1e-9)
@@ -311,8 +316,8 @@ def test_a_pin_clamped_at_both_ends_has_the_moments_of_a_beam() -> None:
     """Its near root bears F a b^2/l^2: with the force in the middle F l/8."""
     one = case_k("gear.discs=1", "output.support=both_ends")
     length = 13.5e-3 + 2.0 * AXIAL_GAP
-    np.testing.assert_allclose(root_arms(one), [[length / 8.0], [length / 8.0]], rtol=1e-12)
-    cantilever = root_arms(case_k())
+    np.testing.assert_allclose(root_arms(Reducer(one)), [[length / 8.0], [length / 8.0]], rtol=1e-12)
+    cantilever = root_arms(Reducer(case_k()))
     np.testing.assert_allclose(cantilever, [[15e-3 + AXIAL_GAP + 8.25e-3, 15e-3 + AXIAL_GAP - 8.25e-3]], rtol=1e-12)
 
 
@@ -320,14 +325,14 @@ def test_viewers_get_every_disc_in_its_plane(run: Run) -> None:
     design = design_of(run)
     heights = {}
     for gear in ("gear_1", "gear_2"):
-        (piece,) = shapes(design)[gear]
+        (piece,) = shapes(Reducer(design))[gear]
         heights[gear] = [piece.mesh.vertices[:, 2].min(), piece.mesh.vertices[:, 2].max()]
         # a GLB has y up
         assert np.ptp(trimesh.load(io.BytesIO(glb([piece])), file_type="glb").bounds, axis=0).min() > 13e-3
     np.testing.assert_allclose(heights["gear_1"], [-15e-3, -1.5e-3], atol=1e-8)
     np.testing.assert_allclose(heights["gear_2"], [1.5e-3, 15e-3], atol=1e-8)
-    assert [piece.name for piece in shapes(design)["shaft"]] == ["shaft", "cam_1", "cam_2", "spacer_1"]
-    first, second = arrow_heights(design)
+    assert [piece.name for piece in shapes(Reducer(design))["shaft"]] == ["shaft", "cam_1", "cam_2", "spacer_1"]
+    first, second = arrow_heights(Reducer(design))
     assert first < -15e-3
     assert second > 15e-3
     messages = list(Scene(design).frames(run.time[:2], {name: values[:2] for name, values in run.columns.items()}))
@@ -362,7 +367,7 @@ def test_the_committed_model_of_two_discs_runs_in_stock_mujoco() -> None:
 
 def test_a_ring_of_a_second_output_disc_is_cut_in_wedges() -> None:
     """Its wide eye is round: all wedges are the ring, and the convex pieces of one stay within its bound."""
-    found = [one for one in sectors(PRESETS["twodisc"], ConvexSettings()) if one.part == "output"]
+    found = [one for one in sectors(Reducer(PRESETS["twodisc"]), ConvexSettings()) if one.part == "output"]
     disc, wedge = found
     assert disc.count == 1
     area = wedge.count * area_moments(wedge.region.outline).area
@@ -401,7 +406,7 @@ def test_a_slow_run_of_ideal_contacts_has_the_forces_of_the_worked_calculation()
     """Next to no clearance, no friction, a cam that holds: 213.1 N, 1706 N and 1967 to 2460 N within 2 %."""
     slow = ["drive.speed_rpm=120", "drive.ramp_s=0", "drive.hold_s=0.17", "load.torque_nm=116", "load.rise_s=0.02"]
     weightless = ["structure=rigid", "settings.log_rate_hz=2000", "environment.gravity_y_m_s2=0"]
-    run = simulate(ideal_limit(override(PRESETS["twodisc"], [*FRICTIONLESS, *slow, *weightless])))
+    run = simulate(ideal_limit(Reducer(override(PRESETS["twodisc"], [*FRICTIONLESS, *slow, *weightless]))).design)
     settled = run.select(run.time > 0.04)
     ring, output, cam = (np.linalg.norm(settled.forces(kind), axis=2) for kind in ("pin_gear", "output", "cam"))
     assert ring.max() == pytest.approx(213.14, rel=0.02)

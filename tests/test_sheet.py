@@ -17,6 +17,7 @@ from cycloid_mj.loaded.sheet import KNOWN, KNOWN_OF_KINDS, glance, known_differe
 from cycloid_mj.loaded.springs import turn_evenly
 from cycloid_mj.loaded.windup import windups
 from cycloid_mj.measure import steady
+from cycloid_mj.mechanism.whole import Reducer
 
 MEASURED = json.loads((Path(__file__).parent / "data" / "measured.json").read_text())
 FIXED = override(PRESETS["pin"], ['ring.pins="fixed"'])
@@ -27,7 +28,7 @@ KINDS = {**PRESETS, "fixed": FIXED, "sleeved": SLEEVED}
 @pytest.mark.parametrize("name", MEASURED)
 def test_known_differences_are_those_of_the_measured_runs(name: str) -> None:
     """The service loop's lost motion, with friction, is near that without; its stiffness is not, and is left out."""
-    found, seen = sheet(PRESETS[name]).quantities, set()
+    found, seen = sheet(Reducer(PRESETS[name])).quantities, set()
     for place, seen_value in MEASURED[name].items():
         key = {"lost_motion": "lost_motion_ideal"}.get(place.split("/")[1], place.split("/")[1])
         if key not in found or key == "stiffness":
@@ -45,10 +46,10 @@ def test_every_kind_of_design_has_every_figure(name: str) -> None:
     design = KINDS[name]
     made = override(design, ["errors.hole_position_um=0.3", "modification.equidistant_um=0.2"])
     for one in (design, made):
-        found = sheet(one)
+        found = sheet(Reducer(one))
         for key, quantity in found.quantities.items():
             assert math.isfinite(quantity.value) or quantity.note, key
-        for key, quantity in glance(one).quantities.items():
+        for key, quantity in glance(Reducer(one)).quantities.items():
             assert repr(quantity) == repr(found.quantities[key])
         value = {key: quantity.value for key, quantity in found.quantities.items()}
         assert 0.0 < value["backlash_min"] <= value["backlash"] <= value["backlash_max"]
@@ -66,34 +67,37 @@ def test_every_kind_of_design_has_every_figure(name: str) -> None:
 @pytest.mark.parametrize("design", [*PRESETS.values(), unlike("large")], ids=lambda design: design.name)
 def test_angles_that_follow_each_other_have_the_balances_of_each_alone(design: Design) -> None:
     torque, cranks = design.rated_torque, np.sort(turn_evenly(31))
-    alone, following = (windups(design, cranks, torque, follow) for follow in (False, True))
+    alone, following = (windups(Reducer(design), cranks, torque, follow) for follow in (False, True))
     for one, other in zip(alone, following, strict=True):
         for share, turn in one.turn.items():
             assert other.turn[share] == pytest.approx(turn, rel=1e-6)
-    springs = springs_of(design, cranks)
-    one, other = (loads(design, springs, torque, follow) for follow in (False, True))
+    springs = springs_of(Reducer(design), cranks)
+    one, other = (loads(Reducer(design), springs, torque, follow) for follow in (False, True))
     assert other.teeth == pytest.approx(one.teeth, abs=1e-5 * one.teeth.max())
 
 
 def test_without_friction_nothing_is_lost_and_seals_take_theirs() -> None:
     smooth = override(FIXED, [f"friction.{kind}=0" for kind in ("pin_gear", "cam_rolling", "output_rolling")])
-    assert powers(smooth, 30.0).efficiency == pytest.approx(1.0, abs=1e-12)
-    sealed = powers(override(smooth, ["drag.crank_nm=0.01", "drag.output_nm=0.7"]), 35.0)
+    assert powers(Reducer(smooth), 30.0).efficiency == pytest.approx(1.0, abs=1e-12)
+    sealed = powers(Reducer(override(smooth, ["drag.crank_nm=0.01", "drag.output_nm=0.7"])), 35.0)
     assert sealed.efficiency == pytest.approx(35.0 / (35.0 + 0.7 + 0.01 * 35), rel=1e-12)
 
 
 def test_losses_are_what_the_crank_gives_more_than_the_output_takes() -> None:
     """The cam's force on the eccentric, and its friction, ask for the crank's torque."""
     design, torque = PRESETS["nonpin"], 36.68
-    springs = springs_of(design, np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False))
-    found, ahead = loads(design, springs, torque), np.stack([-np.cos(springs.crank), -np.sin(springs.crank)], axis=1)
+    springs = springs_of(Reducer(design), np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False))
+    found, ahead = (
+        loads(Reducer(design), springs, torque),
+        np.stack([-np.cos(springs.crank), -np.sin(springs.crank)], axis=1),
+    )
     held = np.sum(found.cam[:, 0] * ahead, axis=1).mean() * design.gear.eccentricity
     rubbed = design.friction_of("cam") * design.gear.bore_radius * np.linalg.norm(found.cam[:, 0], axis=1).mean()
-    assert powers(design, torque).crank == pytest.approx((held + rubbed) * design.drive.speed, rel=3e-4)
+    assert powers(Reducer(design), torque).crank == pytest.approx((held + rubbed) * design.drive.speed, rel=3e-4)
 
 
 def test_a_reducer_that_locks_says_so() -> None:
-    found = sheet(unlike("printed")).quantities
+    found = sheet(Reducer(unlike("printed"))).quantities
     assert found["back_driving_efficiency"].value == 0.0
     assert math.isnan(found["back_driving_torque_rated"].value)
     assert "self-locking" in found["back_driving_efficiency"].note
@@ -102,26 +106,30 @@ def test_a_reducer_that_locks_says_so() -> None:
 def test_against_which_torque_it_locks_is_said() -> None:
     """At these coefficients the rated torque drives a crank without load, but none that brakes by its share of it."""
     for friction, said in ((0.38, "without load is driven"), (0.45, "without load is not driven")):
-        found = sheet_part(override(FIXED, [f"friction.pin_gear={friction}"]), "losses")["back_driving_efficiency"]
+        found = sheet_part(Reducer(override(FIXED, [f"friction.pin_gear={friction}"])), "losses")[
+            "back_driving_efficiency"
+        ]
         assert "self-locking against 1.048 N m on the crank" in found.note
         assert said in found.note
-        alone = powers(override(FIXED, [f"friction.pin_gear={friction}"]), -FIXED.rated_torque)
+        alone = powers(Reducer(override(FIXED, [f"friction.pin_gear={friction}"])), -FIXED.rated_torque)
         assert (alone.crank < 0.0) == (friction < 0.4)
 
 
 def test_what_has_no_balance_or_no_motion_is_one_error() -> None:
     with pytest.raises(RunError, match="friction is too large for the crank to turn"):
-        sheet(override(FIXED, ["friction.pin_gear=0.9"]))
+        sheet(Reducer(override(FIXED, ["friction.pin_gear=0.9"])))
     with pytest.raises(DesignError, match=r"drive\.speed_rpm is 0"):
-        sheet(override(FIXED, ["drive.speed_rpm=0"]))
+        sheet(Reducer(override(FIXED, ["drive.speed_rpm=0"])))
     with pytest.raises(UsageError, match="more than 0"):
-        sheet(FIXED, -3.0)
+        sheet(Reducer(FIXED), -3.0)
 
 
 def test_a_tooth_whose_foot_point_begins_to_be_looked_for_is_balanced() -> None:
     """At 46 N m and one crank angle a tooth goes from one way of reckoning its width to the other."""
     capacity = [
-        sheet_part(override(unlike("teeth21"), [f"clearance.cam_um={cam}"]), "loads")["capacity_shakedown"].value
+        sheet_part(Reducer(override(unlike("teeth21"), [f"clearance.cam_um={cam}"])), "loads")[
+            "capacity_shakedown"
+        ].value
         for cam in (1.95, 2.0, 2.05)
     ]
     assert capacity[1] == pytest.approx(0.5 * (capacity[0] + capacity[2]), rel=1e-5)
@@ -134,7 +142,7 @@ def test_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert told["design"] == "nonpin"
     assert told["condition"].startswith("20 N m, 1640 rpm")
     assert told["quantities"]["efficiency"]["value"] == pytest.approx(
-        sheet(PRESETS["nonpin"], 20.0).quantities["efficiency"].value
+        sheet(Reducer(PRESETS["nonpin"]), 20.0).quantities["efficiency"].value
     )
     assert told["quantities"]["efficiency"]["known_difference"] == KNOWN["efficiency"]
     assert main(["statics", "--design", str(design_file("few")), "--set", "errors.pin_position_um=0.4"]) == 0
@@ -154,9 +162,9 @@ def test_command(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_it_takes_less_than_a_second_once_compiled() -> None:
-    sheet(PRESETS["pin"])
+    sheet(Reducer(PRESETS["pin"]))
     start = time.process_time()
-    sheet(override(PRESETS["pin"], ["clearance.cam_um=1.1"]))
+    sheet(Reducer(override(PRESETS["pin"], ["clearance.cam_um=1.1"])))
     assert time.process_time() - start < 1.0
 
 
@@ -165,17 +173,17 @@ def test_it_takes_less_than_a_second_once_compiled() -> None:
 @pytest.mark.parametrize("name", ["nonpin", "fixed", "pin"])
 def test_efficiency_losses_and_error_are_those_of_the_dynamic_run(name: str, way: float) -> None:
     """Within 0.1 points, 1 % of each loss, and 0.2 % of the mean error, driven by the crank and by the output."""
-    design: Design = steady.steady_design(KINDS[name])
+    design: Design = steady.steady_design(Reducer(KINDS[name])).design
     torque = way * design.rated_torque
-    run = steady.steady(override(design, [f"load.torque_nm={torque!r}"]), steady.SETTLED, 12)
-    dynamic, found = steady.powers(run), powers(design, torque)
+    run = steady.steady(Reducer(override(design, [f"load.torque_nm={torque!r}"])), steady.SETTLED, 12)
+    dynamic, found = steady.powers(run), powers(Reducer(design), torque)
     assert 100.0 * found.efficiency == pytest.approx(100.0 * dynamic.efficiency, abs=0.1)
     friction = dict(dynamic.friction)
     losses = {kind: friction.pop(kind) for kind in ("cam", "output")} | {"teeth": sum(friction.values())}
     for part, lost in losses.items():
         assert found.losses[part] == pytest.approx(lost, rel=0.01), part
     error = run["output_angle"] + run["crank_angle"] / design.lobes
-    ours = loads(design, springs_of(design, run["crank_angle"][::10]), torque).output_turn
+    ours = loads(Reducer(design), springs_of(Reducer(design), run["crank_angle"][::10]), torque).output_turn
     assert ours.mean() == pytest.approx(error.mean(), rel=0.002)
 
 
@@ -184,6 +192,6 @@ def test_wide_play_is_balanced_where_no_angle_follows_from_the_one_before() -> N
     """A printed size whose contacts change at once under a hundredth of its load."""
     from cycloid_mj.sizing import sized
 
-    found = sheet(sized("printed", 12, 0.08, 1.0, "printed").design)
+    found = sheet(Reducer(sized("printed", 12, 0.08, 1.0, "printed").design))
     assert 0.0 < found.quantities["efficiency"].value < 100.0
     assert found.quantities["output_peak_to_peak_unloaded_forward_speed"].value > 0.0

@@ -7,13 +7,14 @@ import pytest
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.loaded.sheet import load_of, sheet
+from cycloid_mj.mechanism.whole import Reducer
 
 
 def test_the_load_is_the_designs_own_where_it_has_one(capsys: pytest.CaptureFixture[str]) -> None:
     pin = PRESETS["pin"]
-    assert load_of(pin) == (pin.rated_torque, "rated torque")
-    assert load_of(override(pin, ["load.torque_nm=-7"])) == (7.0, "load.torque_nm")
-    assert load_of(override(pin, ["load.torque_nm=-7"]), 3.0) == (3.0, "given")
+    assert load_of(Reducer(pin)) == (pin.rated_torque, "rated torque")
+    assert load_of(Reducer(override(pin, ["load.torque_nm=-7"]))) == (7.0, "load.torque_nm")
+    assert load_of(Reducer(override(pin, ["load.torque_nm=-7"])), 3.0) == (3.0, "given")
     assert main(["statics", "--design", "pin", "--set", "load.torque_nm=7", "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert told["load_source"] == "load.torque_nm"
@@ -21,6 +22,6 @@ def test_the_load_is_the_designs_own_where_it_has_one(capsys: pytest.CaptureFixt
 
 
 def test_what_gives_is_not_called_rigid() -> None:
-    found = sheet(override(PRESETS["pin"], ["structure=springs"]))
+    found = sheet(Reducer(override(PRESETS["pin"], ["structure=springs"])))
     assert found.assumptions[0].startswith("statics: output pins, carrier, shaft and housing give")
-    assert sheet(PRESETS["pin"]).assumptions[0].startswith("statics: parts are rigid")
+    assert sheet(Reducer(PRESETS["pin"])).assumptions[0].startswith("statics: parts are rigid")

@@ -13,6 +13,7 @@ from cycloid_mj.course import initial_state, load_torque
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import RunError
 from cycloid_mj.kinematics import CrankLaw
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build
 from cycloid_mj.names import gears
 from cycloid_mj.run import blocks, schedule, simulate
@@ -26,14 +27,14 @@ def changed(*changes: str) -> Design:
 
 
 def test_schedule_samples_at_the_log_rate() -> None:
-    plan = schedule(changed("settings.timestep_us=2.0", "drive.ramp_s=0.001", "drive.hold_s=0.001"))
+    plan = schedule(Reducer(changed("settings.timestep_us=2.0", "drive.ramp_s=0.001", "drive.hold_s=0.001")))
     assert (plan.steps, plan.stride, plan.samples) == (1000, 50, 20)
 
 
 def test_the_load_rises_without_a_jolt_and_opposes_the_output() -> None:
     design = changed("load.torque_nm=10.0", "load.rise_s=0.01")
-    assert load_torque(design, [0.0, 0.005, 0.01, 1.0]) == pytest.approx([0.0, 5.0, 10.0, 10.0])
-    assert load_torque(override(design, ["drive.speed_rpm=-1640.0"]), 1.0) == pytest.approx(-10.0)
+    assert load_torque(Reducer(design), [0.0, 0.005, 0.01, 1.0]) == pytest.approx([0.0, 5.0, 10.0, 10.0])
+    assert load_torque(Reducer(override(design, ["drive.speed_rpm=-1640.0"])), 1.0) == pytest.approx(-10.0)
 
 
 def test_the_crank_follows_the_ramp_and_the_gear_follows_the_crank() -> None:
@@ -93,16 +94,16 @@ def test_backlash_at_locked_crank(pins: str) -> None:
         "friction.pin_socket=0.0",
         "drive.rotor_inertia_kg_m2=10.0",
     )
-    reducer = build(design)
+    compiled = build(design)
     stops = []
     for torque in (0.02, -0.02):
-        data = mujoco.MjData(reducer.model)
+        data = mujoco.MjData(compiled.model)
         data.joint("gear_angle").qfrc_applied[0] = torque
         with installed():
             for part in range(20):
                 # Settled by stopping it now and then, as a hand would.
                 data.qvel[:] *= 0.1 if part > 4 else 1.0
-                mujoco.mj_step(reducer.model, data, 800)
+                mujoco.mj_step(compiled.model, data, 800)
         stops.append(data.joint("gear_angle").qpos[0])
     expected = 2.0 * clearances[pins] / (design.gear.eccentricity * design.lobes)
     # the torque presses the teeth in: 0.43 % (fixed) and 0.30 % (free)
@@ -139,10 +140,10 @@ def test_no_friction_loses_nothing() -> None:
 
 def ended(design: Design) -> tuple[int, str]:
     """Samples given before the end, and the error."""
-    reducer = build(design)
+    compiled = build(design)
     given: list[int] = []
     with pytest.raises(RunError) as error:
-        given.extend(len(block.time) for block in blocks(reducer, design))
+        given.extend(len(block.time) for block in blocks(compiled, Reducer(design)))
     return sum(given), str(error.value)
 
 
@@ -176,7 +177,7 @@ def test_a_step_too_long_ends_the_run(tmp_path, monkeypatch) -> None:
 
 
 def test_not_a_number_ends_the_run(monkeypatch) -> None:
-    monkeypatch.setattr(course, "servo_target", lambda reducer, law, time: np.where(time > 1e-3, np.nan, 0.0))
+    monkeypatch.setattr(course, "servo_target", lambda compiled, law, time: np.where(time > 1e-3, np.nan, 0.0))
     samples, message = ended(changed(*QUICK))
     assert samples > 1
     assert "not a number" in message or "warned" in message
@@ -200,7 +201,7 @@ def measured(design: Design) -> dict[str, float]:
 def test_half_the_step_gives_the_same_figures(load: float, hold: float, points: float, share: float) -> None:
     """Pins chatter: 5.6e-5 and 4.4e-5 of efficiency, 2.2 and 6.3 % of the rms speed error, the others 0.4 %."""
     changes = ["drive.ramp_s=0.0", f"drive.hold_s={hold}", f"load.torque_nm={load}"]
-    step = timestep(changed(*changes))
+    step = timestep(Reducer(changed(*changes)))
     whole, half = (measured(changed(*changes, f"settings.timestep_us={1e6 * step / k!r}")) for k in (1, 2))
     assert whole["efficiency"] == pytest.approx(half["efficiency"], abs=points)
     for name in ("mean", "peak_to_peak", "rms"):
@@ -209,7 +210,7 @@ def test_half_the_step_gives_the_same_figures(load: float, hold: float, points: 
 
 def test_initial_state_without_a_ramp_is_the_closed_form() -> None:
     design = changed(*QUICK)
-    data = initial_state(build(design), design)
+    data = initial_state(build(design), Reducer(design))
     assert data.joint("gear_x").qvel[0] == pytest.approx(-design.gear.eccentricity * design.drive.speed)
     assert data.joint("output").qvel[0] == pytest.approx(-design.drive.speed / design.lobes)
 

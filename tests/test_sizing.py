@@ -12,6 +12,7 @@ from cycloid_mj.design.file import dump
 from cycloid_mj.errors import DesignError, UsageError
 from cycloid_mj.loaded.sheet import sheet
 from cycloid_mj.mechanism.reducer import are_one_part
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.sizing import MARGIN, Process, sized
 
 CASES = [
@@ -115,7 +116,7 @@ def test_several_discs_share_the_width_and_pass_every_check(ratio: int, discs: i
     assert are_one_part(discs, found.design.output.pins, ratio)
     assert found.design.output.support == "both_ends"
     assert loads(dump(found.design, found.reasons)).gear == found.design.gear
-    value = sheet(found.design).quantities
+    value = sheet(Reducer(found.design)).quantities
     for disc in range(1, discs + 1):
         assert value[f"disc_{disc}_share"].value == pytest.approx(1.0 / discs, rel=0.15)
     if discs == 2:

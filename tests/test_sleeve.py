@@ -17,6 +17,7 @@ from cycloid_mj.design import PRESETS, Design, dump, loads, override
 from cycloid_mj.errors import DesignError
 from cycloid_mj.export import export
 from cycloid_mj.mechanism.reducer import Role, mechanism
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build, sensors
 from cycloid_mj.mjcf.mesh import build_mesh
 from cycloid_mj.plots.pin import pin_figure
@@ -39,7 +40,7 @@ def changed(*changes: str) -> Design:
 
 
 def test_a_sleeve_is_a_ring_on_a_pin_that_is_smaller_by_the_clearance() -> None:
-    solids = parts(SLEEVED)
+    solids = parts(Reducer(SLEEVED))
     sleeve, housing = mass_properties(solids["pin"]), solids["housing"]
     # Chords of the mass properties leave 1e-6 of each circle.
     mass = SLEEVED.material.density * 10e-3 * math.pi * (RHO**2 - BORE**2)
@@ -47,32 +48,32 @@ def test_a_sleeve_is_a_ring_on_a_pin_that_is_smaller_by_the_clearance() -> None:
     assert sleeve.inertia[2, 2] == pytest.approx(0.5 * mass * (RHO**2 + BORE**2), rel=5e-6)
     cores = housing.prisms[1:]
     assert len(cores) == 36
-    assert sleeve_core_radius(SLEEVED) == pytest.approx(BORE - 1e-6, rel=1e-12)
+    assert sleeve_core_radius(Reducer(SLEEVED)) == pytest.approx(BORE - 1e-6, rel=1e-12)
     assert np.abs(np.linalg.norm(cores[0].outline - [0.0, 40.75e-3], axis=1) - (BORE - 1e-6)).max() < 1e-15
-    free = mass_properties(parts(PRESETS["pin"])["pin"])
+    free = mass_properties(parts(Reducer(PRESETS["pin"]))["pin"])
     assert sleeve.mass / free.mass == pytest.approx(1.0 - (BORE / RHO) ** 2, rel=1e-5)
 
 
 def test_the_model_has_a_turning_body_on_a_fixed_pin_for_each_sleeve() -> None:
-    reducer = build(SLEEVED)
-    model = reducer.model
+    compiled = build(SLEEVED)
+    model = compiled.model
     for number in (1, 20):
         sleeve, core = model.geom(f"sleeve_{number}"), model.geom(f"core_{number}")
         assert (sleeve.priority[0], core.priority[0]) == (int(Role.OUTER), int(Role.INNER))
         assert model.body(int(sleeve.bodyid[0])).name == f"pin_{number}"
         assert model.body(int(core.bodyid[0])).name == "housing"
         assert sleeve.size[0] - core.size[0] == pytest.approx(1e-6, rel=1e-9)
-    assert sum(pair.kind == "pin_sleeve" for pair in reducer.pairs) == 36
-    assert not any(pair.kind == "pin_socket" for pair in reducer.pairs)
-    assert set(reducer.laws) == {"pin_gear", "pin_sleeve", "cam", "output"}
-    assert reducer.laws["pin_sleeve"].effective_mass == pytest.approx(model.body("pin_1").mass[0] / 2.0)
+    assert sum(pair.kind == "pin_sleeve" for pair in compiled.pairs) == 36
+    assert not any(pair.kind == "pin_socket" for pair in compiled.pairs)
+    assert set(compiled.laws) == {"pin_gear", "pin_sleeve", "cam", "output"}
+    assert compiled.laws["pin_sleeve"].effective_mass == pytest.approx(model.body("pin_1").mass[0] / 2.0)
 
 
 def pressed(design: Design, approach: float) -> tuple[float, float]:
     """Push the gear towards pin 1 by `approach` and hold it; give the settled force on it and on the sleeve [N]."""
-    reducer = build(design)
-    model, data = reducer.model, mujoco.MjData(reducer.model)
-    names = [pair.name for pair in reducer.pairs]
+    compiled = build(design)
+    model, data = compiled.model, mujoco.MjData(compiled.model)
+    names = [pair.name for pair in compiled.pairs]
     held = [model.joint(name).dofadr[0] for name in HELD]
     place = [model.joint(name).qposadr[0] for name in HELD]
     start = data.qpos[place].copy()
@@ -82,7 +83,7 @@ def pressed(design: Design, approach: float) -> tuple[float, float]:
             data.qpos[place], data.qvel[held] = start, 0.0
             mujoco.mj_step(model, data)
         data.qpos[place], data.qvel[held] = start, 0.0
-        wrench = stepped(model, data, reducer.pairs).wrench
+        wrench = stepped(model, data, compiled.pairs).wrench
     return float(wrench[names.index("pin_1"), 1]), float(wrench[names.index("sleeve_1"), 1])
 
 
@@ -139,14 +140,14 @@ def test_a_sleeves_friction_is_coulombs_at_its_bore() -> None:
 
 
 def test_the_log_has_the_sleeves_motion_and_forces() -> None:
-    assert {"pin_36_x", "pin_36_speed"} <= set(sensors(SLEEVED)["/pins"])
+    assert {"pin_36_x", "pin_36_speed"} <= set(sensors(Reducer(SLEEVED))["/pins"])
     run = loaded("sleeved")
     assert {"sleeve_36_force_x", "pin_sleeve_friction_power"} <= set(run.columns)
     assert not any(name.startswith(("socket", "pin_socket")) for name in run.columns)
 
 
 def test_checks_know_the_sleeve() -> None:
-    require_sound(SLEEVED)
+    require_sound(Reducer(SLEEVED))
     thick = changed("ring.sleeve_thickness_mm=1.6")
     failed = {item.name: item for item in check(thick) if not item.passed}
     assert failed["sleeve"].severity == "warning"
@@ -159,7 +160,7 @@ def test_checks_know_the_sleeve() -> None:
         build(changed("ring.sleeve_thickness_mm=2.25"))
     # Play counts the sleeve's clearance, and only where there is a sleeve.
     assert "play" in {c.name for c in check(changed("clearance.pin_sleeve_um=120")) if not c.passed}
-    require_sound(override(PRESETS["pin"], ["clearance.pin_sleeve_um=120"]))
+    require_sound(Reducer(override(PRESETS["pin"], ["clearance.pin_sleeve_um=120"])))
 
 
 def test_every_room_takes_sleeves_for_bodies_without_sockets() -> None:
@@ -169,7 +170,7 @@ def test_every_room_takes_sleeves_for_bodies_without_sockets() -> None:
     assert motion.pin_1 is not None
     assert motion.pin_1.clearance == SLEEVED.clearance.pin_sleeve
     assert "sleeve 1" in pin_figure(motion, motion.pin_1).axes[0].get_title(loc="left")
-    acting = contact_forces(SLEEVED, run.columns)
+    acting = contact_forces(Reducer(SLEEVED), run.columns)
     assert list(dict.fromkeys(acting.kinds)) == ["pin_gear", "pin_sleeve", "cam", "output"]
     clearances = dict(setup(review({"a.mcap": run})).body)["clearances"]
     assert "pin-sleeve 1" in clearances
@@ -181,7 +182,7 @@ def test_every_room_takes_sleeves_for_bodies_without_sockets() -> None:
 def test_a_sleeve_is_pushed_by_its_pin_from_within() -> None:
     run = loaded("sleeved")
     columns = {name: values[-1:] for name, values in run.columns.items()}
-    acting = contact_forces(SLEEVED, columns)
+    acting = contact_forces(Reducer(SLEEVED), columns)
     most = int(np.argmax(np.where([kind == "pin_sleeve" for kind in acting.kinds], acting.size[0], 0.0)))
     angle = 2.0 * np.pi * (int(acting.names[most].split("_")[1]) - 1) / 36
     away = acting.point[0, most] - 40.75e-3 * np.array([np.sin(angle), np.cos(angle)])
@@ -193,12 +194,12 @@ def test_parts_are_exported_with_bores_and_pins() -> None:
     files = export(SLEEVED, "dxf").files
     assert files["pin.dxf"].count(b"\nCIRCLE\n") == 2
     assert files["housing.dxf"].count(b"\nCIRCLE\n") == 1 + 36
-    assert set(export(SLEEVED, "stl", 2e-5).files) == {f"{part}.stl" for part in parts(SLEEVED)}
+    assert set(export(SLEEVED, "stl", 2e-5).files) == {f"{part}.stl" for part in parts(Reducer(SLEEVED))}
 
 
 def test_stock_collision_refuses_sleeves() -> None:
     with pytest.raises(DesignError, match=r"ring\.pins"):
-        build_mesh(SLEEVED)
+        build_mesh(Reducer(SLEEVED))
 
 
 def test_a_loaded_ring_of_sleeves_settles_at_the_independent_balance() -> None:
@@ -206,8 +207,8 @@ def test_a_loaded_ring_of_sleeves_settles_at_the_independent_balance() -> None:
     changes = ["drive.ramp_s=0", "drive.hold_s=0.006", "drive.speed_rpm=60", "load.torque_nm=36", "load.rise_s=0.002"]
     design = changed(*changes, "environment.gravity_y_m_s2=0", *rig.without_friction())
     run = simulate(design)
-    stiffness = {kind: pair_stiffness(design, kind) for kind in ("pin_gear", "pin_sleeve", "cam", "output")}
-    balanced = solve(design, stiffness, float(run["crank_angle"][-1]))
+    stiffness = {kind: pair_stiffness(Reducer(design), kind) for kind in ("pin_gear", "pin_sleeve", "cam", "output")}
+    balanced = solve(Reducer(design), stiffness, float(run["crank_angle"][-1]))
     for names, forces in (
         ([f"pin_{number}" for number in range(1, 37)], balanced.ring_forces),
         (["cam"], balanced.cam_force[np.newaxis]),

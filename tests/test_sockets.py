@@ -13,6 +13,7 @@ from cycloid_mj.design.units import MICROMETRE
 from cycloid_mj.errors import DesignError, RunError
 from cycloid_mj.export import export
 from cycloid_mj.mechanism.reducer import Role, mechanism
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build
 from cycloid_mj.mjcf.mesh import build_mesh
 from cycloid_mj.run import simulate
@@ -61,7 +62,7 @@ def test_gap_and_normal_do_not_jump_at_an_edge(half):
 
 def test_the_opening_is_that_of_the_solids():
     """The points of the housing's hole that lie as far from a pin's centre as its socket's wall span the same angle."""
-    hole = housing_solid(PIN, VISUAL_CHORD_ERROR).prisms[0].holes[0]
+    hole = housing_solid(Reducer(PIN), VISUAL_CHORD_ERROR).prisms[0].holes[0]
     seat = hole - [0.0, PIN.ring.pin_circle_radius]
     radius = PIN.ring.pin_radius + PIN.clearance.pin_socket
     wall = seat[np.abs(np.linalg.norm(seat, axis=1) - radius) < 1e-9]
@@ -132,7 +133,7 @@ def test_a_pin_slides_off_the_edge_of_its_socket_as_energy_has_it():
 
 def ways(design: Design, by_mesh: bool = False) -> np.ndarray:
     """Give how far each pin gets from its place in a short run [m], shape (N,)."""
-    run = simulate(design, build_mesh(design) if by_mesh else None)
+    run = simulate(design, build_mesh(Reducer(design)) if by_mesh else None)
     numbers = range(1, design.ring.teeth + 1)
     return np.array([np.hypot(run[f"pin_{number}_x"], run[f"pin_{number}_y"]).max() for number in numbers])
 
@@ -166,18 +167,18 @@ def test_what_presses_a_massless_pin_into_the_opening_meets_nothing():
     design = PIN.but(ring={"pins": "massless"})
     touched = []
     for wall in (socket_half_angle(design), 0.5):
-        reducer = build(design)
+        compiled = build(design)
         for number in range(1, design.ring.teeth + 1):
-            reducer.model.geom(f"pin_{number}").user[4] = 1.0 + math.cos(wall)
-        data = mujoco.MjData(reducer.model)
+            compiled.model.geom(f"pin_{number}").user[4] = 1.0 + math.cos(wall)
+        data = mujoco.MjData(compiled.model)
         data.joint("gear_angle").qpos[0] = 2e-4
         with collider.installed():
-            mujoco.mj_forward(reducer.model, data)
+            mujoco.mj_forward(compiled.model, data)
         touched.append(data.ncon)
     assert touched[0] > touched[1] > 0
 
 
-@pytest.mark.parametrize("make", [build_mesh, lambda design: export(design, "stl")])
+@pytest.mark.parametrize("make", [lambda design: build_mesh(Reducer(design)), lambda design: export(design, "stl")])
 def test_parts_that_are_not_drawn_are_refused(make):
     with pytest.raises(DesignError, match="bores of end plates, which are not drawn"):
         make(PIN.but(ring={"socket": "closed"}))

@@ -15,6 +15,7 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import DesignError
 from cycloid_mj.kinematics import gear_centre, gear_rotation
 from cycloid_mj.measure.reaction import unbalance
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build
 from cycloid_mj.solid import (
     VISUAL_CHORD_ERROR,
@@ -201,7 +202,7 @@ def test_every_part_is_there(design: Design) -> None:
     expected = ["housing", "shaft", "gear", "pin", "output"]
     if design.ring.kind == "nonpin":
         expected.remove("pin")
-    named = parts(design, VISUAL_CHORD_ERROR)
+    named = parts(Reducer(design), VISUAL_CHORD_ERROR)
     assert list(named) == expected
     assert all(solid.name == name and solid.density == design.material.density for name, solid in named.items())
 
@@ -216,7 +217,7 @@ def test_gear_mass_is_its_closed_form(design: Design) -> None:
     def mass(offset: float) -> float:
         return design.material.density * design.gear.face_width * (profile.area(teeth, offset) - bore - holes)
 
-    found = mass_properties(gear_solid(design))
+    found = mass_properties(gear_solid(Reducer(design)))
     assert found.mass == pytest.approx(mass(ring.pin_radius + pair), rel=CLOSED_FORM)
     assert found.mass != pytest.approx(mass(ring.pin_radius), rel=10 * CLOSED_FORM)  # the clearance is seen
     np.testing.assert_allclose(found.centroid, 0.0, atol=1e-12)
@@ -224,12 +225,12 @@ def test_gear_mass_is_its_closed_form(design: Design) -> None:
 
 def test_pin_output_and_pinwheel_have_their_closed_forms() -> None:
     density, width = PIN.material.density, PIN.gear.face_width
-    pin = mass_properties(pin_solid(PIN)).mass
+    pin = mass_properties(pin_solid(Reducer(PIN))).mass
     assert pin == pytest.approx(density * width * math.pi * PIN.ring.pin_radius**2, rel=CLOSED_FORM)
 
     disc = 0.008 * (0.026 + 1.5 * 0.004) ** 2
     pins = 8 * 0.011 * 0.004**2  # 10 mm in the gear and the gap of 1 mm
-    output = mass_properties(output_solid(PIN)).mass
+    output = mass_properties(output_solid(Reducer(PIN))).mass
     assert output == pytest.approx(density * math.pi * (disc + pins), rel=CLOSED_FORM)
 
     # disc of radius E and N sockets of radius r on its rim, less N lenses of the two
@@ -240,27 +241,27 @@ def test_pin_output_and_pinwheel_have_their_closed_forms() -> None:
         - small / 2 * math.sqrt(4 * big**2 - small**2)
     )
     hole = math.pi * big**2 + 36 * (math.pi * small**2 - lens)
-    housing = mass_properties(housing_solid(PIN)).mass
+    housing = mass_properties(housing_solid(Reducer(PIN))).mass
     assert housing == pytest.approx(density * width * (math.pi * 0.05**2 - hole), rel=CLOSED_FORM)
 
 
 def test_nonpin_housing_is_the_annulus_of_the_internal_gear() -> None:
     bore_area = 4895.8471e-6  # m2, of the double-enveloping ring of the preset, to 5e-11
     expected = NONPIN.material.density * NONPIN.gear.face_width * (math.pi * 0.05**2 - bore_area)
-    assert mass_properties(housing_solid(NONPIN)).mass == pytest.approx(expected, rel=CLOSED_FORM)
+    assert mass_properties(housing_solid(Reducer(NONPIN))).mass == pytest.approx(expected, rel=CLOSED_FORM)
 
 
 def test_fixed_pins_are_pressed_in() -> None:
     fixed = override(PIN, ["ring.pins=fixed"])
     for design, play in [(fixed, 0.0), (PIN, 1e-6)]:
-        hole = housing_solid(design).prisms[0].holes[0]
+        hole = housing_solid(Reducer(design)).prisms[0].holes[0]
         bottom = np.hypot(*hole.T).max()
         assert bottom == pytest.approx(0.04075 + 0.00225 + play, abs=1e-8)  # no vertex need be quite at the bottom
 
 
 @pytest.mark.parametrize("teeth", [33, 34, 36])
 def test_the_sockets_are_arcs_about_the_pin_centres(teeth: int) -> None:
-    hole = housing_solid(override(PIN, [f"ring.teeth={teeth}"]), 1e-6).prisms[0].holes[0]
+    hole = housing_solid(Reducer(override(PIN, [f"ring.teeth={teeth}"])), 1e-6).prisms[0].holes[0]
     pins = PIN.ring.pin_circle_radius * profile.unit(2 * np.pi * np.arange(teeth) / teeth)
     nearest = np.hypot(*(hole[:, None] - pins).transpose(2, 0, 1)).min(axis=1)
     on_the_wall = np.isclose(np.hypot(*hole.T), PIN.ring.pin_circle_radius, rtol=1e-12)
@@ -271,8 +272,8 @@ def test_the_sockets_are_arcs_about_the_pin_centres(teeth: int) -> None:
 
 def test_the_counterweight_balances_the_gear(design: Design) -> None:
     for chord_error in (None, VISUAL_CHORD_ERROR):
-        gear = mass_properties(gear_solid(design, chord_error))
-        shaft = mass_properties(shaft_solid(design, chord_error))
+        gear = mass_properties(gear_solid(Reducer(design), chord_error))
+        shaft = mass_properties(shaft_solid(Reducer(design), chord_error))
         moment = gear.mass * design.gear.eccentricity
         assert moment + shaft.mass * shaft.centroid[1] == pytest.approx(0.0, abs=1e-9 * moment)
         assert shaft.mass * shaft.centroid[0] == pytest.approx(0.0, abs=1e-9 * moment)
@@ -281,22 +282,22 @@ def test_the_counterweight_balances_the_gear(design: Design) -> None:
 def test_the_counterweight_balances_a_gear_of_another_material() -> None:
     """A printed gear on a steel shaft: 2.49 mm of steel; the check of the shaft's length reckons with as much."""
     design = PRESETS["printed"]
-    gear, shaft = mass_properties(gear_solid(design)), mass_properties(shaft_solid(design))
+    gear, shaft = mass_properties(gear_solid(Reducer(design))), mass_properties(shaft_solid(Reducer(design)))
     assert gear.mass * design.gear.eccentricity == pytest.approx(-shaft.mass * shaft.centroid[1], rel=1e-9)
-    found = unbalance(design)
+    found = unbalance(Reducer(design))
     assert abs(found.balanced) < 1e-6 * found.bare
-    assert balance(override(design, ["shaft.length_mm=2.6"])).passed
+    assert balance(Reducer(override(design, ["shaft.length_mm=2.6"]))).passed
     short = override(design, ["shaft.length_mm=2.4"])
-    assert not balance(short).passed
+    assert not balance(Reducer(short)).passed
     with pytest.raises(DesignError, match="no counterweight within the shaft's length"):
-        shaft_solid(short)
+        shaft_solid(Reducer(short))
 
 
 def test_the_counterweight_has_the_closed_thickness() -> None:
-    gear = mass_properties(gear_solid(PIN)).mass
+    gear = mass_properties(gear_solid(Reducer(PIN))).mass
     cam = PIN.material.density * math.pi * 0.015**2 * 0.010
     thickness = 1.5 * (gear + cam) * 0.001 / (PIN.material.density * (0.030**3 - 0.008**3))
-    journal, counterweight, gap, cam_prism = shaft_solid(PIN).prisms
+    journal, counterweight, gap, cam_prism = shaft_solid(Reducer(PIN)).prisms
     assert counterweight.height == pytest.approx(thickness, rel=CLOSED_FORM)
     assert counterweight.outline[:, 1].min() == pytest.approx(-0.030, rel=CLOSED_FORM)
     assert counterweight.outline[:, 1].max() == pytest.approx(0.008, rel=CLOSED_FORM)
@@ -310,7 +311,7 @@ def test_the_counterweight_has_the_closed_thickness() -> None:
 def test_several_discs_balance_each_other(discs: int) -> None:
     """No counterweight: the static moments of discs and cams add up to nothing, and each disc lies on its own cam."""
     design = override(PIN, [f"gear.discs={discs}", "gear.disc_gap_mm=1.5"])
-    whole, found = mass_properties(body_solids(design)["shaft"]), parts(design)
+    whole, found = mass_properties(body_solids(Reducer(design))["shaft"]), parts(Reducer(design))
     assert abs(whole.centroid[:2]).max() < 1e-9
     planes, angles = design.gear.disc_planes, 2.0 * math.pi * np.arange(discs) / discs
     for disc, (plane, angle) in enumerate(zip(planes, angles, strict=True)):
@@ -324,7 +325,7 @@ def test_several_discs_balance_each_other(discs: int) -> None:
 
 def test_the_teeth_of_a_disc_ahead_on_the_crank_are_turned_against_its_holes() -> None:
     design = override(PIN, ["gear.discs=3"])
-    first, second = (gear_solid(design, 1e-6, disc).prisms[0] for disc in (0, 1))
+    first, second = (gear_solid(Reducer(design), 1e-6, disc).prisms[0] for disc in (0, 1))
     turn = -2.0 * math.pi / 3.0 / design.lobes
     cos, sin = math.cos(turn), math.sin(turn)
     np.testing.assert_allclose(second.outline, first.outline @ [[cos, sin], [-sin, cos]], atol=1e-15)
@@ -334,26 +335,26 @@ def test_the_teeth_of_a_disc_ahead_on_the_crank_are_turned_against_its_holes() -
 
 def test_a_second_output_disc_holds_the_pins_and_lets_the_crank_through() -> None:
     design = override(PIN, ["output.support=both_ends", "gear.discs=2"])
-    disc, *pins, second = output_solid(design, 1e-6).prisms
+    disc, *pins, second = output_solid(Reducer(design), 1e-6).prisms
     assert all((pin.z0, pin.z1) == (second.z1, disc.z0) for pin in pins)
     assert second.z1 < design.gear.disc_planes[0] - 5e-3
-    eye, crank = np.linalg.norm(second.holes[0], axis=1).max(), body_solids(design)["shaft"]
+    eye, crank = np.linalg.norm(second.holes[0], axis=1).max(), body_solids(Reducer(design))["shaft"]
     for prism in crank.prisms:
         if prism.z0 < second.z1 and prism.z1 > second.z0:
             assert np.linalg.norm(prism.outline, axis=1).max() < eye
-    assert np.linalg.norm(parts(design, 1e-6)["cam_1"].prisms[0].outline, axis=1).max() <= eye * (1.0 + 1e-12)
+    assert np.linalg.norm(parts(Reducer(design), 1e-6)["cam_1"].prisms[0].outline, axis=1).max() <= eye * (1.0 + 1e-12)
 
 
 def test_cams_need_a_wall_around_the_shaft() -> None:
     with pytest.raises(DesignError, match=r"shaft.radius_mm = 14.5 .* cams leave no wall"):
-        parts(override(PIN, ["gear.discs=2", "shaft.radius_mm=14.5"]), 1e-5)
+        parts(Reducer(override(PIN, ["gear.discs=2", "shaft.radius_mm=14.5"])), 1e-5)
 
 
 def test_holes_and_output_pins_are_numbered_clockwise_from_y() -> None:
-    centres = output_centres(PIN)
+    centres = output_centres(Reducer(PIN))
     np.testing.assert_allclose(centres[[0, 2, 4, 6]], 0.026 * np.array([[0, 1], [1, 0], [0, -1], [-1, 0]]), atol=1e-17)
-    holes = gear_solid(PIN, 1e-6).prisms[0].holes[1:]
-    pins = output_solid(PIN, 1e-6).prisms[1:]
+    holes = gear_solid(Reducer(PIN), 1e-6).prisms[0].holes[1:]
+    pins = output_solid(Reducer(PIN), 1e-6).prisms[1:]
     np.testing.assert_allclose([hole.mean(axis=0) for hole in holes], centres, atol=1e-15)
     np.testing.assert_allclose([pin.outline.mean(axis=0) for pin in pins], centres, atol=1e-15)
 
@@ -363,7 +364,7 @@ def test_holes_and_output_pins_are_numbered_clockwise_from_y() -> None:
 
 @pytest.mark.parametrize(("which", "part"), PARTS)
 def test_meshes_are_closed_and_weigh_what_the_outlines_do(which: str, part: str) -> None:
-    solid = parts(DESIGNS[which], VISUAL_CHORD_ERROR)[part]
+    solid = parts(Reducer(DESIGNS[which]), VISUAL_CHORD_ERROR)[part]
     drawn = mesh(solid)
     told = trimesh.Trimesh(drawn.vertices, drawn.faces, process=False)
     told.density = solid.density
@@ -381,7 +382,7 @@ def test_meshes_are_closed_and_weigh_what_the_outlines_do(which: str, part: str)
 
 
 def test_visual_meshes_are_small() -> None:
-    for name, solid in parts(PIN, VISUAL_CHORD_ERROR).items():
+    for name, solid in parts(Reducer(PIN), VISUAL_CHORD_ERROR).items():
         assert len(mesh(solid).faces) < 8000, name
 
 
@@ -398,8 +399,8 @@ def test_exactly_straight_runs_of_vertices_stay_in_the_mesh() -> None:
 @pytest.mark.parametrize(("which", "part"), [("pin", "gear"), ("nonpin", "housing")])
 def test_meshes_converge_with_the_chord_error(which: str, part: str) -> None:
     # area lost by chords is of first order in their error: ten times finer, ten times nearer
-    exact = mass_properties(parts(DESIGNS[which], 1e-8)[part]).mass
-    coarse, fine = (mass_properties(parts(DESIGNS[which], error)[part]).mass - exact for error in (1e-5, 1e-6))
+    exact = mass_properties(parts(Reducer(DESIGNS[which]), 1e-8)[part]).mass
+    coarse, fine = (mass_properties(parts(Reducer(DESIGNS[which]), error)[part]).mass - exact for error in (1e-5, 1e-6))
     assert coarse / fine == pytest.approx(10, rel=0.15)
 
 
@@ -465,14 +466,16 @@ def test_parts_that_do_not_fit_are_refused_by_name(key: str, limit: float | None
     if key == "shaft.counterweight_radius":
         start = override(PIN, ["shaft.length_mm=3.0"])
         unbalance = (
-            1.5 * (mass_properties(gear_solid(PIN)).mass / PIN.material.density + math.pi * 0.015**2 * 0.010) * 1e-3
+            1.5
+            * (mass_properties(gear_solid(Reducer(PIN))).mass / PIN.material.density + math.pi * 0.015**2 * 0.010)
+            * 1e-3
         )
         limit = 1e3 * (0.008**3 + unbalance / 0.003) ** (1 / 3)
     assert limit is not None
     outward = 1e-4 if allowed == "less" else -1e-4
-    assert parts(override(start, [f"{key}_mm={limit - outward:.9f}"]), 1e-8)
+    assert parts(Reducer(override(start, [f"{key}_mm={limit - outward:.9f}"])), 1e-8)
     with pytest.raises(DesignError, match=f"^{re.escape(key)}_mm = .* is not allowed: {allowed} than"):
-        parts(override(start, [f"{key}_mm={limit + outward:.9f}"]), 1e-8)
+        parts(Reducer(override(start, [f"{key}_mm={limit + outward:.9f}"])), 1e-8)
 
 
 @pytest.mark.parametrize(
@@ -486,7 +489,7 @@ def test_parts_that_do_not_fit_are_refused_by_name(key: str, limit: float | None
 )
 def test_other_misfits_are_refused_by_name(changes: list[str], message: str) -> None:
     with pytest.raises(DesignError, match=message):
-        parts(override(PIN, changes), 1e-6)
+        parts(Reducer(override(PIN, changes)), 1e-6)
 
 
 # --- the parts together -----------------------------------------------------------------------------------------------
@@ -512,8 +515,8 @@ def overlap(gear: np.ndarray, hole: np.ndarray) -> bool:
 
 @pytest.mark.slow
 def test_the_gear_orbits_in_the_housing_without_touching_it(design: Design) -> None:
-    gear = gear_solid(design, MESHING).prisms[0].outline
-    hole = housing_solid(design, MESHING).prisms[0].holes[0]
+    gear = gear_solid(Reducer(design), MESHING).prisms[0].outline
+    hole = housing_solid(Reducer(design), MESHING).prisms[0].holes[0]
     for crank_angle in 0.1 + np.linspace(0.0, 2 * np.pi, 8, endpoint=False):
         assert not overlap(in_the_ring(gear, design, crank_angle), hole)
     gap = 4e-6 if design.ring.kind == "nonpin" else 1e-3
@@ -522,7 +525,7 @@ def test_the_gear_orbits_in_the_housing_without_touching_it(design: Design) -> N
 
 @pytest.mark.parametrize("design", [PIN, FEW_TEETH], ids=["pin", "few teeth"])
 def test_the_gear_leaves_each_pin_its_clearance(design: Design) -> None:
-    gear = in_the_ring(gear_solid(design, MESHING).prisms[0].outline, design, 0.3)
+    gear = in_the_ring(gear_solid(Reducer(design), MESHING).prisms[0].outline, design, 0.3)
     along = np.roll(gear, -1, axis=0) - gear
     for angle in 2 * np.pi * np.arange(design.ring.teeth) / design.ring.teeth:
         to = design.ring.pin_circle_radius * profile.unit(angle) - gear
@@ -541,15 +544,15 @@ def test_output_pins_orbit_in_their_holes() -> None:
 
 
 def test_mass_chord_error_follows_the_thinnest_radius() -> None:
-    assert mass_chord_error(PIN) == pytest.approx(5e-7 * 0.00225)
-    assert mass_chord_error(override(PIN, ["output.pin_radius_mm=1.0"])) == pytest.approx(5e-7 * 0.001)
+    assert mass_chord_error(Reducer(PIN)) == pytest.approx(5e-7 * 0.00225)
+    assert mass_chord_error(Reducer(override(PIN, ["output.pin_radius_mm=1.0"]))) == pytest.approx(5e-7 * 0.001)
 
 
 @pytest.mark.parametrize("chord_error", [0.0, -1e-6, math.nan])
 def test_a_chord_error_that_is_not_positive_is_refused(chord_error: float) -> None:
     for builder in (gear_solid, pin_solid, housing_solid, shaft_solid, output_solid):
         with pytest.raises(DesignError, match=r"chord error .* must be positive"):
-            builder(PIN, chord_error)
+            builder(Reducer(PIN), chord_error)
 
 
 @pytest.mark.slow
@@ -557,7 +560,7 @@ def test_a_chord_error_that_is_not_positive_is_refused(chord_error: float) -> No
 def test_rollers_are_parts_of_their_own_where_their_cores_are_given(discs: int) -> None:
     """The output that moves weighs discs, cores and rollers, each by its closed form, and turns with all of them."""
     design = override(PIN, [f"gear.discs={discs}", "output.core_radius_mm=2.5", "output.support=both_ends"])
-    found, output, gear = parts(design), design.output, design.gear
+    found, output, gear = parts(Reducer(design)), design.output, design.gear
     (roller,) = found["output_roller"].prisms
     assert (roller.z0, roller.z1) == (-gear.face_width / 2, gear.face_width / 2)
     density, orbit = design.material_of("output").density, output.pin_circle_radius
@@ -566,14 +569,14 @@ def test_rollers_are_parts_of_their_own_where_their_cores_are_given(discs: int) 
     core = math.pi * density * (gear.stack_width + 2e-3) * output.core_radius**2
     plate = math.pi * density * output.disc_thickness
     apart = mass_properties(found["output"])
-    whole = mass_properties(body_solids(design)["output"])
+    whole = mass_properties(body_solids(Reducer(design))["output"])
     assert mass_properties(found["output_roller"]).mass == pytest.approx(tube, rel=CLOSED_FORM)
     assert apart.mass == pytest.approx(plate * (2.0 * rim**2 - eye**2) + output.pins * core, rel=CLOSED_FORM)
     assert whole.mass == pytest.approx(apart.mass + output.pins * discs * tube, rel=CLOSED_FORM)
     turning = tube * (orbit**2 + 0.5 * (output.pin_radius**2 + output.core_radius**2))
     assert whole.inertia[2, 2] == pytest.approx(apart.inertia[2, 2] + output.pins * discs * turning, rel=CLOSED_FORM)
     assert whole.centroid[2] * whole.mass == pytest.approx(apart.centroid[2] * apart.mass, rel=1e-6)
-    assert masses(design)["output_roller"] == pytest.approx(output.pins * discs * tube, rel=1e-3)
+    assert masses(Reducer(design))["output_roller"] == pytest.approx(output.pins * discs * tube, rel=1e-3)
     body = build(design).model.body("output")
     assert body.mass[0] == whole.mass
     assert body.geomnum[0] >= 1 + output.pins * discs
@@ -582,9 +585,9 @@ def test_rollers_are_parts_of_their_own_where_their_cores_are_given(discs: int) 
 @pytest.mark.parametrize("name", ["pin", "nonpin", "twodisc"])
 def test_without_a_core_pin_and_roller_are_one_solid(name: str) -> None:
     design = PRESETS[name]
-    found = parts(design)
+    found = parts(Reducer(design))
     assert "output_roller" not in found
-    assert body_solids(design)["output"] is found["output"]
+    assert body_solids(Reducer(design))["output"] is found["output"]
     pins = found["output"].prisms[1 : 1 + design.output.pins]
     radii = [np.hypot(*(pin.outline - pin.outline.mean(axis=0)).T).max() for pin in pins]
     assert radii == pytest.approx([design.output.pin_radius] * len(pins))
@@ -592,6 +595,8 @@ def test_without_a_core_pin_and_roller_are_one_solid(name: str) -> None:
 
 @pytest.mark.parametrize("design", PRESETS.values(), ids=PRESETS)
 def test_the_crank_alone_is_that_of_all_bodies(design: Design) -> None:
-    alone, among_all = (mass_properties(one) for one in (crank_solid(design), body_solids(design)[names.SHAFT]))
+    alone, among_all = (
+        mass_properties(one) for one in (crank_solid(Reducer(design)), body_solids(Reducer(design))[names.SHAFT])
+    )
     assert alone.mass == among_all.mass
     assert np.array_equal(alone.inertia, among_all.inertia)

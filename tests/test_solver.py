@@ -11,6 +11,7 @@ from designs import unlike
 from cycloid_mj.contact.collider import installed
 from cycloid_mj.course import initial_state, ramp_and_hold
 from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build, unused
 from cycloid_mj.run import schedule, simulate
 
@@ -62,12 +63,12 @@ def test_both_solvers_find_the_same_forces_with_islands_and_without(name: str) -
     load = design.drive.torque * design.lobes
     changes = ["drive.ramp_s=0", "load.rise_s=0.0005", f"load.torque_nm={load}", "settings.timestep_us=0.5"]
     design = override(design, changes)
-    reducer = build(design)
-    course = ramp_and_hold(reducer, design)
-    data = initial_state(reducer, design, course)
-    model, worst, loaded, islands = reducer.model, 0.0, 0, 0
+    compiled = build(design)
+    course = ramp_and_hold(compiled, Reducer(design))
+    data = initial_state(compiled, Reducer(design), course)
+    model, worst, loaded, islands = compiled.model, 0.0, 0, 0
     with installed():
-        for step, command in enumerate(course.commands(reducer.model.opt.timestep * np.arange(2000))):
+        for step, command in enumerate(course.commands(compiled.model.opt.timestep * np.arange(2000))):
             data.ctrl[:] = command
             mujoco.mj_step(model, data)
             if step % 100 == 99 and data.nefc:
@@ -114,13 +115,13 @@ def test_a_run_leaves_out_what_its_model_has_nothing_for() -> None:
 def test_what_is_left_out_changes_nothing(name: str) -> None:
     changes = ["drive.ramp_s=0", "drive.hold_s=0.002", "load.torque_nm=20", "load.rise_s=0.0005"]
     design = override(PRESETS[name], [*changes, "settings.log_rate_hz=20000"])
-    run, reducer = simulate(design), build(design)
-    course, plan = ramp_and_hold(reducer, design), schedule(design)
-    data = initial_state(reducer, design, course)
+    run, compiled = simulate(design), build(design)
+    course, plan = ramp_and_hold(compiled, Reducer(design)), schedule(Reducer(design))
+    data = initial_state(compiled, Reducer(design), course)
     last = (plan.samples - 1) * plan.stride
     with installed():
         for command in course.commands(plan.timestep * np.arange(last + 1)):
             data.ctrl[:] = command
-            mujoco.mj_step(reducer.model, data)
+            mujoco.mj_step(compiled.model, data)
     assert run["gear_angle"][-1] == data.sensor("gear_angle").data[0]
     assert run["crank_torque"][-1] == data.sensor("crank_torque").data[0]

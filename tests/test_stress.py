@@ -22,6 +22,7 @@ from cycloid_mj.envelope import arc_contacts
 from cycloid_mj.errors import LogError, UsageError
 from cycloid_mj.kinematics import gear_centre_acceleration
 from cycloid_mj.log import write
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import gears
 from cycloid_mj.profile import conjugate_point, curvature, pin_angles, unit
 from cycloid_mj.run import simulate
@@ -101,7 +102,7 @@ def circles_of(loads, design):
     if loads.part == "ring" and design.ring.kind == "pin":
         return design.ring.pin_circle_radius * unit(pin_angles(tooth_profile(design)))
     if loads.part in ("gear", "output"):
-        nothing[-design.output.pins :] = output_centres(design)
+        nothing[-design.output.pins :] = output_centres(Reducer(design))
     return nothing
 
 
@@ -114,7 +115,7 @@ def moments(loads, design):
 
 def resultant(loads, design):
     """Forces and moment about the origin that loads, weight and inertia leave on a part, (k, 3)."""
-    body = mass_properties(parts(design)[{"pin_1": "pin"}.get(loads.part, loads.part)])
+    body = mass_properties(parts(Reducer(design))[{"pin_1": "pin"}.get(loads.part, loads.part)])
     force = loads.force.sum(axis=1) + body.mass * loads.body_force
     moment = moments(loads, design).sum(axis=1) - body.inertia[2, 2] * loads.spin_rate
     return np.column_stack([force, moment])
@@ -154,9 +155,9 @@ def test_no_force_has_no_place():
 
 def test_loads_of_the_ideal_mesh_are_where_and_as_large_as_statics_says():
     run = made_run(PIN, scale=0.0)
-    loads = part_loads(run, PIN, "gear", QUARTERS)
+    loads = part_loads(run, Reducer(PIN), "gear", QUARTERS)
     gear = tooth_profile(PIN)
-    angle = turn(run, PIN, QUARTERS)["crank_angle"]
+    angle = turn(run, Reducer(PIN), QUARTERS)["crank_angle"]
     size = np.linalg.norm(loads.force[:, : gear.ring_teeth], axis=-1)
     assert size == pytest.approx(ideal_load_sharing(gear, np.full(4, TORQUE), angle).forces, abs=1e-9)
     touched = conjugate_point(gear, pin_angles(gear), -angle[:, np.newaxis]).gear_frame
@@ -168,15 +169,15 @@ def test_loads_of_the_ideal_mesh_are_where_and_as_large_as_statics_says():
 def test_a_wrong_moment_moves_the_place():
     run = made_run(PIN, scale=0.0)
     spoiled = replace(run, columns={**run.columns, "pin_30_moment": run["pin_30_moment"] + 1e-3})
-    places = [part_loads(one, PIN, "gear", QUARTERS).place[:, 29] for one in (run, spoiled)]
+    places = [part_loads(one, Reducer(PIN), "gear", QUARTERS).place[:, 29] for one in (run, spoiled)]
     assert np.nanmax(np.abs(places[0] - places[1])) > 1e-6
 
 
 def test_lobes_press_on_the_flank_where_the_arcs_touch():
     run = made_run(NONPIN, scale=0.0)
-    loads = part_loads(run, NONPIN, "ring", QUARTERS)
+    loads = part_loads(run, Reducer(NONPIN), "ring", QUARTERS)
     gear = tooth_profile(NONPIN)
-    for row, angle in enumerate(turn(run, NONPIN, QUARTERS)["crank_angle"]):
+    for row, angle in enumerate(turn(run, Reducer(NONPIN), QUARTERS)["crank_angle"]):
         loaded = np.linalg.norm(loads.force[row], axis=-1) > 0.0
         # the flank lies a clearance deeper in the gear than the arc
         assert loads.place[row][loaded] == pytest.approx(arc_contacts(gear, float(angle)).points[loaded], abs=1.1e-6)
@@ -184,10 +185,10 @@ def test_lobes_press_on_the_flank_where_the_arcs_touch():
 
 def test_half_widths_follow_the_flank():
     run = made_run(PIN, scale=0.0)
-    loads = part_loads(run, PIN, "gear", QUARTERS)
+    loads = part_loads(run, Reducer(PIN), "gear", QUARTERS)
     gear, material = tooth_profile(PIN), PIN.material
     modulus = contact_modulus(material.youngs_modulus, material.poisson)
-    angle = turn(run, PIN, QUARTERS)["crank_angle"]
+    angle = turn(run, Reducer(PIN), QUARTERS)["crank_angle"]
     t = pin_angles(gear) - angle[:, np.newaxis] / gear.lobes
     bend = curvature(gear, t, gear.pin_radius + PIN.clearance.pin_gear) + 1.0 / gear.pin_radius
     size = np.linalg.norm(loads.force[:, : gear.ring_teeth], axis=-1)
@@ -203,7 +204,7 @@ def test_half_widths_follow_the_flank():
 @pytest.mark.parametrize(("kind", "part"), [("pin", "gear"), ("pin", "pin_1"), ("nonpin", "gear")])
 def test_free_parts_are_in_balance(request, kind, part):
     run, design = runs(request, kind)
-    loads = part_loads(run, design, part, SOME)
+    loads = part_loads(run, Reducer(design), part, SOME)
     largest = np.linalg.norm(loads.force, axis=-1).max()
     left = resultant(loads, design) / largest
     reach = design.gear.bore_radius if part == "gear" else design.ring.pin_radius
@@ -218,11 +219,11 @@ def test_free_parts_are_in_balance(request, kind, part):
 def test_the_gear_accelerates_as_the_closed_form_says_but_for_vibration(request, kind):
     """The acceleration comes from the logged forces; the closed form is a second way to it."""
     run, design = runs(request, kind)
-    sampled, loads = turn(run, design), part_loads(run, design, "gear")
+    sampled, loads = turn(run, Reducer(design)), part_loads(run, Reducer(design), "gear")
     accelerated = gear_centre_acceleration(tooth_profile(design), sampled["crank_angle"], sampled["crank_speed"])
     gravity = [design.environment.gravity_x, design.environment.gravity_y]
     free = turned(gravity - accelerated, -sampled["gear_angle"])
-    mass = mass_properties(parts(design)["gear"]).mass
+    mass = mass_properties(parts(Reducer(design))["gear"]).mass
     largest = np.linalg.norm(loads.force, axis=-1).max()
     vibration = mass * np.linalg.norm(free - loads.body_force, axis=-1)
     assert np.sqrt(np.mean(vibration**2)) < 1.5e-3 * largest
@@ -235,22 +236,22 @@ def test_the_gear_accelerates_as_the_closed_form_says_but_for_vibration(request,
 def test_every_patch_has_the_moment_of_its_force(request, kind):
     run, design = runs(request, kind)
     for part in part_names(design):
-        loads = part_loads(run, design, part, SOME)
-        of_contacts = np.stack([one.action.moment for one in contacts(turn(run, design, SOME), part)], axis=1)
+        loads = part_loads(run, Reducer(design), part, SOME)
+        of_contacts = np.stack([one.action.moment for one in contacts(turn(run, Reducer(design), SOME), part)], axis=1)
         assert moments(loads, design) == pytest.approx(of_contacts, abs=1e-6)
         assert np.array_equal(np.isnan(loads.place[..., 0]), np.linalg.norm(loads.force, axis=-1) == 0.0)
 
 
 def test_actions_are_opposite_to_reactions(request):
     run, design = runs(request, "pin")
-    gear, shaft, output = (part_loads(run, design, part) for part in ("gear", "shaft", "output"))
+    gear, shaft, output = (part_loads(run, Reducer(design), part) for part in ("gear", "shaft", "output"))
     sizes = [np.linalg.norm(loads.force, axis=-1) for loads in (gear, shaft, output)]
     cam = gear.labels.index("cam")
     assert sizes[1][:, 0] == pytest.approx(sizes[0][:, cam])
     assert sizes[2] == pytest.approx(sizes[0][:, cam + 1 :])
     # the load's torque, the pins and the disc's inertia are in balance about the axis
     axis = moments(output, design).sum(axis=1) + output.torque
-    body = mass_properties(parts(design)["output"])
+    body = mass_properties(parts(Reducer(design))["output"])
     # friction of 2 N acts at the middle of a contact's depth of 2 um, not on the surface
     assert axis == pytest.approx(body.inertia[2, 2] * output.spin_rate, abs=3e-6)
     assert np.abs(axis).max() < 0.02 * np.abs(output.torque).max()
@@ -258,7 +259,7 @@ def test_actions_are_opposite_to_reactions(request):
 
 def test_the_nearest_samples_of_the_last_turn_are_taken(request):
     run, design = runs(request, "pin")
-    sampled = turn(run, design)
+    sampled = turn(run, Reducer(design))
     step = np.median(np.diff(run["crank_angle"]))
     assert sampled.angle == pytest.approx(np.radians(np.arange(360)), abs=0.51 * step)
     assert np.unique(sampled.rows).size == 360
@@ -267,7 +268,7 @@ def test_the_nearest_samples_of_the_last_turn_are_taken(request):
 
 def test_pins_in_open_sockets_press_on_the_wall_only(request):
     run, design = runs(request, "pin")
-    loads = part_loads(run, design, "ring")
+    loads = part_loads(run, Reducer(design), "ring")
     out = np.linalg.norm(loads.place, axis=-1)
     # an edge lies on the wall's radius, and gives way by less than the clearance
     assert np.nanmin(out) >= design.ring.pin_circle_radius - design.clearance.pin_socket
@@ -282,38 +283,38 @@ def test_a_log_without_forces_is_refused():
     kept = {name: values for name, values in run.columns.items() if not name.endswith(("_force_x", "_force_y"))}
     bare = replace(run, columns=kept, units={name: run.units[name] for name in kept}, topics={})
     with pytest.raises(LogError, match=r"no forces of the mating pairs.*simulate it again"):
-        part_loads(bare, PIN, "gear")
+        part_loads(bare, Reducer(PIN), "gear")
 
 
 def test_a_log_without_its_design_is_refused():
     with pytest.raises(LogError, match=r"no attachment 'design.toml'"):
-        part_loads(replace(made_run(PIN), attachments={}), PIN, "gear")
+        part_loads(replace(made_run(PIN), attachments={}), Reducer(PIN), "gear")
 
 
 def test_a_design_that_did_not_run_is_refused():
     other = override(PIN, ["gear.eccentricity_mm=0.9"])
     with pytest.raises(UsageError, match=r"gear.eccentricity \(0.0009.* in the design, 0.001 in the log\)"):
-        part_loads(made_run(PIN), other, "gear")
+        part_loads(made_run(PIN), Reducer(other), "gear")
     faster = override(PIN, ["drive.speed_rpm=3000.0", "load.torque_nm=5.0", "settings.timestep_us=2.0"])
-    assert part_loads(made_run(PIN), faster, "gear", QUARTERS).part == "gear"
+    assert part_loads(made_run(PIN), Reducer(faster), "gear", QUARTERS).part == "gear"
 
 
 def test_a_short_hold_is_refused():
     with pytest.raises(LogError, match=r"of a crank turn, but one whole turn is needed.*longer --hold-s"):
-        part_loads(made_run(PIN, samples=400), PIN, "gear")
+        part_loads(made_run(PIN, samples=400), Reducer(PIN), "gear")
 
 
 def test_a_coarse_log_is_refused():
     run = made_run(PIN, samples=900).select(slice(0, None, 3))
     with pytest.raises(LogError, match=r"a sample every 2.95 deg .*log_rate_hz of 98\d\d or more"):
-        part_loads(run, PIN, "gear")
-    assert part_loads(run, PIN, "gear", np.radians(np.arange(0, 360, 3))).angle.size == 120
+        part_loads(run, Reducer(PIN), "gear")
+    assert part_loads(run, Reducer(PIN), "gear", np.radians(np.arange(0, 360, 3))).angle.size == 120
 
 
 @pytest.mark.parametrize(("design", "part"), [(PIN, "lobe"), (NONPIN, "pin_1")])
 def test_an_unknown_part_is_refused(design, part):
     with pytest.raises(UsageError, match=rf"no part '{part}'; there are shaft, gear"):
-        part_loads(made_run(design), design, part)
+        part_loads(made_run(design), Reducer(design), part)
 
 
 # Closed forms
@@ -330,12 +331,12 @@ def test_von_mises_below_a_line_contact():
 
 def test_hertz_pressure_of_the_loads_is_that_of_statics():
     run = made_run(PIN, scale=0.0)
-    loads = part_loads(run, PIN, "output", QUARTERS)
+    loads = part_loads(run, Reducer(PIN), "output", QUARTERS)
     output = PIN.output
     bend = 1.0 / output.pin_radius - 1.0 / (output.hole_radius + PIN.clearance.output)
     modulus = contact_modulus(PIN.material.youngs_modulus, PIN.material.poisson)
     hertz = hertz_line_contact(np.linalg.norm(loads.force, axis=-1), PIN.gear.face_width, bend, modulus)
-    found = line_stress(loads, PIN)
+    found = line_stress(loads, Reducer(PIN))
     assert found.peak_pressure == pytest.approx(hertz.peak_pressure, rel=1e-12)
 
 
@@ -344,10 +345,10 @@ def test_the_cam_has_one_answer_here_and_in_measure_loads():
     from cycloid_mj.measure.pressed import pressed
 
     run = made_run(PIN, scale=0.0)
-    loads = part_loads(run, PIN, "shaft", QUARTERS)
-    measured = pressed(run, PIN)["cam"]
-    found = line_stress(loads, PIN).peak_pressure[:, 0]
-    assert found == pytest.approx(measured.pressure[turn(run, PIN, QUARTERS).rows, 0], rel=1e-12)
+    loads = part_loads(run, Reducer(PIN), "shaft", QUARTERS)
+    measured = pressed(run, Reducer(PIN))["cam"]
+    found = line_stress(loads, Reducer(PIN)).peak_pressure[:, 0]
+    assert found == pytest.approx(measured.pressure[turn(run, Reducer(PIN), QUARTERS).rows, 0], rel=1e-12)
     roller = 15e-3 * np.sin(np.pi / 20)
     modulus = contact_modulus(PIN.material.youngs_modulus, PIN.material.poisson)
     force = 4.08 / 20 * np.linalg.norm(loads.force[:, 0], axis=-1)
@@ -363,9 +364,9 @@ def test_a_conformal_contact_has_no_hertz_figure():
     for changes, conformal in (([], True), (["clearance.cam_um=1000.0", "clearance.output_um=500.0"], False)):
         design = override(PIN, ['gear.bearing="plain"', *changes])
         run = made_run(design, scale=0.0)
-        found = line_stress(part_loads(run, design, "shaft", QUARTERS), design)
+        found = line_stress(part_loads(run, Reducer(design), "shaft", QUARTERS), Reducer(design))
         assert np.isnan(found.peak_pressure).all() == conformal
-        assert np.isnan(pressed(run, design)["cam"].peak_pressure) == conformal
+        assert np.isnan(pressed(run, Reducer(design))["cam"].peak_pressure) == conformal
 
 
 # The paper's claims, from findings made by hand
@@ -525,12 +526,14 @@ def test_the_study_of_a_part(pin_run):
 
     settings = StudySettings(angles=12, refinement=0.4, checked=3)
     told = []
-    study = stress_study(pin_run, PIN, ["pin_1"], settings, "a.mcap", lambda *what: told.append(what))
+    study = stress_study(pin_run, Reducer(PIN), ["pin_1"], settings, "a.mcap", lambda *what: told.append(what))
     assert told == [("pin_1", 0, 1)]
     found = study.findings["pin_1"]
     assert found.bulk_peak.stress == found.bulk.max()
     assert found.bulk_peak.safety == pytest.approx(PIN.material.yield_strength / found.bulk.max())
-    assert found.contact_peak.stress == pytest.approx(np.nanmax(line_stress(study["pin_1"].loads, PIN).von_mises))
+    assert found.contact_peak.stress == pytest.approx(
+        np.nanmax(line_stress(study["pin_1"].loads, Reducer(PIN)).von_mises)
+    )
     assert found.angle[np.argmax(found.bulk)] == found.bulk_peak.angle
     assert list(found.refinement.unknowns) == sorted(found.refinement.unknowns)
     assert found.refinement.stress[0].max() == found.bulk.max()
@@ -553,13 +556,13 @@ def test_the_swing_of_the_ring_is_that_of_its_bulk(pin_run, tmp_path):
     from cycloid_mj.rating.ranges import read_ranges
     from cycloid_mj.stress.study import StudySettings, stress_study
 
-    study = stress_study(pin_run, PIN, ["ring"], StudySettings(angles=12, refinement=0.3, checked=1))
+    study = stress_study(pin_run, Reducer(PIN), ["ring"], StudySettings(angles=12, refinement=0.3, checked=1))
     found = study.findings["ring"]
     largest = found.swing.amplitude + abs(found.swing.mean)
     assert 0.6 * found.bulk.max() < largest < 1.05 * found.bulk.max()
     told = study.findings.as_json() | {"load_nm": 10.0}
     (tmp_path / "stress.json").write_text(json.dumps({"designs": [told]}))
-    ranges = read_ranges(tmp_path, PIN)
+    ranges = read_ranges(tmp_path, Reducer(PIN))
     assert ranges["ring"].amplitude == pytest.approx(found.swing.amplitude)
     rated = rate(PIN, ranges=ranges).items
     assert rated["ring_fatigue"].value == pytest.approx(
@@ -650,7 +653,7 @@ def test_the_default_run_holds_one_settled_turn_at_two_samples_a_degree():
     drive = design.drive
     assert design.load.torque == pytest.approx(36.68)
     assert drive.ramp == 0.0
-    assert (drive.hold - settling(design)) * drive.speed > 2 * np.pi
+    assert (drive.hold - settling(Reducer(design))) * drive.speed > 2 * np.pi
     assert design.settings.log_rate * 2 * np.pi / drive.speed >= 720
     assert command._loaded(override(PIN, ["load.torque_nm=5.0"]), None).load.torque == 5.0
     assert command._loaded(PIN, 7.0).load.torque == 7.0
@@ -693,13 +696,13 @@ def test_every_part_has_its_title_and_number():
 def test_a_log_of_a_changed_design_is_refused_by_the_words_of_its_file():
     changed = made_run(PIN, attachments={"design.toml": dump(override(PIN, ["shaft.radius_mm=9.0"])).encode()})
     with pytest.raises(UsageError, match=r"shaft.radius \(0.008 in the design, 0.009 in the log\)"):
-        part_loads(changed, PIN, "shaft")
+        part_loads(changed, Reducer(PIN), "shaft")
 
 
 def test_a_log_with_another_material_in_a_part_is_refused():
     bronze = override(PIN, ["gear_material.youngs_modulus_mpa=110000.0"])
     with pytest.raises(UsageError, match=r"gear_material.youngs_modulus \(1100+.0 in the design, None in the log\)"):
-        part_loads(made_run(PIN), bronze, "gear")
+        part_loads(made_run(PIN), Reducer(bronze), "gear")
 
 
 def test_a_part_is_studied_in_the_designs_that_have_it():
@@ -707,7 +710,7 @@ def test_a_part_is_studied_in_the_designs_that_have_it():
     assert command._parts_by_design([PIN, NONPIN], []) == [list(PARTS), [part for part in PARTS if part != "pin_1"]]
     with pytest.raises(UsageError, match="no part 'pin_1'"):
         command._parts_by_design([NONPIN], ["pin_1"])
-    assert part_names(override(PIN, ['ring.pins="sleeved"'])) == ("shaft", "gear", "output")
+    assert part_names(Reducer(override(PIN, ['ring.pins="sleeved"']))) == ("shaft", "gear", "output")
 
 
 def test_a_part_whose_contacts_are_all_conformal_has_no_contact_figure_but_valid_json():

@@ -16,6 +16,7 @@ from scipy.interpolate import LinearNDInterpolator
 from cycloid_mj import statics
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import CycloidError, UsageError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.solid import circle, mass_properties, parts
 from cycloid_mj.stress import (
     GridSettings,
@@ -205,7 +206,7 @@ def test_mass_of_a_turning_part_is_its_imbalance() -> None:
     given = {"body_force": np.array([[3.0, -9.8]]), "spin": np.array([7.0]), "spin_rate": np.array([50.0])}
     loads = made_loads("gear", np.full((1, 1, 2), np.nan), np.zeros((1, 1, 2)), 1e-5, **given)
     found = solve(PIN, grid, loads)
-    known = mass_properties(parts(PIN, 1e-8)["gear"])
+    known = mass_properties(parts(Reducer(PIN), 1e-8)["gear"])
     wanted = [3.0 * known.mass, -9.8 * known.mass, -50.0 * known.inertia[2, 2]]
     np.testing.assert_allclose(found.imbalance[0], wanted, rtol=1e-5)
     assert np.abs(found.reaction).max() < 1e-6 * np.abs(wanted).max()
@@ -315,7 +316,7 @@ def test_bulk_leaves_the_patches_out_and_does_not_hang_on_the_grid() -> None:
 @pytest.mark.slow
 def test_torsion_of_the_shaft(shaft: Grid) -> None:
     """A couple between cam and input end shears the journal's surface by 2 T/(pi r^3), within 1 %."""
-    measures = shaft_measures(PIN)
+    measures = shaft_measures(Reducer(PIN))
     part = elastic.body(shaft, STEEL, springs=shaft_loading.bearing_pads(shaft, measures, 1e8).springs, loose=(2, 5))
     (_, on_cam), at_end = shaft_loading._on_cam_units(shaft, measures, 0), shaft_loading._torsion(shaft, measures)
     loads, imbalance = elastic.balanced(part, 10.0 * (on_cam - at_end))
@@ -343,7 +344,7 @@ def test_the_shaft_hands_its_load_to_the_bearings(shaft: Grid) -> None:
     loads = shaft_loads(4)
     loads = replace(loads, spin=np.array([170.0, 170.0, 0.0, 0.0]))
     found = solve(PIN, shaft, loads)
-    known = mass_properties(parts(PIN, 1e-8)["shaft"])
+    known = mass_properties(parts(Reducer(PIN), 1e-8)["shaft"])
     spun = known.mass * loads.spin[:, np.newaxis] ** 2 * known.centroid[:2]
     np.testing.assert_allclose(found.reaction[:, :2], -loads.force[:, 0] - spun, atol=0.1)  # cam, counterweight cancel
     np.testing.assert_allclose(found.reaction[:, 2], 0.0, atol=0.1)
@@ -358,7 +359,7 @@ def test_superposition_equals_a_direct_solve() -> None:
     """Sum of unit loads against one solve of the summed load by the other solver, and against a pressure by hand."""
     shaft = part_grid(PIN, "shaft", GridSettings(refinement=0.4))
     loads = shaft_loads(3)
-    case = shaft_loading.shaft_case(PIN, shaft, loads)
+    case = shaft_loading.shaft_case(Reducer(PIN), shaft, loads)
     answer = case.response(np.arange(3))
     forces, moved = answer.forces, answer.moved
     direct = np.zeros_like(moved)
@@ -366,7 +367,7 @@ def test_superposition_equals_a_direct_solve() -> None:
     whole = elastic.stiffness(shaft, STEEL) + case.body.springs
     direct[free] = elastic._superlu(sparse.tril(whole[free][:, free], format="csc"), "shaft")(forces[free])
     np.testing.assert_allclose(moved, direct, rtol=0, atol=1e-9 * np.abs(direct).max())
-    measures = shaft_measures(PIN)
+    measures = shaft_measures(Reducer(PIN))
     psi = np.linspace(-np.pi, np.pi, 721)
     series = sum(shaft_loading._half_cosine(m) * np.cos(m * psi) for m in shaft_loading.HARMONICS)
     assert np.abs(series - np.maximum(0.0, np.cos(psi))).max() < 0.04
@@ -382,7 +383,7 @@ def test_planar_solution_is_linear_in_its_loads() -> None:
     force[0, :2, 1] = [-10.0, 10.0]
     force[1, 2:, 0] = [-7.0, 7.0]
     force[2] = force[0] + force[1]
-    moved = part_case(PIN, grid, made_loads("pin_1", place, force, 1e-4)).response(np.arange(3)).moved
+    moved = part_case(Reducer(PIN), grid, made_loads("pin_1", place, force, 1e-4)).response(np.arange(3)).moved
     np.testing.assert_allclose(moved[:, 0] + moved[:, 1], moved[:, 2], rtol=0, atol=1e-11 * np.abs(moved).max())
 
 
@@ -404,7 +405,7 @@ def test_grids_have_the_area_of_the_part_and_come_out_the_same(part: str) -> Non
     assert np.array_equal(first.points, second.points)
     assert np.array_equal(first.cells, second.cells)
     name = {"ring": "housing", "pin_1": "pin"}.get(part, part)
-    area = mass_properties(parts(PIN, 1e-9)[name]).volume / PIN.gear.face_width
+    area = mass_properties(parts(Reducer(PIN), 1e-9)[name]).volume / PIN.gear.face_width
     if part == "output":
         rim = PIN.output.pin_circle_radius + 1.5 * PIN.output.pin_radius
         area = np.pi * (rim**2 - PIN.shaft.radius**2)
@@ -499,7 +500,7 @@ def test_patch_test_of_a_solid() -> None:
     stress = stresses(recovery(grid), found, STEEL)
     known = stresses_at_points(recovery(grid), exact[:, np.newaxis], STEEL)[:, :1]
     np.testing.assert_allclose(stress, known.repeat(stress.shape[1], axis=1), rtol=0, atol=2e-6 * 2e8)
-    volume = mass_properties(parts(PIN, 1e-9)["pin"]).volume
+    volume = mass_properties(parts(Reducer(PIN), 1e-9)["pin"]).volume
     assert elastic.basis_of(grid, vector=False, order=4).dx.sum() == pytest.approx(volume, rel=1e-4)
 
 

@@ -11,6 +11,7 @@ import pytest
 from designs import cases, unlike
 
 from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.solid import shaft_solid
 from cycloid_mj.stress import GridSettings, PartLoads, PartStress, part_grid, solve
 from cycloid_mj.stress.field import by_corner, loaded, maxima
@@ -109,7 +110,7 @@ def test_the_shaft_bends_as_a_timoshenko_beam_on_one_sided_bearings(design: Desi
     Opposite the pressure of a bearing a stretch as short as the shaft is thick bears less than a beam (Timoshenko and
     Goodier, Theory of Elasticity, art. 40), so the second is less. Bearings that pull as well would leave 18 % less.
     """
-    shaft, force = shaft_measures(design), CAM_FORCE
+    shaft, force = shaft_measures(Reducer(design)), CAM_FORCE
     found = under_a_cam_force(design)
     bed = BEARING_STIFFNESS * design.material.youngs_modulus * shaft.radius
     beam = beam_moment(design, shaft, force, bed)
@@ -117,7 +118,7 @@ def test_the_shaft_bends_as_a_timoshenko_beam_on_one_sided_bearings(design: Desi
     neck = (z > shaft.counterweight[1]) & (z < shaft.cams[0][0])
     journal = (z < shaft.counterweight[0]) | neck | (z > shaft.cams[0][1])
     expected = 4 * np.abs(beam[journal, 1]).max() / (np.pi * shaft.radius**3)
-    nominal = shaft_shoulders(design, shaft, found.moments, found.angle)[0]
+    nominal = shaft_shoulders(Reducer(design), shaft, found.moments, found.angle)[0]
     assert nominal.bending == pytest.approx(expected, rel=0.03)
     if design is OVERHANG:
         assert found.bulk_stress[0] == pytest.approx(expected, rel=0.1)
@@ -128,9 +129,9 @@ def test_the_shaft_bends_as_a_timoshenko_beam_on_one_sided_bearings(design: Desi
 @needs_fem
 def test_the_shoulders_have_the_moment_of_statics() -> None:
     """Before the counterweight the cam's force bends with its whole arm, and the crank's torque twists."""
-    shaft, force = shaft_measures(OVERHANG), CAM_FORCE
+    shaft, force = shaft_measures(Reducer(OVERHANG)), CAM_FORCE
     found = under_a_cam_force(OVERHANG)
-    at_counterweight = shaft_shoulders(OVERHANG, shaft, found.moments, found.angle)[1]
+    at_counterweight = shaft_shoulders(Reducer(OVERHANG), shaft, found.moments, found.angle)[1]
     section = math.pi * shaft.radius**3
     assert at_counterweight.bending == pytest.approx(4 * force * -shaft.counterweight[0] / section, rel=0.01)
     assert at_counterweight.torsion == pytest.approx(2 * force * PIN.gear.eccentricity / section, rel=0.02)
@@ -140,16 +141,16 @@ def test_the_shoulders_have_the_moment_of_statics() -> None:
 def test_bearings_stand_where_the_design_says() -> None:
     """Spacing between middles, offset from the counterweight, width; straddling, the far one lies beyond the gear."""
     given = ["shaft.bearing_width_mm=5.0", "shaft.bearing_offset_mm=1.5", "shaft.bearing_spacing_mm=12.0"]
-    shaft = shaft_measures(override(PIN, given))
+    shaft = shaft_measures(Reducer(override(PIN, given)))
     (a, b), (c, d) = shaft.bearings
     assert (d - c, b - a) == pytest.approx((5e-3, 5e-3))
     assert shaft.counterweight[0] - d == pytest.approx(1.5e-3)
     assert (c + d - a - b) / 2 == pytest.approx(12e-3)
-    far, near = shaft_measures(STRADDLE).bearings
+    far, near = shaft_measures(Reducer(STRADDLE)).bearings
     assert near[1] < 0.0 < PIN.gear.face_width / 2 < far[0]
-    beyond = shaft_solid(STRADDLE).prisms[-1]
+    beyond = shaft_solid(Reducer(STRADDLE)).prisms[-1]
     assert (beyond.z0, beyond.z1) == pytest.approx((PIN.gear.face_width / 2, far[1]))
-    assert len(shaft_solid(PIN).prisms) == 4
+    assert len(shaft_solid(Reducer(PIN)).prisms) == 4
 
 
 def test_open_pads_bear_nothing() -> None:
@@ -189,14 +190,14 @@ def test_the_root_of_an_output_pin_bends_as_a_cantilever_of_its_core() -> None:
     """909 N on a 3 mm core under the roller: 257 MPa nominal where the solid 4 mm pin would have 108."""
     centre = np.array([0.0, PIN.output.pin_circle_radius])
     loads = loads_of("output", [[centre, -centre]], [[[909.0, 0.0], [5.0, 0.0]]], ("output_pin_1", "output_pin_5"))
-    root = output_roots(PIN, loads)[0]
+    root = output_roots(Reducer(PIN), loads)[0]
     assert root.nominal == pytest.approx(257e6, rel=0.005)
     assert root.name == "root of output_pin_1"
     assert root.stress == pytest.approx(root.bending_factor * root.nominal)
     assert 1.8 < root.bending_factor < 2.4
-    solid = output_roots(override(PIN, ["output.rollers=false"]), loads)[0]
+    solid = output_roots(Reducer(override(PIN, ["output.rollers=false"])), loads)[0]
     assert solid.nominal == pytest.approx(108e6, rel=0.01)
-    rounder = output_roots(override(PIN, ["output.fillet_radius_mm=0.9"]), loads)[0]
+    rounder = output_roots(Reducer(override(PIN, ["output.fillet_radius_mm=0.9"])), loads)[0]
     assert rounder.stress < 0.85 * root.stress
 
 
@@ -211,14 +212,14 @@ def test_the_bulk_of_the_output_is_the_edge_of_what_is_left_out() -> None:
     )
     narrow = np.full((1, 2), 1e-4)
     loads = replace(loads, half_width=narrow, strip=narrow, hertz=narrow > 0.0, torque=np.zeros(1))
-    part = loaded(PIN, part_grid(PIN, "output", GridSettings(refinement=0.3, solid=True)), loads)
+    part = loaded(Reducer(PIN), part_grid(PIN, "output", GridSettings(refinement=0.3, solid=True)), loads)
     stress = maxima(part)
     corners = by_corner(part, 0, stress.bulk_distance)
     half, own, twice = (size for _, size in corners)
     assert [distance / corners[1][0] for distance, _ in corners] == pytest.approx([0.5, 1.0, 2.0])
     assert own == pytest.approx(stress.bulk_stress[0])
     assert half > 1.05 * own > 1.05 * twice
-    assert output_roots(PIN, loads)[0].stress > 1.5 * own
+    assert output_roots(Reducer(PIN), loads)[0].stress > 1.5 * own
     assert by_corner(replace(part, grid=replace(part.grid, keep_off=np.zeros((0, 3)))), 0, 1e-3) == ()
 
 

@@ -24,6 +24,7 @@ from cycloid_mj.explore.ranks import ranks, shown
 from cycloid_mj.explore.row import Row, Task
 from cycloid_mj.frame import Frame
 from cycloid_mj.loaded.sheet import sheet
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.plots import save
 from cycloid_mj.plots.explored import sweep_figure
 from cycloid_mj.report.sweep import sweep_page
@@ -123,7 +124,7 @@ def statics() -> sweeps.Sweep:
 
 
 def test_rows_are_single_runs(statics: sweeps.Sweep) -> None:
-    alone = sheet(override(PIN, {"clearance.cam_um": 2.0, "ring.kind": "nonpin"})).quantities
+    alone = sheet(Reducer(override(PIN, {"clearance.cam_um": 2.0, "ring.kind": "nonpin"}))).quantities
     frame = statics.frame
     assert frame["point"].tolist() == [1, 2, 3, 4]
     assert frame["backlash_arcmin"][3] == alone["backlash"].value
@@ -266,7 +267,7 @@ def made_up(vary: dict[str, object], spoiled: int = -1) -> sweeps.Sweep:
         number = float(values[0]) if not isinstance(values[0], str) else 1.0
         good = {"rising_mm": number, "falling_long_name_that_has_to_be_folded_somewhere_n": -(number**3) + place}
         rows[place] = Row(error="<spoiled>") if place == spoiled else Row({**good, "word": "a"}, {"rising_mm": "mm"})
-    return sweeps.Sweep(Task(PIN, points.keys, ("mass",), Options()), points, rows)
+    return sweeps.Sweep(Task(Reducer(PIN), points.keys, ("mass",), Options()), points, rows)
 
 
 SHAPES = {

@@ -23,6 +23,7 @@ from cycloid_mj.explore.zone import Zone, zone
 from cycloid_mj.loaded.samples import Figures, solve_samples
 from cycloid_mj.loaded.springs import springs_of
 from cycloid_mj.mechanism.limits import best_fit, stops, tightest
+from cycloid_mj.mechanism.whole import Reducer
 
 PIN, NONPIN = PRESETS["pin"], PRESETS["nonpin"]
 ANGLES = 6
@@ -36,7 +37,7 @@ def few_angles(monkeypatch):
 
 def play(design: Design) -> float:
     """Mean play of the output by the linear programme [arcmin], at the crank angles of the samples."""
-    ends = [stops(design, 2.0 * np.pi * i / ANGLES) for i in range(ANGLES)]
+    ends = [stops(Reducer(design), 2.0 * np.pi * i / ANGLES) for i in range(ANGLES)]
     return float(60.0 * np.degrees(np.mean([high - low for low, high in ends])))
 
 
@@ -79,8 +80,8 @@ def test_a_fit_is_for_a_clearance_alone() -> None:
 
 def drawn(design: Design, samples: int, seed: int) -> dict[str, np.ndarray]:
     """How far samples that depart in single numbers alone do so [m], by tolerance."""
-    zones = draw.tolerances(design)
-    made = [draw.departures(design, zones, seed, block) for block in draw.blocks(samples)]
+    zones = draw.tolerances(Reducer(design))
+    made = [draw.departures(Reducer(design), zones, seed, block) for block in draw.blocks(samples)]
     return {key: np.concatenate([one[key] for one in made]) for key in zones}
 
 
@@ -151,8 +152,11 @@ def test_what_was_drawn_stands_beside_the_figures() -> None:
     words = {"cam": "between -0.3 -0.1", "pin_position": "normal 0.01", "hole_position": "normal 0.01"}
     words |= {"disc_size": "uniform 0.01", "profile": "2: normal 0.01"}
     design = override(PRESETS["twodisc"], {f"tolerance.{key}": text for key, text in words.items()})
-    zones, block = draw.tolerances(design), draw.Block(0, 3)
-    found, made = (draw.drawn_columns(draw.departures(design, zones, 0, block)), draw.drawn(design, zones, 0, block))
+    zones, block = draw.tolerances(Reducer(design)), draw.Block(0, 3)
+    found, made = (
+        draw.drawn_columns(draw.departures(Reducer(design), zones, 0, block)),
+        draw.drawn(Reducer(design), zones, 0, block),
+    )
     assert ((found["drawn_cam_um"] >= -0.3) & (found["drawn_cam_um"] <= -0.1)).all()
     for column, values in (
         ("cam", made.cam - design.clearance.cam),
@@ -283,7 +287,7 @@ def test_every_pair_that_interferes_is_a_jam_by_name(pair: str) -> None:
 
 def test_a_cam_larger_than_its_bore_presses_as_its_spring_does() -> None:
     """Both sides press with stiffness times interference; a fit jams in as many samples as lie below zero."""
-    stiffness = springs_of(PIN, friction=False).contacts.cam_stiffness
+    stiffness = springs_of(Reducer(PIN), friction=False).contacts.cam_stiffness
     found = tolerance(override(PIN, {"tolerance.cam": "H7/k6"}), 150, 0)
     interference = -1e-6 - 1e-6 * found.drawn["drawn_cam_um"]
     pressed = interference > 0.0
@@ -304,7 +308,12 @@ def test_jams_are_not_in_the_budget(monkeypatch) -> None:
     monkeypatch.setattr(tolerances, "shares", lambda zones, sets, values, _: seen.update(values) or ())
     design = override(PIN, words)
     tolerance(design, 12, 0)
-    cam = draw.departures(design, draw.tolerances(design), 0, budget.budget_blocks(draw.tolerances(design), 64)["A"])
+    cam = draw.departures(
+        Reducer(design),
+        draw.tolerances(Reducer(design)),
+        0,
+        budget.budget_blocks(draw.tolerances(Reducer(design)), 64)["A"],
+    )
     assert np.isnan(seen["A"][cam["cam"] < -1.1e-6]).all()
     assert np.isfinite(seen["A"][cam["cam"] > -1e-6]).all()
 
@@ -329,11 +338,11 @@ def test_interference_of_rigid_parts_is_that_of_their_radii() -> None:
         ({"pin_gear": -2e-6, "pin_socket": 1e-9}, "pin_gear", 2e-6),
     ):
         tight = PIN.model_copy(update={"clearance": PIN.clearance.model_copy(update=changed)})
-        room, shares = tightest(tight, 0.3)
+        room, shares = tightest(Reducer(tight), 0.3)
         assert room == pytest.approx(-depth, abs=2e-9)
         assert shares[pair] == pytest.approx(1.0)
-    room, shares = tightest(PIN, 0.3)
-    assert room == pytest.approx(best_fit(PIN, 0.3).room)
+    room, shares = tightest(Reducer(PIN), 0.3)
+    assert room == pytest.approx(best_fit(Reducer(PIN), 0.3).room)
     assert sum(shares.values()) == pytest.approx(1.0)
 
 
@@ -364,12 +373,12 @@ def test_dynamics_of_a_sample_stand_beside_its_statics() -> None:
         {"drive.speed_rpm": 900, "errors.hole_x_um": {"1": 2.0}, "errors.profile_sin_um": {"2": 0.5}},
     )
     smooth = design.but(friction=dict.fromkeys(type(design.friction).model_fields, 0.0))
-    found = verified(smooth)
+    found = verified(Reducer(smooth))
     assert set(found.dynamics) == {"te_loaded_arcsec", "tooth_force_n", "output_pin_force_n", "cam_force_n"}
     for key, difference in found.differences.items():
         assert abs(difference) < (0.2 if key == "te_loaded_arcsec" else 0.03), (key, difference)
     assert found.statics["tooth_force_n"] > 10.0
-    torn = verified(design.but(contact={"max_penetration": 1e-9}))
+    torn = verified(Reducer(design.but(contact={"max_penetration": 1e-9})))
     assert not torn.dynamics
     assert "max_penetration_um" in torn.note
 
@@ -419,20 +428,20 @@ def test_a_linear_figure_has_exact_shares_and_what_is_idle_none() -> None:
 
 def test_waves_have_the_amplitudes_of_their_zones_and_begin_anywhere() -> None:
     design = override(PIN, {"tolerance.profile": "2: normal 0.01, 35: uniform 0.02"})
-    zones = draw.tolerances(design)
+    zones = draw.tolerances(Reducer(design))
     assert list(zones) == ["profile_2", "profile_35"]
-    waves = draw.departures(design, zones, 0, draw.Block(0, 512, compared=True))
+    waves = draw.departures(Reducer(design), zones, 0, draw.Block(0, 512, compared=True))
     for order, square in (("profile_2", 0.01e-6**2), ("profile_35", 0.02e-6**2 / 3.0)):
         assert np.mean(waves[order] ** 2, axis=0) == pytest.approx([square / 2.0] * 2, rel=0.05)
         assert np.abs(waves[order].mean(axis=0)).max() < 0.05 * np.sqrt(square)
-    made = draw.drawn(design, zones, 0, draw.Block(0, 4))
+    made = draw.drawn(Reducer(design), zones, 0, draw.Block(0, 4))
     assert np.flatnonzero(np.any(made.waves != 0.0, axis=(0, 2))).tolist() == [1, 34]
 
 
 @pytest.mark.parametrize("text", ["normal 1", "0: normal 1", "37: normal 1", "2: normal", "2: IT99", "1: IT5, 1: IT5"])
 def test_other_words_are_no_waves(text: str) -> None:
     with pytest.raises(DesignError, match=r"tolerance\.profile"):
-        draw.tolerances(override(PIN, {"tolerance.profile": text}))
+        draw.tolerances(Reducer(override(PIN, {"tolerance.profile": text})))
 
 
 def test_yield_counts_what_keeps_the_limits() -> None:

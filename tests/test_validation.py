@@ -21,6 +21,7 @@ from cycloid_mj.design import PRESETS
 from cycloid_mj.errors import RunError, UsageError
 from cycloid_mj.loaded.friction import ideal_losses
 from cycloid_mj.mechanism import limits
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.profile import CycloidGear, unit
 from cycloid_mj.solid import mass_properties
 from cycloid_mj.solid.gear import tooth_profile
@@ -116,7 +117,7 @@ STIFFNESS = {"pin_gear": 3e8, "pin_socket": 6e8, "tooth": 3e8, "cam": 8e8, "outp
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_balance_is_the_slope_of_the_energy(kind):
     design = rig.reducer_of(kind, *LOADED)
-    locked = equilibrium._locked(design, STIFFNESS, 0.3)
+    locked = equilibrium._locked(Reducer(design), STIFFNESS, 0.3)
     rng = np.random.default_rng(4)
     z = 3e-6 * rng.standard_normal(locked.load.size)
     direction = rng.standard_normal(locked.load.size)
@@ -129,8 +130,8 @@ def test_the_balance_is_the_slope_of_the_energy(kind):
 def test_without_clearance_the_static_solution_shares_the_load_ideally():
     design = rig.reducer_of(FIXED, *sharing.IDEAL)
     soft = dict.fromkeys(STIFFNESS, 1e7) | {"cam": 1e12}
-    solved = equilibrium.solve(design, soft, 0.3)
-    ideal = sharing.ideal_forces(design, 0.3)
+    solved = equilibrium.solve(Reducer(design), soft, 0.3)
+    ideal = sharing.ideal_forces(Reducer(design), 0.3)
     assert solved.ring_forces == pytest.approx(ideal, abs=2e-3 * rig.sizes(ideal).max())
     tangential = kinematics.gear_centre_velocity(tooth_profile(design), 0.3, 1.0) / design.gear.eccentricity
     share = design.load.torque / (design.gear.eccentricity * design.lobes)
@@ -140,7 +141,7 @@ def test_without_clearance_the_static_solution_shares_the_load_ideally():
 def test_an_impossible_balance_is_told(monkeypatch):
     monkeypatch.setattr(equilibrium, "_IMBALANCE", 0.0)
     with pytest.raises(RunError, match="no static balance"):
-        equilibrium.solve(rig.reducer_of(FIXED, *LOADED), STIFFNESS, 0.3)
+        equilibrium.solve(Reducer(rig.reducer_of(FIXED, *LOADED)), STIFFNESS, 0.3)
 
 
 # --- rungs that take a moment -----------------------------------------------------------------------------------------
@@ -212,7 +213,7 @@ def test_wangs_formula_is_the_closed_form_less_frictions_own_moment():
     forces = statics.ideal_load_sharing(gear, load, crank).forces
     plain = 0.05 * np.sum(forces * (profile.pitch_distance(gear, B) - gear.pin_radius), axis=1).mean() / load
     assert 1 / (1 + plain) == pytest.approx(published.mesh_efficiency(case), abs=2e-4)
-    mesh, output, cam = ideal_losses(design, crank, 0.05)
+    mesh, output, cam = ideal_losses(Reducer(design), crank, 0.05)
     assert mesh > plain
     assert cam == 0.0
     assert 1 / (1 + output) == pytest.approx(published.output_efficiency(case), abs=5e-4)
@@ -408,7 +409,9 @@ def test_the_printed_drive_reaches_its_stops_and_fails_when_spoiled(monkeypatch)
     assert bench.measured.reference / bench.measured.value == pytest.approx(1.24 / 0.669, rel=0.01)
     spoiled = PRESETS["printed"].but(clearance={"cam": 11e-6})
     programme = limits.stops
-    monkeypatch.setattr(published.limits, "stops", lambda _, *rest, **sides: programme(spoiled, *rest, **sides))
+    monkeypatch.setattr(
+        published.limits, "stops", lambda _, *rest, **sides: programme(Reducer(spoiled), *rest, **sides)
+    )
     assert failed(published.printed_rows(True)) == ["backlash of a printed drive"]
 
 

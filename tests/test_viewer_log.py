@@ -24,6 +24,7 @@ from cycloid_mj.errors import CycloidError, LogError, UsageError
 from cycloid_mj.log import LogWriter, load, read
 from cycloid_mj.log import write as write_run
 from cycloid_mj.log.viewer import due
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import gears
 from cycloid_mj.record import Run
 from cycloid_mj.scene import RATE, Scene, contact_forces, frame_rate, poses, ring_places
@@ -91,7 +92,7 @@ def small():
 
 def test_poses_are_those_of_the_columns(logged):
     design, run, path = logged
-    truth = poses(design, run.columns)
+    truth = poses(Reducer(design), run.columns)
     frames = decoded(path, FRAMES)
     assert len(frames) == 40
     for k, (time, message) in enumerate(frames):
@@ -110,7 +111,7 @@ def test_poses_are_those_of_the_columns(logged):
 def test_poses_take_the_columns_as_they_are():
     design = DESIGNS["free"]
     run = made_run(design, 50)
-    found = poses(design, run.columns)
+    found = poses(Reducer(design), run.columns)
     np.testing.assert_array_equal(found["gear"], run.block(["gear_x", "gear_y", "gear_angle"]))
     np.testing.assert_array_equal(found["shaft"][:, 2], run["crank_angle"])
     np.testing.assert_array_equal(found["output"][:, 2], run["output_angle"])
@@ -119,7 +120,7 @@ def test_poses_take_the_columns_as_they_are():
     np.testing.assert_allclose(found["pin_10"][:, 0], 40.75e-3 + run["pin_10_x"], atol=1e-17)
     np.testing.assert_allclose(found["pin_10"][:, 1], run["pin_10_y"], atol=1e-16)
     with pytest.raises(LogError, match="lacks the columns gear_x"):
-        poses(design, {name: values for name, values in run.columns.items() if name != "gear_x"})
+        poses(Reducer(design), {name: values for name, values in run.columns.items() if name != "gear_x"})
 
 
 def test_scene_has_every_part_once_in_its_own_frame(logged):
@@ -143,15 +144,17 @@ def test_scene_has_every_part_once_in_its_own_frame(logged):
 def test_parts_are_the_solids_seen_through_a_gltf_viewer(kind):
     """Foxglove turns glTF's y to its z; what it then shows has the volume and the place of the solid."""
     design = PRESETS[kind]
-    solids = parts(design, CHORD_ERROR)
+    solids = parts(Reducer(design), CHORD_ERROR)
     planes = dict(zip(gears(design.gear.discs), design.gear.disc_planes, strict=True))
     to_z_up = np.array([[1.0, 0, 0, 0], [0, 0, -1.0, 0], [0, 1.0, 0, 0], [0, 0, 0, 1.0]])
-    for name, pieces in shapes(design).items():
+    for name, pieces in shapes(Reducer(design)).items():
         scene = trimesh.load_scene(trimesh.util.wrap_as_stream(glb(pieces)), file_type="glb")
         mesh = scene.to_mesh().apply_transform(to_z_up)
         mesh.merge_vertices(merge_norm=True)
         own = np.array([0.0, 0.0, planes.get(name, 0.0)])
-        truths = [(mass_properties(solids[part]), at) for part, at in [(name, own), *carried(design, name).values()]]
+        truths = [
+            (mass_properties(solids[part]), at) for part, at in [(name, own), *carried(Reducer(design), name).values()]
+        ]
         volume = sum(truth.volume for truth, _ in truths)
         centroid = sum(truth.volume * (truth.centroid + at) for truth, at in truths) / volume
         assert mesh.is_watertight, name
@@ -163,7 +166,7 @@ def test_parts_are_the_solids_seen_through_a_gltf_viewer(kind):
 
 def test_normals_stand_on_their_faces():
     """Within the crease of each face, and exactly radial on a pin's wall, where its faces are 10 degrees apart."""
-    (pin,) = shapes(PRESETS["pin"])["pin"]
+    (pin,) = shapes(Reducer(PRESETS["pin"]))["pin"]
     data = glb([pin])
     length, kind = struct.unpack_from("<I4s", data, 12)
     described = json.loads(data[20 : 20 + length])
@@ -190,10 +193,10 @@ def test_ring_forces_act_where_the_flanks_touch():
     for design in DESIGNS.values():
         run = made_run(design, 60)
         gear, theta = tooth_profile(design), run["crank_angle"]
-        acting = contact_forces(design, run.columns).of("pin_gear", "tooth")
+        acting = contact_forces(Reducer(design), run.columns).of("pin_gear", "tooth")
         zeta = profile.pin_angles(gear)
         inwards = -profile.unit(zeta - profile.conjugate_alpha(gear, zeta + theta[:, np.newaxis]))
-        place = np.broadcast_to(ring_places(design), inwards.shape)
+        place = np.broadcast_to(ring_places(Reducer(design)), inwards.shape)
         if "pin_1_x" in run.columns:
             place = place + np.stack([run.block([f"pin_{i}_x", f"pin_{i}_y"]) for i in range(1, 37)], axis=1)
         loaded = acting.size > 0
@@ -205,7 +208,7 @@ def test_ring_forces_act_where_the_flanks_touch():
 def test_every_force_is_on_its_line_of_action():
     design = DESIGNS["free"]
     run = made_run(design, 40)
-    acting = contact_forces(design, run.columns)
+    acting = contact_forces(Reducer(design), run.columns)
     assert list(dict.fromkeys(acting.kinds)) == ["pin_gear", "pin_socket", "cam", "output"]
     for k, name in enumerate(acting.names):
         if acting.kinds[k] in ("pin_gear", "cam"):
@@ -213,13 +216,13 @@ def test_every_force_is_on_its_line_of_action():
             moment = arm[:, 0] * acting.force[:, k, 1] - arm[:, 1] * acting.force[:, k, 0]
             np.testing.assert_allclose(moment, run[f"{name}_moment"], atol=1e-9)
     wrong = dict(run.columns) | {"pin_30_moment": run["pin_30_moment"] + 1e-5 * run["pin_30_force_x"]}
-    moved = contact_forces(design, wrong).point - acting.point
+    moved = contact_forces(Reducer(design), wrong).point - acting.point
     assert np.abs(moved).max() > 1e-6
 
 
 def test_arrows_end_at_the_contacts(logged):
     design, run, path = logged
-    acting = contact_forces(design, run.columns)
+    acting = contact_forces(Reducer(design), run.columns)
     for k, (_, update) in enumerate(decoded(path, FORCES)):
         row = 10 * k
         for entity in update.entities:
@@ -436,12 +439,12 @@ def test_rates_that_a_scene_refuses(rate):
 def test_a_replay_shows_which_way_the_crank_turns(hold):
     """At 60 frames a second it came on by 164 deg from one to the next, which looks like any other angle."""
     design = override(PRESETS["pin"], ["drive.ramp_s=0", f"drive.hold_s={hold}"])
-    rate = frame_rate(design)
+    rate = frame_rate(Reducer(design))
     assert rate * hold <= max(1500.0, 60.0 * hold) + 1e-6
     if hold < 1.0:
         assert np.degrees(design.drive.speed / rate) == pytest.approx(10.0)
-    assert frame_rate(override(design, ["settings.scene_rate_hz=5000"])) == 5000.0
-    assert frame_rate(override(design, ["drive.speed_rpm=0"])) == 60.0
+    assert frame_rate(Reducer(override(design, ["settings.scene_rate_hz=5000"]))) == 5000.0
+    assert frame_rate(Reducer(override(design, ["drive.speed_rpm=0"]))) == 60.0
 
 
 def test_scene_costs_little():
@@ -461,7 +464,7 @@ def test_scene_costs_little():
 
 def test_layout_names_what_the_log_has(logged):
     design, _, path = logged
-    found = layout(design)
+    found = layout(Reducer(design))
     framed = {f"frame:{transform.child_frame_id}" for transform in decoded(path, FRAMES)[0][1].transforms}
     view = found["configById"]["3D!mechanism"]
     assert view["transforms"].keys() == framed | {f"frame:{ROOT}"}
@@ -479,7 +482,7 @@ def test_rerun_is_asked_for_clearly_where_it_is_missing(small, tmp_path, monkeyp
 
     monkeypatch.setitem(sys.modules, "rerun", None)
     with pytest.raises(CycloidError, match=r"Rerun is not installed .*pip install 'cycloid-mj\[rerun\]'"):
-        write_rerun(small, DESIGNS["nonpin"], tmp_path / "x.rrd")
+        write_rerun(small, Reducer(DESIGNS["nonpin"]), tmp_path / "x.rrd")
     assert list(tmp_path.iterdir()) == []
 
 

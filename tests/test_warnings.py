@@ -18,6 +18,7 @@ from cycloid_mj.cli.terminal import say_json, tell, warnings_kept
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.errors import CycloidWarning, warn
 from cycloid_mj.log import read
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build
 from cycloid_mj.record import Run
 from cycloid_mj.report import report
@@ -48,12 +49,12 @@ def command(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[dict, str]
 
 def test_a_model_has_its_warnings_and_a_run_issues_and_keeps_them() -> None:
     design = override(PRESETS["nonpin"], [UNUSED, "drive.ramp_s=0", "drive.hold_s=0.0005", "settings.timestep_us=5"])
-    reducer = build(design)
-    assert [NO_EFFECT in text for text in reducer.warnings] == [True]
+    compiled = build(design)
+    assert [NO_EFFECT in text for text in compiled.warnings] == [True]
     with pytest.warns(CycloidWarning, match=f"nonpin: {NO_EFFECT}"):
-        run = simulate(design, reducer)
-    assert run.warnings == reducer.warnings
-    assert analyze(run).warnings[-1:] == reducer.warnings
+        run = simulate(design, compiled)
+    assert run.warnings == compiled.warnings
+    assert analyze(run).warnings[-1:] == compiled.warnings
 
 
 @pytest.mark.parametrize("name", [name for name in UNLIKE if name != "teeth21"])
@@ -183,11 +184,11 @@ def test_an_open_balance_and_an_impossible_efficiency_are_told_of() -> None:
     run = loaded_run()
     design = design_of(run)
     judged = run.select(run.time > 0.006)
-    assert unbalanced(judged, design) == ()
+    assert unbalanced(judged, Reducer(design)) == ()
 
     def spoiled(name: str, factor: float) -> tuple[str, ...]:
         columns = dict(judged.columns) | {name: judged[name] * factor}
-        return unbalanced(replace(judged, columns=columns), design)
+        return unbalanced(replace(judged, columns=columns), Reducer(design))
 
     assert len(spoiled("crank_torque", 1.0 + 2.0 * OPEN)) == 1
     assert len(spoiled("crank_torque", 1.0 - 2.0 * OPEN)) == 1
@@ -211,7 +212,7 @@ def test_a_run_without_friction_may_have_an_efficiency_of_one_to_rounding() -> N
         factor = -powers.output / (value * powers.crank)
         return unbalanced(
             replace(judged, columns=dict(judged.columns) | still | {"crank_torque": factor * judged["crank_torque"]}),
-            design,
+            Reducer(design),
         )
 
     assert with_efficiency(1.0 + 0.2 * OPEN, lost=0.0) == ()
@@ -225,5 +226,5 @@ def test_less_than_a_turn_has_no_balance_but_an_efficiency() -> None:
     part = run.select((run.time > 0.006) & (run.time < 0.010))
     assert np.ptp(part["crank_angle"]) < 2.0 * np.pi
     half = replace(part, columns=dict(part.columns) | {"crank_torque": 0.5 * part["crank_torque"]})
-    assert [text.startswith("the efficiency reads") for text in unbalanced(half, design)] == [True]
-    assert "lengthen drive.hold_s" in unbalanced(half, design)[0]
+    assert [text.startswith("the efficiency reads") for text in unbalanced(half, Reducer(design))] == [True]
+    assert "lengthen drive.hold_s" in unbalanced(half, Reducer(design))[0]

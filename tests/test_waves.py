@@ -14,6 +14,7 @@ from cycloid_mj.kinematics import gear_centre, gear_rotation
 from cycloid_mj.loaded.balance import loads as static_loads
 from cycloid_mj.loaded.springs import springs_of
 from cycloid_mj.mechanism.gaps import arc_gaps
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.member import output_angle
 from cycloid_mj.mjcf import build
 from cycloid_mj.mjcf.mesh import build_mesh
@@ -59,9 +60,11 @@ def orders(error: Array) -> Array:
 def compared(design: Design) -> tuple[Array, Array, Array, Array]:
     """Orders of the transmission error in a run and in statics, and forces on the teeth [N] in both, (samples, n)."""
     run = settled(design)
-    found = static_loads(design, springs_of(design, run["crank_angle"], friction=False), TORQUE, follow=True)
+    found = static_loads(
+        Reducer(design), springs_of(Reducer(design), run["crank_angle"], friction=False), TORQUE, follow=True
+    )
     # a run's output is the model's: what carrier and shaft twist is beyond it
-    turned = found.output_turn - wind_up(design) * TORQUE
+    turned = found.output_turn - wind_up(Reducer(design)) * TORQUE
     seen = orders(run["output_angle"] - output_angle(design, run["crank_angle"]))
     return seen, orders(turned), np.linalg.norm(run.forces(design.tooth_pair), axis=2), found.teeth
 
@@ -127,7 +130,7 @@ def test_waves_of_the_profile_widen_gaps_as_the_exact_outline_does(preset: str) 
     turned = rotate(outline, float(gear_rotation(gear, crank))) + gear_centre(gear, crank)
     pins = gear.pin_circle_radius * unit(profile.pin_angles(gear))
     near, _ = cKDTree(turned).query(pins)
-    found = arc_gaps(design, crank)
+    found = arc_gaps(Reducer(design), crank)
     count = design.ring.teeth
     # in the valleys the nearest point of a polygon lies beside the foot: there nothing carries
     flat = np.abs(found.bend[:count]) < 500.0
@@ -139,7 +142,7 @@ def test_waves_of_the_profile_widen_gaps_as_the_exact_outline_does(preset: str) 
 
 def test_convex_slices_refuse_waves_of_the_profile() -> None:
     with pytest.raises(DesignError, match="profile_cos_um"):
-        build_mesh(override(PRESETS["pin"], ["errors.profile_cos_um={2 = 1.0}"]))
+        build_mesh(Reducer(override(PRESETS["pin"], ["errors.profile_cos_um={2 = 1.0}"])))
 
 
 def test_waves_are_no_ideal_parts_and_survive_the_file() -> None:

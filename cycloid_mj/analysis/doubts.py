@@ -13,8 +13,8 @@ from cycloid_mj.analysis.series import Series
 from cycloid_mj.contact.jam import SELF_LOCKING
 from cycloid_mj.contact.regime import pace
 from cycloid_mj.contact.swing import deepest
-from cycloid_mj.design import Design
 from cycloid_mj.design.units import MICROMETRE, RPM
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.record import Run
 
@@ -91,7 +91,7 @@ def warnings(motion: Series, judged: Window, contacts: ContactSummary) -> Iterat
     elif _turns(judged) < 1.0:
         yield _short(motion, judged)
     yield from doubts(motion)
-    limit = MICROMETRE.from_si(deepest(design))
+    limit = MICROMETRE.from_si(deepest(Reducer(design)))
     if contacts.max_penetration_um > DEEP * limit:
         yield f"contacts were {contacts.max_penetration_um:.3g} um deep; a run ends with an error at {limit:g} um"
 
@@ -99,18 +99,20 @@ def warnings(motion: Series, judged: Window, contacts: ContactSummary) -> Iterat
 def doubts(motion: Series) -> tuple[str, ...]:
     """Say what is doubtful in a run: what, where, and what to change; empty where nothing is."""
     run, design = motion.run, motion.design
+    reducer = Reducer(design)
     judged = run.select(motion.whole_periods)
-    powers = unbalanced(judged, design) if motion.phase == "hold" and len(judged) > 1 else ()
-    return tuple(dict.fromkeys((*run.warnings, *pace(design), *powers)))
+    powers = unbalanced(judged, reducer) if motion.phase == "hold" and len(judged) > 1 else ()
+    return tuple(dict.fromkeys((*run.warnings, *pace(reducer), *powers)))
 
 
-def unbalanced(run: Run, design: Design) -> tuple[str, ...]:
+def unbalanced(run: Run, reducer: Reducer) -> tuple[str, ...]:
     """Say if the power balance of a run's samples is open, or its efficiency one that no reducer has.
 
     A run that logs no losses has no balance, and over less than a crank turn sampled powers do not average out. A
     reducer whose load is not the design's may be driven through both shafts, with an efficiency below 0 where it locks
     itself.
     """
+    design = reducer.design
     found = balance(run)
     idle = IDLE * design.drive.torque * abs(design.drive.speed)
     scale = max(found.crank, found.output, found.lost, idle)

@@ -3,15 +3,15 @@
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.result import Condition, plain
 
 Phase = Literal["hold", "ramp"]
 
 
-def condition(design: Design) -> Condition:
+def condition(reducer: Reducer) -> Condition:
     """Give the condition that a design is run under."""
-    return Condition(design.load.torque, design.drive.speed)
+    return Condition(reducer.design.load.torque, reducer.design.drive.speed)
 
 
 @dataclass(frozen=True)

@@ -30,6 +30,7 @@ from cycloid_mj.analysis.findings import (
 from cycloid_mj.analysis.series import Compared, Series, point_path, series
 from cycloid_mj.analysis.window import turn_by_turn
 from cycloid_mj.contact.timestep import timestep
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.record import Run
 from cycloid_mj.types import Array, Mask
@@ -68,7 +69,7 @@ def judge(motion: Series, log: str | None = None) -> Findings:
         design=motion.design.name,
         contact=provenance.get("contact"),
         log=log,
-        timestep_s=float(provenance["timestep_s"]) if "timestep_s" in provenance else timestep(motion.design),
+        timestep_s=float(provenance["timestep_s"]) if "timestep_s" in provenance else timestep(Reducer(motion.design)),
         timestep=provenance.get("timestep"),
         timestep_for=provenance.get("timestep_for"),
         steps=int(provenance["steps"]) if "steps" in provenance else None,
@@ -93,7 +94,7 @@ def judge(motion: Series, log: str | None = None) -> Findings:
         window=judged,
         complete=run.complete,
         note=run.note,
-        condition=condition(motion.design),
+        condition=condition(Reducer(motion.design)),
         warnings=tuple(warnings(motion, judged, contacts)),
     )
 
@@ -148,7 +149,7 @@ def _acceleration(motion: Series, rows: Mask) -> AccelerationFindings | None:
     step = np.diff(motion.time)
     angle, speed = (_middle(values) for values in (motion.crank_angle, motion.crank_speed.simulated))
     crank_acceleration = np.diff(motion.crank_speed.simulated) / step
-    path = point_path(motion.design, motion.q, motion.disc, angle, speed, crank_acceleration)
+    path = point_path(Reducer(motion.design), motion.q, motion.disc, angle, speed, crank_acceleration)
     simulated = np.diff(motion.q_velocity.simulated, axis=0) / step[:, np.newaxis]
     error = Compared(simulated, path.acceleration).error_size[inner]
     return AccelerationFindings(_rms(error), _peak(error))

@@ -13,8 +13,7 @@ from cycloid_mj.analysis.findings import Phase
 from cycloid_mj.design import Design, loads
 from cycloid_mj.errors import LogError, UsageError
 from cycloid_mj.kinematics import CrankLaw
-from cycloid_mj.mechanism.reducer import mechanism, phases
-from cycloid_mj.modification import tooth_profile
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.record import LARGEST, Run
 from cycloid_mj.types import Array, Mask
 
@@ -144,7 +143,7 @@ class Series:
 
     def of_disc(self, disc: int) -> "Series":
         """Give the same with the motion of another disc, by its index."""
-        motion: dict[str, Any] = _disc_motion(self.run, self.design, self.q, disc)
+        motion: dict[str, Any] = _disc_motion(self.run, Reducer(self.design), self.q, disc)
         return replace(self, disc=disc, **motion)
 
     @property
@@ -193,34 +192,35 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
         `q` is no point, or `settle` is negative.
     """
     design = design_of(run)
+    reducer = Reducer(design)
     moving = design.ring.has_pin_bodies
     planar = [name for gear in names.gears(design.gear.discs) for name in _planar(gear)]
     run = _usable(run, (*MOTION, *planar, *PIN_1) if moving else (*MOTION, *planar))
     if len(run) < window.FEWEST_SAMPLES:
         raise LogError(f"the run has {len(run)} usable samples: there is nothing to judge; simulate it again")
-    if window.reaches_hold(design, run.time):
-        hold = window.in_hold(design, run.time, settle)
+    if window.reaches_hold(reducer, run.time):
+        hold = window.in_hold(reducer, run.time, settle)
     else:
         hold = np.zeros(len(run), dtype=np.bool_)
-    q = _point(q, design)
+    q = _point(q, reducer)
     crank_angle, crank_speed = run["crank_angle"], run["crank_speed"]
     return Series(
         run=run,
         design=design,
         disc=0,
         q=q,
-        ramp=window.in_ramp(design, run.time),
+        ramp=window.in_ramp(reducer, run.time),
         hold=hold,
         crank_speed=Compared(crank_speed, CrankLaw(design.drive.speed, design.drive.ramp).speed_at(run.time)),
         output_angle=Compared(run["output_angle"], member.output_angle(design, crank_angle)),
         output_speed=Compared(run["output_speed"], member.output_angle(design, crank_speed)),
-        pin_1=_pin_1(run, design) if moving else None,
-        **_disc_motion(run, design, q, 0),
+        pin_1=_pin_1(run, reducer) if moving else None,
+        **_disc_motion(run, reducer, q, 0),
     )
 
 
 def point_path(
-    design: Design, q: Array, disc: int, crank_angle: Array, speed: Array, acceleration: npt.ArrayLike = 0.0
+    reducer: Reducer, q: Array, disc: int, crank_angle: Array, speed: Array, acceleration: npt.ArrayLike = 0.0
 ) -> kinematics.PointPath:
     """Give the closed form of the motion of a disc's point q: Eqs 16 to 19 for a disc that is ahead on the crank.
 
@@ -233,8 +233,8 @@ def point_path(
     crank_angle, speed, acceleration
         Of the crank [rad], [rad/s], [rad/s2], shape (n,).
     """
-    gear, ahead = tooth_profile(design), phases(design)[disc]
-    if design.output.turns_ring:
+    gear, ahead = reducer.tooth_profile, reducer.phases[disc]
+    if reducer.design.output.turns_ring:
         return kinematics.point_path(gear, q, crank_angle + ahead, speed, acceleration, turning=False)
     # the disc is turned as the first one is, not as a single disc whose crank is that far ahead
     cos, sin = np.cos(ahead / gear.lobes), np.sin(ahead / gear.lobes)
@@ -259,14 +259,14 @@ def design_of(run: Run) -> Design:
     except UnicodeDecodeError as problem:
         raise LogError(f"the run's {DESIGN_FILE} is no text ({problem}): simulate it again") from problem
     design = loads(text, f"the run's {DESIGN_FILE}")
-    _require_fit(run, design)
+    _require_fit(run, Reducer(design))
     return design
 
 
-def _require_fit(run: Run, design: Design) -> None:
+def _require_fit(run: Run, reducer: Reducer) -> None:
     """Raise LogError if the forces are of other pins, lobes or output pins than the design has."""
     kinds = {"pin_gear": "ring pins", "tooth": "lobes of the internal gear", "output": "output pins"}
-    expected = mechanism(design).pairs
+    expected = reducer.mechanism.pairs
     for kind, what in kinds.items():
         wanted = {pair.name for pair in expected if pair.kind == kind}
         has = set(run.pairs(kind))
@@ -295,8 +295,8 @@ def _usable(run: Run, needed: tuple[str, ...]) -> Run:
     return replace(run.select(slice(0, first)), note="; ".join(filter(None, (run.note, cut))))
 
 
-def _point(q: npt.ArrayLike | None, design: Design) -> Array:
-    point = np.array([0.0, design.output.pin_circle_radius] if q is None else q, dtype=np.float64)
+def _point(q: npt.ArrayLike | None, reducer: Reducer) -> Array:
+    point = np.array([0.0, reducer.design.output.pin_circle_radius] if q is None else q, dtype=np.float64)
     if point.shape != (2,) or not np.isfinite(point).all():
         raise UsageError(f"the point q is {q!r}; give two finite coordinates x, y in the gear frame, in metres")
     point.setflags(write=False)
@@ -308,12 +308,13 @@ def _planar(gear: str) -> tuple[str, ...]:
     return (*names.planar_joints(gear), *names.planar_speeds(gear))
 
 
-def _disc_motion(run: Run, design: Design, q: Array, disc: int) -> dict[str, Compared]:
+def _disc_motion(run: Run, reducer: Reducer, q: Array, disc: int) -> dict[str, Compared]:
     """Give what a `Series` has of one disc."""
+    design = reducer.design
     *_, turn, _, _, spin = _planar(names.gears(design.gear.discs)[disc])
     crank_angle, crank_speed = run["crank_angle"], run["crank_speed"]
-    path = point_path(design, q, disc, crank_angle, crank_speed)
-    position, velocity = _point_motion(run, design, q, disc)
+    path = point_path(reducer, q, disc, crank_angle, crank_speed)
+    position, velocity = _point_motion(run, reducer, q, disc)
     return {
         "gear_angle": Compared(run[turn], member.gear_angle(design, crank_angle)),
         "gear_speed": Compared(run[spin], member.gear_angle(design, crank_speed)),
@@ -322,16 +323,16 @@ def _disc_motion(run: Run, design: Design, q: Array, disc: int) -> dict[str, Com
     }
 
 
-def _point_motion(run: Run, design: Design, q: Array, disc: int) -> tuple[Array, Array]:
+def _point_motion(run: Run, reducer: Reducer, q: Array, disc: int) -> tuple[Array, Array]:
     """Position from the initial centre of the first disc [m] and velocity [m/s] of a disc's point q, each (n, 2)."""
-    columns = _planar(names.gears(design.gear.discs)[disc])
+    columns = _planar(names.gears(reducer.design.gear.discs)[disc])
     place, velocity = kinematics.carried_point(q, run.block(columns[:3]), run.block(columns[3:]))
-    return place - kinematics.gear_centre(tooth_profile(design), 0.0), velocity
+    return place - kinematics.gear_centre(reducer.tooth_profile, 0.0), velocity
 
 
-def _pin_1(run: Run, design: Design) -> PinPath:
+def _pin_1(run: Run, reducer: Reducer) -> PinPath:
     position = run.block(PIN_1[:2])
     radial = np.linalg.norm(position, axis=1)
     for values in (position, radial):
         values.setflags(write=False)
-    return PinPath(position, radial, run["pin_1_speed"], design.pin_play)
+    return PinPath(position, radial, run["pin_1_speed"], reducer.design.pin_play)

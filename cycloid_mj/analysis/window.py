@@ -5,8 +5,8 @@ from itertools import pairwise
 import numpy as np
 
 from cycloid_mj.contact.swing import SETTLING, slowness
-from cycloid_mj.design import Design
 from cycloid_mj.errors import LogError, UsageError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.types import Array, Mask
 
 SETTLING_TURN = 1 / 8
@@ -16,34 +16,34 @@ FEWEST_SAMPLES = 2
 ROUNDING = 1e-9
 
 
-def in_ramp(design: Design, time: Array) -> Mask:
+def in_ramp(reducer: Reducer, time: Array) -> Mask:
     """Mark the samples before the crank's speed is constant, shape (n,)."""
-    return time < design.drive.ramp * (1 - ROUNDING)
+    return time < reducer.design.drive.ramp * (1 - ROUNDING)
 
 
-def reaches_hold(design: Design, time: Array) -> bool:
+def reaches_hold(reducer: Reducer, time: Array) -> bool:
     """Say whether a run has enough samples at constant crank speed to judge them."""
-    return int(np.count_nonzero(~in_ramp(design, time))) >= FEWEST_SAMPLES
+    return int(np.count_nonzero(~in_ramp(reducer, time))) >= FEWEST_SAMPLES
 
 
-def require_hold(design: Design, time: Array) -> None:
+def require_hold(reducer: Reducer, time: Array) -> None:
     """Raise LogError for a run that does not reach its hold."""
-    if not reaches_hold(design, time):
-        held = np.count_nonzero(~in_ramp(design, time))
+    if not reaches_hold(reducer, time):
+        held = np.count_nonzero(~in_ramp(reducer, time))
         reached = f"it ends at {time[-1]:.6g} s" if time.size else "it has no usable samples"
         raise LogError(
             f"the run has {held} samples at constant crank speed, but this needs at least {FEWEST_SAMPLES}: {reached},"
-            f" the ramp ends at {design.drive.ramp:.6g} s; run the design to its end"
+            f" the ramp ends at {reducer.design.drive.ramp:.6g} s; run the design to its end"
         )
 
 
-def settling(design: Design) -> float:
+def settling(reducer: Reducer) -> float:
     """Give the time that a run of a design takes to ring out [s]."""
-    speed, contacts = abs(design.drive.speed), SETTLING * slowness(design)
+    speed, contacts = abs(reducer.design.drive.speed), SETTLING * slowness(reducer)
     return max(contacts, SETTLING_TURN * 2.0 * np.pi / speed) if speed else contacts
 
 
-def in_hold(design: Design, time: Array, settle: float | None = None) -> Mask:
+def in_hold(reducer: Reducer, time: Array, settle: float | None = None) -> Mask:
     """Mark the settled samples at constant crank speed, shape (n,).
 
     They begin `settle` [s] after the ramp, but never after more than half of the hold that was run. By default
@@ -56,15 +56,16 @@ def in_hold(design: Design, time: Array, settle: float | None = None) -> Mask:
     LogError
         The run ended before the hold, or with too few samples of it.
     """
+    design = reducer.design
     ramp = design.drive.ramp
-    require_hold(design, time)
+    require_hold(reducer, time)
     if settle is None:
         loaded = design.load.rise if design.load.torque else 0.0
-        settle = max(loaded - ramp, 0.0) + settling(design)
+        settle = max(loaded - ramp, 0.0) + settling(reducer)
     if not settle >= 0.0:
         raise UsageError(f"the settling time is {settle} s; give 0 s or more, or leave it out")
     start = ramp + min(settle, (time[-1] - ramp) / 2)
-    return ~in_ramp(design, time) & (time >= start - ROUNDING * max(ramp, time[-1]))
+    return ~in_ramp(reducer, time) & (time >= start - ROUNDING * max(ramp, time[-1]))
 
 
 def whole_periods(crank_angle: Array, mesh_period: float) -> slice:

@@ -7,6 +7,7 @@ import numpy as np
 from cycloid_mj import kinematics
 from cycloid_mj.design import Design
 from cycloid_mj.mechanism.reducer import phases
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.names import HOUSING, gears
 from cycloid_mj.scene import moved, ring_places
@@ -38,7 +39,7 @@ def mechanism_svg(design: Design, crank: float) -> str:
     DesignError
         A part cannot be made.
     """
-    solids = parts(design, design.housing.outer_radius / FINENESS)
+    solids = parts(Reducer(design), design.housing.outer_radius / FINENESS)
     reach = MARGIN * 1e3 * design.housing.outer_radius
     body = "".join(
         _shapes(design, solids[HOUSING].prisms[0], [solids[name].prisms[0] for name in gears(design.gear.discs)], crank)
@@ -51,15 +52,16 @@ def mechanism_svg(design: Design, crank: float) -> str:
 
 
 def _shapes(design: Design, ring: Prism, discs: list[Prism], crank: float) -> Iterator[str]:
+    reducer = Reducer(design)
     gear, axis = tooth_profile(design), np.zeros(3)
     turn = float(kinematics.gear_rotation(gear, crank))
     yield _region(ring, axis, "ring")
     if design.ring.kind == "pin":
-        yield from (_circle(place, design.ring.pin_radius, "pin") for place in ring_places(design))
+        yield from (_circle(place, design.ring.pin_radius, "pin") for place in ring_places(reducer))
     for disc, phase in reversed(list(enumerate(phases(design)))):
         pose = np.array([*kinematics.gear_centre(gear, crank + phase), turn])
         yield _region(discs[disc], pose, "behind" if disc else "gear")
-    for place in moved(np.array([0.0, 0.0, turn]), output_centres(design)):
+    for place in moved(np.array([0.0, 0.0, turn]), output_centres(reducer)):
         yield _circle(place, design.output.pin_radius, "output")
     yield _circle(kinematics.gear_centre(gear, crank), design.gear.bore_radius, "cam")
     yield _circle(np.zeros(2), design.shaft.radius, "shaft")

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 
 from cycloid_mj.design import Design, dump
 from cycloid_mj.export import FORMATS, export
+from cycloid_mj.mechanism.whole import Reducer
 
 
 def design_file(design: Design) -> dict[str, bytes]:
@@ -17,7 +18,7 @@ def model(design: Design) -> dict[str, bytes]:
     """Give a model folder that any MuJoCo opens, packed."""
     from cycloid_mj.mjcf.folder import model_files
 
-    return _packed(f"{design.name}-mjcf", model_files(design))
+    return _packed(f"{design.name}-mjcf", model_files(Reducer(design)))
 
 
 def data_sheet(design: Design) -> dict[str, bytes]:
@@ -26,7 +27,7 @@ def data_sheet(design: Design) -> dict[str, bytes]:
     from cycloid_mj.plots.save import document
     from cycloid_mj.rating.datasheet import datasheet
 
-    return {f"{design.name}-datasheet.pdf": document(datasheet_pages(datasheet(design)))}
+    return {f"{design.name}-datasheet.pdf": document(datasheet_pages(datasheet(Reducer(design))))}
 
 
 def parts_in(file_format: str) -> Callable[[Design], dict[str, bytes]]:

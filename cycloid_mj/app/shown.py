@@ -8,6 +8,7 @@ from cycloid_mj.checks import Check, check, soundness
 from cycloid_mj.design import Design
 from cycloid_mj.errors import CycloidError
 from cycloid_mj.loaded.sheet import glance
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.rating import Item, rate
 from cycloid_mj.rating.duty import steady
 from cycloid_mj.rating.rated import is_bearing_life
@@ -46,7 +47,7 @@ def refused(error: CycloidError) -> tuple[Line, ...]:
 
 def error_lines(design: Design) -> tuple[Line, ...]:
     """Give the reasons for which a design cannot be built; none of a sound one."""
-    return _broken(one for one in soundness(design) if one.severity == "error")
+    return _broken(one for one in soundness(Reducer(design)) if one.severity == "error")
 
 
 def check_lines(design: Design) -> tuple[Line, ...]:
@@ -58,7 +59,7 @@ def check_lines(design: Design) -> tuple[Line, ...]:
 def static_lines(design: Design) -> tuple[Line, ...]:
     """Give the figures of a sound design by statics, at its load, or why there are none."""
     try:
-        found = glance(design, design.load.torque or None)
+        found = glance(Reducer(design), design.load.torque or None)
     except CycloidError as error:
         return (Line("no figures by statics", str(error)),)
     quantities = [found.quantities[key] for key in KEYS if key in found.quantities]

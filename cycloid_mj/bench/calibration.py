@@ -16,6 +16,7 @@ from cycloid_mj.errors import RunError, UsageError
 from cycloid_mj.loaded.sliding import Held, Losses, turn_along
 from cycloid_mj.loaded.windup import STRAIGHT
 from cycloid_mj.mechanism.limits import stops
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.result import Table
 from cycloid_mj.types import Array
 from cycloid_mj.units import DEGREE
@@ -290,19 +291,20 @@ def calibrate(
     RunError
         No static balance was found.
     """
+    reducer = Reducer(design)
     if not loops:
         raise UsageError("there is no loop to calibrate by: give at least one with --loop")
-    drag = design.drag.output + (design.lobes * design.drag.crank if held == "output" else 0.0)
-    model, bench = Model(design, Losses(drag)), Bench(held, crank)
+    drag = reducer.design.drag.output + (reducer.design.lobes * reducer.design.drag.crank if held == "output" else 0.0)
+    model, bench = Model(reducer, Losses(drag)), Bench(held, crank)
     _require_units(model, loops, bench)
-    chosen, counted = parameters(design, keys, loops), _counting(progress)
+    chosen, counted = parameters(reducer, keys, loops), _counting(progress)
     _require_answers(Search(model, chosen, tuple(loops), bench, counted))
     return _told(fit(model, chosen, loops, bench, counted))
 
 
-def calibrated_name(design: Design) -> str:
+def calibrated_name(reducer: Reducer) -> str:
     """Return the name that a design has once it is calibrated."""
-    return f"{design.name}-calibrated"[:64]
+    return f"{reducer.design.name}-calibrated"[:64]
 
 
 def compare_losses(
@@ -321,7 +323,7 @@ def compare_losses(
     """
     fitted = found.fitted
     common = [one.key for one in fitted.parameters if one.key not in ("friction", "material_loss")]
-    smooth, counted = _smooth(fitted.model.design), _counting(progress)
+    smooth, counted = _smooth(fitted.model.reducer), _counting(progress)
     fits: dict[tuple[str, str], Fitted] = {}
     for key, meaning, extra, rough in (
         ("constant", "constant friction alone", (), False),
@@ -329,8 +331,8 @@ def compare_losses(
         ("material", "and a lossy material, no friction of the contacts", ("material_loss",), False),
         ("both", "and both", ("friction", "material_loss"), True),
     ):
-        base = replace(fitted.model, design=fitted.model.design if rough else smooth)
-        chosen = parameters(fitted.model.design, [*common, *extra], fitted.loops)
+        base = replace(fitted.model, reducer=Reducer(fitted.model.reducer.design if rough else smooth))
+        chosen = parameters(fitted.model.reducer, [*common, *extra], fitted.loops)
         fits[key, meaning] = fit(base, chosen, fitted.loops, fitted.bench, counted, intervals=False)
         found = replace(found, variants=variants(fits))
         done(found)
@@ -385,11 +387,11 @@ def _told(fitted: Fitted) -> Calibration:
     alike = tuple(
         (keys[i], keys[j], float(related[i, j])) for i in range(count) for j in range(i) if abs(related[i, j]) > ALIKE
     )
-    calibrated = fitted.calibrated.design
+    calibrated = fitted.calibrated.reducer.design
     lowest = min(fitted.loops, key=_height)
     return Calibration(
         fitted=fitted,
-        design=calibrated.but(name=calibrated_name(calibrated)),
+        design=calibrated.but(name=calibrated_name(Reducer(calibrated))),
         estimates=estimates,
         alike=alike,
         play=_derived(fitted, _play),
@@ -428,25 +430,25 @@ def _height(loop: MeasuredLoop) -> float:
 
 
 def _play(fitted: Fitted, model: Model) -> float:
-    low, high = stops(model.design, fitted.bench.crank)
+    low, high = stops(model.reducer, fitted.bench.crank)
     return high - low
 
 
 def _slope(fitted: Fitted, model: Model) -> float:
-    smooth = _smooth(model.design)
+    smooth = _smooth(model.reducer)
     most = max(loop.most for loop in fitted.loops)
     low, high = STRAIGHT
     rise = []
     for way in (-1.0, 1.0):
         course = way * most * np.linspace(0.0, high, 21)
-        turn = way * turn_along(smooth, course, fitted.bench.crank, Losses(), fitted.bench.held)
+        turn = way * turn_along(Reducer(smooth), course, fitted.bench.crank, Losses(), fitted.bench.held)
         rise.append(turn[-1] - turn[round(20 * low / high)])
     return (high - low) * most / float(np.mean(rise))
 
 
-def _smooth(design: Design) -> Design:
+def _smooth(reducer: Reducer) -> Design:
     """Give a design whose contacts have no friction."""
-    return design.but(friction=dict.fromkeys(Friction.model_fields, 0.0))
+    return reducer.but(friction=dict.fromkeys(Friction.model_fields, 0.0)).design
 
 
 def _notes(fitted: Fitted) -> tuple[str, ...]:
@@ -468,7 +470,7 @@ def _notes(fitted: Fitted) -> tuple[str, ...]:
 
 def _require_units(model: Model, loops: Sequence[MeasuredLoop], bench: Bench) -> None:
     """Refuse a loop that is near the design's only if it was meant in N mm, in radians, or in minutes of arc."""
-    rated = model.design.rated_torque
+    rated = model.reducer.design.rated_torque
     for loop in loops:
         if rated and loop.most > MILLIMETRES * rated:
             raise UsageError(

@@ -55,7 +55,7 @@ def model_branches(model: Model, bench: Bench, loop: MeasuredLoop, shift: float 
     first = [way for place, way in enumerate(ways) if ways.index(way) == place]
     each = [np.linspace(a, b, GRID) for a, b in first]
     course = np.concatenate([*lead, *each])
-    when, turn = course_along(model.design, course, bench.crank, model.losses, bench.held, REACH * loop.height)
+    when, turn = course_along(model.reducer, course, bench.crank, model.losses, bench.held, REACH * loop.height)
     load = np.interp(when, np.arange(len(course)), course)
     parts = np.searchsorted(when, 2 * LEAD + GRID * np.arange(len(each) + 1))
     found = [(load[a:b], turn[a:b]) for a, b in pairwise(parts)]

@@ -15,6 +15,7 @@ from cycloid_mj.design import Design, override
 from cycloid_mj.design.units import MICROMETRE, file_key, section_of, unit_of
 from cycloid_mj.errors import DesignError, UsageError
 from cycloid_mj.loaded.sliding import Losses
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.units import DEGREE
 
 MOST_PLAY = 900.0
@@ -25,7 +26,7 @@ MOST_PLAY = 900.0
 class Model:
     """A design, and the losses of a loop that a design file does not hold."""
 
-    design: Design
+    reducer: Reducer
     losses: Losses
 
 
@@ -74,7 +75,7 @@ NAMED = (*DEFAULT, "play", "material_loss")
 """Every name that is no key of the design file."""
 
 
-def parameters(design: Design, keys: Sequence[str], loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
+def parameters(reducer: Reducer, keys: Sequence[str], loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
     """Give the parameters of some keys: where the search for them begins, on which scale and between which bounds.
 
     Raises
@@ -86,11 +87,12 @@ def parameters(design: Design, keys: Sequence[str], loops: Sequence[MeasuredLoop
         raise UsageError(f"--fit: give what to fit, such as {','.join(DEFAULT)}")
     if twice := next((key for place, key in enumerate(keys) if key in keys[:place]), None):
         raise UsageError(f"--fit: {twice} is given twice")
-    known = _named(design, loops)
-    return tuple(known[key] if key in known else _of_file(design, key) for key in keys)
+    known = _named(reducer, loops)
+    return tuple(known[key] if key in known else _of_file(reducer, key) for key in keys)
 
 
-def _named(design: Design, loops: Sequence[MeasuredLoop]) -> Mapping[str, Parameter]:
+def _named(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mapping[str, Parameter]:
+    design = reducer.design
     most, lowest = max(loop.most for loop in loops), min(loops, key=attrgetter("height"))
     turn, coulomb = lowest.height / DEGREE, 0.5 * lowest.middle()[1]
     drag = coulomb if 0.0 < coulomb < 0.5 * most else 0.02 * most
@@ -158,41 +160,41 @@ def _plays(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
     """Share a clearance out to kinds of pairs: to teeth and seats in the proportion that they have, all to others."""
 
     def put(model: Model, value: float) -> Model:
-        held, total = model.design.clearance, MICROMETRE.to_si(value)
+        held, total = model.reducer.design.clearance, MICROMETRE.to_si(value)
         mated = [kind for kind in kinds if kind != "output"]
         whole = sum(getattr(held, kind) for kind in mated)
         change = {kind: total * getattr(held, kind) / whole for kind in mated}
         change |= {"output": total} if "output" in kinds else {}
-        return replace(model, design=model.design.but(clearance=change))
+        return replace(model, reducer=Reducer(model.reducer.design.but(clearance=change)))
 
     return put
 
 
 def _stiffness(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
     def put(model: Model, value: float) -> Model:
-        rated = at_rated_load(model.design)
+        rated = at_rated_load(model.reducer)
         change = {kind: value * pair_stiffness(rated, kind) for kind in kinds}
-        return replace(model, design=model.design.but(stiffness=change))
+        return replace(model, reducer=Reducer(model.reducer.design.but(stiffness=change)))
 
     return put
 
 
 def _friction(model: Model, value: float) -> Model:
-    kinds = [kind for kind in model.design.pair_kinds if kind not in _rolling(model.design)]
-    return replace(model, design=model.design.but(friction=dict.fromkeys(kinds, value)))
+    kinds = [kind for kind in model.reducer.design.pair_kinds if kind not in _rolling(model.reducer)]
+    return replace(model, reducer=Reducer(model.reducer.design.but(friction=dict.fromkeys(kinds, value))))
 
 
-def _rolling(design: Design) -> set[str]:
-    rolls = {"cam": design.gear.bearing == "rolling", "output": design.output.rollers}
+def _rolling(reducer: Reducer) -> set[str]:
+    rolls = {"cam": reducer.design.gear.bearing == "rolling", "output": reducer.design.output.rollers}
     return {kind for kind, rolling in rolls.items() if rolling}
 
 
 def _drag(model: Model, value: float) -> Model:
-    design = model.design.but(drag={"output": value})
-    return replace(model, design=design, losses=replace(model.losses, drag=value))
+    design = model.reducer.design.but(drag={"output": value})
+    return replace(model, reducer=Reducer(design), losses=replace(model.losses, drag=value))
 
 
-def _of_file(design: Design, key: str) -> Parameter:
+def _of_file(reducer: Reducer, key: str) -> Parameter:
     """Give a number of the design file as a parameter."""
     table, _, name = key.partition(".")
     field = Design.model_fields.get(table)
@@ -204,7 +206,7 @@ def _of_file(design: Design, key: str) -> Parameter:
             "such as clearance.output_um"
         )
     declared: FieldInfo = section.model_fields[names[name]]
-    value = getattr(getattr(design, table) or design.material, names[name])
+    value = getattr(getattr(reducer.design, table) or reducer.design.material, names[name])
     if not isinstance(value, float):
         raise UsageError(f"--fit: {key} is {value!r}: only a number that can change little by little can be fitted")
     unit = unit_of(declared)
@@ -218,7 +220,7 @@ def _of_file(design: Design, key: str) -> Parameter:
 
     def put(model: Model, value: float) -> Model:
         try:
-            return replace(model, design=override(model.design, {key: value}))
+            return replace(model, reducer=Reducer(override(model.reducer.design, {key: value})))
         except DesignError as error:
             raise UsageError(f"--fit {key}: {error}") from error
 

@@ -16,6 +16,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
 from cycloid_mj.loaded import transmission_error
 from cycloid_mj.measure.orders import causes
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.result import Table
 from cycloid_mj.types import Array
 from cycloid_mj.units import ARCSECOND, DEGREE
@@ -186,17 +187,18 @@ def compare_bench(design: Design, measured: MeasuredError, load: float | None = 
     RunError
         No static balance was found.
     """
-    torque = (design.load.torque or 0.01 * design.rated_torque) if load is None else load
+    reducer = Reducer(design)
+    torque = (reducer.design.load.torque or 0.01 * reducer.design.rated_torque) if load is None else load
     if not torque:
         raise UsageError("--load-nm 0: without a load the parts float in their clearances; give a torque")
-    teeth, lobes = design.ring.teeth, design.lobes
+    teeth, lobes = reducer.design.ring.teeth, reducer.design.lobes
     count = PER_MESH_PERIOD * teeth * lobes
     crank = 2.0 * np.pi * lobes * np.arange(count) / count
-    ideal = transmission_error(design.but(environment={"gravity_x": 0.0, "gravity_y": 0.0}), crank, torque)[:, 1]
+    ideal = transmission_error(reducer.but(environment={"gravity_x": 0.0, "gravity_y": 0.0}), crank, torque)[:, 1]
     ideal = ideal - ideal.mean()
     zero = _zero(ideal, measured, lobes)
     model = _at(ideal, measured.crank + zero, lobes)
-    order = _orders(design, measured)
+    order = _orders(reducer, measured)
     if len(measured.crank) < 2 * len(order) + 1:
         raise UsageError(
             f"{measured.name}: {len(measured.crank)} points cannot tell {len(order)} orders apart: give at least "
@@ -206,10 +208,10 @@ def compare_bench(design: Design, measured: MeasuredError, load: float | None = 
     basis = np.concatenate([np.ones((len(waves), 1)), waves.real, waves.imag], axis=1)
     solved = np.linalg.lstsq(basis, np.stack([measured.error, model], axis=1), rcond=None)[0]
     amplitude = solved[1 : len(order) + 1] - 1j * solved[len(order) + 1 :]
-    known = causes(design)
+    known = causes(reducer)
     told = tuple(", ".join(one.name for one in known if one.has(float(each))) or "none" for each in order)
     return BenchComparison(
-        design.name,
+        reducer.design.name,
         torque,
         zero,
         measured,
@@ -221,9 +223,9 @@ def compare_bench(design: Design, measured: MeasuredError, load: float | None = 
     )
 
 
-def _orders(design: Design, measured: MeasuredError) -> Array:
+def _orders(reducer: Reducer, measured: MeasuredError) -> Array:
     """Give the orders that a measurement tells apart: whole ones, and of the gear's those that lie far enough off."""
-    teeth, lobes = design.ring.teeth, design.lobes
+    teeth, lobes = reducer.design.ring.teeth, reducer.design.lobes
     sampled = 0.4 * len(measured.crank) / measured.turns
     most = min(HARMONICS * teeth, int(sampled))
     whole = np.arange(1, most + 1, dtype=np.float64)

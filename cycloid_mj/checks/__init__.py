@@ -18,6 +18,7 @@ from cycloid_mj.checks.teeth import WALL_SHARE, WALLS, tooth_checks
 from cycloid_mj.checks.tolerance import tolerance_checks
 from cycloid_mj.design import Design
 from cycloid_mj.errors import DesignError
+from cycloid_mj.mechanism.whole import Reducer
 
 __all__ = [
     "OVERLOAD",
@@ -41,44 +42,46 @@ def check(design: Design) -> tuple[Check, ...]:
 
     The latter need a design without errors, and are all warnings.
     """
-    sound = soundness(design)
+    reducer = Reducer(design)
+    sound = soundness(reducer)
     if any(item.severity == "error" and not item.passed for item in sound):
         return sound
     return (
         *sound,
-        *disc_checks(design),
-        *margin_checks(design),
-        *tolerance_checks(design),
-        *strength_checks(design),
+        *disc_checks(reducer),
+        *margin_checks(reducer),
+        *tolerance_checks(reducer),
+        *strength_checks(reducer),
     )
 
 
-def soundness(design: Design) -> tuple[Check, ...]:
+def soundness(reducer: Reducer) -> tuple[Check, ...]:
     """Give the checks of whether a design can be built and would turn.
 
     What rests on a failed check is left out: undercut where there are loops, balance and assembly of an unsound gear.
     """
-    shape = (*tooth_checks(design), *body_checks(design))
+    design = reducer.design
+    shape = (*tooth_checks(reducer), *body_checks(reducer))
     stands_out = design.gear.discs > 1 or design.shaft.radius < design.shaft.counterweight_radius
     whole = all(item.passed or item.severity == "warning" for item in shape) and stands_out
-    of_whole = _of_whole(design) if whole else ()
-    return (*shape, *of_whole, *mechanical_checks(design, whole))
+    of_whole = _of_whole(reducer) if whole else ()
+    return (*shape, *of_whole, *mechanical_checks(reducer, whole))
 
 
-def _of_whole(design: Design) -> tuple[Check, ...]:
+def _of_whole(reducer: Reducer) -> tuple[Check, ...]:
     """Give what a sound gear can be checked for: bearings stand beside a counterweight that balances it.
 
     Several discs balance each other, and need none.
     """
-    if design.gear.discs > 1:
-        return bearings(design), *assembly_checks(design)
-    balanced = balance(design)
-    return (balanced, *((bearings(design),) if balanced.passed else ()), *assembly_checks(design))
+    if reducer.design.gear.discs > 1:
+        return bearings(reducer), *assembly_checks(reducer)
+    balanced = balance(reducer)
+    return (balanced, *((bearings(reducer),) if balanced.passed else ()), *assembly_checks(reducer))
 
 
-def require_sound(design: Design) -> None:
+def require_sound(reducer: Reducer) -> None:
     """Raise DesignError that tells each failed check of `soundness` in a line of its own; warnings pass."""
-    failed = [item for item in soundness(design) if not item.passed and item.severity == "error"]
+    failed = [item for item in soundness(reducer) if not item.passed and item.severity == "error"]
     if failed:
         lines = "\n".join(f"  {item}" for item in failed)
-        raise DesignError(f"the design {design.name!r} cannot be built:\n{lines}")
+        raise DesignError(f"the design {reducer.design.name!r} cannot be built:\n{lines}")

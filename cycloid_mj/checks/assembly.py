@@ -5,28 +5,28 @@ from collections.abc import Iterator
 import numpy as np
 
 from cycloid_mj.checks.limit import Check, told
-from cycloid_mj.design import Design
 from cycloid_mj.design.units import MICROMETRE
-from cycloid_mj.deviations import deviations, is_ideal
+from cycloid_mj.deviations import is_ideal
 from cycloid_mj.mechanism.limits import best_fit
+from cycloid_mj.mechanism.whole import Reducer
 
 MOST_POSES = 36
 """Crank angles that are tried: one in each mesh period of the paper's designs."""
 
 
-def assembly_checks(design: Design) -> Iterator[Check]:
+def assembly_checks(reducer: Reducer) -> Iterator[Check]:
     """Check the fit of a sound design that departs from the ideal mesh; an ideal one needs none."""
-    if is_ideal(design):
+    if is_ideal(reducer.design):
         return
-    if design.ring.has_sockets:
-        yield _pins_in_sockets(design)
-    yield _room(design)
+    if reducer.design.ring.has_sockets:
+        yield _pins_in_sockets(reducer)
+    yield _room(reducer)
 
 
-def _pins_in_sockets(design: Design) -> Check:
-    made = deviations(design).pin_radius
+def _pins_in_sockets(reducer: Reducer) -> Check:
+    made = reducer.deviations.pin_radius
     thickest = int(np.argmax(made))
-    play = design.clearance.pin_socket
+    play = reducer.design.clearance.pin_socket
     passed = bool(made[thickest] < play)
     got, limit = told(float(made[thickest]), "less than", play, MICROMETRE)
     enough = f"{MICROMETRE.from_si(float(made[thickest])):.4g}"
@@ -41,13 +41,13 @@ def _pins_in_sockets(design: Design) -> Check:
     )
 
 
-def _room(design: Design) -> Check:
+def _room(reducer: Reducer) -> Check:
     """Check the smallest gap in the roomiest pose; parts that are pressed together run, but under load of their own."""
-    poses = min(MOST_POSES, design.ring.teeth)
-    room = min(best_fit(design, 2 * np.pi * pose / poses).room for pose in range(poses))
+    poses = min(MOST_POSES, reducer.design.ring.teeth)
+    room = min(best_fit(reducer, 2 * np.pi * pose / poses).room for pose in range(poses))
     got, limit = told(room, "at least", 0.0, MICROMETRE)
     missing = f"{MICROMETRE.from_si(-room):.4g}"
-    tooth = "tooth" if design.ring.kind == "nonpin" else "pin_gear"
+    tooth = "tooth" if reducer.design.ring.kind == "nonpin" else "pin_gear"
     return Check(
         name="assembly",
         passed=room >= 0.0,

@@ -6,19 +6,19 @@ from collections.abc import Iterator
 from cycloid_mj import profile
 from cycloid_mj.checks.limit import Check, Limit, millimetres, verdict, wall_verdict
 from cycloid_mj.checks.teeth import WALL_SHARE, pitches
-from cycloid_mj.design import Design
 from cycloid_mj.design.units import MILLIMETRE
-from cycloid_mj.modification import gear_profile, profile_offset
+from cycloid_mj.mechanism.whole import Reducer
 
 HOLE_TOLERANCE = 1e-9
 """Relative; lets a hole of output pin + eccentricity pass in spite of rounding, and nothing else."""
 
 
-def body_checks(design: Design) -> Iterator[Check]:
+def body_checks(reducer: Reducer) -> Iterator[Check]:
     """Check bore and holes of the gear."""
+    design = reducer.design
     circle, cam = design.output.pin_circle_radius, design.clearance.cam
-    E, rho, bore, hole = design.ring.pin_circle_radius, design.ring.pin_radius, _bore(design), _hole(design)
-    below_root = design.gear.eccentricity + profile_offset(design) - design.modification.pin_circle
+    E, rho, bore, hole = design.ring.pin_circle_radius, design.ring.pin_radius, _bore(reducer), _hole(reducer)
+    below_root = design.gear.eccentricity + reducer.profile_offset - design.modification.pin_circle
     root = E - below_root
     root_told = f"the root of the lobes (radius {millimetres(root)})"
 
@@ -41,14 +41,14 @@ def body_checks(design: Design) -> Iterator[Check]:
             Limit("ring.pin_circle_radius", "more than", (circle + hole + below_root) / (1 - wall)),
         )
 
-    yield wall_verdict(design, "bore", beside_bore, WALL_SHARE, f"between the bore and {root_told}")
-    yield wall_verdict(design, "holes_to_bore", bore_to_holes, WALL_SHARE, "between the bore and the output holes")
-    yield wall_verdict(design, "holes_to_root", holes_to_root, WALL_SHARE, f"between the output holes and {root_told}")
-    yield _neighbouring_holes(design)
-    yield _hole_size(design)
+    yield wall_verdict(reducer, "bore", beside_bore, WALL_SHARE, f"between the bore and {root_told}")
+    yield wall_verdict(reducer, "holes_to_bore", bore_to_holes, WALL_SHARE, "between the bore and the output holes")
+    yield wall_verdict(reducer, "holes_to_root", holes_to_root, WALL_SHARE, f"between the output holes and {root_told}")
+    yield _neighbouring_holes(reducer)
+    yield _hole_size(reducer)
 
 
-def balance(design: Design) -> Check:
+def balance(reducer: Reducer) -> Check:
     """Check that a half disc, at most as thick as the shaft is long, balances gear and cam.
 
     Needs a sound gear and a counterweight that stands out from the shaft.
@@ -56,10 +56,10 @@ def balance(design: Design) -> Check:
     Static moments about the axis: w c (q S_gear + S_cam) < 2/3 (R^3 - r^3) L with the face width w, areas S, the gear's
     density over the shaft's q, radii R and r of counterweight and shaft, and the shaft's length L.
     """
-    shaft = design.shaft
-    moment, moment_per_length = _static_moments(design)
+    shaft = reducer.design.shaft
+    moment, moment_per_length = _static_moments(reducer)
     return verdict(
-        design,
+        reducer,
         "balance",
         Limit("shaft.counterweight_radius", "more than", math.cbrt(shaft.radius**3 + 1.5 * moment / shaft.length)),
         "a smaller half-disc counterweight cannot balance the gear within the length of the shaft",
@@ -67,16 +67,17 @@ def balance(design: Design) -> Check:
     )
 
 
-def bearings(design: Design) -> Check:
+def bearings(reducer: Reducer) -> Check:
     """Check that the bearings of the shaft find room on its journal, before the counterweight that balances it.
 
     Bearings whose width or spacing follows a rule take the room that there is.
     """
+    design = reducer.design
     shaft = design.shaft
-    moment, moment_per_length = _static_moments(design) if design.gear.discs == 1 else (0.0, 1.0)
+    moment, moment_per_length = _static_moments(reducer) if design.gear.discs == 1 else (0.0, 1.0)
     beside = 0.0 if shaft.mounting == "straddle" else shaft.bearing_spacing or shaft.bearing_width
     return verdict(
-        design,
+        reducer,
         "bearings",
         Limit(
             "shaft.length", "at least", moment / moment_per_length + shaft.bearing_offset + shaft.bearing_width + beside
@@ -87,27 +88,29 @@ def bearings(design: Design) -> Check:
     )
 
 
-def _static_moments(design: Design) -> tuple[float, float]:
+def _static_moments(reducer: Reducer) -> tuple[float, float]:
     """Give the static moment of gear and cam [m4], and that of the counterweight per thickness [m3].
 
     Both over the shaft's density.
     """
+    design = reducer.design
     gear, shaft = design.gear, design.shaft
     lighter = design.material_of("gear").density / design.material_of("shaft").density
-    cut_out = math.pi * (_bore(design) ** 2 + design.output.pins * _hole(design) ** 2)
-    area = profile.area(gear_profile(design), profile_offset(design)) - cut_out
+    cut_out = math.pi * (_bore(reducer) ** 2 + design.output.pins * _hole(reducer) ** 2)
+    area = profile.area(reducer.gear_profile, reducer.profile_offset) - cut_out
     area = lighter * area + math.pi * gear.bore_radius**2
     moment = gear.face_width * gear.eccentricity * area
     return moment, 2 / 3 * (shaft.counterweight_radius**3 - shaft.radius**3)
 
 
-def _neighbouring_holes(design: Design) -> Check:
+def _neighbouring_holes(reducer: Reducer) -> Check:
     """Check the wall between holes; their radius follows from pin and eccentricity, so the others are remedies."""
+    design = reducer.design
     output, circle, E = design.output, design.output.pin_circle_radius, design.ring.pin_circle_radius
     half_pitch = circle * math.sin(math.pi / output.pins)
 
     def limits(wall: float) -> tuple[Limit, ...]:
-        taken = _hole(design) + wall * E / 2
+        taken = _hole(reducer) + wall * E / 2
         return (
             Limit("output.hole_radius", "less than", half_pitch - wall * E / 2 - design.clearance.output),
             Limit("output.pins", "less than", pitches(taken / circle)),
@@ -115,12 +118,13 @@ def _neighbouring_holes(design: Design) -> Check:
         )
 
     return wall_verdict(
-        design, "neighbouring_holes", limits, WALL_SHARE, "between neighbouring output holes", tied=True
+        reducer, "neighbouring_holes", limits, WALL_SHARE, "between neighbouring output holes", tied=True
     )
 
 
-def _hole_size(design: Design) -> Check:
+def _hole_size(reducer: Reducer) -> Check:
     """Check that a hole is exactly as large as its pin's orbit: the one limit from both sides."""
+    design = reducer.design
     orbit = design.output.pin_radius + design.gear.eccentricity
     hole = design.output.hole_radius
     passed = abs(hole - orbit) <= HOLE_TOLERANCE * orbit
@@ -137,11 +141,11 @@ def _hole_size(design: Design) -> Check:
     )
 
 
-def _bore(design: Design) -> float:
+def _bore(reducer: Reducer) -> float:
     """Radius of the gear's bore [m]: the cam and its clearance."""
-    return design.gear.bore_radius + design.clearance.cam
+    return reducer.design.gear.bore_radius + reducer.design.clearance.cam
 
 
-def _hole(design: Design) -> float:
+def _hole(reducer: Reducer) -> float:
     """Radius of a hole as it is cut [m], with its clearance."""
-    return design.output.hole_radius + design.clearance.output
+    return reducer.design.output.hole_radius + reducer.design.clearance.output

@@ -9,9 +9,10 @@ from typing import Literal
 import numpy as np
 from pydantic.fields import FieldInfo
 
-from cycloid_mj.design import Design, override
+from cycloid_mj.design import override
 from cycloid_mj.design.units import MILLIMETRE, Unit, file_key, unit_of
 from cycloid_mj.errors import DesignError
+from cycloid_mj.mechanism.whole import Reducer
 
 SIDES = {"less than": operator.lt, "at most": operator.le, "more than": operator.gt, "at least": operator.ge}
 UPPER = ("less than", "at most")
@@ -63,44 +64,44 @@ class Limit:
     side: str
     bound: float
 
-    def value(self, design: Design) -> float:
+    def value(self, reducer: Reducer) -> float:
         """Give the design's value [SI]."""
         table, name = self.key.split(".")
-        return float(getattr(getattr(design, table), name))
+        return float(getattr(getattr(reducer.design, table), name))
 
-    def holds(self, design: Design) -> bool:
+    def holds(self, reducer: Reducer) -> bool:
         """Tell whether the design keeps the limit."""
-        return bool(SIDES[self.side](self.value(design), self.bound))
+        return bool(SIDES[self.side](self.value(reducer), self.bound))
 
-    def told(self, design: Design) -> tuple[str, str]:
+    def told(self, reducer: Reducer) -> tuple[str, str]:
         """Give value and limit as texts in the file's unit."""
-        return told(self.value(design), self.side, self.bound, unit_of(self._field(design)))
+        return told(self.value(reducer), self.side, self.bound, unit_of(self._field(reducer)))
 
-    def numbers(self, design: Design) -> tuple[float, float, str]:
+    def numbers(self, reducer: Reducer) -> tuple[float, float, str]:
         """Give value, bound and the file's unit of both."""
-        unit = unit_of(self._field(design))
-        return unit.from_si(self.value(design)), unit.from_si(self.bound), unit.suffix
+        unit = unit_of(self._field(reducer))
+        return unit.from_si(self.value(reducer)), unit.from_si(self.bound), unit.suffix
 
-    def remedy(self, design: Design) -> str:
+    def remedy(self, reducer: Reducer) -> str:
         """Tell the change that keeps the limit, rounded to the safe side; empty if the file allows none."""
         if not SMALLEST < abs(self.bound) < math.inf:
             return ""
-        number = self._number(design)
+        number = self._number(reducer)
         try:
-            override(design, [f"{self.file_key(design)}={number}"])
+            override(reducer.design, [f"{self.file_key(reducer)}={number}"])
         except DesignError:
             return ""
         turn, beyond = ("lower", "less") if self.side in UPPER else ("raise", "more")
-        return f"{turn} {self.file_key(design)} to {number} or {beyond}"
+        return f"{turn} {self.file_key(reducer)} to {number} or {beyond}"
 
-    def file_key(self, design: Design) -> str:
+    def file_key(self, reducer: Reducer) -> str:
         """Give the key as the design file has it, with its unit."""
         table, name = self.key.split(".")
-        return f"{table}.{file_key(name, self._field(design))}"
+        return f"{table}.{file_key(name, self._field(reducer))}"
 
-    def _number(self, design: Design) -> str:
+    def _number(self, reducer: Reducer) -> str:
         """Give the last number of four digits (or the last integer) inside the limit, in the file's unit."""
-        unit, whole = unit_of(self._field(design)), self._field(design).annotation is int
+        unit, whole = unit_of(self._field(reducer)), self._field(reducer).annotation is int
         inward = -1 if self.side in UPPER else 1
         margin = STRICT_MARGIN * abs(self.bound) if self.side in STRICT else 0.0
         bound = unit.from_si(self.bound + inward * margin)
@@ -108,13 +109,19 @@ class Limit:
         steps = math.floor(bound / step) if inward < 0 else math.ceil(bound / step)
         return f"{steps * step:.10g}"
 
-    def _field(self, design: Design) -> FieldInfo:
+    def _field(self, reducer: Reducer) -> FieldInfo:
         table, name = self.key.split(".")
-        return type(getattr(design, table)).model_fields[name]
+        return type(getattr(reducer.design, table)).model_fields[name]
 
 
 def verdict(
-    design: Design, name: str, limit: Limit, why: str, *instead: Limit, severity: Severity = "error", tied: bool = False
+    reducer: Reducer,
+    name: str,
+    limit: Limit,
+    why: str,
+    *instead: Limit,
+    severity: Severity = "error",
+    tied: bool = False,
 ) -> Check:
     """Check one limit of a design.
 
@@ -127,15 +134,15 @@ def verdict(
     tied
         Whether the checked value is tied to others, so that changing it alone is no remedy.
     """
-    passed = limit.holds(design)
-    got, allowed = limit.told(design)
-    remedy = "" if passed else _remedy(design, [*([] if tied else [limit]), *instead])
-    value, bound, unit = limit.numbers(design)
-    return Check(name, passed, got, allowed, why, remedy, severity, limit.file_key(design), value, bound, unit)
+    passed = limit.holds(reducer)
+    got, allowed = limit.told(reducer)
+    remedy = "" if passed else _remedy(reducer, [*([] if tied else [limit]), *instead])
+    value, bound, unit = limit.numbers(reducer)
+    return Check(name, passed, got, allowed, why, remedy, severity, limit.file_key(reducer), value, bound, unit)
 
 
 def wall_verdict(
-    design: Design,
+    reducer: Reducer,
     name: str,
     limits: Callable[[float], tuple[Limit, ...]],
     assumed: float,
@@ -155,17 +162,17 @@ def wall_verdict(
     where
         Between what the wall is.
     """
-    E = design.ring.pin_circle_radius
+    E = reducer.design.ring.pin_circle_radius
     needed = f"{where} a wall of at least {millimetres(assumed * E)} is wanted ({assumed:.0%} of E, assumed)"
-    found = verdict(design, name, limits(assumed)[0], needed, *limits(assumed)[1:], severity="warning", tied=tied)
-    there = verdict(design, name, limits(0.0)[0], f"{where} no wall is left")
+    found = verdict(reducer, name, limits(assumed)[0], needed, *limits(assumed)[1:], severity="warning", tied=tied)
+    there = verdict(reducer, name, limits(0.0)[0], f"{where} no wall is left")
     return found if there.passed else replace(there, remedy=found.remedy)
 
 
-def _remedy(design: Design, limits: list[Limit]) -> str:
+def _remedy(reducer: Reducer, limits: list[Limit]) -> str:
     """Tell each single change that helps, or that none does."""
-    single = [remedy for limit in limits if (remedy := limit.remedy(design))]
-    together = " and ".join(limit.file_key(design) for limit in limits)
+    single = [remedy for limit in limits if (remedy := limit.remedy(reducer))]
+    together = " and ".join(limit.file_key(reducer) for limit in limits)
     return ", or ".join(single) or f"no single change that the file allows is enough: change {together} together"
 
 

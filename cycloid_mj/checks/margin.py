@@ -5,8 +5,7 @@ from collections.abc import Iterator
 
 from cycloid_mj import envelope, profile
 from cycloid_mj.checks.limit import Check, Limit, millimetres, verdict
-from cycloid_mj.design import Design
-from cycloid_mj.modification import gear_profile, profile_offset, tooth_profile
+from cycloid_mj.mechanism.whole import Reducer
 
 K1_ENDS = 0.35, 0.95
 """Assumed range of K1 = c N / E: below, teeth push the gear aside more than round; above, their bends are sharp."""
@@ -18,23 +17,24 @@ REACH = 10.0
 """Assumed: a cutter of radius r reaches 10 r deep, five of its diameters."""
 
 
-def margin_checks(design: Design) -> Iterator[Check]:
+def margin_checks(reducer: Reducer) -> Iterator[Check]:
     """Check the margins of sound teeth; all are warnings."""
-    yield _short_width(design)
-    yield _undercut_margin(design)
-    yield _gear_tool(design)
-    if design.ring.kind == "nonpin":
-        yield _ring_tool(design)
+    yield _short_width(reducer)
+    yield _undercut_margin(reducer)
+    yield _gear_tool(reducer)
+    if reducer.design.ring.kind == "nonpin":
+        yield _ring_tool(reducer)
 
 
-def _short_width(design: Design) -> Check:
+def _short_width(reducer: Reducer) -> Check:
     """Check the short-width coefficient K1 = c N / E, the eccentricity as a share of what makes loops."""
+    design = reducer.design
     N, E = design.ring.teeth, design.ring.pin_circle_radius
     low, high = K1_ENDS
     above = Limit("gear.eccentricity", "at least", low * E / N)
-    limit = Limit(above.key, "at most", high * E / N) if above.holds(design) else above
+    limit = Limit(above.key, "at most", high * E / N) if above.holds(reducer) else above
     return verdict(
-        design,
+        reducer,
         "short_width",
         limit,
         f"K1 = c N / E, here {design.gear.eccentricity * N / E:.3g}, is to lie from {low:g} to {high:g} (assumed):"
@@ -43,11 +43,11 @@ def _short_width(design: Design) -> Check:
     )
 
 
-def _undercut_margin(design: Design) -> Check:
-    bend, offset = profile.undercut_radius(gear_profile(design)), profile_offset(design)
-    radius = design.ring.pin_radius
+def _undercut_margin(reducer: Reducer) -> Check:
+    bend, offset = profile.undercut_radius(reducer.gear_profile), reducer.profile_offset
+    radius = reducer.design.ring.pin_radius
     return verdict(
-        design,
+        reducer,
         "undercut_margin",
         Limit("ring.pin_radius", "at most", radius - offset + UNDERCUT_SHARE * bend),
         f"the sharpest convex bend left on the lobes has a radius of {millimetres(bend - offset)}; it is to keep"
@@ -56,19 +56,19 @@ def _undercut_margin(design: Design) -> Check:
     )
 
 
-def _gear_tool(design: Design) -> Check:
+def _gear_tool(reducer: Reducer) -> Check:
     """Check the radius of the gear's valley: a cutter must be smaller, and reach through the face width."""
-    radius = -1.0 / float(profile.curvature(gear_profile(design), 0.0, profile_offset(design)))
-    return _tool(design, "gear_tool", radius if radius > 0.0 else math.inf, "valleys of the gear")
+    radius = -1.0 / float(profile.curvature(reducer.gear_profile, 0.0, reducer.profile_offset))
+    return _tool(reducer, "gear_tool", radius if radius > 0.0 else math.inf, "valleys of the gear")
 
 
-def _ring_tool(design: Design) -> Check:
-    return _tool(design, "ring_tool", envelope.tightest_radius(tooth_profile(design)), "roots of the internal gear")
+def _ring_tool(reducer: Reducer) -> Check:
+    return _tool(reducer, "ring_tool", envelope.tightest_radius(reducer.tooth_profile), "roots of the internal gear")
 
 
-def _tool(design: Design, name: str, radius: float, where: str) -> Check:
+def _tool(reducer: Reducer, name: str, radius: float, where: str) -> Check:
     return verdict(
-        design,
+        reducer,
         name,
         Limit("gear.face_width", "at most", REACH * radius),
         f"the {where} have a radius of {millimetres(radius)}, the largest of a cutter, and one reaches"

@@ -5,10 +5,10 @@ from collections.abc import Iterator
 
 from cycloid_mj.checks.limit import Check, Limit, millimetres, told, verdict
 from cycloid_mj.checks.teeth import pitches
-from cycloid_mj.design import PARTS, Design, Material
+from cycloid_mj.design import PARTS, Material
 from cycloid_mj.design.units import DEGREE, MICROMETRE
 from cycloid_mj.mechanism.limits import stops
-from cycloid_mj.member import share
+from cycloid_mj.mechanism.whole import Reducer
 
 PLAY_SHARE = 0.1
 """Assumed: most play of the whole gear, as a share of the smaller of c and rho, that is small against the teeth."""
@@ -26,31 +26,32 @@ PLAUSIBLE = {"youngs_modulus": (0.5e9, 700e9), "density": (800.0, 20000.0), "poi
 """Assumed [SI]: from polymers to tungsten carbide. Beyond, it is mostly a slip of units."""
 
 
-def mechanical_checks(design: Design, whole: bool) -> Iterator[Check]:
+def mechanical_checks(reducer: Reducer, whole: bool) -> Iterator[Check]:
     """Check what is not the shape of gear and ring; what stands on that only where it is `whole`."""
+    design = reducer.design
     yield verdict(
-        design,
+        reducer,
         "output_pins",
         Limit("output.pins", "at least", 3),
         "two output pins carry no torque when they stand in line with the eccentricity",
     )
-    yield from _output_root_checks(design)
-    yield from _shaft_checks(design)
+    yield from _output_root_checks(reducer)
+    yield from _shaft_checks(reducer)
     if design.housing.support == "bolts" and design.ring_root_radius < design.housing.outer_radius:
-        yield from _bolt_checks(design)
-    yield from _play_checks(design, whole)
+        yield from _bolt_checks(reducer)
+    yield from _play_checks(reducer, whole)
     tables = ("material", *(f"{part}_material" for part in PARTS))
     for table in tables:
         if material := getattr(design, table):
-            yield from _material_checks(design, table, material)
-    yield from _drive_checks(design)
+            yield from _material_checks(reducer, table, material)
+    yield from _drive_checks(reducer)
 
 
-def _material_checks(design: Design, table: str, material: Material) -> Iterator[Check]:
+def _material_checks(reducer: Reducer, table: str, material: Material) -> Iterator[Check]:
     """Check one table of material; the names of a part's own begin with the part's."""
     part = table.removesuffix("material")
     yield verdict(
-        design,
+        reducer,
         f"{part}yield_strength",
         Limit(f"{table}.yield_strength", "at most", material.tensile_strength),
         "no material yields above its tensile strength",
@@ -58,43 +59,44 @@ def _material_checks(design: Design, table: str, material: Material) -> Iterator
     )
     for name, (low, high) in PLAUSIBLE.items():
         at_least = Limit(f"{table}.{name}", "at least", low)
-        limit = Limit(at_least.key, "at most", high) if at_least.holds(design) else at_least
+        limit = Limit(at_least.key, "at most", high) if at_least.holds(reducer) else at_least
         why = "no material between polymers and tungsten carbide lies beyond (a slip of units?)"
-        yield verdict(design, f"{part}{name}", limit, why, severity="warning")
+        yield verdict(reducer, f"{part}{name}", limit, why, severity="warning")
 
 
-def _output_root_checks(design: Design) -> Iterator[Check]:
-    output = design.output
+def _output_root_checks(reducer: Reducer) -> Iterator[Check]:
+    output = reducer.design.output
     if output.rollers:
         yield verdict(
-            design,
+            reducer,
             "output_core",
             Limit("output.core_radius", "less than", output.pin_radius),
             "the core pin carries the roller round it",
             Limit("output.pin_radius", "more than", output.core_radius),
         )
     yield verdict(
-        design,
+        reducer,
         "output_fillet",
         Limit("output.fillet_radius", "less than", output.root_radius),
         "a fillet is to be smaller than the radius of the pin it rounds off",
     )
 
 
-def _bolt_checks(design: Design) -> Iterator[Check]:
+def _bolt_checks(reducer: Reducer) -> Iterator[Check]:
     """Check that the bolts' clamped circles lie within the wall behind the teeth, and apart from each other."""
+    design = reducer.design
     outer, root, circle = design.housing.outer_radius, design.ring_root_radius, design.bolt_circle_radius
     above = Limit("housing.bolt_circle_radius", "more than", root)
     limit = Limit(above.key, "less than", outer) if circle > root else above
     why = f"the bolts stand in the wall between the teeth (out to {millimetres(root)}) and the rim"
-    yield verdict(design, "bolt_circle", limit, why)
+    yield verdict(reducer, "bolt_circle", limit, why)
     room = min(outer - circle, circle - max(root, 0.0))
     if not room > 0.0:
         return
-    yield verdict(design, "bolt_radius", Limit("housing.bolt_radius", "less than", room), why)
+    yield verdict(reducer, "bolt_radius", Limit("housing.bolt_radius", "less than", room), why)
     if design.bolt_radius < room:
         yield verdict(
-            design,
+            reducer,
             "bolts",
             Limit("housing.bolts", "less than", pitches(design.bolt_radius / circle)),
             "neighbouring bolts would clamp the same place",
@@ -102,17 +104,18 @@ def _bolt_checks(design: Design) -> Iterator[Check]:
         )
 
 
-def _shaft_checks(design: Design) -> Iterator[Check]:
+def _shaft_checks(reducer: Reducer) -> Iterator[Check]:
+    design = reducer.design
     shaft, c = design.shaft, design.gear.eccentricity
     yield verdict(
-        design,
+        reducer,
         "shaft",
         Limit("shaft.radius", "less than", design.gear.bore_radius - c),
         "the cam must enclose the shaft, or the gear cannot be slid on",
         Limit("gear.bore_radius", "more than", shaft.radius + c),
     )
     yield verdict(
-        design,
+        reducer,
         "shaft_fillet",
         Limit("shaft.fillet_radius", "at most", max(design.gear.bore_radius - c - shaft.radius, 0.0)),
         "the cam's shoulder, which is lowest opposite the eccentricity, leaves no more room for a fillet",
@@ -121,14 +124,14 @@ def _shaft_checks(design: Design) -> Iterator[Check]:
     if design.gear.discs > 1:  # they balance each other
         return
     yield verdict(
-        design,
+        reducer,
         "counterweight",
         Limit("shaft.counterweight_radius", "more than", shaft.radius),
         "the counterweight must stand out from the shaft",
         Limit("shaft.radius", "less than", shaft.counterweight_radius),
     )
     yield verdict(
-        design,
+        reducer,
         "counterweight_room",
         Limit("shaft.counterweight_radius", "less than", design.ring.pin_circle_radius - design.ring.pin_radius),
         "the counterweight turns inside the ring's teeth, which reach in to E - rho",
@@ -136,14 +139,15 @@ def _shaft_checks(design: Design) -> Iterator[Check]:
     )
 
 
-def _play_checks(design: Design, whole: bool) -> Iterator[Check]:
+def _play_checks(reducer: Reducer, whole: bool) -> Iterator[Check]:
     """Check the clearances on the way from crank to ring and output: their sum, and what the output turns by them."""
+    design = reducer.design
     names = design.pair_kinds
     total = sum(getattr(design.clearance, name) for name in names)
     allowed = PLAY_SHARE * min(design.gear.eccentricity, design.ring.pin_radius)
     got, limit = told(total, "at most", allowed, MICROMETRE)
     shares = [Limit(f"clearance.{name}", "at most", allowed / len(names)) for name in names]
-    remedies = [] if total <= allowed else [share.remedy(design) for share in shares if not share.holds(design)]
+    remedies = [] if total <= allowed else [share.remedy(reducer) for share in shares if not share.holds(reducer)]
     yield Check(
         name="play",
         passed=total <= allowed,
@@ -155,14 +159,15 @@ def _play_checks(design: Design, whole: bool) -> Iterator[Check]:
         key="clearance",
     )
     if total > allowed and whole:
-        yield _jump(design)
+        yield _jump(reducer)
 
 
-def _jump(design: Design) -> Check:
+def _jump(reducer: Reducer) -> Check:
     """Check that the teeth hold the gear: a run ends where it is a quarter of a lobe from where the crank puts it."""
+    design = reducer.design
     poses = (2.0 * math.pi * pose / JUMP_POSES for pose in range(JUMP_POSES))
-    play = max(high - low for low, high in (stops(design, pose, JUMP_SIDES) for pose in poses))
-    allowed = share(design) * math.pi / design.lobes
+    play = max(high - low for low, high in (stops(reducer, pose, JUMP_SIDES) for pose in poses))
+    allowed = reducer.share * math.pi / design.lobes
     got, limit = told(play, "at most", allowed, DEGREE)
     spared = (1.0 - JUMP_MARGIN) * allowed / play
     lower = [
@@ -174,7 +179,7 @@ def _jump(design: Design) -> Check:
         got=f"{got} from stop to stop",
         limit=f"{limit} (half a lobe)",
         why="with more play the gear jumps a tooth",
-        remedy="" if play <= allowed else " and ".join(limit.remedy(design) for limit in lower),
+        remedy="" if play <= allowed else " and ".join(limit.remedy(reducer) for limit in lower),
         key="the output's play",
         value=DEGREE.from_si(play),
         bound=DEGREE.from_si(allowed),
@@ -182,11 +187,12 @@ def _jump(design: Design) -> Check:
     )
 
 
-def _drive_checks(design: Design) -> Iterator[Check]:
+def _drive_checks(reducer: Reducer) -> Iterator[Check]:
+    design = reducer.design
     drive, load = design.drive, design.load.torque
     speed = abs(drive.speed)
     yield verdict(
-        design,
+        reducer,
         "power",
         Limit("drive.power", "at least", drive.torque * speed / OVERLOAD),
         f"drive torque times speed is to be at most {OVERLOAD:g} times the rated power (assumed)",
@@ -195,7 +201,7 @@ def _drive_checks(design: Design) -> Iterator[Check]:
     )
     capacity = design.rated_torque
     yield verdict(
-        design,
+        reducer,
         "load",
         Limit("load.torque", "at most", capacity) if load >= 0 else Limit("load.torque", "at least", -capacity),
         f"the rated drive torque times the ratio, {design.reduction}, is all that a drive without losses can move",

@@ -2,17 +2,13 @@
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
 from cycloid_mj import profile, statics
-from cycloid_mj.design import Design
 from cycloid_mj.errors import RunError
 from cycloid_mj.loaded import Loads, Springs, loads, peak_force, peak_pressure, springs_of, torque_at_pressure
-from cycloid_mj.mechanism.reducer import phases
-from cycloid_mj.member import share
-from cycloid_mj.modification import tooth_profile
+from cycloid_mj.mechanism.whole import Reducer, once
 
 CARRIES = 0.01
 """A tooth carries where its force is at least this share of the largest."""
@@ -32,7 +28,7 @@ class Rated:
         The statics and their solution.
     """
 
-    design: Design
+    reducer: Reducer
     torque: float
     springs: Springs
     found: Loads
@@ -43,39 +39,39 @@ class Rated:
 
     def peak_pressure(self, kind: str) -> float:
         """Give the largest Hertz pressure on a kind of contact [Pa]."""
-        return peak_pressure(self.design, self.springs, self.found, kind)
+        return peak_pressure(self.reducer, self.springs, self.found, kind)
 
     def torque_at(self, kind: str, pressure: float) -> float:
         """Give the torque on the output at which a kind of contact has a peak pressure [Pa]; NaN if none is found."""
         try:
-            return abs(torque_at_pressure(self.design, self.springs, kind, pressure, self.torque, self.found))
+            return abs(torque_at_pressure(self.reducer, self.springs, kind, pressure, self.torque, self.found))
         except RunError:
             return math.nan
 
     @property
     def concentration(self) -> float:
         """Largest force on a tooth over that of ideal sharing [1]."""
-        carried = share(self.design) * self.torque / self.design.gear.discs
-        ideal = statics.ideal_load_sharing(tooth_profile(self.design), carried, self.springs.crank)
+        carried = self.reducer.share * self.torque / self.reducer.design.gear.discs
+        ideal = statics.ideal_load_sharing(self.reducer.tooth_profile, carried, self.springs.crank)
         return float(self.found.teeth.max() / ideal.forces.max())
 
     @property
     def loaded_teeth(self) -> float:
         """Contact lines of a disc with the ring that carry, on average [1]."""
         carrying = (self.found.teeth > CARRIES * self.found.teeth.max()).sum(axis=1).mean()
-        return float(carrying) / self.design.gear.discs
+        return float(carrying) / self.reducer.design.gear.discs
 
     @property
     def pressure_angle(self) -> float:
         """Angle of the tooth forces to the way that they turn the gear, averaged by force [rad]."""
-        gear, forces = tooth_profile(self.design), self.found.by_disc(self.found.teeth)
-        ahead = self.springs.crank[:, np.newaxis] + np.array(phases(self.design))
+        gear, forces = self.reducer.tooth_profile, self.found.by_disc(self.found.teeth)
+        ahead = self.springs.crank[:, np.newaxis] + np.array(self.reducer.phases)
         B = profile.pin_angles(gear) + ahead[..., np.newaxis]
         return float(np.sum(profile.pressure_angle(gear, B) * forces) / forces.sum())
 
 
-@lru_cache(maxsize=4)
-def rated(design: Design) -> Rated:
+@once
+def rated(reducer: Reducer) -> Rated:
     """Give a sound design under its rated torque.
 
     Raises
@@ -85,6 +81,6 @@ def rated(design: Design) -> Rated:
     RunError
         No static balance was found.
     """
-    torque = math.copysign(design.rated_torque, design.drive.speed)
-    springs = springs_of(design)
-    return Rated(design, torque, springs, loads(design, springs, torque))
+    torque = math.copysign(reducer.design.rated_torque, reducer.design.drive.speed)
+    springs = springs_of(reducer)
+    return Rated(reducer, torque, springs, loads(reducer, springs, torque))

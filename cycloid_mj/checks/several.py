@@ -3,15 +3,16 @@
 from collections.abc import Iterator
 
 from cycloid_mj.checks.limit import Check
-from cycloid_mj.design import Design
 from cycloid_mj.mechanism.reducer import are_one_part
+from cycloid_mj.mechanism.whole import Reducer
 
 MOST_PINS = 100
 """Most output pins that a design may have."""
 
 
-def disc_checks(design: Design) -> Iterator[Check]:
+def disc_checks(reducer: Reducer) -> Iterator[Check]:
     """Check whether several discs are one part; a single disc needs no check."""
+    design = reducer.design
     discs, pins, lobes = design.gear.discs, design.output.pins, design.lobes
     if discs == 1:
         return

@@ -14,7 +14,7 @@ from cycloid_mj.contact.pressure import HARDNESS_PRESSURE, SHAKEDOWN_PRESSURE, Y
 from cycloid_mj.design import PARTNERS, Design
 from cycloid_mj.design.units import DEGREE, MEGAPASCAL, NEWTON_METRE, NONE, Unit
 from cycloid_mj.errors import CycloidError
-from cycloid_mj.modification import profile_offset
+from cycloid_mj.mechanism.whole import Reducer
 
 CONCENTRATION = 3.0
 """Assumed: most that the largest tooth force may be, over that of ideal sharing."""
@@ -45,10 +45,10 @@ class _Numbers(TypedDict):
     unit: str
 
 
-def strength_checks(design: Design) -> Iterator[Check]:
+def strength_checks(reducer: Reducer) -> Iterator[Check]:
     """Check what a sound design carries at its rated torque."""
     try:
-        state = rated(design)
+        state = rated(reducer)
     except CycloidError as error:
         yield _unknown(error)
         return
@@ -56,7 +56,7 @@ def strength_checks(design: Design) -> Iterator[Check]:
         yield from _pressures(state, part)
     yield _concentration(state)
     yield _pressure_angle(state)
-    for wall in walls(design):
+    for wall in walls(reducer):
         yield _wall(state, wall)
 
 
@@ -75,10 +75,11 @@ def _unknown(error: CycloidError) -> Check:
 
 def _pressures(state: Rated, part: str) -> Iterator[Check]:
     """Check the Hertz pressure of one part's contacts against first yield, shakedown and hardness."""
-    design = state.design
+    design = state.reducer.design
+    reducer = Reducer(design)
     kind = design.tooth_pair if part == "tooth" else part
     pressure = state.peak_pressure(kind)
-    yields, breaks = (_weaker(design, kind, strength) for strength in ("yield_strength", "tensile_strength"))
+    yields, breaks = (_weaker(reducer, kind, strength) for strength in ("yield_strength", "tensile_strength"))
     for name, (key, strength), factor, where, what in (
         ("yield", yields, YIELD_PRESSURE, "x yield strength", "the material first yields below the surface"),
         ("shakedown", yields, SHAKEDOWN_PRESSURE, "x yield strength, 4 k", "the material yields anew at each passing"),
@@ -98,7 +99,7 @@ def _pressures(state: Rated, part: str) -> Iterator[Check]:
             torque = state.torque_at(kind, allowed)
             beyond = f"{what} from {_newton_metres(torque)} on" if math.isfinite(torque) else what
             remedies = [
-                _face_width(design, lambda other: other.peak_pressure(kind), allowed, 2.0),
+                _face_width(reducer, lambda other: other.peak_pressure(kind), allowed, 2.0),
                 Limit(key, "at least", pressure / factor),
                 Limit("drive.torque", "at most", (1.0 - MARGIN) * torque / design.reduction),
             ]
@@ -109,26 +110,27 @@ def _pressures(state: Rated, part: str) -> Iterator[Check]:
             got=got,
             limit=f"{limit} ({factor:.3g} {where})",
             why=beyond,
-            remedy=_alternatives(design, remedies),
+            remedy=_alternatives(reducer, remedies),
             severity="warning",
             key=f"the Hertz pressure of {PARTS[part]} at {_newton_metres(abs(state.torque))}",
             **_numbers(pressure, allowed, MEGAPASCAL),
         )
 
 
-def _weaker(design: Design, kind: str, strength: str) -> tuple[str, float]:
+def _weaker(reducer: Reducer, kind: str, strength: str) -> tuple[str, float]:
     """Give the key and the value [Pa] of a strength of the weaker of the two parts that meet in a kind of pair."""
+    design = reducer.design
     parts = {f"{design.material_table(part)}.{strength}": design.material_of(part) for part in PARTNERS[kind]}
     return min(((key, float(getattr(made, strength))) for key, made in parts.items()), key=lambda found: found[1])
 
 
-def _face_width(design: Design, value: Callable[[Rated], float], allowed: float, power: float) -> Limit:
+def _face_width(reducer: Reducer, value: Callable[[Rated], float], allowed: float, power: float) -> Limit:
     """Give the face width at which a value of a rated design, about width ** -1/power, falls to what is allowed."""
-    width, found = design.gear.face_width, value(rated(design))
+    width, found = reducer.design.gear.face_width, value(rated(reducer))
     for _ in range(GUESSES):
         width *= (1.0 + MARGIN) * (found / allowed) ** power
         try:
-            found = value(rated(design.but(gear={"face_width": width})))
+            found = value(rated(reducer.but(gear={"face_width": width})))
         except CycloidError:
             return Limit("gear.face_width", "at least", math.inf)
         if (1.0 - 4.0 * MARGIN) * allowed < found <= allowed:
@@ -137,15 +139,16 @@ def _face_width(design: Design, value: Callable[[Rated], float], allowed: float,
 
 
 def _concentration(state: Rated) -> Check:
-    design, ratio = state.design, state.concentration
-    names = _clearances(design)
+    design, ratio = state.reducer.design, state.concentration
+    reducer = Reducer(design)
+    names = _clearances(reducer)
     passed = ratio <= CONCENTRATION
     got, limit = told(ratio, "at most", CONCENTRATION, NONE)
 
     def tighter(share: float) -> Design:
         return design.but(clearance={name: share * getattr(design.clearance, name) for name in names})
 
-    share = 1.0 if passed else _threshold(lambda share: rated(tighter(share)).concentration <= CONCENTRATION)
+    share = 1.0 if passed else _threshold(lambda share: rated(Reducer(tighter(share))).concentration <= CONCENTRATION)
     limits = [Limit(f"clearance.{name}", "at most", share * getattr(design.clearance, name)) for name in names]
     return Check(
         name="load_concentration",
@@ -155,7 +158,7 @@ def _concentration(state: Rated) -> Check:
         why="with clearances and a cam that gives, few teeth carry what ideal sharing spreads over half of them",
         remedy=""
         if passed
-        else " and ".join(filter(None, (limit.remedy(design) for limit in limits)))
+        else " and ".join(filter(None, (limit.remedy(reducer) for limit in limits)))
         if share
         else "no smaller clearance is enough: a wider face or more rollers make the cam stiffer"
         " (gear.face_width_mm, contact.cam_rollers)",
@@ -165,13 +168,14 @@ def _concentration(state: Rated) -> Check:
     )
 
 
-def _clearances(design: Design) -> tuple[str, ...]:
+def _clearances(reducer: Reducer) -> tuple[str, ...]:
+    design = reducer.design
     moving = {"pin_socket": design.ring.has_sockets, "pin_sleeve": design.ring.has_sleeves}
     return (design.tooth_pair, *(name for name, moves in moving.items() if moves), "cam", "output")
 
 
 def _pressure_angle(state: Rated) -> Check:
-    design, angle = state.design, state.pressure_angle
+    design, angle = state.reducer.design, state.pressure_angle
     passed = angle <= PRESSURE_ANGLE
     got, limit = told(angle, "at most", PRESSURE_ANGLE, DEGREE)
     least, most = design.gear.eccentricity, design.ring.pin_circle_radius / design.ring.teeth
@@ -183,7 +187,7 @@ def _pressure_angle(state: Rated) -> Check:
         )
 
     def holds(share: float) -> bool:
-        return rated(steeper(share)).pressure_angle <= PRESSURE_ANGLE
+        return rated(Reducer(steeper(share))).pressure_angle <= PRESSURE_ANGLE
 
     share = 1.0 if passed else _threshold(holds)
     better = steeper(share) if share else design
@@ -199,7 +203,7 @@ def _pressure_angle(state: Rated) -> Check:
         why="the steeper the tooth forces, the more they load cam and housing instead of turning the gear",
         remedy=""
         if passed
-        else " and ".join(filter(None, (limit.remedy(design) for limit in limits)))
+        else " and ".join(filter(None, (limit.remedy(Reducer(design)) for limit in limits)))
         if share
         else "no larger eccentricity is enough: lower the clearances",
         severity="warning",
@@ -240,11 +244,12 @@ class Wall:
         return force / (2.0 * self.thickness * face_width)
 
 
-def walls(design: Design) -> tuple[Wall, ...]:
+def walls(reducer: Reducer) -> tuple[Wall, ...]:
     """Give the walls of gear and housing that pins press on."""
+    design = reducer.design
     output, ring, gear = design.output, design.ring, design.gear
     hole = output.hole_radius + design.clearance.output
-    root = ring.pin_circle_radius + design.modification.pin_circle - gear.eccentricity - profile_offset(design)
+    root = ring.pin_circle_radius + design.modification.pin_circle - gear.eccentricity - reducer.profile_offset
     outside = ring.pin_circle_radius + ring.pin_radius + design.socket_play
     if ring.kind == "nonpin":
         outside = ring.pin_circle_radius - ring.pin_radius + 2.0 * gear.eccentricity
@@ -268,10 +273,10 @@ def walls(design: Design) -> tuple[Wall, ...]:
 
 def _wall(state: Rated, wall: Wall) -> Check:
     """Check that no pin tears out of its wall."""
-    design = state.design
+    design = state.reducer.design
 
     def acting(state: Rated) -> float:
-        return wall.stress(state.peak_force(wall.kind), state.design.gear.face_width)
+        return wall.stress(state.peak_force(wall.kind), state.reducer.design.gear.face_width)
 
     stress = acting(state)
     material = design.material_of(wall.part)
@@ -289,15 +294,17 @@ def _wall(state: Rated, wall: Wall) -> Check:
         limit=f"{limit} (the yield strength in {kind} over {SAFETY:g}, assumed)",
         why=f"the largest force there, {state.peak_force(wall.kind):.4g} N, must not tear the"
         f" {1e3 * wall.thickness:.4g} mm of wall",
-        remedy="" if passed else _alternatives(design, [_face_width(design, acting, strength, 1.0), enough]),
+        remedy=""
+        if passed
+        else _alternatives(Reducer(design), [_face_width(Reducer(design), acting, strength, 1.0), enough]),
         severity="warning",
         key=f"the wall {wall.where}",
         **_numbers(stress, strength, MEGAPASCAL),
     )
 
 
-def _alternatives(design: Design, limits: list[Limit]) -> str:
-    return ", or ".join(filter(None, (limit.remedy(design) for limit in limits)))
+def _alternatives(reducer: Reducer, limits: list[Limit]) -> str:
+    return ", or ".join(filter(None, (limit.remedy(reducer) for limit in limits)))
 
 
 def _numbers(value: float, bound: float, unit: Unit) -> _Numbers:

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from cycloid_mj import names
 from cycloid_mj.checks.rated import rated
 from cycloid_mj.contact.pressure import YIELD_PRESSURE, pair_strength
-from cycloid_mj.design import Design, material_limits
+from cycloid_mj.design import material_limits
 from cycloid_mj.loaded.springs import turn_evenly
 from cycloid_mj.mechanism.limits import stops
 from cycloid_mj.mechanism.reducer import are_one_part
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.solid import carried, mass_properties, parts
 
 POSES = 13
@@ -66,7 +67,7 @@ class Summary:
     material_limits: tuple[str, ...]
 
 
-def summary(design: Design) -> Summary:
+def summary(reducer: Reducer) -> Summary:
     """Sum up a design that has no errors.
 
     Raises
@@ -76,34 +77,35 @@ def summary(design: Design) -> Summary:
     RunError
         No static balance was found.
     """
-    state = rated(design)
-    weakest = max(design.pair_kinds, key=lambda kind: state.peak_pressure(kind) / pair_strength(design, kind))
+    design = reducer.design
+    state = rated(reducer)
+    weakest = max(design.pair_kinds, key=lambda kind: state.peak_pressure(kind) / pair_strength(reducer, kind))
     return Summary(
         ratio=design.reduction,
         discs=design.gear.discs,
         one_part=are_one_part(design.gear.discs, design.output.pins, design.lobes),
         outer_diameter=2.0 * design.housing.outer_radius,
-        mass=sum(masses(design).values()),
+        mass=sum(masses(reducer).values()),
         rated_torque=design.rated_torque,
         loaded_teeth=state.loaded_teeth,
         pressure_angle=state.pressure_angle,
-        backlash=_backlash(design),
-        capacity=state.torque_at(weakest, YIELD_PRESSURE * pair_strength(design, weakest)),
+        backlash=_backlash(reducer),
+        capacity=state.torque_at(weakest, YIELD_PRESSURE * pair_strength(reducer, weakest)),
         weakest=weakest,
         material_limits=material_limits(design),
     )
 
 
-def _backlash(design: Design) -> float:
+def _backlash(reducer: Reducer) -> float:
     """Play of the output from stop to stop [rad], mean over a turn."""
-    ends = [stops(design, float(crank), SIDES) for crank in turn_evenly(POSES)]
+    ends = [stops(reducer, float(crank), SIDES) for crank in turn_evenly(POSES)]
     return sum(high - low for low, high in ends) / len(ends)
 
 
-def masses(design: Design) -> dict[str, float]:
+def masses(reducer: Reducer) -> dict[str, float]:
     """Give the masses of the parts [kg] by their names, every ring pin (or sleeve), spacer and roller counted."""
-    borne = Counter(part for by in (names.SHAFT, names.OUTPUT) for part, _ in carried(design, by).values())
-    counts = {names.PIN: design.ring.teeth, **borne}
+    borne = Counter(part for by in (names.SHAFT, names.OUTPUT) for part, _ in carried(reducer, by).values())
+    counts = {names.PIN: reducer.design.ring.teeth, **borne}
     return {
-        name: mass_properties(solid).mass * counts.get(name, 1) for name, solid in parts(design, CHORD_ERROR).items()
+        name: mass_properties(solid).mass * counts.get(name, 1) for name, solid in parts(reducer, CHORD_ERROR).items()
     }

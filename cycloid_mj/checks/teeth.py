@@ -6,8 +6,7 @@ from dataclasses import replace
 
 from cycloid_mj import profile
 from cycloid_mj.checks.limit import Check, Limit, millimetres, verdict, wall_verdict
-from cycloid_mj.design import Design
-from cycloid_mj.modification import profile_offset
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.profile import CycloidGear
 from cycloid_mj.sockets import socket_half_angle
 
@@ -26,12 +25,13 @@ LEAST_CORE = 1 / 3
 BISECTIONS = 60
 
 
-def tooth_checks(design: Design) -> Iterator[Check]:
+def tooth_checks(reducer: Reducer) -> Iterator[Check]:
     """Check the teeth of gear and ring."""
+    design = reducer.design
     N, c, E, rho = design.ring.teeth, design.gear.eccentricity, design.ring.pin_circle_radius, design.ring.pin_radius
     smaller = min(design.modification.pin_circle, 0.0)  # the gear may be generated with a smaller pin circle
     loops = verdict(
-        design,
+        reducer,
         "loops",
         Limit("gear.eccentricity", "less than", (E + smaller) / N * (1 - LOOP_MARGIN)),
         "from E / N on the path of a pin in the gear has loops, which no gear can follow",
@@ -40,31 +40,32 @@ def tooth_checks(design: Design) -> Iterator[Check]:
     )
     yield loops
     if loops.passed:
-        yield _undercut(design)
+        yield _undercut(reducer)
     if design.ring.kind == "pin":
-        yield _neighbouring_pins(design)
+        yield _neighbouring_pins(reducer)
         if design.ring.has_sleeves:
-            yield _sleeve(design)
+            yield _sleeve(reducer)
         yield verdict(
-            design,
+            reducer,
             "socket",
             Limit("ring.pin_radius", "more than", c),
             "the gear's tips sweep out to E - rho + 2 c, which must not reach the bottoms of the sockets at E + rho",
             Limit("gear.eccentricity", "less than", rho),
         )
         if loops.passed and design.ring.has_sockets and c < rho and design.ring.socket == "half_open":
-            yield _held(design)
-    yield _housing(design)
+            yield _held(reducer)
+    yield _housing(reducer)
 
 
-def _undercut(design: Design) -> Check:
+def _undercut(reducer: Reducer) -> Check:
     """Check that the profile has no cusps.
 
     It is also all that the internal gear needs to exist (see `envelope`), and it keeps the outline simple: for N >= 4
     the least convex radius of the path is below the least distance of its tangents from the gear's centre, so that the
     polar angle of the profile grows all the way round.
     """
-    ring, c, offset = design.ring, design.gear.eccentricity, profile_offset(design)
+    design = reducer.design
+    ring, c, offset = design.ring, design.gear.eccentricity, reducer.profile_offset
     generating = design.ring.pin_circle_radius + design.modification.pin_circle
 
     def spare(eccentricity: float) -> float:
@@ -73,7 +74,7 @@ def _undercut(design: Design) -> Check:
 
     flatter = [] if spare(c) > 0 else [Limit("gear.eccentricity", "less than", _falling_root(spare, c))]
     return verdict(
-        design,
+        reducer,
         "undercut",
         Limit("ring.pin_radius", "less than", ring.pin_radius + spare(c)),
         "a pin that is larger, with its clearance, than the sharpest convex bend of its path cuts the lobes away",
@@ -81,7 +82,8 @@ def _undercut(design: Design) -> Check:
     )
 
 
-def _neighbouring_pins(design: Design) -> Check:
+def _neighbouring_pins(reducer: Reducer) -> Check:
+    design = reducer.design
     E, N, play = design.ring.pin_circle_radius, design.ring.teeth, design.socket_play
     socket = design.ring.pin_radius + play
 
@@ -93,14 +95,14 @@ def _neighbouring_pins(design: Design) -> Check:
             Limit("ring.pin_circle_radius", "more than", socket / room if room > 0.0 else math.inf),
         )
 
-    return wall_verdict(design, "neighbouring_pins", limits, WALL_SHARE, "between the sockets of neighbouring pins")
+    return wall_verdict(reducer, "neighbouring_pins", limits, WALL_SHARE, "between the sockets of neighbouring pins")
 
 
-def _sleeve(design: Design) -> Check:
+def _sleeve(reducer: Reducer) -> Check:
     """Check that a sleeve leaves a pin, and one that can hold it: at least a third of rho (assumed)."""
-    ring, play = design.ring, design.clearance.pin_sleeve
+    ring, play = reducer.design.ring, reducer.design.clearance.pin_sleeve
     found = verdict(
-        design,
+        reducer,
         "sleeve",
         Limit("ring.sleeve_thickness", "at most", (1 - LEAST_CORE) * ring.pin_radius - play),
         f"the pin inside the sleeve is to be at least {LEAST_CORE:.0%} as thick as the sleeve is outside (assumed)",
@@ -108,7 +110,7 @@ def _sleeve(design: Design) -> Check:
         severity="warning",
     )
     there = verdict(
-        design,
+        reducer,
         "sleeve",
         Limit("ring.sleeve_thickness", "less than", ring.pin_radius - play),
         "the sleeve leaves no pin inside",
@@ -116,12 +118,13 @@ def _sleeve(design: Design) -> Check:
     return found if there.passed else replace(there, remedy=found.remedy)
 
 
-def _held(design: Design) -> Check:
+def _held(reducer: Reducer) -> Check:
     """Check that sockets reach round their pins as far as the gear presses on these.
 
     It presses a pin outwards, up to asin(c N/E) aside (Hsieh 2014, Eq. 7). Where that is within the socket the pin
     stays in: pressed it lies on the socket's wall, and idle the gear in front of it holds it back.
     """
+    design = reducer.design
     N, c, E, rho = design.ring.teeth, design.gear.eccentricity, design.ring.pin_circle_radius, design.ring.pin_radius
 
     def spare(pin_radius: float, eccentricity: float) -> float:
@@ -134,7 +137,7 @@ def _held(design: Design) -> Check:
         return socket_half_angle(made) - math.asin(min(1.0, eccentricity * N / E))
 
     return verdict(
-        design,
+        reducer,
         "pin_held",
         Limit("ring.pin_radius", "more than", _falling_root(lambda radius: -spare(radius, c), E)),
         f"the gear presses pins up to {math.degrees(math.asin(c * N / E)):.4g} deg aside, and a half-open socket that "
@@ -143,7 +146,8 @@ def _held(design: Design) -> Check:
     )
 
 
-def _housing(design: Design) -> Check:
+def _housing(reducer: Reducer) -> Check:
+    design = reducer.design
     ring, c, outer = design.ring, design.gear.eccentricity, design.housing.outer_radius
     sockets = ring.pin_circle_radius + ring.pin_radius + design.socket_play
     root = ring.pin_circle_radius - ring.pin_radius + 2 * c
@@ -157,7 +161,7 @@ def _housing(design: Design) -> Check:
         )
 
     where = f"outside the ring's teeth (out to {millimetres(outermost)})"
-    return wall_verdict(design, "housing", limits, WALL_SHARE, where)
+    return wall_verdict(reducer, "housing", limits, WALL_SHARE, where)
 
 
 def pitches(half_pitch_share: float) -> float:

@@ -4,28 +4,29 @@ import math
 from collections.abc import Iterator, Sequence
 
 from cycloid_mj.checks.limit import Check, Limit, told
-from cycloid_mj.design import Design
 from cycloid_mj.design.units import MICROMETRE
+from cycloid_mj.mechanism.whole import Reducer
 
 SIGMAS = 3.0
 """Standard deviations that are taken for the tolerance of a part: 3 parts in 1000 lie beyond."""
 
 
-def tolerance_checks(design: Design) -> Iterator[Check]:
+def tolerance_checks(reducer: Reducer) -> Iterator[Check]:
     """Check each manufacturing error of the design that is not 0; all are warnings."""
+    design = reducer.design
     errors, clearance, pair = design.errors, design.clearance, design.tooth_pair
     mesh = getattr(clearance, pair) + design.modification.equidistant + design.pin_play
     place, radius = _spread(errors.pin_position, errors.pin_x, errors.pin_y), _spread(errors.pin_radius, errors.pin_dr)
     pins = math.hypot(place, radius)
-    yield from _tolerance(design, "pin_tolerance", "a ring pin's place and radius", pins, pair, mesh)
+    yield from _tolerance(reducer, "pin_tolerance", "a ring pin's place and radius", pins, pair, mesh)
     holes = _spread(errors.hole_position, errors.hole_x, errors.hole_y)
-    yield from _tolerance(design, "hole_tolerance", "a hole's place", holes, "output", clearance.output)
+    yield from _tolerance(reducer, "hole_tolerance", "a hole's place", holes, "output", clearance.output)
     flanks = _spread(errors.disc_size, errors.disc_dr)
-    yield from _tolerance(design, "disc_tolerance", "a disc's flanks", flanks, pair, mesh)
+    yield from _tolerance(reducer, "disc_tolerance", "a disc's flanks", flanks, pair, mesh)
     cams = _spread(errors.cam_position, errors.cam_x, errors.cam_y)
-    yield from _tolerance(design, "cam_tolerance", "a cam's place", cams, "cam", clearance.cam + mesh)
+    yield from _tolerance(reducer, "cam_tolerance", "a cam's place", cams, "cam", clearance.cam + mesh)
     off = abs(errors.eccentricity)
-    yield from _tolerance(design, "eccentricity_tolerance", "the eccentricity", off, "cam", clearance.cam + mesh)
+    yield from _tolerance(reducer, "eccentricity_tolerance", "the eccentricity", off, "cam", clearance.cam + mesh)
 
 
 def _spread(deviation: float, *listed: Sequence[float]) -> float:
@@ -34,13 +35,13 @@ def _spread(deviation: float, *listed: Sequence[float]) -> float:
     return math.hypot(*given) if given else SIGMAS * deviation
 
 
-def _tolerance(design: Design, name: str, what: str, size: float, pair: str, room: float) -> Iterator[Check]:
+def _tolerance(reducer: Reducer, name: str, what: str, size: float, pair: str, room: float) -> Iterator[Check]:
     """Check that an error of a `size` [m] finds `room` [m], of which the clearance of a `pair` is part."""
     if size == 0.0:
         return
     passed = size <= room
     got, limit = told(size, "at most", room, MICROMETRE)
-    enough = Limit(f"clearance.{pair}", "at least", getattr(design.clearance, pair) + size - room)
+    enough = Limit(f"clearance.{pair}", "at least", getattr(reducer.design.clearance, pair) + size - room)
     lower = f"lower the errors to {room / size:.0%} of what they are"
     yield Check(
         name=name,
@@ -48,7 +49,7 @@ def _tolerance(design: Design, name: str, what: str, size: float, pair: str, roo
         got=f"{got} ({SIGMAS:g} standard deviations, or the largest listed)",
         limit=f"{limit} (its clearance)",
         why="a part that is off by more than its clearance is pressed, and takes the load of the others",
-        remedy="" if passed else ", or ".join(filter(None, (enough.remedy(design), lower))),
+        remedy="" if passed else ", or ".join(filter(None, (enough.remedy(reducer), lower))),
         severity="warning",
         key=f"the error of {what}",
     )

@@ -10,6 +10,7 @@ from cycloid_mj.cli.flags import FLAT, LOAD, DesignOptions, ForceFlag, JsonFlag,
 from cycloid_mj.cli.terminal import json_text, say, say_json, show, tell
 from cycloid_mj.errors import RunError, UsageError
 from cycloid_mj.interrupt import cause
+from cycloid_mj.mechanism.whole import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.bench import Calibration
@@ -115,7 +116,7 @@ def calibrate(
     if len(set(names)) < len(names):
         raise UsageError(f"two loops are called {max(names, key=names.count)}: give their files names of their own")
     design = chosen.sound()
-    into = folder(str(out), "the calibration", [f"{calibrated_name(design)}{rest}" for rest in FILES], force)
+    into = folder(str(out), "the calibration", [f"{calibrated_name(Reducer(design))}{rest}" for rest in FILES], force)
     progress = _Trials(quiet)
     found = calibrated(design, loops, keys, held, math.radians(crank_deg), progress)
     written = _write(found, into)

@@ -10,6 +10,7 @@ from cycloid_mj.cli.flags import FLAT, TIMESTEP, DesignOptions, ForceFlag, JsonF
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import say, say_json, say_table, tell
 from cycloid_mj.errors import CycloidError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.replacing import claim
 
 if TYPE_CHECKING:
@@ -77,7 +78,7 @@ def build(
     settings = ConvexSettings(chord_error=chord_error_um * 1e-6)
     settings = replace(settings, coacd=replace(settings.coacd, seed=seed))
     tell("cutting the parts into convex pieces")
-    files = model_files(design, settings)
+    files = model_files(Reducer(design), settings)
     into = folder(out, "the model", files, force)
     write_folder(files, into)
     told = _told(files[MANIFEST])
@@ -112,6 +113,7 @@ def _told(manifest: bytes) -> dict[str, dict[str, Any]]:
 
 def _plain_told(design: "Design", seed: int) -> dict[str, dict[str, Any]]:
     """Give the figures of plain CoACD on the toothed parts."""
+    reducer = Reducer(design)
     from cycloid_mj.convex import CoacdSettings, plain_gear, plain_ring
     from cycloid_mj.mjcf.folder import quality_um
 
@@ -119,9 +121,9 @@ def _plain_told(design: "Design", seed: int) -> dict[str, dict[str, Any]]:
     for threshold in (0.05, 0.02):
         settings = CoacdSettings(threshold=threshold, seed=seed)
         tell(f"plain CoACD at threshold {threshold:g}")
-        cut: list[Plain] = [plain_gear(design, settings)]
+        cut: list[Plain] = [plain_gear(reducer, settings)]
         if design.ring.kind == "nonpin":
-            cut.append(plain_ring(design, settings))
+            cut.append(plain_ring(reducer, settings))
         found |= {f"{one.part}, plain CoACD {threshold:g}": quality_um(one.quality) for one in cut}
     return found
 

@@ -33,6 +33,7 @@ from cycloid_mj.cli.simulate import logs_folder, require_possible
 from cycloid_mj.cli.verdict import report
 from cycloid_mj.design import Design
 from cycloid_mj.errors import LogError, UsageError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.papers import vibration
 
 if TYPE_CHECKING:
@@ -209,7 +210,7 @@ def _held_for_turns(designs: Sequence[Design]) -> list[Design]:
     if any(design.drive.speed == 0.0 for design in designs):
         return list(designs)
     turns = TURNS if designs[0].load.torque else IDLE_TURNS
-    settled = max(settling(design) for design in designs)
+    settled = max(settling(Reducer(design)) for design in designs)
     # a sample more: the last turn shall be whole
     return [design.steady(settled, turns, samples=1.0, drive={"ramp": design.drive.ramp}) for design in designs]
 
@@ -223,13 +224,13 @@ def all_cases(designs: Sequence[Design], first: Design, options: Options) -> lis
     from cycloid_mj.comparison import comparable, conditions, under, with_play_of
 
     require_distinct(designs)
-    shared = conditions(first)
+    shared = conditions(Reducer(first))
     rated = round(first.rated_torque, 9) if options.load_nm is None else options.load_nm
     compared = list(designs)
     if len(designs) == 2 and {design.ring.kind for design in designs} == {"pin", "nonpin"}:
         pin, nonpin = sorted(designs, key=lambda design: design.ring.kind, reverse=True)
-        compared.append(with_play_of(nonpin, under(pin, shared, rated)))
-    by_load = [[under(design, shared, load) for design in compared] for load in dict.fromkeys((0.0, rated))]
+        compared.append(with_play_of(Reducer(nonpin), Reducer(under(Reducer(pin), shared, rated))))
+    by_load = [[under(Reducer(design), shared, load) for design in compared] for load in dict.fromkeys((0.0, rated))]
     cases = [case for each in by_load for case in (each if options.held else _held_for_turns(each))]
     comparable(cases)
     return cases
@@ -256,7 +257,7 @@ def _from_runs(
     from cycloid_mj.comparison import compare as compared
 
     count = QUICK_STARTS if options.quick else STARTS
-    starts = {design: (design,) if design.load.torque else all_started(design, count) for design in cases}
+    starts = {design: (design,) if design.load.torque else all_started(Reducer(design), count) for design in cases}
     as_it_is = Variation("", "as it is", ())
     variations, assumptions = SWEEP if options.sweep else (), () if options.quick else ASSUMPTIONS
     loaded = [design for design in cases if design.load.torque]
@@ -265,7 +266,7 @@ def _from_runs(
         for design in changed:
             words = f"{variation.parameter}-{variation.value}".replace(" ", "-").replace("/", "-per-")
             for place, start in enumerate(starts[design]):
-                names.setdefault(variation.of(start), f"{_log_name(start, place)}-{words}")
+                names.setdefault(variation.of(Reducer(start)), f"{_log_name(start, place)}-{words}")
     for design in names:
         require_possible(design)
     into = logs_folder(RUNS, options.out, [*(f"{name}.mcap" for name in names.values()), CURVATURE], options.force)
@@ -280,7 +281,7 @@ def _from_runs(
 
     def trials(designs: Sequence[Design], variation: Variation = as_it_is) -> list[Trial]:
         """Give designs with one variation and the measures of all their starts."""
-        found = ([variation.of(start) for start in starts[design]] for design in designs)
+        found = ([variation.of(Reducer(start)) for start in starts[design]] for design in designs)
         return [Trial(first, measured[first], tuple(measured[other] for other in others)) for first, *others in found]
 
     figures = vibration().figures

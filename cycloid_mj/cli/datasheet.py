@@ -8,6 +8,7 @@ from cycloid_mj.cli.flags import FLAT, PRESET, ForceFlag, JsonFlag, PresetOption
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import say, say_json
 from cycloid_mj.errors import UsageError
+from cycloid_mj.mechanism.whole import Reducer
 
 RUNS = "runs"
 
@@ -48,7 +49,7 @@ def datasheet(
     design = chosen.sound()
     pdf, html = (f"{design.name}-datasheet.{form}" for form in ("pdf", "html"))
     into = folder(out, "the data sheet", (pdf, html), force)
-    sheet = computed(design, life_h)
+    sheet = computed(Reducer(design), life_h)
     files = {into / pdf: document(datasheet_pages(sheet)), into / html: datasheet_page(sheet).encode()}
     write_whole(files)
     if json:

@@ -12,6 +12,7 @@ from cycloid_mj.cli.flags import NAMES, ForceFlag, JsonFlag, SetFlag, designed, 
 from cycloid_mj.cli.terminal import say, say_json
 from cycloid_mj.design import PRESETS, Design, dump, override, reasons
 from cycloid_mj.errors import CycloidError, UsageError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.replacing import claim
 from cycloid_mj.whole import write_whole
 
@@ -179,7 +180,7 @@ def _summed(design: Design) -> "Summary | None":
     from cycloid_mj.checks import summary
 
     try:
-        return summary(design)
+        return summary(Reducer(design))
     except CycloidError:
         return None
 

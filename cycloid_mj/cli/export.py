@@ -9,6 +9,7 @@ from cycloid_mj.cli.flags import FLAT, DesignOptions, ForceFlag, JsonFlag, withi
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import say, say_json, say_table
 from cycloid_mj.errors import UsageError
+from cycloid_mj.mechanism.whole import Reducer
 
 EXAMPLES = """Examples:
   cycloid-mj export --design pin --format stl
@@ -117,9 +118,10 @@ def export(
         raise UsageError("--cam-bearing-bore-mm is for the plate: add --plate")
     seat = (cam_bearing_bore_mm or 0.0) / 2.0 / MILLIMETRES
     design, offset, chord_error = chosen.sound(), offset_um * 1e-6, chord_error_um * 1e-6
+    reducer = Reducer(design)
     made = exported(design, format_, chord_error, offset)
-    printed = laid_out(widened(design, offset), chord_error, seat) if plate else None
-    items = bill(design, seat) if plate else ()
+    printed = laid_out(widened(reducer, offset), chord_error, seat) if plate else None
+    items = bill(reducer, seat) if plate else ()
     parts = dict(made.files)
     if printed:
         parts |= {PLATE: stl_bytes(printed.mesh, MILLIMETRES), BILL: bill_csv(items)}

@@ -13,6 +13,7 @@ from cycloid_mj.design import PRESETS, Design, override, resolve
 from cycloid_mj.design.units import Unit, file_key, unit_of
 from cycloid_mj.engine import Engine
 from cycloid_mj.errors import DesignError, UsageError
+from cycloid_mj.mechanism.whole import Reducer
 
 SYMBOLS = {"nm": "N m"}
 SIDES = {
@@ -201,7 +202,7 @@ class DesignOptions:
         from cycloid_mj.checks import require_sound
 
         design = self.resolved(values)
-        require_sound(design)
+        require_sound(Reducer(design))
         return design
 
 

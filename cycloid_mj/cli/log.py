@@ -12,6 +12,7 @@ from cycloid_mj.cli.flags import ForceFlag, JsonFlag, within
 from cycloid_mj.cli.outfile import STDOUT, claim_csv, write_csv
 from cycloid_mj.cli.terminal import say, say_json, say_table, tell
 from cycloid_mj.errors import CycloidError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.replacing import claim, require_ending
 
 if TYPE_CHECKING:
@@ -175,7 +176,7 @@ def rerun(
     from cycloid_mj.scene.rerun import write_rerun
 
     run, path = read(log), _named(log, out, ".rrd", force)
-    write_rerun(run, design_of(run), path)
+    write_rerun(run, Reducer(design_of(run)), path)
     say(str(path))
     return 0
 
@@ -189,7 +190,7 @@ def layout(log: LogName, /) -> int:
     from cycloid_mj.analysis.series import design_of
     from cycloid_mj.scene.layout import layout as arranged
 
-    say(text_of.dumps(arranged(design_of(_read(log))), indent=2))
+    say(text_of.dumps(arranged(Reducer(design_of(_read(log)))), indent=2))
     return 0
 
 

@@ -29,6 +29,7 @@ from cycloid_mj.cli.flags import (
 )
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 
 ABOUT = "Measure transmission error, backlash, lost motion, torque, efficiency, loads or vibration."
 EXAMPLES = """Examples:
@@ -373,6 +374,6 @@ def _measure(name: str, designs: Sequence[Design], options: Options, delivered: 
     for design in designs:
         words = WORDS.get(name, name) + (f" of {design.name}" if options.values() else "")
         progress = counted(words, delivered.quiet)
-        published = {"published": published_torques(design)} if options.PUBLISHED else {}
+        published = {"published": published_torques(Reducer(design))} if options.PUBLISHED else {}
         found.append(MEASURES[name](design, **options.arguments(), **published, progress=progress))
     return deliver(found, into, delivered)

@@ -21,6 +21,7 @@ from cycloid_mj.cli.flags import (
 from cycloid_mj.cli.terminal import say, say_json, show, tell
 from cycloid_mj.errors import DesignError, RunError, UsageError
 from cycloid_mj.interrupt import cause
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.whole import write_whole
 
 if TYPE_CHECKING:
@@ -123,7 +124,7 @@ def optimize(
     from cycloid_mj.explore.problem import problem
 
     engine = where.engine()
-    task = problem(chosen.resolved(), _ranges(vary), minimize, maximize, limit, strict, follow)
+    task = problem(Reducer(chosen.resolved()), _ranges(vary), minimize, maximize, limit, strict, follow)
     into = folder(str(out), "the history", () if begun(out, STUDY) else (HISTORY, PARQUET, BEST, FIGURE, PAGE), force)
     if force:
         forget(into, STUDY)
@@ -200,4 +201,4 @@ def _page(found: "Optimum") -> str:
         *(Part(table.title[:1].upper() + table.title[1:], tables=[table]) for table in rest),
         Part("What the numbers stand on", notes=found.notes),
     ]
-    return study_page(f"cycloid_mj: {found.task.design.name} optimised", [found.words], numbers, parts)
+    return study_page(f"cycloid_mj: {found.task.reducer.design.name} optimised", [found.words], numbers, parts)

@@ -9,6 +9,7 @@ from cycloid_mj.cli.outfile import STDOUT, Columns, CsvFlag, claim_csv, write_cs
 from cycloid_mj.cli.terminal import tell
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
+from cycloid_mj.mechanism.whole import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.types import Array
@@ -104,6 +105,7 @@ def _ring(design: Design, points: int | None) -> Columns:
 
 
 def _curvature(design: Design, crank_angles: int | None) -> Columns:
+    reducer = Reducer(design)
     import numpy as np
 
     from cycloid_mj.contact.pressure import pair_modulus
@@ -118,8 +120,8 @@ def _curvature(design: Design, crank_angles: int | None) -> Columns:
             f"--points {crank_angles} gives more than {MOST_ROWS} lines with {design.ring.teeth} teeth: lower it"
         )
     lines = contact_lines(gear, design.ring.kind, mesh_period(gear, crank_angles))
-    modulus = pair_modulus(design, design.tooth_pair)
-    force = working_force(at_rated_load(design), design.tooth_pair)
+    modulus = pair_modulus(reducer, design.tooth_pair)
+    force = working_force(at_rated_load(reducer), design.tooth_pair)
     x, y = 1e3 * lines.points.T
     return {
         "crank_deg": np.degrees(lines.crank_angle),

@@ -11,6 +11,7 @@ from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import say, say_json, say_table, show
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.replacing import claim, require_ending
 
 if TYPE_CHECKING:
@@ -97,7 +98,7 @@ def rate(
     design = chosen.sound()
     cycle = _duty(design, load_nm, speed_rpm, duty, peak_nm)
     page = None if html is None else _named(design, html, force)
-    found = rated(design, cycle, life_h, read_ranges(stress, design) if stress else None, give=True)
+    found = rated(design, cycle, life_h, read_ranges(stress, Reducer(design)) if stress else None, give=True)
     if page:
         write_whole({page: rating_page(found).encode()})
     if json:

@@ -9,9 +9,10 @@ from cyclopts import Parameter
 from cycloid_mj.cli.flags import FLAT, DesignOptions, ForceFlag, JsonFlag, QuietFlag
 from cycloid_mj.cli.terminal import json_text, say, say_json, show, tell
 from cycloid_mj.errors import UsageError, warn
+from cycloid_mj.mechanism.whole import Reducer
 
 if TYPE_CHECKING:
-    from cycloid_mj.robot import Reducer
+    from cycloid_mj.robot import ReducedJoint
     from cycloid_mj.robot.study import Tried
 
 OutFlag = Annotated[Path, Parameter(metavar="DIR", help="Folder of the files, made if there is none.")]
@@ -19,7 +20,7 @@ LevelFlag = Annotated[
     Literal["rigid", "backlash", "full"],
     Parameter(
         help="What the joint has: ratio, inertia and constant friction; play and springs too; friction under load and "
-        "transmission error as well, by Reducer.step. Default: full."
+        "transmission error as well, by ReducedJoint.step. Default: full."
     ),
 ]
 StepFlag = Annotated[
@@ -70,7 +71,7 @@ def reduce(
     (the friction models M3 and M5 of BAM), and reducer.html, which shows the
     joint against the full model and which time steps it bears: those at which an
     impact, the output swung across its play by the rated load, is right within 5 %.
-    What MJCF cannot say is Reducer.step in Python; attach_reducer puts the joint on
+    What MJCF cannot say is ReducedJoint.step in Python; attach_reducer puts the joint on
     any model.
     """
     from cycloid_mj.cli.outfile import folder
@@ -90,15 +91,15 @@ def reduce(
         raise UsageError(f"--load-inertia-kgm2 {load_inertia_kgm2:g}: give a number more than 0")
     design = chosen.sound()
     into = folder(str(out), "the joint", FILES, force)
-    reducer = measured(design, level, counted("reduce", quiet))
-    inertia = reducer.reflected_inertia if load_inertia_kgm2 is None else load_inertia_kgm2
-    found, steps, bammed = against(design, reducer), study(reducer), bam(reducer)
+    reduced = measured(design, level, counted("reduce", quiet))
+    inertia = reduced.reflected_inertia if load_inertia_kgm2 is None else load_inertia_kgm2
+    found, steps, bammed = against(Reducer(design), reduced), study(reduced), bam(reduced)
     step = None if timestep_ms is None else 1e-3 * timestep_ms
-    asked = scene(reducer, inertia, step, *([] if integrator is None else [(integrator,)]))
+    asked = scene(reduced, inertia, step, *([] if integrator is None else [(integrator,)]))
     warn(design.name, [*_inaccurate(asked), *(f"{name} of the joint is off the full model's" for name in found.missed)])
     result = plain(
         {
-            **reducer.as_json(),
+            **reduced.as_json(),
             "scene": asked.as_json(),
             "comparison": found.as_json(),
             "te_holds_to_rpm": found.highest_speed_rpm,
@@ -107,11 +108,11 @@ def reduce(
         }
     )
     texts = (
-        joint_xml(reducer),
-        scene_xml(reducer, inertia, asked.timestep, asked.integrator),
+        joint_xml(reduced),
+        scene_xml(reduced, inertia, asked.timestep, asked.integrator),
         f"{json_text(result)}\n",
         f"{dumps(plain(bammed), indent=2)}\n",
-        joint_page(reducer, found, steps, asked, bammed),
+        joint_page(reduced, found, steps, asked, bammed),
     )
     files = {into / name: text.encode() for name, text in zip(FILES, texts, strict=True)}
     write_whole(files)
@@ -120,7 +121,7 @@ def reduce(
     if json:
         say_json(result)
         return 0
-    _print(reducer)
+    _print(reduced)
     show(found.table())
     show(recommended_table(steps))
     show(table(steps))
@@ -137,10 +138,10 @@ def _inaccurate(asked: "Tried") -> list[str]:
     ]
 
 
-def _print(reducer: "Reducer") -> None:
+def _print(reduced: "ReducedJoint") -> None:
     from cycloid_mj.result import quantity_table
 
-    show(quantity_table(f"reduce: {reducer.name}, level {reducer.level}", reducer.quantities.values()))
-    for one in reducer.quantities.values():
+    show(quantity_table(f"reduce: {reduced.name}, level {reduced.level}", reduced.quantities.values()))
+    for one in reduced.quantities.values():
         if one.note:
             say(f"{one.name}: {one.note}")

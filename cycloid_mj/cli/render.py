@@ -9,6 +9,7 @@ from cycloid_mj.cli.analyze import LogName
 from cycloid_mj.cli.flags import ForceFlag, whole, within
 from cycloid_mj.cli.terminal import say
 from cycloid_mj.errors import UsageError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.replacing import claim
 
 EXAMPLES = """Examples:
@@ -72,7 +73,7 @@ def render(
     require_mujoco()
     from cycloid_mj.scene.render import render as rendered
 
-    picture = rendered(run, design_of(run), sample, (width, height), (azimuth, elevation))
+    picture = rendered(run, Reducer(design_of(run)), sample, (width, height), (azimuth, elevation))
     from PIL import Image
 
     with whole_file(out) as beside:

@@ -17,6 +17,7 @@ from cycloid_mj.cli.progress import Progress
 from cycloid_mj.design import Design
 from cycloid_mj.errors import CycloidError, LogError, RunError, UsageError
 from cycloid_mj.interrupt import cause, unbroken
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.replacing import claim
 
 if TYPE_CHECKING:
@@ -135,14 +136,15 @@ class Ran:
 
 def require_possible(design: Design) -> None:
     """Raise UsageError for a run that is too long or stands still, DesignError for an unsound design."""
+    reducer = Reducer(design)
     if design.drive.speed == 0.0:
         raise UsageError("drive.speed_rpm is 0: the crank would stand still; give --speed-rpm")
     from cycloid_mj.checks import require_sound
     from cycloid_mj.contact.timestep import timestep
     from cycloid_mj.run import MOST_STEPS
 
-    require_sound(design)
-    step = timestep(design)
+    require_sound(reducer)
+    step = timestep(reducer)
     steps = (design.drive.ramp + design.drive.hold) / step
     if steps > MOST_STEPS:
         raise UsageError(
@@ -179,22 +181,25 @@ def run_into_log(
     design: Design, names: Iterable[Path], force: bool, progress: Progress, contact: "Contact" = "profile"
 ) -> Ran:
     """Run a design into the first log of `names` that no other run has taken meanwhile."""
+    reducer = Reducer(design)
     progress.tell("preparing the model")
     from cycloid_mj.log import LogWriter
     from cycloid_mj.run import attachments, blocks, columns, provenance, reducer_model, schedule, warned, warnings
     from cycloid_mj.scene import Scene, frame_rate
 
-    reducer = reducer_model(design, contact)
-    plan = schedule(design, reducer.model.opt.timestep)
+    compiled = reducer_model(reducer, contact)
+    plan = schedule(reducer, compiled.model.opt.timestep)
     _require_held_samples(design, plan)
-    groups = {topic: list(units.items()) for topic, units in columns(reducer, design).items()}
-    told = provenance(design, contact, plan.timestep) | {"steps": str(plan.steps)} | warned(warnings(reducer, design))
+    groups = {topic: list(units.items()) for topic, units in columns(compiled, reducer).items()}
+    told = (
+        provenance(reducer, contact, plan.timestep) | {"steps": str(plan.steps)} | warned(warnings(compiled, reducer))
+    )
     progress.tell(f"time step {told['timestep']}, for {told['timestep_for']}")
     start = time.perf_counter()
-    scene = Scene(design, frame_rate(design))
-    files = attachments(reducer, design)
+    scene = Scene(design, frame_rate(reducer))
+    files = attachments(compiled, reducer)
     with _first(names, lambda path: LogWriter(path, groups, told, files, force=force, viewer=scene)) as log:
-        _record(blocks(reducer, design), log, progress)
+        _record(blocks(compiled, reducer), log, progress)
         wall = time.perf_counter() - start
         log.flush()
         findings = _judgement(log)

@@ -6,6 +6,7 @@ from cyclopts import Parameter
 
 from cycloid_mj.cli.flags import FLAT, LOAD, DesignOptions, JsonFlag
 from cycloid_mj.cli.terminal import say, say_json, say_table
+from cycloid_mj.mechanism.whole import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.loaded.sheet import Sheet
@@ -48,8 +49,9 @@ def statics(*, chosen: Annotated[DesignOptions, FLAT], load_nm: LoadFlag = None,
     from cycloid_mj.loaded.sheet import sheet
 
     design = chosen.resolved()
-    require_sound(design)
-    found = sheet(design, load_nm)
+    reducer = Reducer(design)
+    require_sound(reducer)
+    found = sheet(reducer, load_nm)
     if json:
         say_json(found.as_json())
     else:

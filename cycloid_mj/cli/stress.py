@@ -28,6 +28,7 @@ from cycloid_mj.cli.stressfiles import RESULT, report
 from cycloid_mj.cli.terminal import tell
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError, warn
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.papers import stress_references
 
 if TYPE_CHECKING:
@@ -196,7 +197,7 @@ def _loaded(design: Design, load_nm: float | None) -> Design:
     if design.drive.speed == 0.0:
         return design
     rate = max(design.settings.log_rate, SAMPLES * abs(design.drive.speed) / (2.0 * math.pi))
-    return design.steady(settling(design), 1.0 / share(design), samples=3.0, settings={"log_rate": rate})
+    return design.steady(settling(Reducer(design)), 1.0 / share(design), samples=3.0, settings={"log_rate": rate})
 
 
 def _run(designs: Sequence[Design], out: str | None, force: bool, quiet: bool) -> "tuple[Path, list[Logged]]":
@@ -227,7 +228,7 @@ def _planned(designs: Sequence[Design], parts: Sequence[str], settings: "StudySe
     from cycloid_mj.stress.study import study_grids
 
     chosen = _parts_by_design(designs, parts)
-    grids = [study_grids(design, names, settings) for design, names in zip(designs, chosen, strict=True)]
+    grids = [study_grids(Reducer(design), names, settings) for design, names in zip(designs, chosen, strict=True)]
     needed = total(cost(grid, settings) for each in grids for grid in each.values())
     unknowns = sum(grid.unknowns for each in grids for grid in each.values())
     if not quiet:
@@ -249,7 +250,7 @@ def _read(logs: Sequence[str], designs: Sequence[str]) -> list[Logged]:
         ran = design_of(run)
         warn(ran.name, run.warnings)
         if designs:
-            require_same(designed(designs[number], (), ()), ran)
+            require_same(Reducer(designed(designs[number], (), ())), Reducer(ran))
         found.append((ran, run, Path(name)))
     return found
 
@@ -265,13 +266,13 @@ def _studied(
     return [
         stress_study(
             run,
-            design,
+            Reducer(design),
             tuple(grids),
             settings,
             str(path),
             partial(watch.begins, design.name),
             grids,
-            stress_references(design),
+            stress_references(Reducer(design)),
         )
         for (design, run, path), grids in zip(runs, planned, strict=True)
         if grids
@@ -283,9 +284,9 @@ def _parts_by_design(designs: Sequence[Design], parts: Sequence[str]) -> list[li
     from cycloid_mj.stress.loads import part_names, require_part
 
     for part in parts:
-        if not any(part in part_names(design) for design in designs):
-            require_part(designs[0], part)
-    return [[part for part in part_names(design) if part in parts or not parts] for design in designs]
+        if not any(part in part_names(Reducer(design)) for design in designs):
+            require_part(Reducer(designs[0]), part)
+    return [[part for part in part_names(Reducer(design)) if part in parts or not parts] for design in designs]
 
 
 class _Watch:

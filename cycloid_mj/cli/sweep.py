@@ -21,6 +21,7 @@ from cycloid_mj.cli.flags import whole as whole_number
 from cycloid_mj.cli.terminal import say, say_json, show, tell
 from cycloid_mj.errors import RunError, UsageError
 from cycloid_mj.interrupt import cause
+from cycloid_mj.mechanism.whole import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.explore.points import Points
@@ -131,7 +132,7 @@ def sweep(
 
     wanted = _points(vary, table, sample, points, seed)
     engine = where.engine()
-    task = task_of(chosen.resolved(), wanted, measure, quick, real_pins, follow)
+    task = task_of(Reducer(chosen.resolved()), wanted, measure, quick, real_pins, follow)
     into = folder(out, "the sweep", () if begun(Path(out), SWEEP) else FILES, force)
     if force:
         forget(into, SWEEP)

@@ -42,7 +42,7 @@ def view(what: WhatName, /, *, set_: SetFlag = (), slow: SlowFlag = SLOW) -> int
     from cycloid_mj.mjcf import build
 
     tell("building the model")
-    reducer = build(design)
-    warn(design.name, reducer.warnings)
-    show_model(reducer.model)
+    compiled = build(design)
+    warn(design.name, compiled.warnings)
+    show_model(compiled.model)
     return 0

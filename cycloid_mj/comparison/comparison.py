@@ -13,6 +13,7 @@ from cycloid_mj.comparison.trial import Trial
 from cycloid_mj.contact.massless import require_pin_bodies
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.result import Table, load_words, plain
 
 
@@ -120,7 +121,7 @@ def compare(
     ordered = tuple(next(t for t in trials if (t.name, t.load) == (name, load)) for load in loads for name in designs)
     return Comparison(
         designs=tuple(designs),
-        conditions=conditions(ordered[-1].design),
+        conditions=conditions(Reducer(ordered[-1].design)),
         differences=differences(list(designs.values())),
         trials=ordered,
         rankings=tuple(rankings(ordered, figures)),
@@ -133,7 +134,7 @@ def comparable(cases: Sequence[Design]) -> dict[str, Design]:
     """Return designs by name if runs of these cases, each a design under a load, can be compared; see `compare`."""
     found: dict[str, Design] = {}
     for case in cases:
-        require_pin_bodies(case, "the idle and dynamic figures of a comparison")
+        require_pin_bodies(Reducer(case), "the idle and dynamic figures of a comparison")
         # a name stands for one design, whatever its load and how long it runs under it
         first = found.setdefault(case.name, case)
         if differing := [key for key in differences([first, case]) if key != HOLD]:
@@ -164,18 +165,18 @@ def _require_same_conditions(cases: Sequence[Design]) -> None:
     """Refuse runs under different settings; idle runs may be of another duration than loaded ones."""
     for case in cases:
         first = next(each for each in cases if each.load.torque == case.load.torque)
-        _require_alike(first, case, ())
-        _require_alike(cases[0], case, (HOLD,))
+        _require_alike(Reducer(first), Reducer(case), ())
+        _require_alike(Reducer(cases[0]), Reducer(case), (HOLD,))
 
 
-def _require_alike(first: Design, case: Design, but: Sequence[str]) -> None:
+def _require_alike(first: Reducer, case: Reducer, but: Sequence[str]) -> None:
     wanted, own = conditions(first), conditions(case)
     for key in wanted | own:
         if own.get(key) != wanted.get(key) and key not in but:
             raise UsageError(
-                f"the runs differ in their settings: {key} is {wanted.get(key)} for {first.name} at "
-                f"{load_words(first.load.torque)}, but {own.get(key)} for {case.name} at "
-                f"{load_words(case.load.torque)}; run them with the same"
+                f"the runs differ in their settings: {key} is {wanted.get(key)} for {first.design.name} at "
+                f"{load_words(first.design.load.torque)}, but {own.get(key)} for {case.design.name} at "
+                f"{load_words(case.design.load.torque)}; run them with the same"
             )
 
 

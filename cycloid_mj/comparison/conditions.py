@@ -12,49 +12,51 @@ from typing import Any
 
 from cycloid_mj.contact.law import series_stiffness
 from cycloid_mj.design import Design, dump, override
+from cycloid_mj.mechanism.whole import Reducer
 
 TABLES = ("drive", "load", "environment", "settings")
 HOLD = "drive.hold_s"
 NO_CONDITIONS = ("load.torque_nm", "drive.power_kw", "drive.torque_nm")
 
 
-def values(design: Design) -> dict[str, Any]:
+def values(reducer: Reducer) -> dict[str, Any]:
     """Give every value of a design by its key in the file, ``table.key``, but for its name."""
-    tables = tomllib.loads(dump(design))
+    tables = tomllib.loads(dump(reducer.design))
     single = {table: value for table, value in tables.items() if not isinstance(value, dict) and table != "name"}
     keyed = {table: keys for table, keys in tables.items() if isinstance(keys, dict)}
     return single | {f"{table}.{key}": value for table, keys in keyed.items() for key, value in keys.items()}
 
 
-def conditions(design: Design) -> dict[str, Any]:
+def conditions(reducer: Reducer) -> dict[str, Any]:
     """Give the values of a design that its rivals must share."""
-    found = values(design).items()
+    found = values(reducer).items()
     return {key: value for key, value in found if key.split(".")[0] in TABLES and key not in NO_CONDITIONS}
 
 
-def under(design: Design, shared: Mapping[str, Any], load: float) -> Design:
+def under(reducer: Reducer, shared: Mapping[str, Any], load: float) -> Design:
     """Give a design under shared conditions and a load torque [N m]."""
-    return override(design, {**shared, "load.torque_nm": load})
+    return override(reducer.design, {**shared, "load.torque_nm": load})
 
 
 def differences(designs: Sequence[Design]) -> dict[str, tuple[Any, ...]]:
     """Return what differs between designs, load torque apart: key -> the value of each, None where it has none."""
-    found = [values(design) for design in designs]
+    found = [values(Reducer(design)) for design in designs]
     keys = dict.fromkeys(key for one in found for key in one if key != "load.torque_nm")
     each = {key: tuple(one.get(key) for one in found) for key in keys}
     return {key: of_each for key, of_each in each.items() if any(value != of_each[0] for value in of_each)}
 
 
-def total_play(design: Design) -> float:
+def total_play(reducer: Reducer) -> float:
     """Give the clearance between the gear and the housing along a contact's normal [m]."""
+    design = reducer.design
     play = getattr(design.clearance, design.tooth_pair)
     return float(play + design.pin_play)
 
 
-def with_play_of(nonpin: Design, pin: Design) -> Design:
+def with_play_of(nonpin: Reducer, pin: Reducer) -> Design:
     """Give an internal gear's design with the total play and the series stiffness of a pin design.
 
     The stiffness is the pin design's at its own load, and is kept under every other: one and the same design.
     """
     alike = {"clearance": {"tooth": total_play(pin)}, "stiffness": {"tooth": series_stiffness(pin)}}
-    return nonpin.but(name=f"{nonpin.name}-like-{pin.name}", **alike)
+    return nonpin.but(name=f"{nonpin.design.name}-like-{pin.design.name}", **alike).design

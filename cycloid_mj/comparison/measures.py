@@ -12,7 +12,7 @@ from cycloid_mj.comparison.fluctuation import Level, level, turns, unshifted
 from cycloid_mj.comparison.forces import Forces, forces
 from cycloid_mj.comparison.vibration import Vibration, vibration
 from cycloid_mj.contact.swing import SETTLING, slowness
-from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.member import gear_angle
 from cycloid_mj.record import Run
 
@@ -36,12 +36,13 @@ class Measures:
     forces: Forces
 
 
-def settling(design: Design) -> float:
+def settling(reducer: Reducer) -> float:
     """Give the time after the ramp that is not judged [s]: until the load is on and settled, and one crank turn more.
 
     At no load a gear that starts centred takes about a turn to its rattling.
     """
-    loaded = max(design.load.rise - design.drive.ramp, 0.0) + SETTLING * slowness(design)
+    design = reducer.design
+    loaded = max(design.load.rise - design.drive.ramp, 0.0) + SETTLING * slowness(reducer)
     return loaded + (2 * math.pi / abs(design.drive.speed) if design.drive.speed else 0.0)
 
 
@@ -53,8 +54,8 @@ def settled(run: Run, q: npt.ArrayLike | None = None) -> Series:
     LogError
         The run did not reach the hold, too.
     """
-    motion = series(run, q, settling(design_of(run)))
-    require_hold(motion.design, motion.time)
+    motion = series(run, q, settling(Reducer(design_of(run))))
+    require_hold(Reducer(motion.design), motion.time)
     return motion
 
 

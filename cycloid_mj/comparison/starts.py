@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 
 STARTS = 8
 """Independent starts over which an idle quantity is given, and from which on two designs are ranked by it."""
@@ -80,27 +81,28 @@ def order(one: Spread, other: Spread) -> int:
     return -1 if other.low > ALIKE * one.high else 0
 
 
-def started(design: Design, number: int, of: int = STARTS) -> Design:
+def started(reducer: Reducer, number: int, of: int = STARTS) -> Design:
     """Give one of several independent starts of a design, the first as it is.
 
     Gravity is turned by a whole number of tooth pitches: the same as to let the crank begin elsewhere in its turn, at
     the same phase of the mesh. A ring of fewer teeth than there are starts has gravity turned by equal parts of a turn.
     """
+    design = reducer.design
     teeth, pull = design.ring.teeth, design.environment
     turn = 2 * math.pi * round(teeth * number / of) / teeth if teeth >= of else 2 * math.pi * number / of
     if turn == 0.0:
         return design
     cos, sin = math.cos(turn), math.sin(turn)
     x, y = cos * pull.gravity_x - sin * pull.gravity_y, sin * pull.gravity_x + cos * pull.gravity_y
-    return design.but(environment={"gravity_x": x, "gravity_y": y})
+    return reducer.but(environment={"gravity_x": x, "gravity_y": y}).design
 
 
-def all_started(design: Design, count: int = STARTS) -> tuple[Design, ...]:
+def all_started(reducer: Reducer, count: int = STARTS) -> tuple[Design, ...]:
     """Give so many independent starts of a design; a single one where no gravity acts in its plane."""
-    return tuple(dict.fromkeys(started(design, number, count) for number in range(count)))
+    return tuple(dict.fromkeys(started(reducer, number, count) for number in range(count)))
 
 
-def gravity_turn(design: Design) -> float:
+def gravity_turn(reducer: Reducer) -> float:
     """Give the angle [rad] by which the gravity of a start is turned, counter-clockwise from -y, in [0, 2 pi)."""
-    pull = design.environment
+    pull = reducer.design.environment
     return math.atan2(pull.gravity_x, -pull.gravity_y) % (2 * math.pi)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from cycloid_mj.comparison.ranking import NO_FIGURES, Ranking, rankings
 from cycloid_mj.comparison.trial import Trial
 from cycloid_mj.design import Design, override
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.result import load_words
 
 
@@ -24,8 +25,9 @@ class Variation:
         """Parameter and value, as a case of a table is called."""
         return f"{self.parameter} {self.value}"
 
-    def of(self, design: Design) -> Design:
+    def of(self, reducer: Reducer) -> Design:
         """Give the design with the change, or as it is where it does not concern it."""
+        design = reducer.design
         return design if self.pins_only and design.ring.kind != "pin" else override(design, self.changes)
 
 

@@ -7,7 +7,7 @@ step(s) = s^2 (3 - 2 s) from nothing at the surface to the whole damping c at th
 import math
 from dataclasses import dataclass
 
-from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.units import MILLIMETRE
 
 
@@ -46,11 +46,12 @@ class Impact:
         return Impact(self.stiffness / 2.0**self.exponent, self.exponent, self.damping / 2.0, 2.0 * self.depth)
 
 
-def impact_of(design: Design, kind: str = "") -> Impact | None:
+def impact_of(reducer: Reducer, kind: str = "") -> Impact | None:
     """Give the law of a kind of pair if `contact.law` is "impact", else None; through a massless pin act two in series.
 
     Of a design's file k is in N/mm^e, the force at a depth of 1 mm.
     """
+    design = reducer.design
     contact = design.contact
     if contact.law != "impact":
         return None

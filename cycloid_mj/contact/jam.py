@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.types import Array
 
 JAMMED = 10.0
@@ -25,8 +25,9 @@ SELF_LOCKING = 1.0 / (1.0 + JAMMED)
 """Efficiency of a drive in which friction takes `JAMMED` times what goes to its load."""
 
 
-def jamming_power(design: Design) -> float:
+def jamming_power(reducer: Reducer) -> float:
     """Compute the power of friction [W] above which a design jams; infinite where its crank stands."""
+    design = reducer.design
     drive = design.drive
     asked = max(STALLING * abs(drive.torque), JAMMED * abs(design.load.torque) / design.reduction)
     return asked * abs(drive.speed) if asked and drive.speed else math.inf

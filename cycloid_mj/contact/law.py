@@ -15,9 +15,9 @@ from cycloid_mj import statics
 from cycloid_mj.contact.impact import impact_of
 from cycloid_mj.contact.pressure import pair_modulus
 from cycloid_mj.contact.working import STRIBECK, working_force, working_load, working_source
-from cycloid_mj.design import Design
 from cycloid_mj.digits import significant
 from cycloid_mj.errors import ContactError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.structure import pin_flexibility
 from cycloid_mj.types import Array
 
@@ -108,12 +108,12 @@ class CurvatureLaw:
         return np.asarray(self.reference / (self.constant + np.log(np.maximum(relative_curvature, least))))
 
 
-def damping_ratio(design: Design, kind: str) -> float:
+def damping_ratio(reducer: Reducer, kind: str) -> float:
     """Give the damping of a kind of pair as a share of critical [1]."""
-    return float(getattr(design.damping, kind)) or design.contact.damping_ratio
+    return float(getattr(reducer.design.damping, kind)) or reducer.design.contact.damping_ratio
 
 
-def pair_stiffness(design: Design, kind: str) -> float:
+def pair_stiffness(reducer: Reducer, kind: str) -> float:
     """Give the stiffness of a kind of pair [N/m]: the one given, or the secant stiffness at its working force.
 
     Of teeth it is that of a pin on a flat; in sockets, sleeves and holes it follows the relative curvature. In a
@@ -121,18 +121,19 @@ def pair_stiffness(design: Design, kind: str) -> float:
     Bearing Analysis) through two contacts in series, each as stiff as a pin on a flat. A plain cam is
     `statics.conformal_stiffness`. Of the law IMPACT it is the secant of its spring, wherever the parts touch.
     """
+    design = reducer.design
     given: float = getattr(design.stiffness, kind)
     if given:
         return given
-    if impact := impact_of(design):
-        return impact.secant(working_force(design, kind))
+    if impact := impact_of(reducer):
+        return impact.secant(working_force(reducer, kind))
     if kind == "cam" and design.gear.bearing == "plain":
-        modulus = pair_modulus(design, kind)
-        force = working_force(design, "cam")
+        modulus = pair_modulus(reducer, kind)
+        force = working_force(reducer, "cam")
         return statics.conformal_stiffness(force, design.gear.face_width, modulus, design.clearance.cam)
-    law, play = curvature_law(design, kind), design.clearance
+    law, play = curvature_law(reducer, kind), design.clearance
     if kind == "cam":
-        on_cam = _roller_on_cam(design) or law.stiffness
+        on_cam = _roller_on_cam(reducer) or law.stiffness
         return law.stiffness / (1.0 + law.stiffness / on_cam) * (design.contact.cam_rollers / STRIBECK)
     if kind in ("pin_gear", "tooth"):
         return law.stiffness
@@ -144,42 +145,43 @@ def pair_stiffness(design: Design, kind: str) -> float:
     return law.stiffness * law.factor(1.0 / inner - 1.0 / outer)
 
 
-def series_stiffness(design: Design) -> float:
+def series_stiffness(reducer: Reducer) -> float:
     """Give the stiffness between gear and housing [N/m]: that of a pin on a flat, and that of its seat, in series.
 
     A pin is a two-force body: play and compliance of its two contacts add up.
     """
-    kinds = [kind for kind in (design.tooth_pair, design.seat_pair) if kind]
-    return 1.0 / sum(1.0 / pair_stiffness(design, kind) for kind in kinds)
+    kinds = [kind for kind in (reducer.design.tooth_pair, reducer.design.seat_pair) if kind]
+    return 1.0 / sum(1.0 / pair_stiffness(reducer, kind) for kind in kinds)
 
 
-def contact_stiffness(design: Design, kind: str, disc: int = 0) -> float:
+def contact_stiffness(reducer: Reducer, kind: str, disc: int = 0) -> float:
     """Give the stiffness of a kind of pair as the simulation has it [N/m].
 
     Of a massless pin, its seat is in series; of an output pin, its bending at a `disc` in a structure of springs.
     """
-    through = kind == design.tooth_pair and design.ring.has_massless_pins
-    own = series_stiffness(design) if through else pair_stiffness(design, kind)
-    bent = float(pin_flexibility(design)[disc, disc]) if kind == "output" else 0.0
+    through = kind == reducer.design.tooth_pair and reducer.design.ring.has_massless_pins
+    own = series_stiffness(reducer) if through else pair_stiffness(reducer, kind)
+    bent = float(pin_flexibility(reducer)[disc, disc]) if kind == "output" else 0.0
     return 1.0 / (1.0 / own + bent) if bent else own
 
 
-def stiffest(design: Design, kind: str) -> float:
+def stiffest(reducer: Reducer, kind: str) -> float:
     """Give `contact_stiffness` on the disc where it is largest [N/m]."""
-    return max(contact_stiffness(design, kind, disc) for disc in range(design.gear.discs))
+    return max(contact_stiffness(reducer, kind, disc) for disc in range(reducer.design.gear.discs))
 
 
-def _roller_on_cam(design: Design) -> float:
+def _roller_on_cam(reducer: Reducer) -> float:
     """Give the stiffness of a roller, of the shaft's material, on the cam [N/m]; 0 where it is given for all pairs."""
+    design = reducer.design
     if design.contact.stiffness:
         return 0.0
     shaft, depth = design.material_of("shaft"), design.ring.pin_radius
     modulus = statics.contact_modulus(shaft.youngs_modulus, shaft.poisson)
-    force = _line_force(design, "cam")
+    force = _line_force(reducer, "cam")
     return float(statics.line_contact_stiffness(force, design.gear.face_width, modulus, depth, 1.0 / depth))
 
 
-def curvature_law(design: Design, kind: str = "") -> CurvatureLaw:
+def curvature_law(reducer: Reducer, kind: str = "") -> CurvatureLaw:
     """Give the stiffness of a kind of line contacts from material, face width, pin radius and working force.
 
     By default it is that of the teeth, pin on gear or gear on internal gear; of the cam, that of a roller.
@@ -189,17 +191,18 @@ def curvature_law(design: Design, kind: str = "") -> CurvatureLaw:
     ContactError
         The working force flattens a pin beyond a line contact.
     """
+    design = reducer.design
     kind = kind or design.tooth_pair
-    if impact := impact_of(design):
-        return CurvatureLaw(0.0, 1.0, impact.secant(working_force(design, kind)), 0.0)
-    force, depth = _line_force(design, kind), design.ring.pin_radius
+    if impact := impact_of(reducer):
+        return CurvatureLaw(0.0, 1.0, impact.secant(working_force(reducer, kind)), 0.0)
+    force, depth = _line_force(reducer, kind), design.ring.pin_radius
     length = design.gear.face_width
-    modulus = pair_modulus(design, kind)
+    modulus = pair_modulus(reducer, kind)
     constant = statics.line_contact_constant(force, length, modulus, depth)
     reference = constant - math.log(depth)
     if reference <= 1.0:
         raise ContactError(
-            f"{_blamed(design, kind)} flattens a pin of radius {1e3 * depth:g} mm beyond a line contact "
+            f"{_blamed(reducer, kind)} flattens a pin of radius {1e3 * depth:g} mm beyond a line contact "
             f"({force:g} N on one); lower it, or use a wider face or a stiffer material"
         )
     of_teeth = getattr(design.stiffness, kind) if kind == design.tooth_pair else 0.0
@@ -209,19 +212,19 @@ def curvature_law(design: Design, kind: str = "") -> CurvatureLaw:
     return CurvatureLaw(reference if local else 0.0, constant, stiffness, force / stiffness)
 
 
-def _line_force(design: Design, kind: str) -> float:
+def _line_force(reducer: Reducer, kind: str) -> float:
     """Give the working force of one line contact [N]; of a rolling cam, on its most loaded roller."""
-    force = working_force(design, kind)
-    return force * STRIBECK / design.contact.cam_rollers if kind == "cam" else force
+    force = working_force(reducer, kind)
+    return force * STRIBECK / reducer.design.contact.cam_rollers if kind == "cam" else force
 
 
-def _blamed(design: Design, kind: str) -> str:
+def _blamed(reducer: Reducer, kind: str) -> str:
     """Name the value of the design that a working force comes from."""
-    source = working_source(design, kind)
+    source = working_source(reducer, kind)
     if source == "given":
-        return f"working_force.{kind}_n" if getattr(design.working_force, kind) else "contact.working_force_n"
+        return f"working_force.{kind}_n" if getattr(reducer.design.working_force, kind) else "contact.working_force_n"
     key = "contact.working_load_nm" if source == "working load" else "load.torque_nm"
-    return f"{key} (a working load of {working_load(design):.4g} N m)"
+    return f"{key} (a working load of {working_load(reducer):.4g} N m)"
 
 
 @dataclass(frozen=True)
@@ -267,7 +270,7 @@ def contact_law(
     return ContactLaw(stiffness, damping, added, friction, creep, effective_mass)
 
 
-def impratio(design: Design, laws: Iterable[Mapping[str, ContactLaw]], timestep: float) -> float:
+def impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactLaw]], timestep: float) -> float:
     """Give the ``impratio`` of a model that MuJoCo's lift is taken off (`lift`), for the laws of a design's discs.
 
     As the normal force has the added mass 1/R, friction has impratio/R, which acts on the acceleration along the
@@ -276,19 +279,20 @@ def impratio(design: Design, laws: Iterable[Mapping[str, ContactLaw]], timestep:
     `COUPLED`.
     """
     rubbing = [law for of_disc in laws for law in of_disc.values() if law.friction]
-    if not (rubbing and design.drive.speed):
+    if not (rubbing and reducer.design.drive.speed):
         return IMPRATIO
     least = [max(law.friction**2 / COUPLED, 0.5 * law.creep * timestep / law.added_mass) for law in rubbing]
     return significant(max(least))
 
 
-def leads(design: Design, laws: Mapping[str, ContactLaw], impratio: float) -> dict[str, float]:
+def leads(reducer: Reducer, laws: Mapping[str, ContactLaw], impratio: float) -> dict[str, float]:
     """Give the tangent of the angle by which friction leads its sliding, on teeth, cam and the seats of moving pins.
 
     Parts that circle on the eccentricity c at w slide with c w and accelerate by c w^2; on the cam, of radius r, they
     slide with r w. So it is impratio w/(R creep), on the cam c/r of it. Creep is in proportion to the working force:
     under a light load friction would come to point against the sliding.
     """
+    design = reducer.design
     gear, speed = design.gear, abs(design.drive.speed)
     shares = {design.tooth_pair: 1.0, "cam": gear.eccentricity / gear.bore_radius}
     if design.ring.has_pin_bodies:
@@ -297,12 +301,12 @@ def leads(design: Design, laws: Mapping[str, ContactLaw], impratio: float) -> di
     return {kind: share * impratio * law.added_mass * speed / law.creep for kind, (law, share) in found.items()}
 
 
-def stock_impratio(design: Design, laws: Iterable[Mapping[str, ContactLaw]]) -> float:
+def stock_impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactLaw]]) -> float:
     """Give the ``impratio`` of a model for stock MuJoCo, which lifts what slides: `IMPRATIO`, or what `LEAD` allows."""
     allowed = [
-        (LEAD_OF_PINS if kind == design.seat_pair else LEAD) / lead
+        (LEAD_OF_PINS if kind == reducer.design.seat_pair else LEAD) / lead
         for of_disc in laws
-        for kind, lead in leads(design, of_disc, 1.0).items()
+        for kind, lead in leads(reducer, of_disc, 1.0).items()
         if lead
     ]
     return significant(min([IMPRATIO, *allowed]))

@@ -7,8 +7,8 @@ means, forces and efficiency are those of real pins to 0.2 %; the gear's speed s
 """
 
 from cycloid_mj.contact.working import own_load
-from cycloid_mj.design import Design
 from cycloid_mj.errors import DesignError
+from cycloid_mj.mechanism.whole import Reducer
 
 WITHOUT = {"free": "massless", "sleeved": "massless_sleeved"}
 """``ring.pins`` of pins that move -> the same without their inertia."""
@@ -19,19 +19,19 @@ ASSUMPTION = (
 )
 
 
-def massless(design: Design) -> Design:
+def massless(reducer: Reducer) -> Reducer:
     """Give a design for loaded means: without the inertia of pins that move, else itself."""
-    if not design.ring.has_pin_bodies:
-        return design
-    return design.but(ring={"pins": WITHOUT[design.ring.pins]})
+    if not reducer.design.ring.has_pin_bodies:
+        return reducer
+    return reducer.but(ring={"pins": WITHOUT[reducer.design.ring.pins]})
 
 
-def assumptions(design: Design, what: str) -> tuple[str, ...]:
+def assumptions(reducer: Reducer, what: str) -> tuple[str, ...]:
     """Tell what of a measure stands on massless pins where the design's own pins move; nothing where none does."""
-    return (f"{what}: {ASSUMPTION}",) if design.ring.has_pin_bodies else ()
+    return (f"{what}: {ASSUMPTION}",) if reducer.design.ring.has_pin_bodies else ()
 
 
-def require_pin_bodies(design: Design, what: str) -> None:
+def require_pin_bodies(reducer: Reducer, what: str) -> None:
     """Refuse massless pins for what they cannot tell.
 
     Raises
@@ -39,6 +39,7 @@ def require_pin_bodies(design: Design, what: str) -> None:
     DesignError
         The design has massless pins.
     """
+    design = reducer.design
     if design.ring.has_massless_pins:
         others = {ours: real for real, ours in WITHOUT.items()}
         raise DesignError(
@@ -47,11 +48,12 @@ def require_pin_bodies(design: Design, what: str) -> None:
         )
 
 
-def idle(design: Design) -> tuple[str, ...]:
+def idle(reducer: Reducer) -> tuple[str, ...]:
     """Tell where a run with massless pins has too small a load to press them into their seats; nothing where not."""
-    if not design.ring.has_massless_pins or abs(design.load.torque) > own_load(design):
+    design = reducer.design
+    if not design.ring.has_massless_pins or abs(design.load.torque) > own_load(reducer):
         return ()
     return (
         f"load.torque_nm = {design.load.torque:g} is less than the gear's own weight and inertia ask for, but massless "
-        f"pins hold under load alone: raise it to more than {own_load(design):.3g}, or set ring.pins to free, sleeved",
+        f"pins hold under load alone: raise it to more than {own_load(reducer):.3g}, or set ring.pins to free, sleeved",
     )

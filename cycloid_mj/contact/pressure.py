@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from cycloid_mj import statics
 from cycloid_mj.contact.working import STRIBECK
-from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.types import Array, Mask
 
 YIELD_PRESSURE = 1.79
@@ -25,10 +25,11 @@ HERTZ_REACH = 0.3
 Hertz takes b << R (Johnson 1985, 4.1); a strip of 0.3 R, 17 deg to each side, is where conformal solutions leave it."""
 
 
-def line_curvature(design: Design, kind: str) -> float:
+def line_curvature(reducer: Reducer, kind: str) -> float:
     """Give the relative curvature [1/m] of a kind of contact but the teeth; of a rolling cam, that of its rollers."""
-    if kind == "cam" and _has_rollers(design):
-        return 1.0 / roller_radius(design) + 1.0 / design.gear.bore_radius
+    design = reducer.design
+    if kind == "cam" and _has_rollers(reducer):
+        return 1.0 / roller_radius(reducer) + 1.0 / design.gear.bore_radius
     inner, outer = {
         "cam": (design.gear.bore_radius, design.gear.bore_radius + design.clearance.cam),
         "output": (design.output.pin_radius, design.output.hole_radius + design.clearance.output),
@@ -41,56 +42,57 @@ def line_curvature(design: Design, kind: str) -> float:
     return 1.0 / inner - 1.0 / outer
 
 
-def roller_radius(design: Design) -> float:
+def roller_radius(reducer: Reducer) -> float:
     """Give the radius of the cam's rollers [m], which fill its circle, one touching the next."""
-    return design.gear.bore_radius * math.sin(math.pi / design.contact.cam_rollers)
+    return reducer.design.gear.bore_radius * math.sin(math.pi / reducer.design.contact.cam_rollers)
 
 
-def line_share(design: Design, kind: str) -> float:
+def line_share(reducer: Reducer, kind: str) -> float:
     """Give the share of a pair's force that its most loaded line contact bears: of a rolling cam, one roller."""
-    return STRIBECK / design.contact.cam_rollers if kind == "cam" and _has_rollers(design) else 1.0
+    return STRIBECK / reducer.design.contact.cam_rollers if kind == "cam" and _has_rollers(reducer) else 1.0
 
 
-def pair_modulus(design: Design, kind: str) -> float:
+def pair_modulus(reducer: Reducer, kind: str) -> float:
     """Give the modulus E* [Pa] of a kind of pair, of the materials of both parts."""
-    one, other = design.partners(kind)
+    one, other = reducer.design.partners(kind)
     return statics.contact_modulus(one.youngs_modulus, one.poisson, other.youngs_modulus, other.poisson)
 
 
-def pair_strength(design: Design, kind: str) -> float:
+def pair_strength(reducer: Reducer, kind: str) -> float:
     """Give the yield strength [Pa] of the weaker of the two parts that meet in a kind of pair."""
-    return min(part.yield_strength for part in design.partners(kind))
+    return min(part.yield_strength for part in reducer.design.partners(kind))
 
 
-def hertz_pressure(design: Design, kind: str, force: npt.ArrayLike, curvature: npt.ArrayLike) -> Array:
+def hertz_pressure(reducer: Reducer, kind: str, force: npt.ArrayLike, curvature: npt.ArrayLike) -> Array:
     """Give Hertz's peak pressure [Pa] of lines as long as the face width; conformal ones count as flat on flat.
 
     `force` [N] and relative `curvature` [1/m] broadcast to the shape of the result.
     """
-    modulus = pair_modulus(design, kind)
+    modulus = pair_modulus(reducer, kind)
     curvature = np.maximum(curvature, np.finfo(float).tiny)
-    return statics.hertz_line_contact(force, design.gear.face_width, curvature, modulus).peak_pressure
+    return statics.hertz_line_contact(force, reducer.design.gear.face_width, curvature, modulus).peak_pressure
 
 
-def hertz_holds(design: Design, kind: str, force: npt.ArrayLike, curvature: npt.ArrayLike) -> Mask:
+def hertz_holds(reducer: Reducer, kind: str, force: npt.ArrayLike, curvature: npt.ArrayLike) -> Mask:
     """Tell where a line contact of a kind is no conformal one: its strip is narrow against the thinner body.
 
     `force` [N] on the line and relative `curvature` [1/m] broadcast to the shape of the result.
     """
-    modulus = pair_modulus(design, kind)
+    modulus = pair_modulus(reducer, kind)
     curvature = np.maximum(curvature, np.finfo(float).tiny)
-    strip = statics.hertz_line_contact(force, design.gear.face_width, curvature, modulus).half_width
-    return np.asarray(strip < HERTZ_REACH * _thinner_radius(design, kind))
+    strip = statics.hertz_line_contact(force, reducer.design.gear.face_width, curvature, modulus).half_width
+    return np.asarray(strip < HERTZ_REACH * _thinner_radius(reducer, kind))
 
 
-def _thinner_radius(design: Design, kind: str) -> float:
+def _thinner_radius(reducer: Reducer, kind: str) -> float:
     """Radius [m] of the smaller body of a kind of contact."""
+    design = reducer.design
     if kind == "cam":
-        return roller_radius(design) if _has_rollers(design) else design.gear.bore_radius
+        return roller_radius(reducer) if _has_rollers(reducer) else design.gear.bore_radius
     return {"output": design.output.pin_radius, "pin_sleeve": design.ring.sleeve_bore_radius}.get(
         kind, design.ring.pin_radius
     )
 
 
-def _has_rollers(design: Design) -> bool:
-    return design.gear.bearing == "rolling"
+def _has_rollers(reducer: Reducer) -> bool:
+    return reducer.design.gear.bearing == "rolling"

@@ -12,7 +12,8 @@ import numpy as np
 from cycloid_mj.contact.law import LEAST_IMPEDANCE, ContactLaw, leads, pair_stiffness
 from cycloid_mj.contact.timestep import passing_limit, resolved, rolling_limits, timestep
 from cycloid_mj.contact.working import working_force
-from cycloid_mj.design import Design, Friction
+from cycloid_mj.design import Friction
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.member import against_ring
 from cycloid_mj.structure import pin_flexibility
 
@@ -37,7 +38,7 @@ RAISED = 0.01
 """Share of the effective mass by which MuJoCo may raise an added mass without a word."""
 
 
-class Reducer(Protocol):
+class Compiled(Protocol):
     """What is judged of a built model: see ``mjcf.ReducerModel``."""
 
     @property
@@ -53,46 +54,48 @@ class Reducer(Protocol):
         """The contact law of each kind of pair."""
 
 
-def warnings(design: Design, reducer: Reducer) -> tuple[str, ...]:
+def warnings(reducer: Reducer, compiled: Compiled) -> tuple[str, ...]:
     """Tell every bad regime of a built design: what, where, and what to change; nothing where there is none."""
-    step = reducer.model.opt.timestep  # by mesh contact it may be shorter than the design's
-    resolved = [text for kind, law in reducer.laws.items() for text in _resolution(design, kind, law, step)]
+    step = compiled.model.opt.timestep  # by mesh contact it may be shorter than the design's
+    resolved = [text for kind, law in compiled.laws.items() for text in _resolution(reducer, kind, law, step)]
     return (
-        *_rolling(design, step),
+        *_rolling(reducer, step),
         *resolved,
-        *_leading(design, reducer),
-        *_clamped(reducer),
-        *_bent(design),
-        *at_rest(design, reducer.laws),
+        *_leading(reducer, compiled),
+        *_clamped(compiled),
+        *_bent(reducer),
+        *at_rest(reducer, compiled.laws),
     )
 
 
-def at_rest(design: Design, kinds: Iterable[str]) -> tuple[str, ...]:
+def at_rest(reducer: Reducer, kinds: Iterable[str]) -> tuple[str, ...]:
     """Tell those that count even where all motion is so slow that neither step nor mass has an effect."""
-    return (*(text for kind in kinds for text in _noise(design, kind)), *_unused(design))
+    return (*(text for kind in kinds for text in _noise(reducer, kind)), *_unused(reducer))
 
 
-def pace(design: Design) -> tuple[str, ...]:
+def pace(reducer: Reducer) -> tuple[str, ...]:
     """Tell where a run at the design's crank speed has too few steps or samples from tooth to tooth."""
+    design = reducer.design
     passing = design.ring.teeth * abs(float(against_ring(design, design.drive.speed))) / (2.0 * math.pi)
-    return (*_few_steps(design, passing), *_few_samples(design, passing)) if passing else ()
+    return (*_few_steps(reducer, passing), *_few_samples(reducer, passing)) if passing else ()
 
 
-def _few_steps(design: Design, passing: float) -> Iterator[str]:
+def _few_steps(reducer: Reducer, passing: float) -> Iterator[str]:
     """Tell of a crank that turns too far in a step; teeth pass ``passing`` times a second."""
-    step, longest = timestep(design), passing_limit(design)
+    step, longest = timestep(reducer), passing_limit(reducer)
     if step > longest * (1.0 + 1e-9):
         yield (
             f"settings.timestep_us = {1e6 * step:g}: the crank turns by "
-            f"{math.degrees(abs(design.drive.speed)) * step:.3g} deg in a step, and a tooth passes in "
+            f"{math.degrees(abs(reducer.design.drive.speed)) * step:.3g} deg in a step, and a tooth passes in "
             f"{1.0 / (passing * step):.3g} steps: forces and ripple are wrong, peaks are cut; shorten it to "
             f"{_below(1e6 * longest)} or lower drive.speed_rpm"
         )
 
 
-def _few_samples(design: Design, passing: float) -> Iterator[str]:
+def _few_samples(reducer: Reducer, passing: float) -> Iterator[str]:
     """Tell of a log too coarse for a tooth's passing; it holds a sample a step at most."""
-    rate, least = min(design.settings.log_rate, 1.0 / timestep(design)), FEWEST_SAMPLES * passing
+    design = reducer.design
+    rate, least = min(design.settings.log_rate, 1.0 / timestep(reducer)), FEWEST_SAMPLES * passing
     if rate < least * (1.0 - 1e-9):
         yield (
             f"settings.log_rate_hz = {design.settings.log_rate:g} gives {rate / passing:.2g} samples of each passing "
@@ -106,9 +109,9 @@ def steps_ratio(law: ContactLaw, step: float) -> float:
     return law.stiffness * step**2 / law.effective_mass
 
 
-def _rolling(design: Design, step: float) -> Iterator[str]:
+def _rolling(reducer: Reducer, step: float) -> Iterator[str]:
     """Tell of a step that does not follow what rolls in its play."""
-    for what, longest in rolling_limits(design).items():
+    for what, longest in rolling_limits(reducer).items():
         if step > longest * (1.0 + 1e-9):
             yield (
                 f"settings.timestep_us = {1e6 * step:g} is too long for the rolling of {what}: speeds and losses are "
@@ -116,9 +119,9 @@ def _rolling(design: Design, step: float) -> Iterator[str]:
             )
 
 
-def _resolution(design: Design, kind: str, law: ContactLaw, step: float) -> Iterator[str]:
+def _resolution(reducer: Reducer, kind: str, law: ContactLaw, step: float) -> Iterator[str]:
     """Tell of a contact that the step does not resolve."""
-    most, ratio = resolved(design, kind), steps_ratio(law, step)
+    most, ratio = resolved(reducer, kind), steps_ratio(law, step)
     if ratio > most * (1.0 + 1e-9):
         longest = step * math.sqrt(most / ratio)
         yield (
@@ -128,20 +131,20 @@ def _resolution(design: Design, kind: str, law: ContactLaw, step: float) -> Iter
         )
 
 
-def _leading(design: Design, reducer: Reducer) -> Iterator[str]:
+def _leading(reducer: Reducer, compiled: Compiled) -> Iterator[str]:
     """Tell of friction that turns round before the sliding does."""
-    found = leads(design, reducer.laws, float(reducer.model.opt.impratio))
+    found = leads(reducer, compiled.laws, float(compiled.model.opt.impratio))
     kind = max(found, key=lambda one: found[one], default="")
     if kind and found[kind] > MOST_LEAD:
         yield (
             f"{kind}: friction leads its sliding by {math.degrees(math.atan(found[kind])):.3g} deg of the crank's turn "
             f"at this speed and working force: losses read too low; shorten settings.timestep_us to "
-            f"{_below(1e6 * reducer.model.opt.timestep * MOST_LEAD / found[kind])}"
+            f"{_below(1e6 * compiled.model.opt.timestep * MOST_LEAD / found[kind])}"
         )
 
 
-def _noise(design: Design, kind: str) -> Iterator[str]:
-    clearance, least = getattr(design.clearance, kind), NOISE * design.ring.pin_circle_radius
+def _noise(reducer: Reducer, kind: str) -> Iterator[str]:
+    clearance, least = getattr(reducer.design.clearance, kind), NOISE * reducer.design.ring.pin_circle_radius
     if clearance < least:
         yield (
             f"clearance.{kind}_um = {1e6 * clearance:g} is below the numerical noise of the gaps; "
@@ -149,12 +152,12 @@ def _noise(design: Design, kind: str) -> Iterator[str]:
         )
 
 
-def _clamped(reducer: Reducer) -> Iterator[str]:
+def _clamped(compiled: Compiled) -> Iterator[str]:
     """Tell of an added mass that MuJoCo's least impedance raises."""
-    model = reducer.model
-    first = {pair.kind: pair for pair in reversed(reducer.pairs)} if model.nuser_geom else {}
+    model = compiled.model
+    first = {pair.kind: pair for pair in reversed(compiled.pairs)} if model.nuser_geom else {}
     for kind, pair in first.items():
-        law = reducer.laws[kind]
+        law = compiled.laws[kind]
         weight = sum(model.body_invweight0[model.geom(name).bodyid[0], 0] for name in (pair.on, pair.by))
         least = LEAST_IMPEDANCE / (1.0 - LEAST_IMPEDANCE) / float(weight)
         if least - law.added_mass > RAISED * law.effective_mass:
@@ -165,7 +168,7 @@ def _clamped(reducer: Reducer) -> Iterator[str]:
             )
 
 
-def _bent(design: Design) -> Iterator[str]:
+def _bent(reducer: Reducer) -> Iterator[str]:
     """Tell of output pins that a disc which bears all bends so far that they meet another disc's hole from behind.
 
     They do where they bend there by more than the contact of that disc gives way with both clearances; up to that the
@@ -176,10 +179,10 @@ def _bent(design: Design) -> Iterator[str]:
     the pin farther: f g' = s + f (C(d', d) - g). So much of F goes from the one disc to the other: at the most, since
     disc d seldom bears all of the load.
     """
-    flexibility, force = pin_flexibility(design), design.gear.discs * working_force(design, "output")
-    gives = flexibility.diagonal() + 1.0 / pair_stiffness(design, "output")
+    flexibility, force = pin_flexibility(reducer), reducer.design.gear.discs * working_force(reducer, "output")
+    gives = flexibility.diagonal() + 1.0 / pair_stiffness(reducer, "output")
     beyond = flexibility - gives
-    surplus = force * beyond - 2.0 * design.clearance.output
+    surplus = force * beyond - 2.0 * reducer.design.clearance.output
     if surplus.max() > 0.0:
         other, disc = np.unravel_index(int(surplus.argmax()), surplus.shape)
         reach, softness = float(surplus[other, disc]), float(gives[other] - beyond[other, disc])
@@ -192,8 +195,9 @@ def _bent(design: Design) -> Iterator[str]:
         )
 
 
-def _unused(design: Design) -> Iterator[str]:
+def _unused(reducer: Reducer) -> Iterator[str]:
     """Tell of a sliding friction that was given where rollers run."""
+    design = reducer.design
     rolling = {"cam": ('gear.bearing = "plain"', design.gear.bearing == "rolling")}
     rolling |= {"output": ("output.rollers = false", design.output.rollers)}
     for kind, (change, rolls) in rolling.items():

@@ -5,16 +5,14 @@ the paper's, whose period is 0.2 ms.
 """
 
 import math
-from functools import lru_cache
 
 import numpy as np
 
 from cycloid_mj import names, statics
 from cycloid_mj.contact.law import contact_stiffness, pair_stiffness
 from cycloid_mj.contact.working import at_rated_load, working_force
-from cycloid_mj.design import Design, Drive, Friction, Settings
-from cycloid_mj.member import share
-from cycloid_mj.modification import tooth_profile
+from cycloid_mj.design import Drive, Friction, Settings
+from cycloid_mj.mechanism.whole import Reducer, once
 from cycloid_mj.solid import moving_masses, output_inertia
 from cycloid_mj.structure import wind_up
 
@@ -34,55 +32,58 @@ OF_ECCENTRICITY = 0.25
 """Share of the eccentricity that a contact may never be deep: the teeth would no longer be the teeth."""
 
 
-def closed_stiffness(design: Design) -> float:
+def closed_stiffness(reducer: Reducer) -> float:
     """Give the torsional stiffness [N m/rad] with half of the teeth and half of the output pins closed: an estimate.
 
     In series: k sum l^2 of the teeth (with the sockets or sleeves behind them), k (c (N-1))^2 of the cam, and
     k n R^2/4 of n output pins on the radius R, of each disc as much; then what carrier, shaft and housing twist by.
     """
-    k = {kind: pair_stiffness(design, kind) for kind in design.pair_kinds}
-    k |= {"output": contact_stiffness(design, "output")}
+    design = reducer.design
+    k = {kind: pair_stiffness(reducer, kind) for kind in design.pair_kinds}
+    k |= {"output": contact_stiffness(reducer, "output")}
     k = {kind: design.gear.discs * one for kind, one in k.items()}
-    gear, output = tooth_profile(design), design.output
+    gear, output = reducer.tooth_profile, design.output
     arms = statics.ideal_load_sharing(gear, 1.0, 0.0).arms
     per_arm = sum(1.0 / k[kind] for kind in k if kind not in ("cam", "output"))
     mesh = np.sum(arms[arms > 0.0] ** 2) / per_arm
     cam = k["cam"] * (gear.eccentricity * gear.lobes) ** 2
     pins = k["output"] * output.pins * output.pin_circle_radius**2 / 4.0
-    return float(1.0 / (share(design) ** 2 * (1.0 / mesh + 1.0 / cam + 1.0 / pins) + wind_up(design)))
+    return float(1.0 / (reducer.share**2 * (1.0 / mesh + 1.0 / cam + 1.0 / pins) + wind_up(reducer)))
 
 
-def moving_inertia(design: Design) -> float:
+def moving_inertia(reducer: Reducer) -> float:
     """Give the inertia about its axis of what turns at a locked crank, gear and carrier or the ring [kg m2]."""
     same = {"drive": Drive(), "settings": Settings(), "friction": Friction(), "name": "shape"}
-    return _inertia(design.model_copy(update=same))
+    return _inertia(Reducer(reducer.design.model_copy(update=same)))
 
 
-@lru_cache(maxsize=16)
-def _inertia(design: Design) -> float:
+@once
+def _inertia(reducer: Reducer) -> float:
+    design = reducer.design
     if design.output.turns_ring:
-        return output_inertia(design)
-    gear = moving_masses(design)[names.of_disc(names.GEAR, 0, design.gear.discs)]
-    return design.gear.discs * float(gear.inertia[2, 2]) + output_inertia(design)
+        return output_inertia(reducer)
+    gear = moving_masses(reducer)[names.of_disc(names.GEAR, 0, design.gear.discs)]
+    return design.gear.discs * float(gear.inertia[2, 2]) + output_inertia(reducer)
 
 
-def swing_period(design: Design) -> float:
+def swing_period(reducer: Reducer) -> float:
     """Give the period [s] with which what turns at a locked crank swings on the contacts, as stiff as under the load.
 
     With wide clearances, of which fewer teeth carry, it is longer by half.
     """
-    return 2.0 * math.pi * math.sqrt(moving_inertia(design) / closed_stiffness(at_rated_load(design)))
+    return 2.0 * math.pi * math.sqrt(moving_inertia(reducer) / closed_stiffness(at_rated_load(reducer)))
 
 
-@lru_cache(maxsize=64)
-def slowness(design: Design) -> float:
+@once
+def slowness(reducer: Reducer) -> float:
     """Tell how many times as long as the paper's a drive takes to settle [1]: 1 where `SETTLING` is enough."""
-    return max(1.0, SWINGS * swing_period(design) / SETTLING)
+    return max(1.0, SWINGS * swing_period(reducer) / SETTLING)
 
 
-def deepest(design: Design) -> float:
+def deepest(reducer: Reducer) -> float:
     """Give the depth [m] beyond which a contact ends a run: ``contact.max_penetration``, or what the design allows."""
+    design = reducer.design
     if design.contact.max_penetration:
         return design.contact.max_penetration
-    pressed = max(working_force(design, kind) / contact_stiffness(design, kind) for kind in design.pair_kinds)
+    pressed = max(working_force(reducer, kind) / contact_stiffness(reducer, kind) for kind in design.pair_kinds)
     return min(max(DEEPEST, DEEPER * pressed), OF_ECCENTRICITY * design.gear.eccentricity)

@@ -8,12 +8,12 @@ added mass acts there, so the step must follow it. And the teeth must not pass t
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
 
 from cycloid_mj import names
 from cycloid_mj.contact.law import contact_stiffness, stiffest
 from cycloid_mj.contact.working import working_force
-from cycloid_mj.design import Design, Drive, Friction, Load, Settings
+from cycloid_mj.design import Drive, Friction, Load, Settings
+from cycloid_mj.mechanism.whole import Reducer, once
 from cycloid_mj.member import against_ring
 from cycloid_mj.solid import moving_masses, output_inertia
 
@@ -63,32 +63,33 @@ class Step:
         return f"{1e6 * self.seconds:g} us ({self.reason})"
 
 
-def timestep(design: Design) -> float:
+def timestep(reducer: Reducer) -> float:
     """Give the time step [s] that a design is run at."""
-    return chosen(design).seconds
+    return chosen(reducer).seconds
 
 
-@lru_cache(maxsize=256)
-def chosen(design: Design) -> Step:
+@once
+def chosen(reducer: Reducer) -> Step:
     """Give the time step of a design and its reason: ``settings.timestep``, or the longest that `limits` allow.
 
     A chosen step is at most `LONGEST`, and a whole number of them lies between two samples of the log.
     """
-    given = design.settings.timestep
+    given = reducer.design.settings.timestep
     if given:
         return Step(given, "given")
-    rate = design.settings.log_rate
-    allowed = {"the longest that is taken": LONGEST, "a sample at every step": 1.0 / rate} | limits(design)
+    rate = reducer.design.settings.log_rate
+    allowed = {"the longest that is taken": LONGEST, "a sample at every step": 1.0 / rate} | limits(reducer)
     reason, longest = min(allowed.items(), key=lambda item: item[1])
     return Step(1.0 / (rate * math.ceil(1.0 / (rate * longest) - 1e-9)), f"chosen by the design: {reason}")
 
 
-def held_figures(design: Design) -> str:
+def held_figures(reducer: Reducer) -> str:
     """Tell for which figures the step of a design was chosen, and how near they are: against half of it, and a witness.
 
     Moving pins chatter: the rms of the gear's speed of 20 lobes at 3000 rpm is 74, 84 and 78 mrad/s at 2.9, 1.4 and
     1 us, where means agree within 0.01 %; an integrator without constraints reads 73 and 81 at 1 and 0.5 us.
     """
+    design = reducer.design
     if design.settings.timestep:
         return "given: hold its figures against those of half of it"
     if not design.load.torque:
@@ -100,52 +101,56 @@ def held_figures(design: Design) -> str:
     return "means within 0.3 %, peaks to peak and rms of speeds within 2 %"
 
 
-def limits(design: Design) -> dict[str, float]:
+def limits(reducer: Reducer) -> dict[str, float]:
     """Give what limits the step of a design -> the longest step [s] that it allows."""
     found = {
-        f"stiffness of {kind}": math.sqrt(resolved(design, kind) * mass / stiffest(design, kind))
-        for kind, mass in effective_masses(design).items()
+        f"stiffness of {kind}": math.sqrt(resolved(reducer, kind) * mass / stiffest(reducer, kind))
+        for kind, mass in effective_masses(reducer).items()
     }
-    found |= {f"rolling of {what}": limit for what, limit in rolling_limits(design).items()}
-    if design.drive.speed:
-        found["the passing of teeth"] = passing_limit(design)
+    found |= {f"rolling of {what}": limit for what, limit in rolling_limits(reducer).items()}
+    if reducer.design.drive.speed:
+        found["the passing of teeth"] = passing_limit(reducer)
     return found
 
 
-def resolved(design: Design, kind: str) -> float:
+def resolved(reducer: Reducer, kind: str) -> float:
     """Give the K dt^2/m of a kind of pair [1] up to which the figures of a run hold."""
+    design = reducer.design
     if not design.ring.has_pin_bodies or kind != design.seat_pair:
         return RESOLVED
     return SEATED if design.load.torque else SEATED_IDLE
 
 
-def rolling_limits(design: Design) -> dict[str, float]:
+def rolling_limits(reducer: Reducer) -> dict[str, float]:
     """Give what rolls in its play under its working force -> the longest step [s] that follows it."""
-    gear, _, pin = _masses(design)
-    found = {"the gear on its cam": _rolling_limit(design, "cam", gear, design.clearance.cam)}
+    design = reducer.design
+    gear, _, pin = _masses(reducer)
+    found = {"the gear on its cam": _rolling_limit(reducer, "cam", gear, design.clearance.cam)}
     if design.ring.has_pin_bodies:
-        found["pins in their play"] = _rolling_limit(design, design.seat_pair, pin, design.pin_play)
+        found["pins in their play"] = _rolling_limit(reducer, design.seat_pair, pin, design.pin_play)
     return found
 
 
-def _rolling_limit(design: Design, kind: str, mass: float, play: float) -> float:
-    force = working_force(design, kind)
-    bowl = force / (play + force / contact_stiffness(design, kind))
+def _rolling_limit(reducer: Reducer, kind: str, mass: float, play: float) -> float:
+    force = working_force(reducer, kind)
+    bowl = force / (play + force / contact_stiffness(reducer, kind))
     return ROLLING * 2.0 * math.sqrt(mass / bowl)
 
 
-def passing_limit(design: Design) -> float:
+def passing_limit(reducer: Reducer) -> float:
     """Give the longest step [s] for the teeth that pass at the design's crank speed."""
+    design = reducer.design
     return 2.0 * math.pi / (FEWEST_STEPS * design.ring.teeth * abs(float(against_ring(design, design.drive.speed))))
 
 
-def effective_masses(design: Design) -> dict[str, float]:
+def effective_masses(reducer: Reducer) -> dict[str, float]:
     """Give the mass [kg] that moves on a contact of each kind of pair.
 
     Half of the ring's and of the output's contacts carry at a time, on each disc; a free pin, or a sleeve, lies between
     two. What the load is on gives way by its turning: forces on the ring pass its axis at c N at most.
     """
-    gear, output, pin = _masses(design)
+    design = reducer.design
+    gear, output, pin = _masses(reducer)
     arms = {"carrier": design.output.pin_circle_radius, "ring": design.gear.eccentricity * design.ring.teeth}
     turning = {
         member: design.gear.discs * (member == design.output.member) * arms[member] ** 2 / output for member in arms
@@ -158,14 +163,14 @@ def effective_masses(design: Design) -> dict[str, float]:
     return {kind: 1.0 / mobile for kind, mobile in mobility.items()}
 
 
-def _masses(design: Design) -> tuple[float, float, float]:
+def _masses(reducer: Reducer) -> tuple[float, float, float]:
     """Give a gear's mass [kg], the output's inertia [kg m2] and a moving pin's mass [kg], 0 for none."""
     same = {"drive": Drive(), "load": Load(), "settings": Settings(), "friction": Friction(), "name": "shape"}
-    return _masses_of(design.model_copy(update=same))
+    return _masses_of(Reducer(reducer.design.model_copy(update=same)))
 
 
-@lru_cache(maxsize=64)
-def _masses_of(design: Design) -> tuple[float, float, float]:
-    masses = moving_masses(design)
-    pin = masses[names.PIN].mass if design.ring.has_pin_bodies else 0.0
-    return masses[names.of_disc(names.GEAR, 0, design.gear.discs)].mass, output_inertia(design), pin
+@once
+def _masses_of(reducer: Reducer) -> tuple[float, float, float]:
+    masses = moving_masses(reducer)
+    pin = masses[names.PIN].mass if reducer.design.ring.has_pin_bodies else 0.0
+    return masses[names.of_disc(names.GEAR, 0, reducer.design.gear.discs)].mass, output_inertia(reducer), pin

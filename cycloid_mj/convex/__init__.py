@@ -12,8 +12,7 @@ from cycloid_mj.convex.rest import Rest, Sector, decompose, sectors
 from cycloid_mj.convex.settings import CoacdSettings, ConvexSettings
 from cycloid_mj.convex.surface import Place, Slice, Surface, placed_outline, prism
 from cycloid_mj.convex.teeth import gear_teeth, ring_lobes
-from cycloid_mj.design import Design
-from cycloid_mj.deviations import deviations
+from cycloid_mj.mechanism.whole import Reducer
 
 __all__ = [
     "CoacdSettings",
@@ -46,7 +45,7 @@ __all__ = [
 ]
 
 
-def surfaces(design: Design, settings: ConvexSettings) -> tuple[Surface, ...]:
+def surfaces(reducer: Reducer, settings: ConvexSettings) -> tuple[Surface, ...]:
     """Give every sliced working surface of a design: teeth, bore and holes of the gear, and what they roll in.
 
     Discs whose size is not the first one's have teeth of their own; all have the first one's holes here, which stand
@@ -58,10 +57,10 @@ def surfaces(design: Design, settings: ConvexSettings) -> tuple[Surface, ...]:
         The gear is undercut, or a slice is not convex.
     """
     ring: tuple[Surface, ...] = ()
-    if design.ring.kind == "nonpin":
-        ring = (ring_lobes(design, settings),)
-    elif design.ring.has_sockets:
-        ring = (pin_sockets(design, settings),)
-    sizes = deviations(design).disc_radius
-    teeth = [gear_teeth(design, settings, disc) for disc, size in enumerate(sizes) if disc == 0 or size != sizes[0]]
-    return (*teeth, gear_bore(design, settings), gear_holes(design, settings), *ring)
+    if reducer.design.ring.kind == "nonpin":
+        ring = (ring_lobes(reducer, settings),)
+    elif reducer.design.ring.has_sockets:
+        ring = (pin_sockets(reducer, settings),)
+    sizes = reducer.deviations.disc_radius
+    teeth = [gear_teeth(reducer, settings, disc) for disc, size in enumerate(sizes) if disc == 0 or size != sizes[0]]
+    return (*teeth, gear_bore(reducer, settings), gear_holes(reducer, settings), *ring)

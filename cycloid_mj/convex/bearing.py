@@ -14,8 +14,7 @@ from cycloid_mj.convex.settings import OVERLAP, TOLERANCE, ConvexSettings
 from cycloid_mj.convex.surface import Place, Surface, convex_slice
 from cycloid_mj.convex.teeth import SAMPLES
 from cycloid_mj.convex.walls import gear_depth, housing_depth
-from cycloid_mj.design import Design
-from cycloid_mj.deviations import deviations
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.profile import unit
 from cycloid_mj.sockets import socket_half_angle
 from cycloid_mj.types import Array
@@ -36,31 +35,32 @@ class Hole:
     centres: Array
 
 
-def gear_bore(design: Design, settings: ConvexSettings) -> Surface:
+def gear_bore(reducer: Reducer, settings: ConvexSettings) -> Surface:
     """Give the gear's bore, gear frame: `member` is 1."""
-    cam = design.gear.bore_radius
-    hole = Hole("bore", cam + design.clearance.cam, cam, math.pi, np.zeros(1), np.zeros((1, 2)))
-    return _facets(hole, gear_depth(design, settings), design, settings)
+    cam = reducer.design.gear.bore_radius
+    hole = Hole("bore", cam + reducer.design.clearance.cam, cam, math.pi, np.zeros(1), np.zeros((1, 2)))
+    return _facets(hole, gear_depth(reducer, settings), reducer, settings)
 
 
-def gear_holes(design: Design, settings: ConvexSettings, disc: int = 0) -> Surface:
+def gear_holes(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Surface:
     """Give the holes of a disc, as made, for the output pins, its frame: `member` is the hole, 1 on +y, clockwise."""
-    output = design.output
+    output = reducer.design.output
     angles = 2.0 * math.pi * np.arange(output.pins) / output.pins
-    radius = output.hole_radius + design.clearance.output
-    centres = output.pin_circle_radius * unit(angles) + deviations(design).hole_place[disc]
+    radius = output.hole_radius + reducer.design.clearance.output
+    centres = output.pin_circle_radius * unit(angles) + reducer.deviations.hole_place[disc]
     hole = Hole("hole", radius, output.pin_radius, math.pi, angles, centres)
-    return _facets(hole, gear_depth(design, settings), design, settings)
+    return _facets(hole, gear_depth(reducer, settings), reducer, settings)
 
 
-def pin_sockets(design: Design, settings: ConvexSettings) -> Surface:
+def pin_sockets(reducer: Reducer, settings: ConvexSettings) -> Surface:
     """Give the sockets, as made, of free pins, reducer's frame: `member` is the pin, 1 on +y, clockwise."""
+    design = reducer.design
     ring = design.ring
     angles = 2.0 * math.pi * np.arange(ring.teeth) / ring.teeth
     radius = ring.pin_radius + design.clearance.pin_socket
-    centres = ring.pin_circle_radius * unit(angles) + deviations(design).pin_place
+    centres = ring.pin_circle_radius * unit(angles) + reducer.deviations.pin_place
     hole = Hole("socket", radius, ring.pin_radius, socket_half_angle(design), angles, centres)
-    return _facets(hole, housing_depth(design, settings), design, settings)
+    return _facets(hole, housing_depth(reducer, settings), reducer, settings)
 
 
 def facet_count(hole: Hole, settings: ConvexSettings) -> int:
@@ -70,7 +70,7 @@ def facet_count(hole: Hole, settings: ConvexSettings) -> int:
     return max(settings.fewest_facets, math.ceil(needed))
 
 
-def _facets(hole: Hole, depth: float, design: Design, settings: ConvexSettings) -> Surface:
+def _facets(hole: Hole, depth: float, reducer: Reducer, settings: ConvexSettings) -> Surface:
     play, whole = hole.radius - hole.inner_radius, hole.half_angle == math.pi
     count = math.ceil(facet_count(hole, settings) * hole.half_angle / math.pi)
     step = 2.0 * hole.half_angle / count
@@ -96,7 +96,7 @@ def _facets(hole: Hole, depth: float, design: Design, settings: ConvexSettings) 
         name=hole.name,
         slices=(facet,),
         places=tuple(places),
-        half_width=0.5 * (design.gear.stack_width if hole.name == "socket" else design.gear.face_width),
+        half_width=0.5 * (reducer.design.gear.stack_width if hole.name == "socket" else reducer.design.gear.face_width),
         points=hole.centres[0] + hole.radius * seen,
         normals=-seen,
         strip_area=len(hole.turns) * (base_area - hole.half_angle * hole.radius**2),

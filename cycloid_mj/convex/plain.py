@@ -8,8 +8,7 @@ from cycloid_mj.convex.measure import pieces_quality
 from cycloid_mj.convex.quality import Quality
 from cycloid_mj.convex.settings import CoacdSettings
 from cycloid_mj.convex.teeth import SAMPLES
-from cycloid_mj.design import Design
-from cycloid_mj.modification import gear_profile, profile_offset, tooth_profile
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.solid import VISUAL_CHORD_ERROR, Mesh, Solid, gear_solid, housing_solid, mesh
 
 
@@ -22,16 +21,16 @@ class Plain:
     quality: Quality
 
 
-def plain_gear(design: Design, settings: CoacdSettings) -> Plain:
+def plain_gear(reducer: Reducer, settings: CoacdSettings) -> Plain:
     """Give the whole cycloid gear as CoACD cuts it; takes about a minute."""
-    seen = profile.sample(gear_profile(design), SAMPLES, profile_offset(design))
-    return _plain(gear_solid(design, VISUAL_CHORD_ERROR), seen, settings)
+    seen = profile.sample(reducer.gear_profile, SAMPLES, reducer.profile_offset)
+    return _plain(gear_solid(reducer, VISUAL_CHORD_ERROR), seen, settings)
 
 
-def plain_ring(design: Design, settings: CoacdSettings) -> Plain:
+def plain_ring(reducer: Reducer, settings: CoacdSettings) -> Plain:
     """Give the whole internal gear of a nonpin design as CoACD cuts it; takes about a minute."""
-    seen = envelope.sample_ring(tooth_profile(design), SAMPLES)
-    return _plain(housing_solid(design, VISUAL_CHORD_ERROR), seen, settings)
+    seen = envelope.sample_ring(reducer.tooth_profile, SAMPLES)
+    return _plain(housing_solid(reducer, VISUAL_CHORD_ERROR), seen, settings)
 
 
 def _plain(part: Solid, seen: profile.Outline | envelope.RingOutline, settings: CoacdSettings) -> Plain:

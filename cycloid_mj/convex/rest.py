@@ -11,8 +11,8 @@ from cycloid_mj.convex.quality import Quality, require_within
 from cycloid_mj.convex.settings import ConvexSettings
 from cycloid_mj.convex.teeth import gear_base, ring_base
 from cycloid_mj.convex.walls import gear_depth, housing_depth
-from cycloid_mj.design import Design
 from cycloid_mj.errors import DesignError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import SPACER, family
 from cycloid_mj.profile import unit
 from cycloid_mj.sockets import arc_half_angle, wall_radius
@@ -48,21 +48,21 @@ class Rest:
     quality: Quality
 
 
-def sectors(design: Design, settings: ConvexSettings) -> tuple[Sector, ...]:
+def sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, ...]:
     """Give what is left of gear, housing, shaft and output without their sliced surfaces; a spacer lies within."""
     error = settings.rest_chord_error
-    bound = settings.depth * design.ring.pin_radius
-    crank = {name: region for name, region in stretches(design, error).items() if family(name) != SPACER}
+    bound = settings.depth * reducer.design.ring.pin_radius
+    crank = {name: region for name, region in stretches(reducer, error).items() if family(name) != SPACER}
     shaft = [Sector("shaft", region, bound) for region in crank.values()]
-    disc, *others = output_solid(design, error).prisms
+    disc, *others = output_solid(reducer, error).prisms
     output = [Sector("output", disc, bound)]
-    for plate in others[design.output.pins :]:
+    for plate in others[reducer.design.output.pins :]:
         eye, rim = (float(np.linalg.norm(ring, axis=1).max()) for ring in (plate.holes[0], plate.outline))
         # so narrow that its inner arc is as good as straight
         count = math.ceil(math.pi / math.acos(max(1.0 - 0.5 * bound / eye, 0.0)))
         wedge = Prism(_wedge(eye, rim, math.pi / count, error), (), plate.z0, plate.z1)
         output.append(Sector("output", wedge, bound, count))
-    return (*_gear(design, settings), _housing(design, settings), *shaft, *output)
+    return (*_gear(reducer, settings), _housing(reducer, settings), *shaft, *output)
 
 
 def decompose(sector: Sector, settings: ConvexSettings) -> Rest:
@@ -84,12 +84,13 @@ def decompose(sector: Sector, settings: ConvexSettings) -> Rest:
     return Rest(sector, pieces, found)
 
 
-def _gear(design: Design, settings: ConvexSettings) -> tuple[Sector, Sector]:
+def _gear(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, Sector]:
     """Give the hub with one hole, and the band below one valley; raise DesignError where the band has no room."""
-    depth, error, output = gear_depth(design, settings), settings.rest_chord_error, design.output
+    design = reducer.design
+    depth, error, output = gear_depth(reducer, settings), settings.rest_chord_error, design.output
     half = design.gear.face_width / 2.0
     hole = output.hole_radius + design.clearance.output + depth
-    base = gear_base(design, depth, error)
+    base = gear_base(reducer, depth, error)
     waist = 0.5 * (output.pin_circle_radius + hole + float(np.linalg.norm(base, axis=1).min()))
     inner = design.gear.bore_radius + design.clearance.cam + depth
     eye = circle(hole, error, (0.0, output.pin_circle_radius))
@@ -108,13 +109,14 @@ def _gear(design: Design, settings: ConvexSettings) -> tuple[Sector, Sector]:
     return Sector("gear", hub, depth, output.pins), Sector("gear", band, depth, design.lobes, of_teeth=True)
 
 
-def _housing(design: Design, settings: ConvexSettings) -> Sector:
+def _housing(reducer: Reducer, settings: ConvexSettings) -> Sector:
     """Give the housing behind one lobe, or around one pin."""
+    design = reducer.design
     ring, error, half = design.ring, settings.rest_chord_error, design.gear.stack_width / 2.0
     pitch = math.pi / ring.teeth
-    depth = housing_depth(design, settings)
+    depth = housing_depth(reducer, settings)
     if ring.kind == "nonpin":
-        bore = ring_base(design, depth, chord_error=error)
+        bore = ring_base(reducer, depth, chord_error=error)
     else:
         radius = ring.pin_radius + design.socket_play + (depth if ring.has_sockets else 0.0)
         opening = arc_half_angle(design, radius)

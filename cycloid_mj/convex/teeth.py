@@ -14,10 +14,8 @@ from cycloid_mj import envelope, profile
 from cycloid_mj.convex.settings import OVERLAP, TOLERANCE, ConvexSettings
 from cycloid_mj.convex.surface import Place, Slice, Surface, convex_slice, turned
 from cycloid_mj.convex.walls import gear_depth, housing_depth
-from cycloid_mj.design import Design
-from cycloid_mj.deviations import deviations
 from cycloid_mj.errors import DesignError
-from cycloid_mj.modification import gear_profile, profile_offset, tooth_profile
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.profile import CycloidGear, SmoothArc
 from cycloid_mj.solid.polygon import area_moments
 from cycloid_mj.types import Array
@@ -28,7 +26,7 @@ SAMPLES = 5000
 _MESH_GRID = 512
 
 
-def gear_teeth(design: Design, settings: ConvexSettings, disc: int = 0) -> Surface:
+def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Surface:
     """Give the flanks of a disc, as made, its frame, valley 1 on +y; `member` is the valley, with the lobe after it.
 
     Raises
@@ -36,19 +34,19 @@ def gear_teeth(design: Design, settings: ConvexSettings, disc: int = 0) -> Surfa
     DesignError
         The gear is undercut, its flanks are turned or waved, or a slice is not convex.
     """
-    if design.modification.rotation:
+    if reducer.design.modification.rotation:
         raise DesignError(
             "modification.rotation_arcsec has no convex slices: turned flanks meet by their exact profiles only; "
             "set it to 0, or use the contact profile"
         )
-    made = deviations(design)
+    made = reducer.deviations
     if made.waves.any():
         raise DesignError(
             "errors.profile_cos_um and errors.profile_sin_um have no convex slices, which are the same on every lobe: "
             "waves of the profile meet by its exact form only; set them to 0, or use the contact profile"
         )
-    gear, depth = gear_profile(design), gear_depth(design, settings)
-    offset = profile_offset(design) - float(made.disc_radius[disc])
+    gear, depth = reducer.gear_profile, gear_depth(reducer, settings)
+    offset = reducer.profile_offset - float(made.disc_radius[disc])
     half = _gear_nodes(gear, offset, 2.0 * settings.chord_error)
     face, base = (profile.outline(gear, half, offset + into) for into in (settings.chord_error, depth))
     between = profile.curvature(gear, (half[:-1] + half[1:]) / 2.0, offset)
@@ -60,7 +58,7 @@ def gear_teeth(design: Design, settings: ConvexSettings, disc: int = 0) -> Surfa
         name="teeth",
         slices=tuple(slices),
         places=_all_places(len(slices), gear.lobes),
-        half_width=0.5 * design.gear.face_width,
+        half_width=0.5 * reducer.design.gear.face_width,
         points=seen.points,
         normals=seen.normals,
         strip_area=profile.area(gear, offset) - base_area,
@@ -71,7 +69,7 @@ def gear_teeth(design: Design, settings: ConvexSettings, disc: int = 0) -> Surfa
     )
 
 
-def ring_lobes(design: Design, settings: ConvexSettings) -> Surface:
+def ring_lobes(reducer: Reducer, settings: ConvexSettings) -> Surface:
     """Give the flanks of the internal gear, ring frame, lobe 1 on +y; `member` is the lobe, half a pitch to each side.
 
     Raises
@@ -79,20 +77,20 @@ def ring_lobes(design: Design, settings: ConvexSettings) -> Surface:
     DesignError
         The gear is undercut, or a slice is not convex.
     """
-    gear, depth = tooth_profile(design), housing_depth(design, settings)
+    gear, depth = reducer.tooth_profile, housing_depth(reducer, settings)
     B = _ring_nodes(gear, 2.0 * settings.chord_error)
     face, base = (_sigma(gear, B, into) for into in (settings.chord_error, depth))
     middle = (B[:-1] + B[1:]) / 2.0
-    gear_bend = profile.curvature(gear, -middle / gear.lobes, profile_offset(design))
+    gear_bend = profile.curvature(gear, -middle / gear.lobes, reducer.profile_offset)
     bends = gear_bend - 1.0 / envelope.sigma_radius(gear, middle)
     slices = [*_quads("lobe", face, base, bends, settings), _ring_tip(gear, settings, depth)]
     seen = envelope.sample_ring(gear, SAMPLES)
-    base_area = -area_moments(_all_round(ring_base(design, depth, B), gear.ring_teeth)).area
+    base_area = -area_moments(_all_round(ring_base(reducer, depth, B), gear.ring_teeth)).area
     return Surface(
         name="lobe",
         slices=tuple(slices),
         places=_all_places(len(slices), gear.ring_teeth),
-        half_width=0.5 * design.gear.stack_width,
+        half_width=0.5 * reducer.design.gear.stack_width,
         points=seen.points,
         normals=seen.normals,
         strip_area=base_area - envelope.area(gear),
@@ -102,21 +100,21 @@ def ring_lobes(design: Design, settings: ConvexSettings) -> Surface:
     )
 
 
-def gear_base(design: Design, depth: float, chord_error: float) -> Array:
+def gear_base(reducer: Reducer, depth: float, chord_error: float) -> Array:
     """Give the far ends of the slices of a gear as drawn over one pitch, clockwise, valley 1 in the middle, (n, 2) [m].
 
     Chords leave them by `chord_error` [m].
     """
-    gear, offset = gear_profile(design), profile_offset(design)
+    gear, offset = reducer.gear_profile, reducer.profile_offset
     return _symmetric(profile.outline(gear, _gear_nodes(gear, offset, chord_error), offset + depth))
 
 
-def ring_base(design: Design, depth: float, nodes: Array | None = None, chord_error: float = 1e-5) -> Array:
+def ring_base(reducer: Reducer, depth: float, nodes: Array | None = None, chord_error: float = 1e-5) -> Array:
     """Give the far ends of the internal gear's slices over one pitch, clockwise, lobe 1 in the middle, (n, 2) [m].
 
     At the given `nodes` of the phase B (from the junction to pi), or else by `chord_error` [m].
     """
-    gear = tooth_profile(design)
+    gear = reducer.tooth_profile
     left = _sigma(gear, _ring_nodes(gear, chord_error) if nodes is None else nodes, depth)
     return np.concatenate([left[::-1], left * [-1.0, 1.0]])
 

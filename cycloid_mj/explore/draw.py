@@ -10,7 +10,7 @@ from cycloid_mj import profile
 from cycloid_mj.design import Design
 from cycloid_mj.explore.zone import Zone, wave_zones, zone
 from cycloid_mj.loaded.samples import Samples, alike
-from cycloid_mj.modification import tooth_profile
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.types import Array, Mask
 from cycloid_mj.units import MICROMETRES
 
@@ -42,7 +42,7 @@ _INSIDE = 2.0**-54
 """How near to 0 and 1 a share may be: a normal zone has no ends."""
 
 
-def tolerances(design: Design) -> dict[str, Zone]:
+def tolerances(reducer: Reducer) -> dict[str, Zone]:
     """Give the zones of a design's tolerances by their keys, those of waves by `WAVE` and order; none that is 0.
 
     Raises
@@ -50,6 +50,7 @@ def tolerances(design: Design) -> dict[str, Zone]:
     DesignError
         A tolerance is not of a known form.
     """
+    design = reducer.design
     given, clearance, ring = design.tolerance, design.clearance, design.ring
     circle = 2.0 * ring.pin_circle_radius
     fits = {
@@ -110,17 +111,17 @@ def blocks(samples: int) -> list[Block]:
     return [Block(0, BEGINNING), Block(0, begun.count - BEGINNING, BEGINNING), *others]
 
 
-def drawn(design: Design, zones: Mapping[str, Zone], seed: int, block: Block) -> Samples:
+def drawn(reducer: Reducer, zones: Mapping[str, Zone], seed: int, block: Block) -> Samples:
     """Draw the samples of a block."""
-    return put(design, alike(design, block.count), departures(design, zones, seed, block))
+    return put(reducer, alike(reducer, block.count), departures(reducer, zones, seed, block))
 
 
-def departures(design: Design, zones: Mapping[str, Zone], seed: int, block: Block) -> dict[str, Array]:
+def departures(reducer: Reducer, zones: Mapping[str, Zone], seed: int, block: Block) -> dict[str, Array]:
     """Draw by how much the samples of a block depart from the design [m], by tolerance, shape (samples, ...).
 
     A wave has the amplitudes of its cosine and sine, see `Samples.waves`.
     """
-    shares = _shares(design, zones, seed, block)
+    shares = _shares(reducer, zones, seed, block)
     found = {key: one.quantiles(shares[key]) for key, one in zones.items()}
     for key in (key for key in zones if key.startswith(WAVE)):
         amplitude, begin = zones[key].quantiles(shares[key][:, 0]), 2.0 * np.pi * shares[key][:, 1]
@@ -128,9 +129,9 @@ def departures(design: Design, zones: Mapping[str, Zone], seed: int, block: Bloc
     return found
 
 
-def _shares(design: Design, zones: Mapping[str, Zone], seed: int, block: Block) -> dict[str, Array]:
+def _shares(reducer: Reducer, zones: Mapping[str, Zone], seed: int, block: Block) -> dict[str, Array]:
     """Give for each number that is drawn the share of parts that lie below it, by tolerance."""
-    shapes = {key: _shape(design, key) for key in zones}
+    shapes = {key: _shape(reducer, key) for key in zones}
     if not block.compared:
         whole = block.first + block.count
         return {
@@ -160,8 +161,9 @@ def _inside(shares: Array) -> Array:
     return np.clip(shares, _INSIDE, 1.0 - _INSIDE)
 
 
-def _shape(design: Design, key: str) -> tuple[int, ...]:
+def _shape(reducer: Reducer, key: str) -> tuple[int, ...]:
     """Give the shape of the numbers that a tolerance takes for one sample."""
+    design = reducer.design
     pins, discs = design.ring.teeth, design.gear.discs
     shapes = {
         "pin_position": (pins, 2),
@@ -173,7 +175,7 @@ def _shape(design: Design, key: str) -> tuple[int, ...]:
     return (2,) if key.startswith(WAVE) else shapes.get(key, ())
 
 
-def put(design: Design, same: Samples, changed: Mapping[str, Array]) -> Samples:
+def put(reducer: Reducer, same: Samples, changed: Mapping[str, Array]) -> Samples:
     """Add departures to samples that are all alike."""
     fields = {
         "pin_position": "pin_place",
@@ -187,7 +189,7 @@ def put(design: Design, same: Samples, changed: Mapping[str, Array]) -> Samples:
         if key in changed and key != "pin_circle"
     }
     if "pin_circle" in changed:
-        outwards = profile.unit(profile.pin_angles(tooth_profile(design)))
+        outwards = profile.unit(profile.pin_angles(reducer.tooth_profile))
         place = parts.get("pin_place", same.pin_place)
         parts["pin_place"] = place + changed["pin_circle"][:, np.newaxis, np.newaxis] * outwards
     if waves := [key for key in changed if key.startswith(WAVE)]:
@@ -215,13 +217,13 @@ def drawn_columns(departures: Mapping[str, Array]) -> dict[str, Array]:
     return found
 
 
-def filed(design: Design, made: Samples) -> Mask:
+def filed(reducer: Reducer, made: Samples) -> Mask:
     """Tell of which samples there can be a design file, shape (samples,): clearances there are above 0."""
-    given = [made.mesh, made.cam, made.output, *([made.seat] if design.seat_pair else [])]
+    given = [made.mesh, made.cam, made.output, *([made.seat] if reducer.design.seat_pair else [])]
     return np.asarray(np.min(given, axis=0) > 0.0)
 
 
-def sample_design(design: Design, zones: Mapping[str, Zone], seed: int, number: int) -> Design:
+def sample_design(reducer: Reducer, zones: Mapping[str, Zone], seed: int, number: int) -> Design:
     """Give a sample, counted from 0, as a design with its number in its name.
 
     Its errors are listed part by part, its clearances are as they came out.
@@ -232,15 +234,21 @@ def sample_design(design: Design, zones: Mapping[str, Zone], seed: int, number: 
         A clearance came out at 0 or below, which no design file can have.
     """
     block, row = divmod(number, BLOCK)
-    return as_design(design, drawn(design, zones, seed, Block(block, 1, row)), 0, f"{design.name}-{number + 1}")
+    return as_design(
+        reducer, drawn(reducer, zones, seed, Block(block, 1, row)), 0, f"{reducer.design.name}-{number + 1}"
+    )
 
 
-def left_out(design: Design, zones: Mapping[str, Zone], unfiled: int) -> tuple[str, ...]:
+def left_out(reducer: Reducer, zones: Mapping[str, Zone], unfiled: int) -> tuple[str, ...]:
     """Tell what the design files of the worst samples leave out: lobes of an internal gear, which are cut together.
 
     And samples: `unfiled` go together, though a clearance of theirs is at 0 or below.
     """
-    lobes = [key for key in ("pin_position", "pin_radius", "pin_circle") if key in zones and design.ring.kind != "pin"]
+    lobes = [
+        key
+        for key in ("pin_position", "pin_radius", "pin_circle")
+        if key in zones and reducer.design.ring.kind != "pin"
+    ]
     lacking = (
         f"the design files of the worst samples lack {', '.join(lobes)}: an internal gear's file has no such errors"
     )
@@ -250,22 +258,23 @@ def left_out(design: Design, zones: Mapping[str, Zone], unfiled: int) -> tuple[s
     return (*([lacking] if lobes else []), *([others] if unfiled else []))
 
 
-def as_design(design: Design, made: Samples, row: int, name: str) -> Design:
+def as_design(reducer: Reducer, made: Samples, row: int, name: str) -> Design:
     """Give one of some samples as a design of its own, with every error listed; DesignError where it can be none."""
-    clearance, errors = _parts(design, made, row)
-    if design.ring.kind != "pin":
+    clearance, errors = _parts(reducer, made, row)
+    if reducer.design.ring.kind != "pin":
         errors = {key: values for key, values in errors.items() if not key.startswith("pin_")}
-    return design.but(
+    return reducer.but(
         name=name[:64],
         clearance=clearance,
         errors=errors,
-        tolerance=dict.fromkeys(type(design.tolerance).model_fields, ""),
-    )
+        tolerance=dict.fromkeys(type(reducer.design.tolerance).model_fields, ""),
+    ).design
 
 
-def unchecked_design(design: Design, made: Samples, row: int) -> Design:
+def unchecked_design(reducer: Reducer, made: Samples, row: int) -> Design:
     """Give the same for geometry alone: its clearances may be negative, and an internal gear's lobes may be off."""
-    clearance, errors = _parts(design, made, row)
+    design = reducer.design
+    clearance, errors = _parts(reducer, made, row)
     return design.model_copy(
         update={
             "clearance": design.clearance.model_copy(update=clearance),
@@ -274,8 +283,9 @@ def unchecked_design(design: Design, made: Samples, row: int) -> Design:
     )
 
 
-def _parts(design: Design, made: Samples, row: int) -> tuple[dict[str, float], dict[str, Any]]:
+def _parts(reducer: Reducer, made: Samples, row: int) -> tuple[dict[str, float], dict[str, Any]]:
     """Give the clearances of a sample, and its errors, listed, by their keys in the design's tables."""
+    design = reducer.design
     place, holes = made.pin_place[row], made.hole_place[row].reshape(-1, 2)
     cams, waves = made.cam_place[row], made.waves[row]
     clearance = {design.tooth_pair: made.mesh[row], "cam": made.cam[row], "output": made.output[row]}

@@ -6,8 +6,8 @@ from typing import Literal
 
 import numpy as np
 
-from cycloid_mj.design import Design
 from cycloid_mj.loaded.samples import Figures, Samples, backlash, solve_samples
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.types import Array
 from cycloid_mj.units import ARCMINUTE, ARCSECONDS
 
@@ -87,20 +87,20 @@ FIGURES = {
 
 
 def figures_of(
-    design: Design, made: Samples, keys: Collection[str] = FIGURES, angles: int = ANGLES
+    reducer: Reducer, made: Samples, keys: Collection[str] = FIGURES, angles: int = ANGLES
 ) -> dict[str, Array]:
     """Give figures of samples by their keys, shape (samples,) each: without friction, weight and inertia."""
     still = {"gravity_x": 0.0, "gravity_y": 0.0}
-    bare = design.but(environment=still, drive={"speed": STANDING * design.drive.speed})
+    bare = reducer.but(environment=still, drive={"speed": STANDING * reducer.design.drive.speed})
     needed = [state for state in STATES if any(state in FIGURES[key].states for key in keys)]
-    torques = [STATES[state] * design.rated_torque for state in needed]
+    torques = [STATES[state] * reducer.design.rated_torque for state in needed]
     solved: dict[State, Figures] = dict(zip(needed, solve_samples(bare, made, torques, angles), strict=True))
     return {key: FIGURES[key].value(*(solved[state] for state in FIGURES[key].states)) for key in keys}
 
 
-def condition(design: Design) -> str:
+def condition(reducer: Reducer) -> str:
     """Tell under what the figures hold."""
     return (
         f"statics without friction and weight, parts rigid but for their contacts, over a turn of the crank; loaded: "
-        f"{design.rated_torque:.4g} N m on the output, unloaded: {TOUCH:g} of that"
+        f"{reducer.design.rated_torque:.4g} N m on the output, unloaded: {TOUCH:g} of that"
     )

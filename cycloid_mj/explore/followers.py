@@ -9,6 +9,7 @@ from cycloid_mj.design import Design, declared, override, value_of
 from cycloid_mj.digits import significant
 from cycloid_mj.errors import DesignError, UsageError
 from cycloid_mj.explore.points import Value
+from cycloid_mj.mechanism.whole import Reducer
 
 _EXAMPLE = "'output.hole_radius_mm=output.pin_radius_mm+gear.eccentricity_mm'"
 
@@ -28,16 +29,18 @@ class Rule:
 
     words: str
     leaders: frozenset[str]
-    put: Callable[[Design, Design], Design]
+    put: Callable[[Reducer, Reducer], Reducer]
 
 
-def _hole(start: Design, design: Design) -> Design:
-    room = start.output.hole_radius - start.output.pin_radius - start.gear.eccentricity
-    return design.but(output={"hole_radius": design.output.pin_radius + design.gear.eccentricity + room})
+def _hole(start: Reducer, reducer: Reducer) -> Reducer:
+    design = reducer.design
+    room = start.design.output.hole_radius - start.design.output.pin_radius - start.design.gear.eccentricity
+    return reducer.but(output={"hole_radius": design.output.pin_radius + design.gear.eccentricity + room})
 
 
-def _torque(start: Design, design: Design) -> Design:
-    return design.but(drive={"torque": design.drive.torque * start.rated_torque / design.rated_torque})
+def _torque(start: Reducer, reducer: Reducer) -> Reducer:
+    design = reducer.design
+    return reducer.but(drive={"torque": design.drive.torque * start.design.rated_torque / design.rated_torque})
 
 
 RULES: Mapping[str, Rule] = {
@@ -73,7 +76,7 @@ class Follower:
         """How it follows."""
         return self.formula or RULES[self.key].words
 
-    def at(self, start: Design, design: Design) -> Design:
+    def at(self, start: Reducer, reducer: Reducer) -> Design:
         """Give a design with the key set; `start` is what all points change.
 
         Raises
@@ -82,16 +85,16 @@ class Follower:
             The formula gives no number there, or one that the key does not allow.
         """
         if not self.formula:
-            return RULES[self.key].put(start, design)
+            return RULES[self.key].put(start, reducer).design
         try:
-            value = significant(_value(_parsed(self.formula), design))
+            value = significant(_value(_parsed(self.formula), reducer))
         except ArithmeticError as error:
             raise DesignError(f"{self.key} = {self.formula} has no value: {error}") from error
         whole = declared(self.key).annotation is int and value.is_integer()
-        return override(design, {self.key: int(value) if whole else value})
+        return override(reducer.design, {self.key: int(value) if whole else value})
 
 
-def following(design: Design, given: str | Sequence[str], varied: Iterable[str]) -> tuple[Follower, ...]:
+def following(reducer: Reducer, given: str | Sequence[str], varied: Iterable[str]) -> tuple[Follower, ...]:
     """Read which keys follow: ``KEY=FORMULA``, or ``KEY`` for one that knows how.
 
     Parameters
@@ -124,7 +127,7 @@ def following(design: Design, given: str | Sequence[str], varied: Iterable[str])
                 f"{told}: say how, --follow '{key}=FORMULA'; {' and '.join(RULES)} alone know it themselves"
             )
         if formula:
-            _require_numbers(told, key, formula, design)
+            _require_numbers(told, key, formula, reducer)
         found[key] = Follower(key, formula)
     return tuple(found.values())
 
@@ -136,16 +139,16 @@ def by_themselves(given: Iterable[Follower], varied: Iterable[str]) -> tuple[Fol
     return tuple(Follower(key) for key, rule in RULES.items() if rule.leaders & varied and key not in taken)
 
 
-def followed(start: Design, design: Design, followers: Iterable[Follower]) -> Design:
+def followed(start: Reducer, reducer: Reducer, followers: Iterable[Follower]) -> Design:
     """Give the design of a point with all keys set that follow; raise DesignError where one cannot be."""
     for one in followers:
-        design = one.at(start, design)
-    return design
+        reducer = Reducer(one.at(start, reducer))
+    return reducer.design
 
 
-def values_of(design: Design, followers: Iterable[Follower]) -> dict[str, Value]:
+def values_of(reducer: Reducer, followers: Iterable[Follower]) -> dict[str, Value]:
     """Give what followers came to, key -> value in the file's unit."""
-    values = {one.key: value_of(design, one.key) for one in followers}
+    values = {one.key: value_of(reducer.design, one.key) for one in followers}
     return {key: value if isinstance(value, int) else significant(value) for key, value in values.items()}
 
 
@@ -153,7 +156,7 @@ def _parsed(formula: str) -> ast.expr:
     return ast.parse(formula, mode="eval").body
 
 
-def _require_numbers(told: str, key: str, formula: str, design: Design) -> None:
+def _require_numbers(told: str, key: str, formula: str, reducer: Reducer) -> None:
     """Raise UsageError where a formula is not of numbers and of keys that hold one."""
     try:
         keys = list(_keys(_parsed(formula)))
@@ -164,7 +167,7 @@ def _require_numbers(told: str, key: str, formula: str, design: Design) -> None:
     if key in keys:
         raise UsageError(f"{told}: {key} cannot follow itself")
     for one in keys:
-        value = value_of(design, one)
+        value = value_of(reducer.design, one)
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise UsageError(f"{told}: {one} holds no single number")
 
@@ -185,12 +188,12 @@ def _keys(node: ast.expr) -> Iterator[str]:
             raise ValueError(ast.unparse(node))
 
 
-def _value(node: ast.expr, design: Design) -> float:
+def _value(node: ast.expr, reducer: Reducer) -> float:
     match node:
         case ast.Constant():
             return float(node.value)  # type: ignore[arg-type]  # of numbers alone, see `_keys`
         case ast.UnaryOp():
-            return _OPERATIONS[type(node.op)](_value(node.operand, design))
+            return _OPERATIONS[type(node.op)](_value(node.operand, reducer))
         case ast.BinOp():
-            return _OPERATIONS[type(node.op)](_value(node.left, design), _value(node.right, design))
-    return float(value_of(design, ast.unparse(node)))
+            return _OPERATIONS[type(node.op)](_value(node.left, reducer), _value(node.right, reducer))
+    return float(value_of(reducer.design, ast.unparse(node)))

@@ -4,11 +4,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from cycloid_mj.design import Design
 from cycloid_mj.explore.draw import Block, departures, put, unchecked_design
 from cycloid_mj.explore.zone import Zone
 from cycloid_mj.loaded.samples import alike
 from cycloid_mj.mechanism.limits import tightest
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.types import Array, Mask
 from cycloid_mj.units import MICROMETRES
 
@@ -43,21 +43,21 @@ def pressed_pairs(figures: Mapping[str, Array]) -> dict[str, float]:
     return {pair: share for pair, share in {**counts, "no balance": lost}.items() if share}
 
 
-def cause(design: Design, zones: Mapping[str, Zone], seed: int) -> str:
+def cause(reducer: Reducer, zones: Mapping[str, Zone], seed: int) -> str:
     """Say why the first samples of a study that all jam do, in a sentence: which pair interferes by how much.
 
     Parts are rigid there, and lie where the least is pressed. Each tolerance is taken away alone, to see whether all of
     these samples then go together.
     """
-    found = departures(design, zones, seed, Block(0, SEEN))
-    depths, shares = _interference(design, found)
+    found = departures(reducer, zones, seed, Block(0, SEEN))
+    depths, shares = _interference(reducer, found)
     if max(depths) <= 0.0:
         return "rigid parts go together in the first of them: contacts press without a load, or find no balance"
     pairs = sorted((pair for pair, share in shares.items() if share > ACTIVE), key=lambda pair: -shares[pair])
     alone = [
         f"tolerance.{key}"
         for key in zones
-        if max(_interference(design, {other: found[other] for other in zones if other != key})[0]) <= 0.0
+        if max(_interference(reducer, {other: found[other] for other in zones if other != key})[0]) <= 0.0
     ]
     cured = f"without {' or '.join(alone)} alone they go together" if alone else "no one tolerance is the cause alone"
     return (
@@ -67,14 +67,14 @@ def cause(design: Design, zones: Mapping[str, Zone], seed: int) -> str:
     )
 
 
-def _interference(design: Design, given: Mapping[str, Array]) -> tuple[list[float], dict[str, float]]:
+def _interference(reducer: Reducer, given: Mapping[str, Array]) -> tuple[list[float], dict[str, float]]:
     """Give how deep the parts of each sample are in each other at least [m], and each pair's mean share in that."""
-    made = put(design, alike(design, SEEN), given)
+    made = put(reducer, alike(reducer, SEEN), given)
     depths, shares = [], dict[str, float]()
     for row in range(SEEN):
-        drive = unchecked_design(design, made, row)
+        drive = unchecked_design(reducer, made, row)
         turn = np.linspace(0.0, 2.0 * np.pi, ANGLES, endpoint=False).tolist()
-        room, pairs = min((tightest(drive, angle) for angle in turn), key=lambda one: one[0])
+        room, pairs = min((tightest(Reducer(drive), angle) for angle in turn), key=lambda one: one[0])
         depths.append(-room)
         for pair, share in pairs.items():
             shares[pair] = shares.get(pair, 0.0) + share / SEEN

@@ -9,10 +9,10 @@ from typing import Any
 from cycloid_mj.contact.massless import assumptions as massless_assumptions
 from cycloid_mj.contact.massless import massless
 from cycloid_mj.contact.working import own_load
-from cycloid_mj.design import Design
 from cycloid_mj.errors import DesignError, RunError, UsageError
 from cycloid_mj.frame import Cell
 from cycloid_mj.measure import MEASURES
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.result import Quantity
 from cycloid_mj.units import ARCMINUTE, MILLIMETRES, with_unit
 
@@ -52,33 +52,33 @@ def _of_quantities(quantities: Iterable[Quantity], **more: Any) -> Measured:
     return Measured({name: one.value for name, one in named.items()}, units, **more)
 
 
-def _statics(design: Design, _: Options) -> Measured:
+def _statics(reducer: Reducer, _: Options) -> Measured:
     from cycloid_mj.loaded.sheet import sheet
 
-    found = sheet(design)
+    found = sheet(reducer)
     return _of_quantities(found.quantities.values(), assumptions=found.assumptions)
 
 
-def _measure(name: str, design: Design, options: Options) -> Measured:
-    found = MEASURES[name](design, quick=options.quick)
+def _measure(name: str, reducer: Reducer, options: Options) -> Measured:
+    found = MEASURES[name](reducer.design, quick=options.quick)
     warned = {text: None for run in found.runs.values() for text in run.warnings}
     return _of_quantities(found.quantities.values(), assumptions=found.assumptions, warnings=tuple(warned))
 
 
-def _simulate(design: Design, options: Options) -> Measured:
+def _simulate(reducer: Reducer, options: Options) -> Measured:
     """Run a design over its own course; under a load, without the inertia of its pins, unless they are to stay real."""
     from cycloid_mj.analysis import analyze
     from cycloid_mj.run import MOST_STEPS, schedule, simulate
 
-    if design.drive.speed == 0.0:
+    if reducer.design.drive.speed == 0.0:
         raise DesignError("drive.speed_rpm is 0: the crank would stand still; give another speed, such as 1640")
-    light = not options.real_pins and abs(design.load.torque) > own_load(design)
-    ran = massless(design) if light else design
+    light = not options.real_pins and abs(reducer.design.load.torque) > own_load(reducer)
+    ran = massless(reducer) if light else reducer
     if (steps := schedule(ran).steps) > MOST_STEPS:
         raise RunError(f"the run would take {steps:.3g} steps, more than {MOST_STEPS:.0e}: shorten drive.hold_s")
-    found = analyze(simulate(ran))
-    values = {"pins": ran.ring.pins if ran.ring.kind == "pin" else "none", **dict(_flat(found.as_json()))}
-    told = massless_assumptions(design, "loaded runs (mean values; speeds sway up to a fifth less)") if light else ()
+    found = analyze(simulate(ran.design))
+    values = {"pins": ran.design.ring.pins if ran.design.ring.kind == "pin" else "none", **dict(_flat(found.as_json()))}
+    told = massless_assumptions(reducer, "loaded runs (mean values; speeds sway up to a fifth less)") if light else ()
     return Measured(values, assumptions=told, warnings=found.warnings)
 
 
@@ -95,19 +95,19 @@ def _flat(found: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Cel
                     yield from _flat({name: part for name, part in one.items() if name != "pair"}, f"{one['pair']}_")
 
 
-def _mass(design: Design, _: Options) -> Measured:
+def _mass(reducer: Reducer, _: Options) -> Measured:
     from cycloid_mj.checks import masses
 
-    parts = masses(design)
+    parts = masses(reducer)
     values = {"mass_kg": sum(parts.values()), **{f"{name}_mass_kg": mass for name, mass in parts.items()}}
     return Measured(dict(values), dict.fromkeys(values, "kg"))
 
 
-def _checks(design: Design, _: Options) -> Measured:
+def _checks(reducer: Reducer, _: Options) -> Measured:
     """Give the verdicts of `design check`, the values that they judge, and what the design is, if it can be built."""
     from cycloid_mj.checks import check
 
-    found = check(design)
+    found = check(reducer.design)
     failed = [one for one in found if not one.passed]
     values: dict[str, Cell] = {
         "failed_errors": sum(one.severity == "error" for one in failed),
@@ -121,15 +121,15 @@ def _checks(design: Design, _: Options) -> Measured:
             values[column] = one.value
             units |= {column: one.unit} if one.unit else {}
     if not values["failed_errors"]:
-        more = _summed_up(design)
+        more = _summed_up(reducer)
         values, units = {**values, **more.values}, {**units, **more.units}
     return Measured(values, units)
 
 
-def _summed_up(design: Design) -> Measured:
+def _summed_up(reducer: Reducer) -> Measured:
     from cycloid_mj.checks import summary
 
-    found = summary(design)
+    found = summary(reducer)
     numbers = (
         Quantity("ratio", "", found.ratio, "1"),
         Quantity("outer_diameter", "", MILLIMETRES * found.outer_diameter, "mm"),
@@ -144,7 +144,7 @@ def _summed_up(design: Design) -> Measured:
     return Measured({**measured.values, "weakest": found.weakest}, measured.units)
 
 
-MEASURED: Mapping[str, Callable[[Design, Options], Measured]] = {
+MEASURED: Mapping[str, Callable[[Reducer, Options], Measured]] = {
     "statics": _statics,
     **{name: partial(_measure, name) for name in MEASURES},
     "simulate": _simulate,

@@ -22,6 +22,7 @@ from cycloid_mj.explore.tolerances import tolerance
 from cycloid_mj.explore.verify import verified
 from cycloid_mj.frame import write_csv, write_parquet
 from cycloid_mj.loaded.sheet import Sheet, sheet
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.whole import write_whole
 
 STUDY = "optimize"
@@ -105,7 +106,8 @@ def optimize(
     CycloidError
         The folder cannot be written; what was there is kept.
     """
-    task = problem(design, vary, _several(minimize), _several(maximize), _several(limits), strict, follow)
+    reducer = Reducer(design)
+    task = problem(reducer, vary, _several(minimize), _several(maximize), _several(limits), strict, follow)
     found = explored(task, evaluations, starts, seed, out, engine, progress)
     if found.best is None:
         raise DesignError(found.hopeless)
@@ -139,17 +141,20 @@ def explored(
 def checked(found: Optimum, progress: Progress = silent) -> Optimum:
     """Give an optimisation with its best design checked: full statics, dynamics, and tolerances where it has some."""
     best = found.design()
-    ranges = tolerance(best, SAMPLES, found.seed, progress=progress) if tolerances(best) else None
+    ranges = tolerance(best, SAMPLES, found.seed, progress=progress) if tolerances(Reducer(best)) else None
     return Optimum(
-        found.task, found.rows, found.seed, Checked(_sheet(best), _sheet(found.task.design), verified(best), ranges)
+        found.task,
+        found.rows,
+        found.seed,
+        Checked(_sheet(Reducer(best)), _sheet(found.task.reducer), verified(Reducer(best)), ranges),
     )
 
 
-def _sheet(design: Design) -> Sheet | None:
+def _sheet(reducer: Reducer) -> Sheet | None:
     """Give the full statics of a design; None where it cannot be built, or has no balance in one of its states."""
     try:
-        require_sound(design)
-        return sheet(design)
+        require_sound(reducer)
+        return sheet(reducer)
     except CycloidError:
         return None
 
@@ -250,7 +255,7 @@ def _kept(task: Problem, evaluations: int, starts: int, seed: int, out: str | Pa
         yield _Rows(rows, rows.__setitem__)
         return
     plan = {
-        "design": dump(task.design),
+        "design": dump(task.reducer.design),
         "vary": [asdict(one) for one in task.variables],
         "objectives": [str(one) for one in task.objectives],
         "limits": [str(one) for one in task.limits],

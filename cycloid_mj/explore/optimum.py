@@ -123,7 +123,7 @@ class Optimum(Tabular):
         if place is None:
             raise DesignError(self.hopeless)
         made = self.task.at(tuple(self.values(place).values()))
-        return made.but(name=(name or f"{self.task.design.name}-best")[:64])
+        return made.but(name=(name or f"{self.task.reducer.design.name}-best")[:64])
 
     @property
     def hopeless(self) -> str:
@@ -158,7 +158,7 @@ class Optimum(Tabular):
             "objective": found[0] if found and len(objectives) == 1 else found,
             "objectives": [{"key": one.key, "sense": "least" if one.sign > 0 else "largest"} for one in objectives],
             "evaluations": self.evaluations,
-            "design": "" if place is None else f"{self.task.design.name}-best",
+            "design": "" if place is None else f"{self.task.reducer.design.name}-best",
             "figures": {} if place is None else self.figures(place),
             "start": {"best": self.values(0), "figures": self.start_figures, "refused": self.start.values[REFUSED]},
             "limits": [str(one) for one in self.task.limits],
@@ -193,7 +193,7 @@ class Optimum(Tabular):
         front = f", a front of {len(self.front)}" if len(self.task.objectives) > 1 else ""
         return (
             f"{aims}{limits}: {len(self.feasible)} of {self.evaluations} points keep all{front}; "
-            f"start {self.task.design.name}, seed {self.seed}"
+            f"start {self.task.reducer.design.name}, seed {self.seed}"
         )
 
     @property
@@ -229,7 +229,7 @@ def tables(found: Optimum) -> tuple[Table, ...]:
     assert found.best is not None
     start, best = found.values(0), found.values(found.best)
     keys = tuple((key, _short(start[key]), _short(best[key])) for key in found.task.keys)
-    there = catalogue(found.task.design)
+    there = catalogue(found.task.reducer)
     figures = tuple(
         (
             there[key][1].name,

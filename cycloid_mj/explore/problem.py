@@ -13,6 +13,7 @@ from cycloid_mj.explore.limit import FigureLimit, limit
 from cycloid_mj.explore.points import Value, Wanted, all_values, axis_of
 from cycloid_mj.explore.quantities import catalogue, figures, known, refusals
 from cycloid_mj.explore.row import Row, one_line
+from cycloid_mj.mechanism.whole import Reducer
 
 MOST_OBJECTIVES = 2
 MOST_COMBINATIONS = 2000
@@ -79,7 +80,7 @@ class Problem:
         Keys that change with those of the points.
     """
 
-    design: Design
+    reducer: Reducer
     ranges: tuple[Range, ...]
     choices: tuple[Choice, ...]
     objectives: tuple[Objective, ...]
@@ -110,8 +111,8 @@ class Problem:
 
     def at(self, values: Sequence[Value]) -> Design:
         """Give the design at a point; raise DesignError where its file does not allow a value."""
-        design = override(self.design, dict(zip(self.keys, values, strict=True)))
-        return followed(self.design, design, self.followers)
+        design = override(self.reducer.design, dict(zip(self.keys, values, strict=True)))
+        return followed(self.reducer, Reducer(design), self.followers)
 
     @property
     def combinations(self) -> int:
@@ -129,11 +130,11 @@ class Problem:
     @property
     def start(self) -> tuple[Value, ...]:
         """Values of the keys in the design that it starts from [unit of the file]."""
-        return tuple(value_of(self.design, key) for key in self.keys)
+        return tuple(value_of(self.reducer.design, key) for key in self.keys)
 
 
 def problem(
-    design: Design,
+    reducer: Reducer,
     vary: Mapping[str, Wanted],
     minimize: Sequence[str] = (),
     maximize: Sequence[str] = (),
@@ -154,7 +155,7 @@ def problem(
     ranges = tuple(one for one in made if isinstance(one, Range))
     choices = tuple(one for one in made if isinstance(one, Choice))
     objectives = (*(Objective(key) for key in minimize), *(Objective(key, -1.0) for key in maximize))
-    there = catalogue(design)
+    there = catalogue(reducer)
     if not 1 <= len(objectives) <= MOST_OBJECTIVES:
         raise UsageError(
             f"{len(objectives)} objectives: name one figure, or two for a front, with --minimize or --maximize; "
@@ -165,9 +166,9 @@ def problem(
     asked = tuple(limit(text, there) for text in limits)
     wanted = [*(one.key for one in objectives), *(one.key for one in asked)]
     groups = tuple(dict.fromkeys(there[key][0] for key in wanted))
-    told = following(design, follow, vary)
+    told = following(reducer, follow, vary)
     followers = (*told, *by_themselves(told, vary))
-    found = Problem(design, ranges, choices, objectives, asked, groups, strict, followers)
+    found = Problem(reducer, ranges, choices, objectives, asked, groups, strict, followers)
     if found.combinations > MOST_COMBINATIONS:
         raise UsageError(
             f"{found.combinations:,} combinations of whole numbers and words: at most {MOST_COMBINATIONS:,} are tried; "
@@ -207,9 +208,9 @@ def _judged(task: Problem, values: Sequence[Value]) -> tuple[dict[str, float], d
     except DesignError as error:
         return {}, {FILE: 1.0}, NO_DESIGN, one_line(error)
     try:
-        if broken := refusals(design, task.strict):
+        if broken := refusals(Reducer(design), task.strict):
             return {}, broken, UNBUILT, ""
-        there = figures(design, task.groups)
+        there = figures(Reducer(design), task.groups)
     except CycloidError as error:
         return {}, {STATICS: 1.0}, UNSOLVED, one_line(error)
     found = {key: there.get(key, math.nan) for key in task.wanted}

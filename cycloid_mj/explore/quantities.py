@@ -2,22 +2,22 @@
 
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping
-from functools import lru_cache
 
 from cycloid_mj import profile
 from cycloid_mj.checks import WALLS, check, masses, soundness, summary
-from cycloid_mj.design import PRESETS, Design
+from cycloid_mj.design import PRESETS
 from cycloid_mj.errors import CycloidError
 from cycloid_mj.loaded.sheet import PARTS_OF_SHEET, sheet_part
-from cycloid_mj.modification import gear_profile, profile_offset
+from cycloid_mj.mechanism.whole import Reducer, once
 from cycloid_mj.result import Quantity, keyed
 from cycloid_mj.units import ARCMINUTE, MILLIMETRES
 
 
-def _geometry(design: Design) -> dict[str, Quantity]:
+def _geometry(reducer: Reducer) -> dict[str, Quantity]:
     """Give what the shape of the teeth alone decides."""
-    gear, ring = gear_profile(design), design.ring
-    bend = MILLIMETRES * (profile.undercut_radius(gear) - profile_offset(design))
+    design = reducer.design
+    gear, ring = reducer.gear_profile, design.ring
+    bend = MILLIMETRES * (profile.undercut_radius(gear) - reducer.profile_offset)
     share = ring.teeth * design.gear.eccentricity / ring.pin_circle_radius
     return keyed(
         [
@@ -29,13 +29,13 @@ def _geometry(design: Design) -> dict[str, Quantity]:
     )
 
 
-def _mass(design: Design) -> dict[str, Quantity]:
-    return keyed([Quantity("mass_kg", "mass of all parts", sum(masses(design).values()), "kg")])
+def _mass(reducer: Reducer) -> dict[str, Quantity]:
+    return keyed([Quantity("mass_kg", "mass of all parts", sum(masses(reducer).values()), "kg")])
 
 
-def _summary(design: Design) -> dict[str, Quantity]:
+def _summary(reducer: Reducer) -> dict[str, Quantity]:
     """Give what `design check` sums up, under the keys of its JSON."""
-    found = summary(design)
+    found = summary(reducer)
     angle, play = math.degrees(found.pressure_angle), found.backlash / ARCMINUTE
     return keyed(
         [
@@ -47,11 +47,11 @@ def _summary(design: Design) -> dict[str, Quantity]:
     )
 
 
-def _statics(part: str) -> Callable[[Design], dict[str, Quantity]]:
+def _statics(part: str) -> Callable[[Reducer], dict[str, Quantity]]:
     return lambda design: sheet_part(design, part)
 
 
-GROUPS: Mapping[str, Callable[[Design], dict[str, Quantity]]] = {
+GROUPS: Mapping[str, Callable[[Reducer], dict[str, Quantity]]] = {
     "geometry": _geometry,
     "mass": _mass,
     "summary": _summary,
@@ -60,36 +60,36 @@ GROUPS: Mapping[str, Callable[[Design], dict[str, Quantity]]] = {
 """What gives figures together, by name: shape, mass, summary, and the parts of `statics` under its keys."""
 
 
-@lru_cache(maxsize=4)
-def catalogue(design: Design) -> Mapping[str, tuple[str, Quantity]]:
+@once
+def catalogue(reducer: Reducer) -> Mapping[str, tuple[str, Quantity]]:
     """Give every figure that designs like this have, by key: its group, and what it is.
 
     Where a design cannot be built, or has no balance, they are those of a preset with such teeth: the same keys.
     """
-    ring = design.ring
+    ring = reducer.design.ring
     pins = {"ring": {"pins": ring.pins}} if ring.kind == "pin" else {}
-    sound = not refusals(design, strict=False)
+    sound = not refusals(reducer, strict=False)
     try:
-        return _all_figures(design if sound else PRESETS[ring.kind].but(**pins))
+        return _all_figures(Reducer(reducer.design if sound else PRESETS[ring.kind].but(**pins)))
     except CycloidError:
-        return _all_figures(PRESETS[ring.kind].but(**pins))
+        return _all_figures(Reducer(PRESETS[ring.kind].but(**pins)))
 
 
-def _all_figures(design: Design) -> Mapping[str, tuple[str, Quantity]]:
-    return {key: (group, one) for group, of in GROUPS.items() for key, one in of(design).items()}
+def _all_figures(reducer: Reducer) -> Mapping[str, tuple[str, Quantity]]:
+    return {key: (group, one) for group, of in GROUPS.items() for key, one in of(reducer).items()}
 
 
-def figures(design: Design, groups: Iterable[str]) -> dict[str, float]:
+def figures(reducer: Reducer, groups: Iterable[str]) -> dict[str, float]:
     """Give the figures of some groups by their keys."""
-    return {key: one.value for group in groups for key, one in GROUPS[group](design).items()}
+    return {key: one.value for group in groups for key, one in GROUPS[group](reducer).items()}
 
 
-def refusals(design: Design, strict: bool) -> dict[str, float]:
+def refusals(reducer: Reducer, strict: bool) -> dict[str, float]:
     """Give the failed checks of a design by name, each with how far it is off, as a share of its bound.
 
     Those that make it impossible to build, and walls thinner than is assumed; `strict`: all warnings, too.
     """
-    found = check(design) if strict else soundness(design)
+    found = check(reducer.design) if strict else soundness(reducer)
     failed = [one for one in found if not one.passed and (strict or one.severity == "error" or one.name in WALLS)]
     return {one.name: _excess(one.value, one.bound) for one in failed}
 

@@ -5,12 +5,13 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from cycloid_mj.design import Design, override
+from cycloid_mj.design import override
 from cycloid_mj.errors import CycloidError, CycloidWarning
 from cycloid_mj.explore.followers import Follower, followed, values_of
 from cycloid_mj.explore.measured import MEASURED, Measured, Options
 from cycloid_mj.explore.points import Value
 from cycloid_mj.frame import Cell
+from cycloid_mj.mechanism.whole import Reducer
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class Task:
         Keys that change with those of the points.
     """
 
-    design: Design
+    reducer: Reducer
     keys: tuple[str, ...]
     measures: tuple[str, ...]
     options: Options
@@ -73,15 +74,15 @@ def measured_row(task: Task, values: Sequence[Value]) -> Row:
     """Measure the design at a point; whatever goes wrong is told in its row, since other points may go well."""
     start = time.thread_time()
     try:
-        changed = override(task.design, dict(zip(task.keys, values, strict=True)))
-        design = followed(task.design, changed, task.followers)
+        changed = override(task.reducer.design, dict(zip(task.keys, values, strict=True)))
+        design = followed(task.reducer, Reducer(changed), task.followers)
     except CycloidError as error:
         return Row(error=one_line(error), cpu=time.thread_time() - start)
     found: dict[str, Measured] = {}
     errors = []
     for name in task.measures:
         try:
-            found[name] = _measured(name, design, task.options)
+            found[name] = _measured(name, Reducer(design), task.options)
         except Exception as error:
             words = one_line(error) if isinstance(error, CycloidError) else f"{type(error).__name__}: {one_line(error)}"
             errors.append(words if len(task.measures) == 1 else f"{name}: {words}")
@@ -92,19 +93,19 @@ def measured_row(task: Task, values: Sequence[Value]) -> Row:
         warnings=tuple(dict.fromkeys(text for one in found.values() for text in one.warnings)),
         assumptions=tuple(dict.fromkeys(text for one in found.values() for text in one.assumptions)),
         cpu=time.thread_time() - start,
-        followed=dict(values_of(design, task.followers)),
+        followed=dict(values_of(Reducer(design), task.followers)),
     )
 
 
-def _measured(name: str, design: Design, options: Options) -> Measured:
+def _measured(name: str, reducer: Reducer, options: Options) -> Measured:
     from cycloid_mj.checks import require_sound
 
     if name != "checks":
-        require_sound(design)
+        require_sound(reducer)
     with warnings.catch_warnings():
         # they are in the row
         warnings.simplefilter("ignore", CycloidWarning)
-        return MEASURED[name](design, options)
+        return MEASURED[name](reducer, options)
 
 
 def one_line(error: BaseException) -> str:

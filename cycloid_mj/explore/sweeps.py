@@ -20,6 +20,7 @@ from cycloid_mj.explore.measured import Options, require_measures
 from cycloid_mj.explore.points import Method, Points, Wanted, grid, sampled, tabled
 from cycloid_mj.explore.row import Row, Task, measured_row
 from cycloid_mj.frame import Cell, Frame, Tabular, framed, write_csv, write_parquet
+from cycloid_mj.mechanism.whole import Reducer
 
 POINT, WARNINGS, ERROR, CPU, VERSIONS = "point", "warnings", "error", "cpu_s", "versions"
 """Columns that every sweep has."""
@@ -156,8 +157,9 @@ def sweep(
     RunError
         The engine's workers are lost, or of other versions.
     """
+    reducer = Reducer(design)
     where = chosen(vary, table, sample, points, seed)
-    task = task_of(design, where, [measure] if isinstance(measure, str) else measure, quick, real_pins, follow)
+    task = task_of(reducer, where, [measure] if isinstance(measure, str) else measure, quick, real_pins, follow)
     if out is None:
         rows: dict[int, Row] = {}
         _fill(task, where, rows, rows.__setitem__, engine, progress)
@@ -166,7 +168,7 @@ def sweep(
 
 
 def task_of(
-    design: Design,
+    reducer: Reducer,
     points: Points,
     measures: Iterable[str],
     quick: bool,
@@ -182,7 +184,7 @@ def task_of(
     """
     names = require_measures(name.strip() for words in measures for name in words.split(","))
     options = Options(quick, real_pins or "ring.pins" in points.keys)
-    return Task(design, points.keys, names, options, following(design, follow, points.keys))
+    return Task(reducer, points.keys, names, options, following(reducer, follow, points.keys))
 
 
 def in_folder(task: Task, points: Points, into: Path, engine: Engine, progress: Progress) -> Sweep:
@@ -246,7 +248,7 @@ def write_tables(found: Sweep, into: Path) -> None:
 def _plan(task: Task, points: Points) -> dict[str, Any]:
     """Give what tells a sweep from others: rows of another one do not belong in its folder."""
     return {
-        "design": dump(task.design),
+        "design": dump(task.reducer.design),
         "keys": list(task.keys),
         "points": {"count": len(points), "digest": points.digest},
         "measures": list(task.measures),

@@ -33,6 +33,7 @@ from cycloid_mj.explore.verify import Verified, table_rows, verified
 from cycloid_mj.explore.zone import Zone
 from cycloid_mj.frame import Frame, Tabular
 from cycloid_mj.loaded.samples import alike
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.result import Table
 from cycloid_mj.types import Array, Mask
 
@@ -262,16 +263,17 @@ def tolerance(
     Unfinished
         Ctrl-C: it has the figures of the first samples, as many as were balanced without a gap.
     """
-    zones = tolerances(design)
+    reducer = Reducer(design)
+    zones = tolerances(reducer)
     if not zones:
         raise UsageError(
-            f"the design {design.name!r} has no tolerances: give some in its table [tolerance], "
+            f"the design {reducer.design.name!r} has no tolerances: give some in its table [tolerance], "
             "e.g. --set 'tolerance.cam=\"uniform 2\"'"
         )
     if not 0 <= verify <= WORST:
         raise UsageError(f"cannot verify {verify} samples: give from 0 to {WORST}, the worst that are kept")
     study = _Study(
-        design, zones, samples, seed, tuple(limit(one, FIGURES) if isinstance(one, str) else one for one in limits)
+        reducer, zones, samples, seed, tuple(limit(one, FIGURES) if isinstance(one, str) else one for one in limits)
     )
     done: dict[int, dict[str, Array]] = {}
     checked: dict[int, Verified] = {}
@@ -279,7 +281,7 @@ def tolerance(
         if not _balance(study, done, progress, engine):
             raise AllJam(study.found({0: done[0]}))
         found = study.found(done)
-        checked.update(engine.stream(verified, found.worst[:verify]))
+        checked.update(engine.stream(verified, [Reducer(one) for one in found.worst[:verify]]))
     except KeyboardInterrupt as stop:
         if 0 not in done:
             raise
@@ -295,7 +297,7 @@ def _balance(study: "_Study", done: dict[int, dict[str, Array]], progress: Progr
     Whether all is done: the study ends where its beginning jams as a whole.
     """
     whole, count = sum(block.count for block, _ in study.work), 0
-    work = partial(balanced, study.design, study.zones, study.seed, ANGLES)
+    work = partial(balanced, study.reducer, study.zones, study.seed, ANGLES)
     for place, figures in engine.stream(work, study.work):
         done[place] = figures
         count += study.work[place][0].count
@@ -313,7 +315,7 @@ def _with_dynamics(found: Tolerances, checked: Mapping[int, Verified]) -> Tolera
 class _Study:
     """Samples that are asked for, block by block, with the sets that their budget compares."""
 
-    design: Design
+    reducer: Reducer
     zones: Mapping[str, Zone]
     samples: int
     seed: int
@@ -343,27 +345,27 @@ class _Study:
         """Give what came of it, from the figures of all work, or of so much as is `done`: its first block at least."""
         main = self.main[: next((place for place in range(len(self.main)) if place not in done), len(self.main))]
         figures = {key: np.concatenate([done[place][key] for place in range(len(main))]) for key in FIGURES}
-        jams, parts = jams_of(figures), [departures(self.design, self.zones, self.seed, block) for block in main]
+        jams, parts = jams_of(figures), [departures(self.reducer, self.zones, self.seed, block) for block in main]
         changed = {key: np.concatenate([part[key] for part in parts]) for key in self.zones}
-        has_file = filed(self.design, put(self.design, alike(self.design, jams.size), changed))
+        has_file = filed(self.reducer, put(self.reducer, alike(self.reducer, jams.size), changed))
         outwards = 1.0 if not self.limits or self.limits[0].at_most else -1.0
         ranked = np.argsort(-outwards * figures[self.of], kind="stable")
         worst = ranked[(~jams & has_file)[ranked]][:WORST].tolist()
         return Tolerances(
-            design=self.design.name,
-            condition=condition(self.design),
+            design=self.reducer.design.name,
+            condition=condition(self.reducer),
             samples=jams.size,
             asked=self.samples,
             seed=self.seed,
             figures=figures,
             drawn=drawn_columns(changed),
             jams=jams,
-            jammed_by=cause(self.design, self.zones, self.seed) if jams.all() else "",
+            jammed_by=cause(self.reducer, self.zones, self.seed) if jams.all() else "",
             limits=self.limits,
             budget_of=self.of,
             budget=() if jams.all() else self._budget(done),
-            worst=tuple(sample_design(self.design, self.zones, self.seed, number) for number in worst),
-            left_out=left_out(self.design, self.zones, int(np.sum(~jams & ~has_file))),
+            worst=tuple(sample_design(self.reducer, self.zones, self.seed, number) for number in worst),
+            left_out=left_out(self.reducer, self.zones, int(np.sum(~jams & ~has_file))),
         )
 
     def _budget(self, done: Mapping[int, Mapping[str, Array]]) -> tuple[Share, ...]:
@@ -373,16 +375,16 @@ class _Study:
             return ()
         seen = {name: done[place] for name, place in zip(self.compared, places, strict=True)}
         values = {name: np.where(jams_of(one), np.nan, one[self.of]) for name, one in seen.items()}
-        sets = [departures(self.design, self.zones, self.seed, self.compared[name]) for name in "AB" if values]
+        sets = [departures(self.reducer, self.zones, self.seed, self.compared[name]) for name in "AB" if values]
         return shares(self.zones, sets, values, np.random.default_rng([self.seed, len(SOURCES), 1]))
 
 
 def balanced(
-    design: Design, zones: Mapping[str, Zone], seed: int, angles: int, work: tuple[Block, Sequence[str]]
+    reducer: Reducer, zones: Mapping[str, Zone], seed: int, angles: int, work: tuple[Block, Sequence[str]]
 ) -> dict[str, Array]:
     """Balance the samples of a block; give the figures that are asked for by key, shape (samples,) each."""
     block, keys = work
-    return figures_of(design, drawn(design, zones, seed, block), keys, angles)
+    return figures_of(reducer, drawn(reducer, zones, seed, block), keys, angles)
 
 
 def _distribution(values: Array, unit: str) -> Distribution:

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.design import Design
 from cycloid_mj.errors import CycloidError
 from cycloid_mj.explore.figures import FIGURES, figures_of
 from cycloid_mj.loaded.samples import alike
 from cycloid_mj.measure.pressed import pressed
 from cycloid_mj.measure.steady import SETTLED, steady, steady_design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.member import output_angle
 from cycloid_mj.units import ARCSECONDS
 
@@ -46,17 +46,18 @@ class Verified:
         }
 
 
-def verified(design: Design) -> Verified:
+def verified(reducer: Reducer) -> Verified:
     """Run a design and give its figures beside those of its statics; a run that goes wrong is told in the note."""
-    statics = {key: float(values[0]) for key, values in figures_of(design, alike(design, 1)).items()}
+    statics = {key: float(values[0]) for key, values in figures_of(reducer, alike(reducer, 1)).items()}
     try:
-        return Verified(design.name, statics, _dynamics(design))
+        return Verified(reducer.design.name, statics, _dynamics(reducer))
     except CycloidError as error:
-        return Verified(design.name, statics, {}, str(error))
+        return Verified(reducer.design.name, statics, {}, str(error))
 
 
-def _dynamics(design: Design) -> dict[str, float]:
-    loaded = steady_design(design).but(load={"torque": design.rated_torque})
+def _dynamics(reducer: Reducer) -> dict[str, float]:
+    design = reducer.design
+    loaded = steady_design(reducer).but(load={"torque": design.rated_torque})
     run = steady(loaded, SETTLED, design.ring.teeth)
     error = run["output_angle"] - output_angle(design, run["crank_angle"])
     found = pressed(run, loaded)

@@ -20,6 +20,7 @@ from cycloid_mj.export.printing import widened
 from cycloid_mj.export.section import Section, part_sections
 from cycloid_mj.export.step import SPLINES, read_volume, step_part
 from cycloid_mj.export.stl import read_stl, stl_bytes
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import gears
 from cycloid_mj.sockets import require_drawn
 from cycloid_mj.solid import mass_properties, mesh, parts
@@ -97,27 +98,30 @@ def export(design: Design, file_format: Format, chord_error: float = CHORD_ERROR
     CycloidError
         The extra for STEP is not installed.
     """
-    require_drawn(design, "files of its parts")
-    made = _exported(widened(design, offset), file_format, chord_error)
-    return Export(made.files, tuple(replace(one, asked=getattr(design.clearance, one.pair)) for one in made.clearances))
+    reducer = Reducer(design)
+    require_drawn(reducer.design, "files of its parts")
+    made = _exported(widened(reducer, offset), file_format, chord_error)
+    return Export(
+        made.files, tuple(replace(one, asked=getattr(reducer.design.clearance, one.pair)) for one in made.clearances)
+    )
 
 
-def _exported(design: Design, file_format: Format, chord_error: float) -> Export:
+def _exported(reducer: Reducer, file_format: Format, chord_error: float) -> Export:
     if file_format in ("stl", "obj"):
-        return _meshes(design, file_format, chord_error)
-    sections = part_sections(design, SPLINES if file_format == "step" else 1)
-    discs = [[_loop_points(loop) for loop in sections[gear][0].loops] for gear in gears(design.gear.discs)]
-    clearances = measure_all(design, discs, _loop_points(sections["housing"][0].loops[1]))
+        return _meshes(reducer, file_format, chord_error)
+    sections = part_sections(reducer, SPLINES if file_format == "step" else 1)
+    discs = [[_loop_points(loop) for loop in sections[gear][0].loops] for gear in gears(reducer.design.gear.discs)]
+    clearances = measure_all(reducer, discs, _loop_points(sections["housing"][0].loops[1]))
     if file_format == "dxf":
         return Export({f"{name}.dxf": dxf_bytes(stretches) for name, stretches in sections.items()}, clearances)
-    return Export({f"{name}.step": _step(design, name, stretches) for name, stretches in sections.items()}, clearances)
+    return Export({f"{name}.step": _step(reducer, name, stretches) for name, stretches in sections.items()}, clearances)
 
 
-def _meshes(design: Design, file_format: Format, chord_error: float) -> Export:
-    solids = parts(design, chord_error)
-    discs = [solids[gear].prisms[0] for gear in gears(design.gear.discs)]
+def _meshes(reducer: Reducer, file_format: Format, chord_error: float) -> Export:
+    solids = parts(reducer, chord_error)
+    discs = [solids[gear].prisms[0] for gear in gears(reducer.design.gear.discs)]
     loops = [[disc.outline, *disc.holes] for disc in discs]
-    clearances = measure_all(design, loops, solids["housing"].prisms[0].holes[0])
+    clearances = measure_all(reducer, loops, solids["housing"].prisms[0].holes[0])
     meshes = {name: mesh(solid) for name, solid in solids.items()}
     if file_format == "stl":
         files = {f"{name}.stl": stl_bytes(shape, MILLIMETRES) for name, shape in meshes.items()}
@@ -126,11 +130,11 @@ def _meshes(design: Design, file_format: Format, chord_error: float) -> Export:
     return Export(files, clearances)
 
 
-def _step(design: Design, name: str, stretches: tuple[Section, ...]) -> bytes:
+def _step(reducer: Reducer, name: str, stretches: tuple[Section, ...]) -> bytes:
     """Give a part as STEP if the solid read back from it has the part's volume."""
-    apart = design.ring.teeth if name == "housing" and design.ring.has_sleeves else 0
+    apart = reducer.design.ring.teeth if name == "housing" and reducer.design.ring.has_sleeves else 0
     content = step_part(name, stretches, 1 + apart)
-    volume, true = read_volume(content), mass_properties(parts(design)[name]).volume
+    volume, true = read_volume(content), mass_properties(parts(reducer)[name]).volume
     if not abs(volume / true - 1.0) <= VOLUME_TOLERANCE:
         raise DesignError(
             f"the STEP solid of the {name} has the volume {volume:.6g} m3 instead of {true:.6g} m3; "

@@ -9,7 +9,6 @@ from typing import Literal
 import numpy as np
 
 from cycloid_mj import names
-from cycloid_mj.design import Design
 from cycloid_mj.export.printing import (
     OUTPUT_PIN,
     PRESSED_PIN,
@@ -19,6 +18,7 @@ from cycloid_mj.export.printing import (
     made,
     output_pin_length,
 )
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.solid import crank_stretches, parts, sleeve_core_radius
 from cycloid_mj.solid.accuracy import VISUAL_CHORD_ERROR
 from cycloid_mj.solid.shaft import bearing_seats
@@ -44,7 +44,7 @@ class Item:
     made_or_bought: Literal["made", "bought"]
 
 
-def bill(design: Design, cam_seat: float = 0.0) -> tuple[Item, ...]:
+def bill(reducer: Reducer, cam_seat: float = 0.0) -> tuple[Item, ...]:
     """Give the bill of materials of a design: what is made, as `printing.made` has it, then what is bought.
 
     `cam_seat` is the radius of the bore of the cam's bearing [m]; 0: not chosen yet.
@@ -57,7 +57,7 @@ def bill(design: Design, cam_seat: float = 0.0) -> tuple[Item, ...]:
     DesignError
         A part cannot be made.
     """
-    return (*_made(design, cam_seat), *_bought(design, cam_seat))
+    return (*_made(reducer, cam_seat), *_bought(reducer, cam_seat))
 
 
 def bill_csv(items: tuple[Item, ...]) -> bytes:
@@ -69,33 +69,34 @@ def bill_csv(items: tuple[Item, ...]) -> bytes:
     return text.getvalue().encode()
 
 
-def _made(design: Design, cam_seat: float) -> Iterator[Item]:
-    for name, part in made(design, VISUAL_CHORD_ERROR, cam_seat).items():
+def _made(reducer: Reducer, cam_seat: float) -> Iterator[Item]:
+    for name, part in made(reducer, VISUAL_CHORD_ERROR, cam_seat).items():
         family = "output" if name.startswith(f"{names.OUTPUT}_") and name != OUTPUT_PIN else names.family(name)
-        material = _material(design, MADE_OF.get(family, family))
-        item = names.SLEEVE if name == names.PIN and design.ring.has_sleeves else name
+        material = _material(reducer, MADE_OF.get(family, family))
+        item = names.SLEEVE if name == names.PIN and reducer.design.ring.has_sleeves else name
         yield Item(item, part.count, _extent(part), material, "made")
 
 
-def _bought(design: Design, cam_seat: float) -> Iterator[Item]:
+def _bought(reducer: Reducer, cam_seat: float) -> Iterator[Item]:
+    design = reducer.design
     ring, output, gear, shaft = design.ring, design.output, design.gear, design.shaft
-    if ring.kind == "pin" and not is_printed(design, names.PIN):
-        material = _material(design, names.PIN)
+    if ring.kind == "pin" and not is_printed(reducer, names.PIN):
+        material = _material(reducer, names.PIN)
         if ring.has_sleeves:
             sizes = ("outside diameter", ring.pin_radius), ("bore", ring.sleeve_bore_radius)
             yield Item(names.SLEEVE, ring.teeth, _round(*sizes, length=gear.stack_width), material, "bought")
-            size = _round(("diameter", sleeve_core_radius(design)), length=gear.stack_width)
+            size = _round(("diameter", sleeve_core_radius(reducer)), length=gear.stack_width)
             yield Item(PRESSED_PIN, ring.teeth, size, material, "bought")
         else:
             size = _round(("diameter", ring.pin_radius), length=gear.stack_width)
             yield Item(names.PIN, ring.teeth, size, material, "bought")
-    if not in_one_piece(design) and not is_printed(design, names.OUTPUT):
-        size = _round(("diameter", output.root_radius), length=output_pin_length(design))
-        yield Item(OUTPUT_PIN, output.pins, size, _material(design, names.OUTPUT), "bought")
-    if gear.discs > 1 and not is_printed(design, names.SHAFT):
-        (bar,) = parts(design)[names.SHAFT].prisms
+    if not in_one_piece(reducer) and not is_printed(reducer, names.OUTPUT):
+        size = _round(("diameter", output.root_radius), length=output_pin_length(reducer))
+        yield Item(OUTPUT_PIN, output.pins, size, _material(reducer, names.OUTPUT), "bought")
+    if gear.discs > 1 and not is_printed(reducer, names.SHAFT):
+        (bar,) = parts(reducer)[names.SHAFT].prisms
         size = _round(("diameter", shaft.radius), length=bar.height)
-        yield Item(names.SHAFT, 1, size, _material(design, names.SHAFT), "bought")
+        yield Item(names.SHAFT, 1, size, _material(reducer, names.SHAFT), "bought")
     if output.rollers:
         sizes = ("outside diameter", output.pin_radius), ("bore", output.root_radius)
         size = _round(*sizes, length=gear.face_width)
@@ -104,7 +105,7 @@ def _bought(design: Design, cam_seat: float) -> Iterator[Item]:
         bore = (("bore", cam_seat),) if cam_seat else ()
         size = _round(("outside diameter", gear.bore_radius), *bore, length=gear.face_width)
         yield Item("cam_bearing", gear.discs, size, "", "bought")
-    seats = bearing_seats(design, crank_stretches(design))
+    seats = bearing_seats(reducer, crank_stretches(reducer))
     size = _round(("bore", shaft.radius), length=seats[0][1] - seats[0][0])
     yield Item("shaft_bearing", len(seats), size, "", "bought")
     if design.housing.support == "bolts":
@@ -112,9 +113,9 @@ def _bought(design: Design, cam_seat: float) -> Iterator[Item]:
         yield Item("bolt", design.housing.bolts, size, "", "bought")
 
 
-def _material(design: Design, part: str) -> str:
+def _material(reducer: Reducer, part: str) -> str:
     """Name what a part is made of, or tell it by its stiffness and density where the design gives numbers alone."""
-    material = design.material_of(part)
+    material = reducer.design.material_of(part)
     return material.name or f"E {material.youngs_modulus / 1e6:g} MPa, {material.density:g} kg/m3"
 
 

@@ -7,10 +7,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from cycloid_mj import profile
-from cycloid_mj.design import Design
 from cycloid_mj.errors import DesignError
-from cycloid_mj.mechanism.reducer import phases
-from cycloid_mj.modification import gear_profile
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.solid import output_centres
 from cycloid_mj.types import Array
 
@@ -50,7 +48,7 @@ def flank_distance(gear: profile.CycloidGear, points: Array) -> Array:
     return np.asarray(np.sum((profile.trochoid(gear, t) - points) * profile.normals(gear, t), axis=1))
 
 
-def measure_all(design: Design, discs: Sequence[Sequence[Array]], ring_loop: Array) -> tuple[Clearance, ...]:
+def measure_all(reducer: Reducer, discs: Sequence[Sequence[Array]], ring_loop: Array) -> tuple[Clearance, ...]:
     """Measure the clearances of every disc, each as `measure` does: the least and the most of all.
 
     Raises
@@ -58,14 +56,14 @@ def measure_all(design: Design, discs: Sequence[Sequence[Array]], ring_loop: Arr
     DesignError
         A clearance is not what was asked for.
     """
-    found = [measure(design, loops, ring_loop, disc) for disc, loops in enumerate(discs)]
+    found = [measure(reducer, loops, ring_loop, disc) for disc, loops in enumerate(discs)]
     return tuple(
         Clearance(pair[0].pair, pair[0].asked, min(one.least for one in pair), max(one.most for one in pair))
         for pair in zip(*found, strict=True)
     )
 
 
-def measure(design: Design, gear_loops: Sequence[Array], ring_loop: Array, disc: int = 0) -> tuple[Clearance, ...]:
+def measure(reducer: Reducer, gear_loops: Sequence[Array], ring_loop: Array, disc: int = 0) -> tuple[Clearance, ...]:
     """Measure the clearances cut into a disc and the housing.
 
     Parameters
@@ -84,17 +82,18 @@ def measure(design: Design, gear_loops: Sequence[Array], ring_loop: Array, disc:
     DesignError
         A clearance is not what was asked for.
     """
+    design = reducer.design
     outline, bore, *holes = gear_loops
     asked = design.clearance
-    hole_points = [hole - centre for hole, centre in zip(holes, output_centres(design), strict=True)]
+    hole_points = [hole - centre for hole, centre in zip(holes, output_centres(reducer), strict=True)]
     teeth = "pin_gear" if design.ring.kind == "pin" else "tooth"
     found: Mapping[str, Array] = {
-        teeth: _flank_clearance(design, _turned(outline, -phases(design)[disc] / design.lobes)),
+        teeth: _flank_clearance(reducer, _turned(outline, -reducer.phases[disc] / design.lobes)),
         "cam": np.linalg.norm(bore, axis=1) - design.gear.bore_radius,
         "output": np.linalg.norm(np.concatenate(hole_points), axis=1) - design.output.hole_radius,
     }
     if design.ring.has_sockets:
-        found = {**found, "pin_socket": _socket_points(design, ring_loop) - design.ring.pin_radius}
+        found = {**found, "pin_socket": _socket_points(reducer, ring_loop) - design.ring.pin_radius}
     measured = tuple(Clearance(pair, getattr(asked, pair), *_range(values)) for pair, values in found.items())
     for one in measured:
         if max(one.asked - one.least, one.most - one.asked) > TOLERANCE:
@@ -105,15 +104,15 @@ def measure(design: Design, gear_loops: Sequence[Array], ring_loop: Array, disc:
     return measured
 
 
-def _flank_clearance(design: Design, outline: Array) -> Array:
+def _flank_clearance(reducer: Reducer, outline: Array) -> Array:
     """Give the clearance of the gear's points (n, 2) [m] beside its modification, shape (n,).
 
     With turned flanks the gear is what two copies of its profile have in common.
     """
-    gear, change = gear_profile(design), design.modification
+    gear, change = reducer.gear_profile, reducer.design.modification
     turns = (change.rotation, -change.rotation) if change.rotation else (0.0,)
     inside = [flank_distance(gear, _turned(outline, turn)) for turn in turns]
-    return np.asarray(np.min(inside, axis=0) - design.ring.pin_radius - change.equidistant)
+    return np.asarray(np.min(inside, axis=0) - reducer.design.ring.pin_radius - change.equidistant)
 
 
 def _turned(points: Array, angle: float) -> Array:
@@ -126,9 +125,9 @@ def _range(values: Array) -> tuple[float, float]:
     return float(values.min()), float(values.max())
 
 
-def _socket_points(design: Design, ring_loop: Array) -> Array:
+def _socket_points(reducer: Reducer, ring_loop: Array) -> Array:
     """Distances from the nearest pin's centre [m] of the points that lie in a socket, not on the wall between."""
-    ring = design.ring
+    ring = reducer.design.ring
     centres = ring.pin_circle_radius * profile.unit(2.0 * np.pi * np.arange(ring.teeth) / ring.teeth)
     found, _ = cKDTree(centres).query(ring_loop)
     radius = np.linalg.norm(ring_loop, axis=1)

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.design import Design
 from cycloid_mj.export.printing import made
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.solid import Mesh, Prism, Solid, mesh
 from cycloid_mj.solid.inertia import region_moments
 from cycloid_mj.types import Array
@@ -61,7 +61,7 @@ class Plate:
         return {part: found.count(part) for part in dict.fromkeys(found)}
 
 
-def plate(design: Design, chord_error: float, cam_seat: float = 0.0) -> Plate:
+def plate(reducer: Reducer, chord_error: float, cam_seat: float = 0.0) -> Plate:
     """Lay all parts that are made on a plate, each on its end with the larger face.
 
     Parameters
@@ -78,7 +78,7 @@ def plate(design: Design, chord_error: float, cam_seat: float = 0.0) -> Plate:
     DesignError
         A part cannot be made, or its mesh is not watertight.
     """
-    lying = [(name, part.count, *_lying(part.solid)) for name, part in made(design, chord_error, cam_seat).items()]
+    lying = [(name, part.count, *_lying(part.solid)) for name, part in made(reducer, chord_error, cam_seat).items()]
     meshes = [(name, shape, over) for name, count, solid, over in lying for shape in [mesh(solid)] * count]
     boxes = [(shape.vertices.min(axis=0), shape.vertices.max(axis=0)) for _, shape, _ in meshes]
     spots = shelves([(high[0] - low[0], high[1] - low[1]) for low, high in boxes], GAP)

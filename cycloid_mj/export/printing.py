@@ -3,10 +3,9 @@
 from dataclasses import dataclass
 
 from cycloid_mj import names
-from cycloid_mj.design import Design
 from cycloid_mj.design.materials import SOFTEST_METAL
 from cycloid_mj.errors import DesignError
-from cycloid_mj.mechanism.reducer import phases
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.solid import Prism, Solid, circle, crank_stretches, output_centres, parts, sleeve_core_radius
 from cycloid_mj.solid.polygon import turned
 
@@ -25,7 +24,7 @@ class Made:
     solid: Solid
 
 
-def widened(design: Design, offset: float) -> Design:
+def widened(reducer: Reducer, offset: float) -> Reducer:
     """Give a design with every clearance wider by an offset [m]; press fits stay, and so does what is bought.
 
     The pin in a sleeve keeps its size: the bore of the sleeve takes the offset.
@@ -35,12 +34,13 @@ def widened(design: Design, offset: float) -> Design:
     DesignError
         A clearance would be wider than a design may have it, or no wall is left of the sleeves.
     """
+    design = reducer.design
     if not offset:
-        return design
+        return reducer
     ring = {"sleeve_thickness": design.ring.sleeve_thickness - offset} if design.ring.has_sleeves else {}
     clearance = {pair: getattr(design.clearance, pair) + offset for pair in design.pair_kinds}
     try:
-        return design.but(clearance=clearance, ring=ring)
+        return reducer.but(clearance=clearance, ring=ring)
     except DesignError as error:
         raise DesignError(
             f"an offset of {1e6 * offset:g} um is too much for the design: a clearance would be wider than a design "
@@ -48,18 +48,18 @@ def widened(design: Design, offset: float) -> Design:
         ) from error
 
 
-def is_printed(design: Design, part: str) -> bool:
+def is_printed(reducer: Reducer, part: str) -> bool:
     """Tell whether plain round parts of this material are printed: of a plastic; of a metal they are bought."""
-    return design.material_of(part).youngs_modulus < SOFTEST_METAL
+    return reducer.design.material_of(part).youngs_modulus < SOFTEST_METAL
 
 
-def in_one_piece(design: Design) -> bool:
+def in_one_piece(reducer: Reducer) -> bool:
     """Tell whether the output pins are printed with their disc: of a plastic, without rollers, held at one end."""
-    output = design.output
-    return is_printed(design, names.OUTPUT) and not output.rollers and output.support == "cantilever"
+    output = reducer.design.output
+    return is_printed(reducer, names.OUTPUT) and not output.rollers and output.support == "cantilever"
 
 
-def made(design: Design, chord_error: float, cam_seat: float = 0.0) -> dict[str, Made]:
+def made(reducer: Reducer, chord_error: float, cam_seat: float = 0.0) -> dict[str, Made]:
     """Give every part that is made, in its own frame, by name.
 
     Housing, gears and output are made of whatever material; so is the crank of one disc, and cams and spacers on the
@@ -80,9 +80,10 @@ def made(design: Design, chord_error: float, cam_seat: float = 0.0) -> dict[str,
     DesignError
         A part cannot be made.
     """
-    solids, discs = parts(design, chord_error), design.gear.discs
+    design = reducer.design
+    solids, discs = parts(reducer, chord_error), design.gear.discs
     if cam_seat:
-        solids |= _seated(design, solids, chord_error, cam_seat)
+        solids |= _seated(reducer, solids, chord_error, cam_seat)
     housing = solids[names.HOUSING]
     wheel, *pressed = housing.prisms
     found = {names.HOUSING: Made(1, Solid(housing.name, (wheel,), housing.density))}
@@ -90,25 +91,26 @@ def made(design: Design, chord_error: float, cam_seat: float = 0.0) -> dict[str,
     if discs > 1:
         found |= {name: Made(1, solids[name]) for name in names.all_numbered(names.CAM, discs)}
         found[names.SPACER] = Made(discs - 1, solids[names.SPACER])
-    if discs == 1 or is_printed(design, names.SHAFT):
+    if discs == 1 or is_printed(reducer, names.SHAFT):
         found[names.SHAFT] = Made(1, solids[names.SHAFT])
-    if names.PIN in solids and is_printed(design, names.PIN):
+    if names.PIN in solids and is_printed(reducer, names.PIN):
         found[names.PIN] = Made(design.ring.teeth, solids[names.PIN])
         if pressed:
-            core, half = circle(sleeve_core_radius(design), chord_error), design.gear.stack_width / 2.0
+            core, half = circle(sleeve_core_radius(reducer), chord_error), design.gear.stack_width / 2.0
             solid = Solid(PRESSED_PIN, (Prism(core, (), -half, half),), solids[names.PIN].density)
             found[PRESSED_PIN] = Made(design.ring.teeth, solid)
-    return found | _output(design, solids[names.OUTPUT], chord_error)
+    return found | _output(reducer, solids[names.OUTPUT], chord_error)
 
 
-def output_pin_length(design: Design) -> float:
+def output_pin_length(reducer: Reducer) -> float:
     """Give the length of an output pin through discs and gaps, with what is pressed into each output disc [m]."""
-    output, drawn = design.output, parts(design)[names.OUTPUT].prisms[1]
+    output, drawn = reducer.design.output, parts(reducer)[names.OUTPUT].prisms[1]
     return drawn.height + output.disc_thickness * (2 if output.support == "both_ends" else 1)
 
 
-def _seated(design: Design, solids: dict[str, Solid], chord_error: float, seat: float) -> dict[str, Solid]:
+def _seated(reducer: Reducer, solids: dict[str, Solid], chord_error: float, seat: float) -> dict[str, Solid]:
     """Give the parts of the crank that have cams, with cams of the radius `seat` [m]."""
+    design = reducer.design
     gear, discs = design.gear, design.gear.discs
     least = gear.eccentricity + (design.shaft.radius if discs > 1 else 0.0)
     if gear.bearing != "rolling":
@@ -120,31 +122,31 @@ def _seated(design: Design, solids: dict[str, Solid], chord_error: float, seat: 
         )
     cam = circle(seat, chord_error, (0.0, gear.eccentricity))
     if discs == 1:
-        stretches = zip(crank_stretches(design), solids[names.SHAFT].prisms, strict=True)
+        stretches = zip(crank_stretches(reducer), solids[names.SHAFT].prisms, strict=True)
         prisms = [Prism(cam, (), one.z0, one.z1) if name == names.CAM else one for name, one in stretches]
         return {names.SHAFT: Solid(names.SHAFT, tuple(prisms), solids[names.SHAFT].density)}
     found = {}
-    for name, phase in zip(names.all_numbered(names.CAM, discs), phases(design), strict=True):
+    for name, phase in zip(names.all_numbered(names.CAM, discs), reducer.phases, strict=True):
         (one,) = solids[name].prisms
         found[name] = Solid(name, (Prism(turned(cam, phase), one.holes, one.z0, one.z1),), solids[name].density)
     return found
 
 
-def _output(design: Design, drawn: Solid, chord_error: float) -> dict[str, Made]:
+def _output(reducer: Reducer, drawn: Solid, chord_error: float) -> dict[str, Made]:
     """Give the output as it is printed: in one piece, or its discs with bores, and the pins where they are printed."""
-    if in_one_piece(design):
+    if in_one_piece(reducer):
         return {names.OUTPUT: Made(1, drawn)}
-    output, density = design.output, drawn.density
+    output, density = reducer.design.output, drawn.density
     discs = {names.OUTPUT: drawn.prisms[0]}
     if output.support == "both_ends":
         discs[SECOND_OUTPUT] = drawn.prisms[-1]
     pin = circle(output.root_radius, chord_error)
-    bores = tuple(pin + centre for centre in output_centres(design))
+    bores = tuple(pin + centre for centre in output_centres(reducer))
     found = {
         name: Made(1, Solid(name, (Prism(disc.outline, (*disc.holes, *bores), disc.z0, disc.z1),), density))
         for name, disc in discs.items()
     }
-    if is_printed(design, names.OUTPUT):
-        solid = Solid(OUTPUT_PIN, (Prism(pin, (), 0.0, output_pin_length(design)),), density)
+    if is_printed(reducer, names.OUTPUT):
+        solid = Solid(OUTPUT_PIN, (Prism(pin, (), 0.0, output_pin_length(reducer)),), density)
         found[OUTPUT_PIN] = Made(output.pins, solid)
     return found

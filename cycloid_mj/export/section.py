@@ -6,10 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj import envelope, names, profile
-from cycloid_mj.design import Design
 from cycloid_mj.export.curve import Arc, Circle, Curve, Flank, Line, fit_splines, turned_curve
-from cycloid_mj.mechanism.reducer import phases
-from cycloid_mj.modification import flank_ends, gear_profile, profile_offset, tooth_profile
+from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.modification import flank_ends
 from cycloid_mj.sockets import arc_half_angle, wall_radius
 from cycloid_mj.solid import (
     VISUAL_CHORD_ERROR,
@@ -37,7 +36,7 @@ class Section:
     z1: float
 
 
-def part_sections(design: Design, splines: int = 1) -> dict[str, tuple[Section, ...]]:
+def part_sections(reducer: Reducer, splines: int = 1) -> dict[str, tuple[Section, ...]]:
     """Give the sections of every part of a design, with its clearances, each part in its own frame.
 
     Parameters
@@ -52,16 +51,17 @@ def part_sections(design: Design, splines: int = 1) -> dict[str, tuple[Section, 
     DesignError
         A part cannot be made.
     """
-    solids = parts(design, VISUAL_CHORD_ERROR)  # refuses what does not fit together
+    design = reducer.design
+    solids = parts(reducer, VISUAL_CHORD_ERROR)  # refuses what does not fit together
     half, width = design.gear.stack_width / 2.0, design.gear.face_width / 2.0
-    ring = _internal_gear(design, splines) if design.ring.kind == "nonpin" else _pinwheel(design)
+    ring = _internal_gear(reducer, splines) if design.ring.kind == "nonpin" else _pinwheel(reducer)
     wheel = Section("housing", ((_circle(design.housing.outer_radius),), ring), -half, half)
-    teeth = _gear_outline(design, splines)
+    teeth = _gear_outline(reducer, splines)
     gears = {
-        name: (Section("gear", (_ahead(design, teeth, phase), *_gear_holes(design)), -width, width),)
-        for name, phase in zip(names.gears(design.gear.discs), phases(design), strict=True)
+        name: (Section("gear", (_ahead(reducer, teeth, phase), *_gear_holes(reducer)), -width, width),)
+        for name, phase in zip(names.gears(design.gear.discs), reducer.phases, strict=True)
     }
-    found = {"housing": (wheel, *_cores(design, half)), **_crank(design), **gears, "output": _output(design)}
+    found = {"housing": (wheel, *_cores(reducer, half)), **_crank(reducer), **gears, "output": _output(reducer)}
     if design.ring.kind == "pin":
         bore = ((_circle(design.ring.sleeve_bore_radius),),) if design.ring.has_sleeves else ()
         found["pin"] = (Section("pin", ((_circle(design.ring.pin_radius),), *bore), -half, half),)
@@ -71,13 +71,14 @@ def part_sections(design: Design, splines: int = 1) -> dict[str, tuple[Section, 
     return found
 
 
-def _cores(design: Design, half: float) -> tuple[Section, ...]:
+def _cores(reducer: Reducer, half: float) -> tuple[Section, ...]:
     """Give the pressed-in pins inside the sleeves; none elsewhere."""
+    design = reducer.design
     if not design.ring.has_sleeves:
         return ()
     angles = 2.0 * np.pi * np.arange(design.ring.teeth) / design.ring.teeth
     centres = design.ring.pin_circle_radius * profile.unit(angles)
-    radius = sleeve_core_radius(design)
+    radius = sleeve_core_radius(reducer)
     return tuple(Section("pins", ((_circle(radius, centre),),), -half, half) for centre in centres)
 
 
@@ -85,12 +86,12 @@ def _circle(radius: float, centre: Array | tuple[float, float] = (0.0, 0.0)) -> 
     return Circle((float(centre[0]), float(centre[1])), radius)
 
 
-def _gear_outline(design: Design, splines: int) -> tuple[Curve, ...]:
+def _gear_outline(reducer: Reducer, splines: int) -> tuple[Curve, ...]:
     """Give the profile lobe by lobe, counter-clockwise, each from the middle of one valley to that of the next.
 
     Flanks that are turned towards the middle of their lobe are splines of their own.
     """
-    gear, offset, rotation = gear_profile(design), profile_offset(design), design.modification.rotation
+    gear, offset, rotation = reducer.gear_profile, reducer.profile_offset, reducer.design.modification.rotation
     pitch = 2.0 * math.pi / gear.lobes
     backwards = Flank(
         points=lambda x: profile.outline(gear, -x, offset),
@@ -111,23 +112,24 @@ def _gear_outline(design: Design, splines: int) -> tuple[Curve, ...]:
     return tuple(turned_curve(curve, -i * pitch) for i in range(gear.lobes) for curve in lobe)
 
 
-def _ahead(design: Design, teeth: tuple[Curve, ...], phase: float) -> tuple[Curve, ...]:
+def _ahead(reducer: Reducer, teeth: tuple[Curve, ...], phase: float) -> tuple[Curve, ...]:
     """Turn the teeth of a disc that is ahead on the crank by a phase [rad] back against its holes."""
-    return tuple(turned_curve(curve, phase / design.lobes) for curve in teeth) if phase else teeth
+    return tuple(turned_curve(curve, phase / reducer.design.lobes) for curve in teeth) if phase else teeth
 
 
-def _gear_holes(design: Design) -> list[tuple[Curve, ...]]:
+def _gear_holes(reducer: Reducer) -> list[tuple[Curve, ...]]:
+    design = reducer.design
     hole = design.output.hole_radius + design.clearance.output
     bore = _circle(design.gear.bore_radius + design.clearance.cam)
-    return [(bore,), *((_circle(hole, centre),) for centre in output_centres(design))]
+    return [(bore,), *((_circle(hole, centre),) for centre in output_centres(reducer))]
 
 
-def _internal_gear(design: Design, splines: int) -> tuple[Curve, ...]:
+def _internal_gear(reducer: Reducer, splines: int) -> tuple[Curve, ...]:
     """Give the ring as splines for each root and one arc for the lobe after it, counter-clockwise.
 
     Sigma from B0 to 2 pi - B0 is the whole root counter-clockwise of lobe 1.
     """
-    gear = tooth_profile(design)
+    gear = reducer.tooth_profile
     pitch, alpha, B0 = 2.0 * math.pi / gear.ring_teeth, envelope.largest_alpha(gear), profile.best_phase(gear)
     arc = Arc((0.0, gear.pin_circle_radius), gear.pin_radius, -math.pi / 2.0 - alpha, -math.pi / 2.0 + alpha)
     flank = Flank(
@@ -141,8 +143,9 @@ def _internal_gear(design: Design, splines: int) -> tuple[Curve, ...]:
     return tuple(turned_curve(curve, -i * pitch) for i in range(gear.ring_teeth) for curve in (*root, following))
 
 
-def _pinwheel(design: Design) -> tuple[Curve, ...]:
+def _pinwheel(reducer: Reducer) -> tuple[Curve, ...]:
     """Give the sockets and the lands between them as arcs, counter-clockwise from socket 1 on +y."""
+    design = reducer.design
     ring = design.ring
     centre, radius = ring.pin_circle_radius, ring.pin_radius + design.socket_play
     half, wall = arc_half_angle(design, radius), wall_radius(design)
@@ -153,14 +156,15 @@ def _pinwheel(design: Design) -> tuple[Curve, ...]:
     return tuple(turned_curve(curve, -i * pitch) for i in range(ring.teeth) for curve in (socket, land))
 
 
-def _crank(design: Design) -> dict[str, tuple[Section, ...]]:
+def _crank(reducer: Reducer) -> dict[str, tuple[Section, ...]]:
     """Give the crank with the faces of its solids: one part, or shaft, spacer and cams."""
-    solids, radius = parts(design, VISUAL_CHORD_ERROR), design.shaft.radius
+    design = reducer.design
+    solids, radius = parts(reducer, VISUAL_CHORD_ERROR), design.shaft.radius
     if design.gear.discs == 1:
-        return {names.SHAFT: _shaft(design)}
+        return {names.SHAFT: _shaft(reducer)}
     (shaft,), (spacer,) = solids[names.SHAFT].prisms, solids[names.SPACER].prisms
-    rings = {names.SPACER: (spacer, _circle(spacer_radius(design)))}
-    for name, phase in zip(names.all_numbered(names.CAM, design.gear.discs), phases(design), strict=True):
+    rings = {names.SPACER: (spacer, _circle(spacer_radius(reducer)))}
+    for name, phase in zip(names.all_numbered(names.CAM, design.gear.discs), reducer.phases, strict=True):
         (cam,) = solids[name].prisms
         rings[name] = (cam, _circle(design.gear.bore_radius, design.gear.eccentricity * profile.unit(-phase)))
     found: dict[str, tuple[Section, ...]] = {
@@ -171,8 +175,9 @@ def _crank(design: Design) -> dict[str, tuple[Section, ...]]:
     return found
 
 
-def _shaft(design: Design) -> tuple[Section, ...]:
+def _shaft(reducer: Reducer) -> tuple[Section, ...]:
     """Give journal, counterweight, journal and cam, with the faces of the balanced solid."""
+    design = reducer.design
     shaft, cam = design.shaft, design.gear.bore_radius
     outer, inner = shaft.counterweight_radius, shaft.radius
     counterweight = (
@@ -184,17 +189,17 @@ def _shaft(design: Design) -> tuple[Section, ...]:
     special = {"counterweight": (counterweight,), "cam": ((_circle(cam, (0.0, design.gear.eccentricity)),),)}
     return tuple(
         Section(name, special.get(name, ((_circle(inner),),)), stretch.z0, stretch.z1)
-        for name, stretch in crank_stretches(design).items()
+        for name, stretch in crank_stretches(reducer).items()
     )
 
 
-def _output(design: Design) -> tuple[Section, ...]:
+def _output(reducer: Reducer) -> tuple[Section, ...]:
     """Give the disc and its pins, and the second disc where it holds them, too."""
-    disc, *others = output_solid(design, VISUAL_CHORD_ERROR).prisms
+    disc, *others = output_solid(reducer, VISUAL_CHORD_ERROR).prisms
     rim = float(np.linalg.norm(disc.outline, axis=1).max())
-    centres = output_centres(design)
+    centres = output_centres(reducer)
     pins, second = others[: len(centres)], others[len(centres) :]
-    pin, eye = pin_radius(design), design.gear.bore_radius + design.gear.eccentricity
+    pin, eye = pin_radius(reducer), reducer.design.gear.bore_radius + reducer.design.gear.eccentricity
     return (
         Section("disc", ((_circle(rim),),), disc.z0, disc.z1),
         *(

@@ -6,11 +6,10 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.compiling import announced
-from cycloid_mj.design import Design
 from cycloid_mj.errors import RunError
 from cycloid_mj.loaded.springs import Springs, springs_of
 from cycloid_mj.mechanism.kernel import BALANCED, Left, balance
-from cycloid_mj.member import seen_from_ring, share
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.structure import wind_up
 from cycloid_mj.types import Array
 
@@ -55,7 +54,7 @@ class Loads:
         return forces.reshape(len(forces), self.discs, -1)
 
 
-def loads(design: Design, springs: Springs, torque: float, follow: bool = False) -> Loads:
+def loads(reducer: Reducer, springs: Springs, torque: float, follow: bool = False) -> Loads:
     """Give what the contacts carry under a torque on the output [N m], not 0; its sense is that of `member.share`.
 
     A ring that turns under friction leaves the carrier its torque less the crank's, which the losses raise. `follow`
@@ -66,23 +65,23 @@ def loads(design: Design, springs: Springs, torque: float, follow: bool = False)
     RunError
         No balance was found.
     """
-    if not design.output.turns_ring:
-        return _balanced(design, springs, torque, follow)
-    seen, of = seen_from_ring(design), share(design)
-    carried, speed = of * torque, seen.drive.speed
+    if not reducer.design.output.turns_ring:
+        return _balanced(reducer, springs, torque, follow)
+    seen, of = reducer.seen_from_ring, reducer.share
+    carried, speed = of * torque, seen.design.drive.speed
     found = _balanced(seen, springs, carried, follow)
     for _ in range(REPEATS if springs.contacts.rubbing.size and speed else 0):
         lost = sum(float(np.mean(power)) for power in _friction_losses(seen, springs, found).values())
-        carried *= torque / (carried + carried / design.lobes + lost / speed)
+        carried *= torque / (carried + carried / reducer.design.lobes + lost / speed)
         found = _balanced(seen, springs, carried, follow)
     # what twists is beyond the contacts: the gear has no share in it, whichever member turns
     gear_turn = found.output_turn - wind_up(seen) * carried - found.gear_turn
     return replace(found, gear_turn=gear_turn, output_turn=of * found.output_turn)
 
 
-def _balanced(design: Design, springs: Springs, torque: float, follow: bool) -> Loads:
+def _balanced(reducer: Reducer, springs: Springs, torque: float, follow: bool) -> Loads:
     """Give what the contacts carry under a torque on the carrier [N m], all seen from the ring."""
-    contacts, lever = springs.contacts, design.output.pin_circle_radius
+    contacts, lever = springs.contacts, reducer.design.output.pin_circle_radius
     load = springs.load(torque)
     z, force = np.zeros(load.shape), np.zeros(contacts.distance.shape)
     of_discs = z[:, :-1].reshape(len(z), -1, 3)
@@ -101,7 +100,7 @@ def _balanced(design: Design, springs: Springs, torque: float, follow: bool) -> 
         cam=-(pressed / distance)[..., np.newaxis] * away,
         departures=z,
         gear_turn=of_discs[..., 2].mean(axis=1) / lever,
-        output_turn=z[:, -1] / lever + wind_up(design) * torque,
+        output_turn=z[:, -1] / lever + wind_up(reducer) * torque,
         share=moments / moments.sum(axis=1, keepdims=True),
     )
 
@@ -118,7 +117,7 @@ def require_balance(left: Left) -> None:
     raise RunError(f"no static balance under the load: {left.force:.3g} of it is left over")
 
 
-def transmission_error(design: Design, crank: npt.ArrayLike, torque: float) -> Array:
+def transmission_error(reducer: Reducer, crank: npt.ArrayLike, torque: float) -> Array:
     """Give the turn of gear and output from the ideal one [rad], shape (k, 2), at crank angles [rad], shape (k,).
 
     Without friction, and without inertia but the gear's centrifugal force at the speed of the design; the angles follow
@@ -129,7 +128,7 @@ def transmission_error(design: Design, crank: npt.ArrayLike, torque: float) -> A
     RunError
         No balance was found.
     """
-    found = loads(design, springs_of(design, crank, friction=False), torque, follow=True)
+    found = loads(reducer, springs_of(reducer, crank, friction=False), torque, follow=True)
     return np.stack([found.gear_turn, found.output_turn], axis=1)
 
 
@@ -155,7 +154,7 @@ class Powers:
         return -min(self.crank, self.output, 0.0) / self.supplied
 
 
-def powers(design: Design, torque: float, crank: npt.ArrayLike | None = None) -> Powers:
+def powers(reducer: Reducer, torque: float, crank: npt.ArrayLike | None = None) -> Powers:
     """Give the mean powers under a torque on the output [N m] that brakes, or drives where it is negative.
 
     The mean is over crank angles [rad], shape (m,); by default all round.
@@ -168,17 +167,19 @@ def powers(design: Design, torque: float, crank: npt.ArrayLike | None = None) ->
     RunError
         No balance was found, as where the friction jams the reducer.
     """
-    springs, way, speed = springs_of(design, crank), np.sign(design.drive.speed), abs(design.drive.speed)
-    found = loads(design, springs, float(way) * (torque + design.drag.output))
-    losses = _friction_losses(seen_from_ring(design), springs, found)
+    design = reducer.design
+    springs, way, speed = springs_of(reducer, crank), np.sign(design.drive.speed), abs(design.drive.speed)
+    found = loads(reducer, springs, float(way) * (torque + design.drag.output))
+    losses = _friction_losses(reducer.seen_from_ring, springs, found)
     seals = np.array(design.drag.crank * speed + design.drag.output * speed / design.reduction)
     mean = {part: float(np.mean(lost)) for part, lost in {**losses, "seals": seals}.items()}
     given = torque * speed / design.reduction
     return Powers(given + sum(mean.values()), -given, mean)
 
 
-def _friction_losses(design: Design, springs: Springs, found: Loads) -> dict[str, Array]:
+def _friction_losses(reducer: Reducer, springs: Springs, found: Loads) -> dict[str, Array]:
     """Give the powers that friction takes at each crank angle [W], shape (m,), of a drive seen from its ring."""
+    design = reducer.design
     slip, count = np.abs(springs.slip), springs.teeth
     turning = abs(design.drive.speed) * design.ring.teeth / design.lobes
     pressed = np.linalg.norm(found.cam, axis=-1).sum(axis=1)

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.design import Design
 from cycloid_mj.loaded.balance import Loads
 from cycloid_mj.loaded.springs import Springs
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.result import Quantity
 from cycloid_mj.solid.output import AXIAL_GAP
 from cycloid_mj.solid.shaft import bearing_seats
@@ -96,7 +96,7 @@ def reaction_quantities(found: Reactions) -> Iterator[Quantity]:
             yield Quantity(f"{key}_force", f"{name}: largest force", float(np.hypot(*held.T).max()), "N")
 
 
-def reactions(design: Design, springs: Springs, found: Loads) -> Reactions:
+def reactions(reducer: Reducer, springs: Springs, found: Loads) -> Reactions:
     """Give what bearings hold under static forces; without the weight and the unbalance of shaft and output."""
     slope = springs.contacts.slope
     push = slope[..., :-1].reshape(*slope.shape[:2], found.discs, 3)[..., :2].sum(axis=2)
@@ -106,14 +106,15 @@ def reactions(design: Design, springs: Springs, found: Loads) -> Reactions:
         by_disc = (forces[..., np.newaxis] * ways).reshape(len(forces), found.discs, -1, 2)
         return np.asarray(-by_disc.sum(axis=2))
 
-    return spatial(design, -found.cam, of(found.output, push[:, count:]), of(found.teeth, push[:, :count]))
+    return spatial(reducer, -found.cam, of(found.output, push[:, count:]), of(found.teeth, push[:, :count]))
 
 
-def spatial(design: Design, shaft: Array, output: Array, ring: Array) -> Reactions:
+def spatial(reducer: Reducer, shaft: Array, output: Array, ring: Array) -> Reactions:
     """Give what bearings hold under forces of each disc on shaft, output and ring [N], shape (m, D, 2) each."""
+    design = reducer.design
     gear = design.gear
     on_shaft, on_output, on_ring = (Planes(force, np.array(gear.disc_planes)) for force in (shaft, output, ring))
-    far, near = (0.5 * sum(seat) for seat in bearing_seats(design))
+    far, near = (0.5 * sum(seat) for seat in bearing_seats(reducer))
     held = on_shaft.held_at(far, near)
     ends: tuple[Array | None, Array | None] = (None, None)
     if design.output.support == "both_ends":

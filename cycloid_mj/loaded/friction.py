@@ -3,23 +3,22 @@
 import numpy as np
 
 from cycloid_mj import profile, statics
-from cycloid_mj.design import Design
 from cycloid_mj.mechanism.gaps import Gaps
-from cycloid_mj.modification import tooth_profile
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.types import Array
 
 
-def rubbing(design: Design, found: Gaps, motion: Array) -> Array:
+def rubbing(reducer: Reducer, found: Gaps, motion: Array) -> Array:
     """Give the generalised friction of each contact per normal force [1], shape (..., n, u).
 
     `motion` is how the unknowns move with time, shape (..., u): `mechanism.gaps.ideal_motion` times the crank's speed.
     """
     sliding = np.einsum("...nu,...u->...n", found.slip_slope, motion)
-    coefficient = np.where(found.kind == "output", design.friction_of("output"), design.mesh_friction)
+    coefficient = np.where(found.kind == "output", reducer.design.friction_of("output"), reducer.design.mesh_friction)
     return np.asarray(-(coefficient * np.sign(sliding))[..., np.newaxis] * found.slip_slope)
 
 
-def ideal_losses(design: Design, crank: Array, friction: float) -> tuple[float, float, float]:
+def ideal_losses(reducer: Reducer, crank: Array, friction: float) -> tuple[float, float, float]:
     """Give the ideal losses of mesh, output pins and cam as shares of the output power, by Coulomb's law.
 
     Means over crank angles [rad] (n,) under the design's own load and ideal sharing; `friction` is that of the mesh.
@@ -28,7 +27,8 @@ def ideal_losses(design: Design, crank: Array, friction: float) -> tuple[float, 
     1/(1 - mu sum F s / sum F arm). In the holes the gear slides at c w N/(N-1): its centre orbits while both turn back.
     The cam of radius R slides, or rolls with a bearing's coefficient, at R w N/(N-1) under its whole force.
     """
-    gear, load, output = tooth_profile(design), design.load.torque, design.output
+    design = reducer.design
+    gear, load, output = reducer.tooth_profile, design.load.torque, design.output
     B = profile.pin_angles(gear) + crank[:, np.newaxis]
     reach = profile.pitch_distance(gear, B) - gear.pin_radius
     ring = statics.ideal_load_sharing(gear, load, crank)

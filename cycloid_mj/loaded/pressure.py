@@ -10,9 +10,9 @@ from cycloid_mj.contact.pressure import (
     line_share,
     pair_strength,
 )
-from cycloid_mj.design import Design
 from cycloid_mj.loaded.balance import Loads, loads
 from cycloid_mj.loaded.springs import Springs
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.types import Array
 
 GUESSES, TOLERANCE = 12, 1e-3
@@ -23,14 +23,14 @@ def peak_force(found: Loads, kind: str) -> float:
     return float(forces(found, kind).max())
 
 
-def peak_pressure(design: Design, springs: Springs, found: Loads, kind: str) -> float:
+def peak_pressure(reducer: Reducer, springs: Springs, found: Loads, kind: str) -> float:
     """Give the largest Hertz pressure on a kind of contact [Pa]."""
-    curvature = springs.curvature if kind == design.tooth_pair else line_curvature(design, kind)
-    return float(hertz_pressure(design, kind, forces(found, kind) * line_share(design, kind), curvature).max())
+    curvature = springs.curvature if kind == reducer.design.tooth_pair else line_curvature(reducer, kind)
+    return float(hertz_pressure(reducer, kind, forces(found, kind) * line_share(reducer, kind), curvature).max())
 
 
 def torque_at_pressure(
-    design: Design,
+    reducer: Reducer,
     springs: Springs,
     kind: str,
     pressure: float,
@@ -49,25 +49,25 @@ def torque_at_pressure(
         No balance was found at a guess.
     """
     for _ in range(GUESSES):
-        found = found or loads(design, springs, torque, follow)
-        factor = (pressure / peak_pressure(design, springs, found, kind)) ** 2
+        found = found or loads(reducer, springs, torque, follow)
+        factor = (pressure / peak_pressure(reducer, springs, found, kind)) ** 2
         torque, found = factor * torque, None
         if abs(factor - 1.0) < TOLERANCE:
             break
     return torque
 
 
-def yield_torque(design: Design, springs: Springs, kind: str, torque: float) -> float:
+def yield_torque(reducer: Reducer, springs: Springs, kind: str, torque: float) -> float:
     """Give the torque on the output at which a kind of contact first yields, as `torque_at_pressure` [N m]."""
-    return torque_at_pressure(design, springs, kind, YIELD_PRESSURE * pair_strength(design, kind), torque)
+    return torque_at_pressure(reducer, springs, kind, YIELD_PRESSURE * pair_strength(reducer, kind), torque)
 
 
-def is_narrow(design: Design, springs: Springs, found: Loads, kind: str) -> bool:
+def is_narrow(reducer: Reducer, springs: Springs, found: Loads, kind: str) -> bool:
     """Tell whether the most pressed contact of a kind is a narrow strip, for which Hertz holds, and pressed at all."""
-    curvature = springs.curvature if kind == design.tooth_pair else np.array(line_curvature(design, kind))
-    force = forces(found, kind) * line_share(design, kind)
-    worst = np.argmax(hertz_pressure(design, kind, force, curvature))
-    return bool(force.flat[worst] > 0.0 and hertz_holds(design, kind, force, curvature).flat[worst])
+    curvature = springs.curvature if kind == reducer.design.tooth_pair else np.array(line_curvature(reducer, kind))
+    force = forces(found, kind) * line_share(reducer, kind)
+    worst = np.argmax(hertz_pressure(reducer, kind, force, curvature))
+    return bool(force.flat[worst] > 0.0 and hertz_holds(reducer, kind, force, curvature).flat[worst])
 
 
 def forces(found: Loads, kind: str) -> Array:

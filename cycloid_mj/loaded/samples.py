@@ -14,16 +14,15 @@ import numpy as np
 
 from cycloid_mj import profile
 from cycloid_mj.compiling import announced
-from cycloid_mj.design import Design, Errors, Modification
-from cycloid_mj.deviations import deviations
+from cycloid_mj.design import Errors, Modification
 from cycloid_mj.interrupt import give_way
 from cycloid_mj.kinematics import gear_rotation
 from cycloid_mj.loaded.springs import Springs, springs_of
 from cycloid_mj.mechanism import kernel
 from cycloid_mj.mechanism.gaps import cam_places
 from cycloid_mj.mechanism.kernel import BALANCED, FIGURES, Effects, Made, balance_samples
-from cycloid_mj.member import share, turns_of_crank
-from cycloid_mj.modification import tooth_profile
+from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.member import turns_of_crank
 from cycloid_mj.structure import wind_up
 from cycloid_mj.types import Array, Integers
 
@@ -79,9 +78,10 @@ class Samples:
         return len(self.cam)
 
 
-def alike(design: Design, count: int) -> Samples:
+def alike(reducer: Reducer, count: int) -> Samples:
     """Give samples that are all made as the design is, with its own errors; `replace` what they differ in."""
-    made, clearance, change = deviations(design), design.clearance, design.modification
+    design = reducer.design
+    made, clearance, change = reducer.deviations, design.clearance, design.modification
     one = {
         **{field.name: getattr(made, field.name) for field in fields(made)},
         **{name: getattr(change, name) for name in ("equidistant", "pin_circle", "rotation")},
@@ -93,12 +93,12 @@ def alike(design: Design, count: int) -> Samples:
     return Samples(**{name: np.broadcast_to(value, (count, *np.shape(value))) for name, value in one.items()})
 
 
-def drawn(design: Design, count: int, seed: int) -> Samples:
+def drawn(reducer: Reducer, count: int, seed: int) -> Samples:
     """Draw samples by the standard deviations of the design's `errors`: normal, each kind from a stream of its own.
 
     What the design lists, part by part, and its eccentricity are the same in all samples.
     """
-    errors, same = design.errors, alike(design, count)
+    errors, same = reducer.design.errors, alike(reducer, count)
 
     def normal(stream: int, sigma: float, listed: Sequence[float], own: Array) -> Array:
         draws = np.random.default_rng([seed, stream]).standard_normal(own.shape)
@@ -146,7 +146,7 @@ class Figures:
 
 
 def solve_samples(
-    design: Design,
+    reducer: Reducer,
     samples: Samples,
     torques: Sequence[float],
     angles: int = ANGLES,
@@ -177,13 +177,18 @@ def solve_samples(
     -------
     The figures under each torque. A sample without a balance, as where errors jam the parts, has none.
     """
+    design = reducer.design
     bare = design.model_copy(update={"errors": Errors(), "modification": Modification()})
     crank = turns_of_crank(design, np.linspace(0.0, 2.0 * np.pi, angles, endpoint=False))
-    springs = springs_of(bare, crank, friction)
+    springs = springs_of(Reducer(bare), crank, friction)
     orders = np.flatnonzero(np.any(samples.waves != 0.0, axis=(0, 2))) + 1
-    effects, made, of = _effects(bare, springs, orders), _made(bare, springs, samples, orders), share(design)
+    effects, made, of = (
+        _effects(Reducer(bare), springs, orders),
+        _made(Reducer(bare), springs, samples, orders),
+        reducer.share,
+    )
     bounds = np.linspace(0, len(samples), min(CHUNKS * threads, len(samples)) + 1).astype(int).tolist()
-    found, twist = [], wind_up(design)
+    found, twist = [], wind_up(reducer)
     for torque in torques:
         load = springs.load(of * torque)
         out = np.zeros((len(samples), FIGURES))
@@ -211,9 +216,9 @@ def backlash(counter_clockwise: Figures, clockwise: Figures) -> Array:
     return counter_clockwise.output_mean - clockwise.output_mean
 
 
-def _effects(design: Design, springs: Springs, orders: Integers) -> Effects:
+def _effects(reducer: Reducer, springs: Springs, orders: Integers) -> Effects:
     """Give the effects of errors on the contacts of ideal parts: they move as their disc's place or turn moves them."""
-    contacts, teeth, gear, discs = springs.contacts, springs.teeth, tooth_profile(design), design.gear.discs
+    contacts, teeth, gear, discs = springs.contacts, springs.teeth, reducer.tooth_profile, reducer.design.gear.discs
     turned = gear_rotation(gear, springs.crank)
     along = np.stack([np.cos(turned), np.sin(turned)], axis=-1), np.stack([-np.sin(turned), np.cos(turned)], axis=-1)
     outwards = np.tile(profile.unit(profile.pin_angles(gear)), (discs, 1))
@@ -232,7 +237,7 @@ def _effects(design: Design, springs: Springs, orders: Integers) -> Effects:
     turns = contacts.phase[:, :teeth, np.newaxis] / gear.lobes * orders
     waves = np.zeros((*contacts.phase.shape, 2 * orders.size))
     waves[:, :teeth] = np.concatenate([np.cos(turns), np.sin(turns)], axis=2)
-    unit = design.but(errors={"eccentricity": 1e-6})
+    unit = reducer.but(errors={"eccentricity": 1e-6})
     return Effects(
         effect(contacts.slope),
         effect(contacts.shift_slope),
@@ -247,8 +252,9 @@ def _of_own_disc(contacts: kernel.Springs, slopes: Array) -> Array:
     return np.stack([slopes[:, np.arange(contacts.disc.size), 3 * contacts.disc + way] for way in range(3)], axis=-1)
 
 
-def _made(design: Design, springs: Springs, samples: Samples, orders: Integers) -> Made:
+def _made(reducer: Reducer, springs: Springs, samples: Samples, orders: Integers) -> Made:
     """Give what the samples put into the contacts; the springs are those of the design's own clearances."""
+    design = reducer.design
     discs, count = design.gear.discs, len(samples)
     wider = samples.mesh - getattr(design.clearance, design.tooth_pair) + samples.seat - design.pin_play
     radii = (2.0 if design.ring.has_sockets else 1.0) * samples.pin_radius

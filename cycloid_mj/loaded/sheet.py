@@ -9,7 +9,7 @@ import numpy as np
 
 from cycloid_mj.contact.pressure import SHAKEDOWN_PRESSURE, YIELD_PRESSURE, pair_strength
 from cycloid_mj.contact.working import working_at, working_forces_told
-from cycloid_mj.design import Design, material_limits
+from cycloid_mj.design import material_limits
 from cycloid_mj.errors import DesignError, UsageError
 from cycloid_mj.loaded.balance import Loads, Powers, loads, powers
 from cycloid_mj.loaded.bearings import reaction_quantities, reactions
@@ -18,13 +18,14 @@ from cycloid_mj.loaded.pressure import forces, is_narrow, peak_force, peak_press
 from cycloid_mj.loaded.springs import POSES, Springs, springs_of, turn_evenly
 from cycloid_mj.loaded.windup import SERIES, Windup, windups
 from cycloid_mj.mechanism.kernel import CARRIES
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.member import turns_of_crank
 from cycloid_mj.result import Quantity, keyed
 from cycloid_mj.structure import structure_told, twisting_compliance
 from cycloid_mj.types import Array
 from cycloid_mj.units import ARCMINUTE, ARCSECOND, RPM
 
-Part = Callable[[Design, float], Iterator[Quantity]]
+Part = Callable[[Reducer, float], Iterator[Quantity]]
 """What makes some figures of a design under a load [N m]."""
 
 SMALL = 1e-4
@@ -130,7 +131,7 @@ class Sheet:
         }
 
 
-def sheet(design: Design, load: float | None = None) -> Sheet:
+def sheet(reducer: Reducer, load: float | None = None) -> Sheet:
     """Give the static figures of a sound design under an output torque [N m]; by default `load_of` the design.
 
     Raises
@@ -144,38 +145,39 @@ def sheet(design: Design, load: float | None = None) -> Sheet:
     RunError
         No static balance was found, as where friction jams the reducer.
     """
-    return _sheet(design, load, PARTS_OF_SHEET.values())
+    return _sheet(reducer, load, PARTS_OF_SHEET.values())
 
 
-def glance(design: Design, load: float | None = None) -> Sheet:
+def glance(reducer: Reducer, load: float | None = None) -> Sheet:
     """Give the figures of `sheet` that a designer watches, in less than half of the time; errors as there.
 
     They are the motions, the transmission error forward under the load, the loads up to first yield, and the
     efficiency.
     """
-    return _sheet(design, load, (_motions, _loaded_error, _loads_and_yield, _efficiency))
+    return _sheet(reducer, load, (_motions, _loaded_error, _loads_and_yield, _efficiency))
 
 
-def _sheet(design: Design, load: float | None, parts: Iterable[Part]) -> Sheet:
-    _, source = load_of(design, load)
-    design, load = _under(design, load)
-    quantities = keyed(*(part(design, load) for part in parts))
+def _sheet(reducer: Reducer, load: float | None, parts: Iterable[Part]) -> Sheet:
+    _, source = load_of(reducer, load)
+    reducer, load = _under(reducer, load)
+    design, quantities = reducer.design, keyed(*(part(reducer, load) for part in parts))
     return Sheet(
         design=design.name,
         condition=f"{load:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm, at rest but for the gear's own force",
         load_source=source,
         quantities=quantities,
-        assumptions=_assumptions(design),
+        assumptions=_assumptions(reducer),
     )
 
 
-def sheet_part(design: Design, part: str, load: float | None = None) -> dict[str, Quantity]:
+def sheet_part(reducer: Reducer, part: str, load: float | None = None) -> dict[str, Quantity]:
     """Give some of the figures of `sheet`: one of `PARTS_OF_SHEET`, in a fraction of the time; errors as there."""
-    return keyed(PARTS_OF_SHEET[part](*_under(design, load)))
+    return keyed(PARTS_OF_SHEET[part](*_under(reducer, load)))
 
 
-def load_of(design: Design, given: float | None = None) -> tuple[float, LoadSource]:
+def load_of(reducer: Reducer, given: float | None = None) -> tuple[float, LoadSource]:
     """Tell the torque on the output [N m]: the one given, else the size of the design's load, else the rated one."""
+    design = reducer.design
     if given is not None:
         return given, "given"
     if design.load.torque:
@@ -183,14 +185,14 @@ def load_of(design: Design, given: float | None = None) -> tuple[float, LoadSour
     return design.rated_torque, "rated torque"
 
 
-def _under(design: Design, load: float | None) -> tuple[Design, float]:
+def _under(reducer: Reducer, load: float | None) -> tuple[Reducer, float]:
     """Give a design under a load, by default `load_of` it, and that load."""
-    load, _ = load_of(design, load)
+    load, _ = load_of(reducer, load)
     if not load > 0.0:
         raise UsageError(f"cannot load the output by {load:g} N m: the torque must be more than 0")
-    if design.drive.speed == 0.0:
+    if reducer.design.drive.speed == 0.0:
         raise DesignError("drive.speed_rpm is 0, but losses need a crank that turns: give another speed, such as 1640")
-    return working_at(design.but(load={"torque": load}), load), load
+    return working_at(reducer.but(load={"torque": load}), load), load
 
 
 def known_difference(one: Quantity) -> float | None:
@@ -200,11 +202,11 @@ def known_difference(one: Quantity) -> float | None:
     return next((share for end, share in KNOWN_OF_KINDS.items() if one.key.endswith(f"_{end}")), None)
 
 
-def _motions(design: Design, load: float) -> Iterator[Quantity]:
+def _motions(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Give backlash, lost motion and stiffness at a locked crank, without friction and weight."""
-    still = design.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
+    still = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
     evenly = np.sort(turn_evenly())
-    springs = springs_of(still, turns_of_crank(design, evenly), friction=False)
+    springs = springs_of(still, turns_of_crank(reducer.design, evenly), friction=False)
     ends = []
     for way in (-1.0, 1.0):
         near, far = (loads(still, springs, way * times * SMALL * load, follow=True).output_turn for times in (1.0, 2.0))
@@ -213,19 +215,19 @@ def _motions(design: Design, load: float) -> Iterator[Quantity]:
     yield Quantity("backlash", "backlash of the output, mean", float(width.mean()), "arcmin")
     yield Quantity("backlash_min", "backlash, least over the crank angle", float(width.min()), "arcmin")
     yield Quantity("backlash_max", "backlash, largest over the crank angle", float(width.max()), "arcmin")
-    found = windups(design, evenly, load, follow=True)
+    found = windups(reducer, evenly, load, follow=True)
     ideal = "without friction and weight"
     lost = float(np.mean([one.lost_motion for one in found])) / ARCMINUTE
     yield Quantity("lost_motion_ideal", f"lost motion at +-3 % of the load, {ideal}", lost, "arcmin")
     stiffness, name = _stiffness(found), f"torsional stiffness, 50 to 100 % of the load, {ideal}"
     yield Quantity("stiffness_ideal", name, stiffness, "N m/arcmin")
-    give = {part: float(np.mean([one.series(design)[part] for one in found])) / ARCMINUTE for part in SERIES}
-    if design.structure == "springs":
-        rigid = design.but(structure="rigid")
+    give = {part: float(np.mean([one.series(reducer)[part] for one in found])) / ARCMINUTE for part in SERIES}
+    if reducer.design.structure == "springs":
+        rigid = reducer.but(structure="rigid")
         bare = windups(rigid, evenly, load, follow=True)
         name = f"torsional stiffness of the contacts alone, 50 to 100 % of the load, {ideal}"
         yield Quantity("stiffness_contacts", name, _stiffness(bare), "N m/arcmin")
-        twisted = {part: one / ARCMINUTE for part, one in twisting_compliance(design).items()}
+        twisted = {part: one / ARCMINUTE for part, one in twisting_compliance(reducer).items()}
         alone = float(np.mean([one.series(rigid)["output"] for one in bare])) / ARCMINUTE
         bent = give["output"] - alone - sum(twisted.values())
         give = {**give, "output": alone, "bending": bent, **twisted}
@@ -238,12 +240,12 @@ def _stiffness(found: Sequence[Windup]) -> float:
     return float(np.mean([ARCMINUTE / one.compliance(one.turn) for one in found]))
 
 
-def _errors(design: Design, load: float) -> Iterator[Quantity]:
+def _errors(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Give the transmission errors, loaded and unloaded, both ways, with friction."""
     mean: dict[tuple[str, str, str], float] = {}
     for case in CASES:
         for way in WAYS:
-            turns = _turns(design, load, case, way)
+            turns = _turns(reducer, load, case, way)
             mean |= {(shaft, case, way): float(turn.mean()) / ARCSECOND for shaft, turn in turns.items()}
             yield from _widths(turns, case, way)
     for shaft in ("gear", "output"):
@@ -253,15 +255,15 @@ def _errors(design: Design, load: float) -> Iterator[Quantity]:
         yield Quantity(f"{shaft}_wind_up", f"mean of the {shaft}, loaded less unloaded, forward", wound, "arcsec")
 
 
-def _loaded_error(design: Design, load: float) -> Iterator[Quantity]:
+def _loaded_error(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Give the transmission error forward under the load alone."""
-    return _widths(_turns(design, load, "loaded", "forward"), "loaded", "forward")
+    return _widths(_turns(reducer, load, "loaded", "forward"), "loaded", "forward")
 
 
-def _turns(design: Design, load: float, case: str, way: str) -> dict[str, Array]:
+def _turns(reducer: Reducer, load: float, case: str, way: str) -> dict[str, Array]:
     """Give the turns of gear and output from their ideal angles [rad] in one of `CASES` and one of `WAYS`."""
-    crank, sign = np.linspace(0.0, 2.0 * np.pi, PER_MESH_PERIOD * design.mesh_periods + 1), WAYS[way]
-    turning = design.but(drive={"speed": sign * abs(design.drive.speed)})
+    crank, sign = np.linspace(0.0, 2.0 * np.pi, PER_MESH_PERIOD * reducer.design.mesh_periods + 1), WAYS[way]
+    turning = reducer.but(drive={"speed": sign * abs(reducer.design.drive.speed)})
     found = loads(turning, springs_of(turning, crank), sign * CASES[case] * load, follow=True)
     return {"gear": found.gear_turn, "output": found.output_turn}
 
@@ -277,38 +279,40 @@ def _widths(turns: Mapping[str, Array], case: str, way: str) -> Iterator[Quantit
             yield Quantity(f"{shaft}_{key}_{case}_{way}_speed", name, float(value) / ARCSECOND, "arcsec")
 
 
-def _loads(design: Design, load: float, limits: int = len(LIMITS)) -> Iterator[Quantity]:
+def _loads(reducer: Reducer, load: float, limits: int = len(LIMITS)) -> Iterator[Quantity]:
     """Give forces, pressures and margins by kind, and the torques at the first of `LIMITS`."""
+    design = reducer.design
     torque = math.copysign(load, design.drive.speed)
-    springs = springs_of(design, _angles(design))
-    found = loads(design, springs, torque, follow=True)
+    springs = springs_of(reducer, _angles(reducer))
+    found = loads(reducer, springs, torque, follow=True)
     spare = {
-        kind: pair_strength(design, kind) / peak_pressure(design, springs, found, kind)
+        kind: pair_strength(reducer, kind) / peak_pressure(reducer, springs, found, kind)
         for kind in design.pair_kinds
-        if is_narrow(design, springs, found, kind)
+        if is_narrow(reducer, springs, found, kind)
     }
     yield from disc_shares(found.share)
     for kind in design.pair_kinds:
-        yield from _of_kind(springs, found, kind, design, spare.get(kind, math.nan))
+        yield from _of_kind(springs, found, kind, reducer, spare.get(kind, math.nan))
     if found.discs > 1:
-        yield from reaction_quantities(reactions(design, springs, found))
+        yield from reaction_quantities(reactions(reducer, springs, found))
     for key, name, allowed in LIMITS[:limits]:
         if not spare:
             yield Quantity(key, name, math.nan, "N m", note="none: no contact is narrow enough for Hertz")
             continue
         weakest = min(spare, key=lambda kind: spare[kind])
-        pressure = allowed * pair_strength(design, weakest)
-        reached = abs(torque_at_pressure(design, springs, weakest, pressure, torque, found, follow=True))
+        pressure = allowed * pair_strength(reducer, weakest)
+        reached = abs(torque_at_pressure(reducer, springs, weakest, pressure, torque, found, follow=True))
         yield Quantity(key, name, reached, "N m", note=f"{weakest} decides")
 
 
-def _loads_and_yield(design: Design, load: float) -> Iterator[Quantity]:
+def _loads_and_yield(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Give the loads, and the torque at the first of `LIMITS` alone."""
-    return _loads(design, load, limits=1)
+    return _loads(reducer, load, limits=1)
 
 
-def _angles(design: Design) -> Array:
+def _angles(reducer: Reducer) -> Array:
     """Give the crank angles for forces [rad], which follow each other."""
+    design = reducer.design
     return turns_of_crank(design, np.sort(turn_evenly(POSES if design.gear.discs == 1 else POSES_OF_SEVERAL)))
 
 
@@ -321,13 +325,13 @@ def disc_shares(share: Array) -> Iterator[Quantity]:
         )
 
 
-def _of_kind(springs: Springs, found: Loads, kind: str, design: Design, spare: float) -> Iterator[Quantity]:
+def _of_kind(springs: Springs, found: Loads, kind: str, reducer: Reducer, spare: float) -> Iterator[Quantity]:
     """Give the numbers of a kind; `spare` is its strength over its pressure, no number where Hertz does not hold."""
     peak, force = peak_force(found, kind), forces(found, kind).reshape(springs.crank.size, -1)
     carries, note = force > CARRIES * peak, CONFORMAL if math.isnan(spare) else ""
     carrying = float(carries.sum(axis=1).mean())
-    pressure = 1e-6 * pair_strength(design, kind) / spare
-    ideal = ideal_peak(design, kind, np.linspace(0.0, 2.0 * np.pi, PER_MESH_PERIOD * design.ring.teeth + 1))
+    pressure = 1e-6 * pair_strength(reducer, kind) / spare
+    ideal = ideal_peak(reducer, kind, np.linspace(0.0, 2.0 * np.pi, PER_MESH_PERIOD * reducer.design.ring.teeth + 1))
     yield Quantity(f"{kind}_peak_force", f"{kind}: largest force", peak, "N", reference=ideal, source=IDEAL_SHARING)
     yield Quantity(f"{kind}_mean_force", f"{kind}: mean force of the contacts that carry", _mean(force[carries]), "N")
     yield Quantity(f"{kind}_carrying", f"{kind}: contacts that carry, on average", carrying, "1")
@@ -339,21 +343,22 @@ def _mean(values: Array) -> float:
     return float(values.mean()) if values.size else 0.0
 
 
-def _losses(design: Design, load: float) -> Iterator[Quantity]:
+def _losses(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Give efficiency and losses, and those of the reducer driven by its output."""
-    yield from _efficiency(design, load)
-    back, held = driven(design, load)
-    against = f"against {load / design.reduction:.4g} N m on the crank"
-    locked = self_locking(design, load) if math.isnan(held) else ""
+    yield from _efficiency(reducer, load)
+    back, held = driven(reducer, load)
+    against = f"against {load / reducer.design.reduction:.4g} N m on the crank"
+    locked = self_locking(reducer, load) if math.isnan(held) else ""
     yield Quantity("back_driving_torque_rated", f"output torque that drives {against}", held, "N m", note=locked)
     yield Quantity(
         "back_driving_efficiency", f"efficiency of back-driving, {against}", 100.0 * back.efficiency, "%", note=locked
     )
 
 
-def _efficiency(design: Design, load: float) -> Iterator[Quantity]:
+def _efficiency(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Give efficiency and losses of the reducer driven by its crank."""
-    found = powers(design, load)
+    design = reducer.design
+    found = powers(reducer, load)
     yield Quantity("efficiency", f"efficiency at {load:.4g} N m", 100.0 * found.efficiency, "%")
     for kind, part in {design.tooth_pair: "teeth", "cam": "cam", "output": "output"}.items():
         note = f"with that of {design.seat_pair}" if part == "teeth" and design.seat_pair else ""
@@ -363,26 +368,26 @@ def _efficiency(design: Design, load: float) -> Iterator[Quantity]:
     yield Quantity("output_power", "output power", found.supplied * found.efficiency, "W")
 
 
-def driven(design: Design, load: float) -> tuple[Powers, float]:
+def driven(reducer: Reducer, load: float) -> tuple[Powers, float]:
     """Give the powers of a reducer whose output drives against the crank's share of a load [N m], and what it takes.
 
     The latter is a torque on the output [N m]; not a number where the reducer locks itself.
     """
     torque = load
-    found = powers(design, -torque)
+    found = powers(reducer, -torque)
     for _ in range(3):
         if not found.efficiency > 0.0:
             return found, math.nan
         torque = load / found.efficiency
-        found = powers(design, -torque)
+        found = powers(reducer, -torque)
     return found, torque
 
 
-def self_locking(design: Design, load: float) -> str:
+def self_locking(reducer: Reducer, load: float) -> str:
     """Say that an output cannot drive the crank's share of a load [N m], and whether it drives a crank without load."""
-    drives = powers(design, -load).crank < 0.0
+    drives, share = powers(reducer, -load).crank < 0.0, load / reducer.design.reduction
     return (
-        f"self-locking against {load / design.reduction:.4g} N m on the crank: friction takes all that the output "
+        f"self-locking against {share:.4g} N m on the crank: friction takes all that the output "
         f"gives; a crank without load is {'driven' if drives else 'not driven either'} by {load:.4g} N m on the output"
     )
 
@@ -391,24 +396,25 @@ PARTS_OF_SHEET: Mapping[str, Part] = {"motions": _motions, "errors": _errors, "l
 """What makes the figures of a sheet, by name."""
 
 
-def _bodies(design: Design) -> str:
+def _bodies(reducer: Reducer) -> str:
     """Say what carries the contacts."""
-    if design.structure == "springs":
+    if reducer.design.structure == "springs":
         return "output pins, carrier, shaft and housing give as springs do, other parts are rigid"
     return "parts are rigid"
 
 
-def _assumptions(design: Design) -> tuple[str, ...]:
+def _assumptions(reducer: Reducer) -> tuple[str, ...]:
+    design = reducer.design
     return (
-        f"statics: {_bodies(design)}, contacts are springs that only push, with all clearances, manufacturing errors "
+        f"statics: {_bodies(reducer)}, contacts are springs that only push, with all clearances, manufacturing errors "
         "and modification; of inertia the gear's centrifugal force alone",
         f"friction of a crank that turns, whole at any sliding speed, but none in backlash, lost motion and stiffness: "
         f"{', '.join(f'{kind} {design.friction_of(kind):g}' for kind in design.pair_kinds)}",
-        f"contacts have the secant stiffness of the load: {working_forces_told(design, design.pair_kinds)}",
+        f"contacts have the secant stiffness of the load: {working_forces_told(reducer, design.pair_kinds)}",
         "flanks of an internal gear carry as one patch with the arc beside them",
         *([SEVERAL] if design.gear.discs > 1 else []),
-        *([structure_told(design)] if design.structure == "springs" else []),
-        f"forces and losses are over {_angles(design).size} crank angles, the transmission error over "
+        *([structure_told(reducer)] if design.structure == "springs" else []),
+        f"forces and losses are over {_angles(reducer).size} crank angles, the transmission error over "
         f"{PER_MESH_PERIOD} in a mesh period, unloaded under {DRAG:.0%} of the load; the shafts' own bearings are left "
         "out",
         *material_limits(design),

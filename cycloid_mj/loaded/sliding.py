@@ -16,11 +16,11 @@ from typing import Literal
 import numpy as np
 
 from cycloid_mj.compiling import announced
-from cycloid_mj.design import Design
 from cycloid_mj.errors import RunError
 from cycloid_mj.loaded.springs import springs_of
 from cycloid_mj.mechanism.gaps import arc_gaps, ideal_motion
 from cycloid_mj.mechanism.kernel import Rubbing, Springs, follow_path
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.types import Array
 
 Held = Literal["crank", "output"]
@@ -60,7 +60,7 @@ class Losses:
     material: float = 0.0
 
 
-def turn_along(design: Design, torque: Array, crank: float, losses: Losses, held: Held = "crank") -> Array:
+def turn_along(reducer: Reducer, torque: Array, crank: float, losses: Losses, held: Held = "crank") -> Array:
     """Give the turn of the output [rad], shape (m,), along a course of torque [N m], shape (m,), that begins at rest.
 
     Parameters
@@ -81,18 +81,18 @@ def turn_along(design: Design, torque: Array, crank: float, losses: Losses, held
     RunError
         A step has no balance, as where friction jams the reducer.
     """
-    return course_along(design, torque, crank, losses, held)[1]
+    return course_along(reducer, torque, crank, losses, held)[1]
 
 
 def course_along(
-    design: Design, torque: Array, crank: float, losses: Losses, held: Held = "crank", reach: float = math.inf
+    reducer: Reducer, torque: Array, crank: float, losses: Losses, held: Held = "crank", reach: float = math.inf
 ) -> tuple[Array, Array]:
     """Give where along a course of torque the output is, and its turn [rad], shape (rows,) each, as `turn_along`.
 
     Where is counted in points of `torque` from its first. Each of them has a row; where the output turns by more than
     `reach` [rad] between two, there are rows between them, so that a leap across the play has the torque that it has.
     """
-    still = design.but(drive={"speed": 0.0})
+    still = reducer.but(drive={"speed": 0.0})
     springs = springs_of(still, [crank], friction=False)
     radius = springs.contacts.radius
     path = np.repeat(springs.load(0.0), len(torque), axis=0)
@@ -107,12 +107,13 @@ def course_along(
     return when[:rows], z[:rows, -1] / radius
 
 
-def rubbing_of(design: Design, springs: Springs, crank: float, losses: Losses, held: Held) -> Rubbing:
+def rubbing_of(reducer: Reducer, springs: Springs, crank: float, losses: Losses, held: Held) -> Rubbing:
     """Give the friction of contacts, cams and seals, and how far each slides with the unknowns; as `turn_along`.
 
     The springs are those at the crank angle [rad].
     """
-    found = arc_gaps(design, [crank])
+    design = reducer.design
+    found = arc_gaps(reducer, [crank])
     contacts, discs = found.kind.size, springs.cam_place.shape[1]
     radius, teeth, bore = springs.radius, design.ring.teeth, design.gear.bore_radius
     slip = np.zeros((contacts + discs + SEALS, springs.slope.shape[2]))
@@ -122,7 +123,7 @@ def rubbing_of(design: Design, springs: Springs, crank: float, losses: Losses, h
     slip[seals, -1] = 1.0
     if held == "output":
         # a crank that turns by N - 1 for each turn that the output is behind carries the ideal parts along
-        ahead = ideal_motion(design, [crank])[0] * (design.lobes / radius)
+        ahead = ideal_motion(reducer, [crank])[0] * (design.lobes / radius)
         slip[:contacts, -1] += found.slip_slope[0] @ ahead
         slip[cams, -1] = -teeth * bore / radius
     friction = {kind: design.friction_of(kind) for kind in ("cam", "output")} | {

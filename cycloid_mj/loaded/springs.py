@@ -9,13 +9,11 @@ import numpy.typing as npt
 from cycloid_mj import kinematics, profile
 from cycloid_mj.contact.law import contact_stiffness, curvature_law, pair_stiffness
 from cycloid_mj.contact.working import at_rated_load
-from cycloid_mj.design import Design
 from cycloid_mj.loaded.friction import rubbing
 from cycloid_mj.mechanism import kernel
 from cycloid_mj.mechanism.gaps import arc_gaps, cam_places, ideal_motion
-from cycloid_mj.mechanism.reducer import phases
-from cycloid_mj.member import against_ring, ring_angle, seen_from_ring, turns_of_crank
-from cycloid_mj.modification import gear_profile, profile_offset, tooth_profile
+from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.member import against_ring, ring_angle, turns_of_crank
 from cycloid_mj.structure import pin_flexibility
 from cycloid_mj.types import Array
 
@@ -68,7 +66,7 @@ def turn_evenly(poses: int = POSES) -> Array:
     return np.asarray(2.0 * math.pi * np.mod(GOLDEN * np.arange(poses), 1.0))
 
 
-def springs_of(design: Design, crank: npt.ArrayLike | None = None, friction: bool = True) -> Springs:
+def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: bool = True) -> Springs:
     """Give the springs of a design, which must be sound, at crank angles [rad], shape (m,); by default all round.
 
     Their stiffness is that `at_rated_load`; without `friction` the crank need not turn.
@@ -79,27 +77,31 @@ def springs_of(design: Design, crank: npt.ArrayLike | None = None, friction: boo
         The working force flattens a pin beyond a line contact.
     """
     if crank is None:
-        crank = turns_of_crank(design, turn_evenly())
+        crank = turns_of_crank(reducer.design, turn_evenly())
     crank = np.ravel(np.asarray(crank, dtype=np.float64))
-    own_force = np.stack([body_force(design, crank, phase) for phase in phases(design)], axis=1)
-    crank = against_ring(design, crank)
-    design = at_rated_load(seen_from_ring(design))
-    found = arc_gaps(design, crank)
-    teeth = int(np.sum(found.kind == design.tooth_pair))
+    own_force = np.stack([body_force(reducer, crank, phase) for phase in reducer.phases], axis=1)
+    crank = against_ring(reducer.design, crank)
+    reducer = at_rated_load(reducer.seen_from_ring)
+    found = arc_gaps(reducer, crank)
+    teeth = int(np.sum(found.kind == reducer.design.tooth_pair))
     curvature = found.relative_curvature[:, :teeth]
-    discs = range(design.gear.discs)
-    holding = np.array([contact_stiffness(design, "output", disc) for disc in discs])
-    output = np.broadcast_to(np.repeat(holding, design.output.pins), (crank.size, found.kind.size - teeth))
-    motion = ideal_motion(design, crank) * design.drive.speed
-    radius = design.output.pin_circle_radius
-    drag = math.copysign(design.friction_of("cam"), design.drive.speed) * design.gear.bore_radius / radius
+    discs = range(reducer.design.gear.discs)
+    holding = np.array([contact_stiffness(reducer, "output", disc) for disc in discs])
+    output = np.broadcast_to(np.repeat(holding, reducer.design.output.pins), (crank.size, found.kind.size - teeth))
+    motion = ideal_motion(reducer, crank) * reducer.design.drive.speed
+    radius = reducer.design.output.pin_circle_radius
+    drag = (
+        math.copysign(reducer.design.friction_of("cam"), reducer.design.drive.speed)
+        * reducer.design.gear.bore_radius
+        / radius
+    )
     return Springs(
         crank=crank,
         teeth=teeth,
         contacts=kernel.Springs(
             radius=radius,
             disc=found.disc,
-            turning=found.kind == design.tooth_pair,
+            turning=found.kind == reducer.design.tooth_pair,
             room=(found.room + found.play)[0],
             distance=found.distance,
             slope=found.slope,
@@ -108,15 +110,19 @@ def springs_of(design: Design, crank: npt.ArrayLike | None = None, friction: boo
             bend=found.bend,
             twist=found.twist,
             phase=found.phase,
-            trochoid=(design.ring.pin_circle_radius, design.gear.eccentricity, float(design.ring.teeth)),
-            stiffness=np.concatenate([tooth_stiffness(design, curvature), output], axis=1),
-            cam_place=cam_places(design, crank),
-            cam_clearance=design.clearance.cam,
-            cam_stiffness=pair_stiffness(design, "cam"),
-            rubbing=rubbing(design, found, motion) if friction else np.zeros((0, *found.slope.shape[1:])),
+            trochoid=(
+                reducer.design.ring.pin_circle_radius,
+                reducer.design.gear.eccentricity,
+                float(reducer.design.ring.teeth),
+            ),
+            stiffness=np.concatenate([tooth_stiffness(reducer, curvature), output], axis=1),
+            cam_place=cam_places(reducer, crank),
+            cam_clearance=reducer.design.clearance.cam,
+            cam_stiffness=pair_stiffness(reducer, "cam"),
+            rubbing=rubbing(reducer, found, motion) if friction else np.zeros((0, *found.slope.shape[1:])),
             cam_rubbing=drag if friction else 0.0,
-            bending=_bending(design),
-            pins=design.output.pins,
+            bending=_bending(reducer),
+            pins=reducer.design.output.pins,
         ),
         curvature=curvature,
         body_force=own_force,
@@ -124,37 +130,38 @@ def springs_of(design: Design, crank: npt.ArrayLike | None = None, friction: boo
     )
 
 
-def tooth_stiffness(design: Design, curvature: Array) -> Array:
+def tooth_stiffness(reducer: Reducer, curvature: Array) -> Array:
     """Give the stiffness of contact lines with the ring by relative curvature [N/m], sockets or sleeves in series."""
-    law = curvature_law(design)
+    law = curvature_law(reducer)
     own = law.stiffness * law.factors(curvature)
-    kind = design.seat_pair
-    return np.asarray(1.0 / (1.0 / own + 1.0 / pair_stiffness(design, kind)) if kind else own)
+    kind = reducer.design.seat_pair
+    return np.asarray(1.0 / (1.0 / own + 1.0 / pair_stiffness(reducer, kind)) if kind else own)
 
 
-def _bending(design: Design) -> Array:
+def _bending(reducer: Reducer) -> Array:
     """Give by how much a disc's force on an output pin opens the other discs' contacts with it [m/N], (D, D) or none.
 
     At phases b and b' their pushes have the angle b - b' between them: of the pin's deflection cos(b - b') is along a
     push, and what is across it moves the contact along its circle alone.
     """
-    at, flexibility = np.array(phases(design)), pin_flexibility(design)
+    at, flexibility = np.array(reducer.phases), pin_flexibility(reducer)
     np.fill_diagonal(flexibility, 0.0)
     return flexibility * np.cos(np.subtract.outer(at, at)) if flexibility.any() else np.zeros((0, 0))
 
 
-def body_force(design: Design, crank: Array, phase: float = 0.0) -> Array:
+def body_force(reducer: Reducer, crank: Array, phase: float = 0.0) -> Array:
     """Give weight and centrifugal force of a disc [N], shape (m, 2), seen from the ring, at crank angles [rad] (m,).
 
     The disc is ahead of the crank by its `phase` [rad].
 
     Its mass is that of its outline less bore and holes, each with its clearance; of turned flanks not the corners.
     """
+    design = reducer.design
     gear, output, clearance = design.gear, design.output, design.clearance
     holes = output.pins * (output.hole_radius + clearance.output) ** 2
     bored = math.pi * ((gear.bore_radius + clearance.cam) ** 2 + holes)
-    area = profile.area(gear_profile(design), profile_offset(design)) - bored
+    area = profile.area(reducer.gear_profile, reducer.profile_offset) - bored
     x, y, turned = design.environment.gravity_x, design.environment.gravity_y, ring_angle(design, crank)
     gravity = np.stack([x * np.cos(turned) + y * np.sin(turned), y * np.cos(turned) - x * np.sin(turned)], axis=-1)
-    flung = design.drive.speed**2 * kinematics.gear_centre(tooth_profile(design), against_ring(design, crank) + phase)
+    flung = design.drive.speed**2 * kinematics.gear_centre(reducer.tooth_profile, against_ring(design, crank) + phase)
     return np.asarray(design.material_of("gear").density * gear.face_width * area * (gravity + flung))

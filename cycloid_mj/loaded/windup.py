@@ -10,11 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj import member
-from cycloid_mj.design import Design
 from cycloid_mj.loaded.balance import loads
 from cycloid_mj.loaded.springs import springs_of
-from cycloid_mj.mechanism.reducer import phases
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.structure import wind_up
 from cycloid_mj.types import Array
 
@@ -57,23 +55,24 @@ class Windup:
         rise = [side * (values[side * high] - values[side * low]) for side in (-1, 1)]
         return float(np.mean(rise)) / ((high - low) * self.rated)
 
-    def series(self, design: Design) -> dict[str, float]:
+    def series(self, reducer: Reducer) -> dict[str, float]:
         """Give the compliance of each part in series [rad/(N m)], keyed by `SERIES`."""
-        return in_series(design, *(self.compliance(at) for at in (self.turn, self.gear_turn, self.centre_lead)))
+        return in_series(reducer, *(self.compliance(at) for at in (self.turn, self.gear_turn, self.centre_lead)))
 
 
-def in_series(design: Design, turn: float, gear_turn: float, centre_lead: float) -> dict[str, float]:
+def in_series(reducer: Reducer, turn: float, gear_turn: float, centre_lead: float) -> dict[str, float]:
     """Tell the parts of a compliance [rad/(N m)] from those of turn, gear and gear's centre [m/(N m)].
 
     What twists counts with the output's contacts. Where the ring turns, the gear turns against a carrier that is held.
     """
-    cam, of = -centre_lead / (design.gear.eccentricity * design.lobes), member.share(design)
+    design = reducer.design
+    cam, of = -centre_lead / (design.gear.eccentricity * design.lobes), reducer.share
     carrier = turn / of
-    gear = carrier - wind_up(design) / of - gear_turn if design.output.turns_ring else gear_turn
+    gear = carrier - wind_up(reducer) / of - gear_turn if design.output.turns_ring else gear_turn
     return {part: of * seen for part, seen in (("output", carrier - gear), ("cam", cam), ("mesh", gear - cam))}
 
 
-def windups(design: Design, cranks: Sequence[float] | Array, rated: float, follow: bool = False) -> list[Windup]:
+def windups(reducer: Reducer, cranks: Sequence[float] | Array, rated: float, follow: bool = False) -> list[Windup]:
     """Solve for the static poses at crank angles [rad] under shares of a rated torque [N m] on the output.
 
     `follow` is that of `loads`: angles that follow each other take half of the time.
@@ -83,10 +82,10 @@ def windups(design: Design, cranks: Sequence[float] | Array, rated: float, follo
     RunError
         No balance was found.
     """
-    still = design.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
+    still = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
     springs = springs_of(still, cranks, friction=False)
     found = {side * share: loads(still, springs, side * share * rated, follow) for side in (-1, 1) for share in SHARES}
-    ahead = springs.crank[:, np.newaxis] + np.array(phases(design))
+    ahead = springs.crank[:, np.newaxis] + np.array(reducer.phases)
     along = -np.stack([np.cos(ahead), np.sin(ahead)], axis=-1)
 
     def lead(departures: Array, along: Array) -> float:

@@ -7,7 +7,7 @@ import numpy as np
 
 from cycloid_mj.contact.working import at_rated_load
 from cycloid_mj.course import Course, braking
-from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build
 from cycloid_mj.record import Run
 from cycloid_mj.run import simulate
@@ -52,7 +52,7 @@ class BreakAway:
         return math.isnan(self.torque)
 
 
-def break_away(design: Design) -> BreakAway:
+def break_away(reducer: Reducer) -> BreakAway:
     """Let the output torque grow from zero on a reducer at rest, its crank free.
 
     Contacts have the stiffness of the rated load, or they would creep under the growing one. Friction without a load is
@@ -64,19 +64,19 @@ def break_away(design: Design) -> BreakAway:
     RunError
         The run went wrong.
     """
-    largest = GROWTH * design.rated_torque
-    forward = -braking(design)
+    largest = GROWTH * reducer.design.rated_torque
+    forward = -braking(reducer)
     course = Course(
         angle=0.0,
         speed=0.0,
         drive=lambda time: np.zeros_like(time),
         load=lambda time: forward * largest * time / GROWS_FOR,
     )
-    resting = at_rated_load(design).but(drive={"ramp": 0.0, "hold": GROWS_FOR})
-    reducer = build(resting, held="")
-    run = simulate(resting, reducer, course)
+    resting = at_rated_load(reducer).but(drive={"ramp": 0.0, "hold": GROWS_FOR})
+    compiled = build(resting.design, held="")
+    run = simulate(resting.design, compiled, course)
     moving = run.select(np.abs(run["crank_angle"]) > TURNED)
-    frictionless = largest / design.reduction * GROWS_FOR**2 / (6.0 * reducer.crank_inertia)
+    frictionless = largest / reducer.design.reduction * GROWS_FOR**2 / (6.0 * compiled.crank_inertia)
     if abs(run["crank_angle"][-1]) < LEAST_TRAVEL * frictionless or len(moving) < FEWEST:
         return BreakAway(math.nan, math.nan, largest, run)
     growth, count = largest / GROWS_FOR, len(moving)

@@ -20,6 +20,7 @@ from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
 from cycloid_mj.mechanism import limits
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.record import Run
 from cycloid_mj.result import Curve, Quantity, keyed
 from cycloid_mj.types import Array
@@ -102,12 +103,13 @@ def backlash(
     RunError
         A run went wrong, or the gear jams.
     """
+    reducer = Reducer(design)
     angles = (QUICK_ANGLES if quick else ANGLES) if angles is None else angles
     if angles < 1:
         raise UsageError(f"cannot measure at {angles} crank angles: give 1 or more")
-    design = at_rated_load(design)
-    cranks = [float(crank) for crank in bench.crank_angles(design, angles)]
-    cases = {_ALL: bench.ideal(design)} | {kind: alone(design, kind) for kind in design.pair_kinds}
+    reducer = at_rated_load(reducer)
+    cranks = [float(crank) for crank in bench.crank_angles(reducer, angles)]
+    cases = {_ALL: bench.ideal(reducer)} | {kind: alone(reducer, kind) for kind in reducer.design.pair_kinds}
     longer = {name: PATIENCE if name == _ALL else 1.0 for name in cases}
     jobs = [(case, cranks[0], LONGER * longer[name], FINER) for name, case in cases.items()]
     jobs += [(case, crank, longer[name], 1.0) for name, case in cases.items() for crank in cranks]
@@ -115,61 +117,62 @@ def backlash(
     checked = dict(zip(cases, runs, strict=False))
     rest = runs[len(cases) :]
     found = {name: rest[place * angles : (place + 1) * angles] for place, name in enumerate(cases)}
-    closed = _closed_forms(design, cranks)
+    closed = _closed_forms(reducer, cranks)
     return Measurement(
         measure="backlash",
-        design=design,
+        design=reducer.design,
         condition="crank locked, without friction and weight",
         quantities=keyed(_quantities(found, checked, closed)),
-        curves=_curves(design, found, closed),
-        assumptions=_assumptions(design, [one.run for presses in found.values() for one in presses]),
+        curves=_curves(reducer, found, closed),
+        assumptions=_assumptions(reducer, [one.run for presses in found.values() for one in presses]),
         runs={name: presses[0].run for name, presses in found.items()},
         details={"angles": _by_angle(found, closed)},
     )
 
 
-def alone(design: Design, kind: str) -> Design:
+def alone(reducer: Reducer, kind: str) -> Reducer:
     """Give the design with the clearance of one kind of pairs alone, without errors, friction and weight."""
+    design = reducer.design
     others = {other: CLOSED_UP for other in design.pair_kinds if other != kind}
     clearance = design.clearance.model_copy(update=others)
     output = design.output.model_copy(update={"hole_radius": design.output.pin_radius + design.gear.eccentricity})
     exact = {"clearance": clearance, "errors": Errors(), "modification": Modification(), "output": output}
-    return bench.ideal(design.model_copy(update=exact))
+    return bench.ideal(Reducer(design.model_copy(update=exact)))
 
 
-def press(design: Design, crank: float, longer: float = 1.0, finer: float = 1.0) -> Press:
+def press(reducer: Reducer, crank: float, longer: float = 1.0, finer: float = 1.0) -> Press:
     """Press the output of a design without friction and weight to both stops, at a crank angle [rad].
 
     `longer` multiplies the time, `finer` divides the step.
     """
-    torque = PRESS * design.rated_torque
-    dwell = longer * SETTLING * _crossing(design, crank, torque)
+    torque = PRESS * reducer.design.rated_torque
+    dwell = longer * SETTLING * _crossing(reducer, crank, torque)
     levels = torque * np.array(LEVELS)
 
     def signal(time: Array) -> Array:
         return levels[np.minimum(time / dwell, len(LEVELS) - 0.5).astype(int)]
 
     largest, duration, samples = max(LEVELS) * torque, len(LEVELS) * dwell, len(LEVELS) * SAMPLES
-    run = bench.run_to_the_end(design, crank, signal, largest, duration, samples, finer)
-    turn, phase = bench.output_turn(run, design), run.time / dwell
+    run = bench.run_to_the_end(reducer, crank, signal, largest, duration, samples, finer)
+    turn, phase = bench.output_turn(run, reducer), run.time / dwell
     ends = [float(turn[(phase > n + 1 - READ) & (phase < n + 1)].mean()) for n in range(len(LEVELS))]
     return Press(crank, low=2.0 * ends[5] - ends[4], high=2.0 * ends[2] - ends[1], run=run)
 
 
-def _crossing(design: Design, crank: float, torque: float) -> float:
+def _crossing(reducer: Reducer, crank: float, torque: float) -> float:
     """Time [s] in which a torque [N m] carries output and gear over the play from rest."""
-    low, high = limits.stops(design, crank)
-    return math.sqrt(2.0 * moving_inertia(design) * (high - low) / torque)
+    low, high = limits.stops(reducer, crank)
+    return math.sqrt(2.0 * moving_inertia(reducer) * (high - low) / torque)
 
 
-def _closed_forms(design: Design, cranks: list[float]) -> dict[str, Known]:
+def _closed_forms(reducer: Reducer, cranks: list[float]) -> dict[str, Known]:
     """Give the backlash [rad] by the closed forms, whole and by each clearance alone."""
-    turn = play.turn(design)
+    turn = play.turn(reducer)
     found = {}
-    if play.has_linear_gaps(design):
-        found[_ALL] = Known(play.total(design, np.array(cranks)), play.over_a_turn(design)[1])
-    for kind in design.pair_kinds:
-        single = alone(design, kind)
+    if play.has_linear_gaps(reducer):
+        found[_ALL] = Known(play.total(reducer, np.array(cranks)), play.over_a_turn(reducer)[1])
+    for kind in reducer.design.pair_kinds:
+        single = alone(reducer, kind)
         sampled, whole = (np.array([play.parts_alone(single, float(at))[kind] for at in way]) for way in (cranks, turn))
         found[kind] = Known(sampled, whole)
     return found
@@ -217,28 +220,28 @@ def _arcminutes(error: float | None) -> float | None:
     return None if error is None else error / ARCMINUTE
 
 
-def _curves(design: Design, found: dict[str, list[Press]], closed: dict[str, Known]) -> tuple[Curve, ...]:
+def _curves(reducer: Reducer, found: dict[str, list[Press]], closed: dict[str, Known]) -> tuple[Curve, ...]:
     drawn = []
     axes = "crank angle [deg]", "backlash [arcmin]"
     for name, presses in found.items():
         panel = "all clearances" if name == _ALL else f"clearance of {NAMES[name]} alone"
         crank = np.degrees([one.crank for one in presses])
         if name in closed:
-            turn = np.degrees(play.turn(design))
+            turn = np.degrees(play.turn(reducer))
             drawn.append(Curve(panel, "closed form", turn, closed[name].turn / ARCMINUTE, *axes, "theory"))
         values = np.array([one.backlash for one in presses]) / ARCMINUTE
         drawn.append(Curve(panel, "simulated", crank, values, *axes, "points"))
     return tuple(drawn)
 
 
-def _assumptions(design: Design, runs: list[Run]) -> tuple[str, ...]:
-    torque = PRESS * design.rated_torque
+def _assumptions(reducer: Reducer, runs: list[Run]) -> tuple[str, ...]:
+    torque = PRESS * reducer.design.rated_torque
     return (
         f"the crank is locked; the output is pressed to its stops by {torque:.2g} and {2.0 * torque:.2g} N m, and the "
         "line through both turns is drawn on to zero",
         "without friction and weight; see lost-motion for what they do",
         "contacts are as stiff as under the rated load, which the line drawn on to zero takes out: "
-        f"{working_forces_told(design, design.pair_kinds)}",
+        f"{working_forces_told(reducer, reducer.design.pair_kinds)}",
         f"a clearance alone: the others {1e6 * CLOSED_UP:g} um, no manufacturing errors, no modification",
         f"time step {bench.steps_told(runs)}; the numerical error is what {LONGER:g} times the time at a step "
         f"{FINER:g} times shorter changes at the first crank angle, and "

@@ -9,7 +9,6 @@ where friction holds the pin. A run that goes wrong all the same is made again a
 import math
 from collections.abc import Iterable
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 
@@ -18,9 +17,9 @@ from cycloid_mj.contact.law import IMPRATIO, pair_stiffness
 from cycloid_mj.contact.regime import at_rest
 from cycloid_mj.contact.working import working_force
 from cycloid_mj.course import Signal, locked_crank
-from cycloid_mj.design import Design, Drive, Friction, Load, Settings
+from cycloid_mj.design import Drive, Friction, Load, Settings
 from cycloid_mj.errors import ContactError, RunError
-from cycloid_mj.mechanism.reducer import phases
+from cycloid_mj.mechanism.whole import Reducer, once
 from cycloid_mj.member import gear_angle, output_angle
 from cycloid_mj.mjcf import ReducerModel, build
 from cycloid_mj.record import Run
@@ -54,21 +53,22 @@ DAMPING_RATIO = 1.0
 """Damping of contacts as a share of critical: parts that cross their play settle soon; at rest it has no effect."""
 
 
-def crank_angles(design: Design, count: int) -> Array:
+def crank_angles(reducer: Reducer, count: int) -> Array:
     """Give crank angles [rad], shape (count,), spread over the turn and, at equal distances, over the mesh period."""
-    period = np.round(design.mesh_periods * np.arange(count) / count)
-    return np.asarray(2.0 * np.pi / design.mesh_periods * (period + np.arange(count) / count))
+    period = np.round(reducer.design.mesh_periods * np.arange(count) / count)
+    return np.asarray(2.0 * np.pi / reducer.design.mesh_periods * (period + np.arange(count) / count))
 
 
-def ideal(design: Design) -> Design:
+def ideal(reducer: Reducer) -> Reducer:
     """Give the design without friction and weight, the state of the closed forms."""
     friction = Friction(**dict.fromkeys(Friction.model_fields, 0.0))
-    level = design.environment.model_copy(update={"gravity_x": 0.0, "gravity_y": 0.0})
-    return design.model_copy(update={"friction": friction, "environment": level})
+    level = reducer.design.environment.model_copy(update={"gravity_x": 0.0, "gravity_y": 0.0})
+    return Reducer(reducer.design.model_copy(update={"friction": friction, "environment": level}))
 
 
-def step(design: Design, torque: float) -> float:
+def step(reducer: Reducer, torque: float) -> float:
     """Give the step [s] for a torque on the output [N m]: the one given, if any."""
+    design = reducer.design
     if design.settings.timestep:
         return design.settings.timestep
     ring, kind = design.ring, "pin_sleeve" if design.ring.has_sleeves else "pin_socket"
@@ -78,41 +78,44 @@ def step(design: Design, torque: float) -> float:
     bore = ring.sleeve_bore_radius if ring.has_sleeves else 0.0
     mass = math.pi * (ring.pin_radius**2 - bore**2) * design.gear.face_width * design.material_of("pin").density
     force = float(statics.ideal_load_sharing(tooth_profile(design), abs(torque), 0.0).forces.max())
-    bowl = force / (design.pin_play + force / pair_stiffness(design, kind))
+    bowl = force / (design.pin_play + force / pair_stiffness(reducer, kind))
     return min(LONGEST_STEP, (HELD_SHARE if held else STEP_SHARE) * 2.0 * math.sqrt(mass / bowl))
 
 
-def benched(design: Design, torque: float, duration: float, samples: int, finer: float = 1.0) -> Design:
+def benched(reducer: Reducer, torque: float, duration: float, samples: int, finer: float = 1.0) -> Reducer:
     """Give the design for a run of some `duration` [s] under torques up to `torque` [N m]; `finer` divides the step.
 
     Below its creep speed the model's friction is viscous, and a slow motion would feel none of it: the creep speed is
     lowered as far as the step bears.
     """
-    timestep = step(design, torque) / finer
-    slowest = _rubbing(design) / (IMPRATIO * HEAVIER**2 * pair_stiffness(design, design.tooth_pair) * timestep)
+    design = reducer.design
+    timestep = step(reducer, torque) / finer
+    slowest = _rubbing(reducer) / (IMPRATIO * HEAVIER**2 * pair_stiffness(reducer, design.tooth_pair) * timestep)
     creep = min(design.contact.creep_speed, slowest or math.inf)
     contact = {"damping_ratio": DAMPING_RATIO, "creep_speed": creep}
-    return design.model_copy(
-        update={
-            "contact": design.contact.model_copy(update=contact),
-            "drive": design.drive.model_copy(update={"ramp": 0.0, "hold": duration}),
-            "settings": design.settings.model_copy(update={"timestep": timestep, "log_rate": samples / duration}),
-        }
+    return Reducer(
+        design.model_copy(
+            update={
+                "contact": design.contact.model_copy(update=contact),
+                "drive": design.drive.model_copy(update={"ramp": 0.0, "hold": duration}),
+                "settings": design.settings.model_copy(update={"timestep": timestep, "log_rate": samples / duration}),
+            }
+        )
     )
 
 
-def locked_run(benched: Design, crank: float, torque: Signal) -> Run:
+def locked_run(benched: Reducer, crank: float, torque: Signal) -> Run:
     """Run a design on the bench: crank locked at an angle [rad], a torque [N m] over time [s] on the output."""
-    timestep = benched.settings.timestep
+    timestep = benched.design.settings.timestep
     made_for = timestep * STEADIER * (HEAVIER if _rubbing(benched) else 1.0)
-    drive = Drive(rotor_inertia=benched.drive.rotor_inertia)
+    drive = Drive(rotor_inertia=benched.design.drive.rotor_inertia)
     same = {"drive": drive, "load": Load(), "settings": Settings(timestep=made_for)}
-    reducer = _reducer(benched.model_copy(update=same), timestep)
-    return simulate(benched, reducer, locked_crank(reducer, crank, torque))
+    compiled = _reducer(Reducer(benched.design.model_copy(update=same)), timestep)
+    return simulate(benched.design, compiled, locked_crank(compiled, crank, torque))
 
 
 def run_to_the_end(
-    design: Design, crank: float, torque: Signal, largest: float, duration: float, samples: int, finer: float = 1.0
+    reducer: Reducer, crank: float, torque: Signal, largest: float, duration: float, samples: int, finer: float = 1.0
 ) -> Run:
     """Run a design on the bench as in `benched` and `locked_run`, at half the step again where it goes wrong.
 
@@ -143,8 +146,8 @@ def run_to_the_end(
     """
     shortest, problem = 0.0, None
     for halvings in range(MOST_HALVINGS + 1):
-        one = benched(design, largest, duration, samples, finer * 2.0**halvings)
-        shortest = one.settings.timestep
+        one = benched(reducer, largest, duration, samples, finer * 2.0**halvings)
+        shortest = one.design.settings.timestep
         try:
             return locked_run(one, crank, torque)
         except (RunError, ContactError) as error:
@@ -165,38 +168,38 @@ def steps_told(runs: Iterable[Run]) -> str:
     return " and ".join(f"{1e6 * step:.3g} us" for step in sorted({step_of(run) for run in runs}, reverse=True))
 
 
-@lru_cache(maxsize=16)
-def _reducer(design: Design, timestep: float) -> ReducerModel:
+@once
+def _reducer(reducer: Reducer, timestep: float) -> ReducerModel:
     """Build a model once for all crank angles; a run leaves it as it is."""
-    reducer = build(design)
-    reducer = replace(reducer, warnings=at_rest(design, reducer.laws))
-    reducer.spec.option.timestep = reducer.model.opt.timestep = timestep
-    return reducer
+    compiled = build(reducer.design)
+    compiled = replace(compiled, warnings=at_rest(reducer, compiled.laws))
+    compiled.spec.option.timestep = compiled.model.opt.timestep = timestep
+    return compiled
 
 
-def _rubbing(design: Design) -> float:
+def _rubbing(reducer: Reducer) -> float:
     """Largest friction of a contact at its working force [N]."""
-    return max(design.friction_of(kind) * working_force(design, kind) for kind in design.pair_kinds)
+    return max(reducer.design.friction_of(kind) * working_force(reducer, kind) for kind in reducer.design.pair_kinds)
 
 
-def output_turn(run: Run, design: Design) -> Array:
+def output_turn(run: Run, reducer: Reducer) -> Array:
     """Give the output's angle less the ideal one at the crank's own [rad]: what the crank's lock gives drops out."""
-    return run["output_angle"] - output_angle(design, run["crank_angle"])
+    return run["output_angle"] - output_angle(reducer.design, run["crank_angle"])
 
 
-def gear_turn(run: Run, design: Design) -> Array:
+def gear_turn(run: Run, reducer: Reducer) -> Array:
     """Give the angle of the gear, of several discs in the mean, less the ideal one at the crank's own [rad]."""
-    turned = [run[names.planar_joints(gear)[2]] for gear in names.gears(design.gear.discs)]
-    return np.mean(turned, axis=0) - gear_angle(design, run["crank_angle"])
+    turned = [run[names.planar_joints(gear)[2]] for gear in names.gears(reducer.design.gear.discs)]
+    return np.mean(turned, axis=0) - gear_angle(reducer.design, run["crank_angle"])
 
 
-def centre_lead(run: Run, design: Design) -> Array:
+def centre_lead(run: Run, reducer: Reducer) -> Array:
     """Give how far the gear's centre leads its ideal place on the eccentric's circle [m], counter-clockwise.
 
     Of several discs, in the mean.
     """
     leads = []
-    for gear, phase in zip(names.gears(design.gear.discs), phases(design), strict=True):
+    for gear, phase in zip(names.gears(reducer.design.gear.discs), reducer.phases, strict=True):
         (x, y, _), ahead = names.planar_joints(gear), run["crank_angle"] + phase
         leads.append(-run[x] * np.cos(ahead) - run[y] * np.sin(ahead))
     return np.asarray(np.mean(leads, axis=0))

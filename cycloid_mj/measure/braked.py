@@ -9,8 +9,8 @@ from dataclasses import replace
 
 from cycloid_mj.contact.working import working_at
 from cycloid_mj.course import braked_output, rising
-from cycloid_mj.design import Design
 from cycloid_mj.measure.steady import steady
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import ReducerModel, build
 from cycloid_mj.names import DRIVE
 from cycloid_mj.record import Run
@@ -26,7 +26,7 @@ SETTLED = 15e-3
 """Time after which a run counts [s]: the ringing is below 0.2 % of the torque then."""
 
 
-def braked_run(design: Design, torque: float, periods: int) -> Run:
+def braked_run(reducer: Reducer, torque: float, periods: int) -> Run:
     """Run with a torque on the crank [N m] and the output held; give the samples of so many mesh periods.
 
     A positive torque drives the crank on its way, a negative one holds against it: then the output drives. Contacts
@@ -37,21 +37,21 @@ def braked_run(design: Design, torque: float, periods: int) -> Run:
     RunError
         The run went wrong.
     """
-    design = working_at(design, torque * design.reduction) if torque else design
-    speed = design.drive.speed
-    reducer = build(design, held="output")
-    slope = 2.0 * reducer.crank_inertia / DECAY if torque else 0.0
-    reducer = with_slope(reducer, slope)
+    reducer = working_at(reducer, torque * reducer.design.reduction) if torque else reducer
+    speed = reducer.design.drive.speed
+    compiled = build(reducer.design, held="output")
+    slope = 2.0 * compiled.crank_inertia / DECAY if torque else 0.0
+    compiled = with_slope(compiled, slope)
     drive = rising(math.copysign(torque, torque * speed), RISE)
-    course = braked_output(reducer, design, lambda time: drive(time) + slope * speed)
-    return steady(design, SETTLED, periods, reducer, course)
+    course = braked_output(compiled, reducer, lambda time: drive(time) + slope * speed)
+    return steady(reducer, SETTLED, periods, compiled, course)
 
 
-def with_slope(reducer: ReducerModel, slope: float) -> ReducerModel:
+def with_slope(compiled: ReducerModel, slope: float) -> ReducerModel:
     """Give the model with a crank torque of its command less `slope` [N m s/rad] times the crank's speed."""
     import mujoco
 
-    motor = reducer.spec.actuator(DRIVE)
+    motor = compiled.spec.actuator(DRIVE)
     motor.biastype = mujoco.mjtBias.mjBIAS_AFFINE
     motor.biasprm = [0.0, 0.0, -slope, *[0.0] * (len(motor.biasprm) - 3)]
-    return replace(reducer, model=reducer.spec.compile())
+    return replace(compiled, model=compiled.spec.compile())

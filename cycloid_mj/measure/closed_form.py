@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.design import Design
 from cycloid_mj.loaded.friction import ideal_losses
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.member import seen_from_ring
 from cycloid_mj.solid import gear_solid, mass_properties
 
@@ -30,15 +30,16 @@ class Closed:
     source: str
 
 
-def ideal_efficiency(design: Design, load: float) -> Closed:
+def ideal_efficiency(reducer: Reducer, load: float) -> Closed:
     """Give the efficiency under a load torque [N m] of equally stiff contacts without clearance, on a cam that holds.
 
     The contacts carry the drag of the output's seals besides the load.
     """
+    design = reducer.design
     carried = load + design.drag.output
-    loaded = seen_from_ring(design.but(load={"torque": carried}))
+    loaded = seen_from_ring(reducer.but(load={"torque": carried}).design)
     crank = np.linspace(0.0, 2.0 * np.pi, CRANK_ANGLES, endpoint=False)
-    lost = sum(ideal_losses(loaded, crank, design.mesh_friction))
+    lost = sum(ideal_losses(Reducer(loaded), crank, design.mesh_friction))
     if design.output.turns_ring:
         # the crank adds its own torque to that of the carrier
         supplied = carried * design.ring.teeth / (1.0 + design.lobes / (1.0 + lost))
@@ -47,13 +48,14 @@ def ideal_efficiency(design: Design, load: float) -> Closed:
     return Closed(load / (supplied + design.drag.crank * design.reduction), "ideal sharing, Coulomb")
 
 
-def ideal_limit(design: Design) -> Design:
+def ideal_limit(reducer: Reducer) -> Reducer:
     """Give a design as ideal sharing takes it: fixed pins with the same friction, next to no play, a cam that holds.
 
     The cam gives a hundredth of what the teeth do.
     """
-    gear = mass_properties(gear_solid(design)).mass
-    return design.but(
+    design = reducer.design
+    gear = mass_properties(gear_solid(reducer)).mass
+    return reducer.but(
         ring={} if design.ring.kind == "nonpin" else {"pins": "fixed"},
         clearance=dict.fromkeys((design.tooth_pair, "cam", "output"), PLAY),
         friction={design.tooth_pair: design.mesh_friction},
@@ -63,12 +65,13 @@ def ideal_limit(design: Design) -> Design:
     )
 
 
-def wang_efficiency(design: Design) -> Closed:
+def wang_efficiency(reducer: Reducer) -> Closed:
     """Give eta_x eta_sx of Wang, Luo and Su 2016, without the efficiencies of the bearings that they multiply by.
 
     eta_nx = 1 - 4 mu (Dp - d)/(K1 z Dp pi), eta_x = eta_nx/(1 + z (1 - eta_nx)), eta_sx = 1 - 4 f K1 Dp/(pi Dw), with
     f at the surface of the output pins.
     """
+    design = reducer.design
     ring, lobes = design.ring, design.lobes
     shortening = design.gear.eccentricity * ring.teeth / ring.pin_circle_radius
     reach = (ring.pin_circle_radius - ring.pin_radius) / ring.pin_circle_radius

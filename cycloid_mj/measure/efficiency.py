@@ -18,7 +18,7 @@ from cycloid_mj.measure.pool import Progress, silent
 from cycloid_mj.measure.published import Published
 from cycloid_mj.measure.sensitivity import friction_for
 from cycloid_mj.measure.steady import steady_design, whole_periods
-from cycloid_mj.mechanism.reducer import mechanism
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.result import Curve, Quantity, Table, keyed
 from cycloid_mj.units import RPM
 
@@ -65,8 +65,9 @@ def efficiency(
     DesignError
         The crank does not turn.
     """
-    own = steady_design(design)
-    rated, speed = own.rated_torque, own.drive.speed
+    reducer = Reducer(design)
+    own = steady_design(reducer)
+    rated, speed = own.design.rated_torque, own.design.drive.speed
     torques = loads or [share * rated for share in ((1.0,) if quick else TORQUES)]
     speeds = speeds or [share * speed for share in ((1.0,) if quick else SPEEDS)]
     periods = QUICK_PERIODS if quick else PERIODS
@@ -74,7 +75,7 @@ def efficiency(
     beside = [replace(one, friction=friction_for(found.by_friction, one.rate)) for one in published]
     return Measurement(
         measure="efficiency",
-        design=own,
+        design=own.design,
         condition=f"up to {max(torques):.4g} N m and {max(map(abs, speeds)) / RPM:.0f} rpm",
         quantities=keyed(_rated(own, found), _losses(found.rated), _driven(own, found)),
         curves=_curves(found),
@@ -97,9 +98,9 @@ def efficiency(
     )
 
 
-def _rated(design: Design, found: Found) -> list[Quantity]:
+def _rated(reducer: Reducer, found: Found) -> list[Quantity]:
     ours, load = 1e2 * found.rated.powers.efficiency, found.rated.torque
-    ideal, wang = ideal_efficiency(design, load), wang_efficiency(design)
+    ideal, wang = ideal_efficiency(reducer, load), wang_efficiency(reducer)
     error = 1e2 * found.error
     place = f"at {load:g} N m, {found.rated.speed / RPM:g} rpm"
     return [
@@ -163,14 +164,15 @@ def _losses(rated: Point) -> list[Quantity]:
     ]
 
 
-def _driven(design: Design, found: Found) -> list[Quantity]:
+def _driven(reducer: Reducer, found: Found) -> list[Quantity]:
     """Give what turns the reducer without a load, and from its output."""
+    design = reducer.design
     ratio, rest = design.reduction, found.rest
     forward = found.rated.powers.efficiency
     backward, shift = _back_driving(found)
     locked = not backward > 0.0
     against = math.nan if locked else design.rated_torque / backward
-    contacts = f"contacts, {drag_told(design)}; the shafts' own bearings are left out"
+    contacts = f"contacts, {drag_told(reducer)}; the shafts' own bearings are left out"
     return [
         Quantity(
             "no_load_torque",
@@ -282,20 +284,21 @@ def _line(panel: str, name: str, points: Sequence[Point], y: Sequence[float], la
     return Curve(panel, name, x, np.array(y), "output torque [N m]", label, style)
 
 
-def _assumptions(design: Design, periods: int) -> tuple[str, ...]:
+def _assumptions(reducer: Reducer, periods: int) -> tuple[str, ...]:
+    design = reducer.design
     pins = round(periods * design.output.pins / design.lobes, 2)
-    kinds = mechanism(design).kinds
+    kinds = reducer.mechanism.kinds
     creep = 1e3 * design.contact.creep_speed
     return (
         f"friction: {', '.join(f'{pair} {design.friction_of(pair):g}' for pair in kinds)}; "
-        f"{drag_told(design)}; the shafts' own bearings are left out",
+        f"{drag_told(reducer)}; the shafts' own bearings are left out",
         "contacts of each run have the secant stiffness of its own load (of the output torque that it holds without "
         "losses), from rest of the rated one; at the rated load "
-        f"{working_forces_told(at_rated_load(design), kinds)}",
+        f"{working_forces_told(at_rated_load(reducer), kinds)}",
         f"mean over {periods} mesh periods, {pins:g} periods of the output pins; the crank held at its speed, or "
         "the output where it drives",
         f"friction grows with the sliding speed until {creep:g} mm/s under the working force, and is whole beyond",
         "numerical error: half the step (unless --quick) or half the average, whichever changes more; elsewhere half "
         "the average",
-        *assumptions(design, "the map, and the rated point with an input varied"),
+        *assumptions(reducer, "the map, and the rated point with an input varied"),
     )

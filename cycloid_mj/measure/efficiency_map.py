@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from functools import partial
 
 from cycloid_mj.contact.massless import massless
-from cycloid_mj.design import Design
 from cycloid_mj.measure import sensitivity
 from cycloid_mj.measure.back_driving import BreakAway, break_away
 from cycloid_mj.measure.braked import braked_run
@@ -15,6 +14,7 @@ from cycloid_mj.measure.pool import Progress, run_all
 from cycloid_mj.measure.spread import PERIODS as SPREAD_PERIODS
 from cycloid_mj.measure.spread import Moved, inputs, moved
 from cycloid_mj.measure.steady import SETTLED, Powers, first_half, powers, steady, whole_periods
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.record import Run
 
 
@@ -83,7 +83,7 @@ class Found:
 
 
 def run_map(
-    design: Design, torques: Sequence[float], speeds: Sequence[float], periods: int, check: bool, progress: Progress
+    reducer: Reducer, torques: Sequence[float], speeds: Sequence[float], periods: int, check: bool, progress: Progress
 ) -> Found:
     """Run every point over at least so many mesh periods, several at a time, and the rated one with half the step.
 
@@ -96,25 +96,26 @@ def run_map(
     RunError
         A run went wrong.
     """
+    design = reducer.design
     rated, speed = design.rated_torque, design.drive.speed
     # The longest runs come first, so that no processor is left alone with one.
     grid = [(torque, pace) for pace in sorted(speeds, key=abs) for torque in torques]
-    rest = break_away(design)
-    light = massless(design)
+    rest = break_away(reducer)
+    light = massless(reducer)
     tasks: dict[Hashable, Callable[[], Point]] = {
-        place: partial(forward, light, *place, periods) for place in grid if light != design or place != (rated, speed)
+        place: partial(forward, light, *place, periods) for place in grid if light != reducer or place != (rated, speed)
     }
-    tasks["rated"] = partial(forward, design, rated, speed, periods)
-    tasks["ideal"] = partial(forward, ideal_limit(design), rated, speed, periods)
-    tasks["unloaded"] = partial(forward, design, 0.0, speed, periods)
+    tasks["rated"] = partial(forward, reducer, rated, speed, periods)
+    tasks["ideal"] = partial(forward, ideal_limit(reducer), rated, speed, periods)
+    tasks["unloaded"] = partial(forward, reducer, 0.0, speed, periods)
     if not rest.locked:
-        tasks["coasting"] = partial(backward, design, 0.0, periods)
-        tasks["backward"] = partial(backward, design, design.drive.torque, periods)
+        tasks["coasting"] = partial(backward, reducer, 0.0, periods)
+        tasks["backward"] = partial(backward, reducer, design.drive.torque, periods)
     if check:
-        tasks["halved"] = partial(forward, halved(design), rated, speed, periods)
-    assumed = inputs(design)
-    varied: dict[Hashable, Design] = {end: end for one in assumed for end in one.ends}
-    varied |= {value: sensitivity.with_common_friction(design, value) for value in sensitivity.COMMON}
+        tasks["halved"] = partial(forward, halved(reducer), rated, speed, periods)
+    assumed = inputs(reducer)
+    varied: dict[Hashable, Reducer] = {end: Reducer(end) for one in assumed for end in one.ends}
+    varied |= {value: sensitivity.with_common_friction(reducer, value) for value in sensitivity.COMMON}
     tasks |= {key: partial(forward, massless(one), rated, speed, SPREAD_PERIODS) for key, one in varied.items()}
     points = run_all(tasks, progress)
     rates = {key: points[key].powers.efficiency for key in varied}
@@ -132,15 +133,15 @@ def run_map(
     )
 
 
-def forward(design: Design, torque: float, speed: float, periods: int) -> Point:
+def forward(reducer: Reducer, torque: float, speed: float, periods: int) -> Point:
     """Run under an output torque [N m], the crank held at a speed [rad/s]."""
-    loaded = design.but(drive={"speed": speed}, load={"torque": torque})
+    loaded = reducer.but(drive={"speed": speed}, load={"torque": torque})
     return _point(torque, speed, steady(loaded, SETTLED, whole_periods(loaded, periods)))
 
 
-def backward(design: Design, torque: float, periods: int) -> Point:
+def backward(reducer: Reducer, torque: float, periods: int) -> Point:
     """Drive the output at its speed against a torque on the crank [N m]; with none, the crank is free."""
-    return _point(torque, design.drive.speed, braked_run(design, -torque, whole_periods(design, periods)))
+    return _point(torque, reducer.design.drive.speed, braked_run(reducer, -torque, whole_periods(reducer, periods)))
 
 
 def _point(torque: float, speed: float, run: Run) -> Point:

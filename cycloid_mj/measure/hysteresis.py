@@ -15,10 +15,10 @@ import numpy as np
 
 from cycloid_mj import course
 from cycloid_mj.contact.swing import closed_stiffness, moving_inertia
-from cycloid_mj.design import Design
 from cycloid_mj.loaded.windup import LOST_MOTION_SHARE, STRAIGHT
 from cycloid_mj.measure import bench
 from cycloid_mj.mechanism import limits
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.member import sense
 from cycloid_mj.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.record import Run
@@ -144,31 +144,31 @@ def signal(rated: float, period: float) -> course.Signal:
     return lambda time: rated * np.sin(2.0 * np.pi * time / period) ** POWER
 
 
-def loop(design: Design, crank: float, rated: float, period: float, finer: float = 1.0) -> Loop:
+def loop(reducer: Reducer, crank: float, rated: float, period: float, finer: float = 1.0) -> Loop:
     """Run the loop at a crank angle [rad]; `period` [s]; `finer` divides the step, see `bench.run_to_the_end`."""
     duration, samples = (1.0 + LEAD) * period, round((1.0 + LEAD) * SAMPLES)
-    run = bench.run_to_the_end(design, crank, signal(rated, period), rated, duration, samples, finer)
+    run = bench.run_to_the_end(reducer, crank, signal(rated, period), rated, duration, samples, finer)
     whole = run.select(run.time >= LEAD * period)
     return Loop(
         crank=crank,
         rated=rated,
         phase=whole.time / period,
         torque=whole["load_torque"],
-        turn=bench.output_turn(whole, design) + wind_up(design) * whole["load_torque"],
-        gear_turn=bench.gear_turn(whole, design),
-        centre_lead=sense(design) * bench.centre_lead(whole, design),
+        turn=bench.output_turn(whole, reducer) + wind_up(reducer) * whole["load_torque"],
+        gear_turn=bench.gear_turn(whole, reducer),
+        centre_lead=sense(reducer.design) * bench.centre_lead(whole, reducer),
         run=run,
     )
 
 
-def slow_period(design: Design, rated: float) -> float:
+def slow_period(reducer: Reducer, rated: float) -> float:
     """Give the period [s] of a loop in which inertia does not matter.
 
     The torque's T (omega t)^5 carries output and gear, inertia J [kg m2], over their play b [rad] in
     (omega t)^7 = 42 J b omega^2/T; it has then the share (omega t)^5 of T, which shall be `ARRIVAL`. And the period is
     at least `SLOWNESS` periods of J on the stiffness of the reducer.
     """
-    inertia = moving_inertia(design)
-    low, high = limits.stops(design, 0.0)
+    inertia = moving_inertia(reducer)
+    low, high = limits.stops(reducer, 0.0)
     crossing = math.sqrt(ARRIVAL ** (7.0 / POWER) * rated / (42.0 * inertia * max(high - low, 1e-9)))
-    return 2.0 * math.pi * max(1.0 / crossing, SLOWNESS * math.sqrt(inertia / closed_stiffness(design)))
+    return 2.0 * math.pi * max(1.0 / crossing, SLOWNESS * math.sqrt(inertia / closed_stiffness(reducer)))

@@ -20,8 +20,8 @@ from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.pressed import CARRIES, Pressed, pressed
 from cycloid_mj.measure.steady import SETTLED, steady, steady_design
-from cycloid_mj.mechanism.reducer import phases
-from cycloid_mj.member import against_ring, share
+from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.member import against_ring
 from cycloid_mj.profile import unit
 from cycloid_mj.record import Run
 from cycloid_mj.result import Curve, Quantity, keyed
@@ -82,11 +82,12 @@ def loads(design: Design, load: float | None = None, quick: bool = False, progre
     RunError
         A run went wrong.
     """
-    torque = design.rated_torque if load is None else load
+    reducer = Reducer(design)
+    torque = reducer.design.rated_torque if load is None else load
     if not torque > 0.0:
         raise UsageError(f"cannot measure loads under {torque:g} N m: the torque must be more than 0")
-    loaded = steady_design(design).but(load={"torque": torque})
-    work = [(loaded, CHECKED if quick else design.mesh_periods), (halved(loaded), CHECKED)]
+    loaded = steady_design(reducer).but(load={"torque": torque})
+    work = [(loaded, CHECKED if quick else reducer.design.mesh_periods), (halved(loaded), CHECKED)]
     whole = len(work) + 1
     run, finer = each(lambda one: steady(one[0], SETTLED, one[1]), work, lambda done, _: progress(done, whole))
     found, fine = pressed(run, loaded), pressed(finer, loaded)
@@ -107,18 +108,18 @@ def loads(design: Design, load: float | None = None, quick: bool = False, progre
         ]
     progress(whole, whole)
     by_kind = (_of_kind(loaded, found[kind], coarse[kind], fine[kind], missed[kind]) for kind in found)
-    discs = _of_discs(run, finer, loaded) if design.gear.discs > 1 else ()
+    discs = _of_discs(run, finer, loaded) if reducer.design.gear.discs > 1 else ()
     return Measurement(
         measure="loads",
-        design=design,
-        condition=f"{torque:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm",
+        design=reducer.design,
+        condition=f"{torque:.4g} N m, {abs(reducer.design.drive.speed) / RPM:.0f} rpm",
         quantities=keyed(*by_kind, discs, capacities),
         curves=_curves(found, loaded),
         assumptions=_assumptions(loaded),
         runs={"loaded": run},
         details={
             "load_torque_nm": torque,
-            "rated_torque_nm": design.rated_torque,
+            "rated_torque_nm": reducer.design.rated_torque,
             "weakest": weakest,
             "capacity_by_kind_nm": _scaled(limits, torque),
             "shakedown_by_kind_nm": _scaled(lasting, torque),
@@ -126,13 +127,13 @@ def loads(design: Design, load: float | None = None, quick: bool = False, progre
     )
 
 
-def _missed(design: Design, one: Pressed) -> float:
+def _missed(reducer: Reducer, one: Pressed) -> float:
     """Give by which share a kind's largest force over the turn exceeds that of the samples in ideal sharing.
 
     It is 0 where the samples sweep the turn.
     """
-    turn = np.linspace(0.0, 2.0 * math.pi, PER_MESH_PERIOD * design.ring.teeth + 1)
-    return max(0.0, ideal_peak(design, one.kind, turn) / ideal_peak(design, one.kind, one.angle) - 1.0)
+    turn = np.linspace(0.0, 2.0 * math.pi, PER_MESH_PERIOD * reducer.design.ring.teeth + 1)
+    return max(0.0, ideal_peak(reducer, one.kind, turn) / ideal_peak(reducer, one.kind, one.angle) - 1.0)
 
 
 def _undecided(key: str, name: str) -> Quantity:
@@ -141,25 +142,25 @@ def _undecided(key: str, name: str) -> Quantity:
 
 
 def _capacity(
-    key: str, design: Design, weakest: str, torque: float, allowed: float, name: str, unsure: float
+    key: str, reducer: Reducer, weakest: str, torque: float, allowed: float, name: str, unsure: float
 ) -> Quantity:
     """Give the torque [N m] at which the weakest kind reaches a pressure, from runs at better and better guesses of it.
 
     `allowed` is the pressure over the yield strength; `unsure` the share by which the forces of these runs may be off.
     """
-    allowed_depth = deepest(design)
+    allowed_depth = deepest(reducer)
     for _ in range(MOST_GUESSES):
         # a contact grows deeper with its force, and may: the limit is to find runs that went wrong
-        deeper = min(allowed_depth * max(1.0, torque / design.load.torque), DEEPEST)
-        guess = design.but(load={"torque": torque}, contact={"max_penetration": deeper})
+        deeper = min(allowed_depth * max(1.0, torque / reducer.design.load.torque), DEEPEST)
+        guess = reducer.but(load={"torque": torque}, contact={"max_penetration": deeper})
         run = steady(guess, SETTLED, CHECKED)
-        factor = _limits(pressed(run, design), design, allowed).get(weakest)
+        factor = _limits(pressed(run, reducer), reducer, allowed).get(weakest)
         if factor is None:
             return _undecided(key, name)
         before, torque = torque, torque * factor
         if abs(torque - before) < CAPACITY_TOLERANCE * torque:
             break
-    rated = design.rated_torque
+    rated = reducer.design.rated_torque
     return Quantity(
         key,
         name,
@@ -171,14 +172,14 @@ def _capacity(
     )
 
 
-def _of_kind(design: Design, found: Pressed, coarse: Pressed, fine: Pressed, missed: float) -> Iterator[Quantity]:
+def _of_kind(reducer: Reducer, found: Pressed, coarse: Pressed, fine: Pressed, missed: float) -> Iterator[Quantity]:
     """Give the numbers of one kind.
 
     Errors: what half the step changes over the first mesh periods, and what the samples leave out of the turn: of a
     peak `missed`, a share of the force; of a mean half of what it changes from one half of the samples to the other.
     """
     kind = found.kind
-    allowed = YIELD_PRESSURE * pair_strength(design, kind)
+    allowed = YIELD_PRESSURE * pair_strength(reducer, kind)
     peak_error = abs(coarse.peak_force - fine.peak_force) + missed * found.peak_force
     one, other = found.halves
     mean_error = abs(coarse.mean_force - fine.mean_force) + 0.5 * abs(one.mean_force - other.mean_force)
@@ -190,7 +191,7 @@ def _of_kind(design: Design, found: Pressed, coarse: Pressed, fine: Pressed, mis
         found.peak_force,
         "N",
         peak_error,
-        ideal_peak(design, kind, found.angle),
+        ideal_peak(reducer, kind, found.angle),
         IDEAL.get(kind, "ideal sharing"),
         f"at {math.degrees(found.peak_angle):.0f} deg of crank{RIGID_CAM if kind == 'cam' else ''}",
     )
@@ -207,16 +208,17 @@ def _of_kind(design: Design, found: Pressed, coarse: Pressed, fine: Pressed, mis
     yield Quantity(f"{kind}_margin", name, margin, "1", margin * margin * pressure_error / allowed, note=note)
 
 
-def _of_discs(run: Run, finer: Run, design: Design) -> Iterator[Quantity]:
+def _of_discs(run: Run, finer: Run, reducer: Reducer) -> Iterator[Quantity]:
     """Give the shares of several discs, and what the bearings hold; errors are what half the step changes."""
     coarse = run.select(slice(0, len(finer)))
-    whole, first, fine = ([*_spatial(one, design)] for one in (run, coarse, finer))
+    whole, first, fine = ([*_spatial(one, reducer)] for one in (run, coarse, finer))
     for one, other, again in zip(whole, first, fine, strict=True):
         yield replace(one, error=abs(other.value - again.value))
 
 
-def _spatial(run: Run, design: Design) -> Iterator[Quantity]:
+def _spatial(run: Run, reducer: Reducer) -> Iterator[Quantity]:
     """Give shares and reactions over a run: forces on the discs, turned round, are those on shaft, output and ring."""
+    design = reducer.design
     output, discs = design.output, design.gear.discs
     shaft, pins, ring = (
         -run.forces(kind).reshape(len(run), discs, -1, 2) for kind in ("cam", "output", design.tooth_pair)
@@ -226,17 +228,17 @@ def _spatial(run: Run, design: Design) -> Iterator[Quantity]:
     place = output.pin_circle_radius * unit(around)[:, np.newaxis]
     moments = np.sum(place[..., 0] * pins[..., 1] - place[..., 1] * pins[..., 0], axis=-1)
     yield from disc_shares(moments / moments.sum(axis=1, keepdims=True))
-    yield from reaction_quantities(spatial(design, *(force.sum(axis=2) for force in (shaft, pins, ring))))
+    yield from reaction_quantities(spatial(reducer, *(force.sum(axis=2) for force in (shaft, pins, ring))))
 
 
-def _limits(found: Kinds, design: Design, allowed: float) -> dict[str, float]:
+def _limits(found: Kinds, reducer: Reducer, allowed: float) -> dict[str, float]:
     """Give the factor on the torque at which the pressure of a kind reaches a limit; kinds without one are left out.
 
     A kind that is conformal or not pressed has no limit; `allowed` is the limit over the yield strength.
     """
     pressures = {kind: one.peak_pressure for kind, one in found.items()}
     return {
-        kind: (allowed * pair_strength(design, kind) / pressure) ** 2
+        kind: (allowed * pair_strength(reducer, kind) / pressure) ** 2
         for kind, pressure in pressures.items()
         if pressure > 0.0
     }
@@ -246,13 +248,13 @@ def _scaled(limits: Mapping[str, float], torque: float) -> dict[str, float]:
     return {kind: torque * factor for kind, factor in limits.items()}
 
 
-def _curves(found: Kinds, design: Design) -> tuple[Curve, ...]:
-    single = [curve for one in found.values() if one.kind != "cam" for curve in _contacts(one, design)]
-    cams = [curve for disc, phase in enumerate(phases(design)) for curve in _cam(found["cam"], disc, phase)]
-    return (*single, *cams, *_around(found[design.tooth_pair], design))
+def _curves(found: Kinds, reducer: Reducer) -> tuple[Curve, ...]:
+    single = [curve for one in found.values() if one.kind != "cam" for curve in _contacts(one, reducer)]
+    cams = [curve for disc, phase in enumerate(reducer.phases) for curve in _cam(found["cam"], disc, phase)]
+    return (*single, *cams, *_around(found[reducer.design.tooth_pair], reducer))
 
 
-def _contacts(one: Pressed, design: Design) -> Iterator[Curve]:
+def _contacts(one: Pressed, reducer: Reducer) -> Iterator[Curve]:
     """Give the force on some of the contacts of a kind that carry, the most loaded among them.
 
     Of teeth that one beside ideal sharing.
@@ -264,17 +266,17 @@ def _contacts(one: Pressed, design: Design) -> Iterator[Curve]:
     places = sorted({*spread[spread != most][: SHOWN - 1].tolist(), most})
     panel = f"{one.kind}: force on {len(places)} of the {len(loaded)} that carry, of {len(peaks)}"
     degrees = np.degrees(one.angle)
-    if one.kind == design.tooth_pair:
-        ideal, of = _shared(design, one.angle)[:, most], _named(design, len(peaks), most)
+    if one.kind == reducer.design.tooth_pair:
+        ideal, of = _shared(reducer, one.angle)[:, most], _named(reducer, len(peaks), most)
         yield Curve(panel, "ideal sharing", degrees, ideal, _CRANK, _FORCE, "theory", of)
     for place in places:
-        yield Curve(panel, _named(design, len(peaks), place), degrees, one.force[:, place], _CRANK, _FORCE)
+        yield Curve(panel, _named(reducer, len(peaks), place), degrees, one.force[:, place], _CRANK, _FORCE)
 
 
-def _named(design: Design, contacts: int, place: int) -> str:
+def _named(reducer: Reducer, contacts: int, place: int) -> str:
     """Name one of the contacts of a kind, which stand disc after disc."""
-    disc, number = divmod(place, contacts // design.gear.discs)
-    return f"number {number + 1}" + (f", disc {disc + 1}" if design.gear.discs > 1 else "")
+    disc, number = divmod(place, contacts // reducer.design.gear.discs)
+    return f"number {number + 1}" + (f", disc {disc + 1}" if reducer.design.gear.discs > 1 else "")
 
 
 def _cam(one: Pressed, disc: int, phase: float) -> Iterator[Curve]:
@@ -287,28 +289,30 @@ def _cam(one: Pressed, disc: int, phase: float) -> Iterator[Curve]:
     yield Curve(panel, name, degrees, towards, _CRANK, "direction [deg]")
 
 
-def _around(teeth: Pressed, design: Design) -> Iterator[Curve]:
+def _around(teeth: Pressed, reducer: Reducer) -> Iterator[Curve]:
     """Give the forces of a disc round the ring where the largest one acts, beside ideal sharing."""
-    count, row = design.ring.teeth, int(np.argmax(teeth.force.max(axis=1)))
+    count, row = reducer.design.ring.teeth, int(np.argmax(teeth.force.max(axis=1)))
     disc = int(np.argmax(teeth.force[row])) // count
     of_disc = slice(disc * count, (disc + 1) * count)
     about = np.degrees(2.0 * math.pi * np.arange(count + 1) / count)
     panel = f"{teeth.kind} at {math.degrees(teeth.peak_angle):.0f} deg of crank"
-    panel += f", disc {disc + 1}" if design.gear.discs > 1 else ""
-    ideal = _shared(design, teeth.angle)[row, of_disc]
+    panel += f", disc {disc + 1}" if reducer.design.gear.discs > 1 else ""
+    ideal = _shared(reducer, teeth.angle)[row, of_disc]
     for name, forces in (("simulated", teeth.force[row, of_disc]), ("ideal", ideal)):
         yield Curve(panel, name, about, np.append(forces, forces[0]), "", _FORCE, "polar")
 
 
-def _shared(design: Design, crank: Array) -> Array:
+def _shared(reducer: Reducer, crank: Array) -> Array:
     """Give the forces of ideal sharing on the teeth [N], shape (n, D teeth), at crank angles [rad], shape (n,)."""
-    torque = share(design) * math.copysign(design.load.torque, design.drive.speed) / design.gear.discs
+    design = reducer.design
+    torque = reducer.share * math.copysign(design.load.torque, design.drive.speed) / design.gear.discs
     gear, turned = tooth_profile(design), against_ring(design, crank)
-    each = [statics.ideal_load_sharing(gear, torque, turned + phase).forces for phase in phases(design)]
+    each = [statics.ideal_load_sharing(gear, torque, turned + phase).forces for phase in reducer.phases]
     return np.concatenate(each, axis=1)
 
 
-def _assumptions(design: Design) -> tuple[str, ...]:
+def _assumptions(reducer: Reducer) -> tuple[str, ...]:
+    design = reducer.design
     bearing = (
         f"the cam turns in a full-complement roller bearing of {design.contact.cam_rollers} rollers "
         f"(contact.cam_rollers), of which the most loaded carries {STRIBECK}/Z of the force (Stribeck)"
@@ -317,7 +321,7 @@ def _assumptions(design: Design) -> tuple[str, ...]:
     )
     return (
         "contacts have the secant stiffness of each run's own load, here "
-        f"{working_forces_told(design, design.pair_kinds)}",
+        f"{working_forces_told(reducer, design.pair_kinds)}",
         "Hertz's line contact over the whole face width, with the local relative curvature of the ideal mesh; edge "
         "effects and misalignment are left out; the ring lobe's force is taken on its arc",
         "ideal sharing takes equally stiff contacts without play on a cam that holds: the cam's give and the "

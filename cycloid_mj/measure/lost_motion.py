@@ -8,6 +8,7 @@ from cycloid_mj.measure import bench, hysteresis
 from cycloid_mj.measure.lost_motion_table import Found, by_angle, curves, quantities
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.structure import structure_told
 
 ANGLES, QUICK_ANGLES = 6, 2
@@ -45,22 +46,23 @@ def lost_motion(
     RunError
         A run went wrong.
     """
-    rated = design.rated_torque if load is None else load
+    reducer = Reducer(design)
+    rated = reducer.design.rated_torque if load is None else load
     angles = (QUICK_ANGLES if quick else ANGLES) if angles is None else angles
     if not rated > 0.0 or angles < 1:
         raise UsageError(f"cannot measure under {rated:g} N m at {angles} crank angles: both must be more than 0")
-    design = working_at(design, rated)
-    cranks = [float(crank) for crank in bench.crank_angles(design, angles)]
-    period, level = hysteresis.slow_period(design, rated), bench.ideal(design)
+    reducer = working_at(reducer, rated)
+    cranks = [float(crank) for crank in bench.crank_angles(reducer, angles)]
+    period, level = hysteresis.slow_period(reducer, rated), bench.ideal(reducer)
     # the longest first, so that no processor is left alone with one
-    jobs = [(one, cranks[0], *check) for one in (design, level) for check in ((period, FINER), (SLOWER * period, 1.0))]
-    jobs += [(one, crank, period, 1.0) for one in (design, level) for crank in cranks]
+    jobs = [(one, cranks[0], *check) for one in (reducer, level) for check in ((period, FINER), (SLOWER * period, 1.0))]
+    jobs += [(one, crank, period, 1.0) for one in (reducer, level) for crank in cranks]
     loops = each(lambda job: hysteresis.loop(job[0], job[1], rated, *job[2:]), jobs, progress)
     checks, loops = loops[:4], loops[4:]
-    found = Found(design, loops[:angles], loops[angles:], checks[:2], checks[2:], _statics(design, cranks, rated))
+    found = Found(reducer, loops[:angles], loops[angles:], checks[:2], checks[2:], _statics(reducer, cranks, rated))
     return Measurement(
         measure="lost-motion",
-        design=design,
+        design=reducer.design,
         condition=f"crank locked, up to {rated:.4g} N m on the output",
         quantities=quantities(found),
         curves=curves(found),
@@ -70,10 +72,10 @@ def lost_motion(
     )
 
 
-def _statics(design: Design, cranks: list[float], rated: float) -> list[Windup]:
+def _statics(reducer: Reducer, cranks: list[float], rated: float) -> list[Windup]:
     """Give the static solutions; none where statics finds no balance."""
     try:
-        return windups(design, cranks, rated)
+        return windups(reducer, cranks, rated)
     except RunError:
         return []
 
@@ -90,8 +92,8 @@ def _assumptions(found: Found, period: float) -> tuple[str, ...]:
         "and what the crank angles leave out of the turn: by the backlash of rigid parts, and by the readings' scatter",
         "friction is viscous below the creep speed, which is as low as the step bears: with free pins the stiffness "
         "falls by some percent as the step does",
-        structure_told(found.design),
+        structure_told(found.reducer),
         f"contacts have the secant stiffness of one working force, that at the loop's end: "
-        f"{working_forces_told(found.design, found.design.pair_kinds)}",
+        f"{working_forces_told(found.reducer, found.reducer.design.pair_kinds)}",
         *beyond,
     )

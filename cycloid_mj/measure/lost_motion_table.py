@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from cycloid_mj.design import Design
 from cycloid_mj.loaded.windup import LOST_MOTION_SHARE, SERIES, Windup, in_series
 from cycloid_mj.measure import bench, play
 from cycloid_mj.measure.hysteresis import Loop
 from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.result import Curve, Quantity, keyed
 from cycloid_mj.types import Array, Mask
 from cycloid_mj.units import ARCMINUTE
@@ -37,7 +37,7 @@ class Found:
         One for each crank angle; none where a design is beyond statics.
     """
 
-    design: Design
+    reducer: Reducer
     service: list[Loop]
     ideal: list[Loop]
     service_checks: list[Loop]
@@ -126,10 +126,10 @@ def _motions(found: Found) -> Iterator[Quantity]:
 
 def _rigid(found: Found) -> Known | None:
     """Give the backlash of rigid parts [arcmin] at the crank angles and over the turn; lost motion goes with it."""
-    if not play.has_linear_gaps(found.design):
+    if not play.has_linear_gaps(found.reducer):
         return None
     cranks = np.array([loop.crank for loop in found.service])
-    return Known(play.total(found.design, cranks) / ARCMINUTE, play.over_a_turn(found.design)[1] / ARCMINUTE)
+    return Known(play.total(found.reducer, cranks) / ARCMINUTE, play.over_a_turn(found.reducer)[1] / ARCMINUTE)
 
 
 def _stiffness(found: Found) -> Iterator[Quantity]:
@@ -141,20 +141,20 @@ def _stiffness(found: Found) -> Iterator[Quantity]:
     yield _quantity("stiffness", name, stiffness, *pair, unit, solved, STATICS, note)
     yield from _extremes("stiffness", "stiffness", stiffness, *pair, unit)
     yield _quantity("stiffness_ideal", f"{name}, {IDEAL}", stiffness, *ideal, unit, solved, STATICS)
-    called = _OF_SPRINGS if found.design.structure == "springs" else _PARTS
+    called = _OF_SPRINGS if found.reducer.design.structure == "springs" else _PARTS
     for part in SERIES:
-        closed = [one.series(found.design)[part] / ARCMINUTE for one in found.statics]
+        closed = [one.series(found.reducer)[part] / ARCMINUTE for one in found.statics]
 
         def compliance(loop: Loop, part: str = part) -> float:
-            return loop_series(found.design, loop)[part] / ARCMINUTE
+            return loop_series(found.reducer, loop)[part] / ARCMINUTE
 
         name = f"compliance of {called[part]}, in series, {IDEAL}"
         yield _quantity(f"compliance_{part}", name, compliance, *ideal, "arcmin/(N m)", closed, STATICS)
 
 
-def loop_series(design: Design, loop: Loop) -> dict[str, float]:
+def loop_series(reducer: Reducer, loop: Loop) -> dict[str, float]:
     """Give the compliance of each part in series [rad/(N m)] by a loop, keyed by `SERIES`."""
-    return in_series(design, loop.compliance(), loop.compliance(loop.gear_turn), loop.compliance(loop.centre_lead))
+    return in_series(reducer, loop.compliance(), loop.compliance(loop.gear_turn), loop.compliance(loop.centre_lead))
 
 
 def _friction(found: Found) -> list[Quantity]:
@@ -223,7 +223,7 @@ def curves(found: Found) -> tuple[Curve, ...]:
     for (panel, unit), (read, solved) in over_angle.items():
         axes = "crank angle [deg]", f"{panel.split(' at')[0]} [{unit}]"
         if read is lost_motion and known is not None:
-            everywhere = np.degrees(play.turn(found.design))
+            everywhere = np.degrees(play.turn(found.reducer))
             drawn.append(Curve(panel, "backlash of rigid parts", everywhere, known.turn, *axes, "theory"))
         if solved:
             drawn.append(Curve(panel, "statics", crank, np.array(solved), *axes, "rings"))

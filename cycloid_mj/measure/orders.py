@@ -13,7 +13,7 @@ from typing import Any, Literal
 import numpy as np
 
 from cycloid_mj.analysis.spectrum import Orders
-from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.types import Array, Integers, Mask
 
 Place = Literal["gear", "stage"]
@@ -69,8 +69,9 @@ class Cause:
         return {"key": self.key, "name": self.name, "shows_in": self.place, "base_order": self.base, "why": self.why}
 
 
-def causes(design: Design) -> tuple[Cause, ...]:
+def causes(reducer: Reducer) -> tuple[Cause, ...]:
     """Give the causes of transmission error that a design can have, with the orders that they give."""
+    design = reducer.design
     teeth, lobes, pins = design.ring.teeth, design.lobes, design.output.pins
     ring = "pins" if design.ring.kind == "pin" else "lobes"
     of_mesh: Place = "gear"

@@ -12,14 +12,12 @@ that balance a unit torque on the output. With one clearance alone this has a cl
   about the pitch point.
 """
 
-from functools import lru_cache
-
 import numpy as np
 
-from cycloid_mj.design import Design
 from cycloid_mj.mechanism.gaps import gaps
 from cycloid_mj.mechanism.limits import CAM_SIDES, stops
-from cycloid_mj.member import against_ring, share
+from cycloid_mj.mechanism.whole import Reducer, once
+from cycloid_mj.member import against_ring
 from cycloid_mj.types import Array
 
 COARSE_SIDES = 180
@@ -32,23 +30,25 @@ FEWEST_IN_A_TURN = 180
 """Crank angles over a whole turn of a reducer with few teeth."""
 
 
-def has_linear_gaps(design: Design) -> bool:
+def has_linear_gaps(reducer: Reducer) -> bool:
     """Tell whether `stops` knows every gap: it leaves the shape of a modified flank out."""
-    return not (design.modification.pin_circle or design.modification.rotation)
+    return not (reducer.design.modification.pin_circle or reducer.design.modification.rotation)
 
 
-def parts_alone(design: Design, crank: float) -> dict[str, float]:
+def parts_alone(reducer: Reducer, crank: float) -> dict[str, float]:
     """Give the backlash of the output [rad] at a crank angle [rad] by each kind of clearance, if it were alone."""
-    found = gaps(design, float(against_ring(design, crank)))
+    design = reducer.design
+    found = gaps(reducer, float(against_ring(design, crank)))
     arms = design.output.pin_circle_radius * found.slope[np.arange(found.disc.size), 3 * found.disc + 2]
     mesh, output = (_both_ways(arms[found.kind == kind]) for kind in (design.tooth_pair, "output"))
     per_clearance = {"cam": 2.0 / (design.gear.eccentricity * design.lobes), "output": output}
-    of = share(design)
-    return {kind: of * per_clearance.get(kind, mesh) * clearance(design, kind) for kind in design.pair_kinds}
+    of = reducer.share
+    return {kind: of * per_clearance.get(kind, mesh) * clearance(reducer, kind) for kind in design.pair_kinds}
 
 
-def clearance(design: Design, kind: str) -> float:
+def clearance(reducer: Reducer, kind: str) -> float:
     """Give the clearance of a kind of pairs [m] between parts in their ideal places."""
+    design = reducer.design
     output = design.output
     wider = {
         design.tooth_pair: design.modification.equidistant,
@@ -62,19 +62,19 @@ def _both_ways(arms: Array) -> float:
     return float(1.0 / arms.max() - 1.0 / arms.min())
 
 
-def total(design: Design, cranks: Array, sides: int = CAM_SIDES) -> Array:
+def total(reducer: Reducer, cranks: Array, sides: int = CAM_SIDES) -> Array:
     """Give the backlash of the output [rad] at crank angles [rad] (n,) with all clearances together."""
-    ends = np.array([stops(design, float(crank), sides) for crank in cranks])
+    ends = np.array([stops(reducer, float(crank), sides) for crank in cranks])
     return np.asarray(ends[:, 1] - ends[:, 0])
 
 
-@lru_cache(maxsize=8)
-def over_a_turn(design: Design) -> tuple[Array, Array]:
+@once
+def over_a_turn(reducer: Reducer) -> tuple[Array, Array]:
     """Give crank angles [rad] all over a turn, shape (n,), and the backlash [rad] at each as `total` does."""
-    cranks = turn(design)
-    return cranks, total(design, cranks, COARSE_SIDES)
+    cranks = turn(reducer)
+    return cranks, total(reducer, cranks, COARSE_SIDES)
 
 
-def turn(design: Design) -> Array:
+def turn(reducer: Reducer) -> Array:
     """Give crank angles [rad] that resolve the mesh all over a turn, both of its ends among them."""
-    return np.linspace(0.0, 2.0 * np.pi, max(PER_MESH_PERIOD * design.ring.teeth, FEWEST_IN_A_TURN) + 1)
+    return np.linspace(0.0, 2.0 * np.pi, max(PER_MESH_PERIOD * reducer.design.ring.teeth, FEWEST_IN_A_TURN) + 1)

@@ -7,8 +7,7 @@ import numpy as np
 
 from cycloid_mj import envelope
 from cycloid_mj.contact.pressure import hertz_holds, hertz_pressure, line_curvature, line_share
-from cycloid_mj.design import Design
-from cycloid_mj.mechanism.reducer import mechanism, phases
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.member import against_ring
 from cycloid_mj.record import Run
 from cycloid_mj.solid.gear import tooth_profile
@@ -90,30 +89,30 @@ class Pressed:
         return float(self.pressure.flat[worst]) if self.holds.flat[worst] else math.nan
 
 
-def pressed(run: Run, design: Design) -> dict[str, Pressed]:
+def pressed(run: Run, reducer: Reducer) -> dict[str, Pressed]:
     """Give the contacts of a run's samples by kind of pair."""
     crank = run["crank_angle"]
     angle = crank - 2.0 * math.pi * np.floor(crank[0] / (2.0 * math.pi))
     found = {}
-    for kind in mechanism(design).kinds:
+    for kind in reducer.mechanism.kinds:
         vector = run.forces(kind)
-        curvature = relative_curvature(design, kind, against_ring(design, crank))
-        force = np.hypot(vector[..., 0], vector[..., 1]) * line_share(design, kind)
-        pressure, holds = hertz_pressure(design, kind, force, curvature), hertz_holds(design, kind, force, curvature)
+        curvature = relative_curvature(reducer, kind, against_ring(reducer.design, crank))
+        force = np.hypot(vector[..., 0], vector[..., 1]) * line_share(reducer, kind)
+        pressure, holds = hertz_pressure(reducer, kind, force, curvature), hertz_holds(reducer, kind, force, curvature)
         found[kind] = Pressed(kind, angle, vector, pressure, holds)
     return found
 
 
-def relative_curvature(design: Design, kind: str, crank_angle: Array) -> Array:
+def relative_curvature(reducer: Reducer, kind: str, crank_angle: Array) -> Array:
     """Give the relative curvature [1/m] of a kind's contacts, shape (n, contacts) or one that broadcasts to it.
 
     `crank_angle` [rad], shape (n,), is that from the ring.
     """
-    if kind == design.tooth_pair:
-        gear = tooth_profile(design)
+    if kind == reducer.design.tooth_pair:
+        gear = tooth_profile(reducer.design)
         lines = [
             [envelope.arc_contacts(gear, float(angle)).relative_curvature for angle in crank_angle + phase]
-            for phase in phases(design)
+            for phase in reducer.phases
         ]
         return np.concatenate([np.stack(of_disc) for of_disc in lines], axis=1)
-    return np.array([line_curvature(design, kind)])
+    return np.array([line_curvature(reducer, kind)])

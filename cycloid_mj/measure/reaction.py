@@ -4,9 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.design import Design
 from cycloid_mj.loaded.bearings import Reactions, spatial
-from cycloid_mj.mechanism.reducer import mechanism, phases
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import CAM, FORCE_X, FORCE_Y, GEAR, HOUSING, OUTPUT, SHAFT, column
 from cycloid_mj.profile import unit
 from cycloid_mj.record import Run
@@ -57,28 +56,30 @@ class Reaction:
         return self.ring + self.crank + self.output
 
 
-def masses(design: Design) -> dict[str, MassProperties]:
+def masses(reducer: Reducer) -> dict[str, MassProperties]:
     """Give the mass properties of a gear, the crank and what the load is on, under the name of the output."""
-    solids = {GEAR: gear_solid(design), SHAFT: body_solids(design)[SHAFT]}
-    output = moving_masses(design)[HOUSING if design.output.turns_ring else OUTPUT]
+    solids = {GEAR: gear_solid(reducer), SHAFT: body_solids(reducer)[SHAFT]}
+    output = moving_masses(reducer)[HOUSING if reducer.design.output.turns_ring else OUTPUT]
     return {**{name: mass_properties(solid) for name, solid in solids.items()}, OUTPUT: output}
 
 
-def weight(design: Design) -> Array:
+def weight(reducer: Reducer) -> Array:
     """Give the weight of all that moves [N], shape (2,): gear, shaft, output, and pins or sleeves that are bodies."""
-    found = masses(design)
+    design = reducer.design
+    found = masses(reducer)
     mass = sum(part.mass for part in found.values()) + (design.gear.discs - 1) * found[GEAR].mass
     if design.ring.has_pin_bodies:
-        mass += design.ring.teeth * mass_properties(pin_solid(design)).mass
+        mass += design.ring.teeth * mass_properties(pin_solid(reducer)).mass
     return mass * np.array([design.environment.gravity_x, design.environment.gravity_y])
 
 
-def unbalance(design: Design) -> Unbalance:
+def unbalance(reducer: Reducer) -> Unbalance:
     """Give the unbalance of a design from its solids."""
-    shaft, gear, orbit = body_solids(design)[SHAFT], mass_properties(gear_solid(design)), design.gear.eccentricity
+    design = reducer.design
+    shaft, gear, orbit = body_solids(reducer)[SHAFT], mass_properties(gear_solid(reducer)), design.gear.eccentricity
     whole, discs = mass_properties(shaft), design.gear.discs
     middle, z = whole.centroid[:2], whole.centroid[2]
-    outward = unit(-np.array(phases(design)))
+    outward = unit(-np.array(reducer.phases))
     static = gear.mass * orbit * outward.sum(axis=0) + whole.mass * middle
     couple = gear.mass * orbit * np.array(design.gear.disc_planes) @ outward + (
         whole.mass * middle * z - whole.inertia[:2, 2]
@@ -86,30 +87,31 @@ def unbalance(design: Design) -> Unbalance:
     if discs > 1:
         size = float(np.hypot(*static))
         return Unbalance(size, size, float(np.hypot(*couple)))
-    cam = mass_properties(Solid(CAM, (crank_stretches(design)[CAM],), shaft.density))
+    cam = mass_properties(Solid(CAM, (crank_stretches(reducer)[CAM],), shaft.density))
     return Unbalance(gear.mass * orbit + cam.mass * cam.centroid[1], float(static[1]), float(couple[1]))
 
 
-def of_discs(run: Run, design: Design) -> Reactions:
+def of_discs(run: Run, reducer: Reducer) -> Reactions:
     """Give what the discs put on shaft, output and ring in planes of their own, and what their bearings answer with."""
+    design = reducer.design
     crank, teeth, output = (run.forces(kind) for kind in ("cam", design.tooth_pair, "output"))
     by_disc = (-force.reshape(len(run), design.gear.discs, -1, 2).sum(axis=2) for force in (crank, output, teeth))
-    return spatial(design, *by_disc)
+    return spatial(reducer, *by_disc)
 
 
-def reaction(run: Run, design: Design) -> Reaction:
+def reaction(run: Run, reducer: Reducer) -> Reaction:
     """Give the forces on the housing over a run, from its contact forces.
 
     The ring's are logged. A bearing's is what the contacts and the weight of its body leave of its mass times
     acceleration; the shaft's centroid goes round the axis at the measured speed of the crank, the output's rests on it.
     """
-    of = masses(design)
-    gravity = np.array([design.environment.gravity_x, design.environment.gravity_y])
-    reducer = mechanism(design)
+    of = masses(reducer)
+    gravity = np.array([reducer.design.environment.gravity_x, reducer.design.environment.gravity_y])
+    mechanism = reducer.mechanism
     return Reaction(
-        ring=-_sum(run, reducer.against(HOUSING)),
-        crank=-_sum(run, reducer.against(SHAFT)) + of[SHAFT].mass * (gravity - shaft_acceleration(run, of[SHAFT])),
-        output=-_sum(run, reducer.against(OUTPUT)) + of[OUTPUT].mass * gravity,
+        ring=-_sum(run, mechanism.against(HOUSING)),
+        crank=-_sum(run, mechanism.against(SHAFT)) + of[SHAFT].mass * (gravity - shaft_acceleration(run, of[SHAFT])),
+        output=-_sum(run, mechanism.against(OUTPUT)) + of[OUTPUT].mass * gravity,
     )
 
 
@@ -118,12 +120,12 @@ def shaft_acceleration(run: Run, shaft: MassProperties) -> Array:
     return -((run["crank_speed"] ** 2)[:, np.newaxis]) * _outward(run) * shaft.centroid[1]
 
 
-def without_counterweight(run: Run, design: Design, force: Array) -> Array:
+def without_counterweight(run: Run, reducer: Reducer, force: Array) -> Array:
     """Give a force on the housing [N], shape (n, 2), as it were without the counterweight.
 
     The crank's bearing is rigid, so nothing else changes: the unbalance that the counterweight takes comes on top.
     """
-    found = unbalance(design)
+    found = unbalance(reducer)
     pull = (found.bare - found.balanced) * run["crank_speed"] ** 2
     return force + pull[:, np.newaxis] * _outward(run)
 

@@ -10,6 +10,7 @@ from scipy.interpolate import PchipInterpolator
 from cycloid_mj.design import Design
 from cycloid_mj.measure.published import Published
 from cycloid_mj.measure.steady import steady_design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.result import Curve, Table
 
 SLIDING = (0.0, 0.1)
@@ -33,36 +34,37 @@ class Variation:
     design: Design
 
 
-def variations(design: Design, quick: bool = False) -> list[Variation]:
+def variations(reducer: Reducer, quick: bool = False) -> list[Variation]:
     """Give the rows of a design's table: its own friction first, then one pair at a time, then all together."""
-    kinds = [steady_design(kind) for kind in ring_kinds(design)[: 1 if quick else None]]
+    kinds = [steady_design(kind) for kind in ring_kinds(reducer)[: 1 if quick else None]]
     rows = [row for kind in kinds for row in _of_ring(kind, quick)]
     return rows if quick else [*rows, *_of_bearings(kinds[0])]
 
 
-def ring_kinds(design: Design) -> list[Design]:
+def ring_kinds(reducer: Reducer) -> list[Reducer]:
     """Give the design, and with its pins held in each other way; an internal gear has none."""
-    if design.ring.kind == "nonpin":
-        return [design]
-    others = [pins for pins in ("free", "fixed", "sleeved") if pins != design.ring.pins]
-    return [design, *(design.but(ring={"pins": pins}) for pins in others)]
+    if reducer.design.ring.kind == "nonpin":
+        return [reducer]
+    others = [pins for pins in ("free", "fixed", "sleeved") if pins != reducer.design.ring.pins]
+    return [reducer, *(reducer.but(ring={"pins": pins}) for pins in others)]
 
 
-def pins_of(design: Design) -> str:
+def pins_of(reducer: Reducer) -> str:
     """Tell how the ring's pins are held."""
-    return NONE if design.ring.kind == "nonpin" else f"{design.ring.pins}"
+    return NONE if reducer.design.ring.kind == "nonpin" else f"{reducer.design.ring.pins}"
 
 
-def sliding_pairs(design: Design) -> list[str]:
+def sliding_pairs(reducer: Reducer) -> list[str]:
     """Give the kinds of pair whose parts slide on each other."""
+    design = reducer.design
     ring = design.ring
     pairs = [design.tooth_pair, *["pin_socket"] * ring.has_sockets, *["pin_sleeve"] * ring.has_sleeves]
     return pairs + ["output"] * (not design.output.rollers) + ["cam"] * (design.gear.bearing == "plain")
 
 
-def with_common_friction(design: Design, friction: float) -> Design:
+def with_common_friction(reducer: Reducer, friction: float) -> Reducer:
     """Give the design with one coefficient for all pairs that slide."""
-    return design.but(friction=dict.fromkeys(sliding_pairs(design), friction))
+    return reducer.but(friction=dict.fromkeys(sliding_pairs(reducer), friction))
 
 
 def friction_for(rates: Mapping[float, float], target: float) -> float:
@@ -86,9 +88,9 @@ def common_rates(found: Mapping[Variation, float], pins: str) -> dict[float, flo
     return {row.friction: rate for row, rate in found.items() if row.pair == EVERY and row.pins == pins}
 
 
-def table(design: Design, found: Mapping[Variation, float]) -> Table:
+def table(reducer: Reducer, found: Mapping[Variation, float]) -> Table:
     """Give the sensitivity as a table, each row beside the row of the design's own friction."""
-    ideal = design.rated_torque
+    ideal = reducer.design.rated_torque
     own = {row.pins: rate for row, rate in found.items() if row.pair == OWN}
     return Table(
         "output rate by friction, one pair at a time",
@@ -122,24 +124,27 @@ def curves(found: Mapping[Variation, float], published: Sequence[Published]) -> 
     return drawn
 
 
-def _of_ring(design: Design, quick: bool) -> list[Variation]:
-    pins, pairs = pins_of(design), sliding_pairs(design)
+def _of_ring(reducer: Reducer, quick: bool) -> list[Variation]:
+    design = reducer.design
+    pins, pairs = pins_of(reducer), sliding_pairs(reducer)
     rows = [Variation(pins, OWN, design.friction_of(design.tooth_pair), design)]
     if len(pairs) > 1 and not quick:
         rows += [
-            Variation(pins, pair, value, design.but(friction={pair: value})) for pair in pairs for value in SLIDING
+            Variation(pins, pair, value, reducer.but(friction={pair: value}).design)
+            for pair in pairs
+            for value in SLIDING
         ]
-    return rows + [Variation(pins, EVERY, value, with_common_friction(design, value)) for value in COMMON]
+    return rows + [Variation(pins, EVERY, value, with_common_friction(reducer, value).design) for value in COMMON]
 
 
-def _of_bearings(design: Design) -> list[Variation]:
+def _of_bearings(reducer: Reducer) -> list[Variation]:
     """Give the rows of the rolling bearings, and of sliding in their place."""
-    rows, pins = [], pins_of(design)
+    rows, pins = [], pins_of(reducer)
     plain: dict[str, dict[str, Any]] = {"cam": {"gear": {"bearing": "plain"}}, "output": {"output": {"rollers": False}}}
-    for pair in [pair for pair in plain if pair not in sliding_pairs(design)]:
+    for pair in [pair for pair in plain if pair not in sliding_pairs(reducer)]:
         for value in ROLLING:
-            changed = design.but(friction={f"{pair}_rolling": value})
-            rows.append(Variation(pins, f"{pair}, rolling", value, changed))
-        sliding = design.but(**plain[pair])
-        rows.append(Variation(pins, f"{pair}, sliding", sliding.friction_of(pair), sliding))
+            changed = reducer.but(friction={f"{pair}_rolling": value})
+            rows.append(Variation(pins, f"{pair}, rolling", value, changed.design))
+        sliding = reducer.but(**plain[pair])
+        rows.append(Variation(pins, f"{pair}, sliding", sliding.design.friction_of(pair), sliding.design))
     return rows

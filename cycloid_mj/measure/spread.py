@@ -9,6 +9,7 @@ from typing import Any
 
 from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.result import Table
 
 PLAY = (0.5, 2.0)
@@ -55,19 +56,20 @@ class Moved:
     value_high: float
 
 
-def inputs(design: Design) -> list[Input]:
+def inputs(reducer: Reducer) -> list[Input]:
     """Give the assumed inputs that a design's rate rests on."""
+    design = reducer.design
     seats = [kind for kind in design.pair_kinds if kind not in ("cam", "output")]
-    stiffness = pair_stiffness(design, "cam")
+    stiffness = pair_stiffness(reducer, "cam")
     return [
-        _play(design, "mesh play", seats, PLAY),
-        _play(design, "cam play", ["cam"], CAM_PLAY),
-        _input(design, "cam stiffness", "N/m", "stiffness", ["cam"], [share * stiffness for share in CAM_STIFFNESS]),
-        _input(design, "friction of the teeth", "1", "friction", seats, TEETH),
-        _bearing(design, "cam", design.gear.bearing == "rolling", BEARING),
-        _bearing(design, "output", design.output.rollers, (BEARING[0], plain_roller(design))),
-        _input(design, "creep speed", "mm/s", "contact", ["creep_speed"], CREEP, 1e3),
-        _input(design, "contact damping", "of critical", "contact", ["damping_ratio"], DAMPING),
+        _play(reducer, "mesh play", seats, PLAY),
+        _play(reducer, "cam play", ["cam"], CAM_PLAY),
+        _input(reducer, "cam stiffness", "N/m", "stiffness", ["cam"], [share * stiffness for share in CAM_STIFFNESS]),
+        _input(reducer, "friction of the teeth", "1", "friction", seats, TEETH),
+        _bearing(reducer, "cam", design.gear.bearing == "rolling", BEARING),
+        _bearing(reducer, "output", design.output.rollers, (BEARING[0], plain_roller(reducer))),
+        _input(reducer, "creep speed", "mm/s", "contact", ["creep_speed"], CREEP, 1e3),
+        _input(reducer, "contact damping", "of critical", "contact", ["damping_ratio"], DAMPING),
     ]
 
 
@@ -76,8 +78,9 @@ def moved(varied: Sequence[Input], rates: Mapping[Any, float]) -> tuple[Moved, .
     return tuple(Moved(one, *(rates[end] for end in one.ends)) for one in varied)
 
 
-def plain_roller(design: Design) -> float:
+def plain_roller(reducer: Reducer) -> float:
     """Give the friction at the rim of a roller that is a plain sleeve sliding on its core, as a ring sleeve does."""
+    design = reducer.design
     return design.friction.pin_sleeve * design.output.root_radius / design.output.pin_radius
 
 
@@ -128,22 +131,22 @@ def as_json(own: float, found: Sequence[Moved]) -> dict[str, Any]:
 
 
 def _input(
-    design: Design, name: str, unit: str, table: str, keys: Sequence[str], ends: Sequence[float], scale: float = 1.0
+    reducer: Reducer, name: str, unit: str, table: str, keys: Sequence[str], ends: Sequence[float], scale: float = 1.0
 ) -> Input:
     """Give an input that sets values of a table of the design, all alike, to either end; `scale` makes the unit."""
-    low, high = (design.but(**{table: dict.fromkeys(keys, end)}) for end in ends)
-    return Input(name, unit, scale * ends[0], scale * ends[1], low, high)
+    low, high = (reducer.but(**{table: dict.fromkeys(keys, end)}) for end in ends)
+    return Input(name, unit, scale * ends[0], scale * ends[1], low.design, high.design)
 
 
-def _play(design: Design, name: str, kinds: Sequence[str], factors: Sequence[float]) -> Input:
+def _play(reducer: Reducer, name: str, kinds: Sequence[str], factors: Sequence[float]) -> Input:
     """Give the plays of pairs in series, which add up."""
-    plays = [{kind: factor * getattr(design.clearance, kind) for kind in kinds} for factor in factors]
+    plays = [{kind: factor * getattr(reducer.design.clearance, kind) for kind in kinds} for factor in factors]
     least, most = (sum(1e6 * play for play in end.values()) for end in plays)
-    low, high = (design.but(clearance=end) for end in plays)
-    return Input(name, "um", least, most, low, high)
+    low, high = (reducer.but(clearance=end) for end in plays)
+    return Input(name, "um", least, most, low.design, high.design)
 
 
-def _bearing(design: Design, kind: str, rolls: bool, rolling: tuple[float, float]) -> Input:
+def _bearing(reducer: Reducer, kind: str, rolls: bool, rolling: tuple[float, float]) -> Input:
     """Give the friction of cam or output pins: of a bearing, or of what slides."""
     name, key, ends = ("'s rollers", f"{kind}_rolling", rolling) if rolls else (", sliding", kind, TEETH)
-    return _input(design, f"friction of the {kind}{name}", "1", "friction", [key], ends)
+    return _input(reducer, f"friction of the {kind}{name}", "1", "friction", [key], ends)

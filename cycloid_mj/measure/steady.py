@@ -8,9 +8,9 @@ import numpy as np
 from cycloid_mj.analysis.doubts import unbalanced
 from cycloid_mj.contact.swing import slowness
 from cycloid_mj.course import Course
-from cycloid_mj.design import Design
 from cycloid_mj.errors import warn
 from cycloid_mj.measure.conditions import LOG_RATE, require_motion
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import ReducerModel
 from cycloid_mj.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.record import Run
@@ -23,7 +23,7 @@ NEAR_WHOLE = 0.1
 """By how much of a period the output pins may miss a whole number of theirs."""
 
 
-def whole_periods(design: Design, least: int) -> int:
+def whole_periods(reducer: Reducer, least: int) -> int:
     """Give at least so many mesh periods, after which the output pins are near to whole periods as well.
 
     Seen from the ring, torque and losses repeat with the mesh, every 2 pi/N of the crank, and with the output pins,
@@ -31,6 +31,7 @@ def whole_periods(design: Design, least: int) -> int:
     theirs. After N - 1 of the one and `pins` of the other all repeats, which is why a whole turn of the crank is no
     better a window.
     """
+    design = reducer.design
     ratio = design.output.pins / design.lobes
 
     def missed(count: int) -> float:
@@ -41,7 +42,7 @@ def whole_periods(design: Design, least: int) -> int:
 
 
 def steady(
-    design: Design, settled: float, periods: int, reducer: ReducerModel | None = None, course: Course | None = None
+    reducer: Reducer, settled: float, periods: int, compiled: ReducerModel | None = None, course: Course | None = None
 ) -> Run:
     """Run a design from full speed; give its samples of so many mesh periods after a time `settled` [s].
 
@@ -52,14 +53,14 @@ def steady(
     RunError
         The run went wrong.
     """
-    settled *= slowness(design)
-    run = simulate(design.steady(settled, periods / design.mesh_periods), reducer, course)
+    settled *= slowness(reducer)
+    run = simulate(reducer.steady(settled, periods / reducer.design.mesh_periods).design, compiled, course)
     run = run.select(run.time >= settled * (1.0 - 1e-9))
-    warn(design.name, unbalanced(run, design))
+    warn(reducer.design.name, unbalanced(run, reducer))
     return run
 
 
-def steady_design(design: Design) -> Design:
+def steady_design(reducer: Reducer) -> Reducer:
     """Give the design with the log rate of these runs, at full speed from the start.
 
     Raises
@@ -67,8 +68,8 @@ def steady_design(design: Design) -> Design:
     DesignError
         The crank does not turn.
     """
-    require_motion(design)
-    return design.but(settings={"log_rate": LOG_RATE})
+    require_motion(reducer)
+    return reducer.but(settings={"log_rate": LOG_RATE})
 
 
 def first_half(run: Run) -> Run:

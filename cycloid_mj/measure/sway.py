@@ -13,10 +13,10 @@ from cycloid_mj.analysis import series
 from cycloid_mj.analysis.spectrum import thinned
 from cycloid_mj.comparison.vibration import acceleration
 from cycloid_mj.contact.swing import slowness
-from cycloid_mj.design import Design
 from cycloid_mj.measure.conditions import LOG_RATE
 from cycloid_mj.measure.reaction import masses, of_discs, reaction, shaft_acceleration, without_counterweight
 from cycloid_mj.measure.trace import RISE, SETTLING, pressed
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import ReducerModel
 from cycloid_mj.names import GEAR, PEAK_FORCE, SHAFT, column, gears, planar_speeds
 from cycloid_mj.record import Run
@@ -105,7 +105,7 @@ def rms(signal: Array) -> float:
     return float(np.sqrt(np.mean(np.sum(signal**2, axis=1))))
 
 
-def sway(design: Design, reducer: ReducerModel, load: str, torque: float, speed: float, turns: int) -> Sway:
+def sway(reducer: Reducer, compiled: ReducerModel, load: str, torque: float, speed: float, turns: int) -> Sway:
     """Run a design at a crank speed [rad/s] under a torque [N m], over some crank turns after it has settled.
 
     Raises
@@ -113,9 +113,9 @@ def sway(design: Design, reducer: ReducerModel, load: str, torque: float, speed:
     RunError
         The run went wrong.
     """
-    every = max(1, min(FASTER, int(1.0 / (LOG_RATE * reducer.model.opt.timestep) + 1e-6)))
-    settling = SETTLING * slowness(design)
-    design = design.steady(
+    every = max(1, min(FASTER, int(1.0 / (LOG_RATE * compiled.model.opt.timestep) + 1e-6)))
+    settling = SETTLING * slowness(reducer)
+    reducer = reducer.steady(
         settling,
         turns,
         samples=MARGIN * every,
@@ -123,21 +123,21 @@ def sway(design: Design, reducer: ReducerModel, load: str, torque: float, speed:
         load={"torque": torque, "rise": RISE},
         settings={"log_rate": every * LOG_RATE},
     )
-    run = simulate(design, reducer, pressed(design, reducer))
+    run = simulate(reducer.design, compiled, pressed(reducer, compiled))
     step = float(np.mean(np.diff(run.time)))
-    of, found = masses(design), acceleration(series(run, settle=settling))
-    orbits = [np.diff(run.block(planar_speeds(gear)[:2]), axis=0) / step for gear in gears(design.gear.discs)]
+    of, found = masses(reducer), acceleration(series(run, settle=settling))
+    orbits = [np.diff(run.block(planar_speeds(gear)[:2]), axis=0) / step for gear in gears(reducer.design.gear.discs)]
     orbit = orbits[0]
-    force = reaction(run, design).whole
+    force = reaction(run, reducer).whole
     taken = {
         "gear_centre": found.centre,
         "output": found.output[:, np.newaxis],
         "housing": force,
-        "housing_bare": without_counterweight(run, design, force),
+        "housing_bare": without_counterweight(run, reducer, force),
         "momentum": -of[GEAR].mass * sum(orbits) - of[SHAFT].mass * shaft_acceleration(run, of[SHAFT])[1:],
     }
-    if design.gear.discs > 1:
-        taken |= _tilting(run, design)
+    if reducer.design.gear.discs > 1:
+        taken |= _tilting(run, reducer)
     kept = {key: thinned(signal, every, key in ACCELERATIONS) for key, signal in taken.items()}
     first = int(np.searchsorted(run.time[::every], settling))
     rows = slice(first, first + round(turns * 2.0 * np.pi / abs(speed) / (every * step)))
@@ -156,9 +156,9 @@ def sway(design: Design, reducer: ReducerModel, load: str, torque: float, speed:
     )
 
 
-def _tilting(run: Run, design: Design) -> dict[str, Array]:
+def _tilting(run: Run, reducer: Reducer) -> dict[str, Array]:
     """Give what discs in several planes do: moments on shaft and output, forces of the shaft's bearings, (n, 2)."""
-    found = of_discs(run, design)
+    found = of_discs(run, reducer)
     return {
         "shaft_tilting": found.shaft.moment,
         "output_tilting": found.output.moment,

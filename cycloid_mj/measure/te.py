@@ -18,7 +18,8 @@ from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.orders import causes
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.trace import Case, Errors, Trace, own, trace
-from cycloid_mj.member import sense, share, turns_of_crank
+from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.member import sense, turns_of_crank
 from cycloid_mj.mjcf import build
 from cycloid_mj.result import keyed
 from cycloid_mj.structure import structure_told
@@ -67,57 +68,62 @@ def te(
     RunError
         A run went wrong.
     """
-    require_motion(design)
-    rated = design.rated_torque
+    reducer = Reducer(design)
+    require_motion(reducer)
+    rated = reducer.design.rated_torque
     torques = {"unloaded": DRAG * rated if drag is None else drag, "loaded": rated if load is None else load}
-    speed = abs(design.drive.speed)
+    speed = abs(reducer.design.drive.speed)
     paces = {"speed": speed} if quick else {"slow": SLOW * speed if slow is None else slow, "speed": speed}
     ways = {"forward": 1.0, "reverse": -1.0}
     cases = [
         Case(one, way, pace, torques[one], ways[way] * paces[pace]) for pace, one, way in product(paces, torques, ways)
     ]
-    design = working_at(design, torques["loaded"])
-    runs = _traces(design, cases, turns / share(design), progress, not quick)
+    reducer = working_at(reducer, torques["loaded"])
+    runs = _traces(reducer, cases, turns / reducer.share, progress, not quick)
     found = {case: runs[case, 1.0] for case in cases}
     finer = {(case.load, case.pace): one for (case, share), one in runs.items() if share == 0.5}
-    statics = {case: _statics(design, case, turns) for case in cases}
+    statics = {case: _statics(reducer, case, turns) for case in cases}
     return Measurement(
         measure="te",
-        design=design,
+        design=reducer.design,
         condition=" and ".join(f"{one} {torque:.3g} N m" for one, torque in torques.items())
-        + f", {abs(design.drive.speed) / RPM:.0f} rpm at speed",
-        quantities=keyed(te_table.quantities(design, found, finer, statics)),
-        curves=te_table.curves(design, found, statics),
-        assumptions=_assumptions(design, turns),
+        + f", {abs(reducer.design.drive.speed) / RPM:.0f} rpm at speed",
+        quantities=keyed(te_table.quantities(reducer, found, finer, statics)),
+        curves=te_table.curves(reducer, found, statics),
+        assumptions=_assumptions(reducer, turns),
         runs={case.key: one.run for case, one in found.items()},
-        details={"orders": te_table.details(design, found)},
+        details={"orders": te_table.details(reducer, found)},
     )
 
 
 def _traces(
-    design: Design, cases: list[Case], turns: float, progress: Progress, check: bool
+    reducer: Reducer, cases: list[Case], turns: float, progress: Progress, check: bool
 ) -> Mapping[tuple[Case, float], Trace]:
     """Run the cases, and some mesh periods of the forward ones with half the step if they are to be checked."""
-    half = halved(design)
-    models = {1.0: (design, build(design), turns)}
+    half = halved(reducer)
+    models = {1.0: (reducer, build(reducer.design), turns)}
     if check:
-        models[0.5] = (half, build(half), CHECKED / design.mesh_periods)
+        models[0.5] = (half, build(half.design), CHECKED / reducer.design.mesh_periods)
     work = [(case, share) for share in models for case in cases if share == 1.0 or case.way == "forward"]
-    tasks = [(design, own(reducer), turns, case) for case, share in work for design, reducer, turns in [models[share]]]
+    tasks = [
+        (reducer, own(compiled), turns, case) for case, share in work for reducer, compiled, turns in [models[share]]
+    ]
     traces = each(lambda task: trace(*task), tasks, progress)
     return dict(zip(work, traces, strict=True))
 
 
-def _statics(design: Design, case: Case, turns: int) -> Errors:
+def _statics(reducer: Reducer, case: Case, turns: int) -> Errors:
     """Solve a case in statics."""
+    design = reducer.design
     points = SOLVED * design.ring.teeth * turns + 1
     crank = turns_of_crank(design, np.linspace(0.0, 2.0 * np.pi * turns, points))
-    turning = design.but(drive={"speed": case.speed})
+    turning = reducer.but(drive={"speed": case.speed})
     found = ARCSECONDS * sense(design) * transmission_error(turning, crank, float(np.sign(case.speed)) * case.torque)
     return Errors(crank, found[:, 0], found[:, 1])
 
 
-def _assumptions(design: Design, turns: int) -> tuple[str, ...]:
+def _assumptions(reducer: Reducer, turns: int) -> tuple[str, ...]:
+    design = reducer.design
     teeth, lobes = design.ring.teeth, design.lobes
     multiples, apart_from = (f"{lobes}/{teeth}", "holes") if design.output.turns_ring else (f"{teeth}/{lobes}", "ring")
     apart = (
@@ -126,17 +132,17 @@ def _assumptions(design: Design, turns: int) -> tuple[str, ...]:
         "against the gear in multiples"
     )
     return (
-        f"shafts run in rigid bearings without runout; {structure_told(design)}",
+        f"shafts run in rigid bearings without runout; {structure_told(reducer)}",
         f"unless it is given, the drag of an unloaded reducer is {DRAG:.0%} of the rated torque: with none, the gear "
         "floats in its backlash; up to the rated torque presses the flanks together before the window",
         "statics: the ideal mesh's contacts as springs at their gaps, without friction, and without inertia but the "
         "gear's centrifugal force; friction makes the teeth press harder, which winds a loaded gear up further",
         "contacts have the secant stiffness of one working force in all runs, that of the loaded ones: "
-        f"{working_forces_told(design, design.pair_kinds)}",
+        f"{working_forces_told(reducer, design.pair_kinds)}",
         f"numerical error: what half the step changes over the first {CHECKED} mesh periods of the run forward, told "
         "of the run in reverse as well (not known with --quick), and half of what levels change from one half of the "
         "window to the other, as no turn of the crank is like the next; of orders: the rms of what half the step "
         "changes, which none of them exceeds",
-        *(f"orders of {cause.name}: {cause.why}" for cause in causes(design)),
+        *(f"orders of {cause.name}: {cause.why}" for cause in causes(reducer)),
         *([apart] if turns % lobes else []),
     )

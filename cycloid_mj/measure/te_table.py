@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.analysis.spectrum import Orders, periodic_orders
-from cycloid_mj.design import Design
 from cycloid_mj.measure.orders import causes
 from cycloid_mj.measure.trace import Case, Errors, Trace
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.member import sense
 from cycloid_mj.result import Curve, Quantity
 from cycloid_mj.types import Array
@@ -30,7 +30,7 @@ Finer = Mapping[tuple[str, str], Trace]
 Statics = Mapping[Case, Errors]
 
 
-def quantities(design: Design, found: Found, finer: Finer, statics: Statics) -> list[Quantity]:
+def quantities(reducer: Reducer, found: Found, finer: Finer, statics: Statics) -> list[Quantity]:
     """Give the numbers: levels of each case, shifts between cases, and what each cause gives."""
     levels = [
         Quantity(
@@ -46,17 +46,17 @@ def quantities(design: Design, found: Found, finer: Finer, statics: Statics) -> 
         for shaft in ("gear", "output")
         for name, (words, _) in _LEVELS.items()
     ]
-    return [*levels, *_shifts(design, found, finer, statics), *_caused(design, found, finer, statics)]
+    return [*levels, *_shifts(reducer, found, finer, statics), *_caused(reducer, found, finer, statics)]
 
 
-def curves(design: Design, found: Found, statics: Statics) -> tuple[Curve, ...]:
+def curves(reducer: Reducer, found: Found, statics: Statics) -> tuple[Curve, ...]:
     """Give the errors against crank angle, whole and about their means, and the spectra of the `chosen` cases."""
     paces = dict.fromkeys(case.pace for case in found)
     drawn = [*_panel(found, statics, next(iter(paces)), "output", whole=True)]
     drawn += [curve for pace in paces for shaft in ("gear", "output") for curve in _panel(found, statics, pace, shaft)]
-    for place, base in _bases(design).items():
+    for place, base in _bases(reducer).items():
         for case in chosen(found):
-            seen = _spectrum(design, found[case], place, base)
+            seen = _spectrum(reducer, found[case], place, base)
             panel = f"orders of the {_PLACES[place]}, {case.way}, {_PACES[case.pace]}"
             drawn.append(Curve(panel, case.load, seen.order, seen.amplitude, _ORDER, _AMPLITUDE, "bars"))
     return tuple(drawn)
@@ -80,11 +80,11 @@ def _about_mean(error: Array, whole: bool) -> Array:
     return error if whole else error - error.mean()
 
 
-def details(design: Design, found: Found) -> dict[str, Any]:
+def details(reducer: Reducer, found: Found) -> dict[str, Any]:
     """Give, for each case, the strongest orders with their causes, and the causes themselves."""
     return {
-        "causes": [cause.as_json() for cause in causes(design)],
-        "cases": {case.key: _strongest(design, trace) for case, trace in found.items()},
+        "causes": [cause.as_json() for cause in causes(reducer)],
+        "cases": {case.key: _strongest(reducer, trace) for case, trace in found.items()},
     }
 
 
@@ -94,7 +94,7 @@ def chosen(found: Found) -> list[Case]:
     return [case for case in found if case.way == "forward" and case.pace == first]
 
 
-def _shifts(design: Design, found: Found, finer: Finer, statics: Statics) -> Iterator[Quantity]:
+def _shifts(reducer: Reducer, found: Found, finer: Finer, statics: Statics) -> Iterator[Quantity]:
     """Give what lies between the mean errors of two cases: backlash between directions, wind-up between loads.
 
     Both are positive: a carrier turns against the crank, so lags at a larger angle; a ring, with it, at a smaller.
@@ -106,7 +106,7 @@ def _shifts(design: Design, found: Found, finer: Finer, statics: Statics) -> Ite
         "reversal": ("forward less reverse, unloaded: backlash", back, ahead),
         "wind_up": ("loaded less unloaded, forward: elastic wind-up", loaded, back),
     }
-    if sense(design) < 0:
+    if sense(reducer.design) < 0:
         pairs = {
             "reversal": ("reverse less forward, unloaded: backlash", ahead, back),
             "wind_up": ("unloaded less loaded, forward: elastic wind-up", back, loaded),
@@ -122,11 +122,11 @@ def _shifts(design: Design, found: Found, finer: Finer, statics: Statics) -> Ite
             yield Quantity(f"{shaft}_{key}", name, value, "arcsec", error, reference, STATICS)
 
 
-def _caused(design: Design, found: Found, finer: Finer, statics: Statics) -> Iterator[Quantity]:
+def _caused(reducer: Reducer, found: Found, finer: Finer, statics: Statics) -> Iterator[Quantity]:
     """Give the rms value of each cause's orders, and its strongest order."""
     for case in chosen(found):
-        for cause in causes(design):
-            seen, solved = (_spectrum(design, part[case], cause.place, cause.base) for part in (found, statics))
+        for cause in causes(reducer):
+            seen, solved = (_spectrum(reducer, part[case], cause.place, cause.base) for part in (found, statics))
             order, amplitude = cause.strongest(seen)
             yield Quantity(
                 key=f"{cause.key}_orders_rms_{case.key}",
@@ -140,12 +140,12 @@ def _caused(design: Design, found: Found, finer: Finer, statics: Statics) -> Ite
             )
 
 
-def _strongest(design: Design, trace: Trace) -> list[dict[str, Any]]:
+def _strongest(reducer: Reducer, trace: Trace) -> list[dict[str, Any]]:
     """Give the strongest orders of a run, each with the cause whose order it is."""
     rows = []
-    for place, base in _bases(design).items():
-        seen = _spectrum(design, trace, place, base)
-        mine = [cause for cause in causes(design) if cause.place == place]
+    for place, base in _bases(reducer).items():
+        seen = _spectrum(reducer, trace, place, base)
+        mine = [cause for cause in causes(reducer) if cause.place == place]
         for k in np.argsort(seen.amplitude)[::-1][:TOLD]:
             order = float(seen.order[k])
             cause = next((one.key for one in mine if one.has(order)), "between")
@@ -155,12 +155,12 @@ def _strongest(design: Design, trace: Trace) -> list[dict[str, Any]]:
     return rows
 
 
-def _bases(design: Design) -> dict[str, float]:
-    return {cause.place: cause.base for cause in causes(design)}
+def _bases(reducer: Reducer) -> dict[str, float]:
+    return {cause.place: cause.base for cause in causes(reducer)}
 
 
-def _spectrum(design: Design, errors: Errors, place: str, base: float) -> Orders:
-    return periodic_orders(errors.crank, getattr(errors, place), base, HIGHEST * design.ring.teeth)
+def _spectrum(reducer: Reducer, errors: Errors, place: str, base: float) -> Orders:
+    return periodic_orders(errors.crank, getattr(errors, place), base, HIGHEST * reducer.design.ring.teeth)
 
 
 def _step_error(found: Found, finer: Finer, case: Case, shaft: str, level: str) -> float | None:

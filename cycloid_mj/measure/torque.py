@@ -21,6 +21,7 @@ from cycloid_mj.measure.published import Published, friction_quantities, tables
 from cycloid_mj.measure.sensitivity import Variation
 from cycloid_mj.measure.spread import Moved
 from cycloid_mj.measure.steady import Powers, first_half, powers, steady_design, whole_periods
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.record import Run
 from cycloid_mj.result import Curve, Quantity, keyed
 from cycloid_mj.units import RPM
@@ -62,19 +63,22 @@ def torque(
     DesignError
         The crank does not turn.
     """
-    own = working_at(steady_design(design), design.rated_torque)
+    reducer = Reducer(design)
+    own = working_at(steady_design(reducer), reducer.design.rated_torque)
     main = whole_periods(own, QUICK_PERIODS if quick else PERIODS)
-    rows = sensitivity.variations(design, quick)
+    rows = sensitivity.variations(reducer, quick)
     assumed = spread.inputs(own)
     tasks: dict[Hashable, Callable[[], Outcome]] = {"own": partial(rated_test, own, main)}
     if not quick:
         tasks["halved"] = partial(rated_test, halved(own), main)
     tasks |= {
-        ("row", one.design): partial(rated_test, massless(one.design), whole_periods(one.design, sensitivity.PERIODS))
+        ("row", one.design): partial(
+            rated_test, massless(Reducer(one.design)), whole_periods(Reducer(one.design), sensitivity.PERIODS)
+        )
         for one in rows
     }
     periods = whole_periods(own, spread.PERIODS)
-    tasks |= {end: partial(rated_test, massless(end), periods) for one in assumed for end in one.ends}
+    tasks |= {end: partial(rated_test, massless(Reducer(end)), periods) for one in assumed for end in one.ends}
     last = 1 + len(published)
     tests = run_all(tasks, lambda done, whole: progress(done, whole + last))
     ours, finer = tests["own"], tests.get("halved")
@@ -86,8 +90,8 @@ def torque(
     progress(len(tasks) + last, len(tasks) + last)
     return Measurement(
         measure="torque",
-        design=own,
-        condition=f"{own.drive.torque:.4g} N m on the crank, {abs(own.drive.speed) / RPM:.0f} rpm",
+        design=own.design,
+        condition=f"{own.design.drive.torque:.4g} N m on the crank, {abs(own.design.drive.speed) / RPM:.0f} rpm",
         quantities=keyed(_quantities(own, ours, finer, held, by_input), friction_quantities(beside)),
         curves=(*_curves(own, ours), *sensitivity.curves(found, beside)),
         tables=(
@@ -102,16 +106,16 @@ def torque(
     )
 
 
-def rated_test(design: Design, periods: int) -> Outcome:
+def rated_test(reducer: Reducer, periods: int) -> Outcome:
     """Run the test under the rated torque over so many mesh periods."""
-    run = braked_run(design, design.drive.torque, periods)
+    run = braked_run(reducer, reducer.design.drive.torque, periods)
     output, crank = (abs(float(np.mean(run[name]))) for name in ("load_torque", "crank_torque"))
     return Outcome(run, powers(run), output, crank)
 
 
-def held_efficiency(design: Design, load: float, periods: int) -> float:
+def held_efficiency(reducer: Reducer, load: float, periods: int) -> float:
     """Give the efficiency under a load [N m] with the crank held at its speed: the second method."""
-    return powers(steady.steady(design.but(load={"torque": load}), steady.SETTLED, periods)).efficiency
+    return powers(steady.steady(reducer.but(load={"torque": load}), steady.SETTLED, periods)).efficiency
 
 
 def rate_error(ours: Outcome, finer: Outcome | None) -> float:
@@ -121,35 +125,35 @@ def rate_error(ours: Outcome, finer: Outcome | None) -> float:
 
 
 def with_friction(
-    published: Sequence[Published], design: Design, found: Mapping[Variation, float], error: float | None
+    published: Sequence[Published], reducer: Reducer, found: Mapping[Variation, float], error: float | None
 ) -> list[Published]:
     """Give published torques with the friction that gives each of them.
 
     With the numerical `error` of a rate, each is run: what it misses and that error make the friction's, by the slope.
     """
-    rates = sensitivity.common_rates(found, sensitivity.pins_of(design))
+    rates = sensitivity.common_rates(found, sensitivity.pins_of(reducer))
     figures = [replace(one, friction=sensitivity.friction_for(rates, one.rate)) for one in published]
     inside = [one for one in figures if math.isfinite(one.friction)]
     if error is None or not inside:
         return figures
     slope = abs(sensitivity.slope(rates))
-    periods = whole_periods(design, sensitivity.PERIODS)
-    reached = each(lambda one: rate_test(design, one.friction, periods), inside)
+    periods = whole_periods(reducer, sensitivity.PERIODS)
+    reached = each(lambda one: rate_test(reducer, one.friction, periods), inside)
     missed = {one: abs(rate - one.rate) for one, rate in zip(inside, reached, strict=True)}
     return [replace(one, error=(missed[one] + error) / slope) if one in missed else one for one in figures]
 
 
-def rate_test(design: Design, friction: float, periods: int) -> float:
+def rate_test(reducer: Reducer, friction: float, periods: int) -> float:
     """Give the rate with one friction for all sliding pairs."""
-    varied = massless(sensitivity.with_common_friction(design, friction))
+    varied = massless(sensitivity.with_common_friction(reducer, friction))
     return rated_test(varied, periods).powers.efficiency
 
 
 def _quantities(
-    design: Design, ours: Outcome, finer: Outcome | None, held: float, by_input: Sequence[Moved]
+    reducer: Reducer, ours: Outcome, finer: Outcome | None, held: float, by_input: Sequence[Moved]
 ) -> list[Quantity]:
-    ideal = design.rated_torque
-    found, closed = ours.powers, ideal_efficiency(design, ours.output)
+    ideal = reducer.design.rated_torque
+    found, closed = ours.powers, ideal_efficiency(reducer, ours.output)
     error = rate_error(ours, finer)
     torque_error = max(error * ideal, abs(ours.output - found.efficiency * ideal))
     ripple, rms = (float(size(ours.run["load_torque"])) for size in (np.ptp, np.std))
@@ -189,7 +193,7 @@ def _quantities(
             "N m",
             max(abs(float(np.std(one)) - rms) for one in others),
         ),
-        Quantity("input_torque", "mean input torque", ours.input, "N m", None, design.drive.torque, "as given"),
+        Quantity("input_torque", "mean input torque", ours.input, "N m", None, reducer.design.drive.torque, "as given"),
         Quantity("efficiency", "efficiency by powers", 1e2 * found.efficiency, "%", 1e2 * error),
         Quantity(
             "efficiency_crank_held",
@@ -204,11 +208,11 @@ def _quantities(
     ]
 
 
-def _curves(design: Design, ours: Outcome) -> tuple[Curve, ...]:
+def _curves(reducer: Reducer, ours: Outcome) -> tuple[Curve, ...]:
     """Give the output torque against the crank angle, and its orders."""
     torque, angle = ours.run["load_torque"], ours.run["crank_angle"]
     turned = np.abs(angle - angle[0])
-    teeth, x, y = design.mesh_periods, "crank angle [deg]", "torque [N m]"
+    teeth, x, y = reducer.design.mesh_periods, "crank angle [deg]", "torque [N m]"
     curves = [
         Curve("output torque", "mean", np.degrees(turned), np.full(len(torque), ours.output), x, y, "theory"),
         Curve("output torque", "simulated", np.degrees(turned), np.abs(torque), x, y),
@@ -221,14 +225,15 @@ def _curves(design: Design, ours: Outcome) -> tuple[Curve, ...]:
     return tuple(curves)
 
 
-def _assumptions(design: Design, periods: int) -> tuple[str, ...]:
-    friction = ", ".join(f"{pair} {design.friction_of(pair):g}" for pair in sensitivity.sliding_pairs(design))
+def _assumptions(reducer: Reducer, periods: int) -> tuple[str, ...]:
+    design = reducer.design
+    friction = ", ".join(f"{pair} {design.friction_of(pair):g}" for pair in sensitivity.sliding_pairs(reducer))
     pins = round(periods * design.output.pins / design.lobes, 2)
     return (
         f"friction of the pairs that slide: {friction}; of rolling bearings: cam {design.friction_of('cam'):g}, "
-        f"output {design.friction_of('output'):g}; {drag_told(design)}; the shafts' own bearings are left out",
+        f"output {design.friction_of('output'):g}; {drag_told(reducer)}; the shafts' own bearings are left out",
         "contacts have the secant stiffness of one working force in all runs: "
-        f"{working_forces_told(design, design.pair_kinds)}",
+        f"{working_forces_told(reducer, design.pair_kinds)}",
         f"mean over {periods} mesh periods, {pins:g} periods of the output pins: torque repeats with both, and hardly "
         "with the crank's turn",
         "the motor's torque falls with its speed, which damps the ringing of its inertia on the mesh in "
@@ -236,5 +241,5 @@ def _assumptions(design: Design, periods: int) -> tuple[str, ...]:
         "numerical error: half the step (unless --quick) or half the average, whichever changes more; of a friction: "
         "that, and what a run with it misses, by the slope",
         "some of the ringing is still in the mesh when a row of the table begins to count: up to 0.1 points",
-        *assumptions(design, "runs with an input varied"),
+        *assumptions(reducer, "runs with an input varied"),
     )

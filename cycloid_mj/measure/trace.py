@@ -6,9 +6,9 @@ import numpy as np
 
 from cycloid_mj.contact.swing import slowness
 from cycloid_mj.course import Course, braking, load_torque, servo_target
-from cycloid_mj.design import Design
 from cycloid_mj.kinematics import CrankLaw
 from cycloid_mj.measure import bench
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import ReducerModel
 from cycloid_mj.record import Run
 from cycloid_mj.run import simulate
@@ -77,58 +77,59 @@ class Trace(Errors):
     run: Run
 
 
-def own(reducer: ReducerModel) -> ReducerModel:
+def own(compiled: ReducerModel) -> ReducerModel:
     """Give a model with a specification of its own: one cannot be written to XML by two threads at a time."""
-    return replace(reducer, spec=reducer.spec.copy())
+    return replace(compiled, spec=compiled.spec.copy())
 
 
-def pressed(design: Design, reducer: ReducerModel, start: float = 0.0) -> Course:
+def pressed(reducer: Reducer, compiled: ReducerModel, start: float = 0.0) -> Course:
     """Give the course of a design at constant speed from a crank angle [rad], its flanks pressed together first.
 
     A light drag alone lets the gear swing in its play for some 30 ms; up to the rated torque, which comes and goes as a
     sine squared, that ends in a few.
     """
-    law, way = CrankLaw(design.drive.speed, 0.0), braking(design)
+    design = reducer.design
+    law, way = CrankLaw(design.drive.speed, 0.0), braking(reducer)
     press = max(design.rated_torque - design.load.torque, 0.0)
 
     def load(time: Array) -> Array:
-        return load_torque(design, time) + way * press * np.sin(np.pi * np.clip(time / PRESSED, 0.0, 1.0)) ** 2
+        return load_torque(reducer, time) + way * press * np.sin(np.pi * np.clip(time / PRESSED, 0.0, 1.0)) ** 2
 
-    return Course(start, design.drive.speed, lambda time: start + servo_target(reducer, law, time), load)
+    return Course(start, design.drive.speed, lambda time: start + servo_target(compiled, law, time), load)
 
 
-def trace(design: Design, reducer: ReducerModel, turns: float, case: Case) -> Trace:
+def trace(reducer: Reducer, compiled: ReducerModel, turns: float, case: Case) -> Trace:
     """Run a case over some crank turns from the crank angle 0, or back from a whole turn to it."""
     way = float(np.sign(case.speed))
-    per_second = SAMPLES * design.mesh_periods * abs(case.speed) / (2.0 * np.pi)
-    settling = SETTLING * slowness(design)
-    design = design.steady(
+    per_second = SAMPLES * reducer.design.mesh_periods * abs(case.speed) / (2.0 * np.pi)
+    settling = SETTLING * slowness(reducer)
+    reducer = reducer.steady(
         settling,
         turns,
         samples=4.0,
         drive={"speed": case.speed},
         load={"torque": case.torque, "rise": RISE},
-        settings={"log_rate": min(per_second, 1.0 / reducer.model.opt.timestep)},
+        settings={"log_rate": min(per_second, 1.0 / compiled.model.opt.timestep)},
     )
     # Both ways sweep the same angles, so that their curves can be laid over each other.
     start = (0.0 if way > 0.0 else 2.0 * np.pi * np.ceil(turns)) - case.speed * settling
-    run = simulate(design, reducer, pressed(design, reducer, start))
-    window = run.select(run.time >= settling - 2.0 / design.settings.log_rate)
-    return _read(window, design, turns, way)
+    run = simulate(reducer.design, compiled, pressed(reducer, compiled, start))
+    window = run.select(run.time >= settling - 2.0 / reducer.design.settings.log_rate)
+    return _read(window, reducer, turns, way)
 
 
-def _read(run: Run, design: Design, turns: float, way: float) -> Trace:
+def _read(run: Run, reducer: Reducer, turns: float, way: float) -> Trace:
     """Read the errors at equal steps of the crank, the end of the window left out."""
     from scipy.interpolate import CubicSpline
 
     order = slice(None, None, int(way))
     crank = run["crank_angle"][order]
-    points = round(SAMPLES * design.mesh_periods * turns)
+    points = round(SAMPLES * reducer.design.mesh_periods * turns)
     swept = 2.0 * np.pi * turns
     first = 0.0 if way > 0.0 else 2.0 * np.pi * np.ceil(turns) - swept
     grid = first + swept * np.arange(points) / points
     # straight lines would take 2.6 % from what repeats three times in a mesh period
-    twisted = wind_up(design) * run["load_torque"]
-    turns_by = (bench.gear_turn(run, design), bench.output_turn(run, design) + twisted)
+    twisted = wind_up(reducer) * run["load_torque"]
+    turns_by = (bench.gear_turn(run, reducer), bench.output_turn(run, reducer) + twisted)
     gear, output = (ARCSECONDS * CubicSpline(crank, turn[order])(grid) for turn in turns_by)
     return Trace(grid, gear, output, run)

@@ -16,6 +16,7 @@ from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.reaction import unbalance, weight
 from cycloid_mj.measure.sway import Sway, sway
 from cycloid_mj.measure.trace import own
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build
 from cycloid_mj.result import Curve, Quantity, keyed
 from cycloid_mj.units import RPM
@@ -75,15 +76,16 @@ def vibration(
     RunError
         A run went wrong.
     """
-    require_motion(design)
-    require_pin_bodies(design, "vibration")
-    rated, speed = design.rated_torque, design.drive.speed
+    reducer = Reducer(design)
+    require_motion(reducer)
+    require_pin_bodies(reducer, "vibration")
+    rated, speed = reducer.design.rated_torque, reducer.design.drive.speed
     torques = {"unloaded": DRAG * rated, "loaded": rated if load is None else load}
-    design = working_at(design, torques["loaded"])
+    reducer = working_at(reducer, torques["loaded"])
     swept = [] if quick else list(speeds) or [share * speed for share in SHARES]
-    half = halved(design)
-    points = [(design, build(design), one) for one in sorted({speed, *swept}, key=abs)]
-    points += [] if quick else [(half, build(half), speed)]
+    half = halved(reducer)
+    points = [(reducer, build(reducer.design), one) for one in sorted({speed, *swept}, key=abs)]
+    points += [] if quick else [(half, build(half.design), speed)]
     tasks = [(one, own(model), *loaded, pace, turns) for one, model, pace in points for loaded in torques.items()]
     found = each(lambda task: sway(*task), tasks, progress)
     checks = {} if quick else {one.load: one for one in found[-len(torques) :]}
@@ -91,45 +93,45 @@ def vibration(
     at_speed = [one for one in full if one.speed == speed]
     return Measurement(
         measure="vibration",
-        design=design,
+        design=reducer.design,
         condition=" and ".join(f"{one} {torque:.3g} N m" for one, torque in torques.items())
         + f", spectra at {abs(speed) / RPM:.0f} rpm",
-        quantities=keyed(_levels(design, at_speed, checks), _unbalance(design, at_speed, checks)),
-        curves=(*_sweep(design, full), *_spectra(design, at_speed)),
+        quantities=keyed(_levels(reducer, at_speed, checks), _unbalance(reducer, at_speed, checks)),
+        curves=(*_sweep(reducer, full), *_spectra(reducer, at_speed)),
         assumptions=(
             "bearings and housing are rigid; a bearing's force is what contacts and weight leave of its body's inertia",
             "departures are from the closed form (Eqs 12 and 14) at the measured crank, forces from their mean",
-            *_planes_told(design),
+            *_planes_told(reducer),
             _band_told(at_speed[0]),
             f"unloaded: a drag of {DRAG:.0%} of the rated torque, which presses the flanks together before the window; "
             "the spectra are at the design's speed",
             "contacts have the secant stiffness of one working force in all runs, that of the loaded ones: "
-            f"{working_forces_told(design, design.pair_kinds)}",
+            f"{working_forces_told(reducer, reducer.design.pair_kinds)}",
             "numerical error: what half the step changes at the design's speed (not known with --quick), of an rms "
             "also what half the window changes; unloaded pins rattle, and a run with other rounding may end some "
             "percent off",
         ),
         runs={f"{one.load}_{abs(one.rpm):.0f}rpm": one.run for one in full},
-        details={"band_hz": 0.5 * at_speed[0].rate, "sweep": [_row(design, one) for one in full]},
+        details={"band_hz": 0.5 * at_speed[0].rate, "sweep": [_row(reducer, one) for one in full]},
     )
 
 
-def _signals(design: Design) -> tuple[str, ...]:
+def _signals(reducer: Reducer) -> tuple[str, ...]:
     """Give the keys of what is measured of a design."""
-    return (*_SIGNALS, *(_OF_PLANES if design.gear.discs > 1 else _OF_COUNTERWEIGHT))
+    return (*_SIGNALS, *(_OF_PLANES if reducer.design.gear.discs > 1 else _OF_COUNTERWEIGHT))
 
 
-def _shown(design: Design) -> tuple[str, ...]:
+def _shown(reducer: Reducer) -> tuple[str, ...]:
     """Give the keys of what spectra are drawn of."""
-    return (*SHOWN, *(_OF_PLANES if design.gear.discs > 1 else ()))
+    return (*SHOWN, *(_OF_PLANES if reducer.design.gear.discs > 1 else ()))
 
 
-def _levels(design: Design, at_speed: Sequence[Sway], checks: Mapping[str, Sway]) -> Iterator[Quantity]:
+def _levels(reducer: Reducer, at_speed: Sequence[Sway], checks: Mapping[str, Sway]) -> Iterator[Quantity]:
     """Give the levels at the design's speed; the balance of momentum is the second method for the housing's force."""
-    closed, still = design.gear.eccentricity * design.drive.speed**2, float(np.hypot(*weight(design)))
+    closed, still = reducer.design.gear.eccentricity * reducer.design.drive.speed**2, float(np.hypot(*weight(reducer)))
     for one in at_speed:
         check = checks.get(one.load)
-        for key in _signals(design):
+        for key in _signals(reducer):
             name, unit = _ALL[key]
             value, error = one.rms(key), _error(one, check, methodcaller("rms", key))
             error = None if error is None else max(error, abs(one.rms_of_half(key) - value))
@@ -137,7 +139,7 @@ def _levels(design: Design, at_speed: Sequence[Sway], checks: Mapping[str, Sway]
             note = _NOTE if key == "housing" else ""
             words = f"rms {name} below {5e-4 * one.rate:.3g} kHz, {one.load}"
             yield Quantity(f"{key}_rms_{one.load}", words, value, unit, error, reference, source, note)
-        for key in _shown(design):
+        for key in _shown(reducer):
             name, _ = _ALL[key]
             words = f"share of the power of the {name} above {5e-4 * one.rate:.3g} kHz, {one.load}"
             error = _error(one, check, methodcaller("above", key))
@@ -150,9 +152,9 @@ def _levels(design: Design, at_speed: Sequence[Sway], checks: Mapping[str, Sway]
         yield Quantity(f"mean_force_{one.load}", words, _mean_force(one), "N", error, still, "weight of what moves")
 
 
-def _unbalance(design: Design, at_speed: Sequence[Sway], checks: Mapping[str, Sway]) -> Iterator[Quantity]:
+def _unbalance(reducer: Reducer, at_speed: Sequence[Sway], checks: Mapping[str, Sway]) -> Iterator[Quantity]:
     """Give the unbalance of gear and shaft, from the solids, and the rotating force that the first run shows."""
-    found, square, single = unbalance(design), design.drive.speed**2, design.gear.discs == 1
+    found, square, single = unbalance(reducer), reducer.design.drive.speed**2, reducer.design.gear.discs == 1
     one, check = at_speed[0], checks.get(at_speed[0].load)
     without, balanced = (", without counterweight", ", with counterweight") if single else ("", "")
     bare = [("housing_bare", without, found.bare)] if single else []
@@ -186,10 +188,10 @@ def _mean_force(one: Sway) -> float:
     return float(np.hypot(*one.mean_force))
 
 
-def _sweep(design: Design, found: Sequence[Sway]) -> Iterator[Curve]:
+def _sweep(reducer: Reducer, found: Sequence[Sway]) -> Iterator[Curve]:
     """Give the levels over speed, with the closed form of the unbalance."""
-    bare = unbalance(design).bare
-    for key in _signals(design):
+    bare = unbalance(reducer).bare
+    for key in _signals(reducer):
         name, unit = _ALL[key]
         panel = f"rms of the {name}"
         loads = dict.fromkeys(one.load for one in found)
@@ -203,9 +205,9 @@ def _sweep(design: Design, found: Sequence[Sway]) -> Iterator[Curve]:
             yield Curve(panel, load, x, y, _RPM, f"rms [{unit}]", "points" if len(points) == 1 else "line")
 
 
-def _spectra(design: Design, at_speed: Sequence[Sway]) -> Iterator[Curve]:
+def _spectra(reducer: Reducer, at_speed: Sequence[Sway]) -> Iterator[Curve]:
     """Give the spectra at the design's speed: of vectors, the root of both components' squares."""
-    for key in _shown(design):
+    for key in _shown(reducer):
         name, unit = _ALL[key]
         for one in at_speed:
             turns_per_second = abs(one.speed) / (2.0 * np.pi)
@@ -218,8 +220,8 @@ def _spectra(design: Design, at_speed: Sequence[Sway]) -> Iterator[Curve]:
                 yield Curve(panel, one.load, frequency, size, words, f"amplitude [{unit}]")
 
 
-def _planes_told(design: Design) -> tuple[str, ...]:
-    if design.gear.discs == 1:
+def _planes_told(reducer: Reducer) -> tuple[str, ...]:
+    if reducer.design.gear.discs == 1:
         return ()
     return (
         "several discs: the gear's centre is that of gear 1; each disc's forces act in its own plane, tilting moments "
@@ -236,6 +238,6 @@ def _band_told(one: Sway) -> str:
     )
 
 
-def _row(design: Design, one: Sway) -> dict[str, Any]:
-    levels = {f"{key}_rms": one.rms(key) for key in _signals(design)}
+def _row(reducer: Reducer, one: Sway) -> dict[str, Any]:
+    levels = {f"{key}_rms": one.rms(key) for key in _signals(reducer)}
     return {"speed_rpm": one.rpm, "load": one.load, "orbit_m_s2": one.orbit, **levels}

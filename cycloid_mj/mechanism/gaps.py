@@ -20,11 +20,9 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj import envelope, profile
-from cycloid_mj.design import Design
-from cycloid_mj.deviations import deviations, profile_error
+from cycloid_mj.deviations import profile_error
 from cycloid_mj.kinematics import gear_centre
-from cycloid_mj.mechanism.reducer import phases
-from cycloid_mj.modification import profile_offset, tooth_profile
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.types import Array, Integers, Mask
 
 _STEP = 1e-6
@@ -93,46 +91,46 @@ class Gaps:
         return np.asarray(self.room + self.distance)
 
 
-def unknowns(design: Design) -> int:
+def unknowns(reducer: Reducer) -> int:
     """Give the number of unknowns: three for each disc, one for the output."""
-    return 3 * len(phases(design)) + 1
+    return 3 * len(reducer.phases) + 1
 
 
-def gaps(design: Design, crank: float) -> Gaps:
+def gaps(reducer: Reducer, crank: float) -> Gaps:
     """Give the gaps of teeth and output pins of all discs at a crank angle [rad].
 
     An internal gear has those of its flanks as well, after those of its arcs: 4 or 5 a disc. The cam is not among them:
     its gap is round, see `cam_places`.
     """
-    discs = range(len(phases(design)))
-    flanks = [flank_gaps(design, crank, disc) for disc in discs] if design.ring.kind == "nonpin" else []
-    return _joined([arc_gaps(design, crank), *flanks])
+    discs = range(len(reducer.phases))
+    flanks = [flank_gaps(reducer, crank, disc) for disc in discs] if reducer.design.ring.kind == "nonpin" else []
+    return _joined([arc_gaps(reducer, crank), *flanks])
 
 
-def arc_gaps(design: Design, crank: npt.ArrayLike) -> Gaps:
+def arc_gaps(reducer: Reducer, crank: npt.ArrayLike) -> Gaps:
     """Give the gaps at crank angles [rad] of shape (k,), or at one, without those of an internal gear's flanks.
 
     The same pairs in the same order at every crank angle: the teeth of all discs, then their output pins.
     """
     angles = np.asarray(crank, dtype=np.float64)
-    discs = range(len(phases(design)))
-    return _joined([side(design, angles, disc) for side in (_arc_gaps, _output_gaps) for disc in discs])
+    discs = range(len(reducer.phases))
+    return _joined([side(reducer, angles, disc) for side in (_arc_gaps, _output_gaps) for disc in discs])
 
 
-def _arc_gaps(design: Design, crank: Array, disc: int) -> Gaps:
-    gear, turned = tooth_profile(design), crank[..., np.newaxis] + phases(design)[disc]
+def _arc_gaps(reducer: Reducer, crank: Array, disc: int) -> Gaps:
+    gear, turned = reducer.tooth_profile, crank[..., np.newaxis] + reducer.phases[disc]
     lines = envelope.arc_contacts(gear, turned)
-    return _tooth_gaps(design, disc, lines, gear_centre(gear, turned))
+    return _tooth_gaps(reducer, disc, lines, gear_centre(gear, turned))
 
 
-def flank_gaps(design: Design, crank: float, disc: int = 0) -> Gaps:
+def flank_gaps(reducer: Reducer, crank: float, disc: int = 0) -> Gaps:
     """Give the gaps of the flanks of an internal gear at a crank angle [rad], to first order: 4 or 5 a disc."""
-    gear, turned = tooth_profile(design), crank + phases(design)[disc]
+    gear, turned = reducer.tooth_profile, crank + reducer.phases[disc]
     lines = envelope.sigma_contacts(gear, turned)
-    return _tooth_gaps(design, disc, lines, gear_centre(gear, turned))
+    return _tooth_gaps(reducer, disc, lines, gear_centre(gear, turned))
 
 
-def _tooth_gaps(design: Design, disc: int, lines: envelope.RingContacts, middle: Array) -> Gaps:
+def _tooth_gaps(reducer: Reducer, disc: int, lines: envelope.RingContacts, middle: Array) -> Gaps:
     """Give the gaps between a disc and the ring, pins in their places.
 
     A pin displaced by d opens its gap by d . n, n the gear's outward normal. A radius larger by r closes it by r, as
@@ -141,10 +139,11 @@ def _tooth_gaps(design: Design, disc: int, lines: envelope.RingContacts, middle:
     gear that has turned. The gear's curve is its trochoid, its mate a pin's centre; the disc's `middle` [m] is where
     the ideal one is.
     """
-    gear, made, change = tooth_profile(design), deviations(design), design.modification
+    design = reducer.design
+    gear, made, change = reducer.tooth_profile, reducer.deviations, design.modification
     push, arm = lines.normals, profile.moment_arm(gear, lines.B)
     place = made.pin_place[lines.lobe] - change.pin_circle * profile.unit(profile.pin_angles(gear)[lines.lobe])
-    room = profile_offset(design) - made.disc_radius[disc] - gear.pin_radius - made.pin_radius[lines.lobe]
+    room = reducer.profile_offset - made.disc_radius[disc] - gear.pin_radius - made.pin_radius[lines.lobe]
     play = design.pin_play - (made.pin_radius[lines.lobe] if design.ring.has_sockets else 0.0)
     turned = change.rotation * np.sign(arm)
     side = _quarter_turned(push)
@@ -158,32 +157,32 @@ def _tooth_gaps(design: Design, disc: int, lines: envelope.RingContacts, middle:
         room=np.broadcast_to(room, arm.shape),
         play=np.broadcast_to(play, arm.shape),
         distance=turned * arm - np.sum(place * push, axis=-1) + profile_error(made.waves, lines.t),
-        slope=_by_unknown(design, disc, push, arm, np.zeros(arm.shape)),
+        slope=_by_unknown(reducer, disc, push, arm, np.zeros(arm.shape)),
         shift=np.sum(place * side, axis=-1) - turned * lever,
-        shift_slope=_by_unknown(design, disc, -side, -lever, np.zeros(arm.shape)),
+        shift_slope=_by_unknown(reducer, disc, -side, -lever, np.zeros(arm.shape)),
         bend=profile.curvature(gear, lines.t, 0.0),
         twist=np.asarray((ahead - behind) / (2.0 * _STEP * profile.arc_rate(gear, lines.t, 0.0))),
         phase=gear.lobes * lines.t,
         relative_curvature=lines.relative_curvature,
-        slip_slope=_by_unknown(design, disc, side, rubbed, np.zeros(arm.shape)),
+        slip_slope=_by_unknown(reducer, disc, side, rubbed, np.zeros(arm.shape)),
     )
 
 
-def _output_gaps(design: Design, crank: Array, disc: int) -> Gaps:
+def _output_gaps(reducer: Reducer, crank: Array, disc: int) -> Gaps:
     """Give the gaps between the holes of a disc and the output pins.
 
     Every pin lies in its hole on the side towards the reducer's axis, and pushes the disc inwards along the eccentric.
     A hole displaced by d in the disc opens its gap by d along that push. Holes and pins turn together: the same arm,
     about the disc's centre and about the output's.
     """
-    gear, made, output = tooth_profile(design), deviations(design), design.output
+    gear, made, output = reducer.tooth_profile, reducer.deviations, reducer.design.output
     turned = crank[..., np.newaxis] / gear.lobes
-    middle = gear_centre(gear, crank[..., np.newaxis] + phases(design)[disc])
+    middle = gear_centre(gear, crank[..., np.newaxis] + reducer.phases[disc])
     push = -middle / gear.eccentricity
     place = profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins + turned) * output.pin_circle_radius
     side, hole = _quarter_turned(push), _turned(made.hole_place[disc], -turned)
     arm, lever = np.sum(place * -_quarter_turned(push), axis=-1), np.sum(place * push, axis=-1)
-    room = design.clearance.output + output.hole_radius - output.pin_radius - gear.eccentricity
+    room = reducer.design.clearance.output + output.hole_radius - output.pin_radius - gear.eccentricity
     return Gaps(
         kind=np.full(output.pins, "output"),
         owner=np.arange(output.pins),
@@ -191,49 +190,49 @@ def _output_gaps(design: Design, crank: Array, disc: int) -> Gaps:
         room=np.full(arm.shape, room),
         play=np.zeros(arm.shape),
         distance=np.sum(hole * push, axis=-1),
-        slope=_by_unknown(design, disc, push, arm, -arm),
+        slope=_by_unknown(reducer, disc, push, arm, -arm),
         shift=-np.sum(hole * side, axis=-1),
-        shift_slope=_by_unknown(design, disc, -side, -lever, lever),
+        shift_slope=_by_unknown(reducer, disc, -side, -lever, lever),
         bend=np.full(arm.shape, -1.0 / gear.eccentricity),
         twist=np.zeros(arm.shape),
         phase=np.zeros(arm.shape),
         relative_curvature=np.full(arm.shape, 1.0 / output.pin_radius - 1.0 / output.hole_radius),
-        slip_slope=_by_unknown(design, disc, side, lever + output.hole_radius, -(lever + output.pin_radius)),
+        slip_slope=_by_unknown(reducer, disc, side, lever + output.hole_radius, -(lever + output.pin_radius)),
     )
 
 
-def ideal_motion(design: Design, crank: npt.ArrayLike) -> Array:
+def ideal_motion(reducer: Reducer, crank: npt.ArrayLike) -> Array:
     """Give how the parts move with the crank, by the unknowns [m/rad], shape (..., 3 D + 1), at angles (...) [rad].
 
     Disc centres run on circles, discs and output turn by -1/(N-1) (Hsieh 2014, Eqs 12 and 13, corrected). Times
     `Gaps.slip_slope` it is the sliding of every contact; times `Gaps.slope` it is 0.
     """
-    gear, angles = tooth_profile(design), np.asarray(crank, dtype=np.float64)
-    motion = np.full((*angles.shape, unknowns(design)), -design.output.pin_circle_radius / gear.lobes)
-    for disc, phase in enumerate(phases(design)):
+    gear, angles = reducer.tooth_profile, np.asarray(crank, dtype=np.float64)
+    motion = np.full((*angles.shape, unknowns(reducer)), -reducer.design.output.pin_circle_radius / gear.lobes)
+    for disc, phase in enumerate(reducer.phases):
         motion[..., 3 * disc : 3 * disc + 2] = _quarter_turned(gear_centre(gear, angles + phase))
     return motion
 
 
-def cam_places(design: Design, crank: npt.ArrayLike) -> Array:
+def cam_places(reducer: Reducer, crank: npt.ArrayLike) -> Array:
     """Give where each disc's cam is, from where its teeth would have it [m], shape (..., D, 2), at angles (...) [rad].
 
     The disc's own centre departs from there by the cam's clearance at most; errors of the crank carry it along.
     """
-    gear, made = tooth_profile(design), deviations(design)
+    gear, made = reducer.tooth_profile, reducer.deviations
     turned = np.asarray(crank, dtype=np.float64)[..., np.newaxis]
-    angles = turned + np.array(phases(design))
+    angles = turned + np.array(reducer.phases)
     return np.asarray(
         made.eccentricity * gear_centre(gear, angles) / gear.eccentricity + _turned(made.cam_place, turned)
     )
 
 
-def _by_unknown(design: Design, disc: int, by_place: Array, by_turn: Array, by_output: Array) -> Array:
+def _by_unknown(reducer: Reducer, disc: int, by_place: Array, by_turn: Array, by_output: Array) -> Array:
     """Give a gradient by z (..., n, 3 D + 1) from that by a disc's place (..., n, 2), its turn and the output's [m]."""
-    slope = np.zeros((*by_turn.shape, unknowns(design)))
+    slope = np.zeros((*by_turn.shape, unknowns(reducer)))
     slope[..., 3 * disc : 3 * disc + 2] = by_place
-    slope[..., 3 * disc + 2] = by_turn / design.output.pin_circle_radius
-    slope[..., -1] = by_output / design.output.pin_circle_radius
+    slope[..., 3 * disc + 2] = by_turn / reducer.design.output.pin_circle_radius
+    slope[..., -1] = by_output / reducer.design.output.pin_circle_radius
     return slope
 
 

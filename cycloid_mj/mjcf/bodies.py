@@ -10,11 +10,10 @@ from cycloid_mj import names
 from cycloid_mj.contact.gap import Flank, Trochoid
 from cycloid_mj.contact.law import curvature_law, pair_stiffness
 from cycloid_mj.contact.teeth import Teeth, user_data
-from cycloid_mj.design import Design
-from cycloid_mj.deviations import deviations
 from cycloid_mj.digits import on_grid, significant
 from cycloid_mj.mechanism.reducer import Body, Mechanism, Role, Surfaces
-from cycloid_mj.modification import FlankEnds, flank_ends, gear_profile, profile_offset
+from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.modification import FlankEnds, flank_ends
 from cycloid_mj.solid import MassProperties, carried
 from cycloid_mj.solid.tint import Colour, tinted
 from cycloid_mj.types import Array
@@ -39,23 +38,23 @@ it above a creep of some mrad/s."""
 _X, _Y, _Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
-def add_bodies(spec: Any, reducer: Mechanism, masses: Mapping[str, MassProperties]) -> None:
+def add_bodies(spec: Any, mechanism: Mechanism, masses: Mapping[str, MassProperties]) -> None:
     """Add every body with its joints and its mass; what is held needs none."""
     # MuJoCo factorises from the last degree of freedom backwards: each pin meets the gear alone, so with the pins
     # last an elimination fills in nothing between pins; before the gear each would couple all of them.
-    for body in reducer.bodies:
+    for body in mechanism.bodies:
         carrier = spec.body(body.carrier) if body.carrier else spec.worldbody
         made = carrier.add_body(name=body.name, pos=point(body.place, body.plane))
-        _add_joints(made, body, reducer.design)
+        _add_joints(made, body, Reducer(mechanism.design))
         if body.joints:
             set_inertia(made, masses[body.part])
 
 
-def add_shapes(spec: Any, reducer: Mechanism) -> None:
+def add_shapes(spec: Any, mechanism: Mechanism) -> None:
     """Add to the bodies what is seen, by meshes named as the parts, and the cylinders for the exact collider."""
-    planes = {body.name: body.plane for body in reducer.bodies}
-    for body in reducer.bodies:
-        for part, place in seen(reducer.design, body):
+    planes = {body.name: body.plane for body in mechanism.bodies}
+    for body in mechanism.bodies:
+        for part, place in seen(Reducer(mechanism.design), body):
             spec.body(body.name).add_geom(
                 type=mujoco.mjtGeom.mjGEOM_MESH,
                 meshname=part,
@@ -66,8 +65,8 @@ def add_shapes(spec: Any, reducer: Mechanism) -> None:
                 rgba=list(colour(part)),
                 pos=point(place[:2], float(place[2])),
             )
-    for surfaces in reducer.surfaces:
-        middle, half_width = span(reducer.design, surfaces)
+    for surfaces in mechanism.surfaces:
+        middle, half_width = span(Reducer(mechanism.design), surfaces)
         for i, name in enumerate(surfaces.names):
             spec.body(surfaces.bodies[i]).add_geom(
                 name=name,
@@ -80,18 +79,20 @@ def add_shapes(spec: Any, reducer: Mechanism) -> None:
                 conaffinity=0,
                 mass=0.0,
                 rgba=[0.9, 0.4, 0.2, 0.3],
-                **_attributes(reducer.design, surfaces, i),
+                **_attributes(Reducer(mechanism.design), surfaces, i),
             )
 
 
-def crank_inertia(design: Design, shaft: MassProperties) -> float:
+def crank_inertia(reducer: Reducer, shaft: MassProperties) -> float:
     """Give the inertia of shaft and rotor about the crank axis [kg m2]."""
-    return float(shaft.inertia[2, 2] + shaft.mass * np.sum(shaft.centroid[:2] ** 2) + design.drive.rotor_inertia)
+    return float(
+        shaft.inertia[2, 2] + shaft.mass * np.sum(shaft.centroid[:2] ** 2) + reducer.design.drive.rotor_inertia
+    )
 
 
-def seen(design: Design, body: Body) -> list[tuple[str, Array]]:
+def seen(reducer: Reducer, body: Body) -> list[tuple[str, Array]]:
     """Give the parts that a body is seen by, and the place (x, y, z) of each in its frame, shape (3,) [m]."""
-    return [(body.part, np.zeros(3)), *carried(design, body.part).values()]
+    return [(body.part, np.zeros(3)), *carried(reducer, body.part).values()]
 
 
 def colour(part: str) -> Colour:
@@ -99,9 +100,9 @@ def colour(part: str) -> Colour:
     return tinted(COLOURS[names.family(part)], part)
 
 
-def span(design: Design, surfaces: Surfaces) -> tuple[float, float]:
+def span(reducer: Reducer, surfaces: Surfaces) -> tuple[float, float]:
     """Give the middle of surfaces along z, and half their width [m]."""
-    gear = design.gear
+    gear = reducer.design.gear
     if surfaces.disc is None:
         return 0.0, 0.5 * gear.stack_width
     return gear.disc_planes[surfaces.disc], 0.5 * gear.face_width
@@ -127,28 +128,30 @@ def set_inertia(body: Any, properties: MassProperties) -> None:
     body.fullinertia = [inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
 
 
-def _add_joints(made: Any, body: Body, design: Design) -> None:
+def _add_joints(made: Any, body: Body, reducer: Reducer) -> None:
     hinge, slide = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
     *slides, last = body.joints or [""]
     for name, axis, origin in zip(slides, (_X, _Y), body.origin, strict=False):
         made.add_joint(name=name, type=slide, axis=axis, ref=origin)
     if last:
-        made.add_joint(name=last, type=hinge, axis=_Z, **_drag(design, last))
+        made.add_joint(name=last, type=hinge, axis=_Z, **_drag(reducer, last))
 
 
-def _drag(design: Design, joint: str) -> dict[str, Any]:
+def _drag(reducer: Reducer, joint: str) -> dict[str, Any]:
     """Give what seals and rotor add to the turn of a shaft."""
+    design = reducer.design
     drag = {names.CRANK_JOINT: design.drag.crank, names.OUTPUT_JOINT: design.drag.output}.get(joint, 0.0)
     sealed = {"frictionloss": drag, "solref_friction": [SEAL_TIME, 1.0], "solimp_friction": SEAL_IMPEDANCE}
     rotor = {"armature": design.drive.rotor_inertia} if joint == names.CRANK_JOINT else {}
     return rotor | (sealed if drag > 0.0 else {})
 
 
-def _attributes(design: Design, surfaces: Surfaces, i: int) -> dict[str, Any]:
+def _attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[str, Any]:
     """Give what the collider must know of a surface besides its place and its radius."""
+    design = reducer.design
     angle = float(surfaces.angle[i])
     if surfaces.role == Role.TEETH:
-        teeth = _teeth(design, surfaces.disc or 0)
+        teeth = _teeth(reducer, surfaces.disc or 0)
         return {"quat": turn(angle), "userdata": [significant(one) for one in user_data(teeth)]}
     if surfaces.role == Role.LOBE:
         return {"quat": turn(angle)}
@@ -161,18 +164,18 @@ def _attributes(design: Design, surfaces: Surfaces, i: int) -> dict[str, Any]:
     home = [0.0, 0.0] if design.output.turns_ring else on_grid([np.sin(angle), np.cos(angle)]).tolist()
     if not design.ring.has_massless_pins:
         return {"userdata": home}
-    softness = pair_stiffness(design, design.tooth_pair) / pair_stiffness(design, design.seat_pair)
+    softness = pair_stiffness(reducer, design.tooth_pair) / pair_stiffness(reducer, design.seat_pair)
     held = 1.0 + np.cos(surfaces.half_angle)
     return {"userdata": [*home, *map(significant, (float(surfaces.play[i]), softness, held))]}
 
 
-def _teeth(design: Design, disc: int) -> Teeth:
-    law, gear, made = curvature_law(design), gear_profile(design), deviations(design)
-    offset = profile_offset(design) - float(made.disc_radius[disc])
-    rotation = design.modification.rotation
+def _teeth(reducer: Reducer, disc: int) -> Teeth:
+    law, gear, made = curvature_law(reducer), reducer.gear_profile, reducer.deviations
+    offset = reducer.profile_offset - float(made.disc_radius[disc])
+    rotation = reducer.design.modification.rotation
     ends = flank_ends(gear, offset, rotation) if rotation else FlankEnds(0.0, 0.0, 0.0, 0.0)
     curve = Trochoid(gear.pin_circle_radius, gear.eccentricity, float(gear.ring_teeth))
     corners = (ends.tip, ends.tip_radius, ends.valley, ends.valley_radius)
     flank = Flank(curve, offset, rotation, *corners, made.waves_in_use)
-    ring = curve._replace(radius=design.ring.pin_circle_radius)
+    ring = curve._replace(radius=reducer.design.ring.pin_circle_radius)
     return Teeth(flank, law.reference, law.constant, law.deflection, ring)

@@ -24,8 +24,9 @@ from cycloid_mj.convex import (
     sectors,
     surface_quality,
 )
-from cycloid_mj.design import Design, dump
+from cycloid_mj.design import dump
 from cycloid_mj.errors import CycloidError, warn
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf.keyframe import add_keyframes
 from cycloid_mj.mjcf.mesh import MeshSpec, add_rest, mesh_spec, reducer_model
 from cycloid_mj.mjcf.model import xml
@@ -45,7 +46,7 @@ DRIVE_MARGIN = 5.0
 _NUMBER = re.compile(r"-?\d+\.\d{6,}(?:e[+-]?\d+)?")
 
 
-def model_files(design: Design, settings: ConvexSettings | None = None) -> dict[str, bytes]:
+def model_files(reducer: Reducer, settings: ConvexSettings | None = None) -> dict[str, bytes]:
     """Give every file of a model folder by its path in it; takes some 10 s for CoACD.
 
     The model differs from ``build_mesh``'s in what it is for: the crank has a speed servo (``ctrl`` in rad/s, no target
@@ -63,23 +64,23 @@ def model_files(design: Design, settings: ConvexSettings | None = None) -> dict[
     CycloidWarning
         Figures of runs of this model may not be those of the design.
     """
-    settings, design = settings or ConvexSettings(), for_slices(design)
-    made = mesh_spec(design, settings)
+    settings, reducer = settings or ConvexSettings(), for_slices(reducer)
+    made = mesh_spec(reducer, settings)
     measured = {surface.key: _checked(surface, settings) for surface in made.surfaces}
-    rests = [decompose(sector, settings) for sector in sectors(design, settings)]
+    rests = [decompose(sector, settings) for sector in sectors(reducer, settings)]
     for number, rest in enumerate(rests, start=1):
-        add_rest(made.spec, design, number, rest)
-    gains = _add_drive(made, design)
-    add_sensors(made.spec, design)
-    add_keyframes(made.spec, design)
+        add_rest(made.spec, reducer, number, rest)
+    gains = _add_drive(made, reducer)
+    add_sensors(made.spec, reducer)
+    add_keyframes(made.spec, reducer)
     made.spec.meshdir = ASSETS
-    reducer = reducer_model(made, design, gains)
-    warn(design.name, reducer.warnings)
+    compiled = reducer_model(made, reducer, gains)
+    warn(reducer.design.name, compiled.warnings)
     files = {f"{ASSETS}/{name}": content for name, content in sorted(made.spec.assets.items())}
-    files[DESIGN] = dump(design).encode()
-    files[REDUCER] = _reducer_xml(made.spec, design).encode()
-    files[SCENE] = scene_xml(design, REDUCER).encode()
-    files[MANIFEST] = _manifest(design, settings, reducer.model, measured, rests, files).encode()
+    files[DESIGN] = dump(reducer.design).encode()
+    files[REDUCER] = _reducer_xml(made.spec, reducer).encode()
+    files[SCENE] = scene_xml(reducer, REDUCER).encode()
+    files[MANIFEST] = _manifest(reducer, settings, compiled.model, measured, rests, files).encode()
     return files
 
 
@@ -98,9 +99,9 @@ def write_folder(files: Mapping[str, bytes], folder: Path) -> None:
     write_whole({folder / name: content for name, content in files.items()})
 
 
-def design_hash(design: Design) -> str:
+def design_hash(reducer: Reducer) -> str:
     """Give the SHA-256 of a design's complete file."""
-    return hashlib.sha256(dump(design).encode()).hexdigest()
+    return hashlib.sha256(dump(reducer.design).encode()).hexdigest()
 
 
 def _checked(surface: Surface, settings: ConvexSettings) -> Quality:
@@ -108,36 +109,36 @@ def _checked(surface: Surface, settings: ConvexSettings) -> Quality:
     return surface_quality(surface)
 
 
-def _add_drive(made: MeshSpec, design: Design) -> tuple[float, float]:
+def _add_drive(made: MeshSpec, reducer: Reducer) -> tuple[float, float]:
     """Add the speed servo of the crank, and give its gains kp and kv; add the torque of the load."""
     joint = mujoco.mjtTrn.mjTRN_JOINT
     drive = made.spec.add_actuator(name=names.DRIVE, target=names.CRANK_JOINT, trntype=joint)
     gain = made.crank_inertia * DRIVE_BANDWIDTH
     drive.set_to_velocity(kv=gain)
     drive.forcelimited = True
-    drive.forcerange = np.array([-1.0, 1.0]) * DRIVE_MARGIN * design.drive.torque
+    drive.forcerange = np.array([-1.0, 1.0]) * DRIVE_MARGIN * reducer.design.drive.torque
     load = made.spec.add_actuator(name=names.LOAD, target=names.OUTPUT_JOINT, trntype=joint)
     load.set_to_motor()
     return 0.0, gain
 
 
-def _reducer_xml(spec: Any, design: Design) -> str:
+def _reducer_xml(spec: Any, reducer: Reducer) -> str:
     """Give the MJCF, each number as the shortest that reads back the same."""
     text = _NUMBER.sub(lambda found: repr(float(found.group())), xml(spec))
-    note = (
-        f"<!-- {design.name}: made by `cycloid-mj build` (cycloid_mj {__version__}); change the design, not this. -->\n"
-    )
+    name = reducer.design.name
+    note = f"<!-- {name}: made by `cycloid-mj build` (cycloid_mj {__version__}); change the design, not this. -->\n"
     return note + text.rstrip() + "\n"
 
 
 def _manifest(
-    design: Design,
+    reducer: Reducer,
     settings: ConvexSettings,
     model: Any,
     measured: Mapping[str, Quality],
     rests: list[Rest],
     files: Mapping[str, bytes],
 ) -> str:
+    design = reducer.design
     moving = [
         names.SHAFT,
         *names.gears(design.gear.discs),
@@ -145,7 +146,7 @@ def _manifest(
         *([names.numbered(names.PIN, 1)] if design.ring.has_pin_bodies else []),
     ]
     content = {
-        "design": {"name": design.name, "sha256": design_hash(design)},
+        "design": {"name": design.name, "sha256": design_hash(reducer)},
         "versions": {
             "cycloid_mj": __version__,
             "mujoco": mujoco.__version__,

@@ -4,12 +4,11 @@ import math
 from typing import Any
 
 from cycloid_mj import member, names
-from cycloid_mj.design import Design
 from cycloid_mj.deviations import is_ideal
 from cycloid_mj.kinematics import gear_centre
 from cycloid_mj.mechanism.limits import best_fit
-from cycloid_mj.mechanism.reducer import Mechanism, mechanism
-from cycloid_mj.modification import tooth_profile
+from cycloid_mj.mechanism.reducer import Mechanism
+from cycloid_mj.mechanism.whole import Reducer
 
 QUARTERS = (0, 90, 180, 270)
 """Crank angles of the keyframes [deg]."""
@@ -24,12 +23,12 @@ def keyframe_name(angle: int, speed: float) -> str:
     return f"rest_{angle}" if angle else HOME
 
 
-def add_keyframes(spec: Any, design: Design) -> None:
+def add_keyframes(spec: Any, reducer: Reducer) -> None:
     """Add keyframes at four crank angles, at rest and at the design's speed, without load."""
     model = spec.compile()
-    for speed in dict.fromkeys((0.0, design.drive.speed)):
+    for speed in dict.fromkeys((0.0, reducer.design.drive.speed)):
         for angle in QUARTERS:
-            position, velocity = joint_state(design, math.radians(angle), speed)
+            position, velocity = joint_state(reducer, math.radians(angle), speed)
             qpos, qvel = model.qpos0.copy(), [0.0] * model.nv
             for joint in position:
                 qpos[model.joint(joint).qposadr[0]] = position[joint]
@@ -39,35 +38,36 @@ def add_keyframes(spec: Any, design: Design) -> None:
             spec.add_key(name=keyframe_name(angle, speed), qpos=list(qpos), qvel=qvel, ctrl=ctrl)
 
 
-def joint_state(design: Design, crank: float, speed: float) -> tuple[dict[str, float], dict[str, float]]:
+def joint_state(reducer: Reducer, crank: float, speed: float) -> tuple[dict[str, float], dict[str, float]]:
     """Give positions and velocities of the joints of crank, discs and output at a crank angle [rad] and speed [rad/s].
 
     Hsieh 2014, Eqs 12 and 13 (corrected): the gear's centre runs on a circle, gear and output turn at -speed/(N-1); or
     the gear does not turn, and the ring does, at speed/N.
     Parts with errors or modified flanks, and the pins among them that move, are where they fit best.
     """
-    gear = tooth_profile(design)
+    design = reducer.design
+    gear = reducer.tooth_profile
     turned, slow = float(member.gear_angle(design, crank)), float(member.gear_angle(design, speed))
     position = {names.CRANK_JOINT: crank, names.OUTPUT_JOINT: float(member.output_angle(design, crank))}
     velocity = {names.CRANK_JOINT: speed, names.OUTPUT_JOINT: float(member.output_angle(design, speed))}
-    reducer = mechanism(design)
-    for disc, phase in zip(reducer.discs, reducer.phases, strict=True):
+    mechanism = reducer.mechanism
+    for disc, phase in zip(mechanism.discs, mechanism.phases, strict=True):
         x, y = (float(value) for value in gear_centre(gear, crank + phase))
         position |= dict(zip(disc.joints, (x, y, turned), strict=True))
         velocity |= dict(zip(disc.joints, (-speed * y, speed * x, slow), strict=True))
     if not is_ideal(design):
-        for joint, shift in _room(reducer, crank).items():
+        for joint, shift in _room(mechanism, crank).items():
             position[joint] = position.get(joint, 0.0) + shift
     return position, velocity
 
 
-def _room(reducer: Mechanism, crank: float) -> dict[str, float]:
+def _room(mechanism: Mechanism, crank: float) -> dict[str, float]:
     """Give how far joints are from the ideal mesh in the pose that leaves the most room."""
-    fit, angle = best_fit(reducer.design, crank), float(member.ring_angle(reducer.design, crank))
+    fit, angle = best_fit(Reducer(mechanism.design), crank), float(member.ring_angle(mechanism.design, crank))
     cos, sin = math.cos(angle), math.sin(angle)
     joints: dict[str, float] = {}
-    for disc, (x, y), turn in zip(reducer.discs, fit.shift.tolist(), fit.gear_turn.tolist(), strict=True):
+    for disc, (x, y), turn in zip(mechanism.discs, fit.shift.tolist(), fit.gear_turn.tolist(), strict=True):
         joints |= dict(zip(disc.joints, (x * cos - y * sin, x * sin + y * cos, turn), strict=True))
-    for pin, place in zip(reducer.pins, fit.pin_shift, strict=False):
+    for pin, place in zip(mechanism.pins, fit.pin_shift, strict=False):
         joints |= dict(zip(pin.joints[:2], place.tolist(), strict=True))
     return joints | {names.OUTPUT_JOINT: fit.output_turn}

@@ -6,15 +6,15 @@ from cycloid_mj.contact.impact import impact_of
 from cycloid_mj.contact.law import ContactLaw, contact_law, contact_stiffness, damping_ratio
 from cycloid_mj.contact.timestep import effective_masses, timestep
 from cycloid_mj.contact.working import working_force
-from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 
 Laws = dict[str, ContactLaw]
 """Kind of pair -> its law."""
 
 
-def laws_of_discs(design: Design) -> tuple[Laws, ...]:
+def laws_of_discs(reducer: Reducer) -> tuple[Laws, ...]:
     """Give `contact_laws` of every disc."""
-    return tuple(contact_laws(design, disc) for disc in range(design.gear.discs))
+    return tuple(contact_laws(reducer, disc) for disc in range(reducer.design.gear.discs))
 
 
 def stiffest(laws: Sequence[Laws]) -> Laws:
@@ -22,7 +22,7 @@ def stiffest(laws: Sequence[Laws]) -> Laws:
     return {kind: max((one[kind] for one in laws), key=lambda law: law.stiffness) for kind in laws[0]}
 
 
-def contact_laws(design: Design, disc: int = 0) -> Laws:
+def contact_laws(reducer: Reducer, disc: int = 0) -> Laws:
     """Give the contact law of each kind of pair: line-contact stiffness, damping by the pair's own effective mass.
 
     With massless pins the pair of gear and pin is one of gear and housing: both contacts in series, rubbing as easily
@@ -30,17 +30,18 @@ def contact_laws(design: Design, disc: int = 0) -> Laws:
     disc's force bends it by at another disc's plane is left out (docs/decisions/11-bent-output-pins.md). Of the law
     IMPACT these are secants at the working force, which a run replaces at every step (`contact.each_step`).
     """
+    design = reducer.design
     laws = {}
-    for kind, mass in effective_masses(design).items():
+    for kind, mass in effective_masses(reducer).items():
         through = kind == design.tooth_pair and design.ring.has_massless_pins
         friction = design.mesh_friction if through else design.friction_of(kind)
-        force, impact = working_force(design, kind), impact_of(design, kind)
+        force, impact = working_force(reducer, kind), impact_of(reducer, kind)
         laws[kind] = contact_law(
-            stiffness=contact_stiffness(design, kind, disc),
-            damping_ratio=impact.damping_ratio(force, mass) if impact else damping_ratio(design, kind),
+            stiffness=contact_stiffness(reducer, kind, disc),
+            damping_ratio=impact.damping_ratio(force, mass) if impact else damping_ratio(reducer, kind),
             effective_mass=mass,
             friction=friction,
             creep=friction * force / design.contact.creep_speed,
-            timestep=timestep(design),
+            timestep=timestep(reducer),
         )
     return laws

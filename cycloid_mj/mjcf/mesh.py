@@ -21,10 +21,10 @@ from cycloid_mj.contact import each_step
 from cycloid_mj.contact.law import ContactLaw, SolverParameters, curvature_law, solver_parameters, stock_impratio
 from cycloid_mj.contact.working import for_slices, working_force
 from cycloid_mj.convex import ConvexSettings, Place, Rest, Surface, gear_holes, prism, surfaces
-from cycloid_mj.design import Design
 from cycloid_mj.errors import DesignError
 from cycloid_mj.export.stl import stl_bytes
-from cycloid_mj.mechanism.reducer import Mechanism, mechanism, phases
+from cycloid_mj.mechanism.reducer import Mechanism
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf.bodies import add_bodies, colour, crank_inertia, point, seen, set_inertia, span, turn
 from cycloid_mj.mjcf.foundation import slice_law
 from cycloid_mj.mjcf.laws import Laws, laws_of_discs, stiffest
@@ -71,7 +71,7 @@ class MeshSpec:
     crank_inertia: float
 
 
-def build_mesh(design: Design, settings: ConvexSettings | None = None) -> ReducerModel:
+def build_mesh(reducer: Reducer, settings: ConvexSettings | None = None) -> ReducerModel:
     """Build the model of a design for stock MuJoCo collision; to be run as that of ``build``.
 
     Raises
@@ -81,64 +81,66 @@ def build_mesh(design: Design, settings: ConvexSettings | None = None) -> Reduce
     ContactError
         MuJoCo cannot represent a contact's stiffness at this time step.
     """
+    design = reducer.design
     if design.contact.law == "impact":
         raise DesignError(
             f'{design.name}: contact.law = "impact" acts on exact profiles alone, not on convex meshes: run it with '
             '--contact profile, or set contact.law = "line"'
         )
-    made = mesh_spec(design, settings or ConvexSettings())
+    made = mesh_spec(reducer, settings or ConvexSettings())
     gains = add_actuators(made.spec, made.crank_inertia)
-    add_sensors(made.spec, design)
+    add_sensors(made.spec, reducer)
     each_step.add_sensor(made.spec)
-    return reducer_model(made, design, gains)
+    return reducer_model(made, reducer, gains)
 
 
-def reducer_model(made: MeshSpec, design: Design, gains: tuple[float, float]) -> ReducerModel:
+def reducer_model(made: MeshSpec, reducer: Reducer, gains: tuple[float, float]) -> ReducerModel:
     """Compile a mesh model that has its actuators, with the servo's gains, and judge it."""
-    model, pairs = made.spec.compile(), mechanism(design).pairs
-    return judged(ReducerModel(made.spec, model, pairs, made.laws, gains, made.crank_inertia), design)
+    model, pairs = made.spec.compile(), reducer.mechanism.pairs
+    return judged(ReducerModel(made.spec, model, pairs, made.laws, gains, made.crank_inertia), reducer)
 
 
-def mesh_spec(design: Design, settings: ConvexSettings) -> MeshSpec:
+def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
     """Give the bodies of a design with their visual and their colliding geoms: no actuators, no sensors, no rest.
 
     The slices are as stiff as `for_slices` says.
     """
-    design = for_slices(design)
-    if design.ring.has_sleeves or design.ring.has_massless_pins:
-        what = "a sleeve turns on its pin" if design.ring.has_sleeves else "a massless pin gives way"
+    reducer = for_slices(reducer)
+    ring = reducer.design.ring
+    if ring.has_sleeves or ring.has_massless_pins:
+        what = "a sleeve turns on its pin" if ring.has_sleeves else "a massless pin gives way"
         raise DesignError(
-            f'ring.pins = "{design.ring.pins}" has no meshes for stock collision: {what} by exact contact only; '
+            f'ring.pins = "{ring.pins}" has no meshes for stock collision: {what} by exact contact only; '
             'choose ring.pins = "free" or "fixed", or the contact profile'
         )
-    require_drawn(design, "meshes for stock collision")
-    masses = moving_masses(design)
-    laws = laws_of_discs(design)
-    reducer, spec = mechanism(design), empty_spec(design, stock_impratio(design, laws))
+    require_drawn(reducer.design, "meshes for stock collision")
+    masses = moving_masses(reducer)
+    laws = laws_of_discs(reducer)
+    mechanism, spec = reducer.mechanism, empty_spec(reducer, stock_impratio(reducer, laws))
     spec.nuser_geom = 0
     for item in (*spec.lights, *spec.cameras):
         spec.delete(item)
-    add_bodies(spec, reducer, masses)
+    add_bodies(spec, mechanism, masses)
     set_inertia(spec.body(names.HOUSING), masses[names.HOUSING])
     _options(spec)
-    _add_visuals(spec, reducer)
+    _add_visuals(spec, mechanism)
     weights = _inverse_weights(spec)
-    working = surfaces(design, settings)
+    working = surfaces(reducer, settings)
     collision = spec.add_default(COLLISION, spec.default)
     collision.geom.group, collision.geom.contype, collision.geom.conaffinity = 3, 0, 0
     apart = {surface.disc for surface in working if surface.disc}
     for surface in working:
-        discs = range(design.gear.discs if surface.name in _OF_DISCS else 1)
+        discs = range(reducer.design.gear.discs if surface.name in _OF_DISCS else 1)
         of = [disc for disc in discs if surface.name != names.TEETH or disc not in apart]
-        _add_surface(spec, reducer, surface, [surface.disc] if surface.disc else of, laws, weights, settings)
-    _add_round_parts(spec, reducer)
-    return MeshSpec(spec, working, stiffest(laws), crank_inertia(design, masses[names.SHAFT]))
+        _add_surface(spec, mechanism, surface, [surface.disc] if surface.disc else of, laws, weights, settings)
+    _add_round_parts(spec, mechanism)
+    return MeshSpec(spec, working, stiffest(laws), crank_inertia(reducer, masses[names.SHAFT]))
 
 
-def add_rest(spec: Any, design: Design, number: int, rest: Rest) -> None:
+def add_rest(spec: Any, reducer: Reducer, number: int, rest: Rest) -> None:
     """Add the convex pieces behind the working surfaces of a part, which meet objects from outside."""
-    sector, ahead = rest.sector, phases(design)
-    bodies = names.gears(design.gear.discs) if sector.part == names.GEAR else (sector.part,)
+    sector, ahead = rest.sector, reducer.phases
+    bodies = names.gears(reducer.design.gear.discs) if sector.part == names.GEAR else (sector.part,)
     for index, piece in enumerate(rest.pieces, start=1):
         name = f"{sector.part}_rest_{number}_{index}"
         _add_stl(spec, name, stl_bytes(piece))
@@ -146,7 +148,7 @@ def add_rest(spec: Any, design: Design, number: int, rest: Rest) -> None:
         part.geom.type, part.geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, name
         part.geom.conaffinity = OUTSIDE
         for body, phase in zip(bodies, ahead, strict=False):
-            first = phase / design.lobes if sector.of_teeth else 0.0
+            first = phase / reducer.design.lobes if sector.of_teeth else 0.0
             for copy in range(sector.count):
                 spec.body(body).add_geom(part, quat=turn(first + 2.0 * np.pi * copy / sector.count))
 
@@ -168,25 +170,27 @@ def _inverse_weights(spec: Any) -> dict[str, float]:
     return {model.body(i).name: float(model.body_invweight0[i, 0]) for i in range(model.nbody)}
 
 
-def _add_visuals(spec: Any, reducer: Mechanism) -> None:
+def _add_visuals(spec: Any, mechanism: Mechanism) -> None:
     visual = spec.add_default(VISUAL, spec.default)
     visual.geom.group, visual.geom.contype, visual.geom.conaffinity = 2, 0, 0
     visual.geom.type = mujoco.mjtGeom.mjGEOM_MESH
-    for part, solid in parts(reducer.design, VISUAL_CHORD_ERROR).items():
+    for part, solid in parts(Reducer(mechanism.design), VISUAL_CHORD_ERROR).items():
         _add_stl(spec, part, stl_bytes(mesh(solid)), mujoco.mjtMeshInertia.mjMESH_INERTIA_EXACT)
         opacity = OUTPUT_OPACITY if part == names.OUTPUT else 1.0
         spec.add_material(name=part, rgba=[*colour(part)[:3], opacity], specular=0.4, shininess=0.4)
-        for body, place in _homes(reducer, part):
+        for body, place in _homes(mechanism, part):
             spec.body(body).add_geom(visual, meshname=part, material=part, pos=place)
 
 
-def _homes(reducer: Mechanism, part: str) -> Iterator[tuple[str, list[float]]]:
+def _homes(mechanism: Mechanism, part: str) -> Iterator[tuple[str, list[float]]]:
     """Give the body that each copy of a part belongs to, and its place in it [m]."""
-    shown = [(body.name, at) for body in reducer.bodies for one, at in seen(reducer.design, body) if one == part]
+    shown = [
+        (body.name, at) for body in mechanism.bodies for one, at in seen(Reducer(mechanism.design), body) if one == part
+    ]
     for body, at in shown:
         yield body, point(at[:2], float(at[2]))
     if not shown:  # pins that do not move belong to the housing
-        ring = tooth_profile(reducer.design)
+        ring = tooth_profile(mechanism.design)
         for place in ring.pin_circle_radius * profile.unit(profile.pin_angles(ring)):
             yield names.HOUSING, point(place)
 
@@ -203,7 +207,7 @@ def _sub_default(spec: Any, name: str) -> Any:
 
 def _add_surface(
     spec: Any,
-    reducer: Mechanism,
+    mechanism: Mechanism,
     surface: Surface,
     discs: Sequence[int],
     laws: Sequence[Laws],
@@ -215,24 +219,25 @@ def _add_surface(
         _add_stl(spec, f"{surface.key}_{number + 1}", stl_bytes(mesh(prism(surface, number))))
     for disc in discs:
         # the holes of each disc have errors of their own
-        own = gear_holes(reducer.design, settings, disc) if surface.name == "hole" and disc else surface
-        _add_slices(spec, reducer, own, disc, laws, weights)
+        own = gear_holes(Reducer(mechanism.design), settings, disc) if surface.name == "hole" and disc else surface
+        _add_slices(spec, mechanism, own, disc, laws, weights)
 
 
 def _add_slices(
     spec: Any,
-    reducer: Mechanism,
+    mechanism: Mechanism,
     surface: Surface,
     disc: int,
     laws: Sequence[Laws],
     weights: Mapping[str, float],
 ) -> None:
     """Add one class for each slice of a surface on a disc, with its contact physics, and its geoms at every place."""
-    design, carriers, discs = reducer.design, reducer.carriers, reducer.design.gear.discs
+    design, carriers, discs = mechanism.design, mechanism.carriers, mechanism.design.gear.discs
+    reducer = Reducer(design)
     kind = _KINDS.get(surface.name, design.tooth_pair)
     own = discs if surface.name in _OF_DISCS else 1
-    curve, force = curvature_law(design), working_force(design, kind)
-    mating = reducer.mating(kind, disc)
+    curve, force = curvature_law(reducer), working_force(reducer, kind)
+    mating = mechanism.mating(kind, disc)
     mates = {name: mate for pair in mating.pairs for name, mate in ((pair.on, pair.by), (pair.by, pair.on))}
     first = next(mating.pairs)
     weight = weights[carriers[first.on]] + weights[carriers[first.by]]
@@ -250,7 +255,7 @@ def _add_slices(
         else:
             _meet_by_bits(default.geom, parameters, surface.name, part.width, disc)
         classes.append(default)
-    ahead = reducer.phases[disc] / design.lobes if surface.name == names.TEETH else 0.0
+    ahead = mechanism.phases[disc] / design.lobes if surface.name == names.TEETH else 0.0
     counts: dict[int, int] = {}
     for place in surface.places:
         counts[place.member] = counts.get(place.member, 0) + 1
@@ -289,13 +294,13 @@ def _bits(surface: str, width: float, disc: int) -> tuple[int, int]:
     return 0, {"socket": SOCKETS, "bore": BORES[disc], "hole": HOLES}[surface]
 
 
-def _add_round_parts(spec: Any, reducer: Mechanism) -> None:
+def _add_round_parts(spec: Any, mechanism: Mechanism) -> None:
     """Add pins, or the arcs of an internal gear's lobes (the same circles), cams and output pins as capsules."""
-    design, collision = reducer.design, spec.find_default(COLLISION)
+    design, collision = mechanism.design, spec.find_default(COLLISION)
     cams = [("cam", BORES[disc], disc) for disc in range(design.gear.discs)]
     for kind, bits, disc in ((design.tooth_pair, TEETH | SOCKETS, 0), *cams, ("output", HOLES, 0)):
-        round_parts = reducer.mating(kind, disc).by
-        middle, half_width = span(design, round_parts)
+        round_parts = mechanism.mating(kind, disc).by
+        middle, half_width = span(Reducer(design), round_parts)
         half = half_width * (1.0 + 2.0 * CAP)
         for i, name in enumerate(round_parts.names):
             spec.body(round_parts.bodies[i]).add_geom(

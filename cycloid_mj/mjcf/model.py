@@ -18,9 +18,9 @@ from cycloid_mj.contact.regime import warnings
 from cycloid_mj.contact.teeth import USER_DATA
 from cycloid_mj.contact.timestep import timestep
 from cycloid_mj.design import Design
-from cycloid_mj.deviations import deviations
 from cycloid_mj.digits import significant
-from cycloid_mj.mechanism.reducer import Pair, mechanism
+from cycloid_mj.mechanism.reducer import Pair
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf.bodies import add_bodies, add_shapes, crank_inertia
 from cycloid_mj.mjcf.laws import Laws, laws_of_discs, stiffest
 from cycloid_mj.mjcf.sensors import add_sensors
@@ -80,10 +80,11 @@ def build(design: Design, held: Held = "crank") -> ReducerModel:
     ContactError
         MuJoCo cannot represent a contact's stiffness at this time step.
     """
-    masses = moving_masses(design)
-    laws = laws_of_discs(design)
-    reducer, spec = mechanism(design), empty_spec(design, impratio(design, laws, timestep(design)))
-    for name, solid in parts(design, VISUAL_CHORD_ERROR).items():
+    reducer = Reducer(design)
+    masses = moving_masses(reducer)
+    laws = laws_of_discs(reducer)
+    mechanism, spec = reducer.mechanism, empty_spec(reducer, impratio(reducer, laws, timestep(reducer)))
+    for name, solid in parts(reducer, VISUAL_CHORD_ERROR).items():
         shape = mesh(solid)
         spec.add_mesh(
             name=name,
@@ -91,22 +92,22 @@ def build(design: Design, held: Held = "crank") -> ReducerModel:
             userface=shape.faces.ravel().tolist(),
             inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_EXACT,
         )
-    add_bodies(spec, reducer, masses)
-    add_shapes(spec, reducer)
-    crank = crank_inertia(design, masses[names.SHAFT])
-    inertias = {"crank": crank, "output": output_inertia(design), "": 0.0}
+    add_bodies(spec, mechanism, masses)
+    add_shapes(spec, mechanism)
+    crank = crank_inertia(reducer, masses[names.SHAFT])
+    inertias = {"crank": crank, "output": output_inertia(reducer), "": 0.0}
     gains = add_actuators(spec, inertias[held], held)
-    add_sensors(spec, design)
-    each_step.add_sensor(spec, design.contact.law == "impact")
-    if design.ring.has_pin_bodies:
-        set_solver(spec, stiffest(laws), loaded=design.load.torque != 0.0)
-    model = _add_pairs(spec, reducer.pairs, laws)
-    return judged(ReducerModel(spec, model, reducer.pairs, stiffest(laws), gains, crank), design)
+    add_sensors(spec, reducer)
+    each_step.add_sensor(spec, reducer.design.contact.law == "impact")
+    if reducer.design.ring.has_pin_bodies:
+        set_solver(spec, stiffest(laws), loaded=reducer.design.load.torque != 0.0)
+    model = _add_pairs(spec, mechanism.pairs, laws)
+    return judged(ReducerModel(spec, model, mechanism.pairs, stiffest(laws), gains, crank), reducer)
 
 
-def judged(reducer: ReducerModel, design: Design) -> ReducerModel:
+def judged(compiled: ReducerModel, reducer: Reducer) -> ReducerModel:
     """Give a model with its warnings."""
-    return replace(reducer, warnings=warnings(design, reducer))
+    return replace(compiled, warnings=warnings(reducer, compiled))
 
 
 def xml(spec: Any) -> str:
@@ -116,13 +117,14 @@ def xml(spec: Any) -> str:
         return str(spec.to_xml())
 
 
-def empty_spec(design: Design, impratio: float) -> Any:
+def empty_spec(reducer: Reducer, impratio: float) -> Any:
     """Give an editable model with the options of every model of a design, and nothing in it but light and camera."""
+    design = reducer.design
     spec = mujoco.MjSpec()
     spec.modelname = f"cycloid_{design.name}"
-    spec.nuser_geom = USER_DATA + deviations(design).waves_in_use.size
+    spec.nuser_geom = USER_DATA + reducer.deviations.waves_in_use.size
     option = spec.option
-    option.timestep = timestep(design)
+    option.timestep = timestep(reducer)
     option.gravity = [design.environment.gravity_x, design.environment.gravity_y, 0.0]
     option.integrator = mujoco.mjtIntegrator.mjINT_EULER
     option.solver = mujoco.mjtSolver.mjSOL_NEWTON

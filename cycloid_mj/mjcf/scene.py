@@ -1,6 +1,6 @@
 """The scene around a reducer: lights, cameras and a background. It changes nothing in the mechanics."""
 
-from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 
 _SCENE = """<mujoco model="{name} scene">
   <include file="{reducer}"/>
@@ -28,8 +28,9 @@ _SCENE = """<mujoco model="{name} scene">
 """
 
 
-def scene_xml(design: Design, reducer: str) -> str:
-    """Give the MJCF of the scene that includes the file `reducer`."""
+def scene_xml(reducer: Reducer, model_file: str) -> str:
+    """Give the MJCF of the scene that includes the file of the model."""
+    design = reducer.design
     reach = design.housing.outer_radius
     lengths = {
         "extent": 2.2 * reach,
@@ -40,4 +41,6 @@ def scene_xml(design: Design, reducer: str) -> str:
         "rise": 1.4 * reach,
         "front": 3.0 * reach,
     }
-    return _SCENE.format(name=design.name, reducer=reducer, **{key: f"{value:.6g}" for key, value in lengths.items()})
+    return _SCENE.format(
+        name=design.name, reducer=model_file, **{key: f"{value:.6g}" for key, value in lengths.items()}
+    )

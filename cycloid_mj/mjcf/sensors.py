@@ -6,8 +6,8 @@ from typing import Any, Literal, NamedTuple
 import mujoco
 
 from cycloid_mj import names
-from cycloid_mj.design import Design
-from cycloid_mj.mechanism.reducer import Body, mechanism
+from cycloid_mj.mechanism.reducer import Body
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import PINS, REDUCER
 
 _KINDS = {
@@ -27,33 +27,33 @@ class _Sensor(NamedTuple):
     of: str
 
 
-def sensors(design: Design) -> dict[str, dict[str, str]]:
+def sensors(reducer: Reducer) -> dict[str, dict[str, str]]:
     """Give the sensors as groups of column name and unit, in the order of the model."""
     groups: dict[str, dict[str, str]] = {}
-    for sensor in _sensors(design):
+    for sensor in _sensors(reducer):
         groups.setdefault(sensor.topic, {})[sensor.column] = sensor.unit
     return groups
 
 
-def add_sensors(spec: Any, design: Design) -> None:
+def add_sensors(spec: Any, reducer: Reducer) -> None:
     """Add them to an editable model."""
-    for sensor in _sensors(design):
+    for sensor in _sensors(reducer):
         kind, what = _KINDS[sensor.reads]
         spec.add_sensor(name=sensor.column, type=kind, objtype=what, objname=sensor.of)
 
 
-def addresses(data: Any, design: Design) -> list[int]:
+def addresses(data: Any, reducer: Reducer) -> list[int]:
     """Give the addresses in ``MjData`` of what they read, in their order."""
     places = {
         "position": lambda of: data.joint(of).qpos,
         "speed": lambda of: data.joint(of).qvel,
         "torque": lambda of: data.actuator(of).force,
     }
-    return [places[sensor.reads](sensor.of).ctypes.data for sensor in _sensors(design)]
+    return [places[sensor.reads](sensor.of).ctypes.data for sensor in _sensors(reducer)]
 
 
-def _sensors(design: Design) -> Iterator[_Sensor]:
-    for body in mechanism(design).bodies:
+def _sensors(reducer: Reducer) -> Iterator[_Sensor]:
+    for body in reducer.mechanism.bodies:
         if body.part == names.SHAFT:
             yield from _of_shaft("crank", names.CRANK_JOINT, "crank_torque", names.DRIVE)
         elif names.OUTPUT_JOINT in body.joints:

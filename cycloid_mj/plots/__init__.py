@@ -7,6 +7,7 @@ import numpy.typing as npt
 from matplotlib.figure import Figure
 
 from cycloid_mj.analysis import Series, condition, series
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.plots.mechanism import mechanism
 from cycloid_mj.plots.motion import gear_speed_figure, input_figure, transmission_error_figure
 from cycloid_mj.plots.pin import pin_figure
@@ -48,5 +49,5 @@ def figures(run: Run | Series, q: npt.ArrayLike | None = None) -> dict[str, Figu
     ended = "" if motion.phase == "hold" else ", a run that ended in its ramp"
     followed = f"; gear and q: {motion.gear_words}" if motion.design.gear.discs > 1 else ""
     for figure in drawn.values():
-        state(figure, f"{motion.design.name}, {condition(motion.design)}{ended}{followed}")
+        state(figure, f"{motion.design.name}, {condition(Reducer(motion.design))}{ended}{followed}")
     return drawn

@@ -10,6 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from cycloid_mj.analysis import Series, series
 from cycloid_mj.errors import UsageError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.member import columns_from_ring, seen_from_ring
 from cycloid_mj.plots.stage import Script, Stage, set_stage, show
 from cycloid_mj.plots.style import styled
@@ -62,7 +63,7 @@ def take(run: Run, magnification: float = 1.0, frames: int = FRAMES, turns: floa
     if not 0 <= disc < motion.design.gear.discs:
         raise UsageError(f"{motion.design.name} has no gear {disc + 1}: give 1 to {motion.design.gear.discs}")
     motion = motion.of_disc(disc)
-    drawn_radii(motion.design, magnification)
+    drawn_radii(Reducer(motion.design), magnification)
     start = motion.one_turn.start
     swept = np.abs(motion.crank_angle[start:] - motion.crank_angle[start]) / (2 * np.pi)
     wanted = np.linspace(0.0, min(turns, float(swept[-1])), frames, endpoint=False)
@@ -85,12 +86,13 @@ def film(scene: Take, width: int = WIDTH) -> Iterator[Image]:
     motion = scene.motion
     columns = {name: values[scene.rows] for name, values in motion.run.columns.items()}
     design, seen = seen_from_ring(motion.design), columns_from_ring(motion.design, columns)
-    drawn = drawing(design, gaps(design, seen, motion.disc), scene.magnification)
+    reducer = Reducer(design)
+    drawn = drawing(reducer, gaps(reducer, seen, motion.disc), scene.magnification)
     script = Script(
-        design=motion.design,
+        reducer=Reducer(motion.design),
         drawn=drawn,
-        acting=contact_forces(design, seen, drawn).of_disc(motion.disc),
-        ideal=ideal_forces(design, seen, motion.disc),
+        acting=contact_forces(reducer, seen, drawn).of_disc(motion.disc),
+        ideal=ideal_forces(reducer, seen, motion.disc),
     )
     return _frames(script, set_stage(script, width), columns["crank_angle"], motion.time[scene.rows])
 

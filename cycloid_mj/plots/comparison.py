@@ -11,6 +11,7 @@ from cycloid_mj.analysis import SIGNALS, Series, Signal, condition
 from cycloid_mj.analysis.spectrum import BAND
 from cycloid_mj.comparison.forces import cam_force, tooth_forces
 from cycloid_mj.comparison.vibration import spectrum
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.plots.style import (
     BLACK,
     BLUE,
@@ -140,7 +141,7 @@ def _sheet(rows: int, columns: int, title: str, row: float = ROW, **shared: Any)
 
 def _speed(grid: Grid) -> str:
     """Name the crank speed, which all runs share."""
-    return f"{condition(grid[0][0].design).speed_rpm:g} rpm"
+    return f"{condition(Reducer(grid[0][0].design)).speed_rpm:g} rpm"
 
 
 def _color(number: int) -> str:

@@ -12,6 +12,7 @@ from cycloid_mj.contact.pressure import pair_modulus
 from cycloid_mj.contact.working import at_rated_load, working_force
 from cycloid_mj.contact_lines import ContactLines, contact_lines, mesh_period, pressure
 from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.plots.comparison import COLORS
 from cycloid_mj.plots.style import GREY, crank_axis, keys, sheet, styled
@@ -44,10 +45,10 @@ def curvature_figure(designs: Sequence[Design]) -> Figure:
         lines = contact_lines(gear, design.ring.kind, mesh_period(gear, CRANK_ANGLES))
         look = {"color": COLORS[number % len(COLORS)], "linewidth": WIDEST * (1 - number / len(designs))}
         _draw(top, lines, 1e-3 * lines.relative_curvature, look)
-        _draw(bottom, lines, 1e-6 * _pressure(lines, design), look)
+        _draw(bottom, lines, 1e-6 * _pressure(lines, Reducer(design)), look)
     top.set_title("Relative normal curvature of the contact lines")
     top.set_ylabel("curvature [1/mm]")
-    forces = ", ".join(f"{force:.4g}" for force in dict.fromkeys(_force(design) for design in designs))
+    forces = ", ".join(f"{force:.4g}" for force in dict.fromkeys(_force(Reducer(design)) for design in designs))
     bottom.set_title(f"Hertz pressure of one line under {forces} N")
     bottom.set_ylabel("pressure [MPa]")
     for panel in (top, bottom):
@@ -77,10 +78,10 @@ def _draw(axes: Axes, lines: ContactLines, values: Any, look: dict[str, Any]) ->
             axes.plot(np.degrees(lines.phase[rows]), values[rows], **look, **style)
 
 
-def _force(design: Design) -> float:
-    return working_force(at_rated_load(design), design.tooth_pair)
+def _force(reducer: Reducer) -> float:
+    return working_force(at_rated_load(reducer), reducer.design.tooth_pair)
 
 
-def _pressure(lines: ContactLines, design: Design) -> Any:
-    modulus = pair_modulus(design, design.tooth_pair)
-    return pressure(lines, _force(design), design.gear.face_width, modulus)
+def _pressure(lines: ContactLines, reducer: Reducer) -> Any:
+    modulus = pair_modulus(reducer, reducer.design.tooth_pair)
+    return pressure(lines, _force(reducer), reducer.design.gear.face_width, modulus)

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.plots.style import styled
 from cycloid_mj.plots.views import draw_views
 from cycloid_mj.rating.datasheet import Datasheet
@@ -42,7 +43,7 @@ def datasheet_pages(sheet: Datasheet) -> list[Figure]:
 def datasheet_pictures(sheet: Datasheet) -> dict[str, Figure]:
     """Draw the views and the curves, a figure each, for a page that sets text and tables itself."""
     views = Figure(figsize=(9.0, 6.0))
-    draw_views(views.add_axes((0.0, 0.0, 1.0, 1.0)), sheet.design)
+    draw_views(views.add_axes((0.0, 0.0, 1.0, 1.0)), Reducer(sheet.design))
     curves = Figure(figsize=(9.0, 2.7), layout="constrained")
     for axes, curve in zip(curves.subplots(1, len(sheet.curves)), sheet.curves, strict=True):
         _curve(axes, curve)
@@ -64,7 +65,7 @@ def _first(sheet: Datasheet) -> Figure:
 def _second(sheet: Datasheet) -> Figure:
     figure = _page(sheet, 2)
     _heading(figure, "Dimensions [mm], as drawn", 0.868)
-    draw_views(figure.add_axes((LEFT - 0.02, 0.355, RIGHT - LEFT + 0.04, 0.495), anchor="N"), sheet.design)
+    draw_views(figure.add_axes((LEFT - 0.02, 0.355, RIGHT - LEFT + 0.04, 0.495), anchor="N"), Reducer(sheet.design))
     _heading(figure, "What these figures stand on", 0.335)
     line = 0.316
     for note in sheet.notes:

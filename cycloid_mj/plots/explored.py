@@ -73,7 +73,7 @@ def _panels(found: Sweep, quantities: Sequence[str], draw: Callable[[Axes, str],
 
 def _head(figure: Figure, found: Sweep) -> None:
     failed = f", {found.failed} failed" if found.failed else ""
-    state(figure, f"{found.task.design.name}: {len(found)} points{failed}")
+    state(figure, f"{found.task.reducer.design.name}: {len(found)} points{failed}")
 
 
 def _title(found: Sweep, name: str) -> str:

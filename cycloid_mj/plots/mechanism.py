@@ -11,9 +11,7 @@ from matplotlib.patches import Circle, FancyArrowPatch, Patch, PathPatch
 from matplotlib.path import Path
 
 from cycloid_mj import kinematics, member
-from cycloid_mj.design import Design
-from cycloid_mj.mechanism.reducer import phases
-from cycloid_mj.modification import tooth_profile
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import HOUSING, OUTPUT, SHAFT, gears, planar_joints
 from cycloid_mj.plots.style import BLACK, BLUE, GREEN, PURPLE, VERMILION, styled
 from cycloid_mj.record import Run
@@ -45,7 +43,7 @@ LONGEST = 0.3
 
 
 @styled
-def mechanism(design: Design, run: Run | None = None, crank_angle: float | None = None) -> Figure:
+def mechanism(reducer: Reducer, run: Run | None = None, crank_angle: float | None = None) -> Figure:
     """Draw the ring, the gear with its holes, the output pins, the cam and the shaft.
 
     Parameters
@@ -67,32 +65,33 @@ def mechanism(design: Design, run: Run | None = None, crank_angle: float | None 
     figure = Figure(figsize=(6.5, 6.9), layout="constrained")
     axes = figure.subplots()
     if run is None:
-        columns = _ideal(design, CRANK_ANGLE if crank_angle is None else crank_angle)
+        columns = _ideal(reducer, CRANK_ANGLE if crank_angle is None else crank_angle)
     else:
         sample = _sample(run, crank_angle)
         columns = {name: values[sample : sample + 1] for name, values in run.columns.items()}
         degrees = math.degrees(float(columns["crank_angle"][0])) % 360
         axes.set_title(f"crank at {degrees:.1f} deg, {run.time[sample]:.4f} s", loc="center")
-    place = {part: pose[0] for part, pose in poses(design, columns).items()}
-    _draw_parts(axes, design, place)
-    _draw_motion(axes, design, place)
-    _draw_forces(axes, design, contact_forces(design, columns).of("pin_gear", "tooth", "output"))
-    reach = 1.02e3 * design.housing.outer_radius
+    place = {part: pose[0] for part, pose in poses(reducer, columns).items()}
+    _draw_parts(axes, reducer, place)
+    _draw_motion(axes, reducer, place)
+    _draw_forces(axes, reducer, contact_forces(reducer, columns).of("pin_gear", "tooth", "output"))
+    reach = 1.02e3 * reducer.design.housing.outer_radius
     axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
     axes.axis("off")
-    several = run is not None and design.gear.discs > 1
+    several = run is not None and reducer.design.gear.discs > 1
     figure.legend(
-        handles=_legend(design, several), loc="outside lower center", ncols=6, handlelength=1.2, columnspacing=1.4
+        handles=_legend(reducer, several), loc="outside lower center", ncols=6, handlelength=1.2, columnspacing=1.4
     )
     return figure
 
 
-def _ideal(design: Design, crank_angle: float) -> dict[str, Array]:
+def _ideal(reducer: Reducer, crank_angle: float) -> dict[str, Array]:
     """Give the columns of the ideal mechanism's motion at one crank angle."""
-    gear, crank = tooth_profile(design), np.array([crank_angle])
+    design = reducer.design
+    gear, crank = reducer.tooth_profile, np.array([crank_angle])
     turn = member.gear_angle(design, crank)
     columns = {"crank_angle": crank, "output_angle": member.output_angle(design, crank)}
-    for name, phase in zip(gears(design.gear.discs), phases(design), strict=True):
+    for name, phase in zip(gears(design.gear.discs), reducer.phases, strict=True):
         columns |= dict(zip(planar_joints(name), (*kinematics.gear_centre(gear, crank + phase).T, turn), strict=True))
     return columns
 
@@ -107,30 +106,32 @@ def _sample(run: Run, crank_angle: float | None) -> int:
     return int(np.argmin(np.where(last_turn, away, np.inf)))
 
 
-def _draw_parts(axes: Axes, design: Design, place: Mapping[str, Array]) -> None:
+def _draw_parts(axes: Axes, reducer: Reducer, place: Mapping[str, Array]) -> None:
     """Draw from the back to the front; a gear shows through those before it, the output disc through their holes."""
-    solids = parts(design, VISUAL_CHORD_ERROR)
-    axis, pins = np.zeros(3), ring_places(design) if design.ring.kind == "pin" else np.empty((0, 2))
+    design = reducer.design
+    solids = parts(reducer, VISUAL_CHORD_ERROR)
+    axis, pins = np.zeros(3), ring_places(reducer) if design.ring.kind == "pin" else np.empty((0, 2))
     disc = float(np.linalg.norm(solids[OUTPUT].prisms[0].outline, axis=1).max())
     draw_region(axes, solids[HOUSING].prisms[0], "ring", axis)
     for centre in pins:
         draw_disc(axes, centre, design.ring.pin_radius, "pins")
         if design.ring.has_sleeves:
-            draw_disc(axes, centre, sleeve_core_radius(design), "ring")
+            draw_disc(axes, centre, sleeve_core_radius(reducer), "ring")
     draw_disc(axes, axis, disc, "disc")
     for disc, gear in enumerate(gears(design.gear.discs)):
         draw_region(axes, solids[gear].prisms[0], "gear", place[gear], 1.0 if disc == 0 else BEFORE_OTHERS)
-    for centre in moved(place[OUTPUT], output_centres(design)):
+    for centre in moved(place[OUTPUT], output_centres(reducer)):
         draw_disc(axes, centre, design.output.pin_radius, "output")
         if design.output.has_roller_parts:
-            draw_disc(axes, centre, pin_radius(design), "output")
-    for disc, cam in enumerate(cams(design, place[SHAFT][np.newaxis])[0]):
+            draw_disc(axes, centre, pin_radius(reducer), "output")
+    for disc, cam in enumerate(cams(reducer, place[SHAFT][np.newaxis])[0]):
         draw_disc(axes, cam, design.gear.bore_radius, "cam", 1.0 if disc == 0 else BEFORE_OTHERS)
     draw_disc(axes, axis, design.shaft.radius, "shaft")
 
 
-def _draw_motion(axes: Axes, design: Design, place: Mapping[str, Array]) -> None:
+def _draw_motion(axes: Axes, reducer: Reducer, place: Mapping[str, Array]) -> None:
     """Mark the axis and the gears' centres, and show which way the crank and the gear in front turn."""
+    design = reducer.design
     direction = math.copysign(1.0, design.drive.speed)
     centres = [1e3 * place[gear][:2] for gear in gears(design.gear.discs)]
     centre = centres[-1]
@@ -144,14 +145,14 @@ def _draw_motion(axes: Axes, design: Design, place: Mapping[str, Array]) -> None
     _turning(axes, centre, between - design.gear.eccentricity / 2, math.pi / 2 + 0.25 * direction, -0.5 * direction)
 
 
-def _draw_forces(axes: Axes, design: Design, acting: ContactForces) -> None:
+def _draw_forces(axes: Axes, reducer: Reducer, acting: ContactForces) -> None:
     """Draw the forces of ring and output pins on the gears to one scale; the cams' balance them."""
     loaded = acting.size[0] > 0.0
     if not loaded.any():
         return
     largest, discs = float(acting.size.max()), np.array(acting.discs)
-    scale = largest / (LONGEST * 1e3 * design.housing.outer_radius)
-    for disc in range(design.gear.discs):
+    scale = largest / (LONGEST * 1e3 * reducer.design.housing.outer_radius)
+    for disc in range(reducer.design.gear.discs):
         rows, colour = loaded & (discs == disc), DISC_COLOURS[disc]
         points, forces = 1e3 * acting.point[0, rows].T, acting.force[0, rows].T
         arrows = axes.quiver(*points, *forces, scale=scale, color=colour, **FORCE)
@@ -187,10 +188,10 @@ def _turning(axes: Axes, centre: Array, radius: float, start: float, sweep: floa
     axes.add_patch(FancyArrowPatch(path=Path(arc), **look))
 
 
-def _legend(design: Design, forces: bool) -> list[Patch]:
-    pinned = design.ring.kind == "pin"
+def _legend(reducer: Reducer, forces: bool) -> list[Patch]:
+    pinned = reducer.design.ring.kind == "pin"
     names = {"ring": "pinwheel" if pinned else "internal gear", "pins": "ring pins" if pinned else ""}
     names |= {"gear": "cycloid gear", "output": "output pins", "cam": "cam", "shaft": "input shaft"}
     parts = [Patch(label=name, linewidth=0.7, **LOOKS[part]) for part, name in names.items() if name]
-    discs = design.gear.discs if forces else 0
+    discs = reducer.design.gear.discs if forces else 0
     return parts + [Patch(label=f"force on gear {disc + 1}", color=DISC_COLOURS[disc]) for disc in range(discs)]

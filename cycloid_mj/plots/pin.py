@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cycloid_mj.analysis import MICROMETRE, SIGNALS, PinPath, Series
-from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.plots.style import (
     BLACK,
     BLUE,
@@ -38,7 +38,7 @@ def pin_figure(motion: Series, pin: PinPath) -> Figure:
     position, radial, speed = (
         SIGNALS[key].simulated(motion)[motion.one_turn] for key in ("pin_path", "pin_radial", "pin_spin")
     )
-    _path(axes["p"], position, _limit(motion.design, clearance, float(np.abs(position).max())), place)
+    _path(axes["p"], position, _limit(Reducer(motion.design), clearance, float(np.abs(position).max())), place)
     for panel, values, title in ((distance, radial, "Distance from the centre"), (spin, speed, "Spin")):
         panel.plot(degrees, values, color=BLUE, linewidth=0.9)
         panel.set_title(title)
@@ -56,12 +56,13 @@ def pin_figure(motion: Series, pin: PinPath) -> Figure:
     return figure
 
 
-def _limit(design: Design, clearance: float, reach: float) -> Array:
+def _limit(reducer: Reducer, clearance: float, reach: float) -> Array:
     """Compute how far its seat lets a pin's centre go [um], shape (2, n): all round, or between the edges of a socket.
 
     On the socket's arc it is the circle of the clearance; beyond, the pin rolls over an edge and its centre runs on a
     circle of its own radius about that, here as far as `reach`, or to where the pin is caught between both edges.
     """
+    design = reducer.design
     half = socket_half_angle(design) if design.ring.has_sockets else np.pi
     limit = clearance * unit(np.linspace(0.0, half, 100))
     if half < np.pi:

@@ -13,10 +13,9 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Affine2D
 
 from cycloid_mj.analysis import condition
-from cycloid_mj.design import Design
 from cycloid_mj.envelope import sample_ring_by_sagitta
 from cycloid_mj.kinematics import gear_centre
-from cycloid_mj.mechanism.reducer import phases
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import GEAR, OUTPUT, SHAFT
 from cycloid_mj.plots.mechanism import LOOKS
 from cycloid_mj.plots.style import BLACK, BLUE, VERMILION
@@ -79,7 +78,7 @@ class Script:
         Force on each ring pin by the closed form [N], shape (n, N); None for another ring.
     """
 
-    design: Design
+    reducer: Reducer
     drawn: Drawing
     acting: ContactForces
     ideal: Array | None
@@ -87,17 +86,18 @@ class Script:
 
 def set_stage(script: Script, width: int) -> Stage:
     """Draw everything once, `width` pixels wide."""
-    design, acting = script.design, script.acting
+    design, acting = script.reducer.design, script.acting
+    reducer = Reducer(design)
     figure = Figure(figsize=(WIDTH, HEIGHT), dpi=width / WIDTH)
     axes = figure.add_axes((0.02, 0.262, 0.96, 0.7), aspect="equal")
     reach = 1.02e3 * design.housing.outer_radius
     axes.set(xlim=(-reach, reach), ylim=(-reach, reach))
     axes.axis("off")
-    wall = _wall(axes, design)
-    parts = _parts(axes, design, script.drawn)
-    arrows = {kind: _arrows(axes, design, acting.of(kind)) for kind in FORCES if kind in acting.kinds}
-    figure.text(0.025, 0.972, _title(design, script.drawn), fontsize=9.5, weight="bold")
-    told = (str(condition(design)), *_followed(script.drawn, design))
+    wall = _wall(axes, reducer)
+    parts = _parts(axes, reducer, script.drawn)
+    arrows = {kind: _arrows(axes, reducer, acting.of(kind)) for kind in FORCES if kind in acting.kinds}
+    figure.text(0.025, 0.972, _title(reducer, script.drawn), fontsize=9.5, weight="bold")
+    told = (str(condition(reducer)), *_followed(script.drawn, reducer))
     figure.text(0.025, 0.961, "\n".join(told), fontsize=8.5, va="top")
     clock = figure.text(0.975, 0.972, "", fontsize=9.5, ha="right", family="DejaVu Sans Mono")
     _legend(figure, acting)
@@ -112,10 +112,10 @@ def show(stage: Stage, script: Script, row: int) -> None:
     _move(stage, OTHERS, _others(script, row))
     _move(stage, SHAFT, [drawn.shaft[row]])
     _move(stage, OUTPUT, drawn.output_pins[row])
-    outwards = np.arctan2(*ring_places(script.design).T[::-1])
+    outwards = np.arctan2(*ring_places(script.reducer).T[::-1])
     _move(stage, SOCKET, np.column_stack([drawn.sockets[row], outwards]))
     _move(stage, PIN, np.column_stack([drawn.ring[row], drawn.gaps.pin_angle[row]]))
-    if script.design.ring.kind != "pin":
+    if script.reducer.design.ring.kind != "pin":
         _set_ring(stage.wall, script, row)
     _show_forces(stage, script, row)
 
@@ -142,51 +142,54 @@ def _show_forces(stage: Stage, script: Script, row: int) -> None:
         stage.ideal_steps.set_data(script.ideal[row])
 
 
-def _title(design: Design, drawn: Drawing) -> str:
-    return design.name + (f",  gaps drawn {drawn.magnification:g} times as wide" if drawn.magnification > 1 else "")
+def _title(reducer: Reducer, drawn: Drawing) -> str:
+    return reducer.design.name + (
+        f",  gaps drawn {drawn.magnification:g} times as wide" if drawn.magnification > 1 else ""
+    )
 
 
-def _followed(drawn: Drawing, design: Design) -> tuple[str, ...]:
+def _followed(drawn: Drawing, reducer: Reducer) -> tuple[str, ...]:
     """Say which of several discs is shown with its forces, and from where."""
-    disc = (f"gear {drawn.gaps.disc + 1},", "others dashed") if design.gear.discs > 1 else ()
-    return (*disc, "seen from the ring") if design.output.turns_ring else disc
+    disc = (f"gear {drawn.gaps.disc + 1},", "others dashed") if reducer.design.gear.discs > 1 else ()
+    return (*disc, "seen from the ring") if reducer.design.output.turns_ring else disc
 
 
-def _other_discs(design: Design, disc: int) -> list[int]:
-    return [other for other in range(design.gear.discs) if other != disc]
+def _other_discs(reducer: Reducer, disc: int) -> list[int]:
+    return [other for other in range(reducer.design.gear.discs) if other != disc]
 
 
 def _others(script: Script, row: int) -> list[Array]:
     """Give the ideal poses of the discs that are not followed, shape (3,) each."""
-    gaps, mesh, ahead = script.drawn.gaps, tooth_profile(script.design), phases(script.design)
+    gaps, mesh, ahead = script.drawn.gaps, tooth_profile(script.reducer.design), script.reducer.phases
     crank, turn = gaps.crank_angle[row], gaps.gear[row, 2]
     return [
-        np.array([*gear_centre(mesh, crank + ahead[other]), turn]) for other in _other_discs(script.design, gaps.disc)
+        np.array([*gear_centre(mesh, crank + ahead[other]), turn]) for other in _other_discs(script.reducer, gaps.disc)
     ]
 
 
-def _wall(axes: Axes, design: Design) -> Any:
+def _wall(axes: Axes, reducer: Reducer) -> Any:
     """Draw the housing: a plain ring where pins and sockets are drawn on it, else the internal gear."""
-    housing = housing_solid(design, CHORD_ERROR).prisms[0]
+    housing = housing_solid(reducer, CHORD_ERROR).prisms[0]
     hole = housing.holes[0]
-    if design.ring.kind == "pin":
+    if reducer.design.ring.kind == "pin":
         hole = circle(float(np.linalg.norm(hole, axis=1).min()), CHORD_ERROR)
     return _region(axes, [housing.outline, hole[::-1]], "ring", 1)
 
 
 def _set_ring(wall: Any, script: Script, row: int) -> None:
-    ring = sample_ring_by_sagitta(tooth_profile(script.design), CHORD_ERROR)
-    hole = ring_outline(script.design, ring.points, ring.normals, script.drawn, row)
-    outline = circle(script.design.housing.outer_radius, CHORD_ERROR)
+    ring = sample_ring_by_sagitta(tooth_profile(script.reducer.design), CHORD_ERROR)
+    hole = ring_outline(script.reducer, ring.points, ring.normals, script.drawn, row)
+    outline = circle(script.reducer.design.housing.outer_radius, CHORD_ERROR)
     wall.set_path(_path([outline, hole]))
 
 
-def _parts(axes: Axes, design: Design, drawn: Drawing) -> dict[str, list[Any]]:
+def _parts(axes: Axes, reducer: Reducer, drawn: Drawing) -> dict[str, list[Any]]:
     """Draw the parts from the back to the front, each copy in its own frame, as lists of what moves together."""
+    design = reducer.design
     ring, output, gear, radii, disc = design.ring, design.output, design.gear, drawn.radii, drawn.gaps.disc
     pinned = design.ring.kind == "pin"
-    prism = gear_solid(design, CHORD_ERROR, disc).prisms[0]
-    cam_x, cam_y = gear_centre(tooth_profile(design), phases(design)[disc])
+    prism = gear_solid(reducer, CHORD_ERROR, disc).prisms[0]
+    cam_x, cam_y = gear_centre(tooth_profile(design), reducer.phases[disc])
     valley = ring.pin_circle_radius - ring.pin_radius - gear.eccentricity
     between = 0.5 * (valley + output.pin_circle_radius + output.hole_radius)
     mark = (0.0, between, 0.2 * output.pin_radius)
@@ -198,7 +201,7 @@ def _parts(axes: Axes, design: Design, drawn: Drawing) -> dict[str, list[Any]]:
         GEAR: [
             [_region(axes, [prism.outline, *(h[::-1] for h in prism.holes)], "gear", 1.5), _disc(axes, mark, DARK, 3)]
         ],
-        OTHERS: [[_dashed(axes, design, other)] for other in _other_discs(design, disc)],
+        OTHERS: [[_dashed(axes, reducer, other)] for other in _other_discs(reducer, disc)],
         OUTPUT: [[_disc(axes, (0.0, 0.0, radii.output_pin), LOOKS["output"], 3)] for _ in range(output.pins)],
         SHAFT: [
             [
@@ -210,9 +213,9 @@ def _parts(axes: Axes, design: Design, drawn: Drawing) -> dict[str, list[Any]]:
     }
 
 
-def _dashed(axes: Axes, design: Design, disc: int) -> Any:
+def _dashed(axes: Axes, reducer: Reducer, disc: int) -> Any:
     """Draw the outline of a disc that is not followed."""
-    outline = gear_solid(design, CHORD_ERROR, disc).prisms[0].outline
+    outline = gear_solid(reducer, CHORD_ERROR, disc).prisms[0].outline
     look = {"facecolor": "none", "edgecolor": LOOKS["gear"]["edgecolor"], "linestyle": (0, (4, 2)), "zorder": 1.6}
     return axes.add_patch(PathPatch(_path([outline]), linewidth=0.5, **look))
 
@@ -242,7 +245,7 @@ def _disc(axes: Axes, circle: tuple[float, float, float], look: Mapping[str, Any
     return axes.add_patch(PathPatch(Path.circle((x, y), radius), linewidth=0.6, zorder=order, **look))
 
 
-def _arrows(axes: Axes, design: Design, these: ContactForces) -> Any:
+def _arrows(axes: Axes, reducer: Reducer, these: ContactForces) -> Any:
     """Draw the arrows of one kind, tips at the contacts, to one scale of their own."""
     largest = max(float(these.size.max(initial=0.0)), 1e-9)
     return axes.quiver(
@@ -252,7 +255,7 @@ def _arrows(axes: Axes, design: Design, these: ContactForces) -> Any:
         pivot="tip",
         angles="xy",
         scale_units="xy",
-        scale=largest / (LONGEST * 1e3 * design.housing.outer_radius),
+        scale=largest / (LONGEST * 1e3 * reducer.design.housing.outer_radius),
         units="width",
         width=0.005,
         minlength=0.1,

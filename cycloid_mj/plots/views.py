@@ -8,8 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Rectangle
 
-from cycloid_mj.design import Design
-from cycloid_mj.mechanism.reducer import phases
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import GEAR, HOUSING, OUTPUT, PIN, SHAFT, family, gears
 from cycloid_mj.plots.dimension import TEXT, along, leader
 from cycloid_mj.plots.mechanism import LOOKS, draw_disc, draw_region
@@ -32,36 +31,37 @@ STEP = 0.19
 """Distance of dimension lines from each other and from what they measure, over the housing's radius."""
 
 
-def draw_views(axes: Axes, design: Design) -> None:
+def draw_views(axes: Axes, reducer: Reducer) -> None:
     """Draw both views side by side, at one scale and height, the crank's cam up."""
-    outer, mm = MILLIMETRES * design.housing.outer_radius, MILLIMETRES
-    z = [mm * end for solid in body_solids(design).values() for prism in solid.prisms for end in (prism.z0, prism.z1)]
+    outer, mm = MILLIMETRES * reducer.design.housing.outer_radius, MILLIMETRES
+    z = [mm * end for solid in body_solids(reducer).values() for prism in solid.prisms for end in (prism.z0, prism.z1)]
     shift = outer * (1.0 + 4.0 * STEP) - min(z)
     right = max(z) + shift + 4.2 * STEP * outer
     axes.set(xlim=(-outer * (1.0 + 2.0 * STEP), right), ylim=(-outer * (1.0 + 4.2 * STEP), outer * (1.0 + 2.6 * STEP)))
     axes.set_aspect("equal")
     axes.axis("off")
-    _front(axes, design, outer)
-    _section(axes, design, shift)
-    _lengths(axes, design, shift, outer)
-    _diameters(axes, design, shift, outer, (min(z), max(z)))
+    _front(axes, reducer, outer)
+    _section(axes, reducer, shift)
+    _lengths(axes, reducer, shift, outer)
+    _diameters(axes, reducer, shift, outer, (min(z), max(z)))
 
 
-def _front(axes: Axes, design: Design, outer: float) -> None:
+def _front(axes: Axes, reducer: Reducer, outer: float) -> None:
     """Draw ring, pins, the last disc, output pins and cam, with what is said of each."""
-    solids, ring, output, mm = parts(design, CHORD_ERROR), design.ring, design.output, MILLIMETRES
+    design = reducer.design
+    solids, ring, output, mm = parts(reducer, CHORD_ERROR), design.ring, design.output, MILLIMETRES
     here, name = np.zeros(3), gears(design.gear.discs)[-1]
-    centre = _centres(design)[-1]
+    centre = _centres(reducer)[-1]
     draw_region(axes, solids[HOUSING].prisms[0], "ring", here)
-    for place in ring_places(design) if ring.kind == "pin" else ():
+    for place in ring_places(reducer) if ring.kind == "pin" else ():
         draw_disc(axes, place, ring.pin_radius, "pins")
         if ring.has_sleeves:
-            draw_disc(axes, place, sleeve_core_radius(design), "ring")
+            draw_disc(axes, place, sleeve_core_radius(reducer), "ring")
     draw_region(axes, solids[name].prisms[0], "gear", np.array([*centre, 0.0]))
-    for place in output_centres(design):
+    for place in output_centres(reducer):
         draw_disc(axes, place, output.pin_radius, "output")
         if output.has_roller_parts:
-            draw_disc(axes, place, pin_radius(design), "output")
+            draw_disc(axes, place, pin_radius(reducer), "output")
     draw_disc(axes, centre, design.gear.bore_radius, "cam")
     draw_disc(axes, here[:2], design.shaft.radius, "shaft")
     for radius in (ring.pin_circle_radius, output.pin_circle_radius):
@@ -73,64 +73,65 @@ def _front(axes: Axes, design: Design, outer: float) -> None:
     teeth = f"{ring.teeth} pins Ø{2 * mm * ring.pin_radius:.4g}" if ring.kind == "pin" else f"{ring.teeth} lobes"
     for angle, radius, text, side in (
         (math.radians(128.0), ring.pin_circle_radius, f"{teeth}\non Ø{2 * mm * ring.pin_circle_radius:.5g}", -1.0),
-        (_pin_angle(design), output.pin_circle_radius, _pins_told(design), 1.0),
+        (_pin_angle(reducer), output.pin_circle_radius, _pins_told(reducer), 1.0),
     ):
         point = (mm * radius * math.cos(angle), mm * radius * math.sin(angle))
         leader(axes, point, (side * outer * (0.78 + STEP), outer * (0.86 + 1.0 * STEP)), text)
     along(axes, (-outer, outer), -outer * (1.0 + 1.6 * STEP), (0.0, 0.0), f"Ø{2 * outer:.4g}", upright=False)
 
 
-def _pin_angle(design: Design) -> float:
+def _pin_angle(reducer: Reducer) -> float:
     """Give the angle of the output pin that is nearest to 50 deg, counter-clockwise from +x [rad]."""
-    angles = math.pi / 2 - 2.0 * math.pi * np.arange(design.output.pins) / design.output.pins
+    angles = math.pi / 2 - 2.0 * math.pi * np.arange(reducer.design.output.pins) / reducer.design.output.pins
     return float(min(angles, key=lambda angle: abs(angle - math.radians(50.0))))
 
 
-def _pins_told(design: Design) -> str:
-    output, mm = design.output, MILLIMETRES
+def _pins_told(reducer: Reducer) -> str:
+    output, mm = reducer.design.output, MILLIMETRES
     core = f"Ø{2 * mm * output.core_radius:.4g}, rollers " if output.has_roller_parts else ""
     round_ = f"{core}Ø{2 * mm * output.pin_radius:.4g}"
     return f"{output.pins} output pins {round_}\non Ø{2 * mm * output.pin_circle_radius:.4g}"
 
 
-def _centres(design: Design) -> list[Array]:
+def _centres(reducer: Reducer) -> list[Array]:
     """Give the centre of each disc [m], the crank at 0: its own eccentric up, turned by its phase."""
-    up = np.array([[0.0, design.gear.eccentricity]])
-    return [turned(up, phase)[0] for phase in phases(design)]
+    up = np.array([[0.0, reducer.design.gear.eccentricity]])
+    return [turned(up, phase)[0] for phase in reducer.phases]
 
 
-def _section(axes: Axes, design: Design, shift: float) -> None:
+def _section(axes: Axes, reducer: Reducer, shift: float) -> None:
     """Draw what the plane of the cam's eccentricity cuts, and the axis."""
-    for name, prism, centre, plane in _placed(design):
+    for name, prism, centre, plane in _placed(reducer):
         part = family(name)
         look = {**LOOKS[PARTS[part]], "linewidth": 0.6, "hatch": HATCHES[part]}
         for low, high in cut(prism, (float(centre[0]), float(centre[1]))):
             corner = (MILLIMETRES * (prism.z0 + plane) + shift, MILLIMETRES * low)
             axes.add_patch(Rectangle(corner, MILLIMETRES * prism.height, MILLIMETRES * (high - low), **look))
-    ends = [MILLIMETRES * end + shift for _, prism, _, plane in _placed(design) for end in (prism.z0, prism.z1)]
+    ends = [MILLIMETRES * end + shift for _, prism, _, plane in _placed(reducer) for end in (prism.z0, prism.z1)]
     beyond = 0.08 * (max(ends) - min(ends))
     axes.plot((min(ends) - beyond, max(ends) + beyond), (0.0, 0.0), **AXIS)
-    outer = MILLIMETRES * design.housing.outer_radius
+    outer = MILLIMETRES * reducer.design.housing.outer_radius
     axes.text(0.5 * (min(ends) + max(ends)), outer * (1.0 + 2.2 * STEP), "section", **{**TEXT, "fontsize": 7.0})
 
 
-def _placed(design: Design) -> Iterator[tuple[str, Prism, Array, float]]:
+def _placed(reducer: Reducer) -> Iterator[tuple[str, Prism, Array, float]]:
     """Give each prism with its part's name, where the part's frame stands [m], and how far along z [m]."""
+    design = reducer.design
     discs = dict(
-        zip(gears(design.gear.discs), zip(_centres(design), design.gear.disc_planes, strict=True), strict=True)
+        zip(gears(design.gear.discs), zip(_centres(reducer), design.gear.disc_planes, strict=True), strict=True)
     )
-    for name, solid in body_solids(design).items():
+    for name, solid in body_solids(reducer).items():
         places = [discs.get(name, (np.zeros(2), 0.0))]
         if name == PIN:
-            places = [(place, 0.0) for place in ring_places(design)]
+            places = [(place, 0.0) for place in ring_places(reducer)]
         for centre, plane in places:
             yield from ((name, prism, centre, plane) for prism in solid.prisms)
 
 
-def _lengths(axes: Axes, design: Design, shift: float, outer: float) -> None:
+def _lengths(axes: Axes, reducer: Reducer, shift: float, outer: float) -> None:
     """Dimension along the axis, below the section: stack of discs, output disc, and over all."""
-    mm, half = MILLIMETRES, 0.5 * MILLIMETRES * design.gear.stack_width
-    solids = body_solids(design)
+    mm, half = MILLIMETRES, 0.5 * MILLIMETRES * reducer.design.gear.stack_width
+    solids = body_solids(reducer)
     disc = solids[OUTPUT].prisms[0]
     ends = [mm * end for solid in solids.values() for prism in solid.prisms for end in (prism.z0, prism.z1)]
     rows = (
@@ -140,14 +141,14 @@ def _lengths(axes: Axes, design: Design, shift: float, outer: float) -> None:
     )
     for (low, high), row, begin in rows:
         at, text = -outer * (1.0 + row * STEP), f"{high - low:.4g}"
-        begins = (begin, begin) if row < 3 else (-mm * design.shaft.radius, -mm * _reach(disc))
+        begins = (begin, begin) if row < 3 else (-mm * reducer.design.shaft.radius, -mm * _reach(disc))
         along(axes, (low + shift, high + shift), at, begins, text, upright=False)
 
 
-def _diameters(axes: Axes, design: Design, shift: float, outer: float, ends: tuple[float, float]) -> None:
+def _diameters(axes: Axes, reducer: Reducer, shift: float, outer: float, ends: tuple[float, float]) -> None:
     """Dimension across the axis: the input journal at the left, cam bore, output disc and ring at the right."""
-    mm, half = MILLIMETRES, 0.5 * MILLIMETRES * design.gear.stack_width
-    shaft, disc = mm * design.shaft.radius, body_solids(design)[OUTPUT].prisms[0]
+    mm, half = MILLIMETRES, 0.5 * MILLIMETRES * reducer.design.gear.stack_width
+    shaft, disc = mm * reducer.design.shaft.radius, body_solids(reducer)[OUTPUT].prisms[0]
     left = ends[0] + shift
     along(axes, (-shaft, shaft), left - STEP * outer, (left, left), f"Ø{2 * shaft:.4g}", upright=True)
     right = ends[1] + shift

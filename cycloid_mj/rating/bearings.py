@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.contact.pressure import roller_radius
-from cycloid_mj.design import Design
-from cycloid_mj.member import share
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.rating import rolling
 from cycloid_mj.rating.hours import hours
 from cycloid_mj.rating.item import Item
@@ -59,36 +58,38 @@ class Seat:
     where: str
 
 
-def bearings(design: Design, found: Sequence[Loading], peak: float) -> Iterator[Item]:
+def bearings(reducer: Reducer, found: Sequence[Loading], peak: float) -> Iterator[Item]:
     """Rate every bearing at each point of a duty, and at the peak torque [N m] of an emergency stop."""
+    design = reducer.design
     crank = np.array([abs(one.point.speed) * one.point.share for one in found])
-    relative = np.array([relative_speed(design, one.point.speed) * one.point.share for one in found])
+    relative = np.array([relative_speed(reducer, one.point.speed) * one.point.share for one in found])
     if design.gear.bearing == "rolling":
-        yield from _rated(design, cam_seat(design), [one.cam for one in found], relative, found, peak)
+        yield from _rated(reducer, cam_seat(reducer), [one.cam for one in found], relative, found, peak)
     for place, name in enumerate(("far", "near"), start=-2):
         force = [rolling.magnitudes(one.shaft[:, place]) for one in found]
-        yield from _rated(design, _shaft_seat(design, name), force, crank, found, peak)
+        yield from _rated(reducer, _shaft_seat(reducer, name), force, crank, found, peak)
     if design.output.rollers:
         # a roller turns on its pin as often as it rolls round its hole
         rolls = (
-            share(design) * crank * (design.output.hole_radius / design.output.pin_radius - 1.0 + 1.0 / design.lobes)
+            reducer.share * crank * (design.output.hole_radius / design.output.pin_radius - 1.0 + 1.0 / design.lobes)
         )
         loads = [one.output.reshape(len(one.crank), -1) for one in found]
-        yield from _rated(design, _output_seat(design), loads, rolls, found, peak)
+        yield from _rated(reducer, _output_seat(reducer), loads, rolls, found, peak)
 
 
-def cam_seat(design: Design) -> Seat:
+def cam_seat(reducer: Reducer) -> Seat:
     """Give the bearing of each cam, whose outer ring is the gear's bore."""
+    design = reducer.design
     gear, bearing = design.gear, design.bearing
-    row = Row(design.contact.cam_rollers, 2.0 * roller_radius(design), gear.face_width, 2.0 * gear.bore_radius)
+    row = Row(design.contact.cam_rollers, 2.0 * roller_radius(reducer), gear.face_width, 2.0 * gear.bore_radius)
     where = "side by side on the cam's circle, the gear's bore as outer ring"
     return Seat("cam_bearing", "cam bearing", row, bearing.dynamic_capacity, bearing.static_capacity, where)
 
 
-def _shaft_seat(design: Design, name: str) -> Seat:
-    radius, bearing = design.shaft.radius, design.bearing
+def _shaft_seat(reducer: Reducer, name: str) -> Seat:
+    radius, bearing = reducer.design.shaft.radius, reducer.design.bearing
     size = SHAFT_ROLLER_SHARE * radius
-    low, high = shaft_measures(design).bearings[0]
+    low, high = shaft_measures(reducer).bearings[0]
     row = Row(SHAFT_ROLLERS, size, high - low, 2.0 * radius + size)
     ratings = bearing.shaft_dynamic_capacity, bearing.shaft_static_capacity
     return Seat(
@@ -100,7 +101,8 @@ def _shaft_seat(design: Design, name: str) -> Seat:
     )
 
 
-def _output_seat(design: Design) -> Seat:
+def _output_seat(reducer: Reducer) -> Seat:
+    design = reducer.design
     output, bearing = design.output, design.bearing
     needle = NEEDLE_FILL * (output.pin_radius - output.root_radius) * 2.0
     pitch = 2.0 * output.root_radius + needle
@@ -110,15 +112,15 @@ def _output_seat(design: Design) -> Seat:
 
 
 def _rated(
-    design: Design, seat: Seat, force: Sequence[Array], turns: Array, found: Sequence[Loading], peak: float
+    reducer: Reducer, seat: Seat, force: Sequence[Array], turns: Array, found: Sequence[Loading], peak: float
 ) -> Iterator[Item]:
     """Rate one bearing, the most loaded of those alike.
 
     `force` (m,) or (m, bearings) [N] at each point; `turns` the relative speeds there times the share of time [rad/s].
     """
-    bearing = design.bearing
+    bearing = reducer.design.bearing
     each = [one.reshape(len(one), -1) for one in force]
-    load = bearing_load(design, each, turns)
+    load = bearing_load(reducer, each, turns)
     capacity = seat.dynamic or seat.row.dynamic
     life = rolling.life_hours(capacity, load, float(turns.sum()), bearing.reliability)
     formula = f"L = a1 (C/P)^(10/3), a1 {rolling.reliability_factor(bearing.reliability):.3g}, ISO 281:2007"
@@ -147,13 +149,13 @@ def _rated(
     )
 
 
-def bearing_load(design: Design, force: Sequence[Array], turns: Array) -> float:
+def bearing_load(reducer: Reducer, force: Sequence[Array], turns: Array) -> float:
     """Average the forces on bearings alike [N], (m, bearings) for each point of a duty, for the most loaded of them.
 
     `turns` are the relative speeds at the points times the share of time [rad/s].
     """
     means = np.array([max(rolling.mean_load(column) for column in one.T) for one in force])
-    return design.bearing.service_factor * rolling.mean_load(means, turns)
+    return reducer.design.bearing.service_factor * rolling.mean_load(means, turns)
 
 
 def _torques(found: Sequence[Loading]) -> list[float]:

@@ -6,11 +6,11 @@ import numpy as np
 
 from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.contact.working import at_rated_load
-from cycloid_mj.design import Design
 from cycloid_mj.errors import CycloidError
 from cycloid_mj.loaded.ideal import ideal_cam
 from cycloid_mj.loaded.springs import turn_evenly
-from cycloid_mj.member import seen_from_ring, turns_of_crank
+from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.member import turns_of_crank
 from cycloid_mj.rating.bearings import bearing_load, cam_seat
 from cycloid_mj.rating.duty import Duty
 from cycloid_mj.rating.give import IDEAL, CamGive, Give
@@ -22,25 +22,26 @@ GIVES = (0.1, 0.3, 1.0, 3.0, 10.0, 100.0)
 """Stiffnesses of the cam over its own: what its seat, its rollers' fit and its rings leave open."""
 
 
-def cam_give(design: Design, duty: Duty) -> CamGive:
+def cam_give(reducer: Reducer, duty: Duty) -> CamGive:
     """Rate the cam under a duty at each of `GIVES` times its stiffness, and by ideal sharing."""
+    design = reducer.design
     points = [point for point in duty.points if point.speed]
-    turns = np.array([relative_speed(design, point.speed) * point.share for point in points])
+    turns = np.array([relative_speed(reducer, point.speed) * point.share for point in points])
 
     def row(name: str, stiffness: float | None, cams: list[Array]) -> Give:
-        load = bearing_load(design, cams, turns)
-        seat, bearing = cam_seat(design), design.bearing
+        load = bearing_load(reducer, cams, turns)
+        seat, bearing = cam_seat(reducer), design.bearing
         rolls = design.gear.bearing == "rolling"
         capacity = seat.dynamic or seat.row.dynamic
         life = life_hours(capacity, load, float(turns.sum()), bearing.reliability) if rolls else None
         return Give(name, stiffness, load, life)
 
-    own, rows = pair_stiffness(at_rated_load(seen_from_ring(design)), "cam"), []
+    own, rows = pair_stiffness(at_rated_load(reducer.seen_from_ring), "cam"), []
     for factor in GIVES:
         name = "as assumed" if factor == 1.0 and not design.stiffness.cam else f"{factor:g} times that"
         if factor == 1.0 and design.stiffness.cam:
             name = "of the design file"
-        varied = design.but(stiffness={"cam": factor * own})
+        varied = reducer.but(stiffness={"cam": factor * own})
         try:
             rows.append(row(name, factor * own, [loading(varied, point).cam for point in points]))
         except CycloidError:
@@ -49,5 +50,5 @@ def cam_give(design: Design, duty: Duty) -> CamGive:
     ideal = []
     for point in points:
         at = {"drive": {"speed": math.copysign(point.speed, design.drive.speed)}, "load": {"torque": point.torque}}
-        ideal.append(ideal_cam(design.but(**at), crank))
+        ideal.append(ideal_cam(reducer.but(**at), crank))
     return CamGive((*rows, row(IDEAL, None, ideal)))

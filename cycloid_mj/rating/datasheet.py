@@ -10,6 +10,7 @@ from cycloid_mj.design import PARTS, Design
 from cycloid_mj.errors import DesignError
 from cycloid_mj.loaded import loads, powers, springs_of
 from cycloid_mj.loaded.sheet import Sheet, sheet
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import GEAR, HOUSING, OUTPUT, PIN, SHAFT, family
 from cycloid_mj.rating.duty import steady
 from cycloid_mj.rating.item import Item
@@ -67,7 +68,7 @@ class Datasheet:
         }
 
 
-def datasheet(design: Design, life: float = LIFE) -> Datasheet:
+def datasheet(reducer: Reducer, life: float = LIFE) -> Datasheet:
     """Give the data sheet of a sound design, its rated torque for a life [h] at the rated speed.
 
     Raises
@@ -77,24 +78,26 @@ def datasheet(design: Design, life: float = LIFE) -> Datasheet:
     RunError
         No static balance was found, as where friction jams the reducer.
     """
-    static = sheet(design, design.rated_torque)
-    momentary, stop = momentary_torque(design)
-    rated, weakest = min(rated_torque(design, design.drive.speed, life), (momentary, stop), key=lambda one: one[0])
+    design = reducer.design
+    static = sheet(reducer, design.rated_torque)
+    momentary, stop = momentary_torque(reducer)
+    rated, weakest = min(rated_torque(reducer, design.drive.speed, life), (momentary, stop), key=lambda one: one[0])
     groups = {
-        "Ratings": _ratings(design, life, (rated, weakest), (momentary, stop)),
-        "Accuracy and stiffness": _accuracy(design, static),
-        "Efficiency and heat": _efficiency(design, static),
-        "Mass and size": _mass(design),
+        "Ratings": _ratings(reducer, life, (rated, weakest), (momentary, stop)),
+        "Accuracy and stiffness": _accuracy(reducer, static),
+        "Efficiency and heat": _efficiency(reducer, static),
+        "Mass and size": _mass(reducer),
     }
-    curves = (life_curve(design, life, momentary), _efficiency_curve(design), _wind_up_curve(design))
-    return Datasheet(design, life, groups, curves, _notes(design, life, static))
+    curves = (life_curve(reducer, life, momentary), _efficiency_curve(reducer), _wind_up_curve(reducer))
+    return Datasheet(design, life, groups, curves, _notes(reducer, life, static))
 
 
-def momentary_torque(design: Design) -> tuple[float, Item]:
+def momentary_torque(reducer: Reducer) -> tuple[float, Item]:
     """Give the torque [N m] that is held once with a safety of 1, and the item that ends it.
 
     Forces go with the torque from those at the rated torque of the drive.
     """
+    design = reducer.design
     duty = steady(design.rated_torque, design.drive.speed)
     stops = [item for item in rate(design, duty).items.values() if item.key.startswith(STOPS)]
     first = min(stops, key=lambda item: item.safety or 0.0)
@@ -102,11 +105,12 @@ def momentary_torque(design: Design) -> tuple[float, Item]:
 
 
 def _ratings(
-    design: Design, life: float, lasting: tuple[float, Item], once: tuple[float, Item]
+    reducer: Reducer, life: float, lasting: tuple[float, Item], once: tuple[float, Item]
 ) -> tuple[Quantity, ...]:
+    design = reducer.design
     speed, way = design.drive.speed, "forwards" if design.output.turns_ring else "backwards"
     at = f"{abs(speed) / RPM:.0f} rpm input"
-    by_bearings, bearing = rated_torque(design, speed, life, is_bearing_life)
+    by_bearings, bearing = rated_torque(reducer, speed, life, is_bearing_life)
     (rated, weakest), (momentary, stop) = lasting, once
     return (
         Quantity("ratio", "Reduction ratio", design.reduction, "1", note=f"input to output, turning {way}"),
@@ -136,8 +140,8 @@ def _ratings(
     )
 
 
-def _accuracy(design: Design, static: Sheet) -> tuple[Quantity, ...]:
-    found, at = static.quantities, f"{design.rated_torque:.4g} N m"
+def _accuracy(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
+    found, at = static.quantities, f"{reducer.design.rated_torque:.4g} N m"
     error = found["output_peak_to_peak_loaded_forward_speed"]
     return (
         _told(found["backlash"], "Backlash", "without load, mean of a turn"),
@@ -147,7 +151,8 @@ def _accuracy(design: Design, static: Sheet) -> tuple[Quantity, ...]:
     )
 
 
-def _efficiency(design: Design, static: Sheet) -> tuple[Quantity, ...]:
+def _efficiency(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
+    design = reducer.design
     found = static.quantities
     at = f"{design.rated_torque:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm"
     hot = rate(design).items["temperature"]
@@ -163,15 +168,16 @@ def _told(found: Quantity, name: str, condition: str) -> Quantity:
     return Quantity(found.key, name, found.value, found.unit, note=found.note or condition)
 
 
-def _mass(design: Design) -> tuple[Quantity, ...]:
+def _mass(reducer: Reducer) -> tuple[Quantity, ...]:
+    design = reducer.design
     gear, housing = design.gear, design.housing
-    solids = {name: mass_properties(solid) for name, solid in body_solids(design).items()}
+    solids = {name: mass_properties(solid) for name, solid in body_solids(reducer).items()}
     count = {PIN: design.ring.teeth}
     mass = sum(one.mass * count.get(name, 1) for name, one in solids.items())
-    length = axial_extent(design)
+    length = axial_extent(reducer)
     return (
         Quantity("mass", "Mass", mass, "kg", note="parts as drawn: no covers, no bearings' rings"),
-        Quantity("inertia", "Inertia at the input", 1e4 * input_inertia(design), "kg cm2", note="without the motor"),
+        Quantity("inertia", "Inertia at the input", 1e4 * input_inertia(reducer), "kg cm2", note="without the motor"),
         Quantity("outer_diameter", "Outer diameter", 2e3 * housing.outer_radius, "mm", note="ring"),
         Quantity("length", "Length over all", 1e3 * (length[1] - length[0]), "mm", note="input journal to output disc"),
         Quantity("input_diameter", "Input shaft diameter", 2e3 * design.shaft.radius, "mm", note="journal"),
@@ -181,13 +187,14 @@ def _mass(design: Design) -> tuple[Quantity, ...]:
     )
 
 
-def input_inertia(design: Design) -> float:
+def input_inertia(reducer: Reducer) -> float:
     """Give the inertia at the input [kg m2]: of crank, discs on their orbit, and what is slow over the ratio squared.
 
     Ring pins that spin are left out: some 1e-4 of it. Where the ring turns, discs orbit without a turn of their own.
     """
+    design = reducer.design
     found, slow, ring_turns = 0.0, float(design.reduction) ** 2, design.output.turns_ring
-    for name, solid in body_solids(design).items():
+    for name, solid in body_solids(reducer).items():
         own = mass_properties(solid)
         about_axis = own.inertia[2, 2] + own.mass * float(np.sum(own.centroid[:2] ** 2))
         kind = family(name)
@@ -202,53 +209,54 @@ def input_inertia(design: Design) -> float:
     return found
 
 
-def axial_extent(design: Design) -> tuple[float, float]:
+def axial_extent(reducer: Reducer) -> tuple[float, float]:
     """Give where the reducer begins and ends along z [m]."""
-    ends = [end for solid in body_solids(design).values() for prism in solid.prisms for end in (prism.z0, prism.z1)]
+    ends = [end for solid in body_solids(reducer).values() for prism in solid.prisms for end in (prism.z0, prism.z1)]
     return min(ends), max(ends)
 
 
-def life_curve(design: Design, life: float, momentary: float = np.inf) -> Curve:
+def life_curve(reducer: Reducer, life: float, momentary: float = np.inf) -> Curve:
     """Compute the rated torque over the speed, up to what is held once [N m]; where none is borne there is no point."""
     points: list[tuple[float, float]] = []
     for share in SPEEDS:
-        speed = share * abs(design.drive.speed)
+        speed = share * abs(reducer.design.drive.speed)
         with suppress(DesignError):
-            torque, _ = rated_torque(design, speed, life, guess=points[-1][1] if points else 0.0)
+            torque, _ = rated_torque(reducer, speed, life, guess=points[-1][1] if points else 0.0)
             points.append((speed / RPM, min(torque, momentary)))
     x, y = np.array(points).T
     return Curve(f"Rated torque for {life:g} h", "all items", x, y, "input speed [rpm]", "output torque [N m]")
 
 
-def _efficiency_curve(design: Design) -> Curve:
-    torques = np.array(TORQUES) * design.rated_torque
-    values = np.array([100.0 * powers(design, float(torque)).efficiency for torque in torques])
-    panel = f"Efficiency at {abs(design.drive.speed) / RPM:.0f} rpm"
+def _efficiency_curve(reducer: Reducer) -> Curve:
+    torques = np.array(TORQUES) * reducer.design.rated_torque
+    values = np.array([100.0 * powers(reducer, float(torque)).efficiency for torque in torques])
+    panel = f"Efficiency at {abs(reducer.design.drive.speed) / RPM:.0f} rpm"
     return Curve(panel, "efficiency", torques, values, "output torque [N m]", "efficiency [%]")
 
 
-def _wind_up_curve(design: Design) -> Curve:
-    still = design.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
+def _wind_up_curve(reducer: Reducer) -> Curve:
+    still = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
     springs = springs_of(still, friction=False)
-    torques = design.rated_torque * np.array([*(-np.array(TURNS[::-1])), *TURNS])
+    torques = reducer.design.rated_torque * np.array([*(-np.array(TURNS[::-1])), *TURNS])
     turns = [float(loads(still, springs, float(torque)).output_turn.mean()) / ARCMINUTE for torque in torques]
     panel = "Torsion, input locked"
     return Curve(panel, "mean of a turn", torques, np.array(turns), "output torque [N m]", "output turn [arcmin]")
 
 
-def _notes(design: Design, life: float, static: Sheet) -> tuple[str, ...]:
+def _notes(reducer: Reducer, life: float, static: Sheet) -> tuple[str, ...]:
     return (
-        f"Computed by cycloid_mj from the design {design.name}; nothing here is measured on a built drive.",
+        f"Computed by cycloid_mj from the design {reducer.design.name}; nothing here is measured on a built drive.",
         f"Rated torque: what bearings (ISO 281, 90 %), surfaces (pitting, shakedown), parts (Goodman) and heat "
         f"bear for {life:g} h, and what is held once; wear is left out. Momentary torque: held once, by first yield, "
         "dents, bent or sheared pins, or a jumped tooth. Both with a safety of 1.",
-        _made_of(design),
+        _made_of(reducer),
         *(f"{sentence[0].upper()}{sentence[1:]}." for sentence in static.assumptions),
     )
 
 
-def _made_of(design: Design) -> str:
+def _made_of(reducer: Reducer) -> str:
     """Tell materials and clearances."""
+    design = reducer.design
     materials = ", ".join(f"{part} {design.material_of(part).name or 'of its own numbers'}" for part in PARTS)
     clearances = ", ".join(
         f"{kind.replace('_', ' ')} {1e6 * getattr(design.clearance, kind):.4g}" for kind in design.pair_kinds

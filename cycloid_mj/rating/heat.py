@@ -4,9 +4,10 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from cycloid_mj.design import PARTNERS, PARTS, Design
+from cycloid_mj.design import PARTNERS, PARTS
 from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.design.model import Service
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.rating.item import Item
 from cycloid_mj.rating.loading import Loading
 
@@ -28,13 +29,14 @@ REFERENCE = 20.0
 """Temperature [°C] at which clearances are as drawn (ISO 1)."""
 
 
-def heat(design: Design, found: Sequence[Loading]) -> Iterator[Item]:
+def heat(reducer: Reducer, found: Sequence[Loading]) -> Iterator[Item]:
     """Rate the housing's temperature in still air, and the clearance that each kind of pair loses by it."""
+    design = reducer.design
     service = design.service
     lost = sum(sum(one.losses.values()) * one.point.share for one in found)
-    area = outside(design)
+    area = outside(reducer)
     hot = service.ambient_temperature + lost / (service.film_coefficient * area)
-    limits = sorted(hottest(design), key=lambda one: one.hottest)
+    limits = sorted(hottest(reducer), key=lambda one: one.hottest)
     first = limits[0]
     yield Item(
         "power_lost",
@@ -66,7 +68,7 @@ def heat(design: Design, found: Sequence[Loading]) -> Iterator[Item]:
         f"{', '.join(f'{one.hottest:g} °C {one.name} ({one.source})' for one in limits)}",
     )
     for kind in design.pair_kinds:
-        grown = clearance_growth(design, kind) * (hot - REFERENCE)
+        grown = clearance_growth(reducer, kind) * (hot - REFERENCE)
         clearance = getattr(design.clearance, kind)
         made = " on ".join(design.material_of(one).name or "unnamed" for one in PARTNERS[kind])
         yield Item(
@@ -82,18 +84,20 @@ def heat(design: Design, found: Sequence[Loading]) -> Iterator[Item]:
         )
 
 
-def outside(design: Design) -> float:
+def outside(reducer: Reducer) -> float:
     """Give the outside of a cylinder round ring and output disc [m2], both ends included."""
+    design = reducer.design
     radius = design.housing.outer_radius
     return 2.0 * math.pi * radius * (radius + design.gear.stack_width + design.output.disc_thickness)
 
 
-def clearance_growth(design: Design, kind: str) -> float:
+def clearance_growth(reducer: Reducer, kind: str) -> float:
     """Give how much the clearance of a kind of pair grows per kelvin [m/K]; the tightest place counts.
 
     Pins stand on the housing's circle, output pins on the output disc's, the gear grows from its centre:
     mesh a_h E - a_p rho - a_g (E - rho), output a_g r_h - a_o r_o - |a_g - a_o| R_o, others a_bore r - a_pin r.
     """
+    design = reducer.design
     ring, output = design.ring, design.output
     alpha = {part: design.material_of(part).expansion for part in PARTS}
     if kind == "pin_gear":
@@ -124,8 +128,9 @@ class Limit:
     source: str
 
 
-def hottest(design: Design) -> Iterator[Limit]:
+def hottest(reducer: Reducer) -> Iterator[Limit]:
     """List what bears a temperature: grease, seals and every material of a part; `HOTTEST` where that is unknown."""
+    design = reducer.design
     for name, given, source in (
         ("grease", design.service.grease_temperature, GREASE),
         ("seals", design.service.seal_temperature, SEALS),

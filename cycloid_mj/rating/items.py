@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from cycloid_mj.design import Design, material_limits
 from cycloid_mj.errors import DesignError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.rating.bearings import bearings
 from cycloid_mj.rating.cam import cam_give
 from cycloid_mj.rating.duty import Duty, steady
@@ -39,29 +40,30 @@ def rate(
     RunError
         The drive cannot hold a torque of the duty.
     """
-    duty = duty or steady(design.rated_torque, design.drive.speed)
+    reducer = Reducer(design)
+    duty = duty or steady(reducer.design.rated_torque, reducer.design.drive.speed)
     turning = [point for point in duty.points if point.speed]
     if not turning:
         raise DesignError("drive.speed_rpm is 0, but lives need a crank that turns: give another speed, such as 1640")
-    found = [loading(design, point) for point in turning]
+    found = [loading(reducer, point) for point in turning]
     worst = max(found, key=lambda one: abs(one.point.torque))
     items = [
-        *bearings(design, found, duty.peak),
-        *surfaces(design, found),
-        *strength(design, worst, ranges),
-        *wear(design, found),
-        *heat(design, found),
-        *peaks(design, duty.peak, worst),
+        *bearings(reducer, found, duty.peak),
+        *surfaces(reducer, found),
+        *strength(reducer, worst, ranges),
+        *wear(reducer, found),
+        *heat(reducer, found),
+        *peaks(reducer, duty.peak, worst),
     ]
     ordered = sorted(items, key=lambda item: item.margin(life))
-    spread = cam_give(design, duty) if give else None
-    assumptions = *_assumptions(design, duty), *([spread.words] if spread else [])
-    return Rating(design.name, duty.words, life, {item.key: item for item in ordered}, assumptions, spread)
+    spread = cam_give(reducer, duty) if give else None
+    assumptions = *_assumptions(reducer, duty), *([spread.words] if spread else [])
+    return Rating(reducer.design.name, duty.words, life, {item.key: item for item in ordered}, assumptions, spread)
 
 
-def _assumptions(design: Design, duty: Duty) -> Iterator[str]:
+def _assumptions(reducer: Reducer, duty: Duty) -> Iterator[str]:
     yield "forces by statics with friction at the clearances of the design, a crank that turns evenly"
-    yield f"reliability {design.bearing.reliability:.0%} of bearings and of parts (bearing.reliability)"
+    yield f"reliability {reducer.design.bearing.reliability:.0%} of bearings and of parts (bearing.reliability)"
     yield f"peak torque {duty.peak:.4g} N m{'' if duty.peak_given else ', twice the largest of the duty (--peak-nm)'}"
     yield "pitting has a standard curve for steel alone: other metals and plastics are not rated for it"
-    yield from material_limits(design)
+    yield from material_limits(reducer.design)

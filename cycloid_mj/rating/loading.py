@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.design import Design
 from cycloid_mj.errors import RunError
 from cycloid_mj.loaded import Loads, Springs, loads, peak_pressure, powers, springs_of
 from cycloid_mj.loaded.springs import turn_evenly
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.member import turns_of_crank
 from cycloid_mj.rating.duty import DutyPoint
 from cycloid_mj.rating.rolling import magnitudes
@@ -78,17 +78,17 @@ class Loading:
     wind_up: float
 
 
-def relative_speed(design: Design, speed: float) -> float:
+def relative_speed(reducer: Reducer, speed: float) -> float:
     """Give the speed of crank and gear against each other [rad/s]: the gear turns back by one in N - 1, or not."""
-    return abs(speed) * (1.0 if design.output.turns_ring else 1.0 + 1.0 / design.lobes)
+    return abs(speed) * (1.0 if reducer.design.output.turns_ring else 1.0 + 1.0 / reducer.design.lobes)
 
 
-def speed_past_ring(design: Design, speed: float) -> float:
+def speed_past_ring(reducer: Reducer, speed: float) -> float:
     """Give the speed of the crank against the ring [rad/s], whose pins see a lobe each turn of it."""
-    return abs(speed) * (1.0 - 1.0 / design.reduction if design.output.turns_ring else 1.0)
+    return abs(speed) * (1.0 - 1.0 / reducer.design.reduction if reducer.design.output.turns_ring else 1.0)
 
 
-def loading(design: Design, point: DutyPoint) -> Loading:
+def loading(reducer: Reducer, point: DutyPoint) -> Loading:
     """Solve one point of a duty; the signs of torque and speed do not matter: the load brakes.
 
     Raises
@@ -96,8 +96,9 @@ def loading(design: Design, point: DutyPoint) -> Loading:
     RunError
         There is no balance: the drive cannot hold that torque.
     """
+    design = reducer.design
     speed = math.copysign(point.speed, design.drive.speed)
-    at = design.but(drive={"speed": speed})
+    at = reducer.but(drive={"speed": speed})
     crank = turns_of_crank(design, design.lobes * turn_evenly(POSES))
     springs, torque = springs_of(at, crank), math.copysign(abs(point.torque), speed)
     try:
@@ -107,7 +108,7 @@ def loading(design: Design, point: DutyPoint) -> Loading:
         held = f"{abs(point.torque):.4g} N m at {point.speed / RPM:.4g} rpm"
         raise RunError(f"{design.name} does not hold {held}: {error}; rate it at another torque") from error
     cam = found.cam.reshape(POSES, -1, 2)
-    shaft = shaft_measures(design)
+    shaft = shaft_measures(reducer)
     places, forces = _shaft_forces(at, shaft, springs.crank, cam)
     return Loading(
         point=point,
@@ -126,33 +127,34 @@ def loading(design: Design, point: DutyPoint) -> Loading:
     )
 
 
-def _rubs(design: Design, springs: Springs, found: Loads) -> dict[str, Rub]:
+def _rubs(reducer: Reducer, springs: Springs, found: Loads) -> dict[str, Rub]:
     """Give how teeth, output pins without rollers and a plain cam slide; a pin slips where it is the easier."""
+    design = reducer.design
     slip, count = np.abs(springs.slip), springs.teeth
     seat = design.seat_pair
     in_seat = seat and design.mesh_friction < design.friction_of(design.tooth_pair)
     kind, radius = (seat, design.ring.pin_radius) if in_seat else (design.tooth_pair, design.ring.pin_radius)
-    rubs = {kind: _rub(design, found.teeth, slip[:, :count], radius)}
+    rubs = {kind: _rub(reducer, found.teeth, slip[:, :count], radius)}
     if not design.output.rollers:
-        rubs["output"] = _rub(design, found.output, slip[:, count:], design.output.pin_radius)
+        rubs["output"] = _rub(reducer, found.output, slip[:, count:], design.output.pin_radius)
     if design.gear.bearing == "plain":
         force = magnitudes(found.cam).reshape(len(slip), -1)
-        speed = np.full_like(force, design.gear.bore_radius * relative_speed(design, design.drive.speed))
-        rubs["cam"] = _rub(design, force, speed, design.gear.bore_radius)
+        speed = np.full_like(force, design.gear.bore_radius * relative_speed(reducer, design.drive.speed))
+        rubs["cam"] = _rub(reducer, force, speed, design.gear.bore_radius)
     return rubs
 
 
-def _rub(design: Design, force: Array, speed: Array, radius: float) -> Rub:
+def _rub(reducer: Reducer, force: Array, speed: Array, radius: float) -> Rub:
     """Give how contacts under forces [N] slide at speeds [m/s], shapes (m, n), on pins of a radius [m]."""
     rubbed, carries = force * speed, force > 0.0
     return Rub(
         power=float(rubbed.sum(axis=1).mean()),
-        pressure_speed=float(rubbed.max()) / (2.0 * radius * design.gear.face_width),
+        pressure_speed=float(rubbed.max()) / (2.0 * radius * reducer.design.gear.face_width),
         speed=float(speed[carries].mean()) if carries.any() else 0.0,
     )
 
 
-def _shaft_forces(design: Design, shaft: Shaft, crank: Array, cam: Array) -> tuple[Array, Array]:
+def _shaft_forces(reducer: Reducer, shaft: Shaft, crank: Array, cam: Array) -> tuple[Array, Array]:
     """Give places along the shaft (p,) [m] and the forces there in its frame, shape (m, p, 2) [N].
 
     The loads are each disc on its cam (m, discs, 2) and the unbalance of the shaft itself; two bearings hold it as a
@@ -161,10 +163,10 @@ def _shaft_forces(design: Design, shaft: Shaft, crank: Array, cam: Array) -> tup
     cosine, sine = np.cos(crank)[:, np.newaxis], np.sin(crank)[:, np.newaxis]
     x, y = cam[..., 0], cam[..., 1]
     turned = np.stack([-(cosine * x + sine * y), -(cosine * y - sine * x)], axis=-1)
-    own = mass_properties(crank_solid(design))
-    flung = np.broadcast_to(own.mass * own.centroid[:2] * design.drive.speed**2, (len(crank), 1, 2))
+    own = mass_properties(crank_solid(reducer))
+    flung = np.broadcast_to(own.mass * own.centroid[:2] * reducer.design.drive.speed**2, (len(crank), 1, 2))
     far, near = (0.5 * sum(ends) for ends in shaft.bearings)
-    acting = np.array([*design.gear.disc_planes, 0.5 * sum(shaft.counterweight)])
+    acting = np.array([*reducer.design.gear.disc_planes, 0.5 * sum(shaft.counterweight)])
     applied = np.concatenate([turned, flung], axis=1)
     at_near = -np.einsum("p,mpx->mx", (acting - far) / (near - far), applied)
     at_far = -applied.sum(axis=1) - at_near

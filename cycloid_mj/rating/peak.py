@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 
 from cycloid_mj.contact.pressure import HARDNESS_PRESSURE, YIELD_PRESSURE
-from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.rating.item import Item
 from cycloid_mj.rating.loading import Loading
 from cycloid_mj.rating.strength import pin_moment
@@ -16,8 +16,9 @@ KINDS["peak_dents"] = ("lasting dents", HARDNESS_PRESSURE, "tensile_strength", "
 """Pressures that are held once: what happens beyond, over which strength, and its source."""
 
 
-def peaks(design: Design, peak: float, worst: Loading) -> Iterator[Item]:
+def peaks(reducer: Reducer, peak: float, worst: Loading) -> Iterator[Item]:
     """Rate a peak torque [N m] by what each part holds once; forces go with the torque of the worst loading."""
+    design = reducer.design
     torque = abs(worst.point.torque)
     for key, (what, factor, kind_of_strength, source) in KINDS.items():
         held = {
@@ -45,7 +46,7 @@ def peaks(design: Design, peak: float, worst: Loading) -> Iterator[Item]:
         "F/(n pi r^2) against Y/sqrt(3)",
         f"{planes} x {1e3 * radius:.3g} mm radius; forces in proportion to the torque",
     )
-    bent = 4.0 * float(pin_moment(design, worst.output).max()) * peak / torque / (math.pi * radius**3)
+    bent = 4.0 * float(pin_moment(reducer, worst.output).max()) * peak / torque / (math.pi * radius**3)
     yield Item(
         "peak_pin_bending",
         "emergency stop, bending of an output pin",

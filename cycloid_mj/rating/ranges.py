@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.replacing import as_input
 
 RESULT = "stress.json"
@@ -22,7 +22,7 @@ class StressRange:
     load: float
 
 
-def read_ranges(path: Path, design: Design) -> dict[str, StressRange]:
+def read_ranges(path: Path, reducer: Reducer) -> dict[str, StressRange]:
     """Give the stress ranges of a design's parts by part, from the folder or result file of ``cycloid-mj stress``.
 
     Raises
@@ -30,6 +30,7 @@ def read_ranges(path: Path, design: Design) -> dict[str, StressRange]:
     UsageError
         There is no such file, it is no result of ``stress``, or it has no loaded study of that design.
     """
+    design = reducer.design
     file = path / RESULT if path.is_dir() else path
     try:
         told = json.loads(as_input(file).read_text(encoding="utf-8"))

@@ -5,8 +5,8 @@ from collections.abc import Callable
 
 from scipy.optimize import brentq
 
-from cycloid_mj.design import Design
 from cycloid_mj.errors import CycloidError, DesignError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.rating.duty import steady
 from cycloid_mj.rating.item import Item
 from cycloid_mj.rating.items import rate
@@ -29,7 +29,7 @@ STOPS, NOT_COUNTED = "peak_", ("_wear", "_static")
 
 
 def rated_torque(
-    design: Design, speed: float, life: float, counts: Callable[[str], bool] | None = None, guess: float = 0.0
+    reducer: Reducer, speed: float, life: float, counts: Callable[[str], bool] | None = None, guess: float = 0.0
 ) -> tuple[float, Item]:
     """Give the torque [N m] that everything bears for a life [h] at a crank's speed [rad/s], and what decides it.
 
@@ -41,6 +41,7 @@ def rated_torque(
     DesignError
         No torque in that range is borne for so long.
     """
+    design = reducer.design
     decides, rated = counts or _counts, design.rated_torque
     found: dict[float, Item] = {}
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from cycloid_mj.checks.strength import Wall, walls
-from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import family
 from cycloid_mj.rating.fatigue import Fatigue, endurance_limit, notch_factor
 from cycloid_mj.rating.item import Item
@@ -28,31 +28,32 @@ MADE = {studied: part for part, studied in HOLED.items()}
 """Part of a wall -> its name in that study, and the other way round."""
 
 
-def strength(design: Design, worst: Loading, ranges: dict[str, StressRange] | None = None) -> Iterator[Item]:
+def strength(reducer: Reducer, worst: Loading, ranges: dict[str, StressRange] | None = None) -> Iterator[Item]:
     """Rate every part against endless repetition of the largest load; `ranges` are those of a study, by part."""
-    yield output_pin(design, worst.output)
-    yield _shoulder(design, worst)
+    yield output_pin(reducer, worst.output)
+    yield _shoulder(reducer, worst)
     torque = abs(worst.point.torque)
     studied = {part: found for part, found in (ranges or {}).items() if family(part) in STUDIED}
     for part, found in studied.items():
-        yield _studied(design, part, found, torque)
-    for wall in walls(design):
+        yield _studied(reducer, part, found, torque)
+    for wall in walls(reducer):
         if HOLED[wall.part] not in map(family, studied):
-            yield _wall(design, wall, worst)
+            yield _wall(reducer, wall, worst)
 
 
-def output_pin(design: Design, force: Array) -> Item:
+def output_pin(reducer: Reducer, force: Array) -> Item:
     """Rate the root of an output pin under the forces of the discs on it [N], shape (..., discs, pins), which pulsate.
 
     A cantilever of the output disc, or a beam clamped at both ends; under a roller it is the core that bends.
     """
+    design = reducer.design
     made, radius, fillet = design.material_of("output"), design.output.root_radius, design.output.root_fillet
-    moment = float(pin_moment(design, force).max())
+    moment = float(pin_moment(reducer, force).max())
     nominal = 4.0 * moment / (math.pi * radius**3)
     shape = shoulder_factor(radius, fillet, math.inf, BENDING)
     notch = design.service.notch_factor or notch_factor(shape, fillet, made.tensile_strength)
     half = 0.5 * notch * nominal
-    fatigue = Fatigue(half, half, _endurance(design, made.tensile_strength, 2.0 * radius), made.tensile_strength)
+    fatigue = Fatigue(half, half, _endurance(reducer, made.tensile_strength, 2.0 * radius), made.tensile_strength)
     held = "a cantilever" if design.output.support == "cantilever" else "a beam clamped at both ends"
     given = "of the design file" if design.service.notch_factor else f"from its fillet of {1e3 * fillet:.3g} mm"
     return Item(
@@ -64,24 +65,25 @@ def output_pin(design: Design, force: Array) -> Item:
         fatigue.safety,
         None,
         f"Goodman, pulsating bending of {held}, 4 M/(pi r^3)",
-        f"core of {1e3 * radius:.3g} mm radius, notch factor {notch:.3g} {given}; {_limit_told(design, 'output')}",
+        f"core of {1e3 * radius:.3g} mm radius, notch factor {notch:.3g} {given}; {_limit_told(reducer, 'output')}",
     )
 
 
-def pin_moment(design: Design, force: Array) -> Array:
+def pin_moment(reducer: Reducer, force: Array) -> Array:
     """Give the bending moment at the root of each pin [N m], shape (..., pins), of forces [N] (..., discs, pins).
 
     Each disc presses in its middle, see ``stress.notch.root_arms``; of two roots the larger moment.
     """
-    return np.asarray(np.einsum("rd,...dp->...rp", root_arms(design), force).max(axis=-2))
+    return np.asarray(np.einsum("rd,...dp->...rp", root_arms(reducer), force).max(axis=-2))
 
 
-def _shoulder(design: Design, worst: Loading) -> Item:
+def _shoulder(reducer: Reducer, worst: Loading) -> Item:
     """Rate the shaft's weakest shoulder; in its own frame the load stands nearly still: its ripple is the amplitude."""
-    shaft, made, fillet = shaft_measures(design), design.material_of("shaft"), design.shaft.shoulder_fillet
+    design = reducer.design
+    shaft, made, fillet = shaft_measures(reducer), design.material_of("shaft"), design.shaft.shoulder_fillet
     around = np.stack([np.cos(ANGLES), np.sin(ANGLES)], axis=1)
     section = 4.0 / (math.pi * shaft.radius**3)
-    endurance = _endurance(design, made.tensile_strength, 2.0 * shaft.radius)
+    endurance = _endurance(reducer, made.tensile_strength, 2.0 * shaft.radius)
     found: list[tuple[float, Item]] = []
     for shoulder in shaft.shoulders:
         factors = [
@@ -105,17 +107,17 @@ def _shoulder(design: Design, worst: Loading) -> Item:
             None,
             "Goodman, notch factors of DIN 743-2, a ripple on a load that turns with the shaft",
             f"fillet of {1e3 * fillet:.3g} mm, notch factors {factors[0]:.3g} in bending, {factors[1]:.3g} in torsion; "
-            f"{_limit_told(design, 'shaft')}",
+            f"{_limit_told(reducer, 'shaft')}",
         )
         found.append((fatigue.safety, item))
     return min(found, key=lambda one: one[0])[1]
 
 
-def _studied(design: Design, part: str, found: StressRange, torque: float) -> Item:
+def _studied(reducer: Reducer, part: str, found: StressRange, torque: float) -> Item:
     """Rate a part by the range of stress at its worst node, which a study by finite elements found over a turn."""
-    made = design.material_of(MADE[family(part)])
+    made = reducer.design.material_of(MADE[family(part)])
     scale = torque / found.load
-    endurance = _endurance(design, made.tensile_strength, 0.0)
+    endurance = _endurance(reducer, made.tensile_strength, 0.0)
     fatigue = Fatigue(scale * found.amplitude, scale * found.mean, endurance, made.tensile_strength)
     scaled = "" if math.isclose(scale, 1.0, rel_tol=1e-3) else f", times {scale:.3g} for this torque"
     return Item(
@@ -127,12 +129,13 @@ def _studied(design: Design, part: str, found: StressRange, torque: float) -> It
         fatigue.safety,
         None,
         "Goodman, range of stress of the worst node over a turn, by finite elements",
-        f"stress study at {found.load:.4g} N m{scaled}; {_limit_told(design, MADE[family(part)])}",
+        f"stress study at {found.load:.4g} N m{scaled}; {_limit_told(reducer, MADE[family(part)])}",
     )
 
 
-def _wall(design: Design, wall: Wall, worst: Loading) -> Item:
+def _wall(reducer: Reducer, wall: Wall, worst: Loading) -> Item:
     """Rate a wall as a beam clamped at both ends of the hole beside it, with the pin's force in the middle."""
+    design = reducer.design
     made = design.material_of(wall.part)
     by_tooth = wall.kind == design.tooth_pair
     force = worst.teeth if by_tooth else float(worst.output.max())
@@ -141,7 +144,7 @@ def _wall(design: Design, wall: Wall, worst: Loading) -> Item:
     bent = 0.75 * force * span / (width * wall.thickness**2)
     sheared = math.sqrt(3.0) * 0.75 * force / (width * wall.thickness)
     half = 0.5 * max(bent, sheared)
-    safety = Fatigue(half, half, _endurance(design, made.tensile_strength, wall.thickness), made.tensile_strength)
+    safety = Fatigue(half, half, _endurance(reducer, made.tensile_strength, wall.thickness), made.tensile_strength)
     return Item(
         f"{wall.name}_fatigue",
         f"wall {wall.where}, fatigue",
@@ -152,17 +155,18 @@ def _wall(design: Design, wall: Wall, worst: Loading) -> Item:
         None,
         "Goodman, pulsating; clamped beam, 6 (F l/8)/(w t^2), or its shear, sqrt(3) 1.5 F/(2 w t)",
         f"assumed: l {1e3 * span:.3g} mm, the hole, t {1e3 * wall.thickness:.3g} mm; or --stress; "
-        f"{_limit_told(design, wall.part)}",
+        f"{_limit_told(reducer, wall.part)}",
     )
 
 
-def _endurance(design: Design, tensile: float, thickness: float) -> float:
-    service, bearing = design.service, design.bearing
+def _endurance(reducer: Reducer, tensile: float, thickness: float) -> float:
+    service, bearing = reducer.design.service, reducer.design.bearing
     return service.endurance_limit or endurance_limit(tensile, thickness, service.surface, bearing.reliability)
 
 
-def _limit_told(design: Design, part: str) -> str:
+def _limit_told(reducer: Reducer, part: str) -> str:
     """Tell where the endurance limit of a part is from."""
+    design = reducer.design
     service, made = design.service, design.material_of(part)
     if service.endurance_limit:
         return "endurance limit of the design file"

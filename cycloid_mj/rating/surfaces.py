@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from cycloid_mj.contact.pressure import SHAKEDOWN_PRESSURE, YIELD_PRESSURE, pair_strength
-from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.rating.item import Item
 from cycloid_mj.rating.loading import Loading, relative_speed, speed_past_ring
 
@@ -35,13 +35,13 @@ NAMES = {
 }
 
 
-def surfaces(design: Design, found: Sequence[Loading]) -> Iterator[Item]:
+def surfaces(reducer: Reducer, found: Sequence[Loading]) -> Iterator[Item]:
     """Rate the pressures of teeth, holes and seats: yield and shakedown by the worst, pitting by Miner's sum."""
     for kind, name in NAMES.items():
         pressure = max((one.pressures.get(kind, 0.0) for one in found), default=0.0)
         if not pressure > 0.0:
             continue
-        strength = pair_strength(design, kind)
+        strength = pair_strength(reducer, kind)
         for key, what, factor, source in (
             ("yield", "first yield", YIELD_PRESSURE, "p0 = 1.79 Y, below a line (Johnson 1985, 4.4)"),
             ("shakedown", "shakedown", SHAKEDOWN_PRESSURE, "p0 = 4 k = 2.31 Y, rolling line (Johnson 1985, 9.2)"),
@@ -58,18 +58,18 @@ def surfaces(design: Design, found: Sequence[Loading]) -> Iterator[Item]:
                 source,
                 f"Hertz's p0; Y {1e-6 * strength:.4g} MPa of the weaker partner",
             )
-        if all(part.youngs_modulus >= SOFTEST_STEEL for part in design.partners(kind)):
-            yield _pitting(design, found, kind, pressure)
+        if all(part.youngs_modulus >= SOFTEST_STEEL for part in reducer.design.partners(kind)):
+            yield _pitting(reducer, found, kind, pressure)
 
 
-def _pitting(design: Design, found: Sequence[Loading], kind: str, pressure: float) -> Item:
-    tensile = min(part.tensile_strength for part in design.partners(kind))
+def _pitting(reducer: Reducer, found: Sequence[Loading], kind: str, pressure: float) -> Item:
+    tensile = min(part.tensile_strength for part in reducer.design.partners(kind))
     allowed = pitting_pressure(tensile)
     damage, hourly, on_pins = 0.0, 0.0, 0.0
     for one in found:
-        loads = _turns_an_hour(relative_speed(design, one.point.speed)) * one.point.share
+        loads = _turns_an_hour(relative_speed(reducer, one.point.speed)) * one.point.share
         hourly += loads
-        on_pins += _turns_an_hour(speed_past_ring(design, one.point.speed)) * one.point.share
+        on_pins += _turns_an_hour(speed_past_ring(reducer, one.point.speed)) * one.point.share
         damage += loads / pitting_cycles(one.pressures[kind], allowed) if one.pressures[kind] > 0.0 else 0.0
     life = 1.0 / damage if damage else math.inf
     note = (

@@ -4,8 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from cycloid_mj import profile
-from cycloid_mj.design import Design
-from cycloid_mj.modification import gear_profile, profile_offset
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.rating.item import Item
 from cycloid_mj.rating.loading import Loading
 
@@ -22,15 +21,15 @@ NAMES = {
 }
 
 
-def wear(design: Design, found: Sequence[Loading]) -> Iterator[Item]:
+def wear(reducer: Reducer, found: Sequence[Loading]) -> Iterator[Item]:
     """Rate wear by Archard, k F s spread over the whole surface that slides, and give p v and the way slid."""
-    coefficient = design.service.wear_coefficient
+    coefficient = reducer.design.service.wear_coefficient
     for kind in found[0].rubs:
         power = sum(one.rubs[kind].power * one.point.share for one in found)
         speed = sum(one.rubs[kind].speed * one.point.share for one in found)
         largest = max(one.rubs[kind].pressure_speed for one in found)
-        depth = coefficient * power * 3600.0 * HOURS / _face(design, kind)
-        limit = getattr(design.clearance, kind)
+        depth = coefficient * power * 3600.0 * HOURS / _face(reducer, kind)
+        limit = getattr(reducer.design.clearance, kind)
         way = speed * 3.6 * HOURS
         yield Item(
             f"{kind}_wear",
@@ -65,12 +64,13 @@ def _figure(key: str, name: str, value: float, unit: str, source: str, note: str
     return Item(key, name, value, math.nan, unit, None, None, source, note)
 
 
-def _face(design: Design, kind: str) -> float:
+def _face(reducer: Reducer, kind: str) -> float:
     """Give the area of the surface that wears [m2], of one disc, or of all sockets or sleeves."""
+    design = reducer.design
     width, ring = design.gear.face_width, design.ring
     if kind in ("pin_gear", "tooth"):
-        gear = gear_profile(design)
-        return float(profile.arc_length(gear, 2.0 * math.pi, profile_offset(design))) * width * design.gear.discs
+        gear = reducer.gear_profile
+        return float(profile.arc_length(gear, 2.0 * math.pi, reducer.profile_offset)) * width * design.gear.discs
     around = {
         "output": design.output.hole_radius * design.output.pins,
         "cam": design.gear.bore_radius,

@@ -13,7 +13,7 @@ from cycloid_mj.report.tables import Table
 from cycloid_mj.result import Curve
 from cycloid_mj.result import Table as Result
 from cycloid_mj.robot.against import Against
-from cycloid_mj.robot.reducer import Reducer
+from cycloid_mj.robot.reducer import ReducedJoint
 from cycloid_mj.robot.study import Tried, recommended_table
 from cycloid_mj.robot.study import table as study_table
 from cycloid_mj.units import RPM
@@ -27,7 +27,9 @@ LOADS = (0.0, 0.5, 1.0)
 """Shares of the rated torque at which a constant friction is given for formats that have no other."""
 
 
-def joint_page(reducer: Reducer, against: Against, steps: Sequence[Tried], asked: Tried, bam: Mapping[str, Any]) -> str:
+def joint_page(
+    reduced: ReducedJoint, against: Against, steps: Sequence[Tried], asked: Tried, bam: Mapping[str, Any]
+) -> str:
     """Give the page: one HTML file that needs no network."""
     panels = list(dict.fromkeys(curve.panel for curve in against.curves))
     figures = [_figure([curve for curve in against.curves if curve.panel == panel]) for panel in panels]
@@ -35,19 +37,19 @@ def joint_page(reducer: Reducer, against: Against, steps: Sequence[Tried], asked
         environment()
         .get_template("joint.html")
         .render(
-            title=f"cycloid_mj: {reducer.name} as a joint",
-            reducer=reducer,
-            numbers=list(_numbers(reducer).items()),
-            quantities=_quantities(reducer),
+            title=f"cycloid_mj: {reduced.name} as a joint",
+            reducer=reduced,
+            numbers=list(_numbers(reduced).items()),
+            quantities=_quantities(reduced),
             comparison=_texts(against.table()),
             missed=against.missed,
             figures=figures,
             steps=_texts(study_table(tuple(steps))),
             longest=_texts(recommended_table(tuple(steps))),
             asked=asked,
-            dynamics=_dynamics(reducer),
-            efficiency=_texts(_efficiency(reducer)),
-            harmonics=_harmonics(reducer),
+            dynamics=_dynamics(reduced),
+            efficiency=_texts(_efficiency(reduced)),
+            harmonics=_harmonics(reduced),
             te_rpm=against.highest_speed_rpm,
             bam=_bam(bam),
             data=Markup(json.dumps({"figures": figures}, separators=(",", ":")).replace("</", "<\\/")),
@@ -56,23 +58,23 @@ def joint_page(reducer: Reducer, against: Against, steps: Sequence[Tried], asked
     )
 
 
-def _numbers(reducer: Reducer) -> dict[str, str]:
+def _numbers(reduced: ReducedJoint) -> dict[str, str]:
     """Give the numbers that one looks for first."""
-    found = reducer.quantities
+    found = reduced.quantities
     return {
-        "ratio": f"{reducer.ratio:g}:1",
+        "ratio": f"{reduced.ratio:g}:1",
         "backlash": f"{found['backlash_arcmin'].value:.3g} arcmin",
         "stiffness [N m/arcmin]": f"{found['stiffness_nm_per_arcmin'].value:.4g}",
         "efficiency": f"{found['efficiency'].value:.2f} %",
         "back-driving": f"{found['back_driving_efficiency'].value:.2f} %",
-        "inertia at the output": f"{reducer.reflected_inertia:.3g} kg m²",
+        "inertia at the output": f"{reduced.reflected_inertia:.3g} kg m²",
     }
 
 
-def _quantities(reducer: Reducer) -> Table:
+def _quantities(reduced: ReducedJoint) -> Table:
     rows = [
         (one.name, f"{one.value:.6g}", one.unit, "" if one.error is None else f"{one.error:.2g}")
-        for one in reducer.quantities.values()
+        for one in reduced.quantities.values()
     ]
     return Table([("quantity", "value", "unit", "numerical error")], rows)
 
@@ -99,36 +101,36 @@ def _figure(curves: Sequence[Curve]) -> dict[str, Any]:
     return {"title": first.panel, "x_label": first.x_label, "y_label": first.y_label, "span": span, "curves": drawn}
 
 
-def _dynamics(reducer: Reducer) -> Table:
+def _dynamics(reduced: ReducedJoint) -> Table:
     """Give what a format with nothing but a constant friction and a damping can hold, at the joint."""
-    slow, fast = reducer.friction.speeds[0], reducer.friction.speeds[-1]
-    low, high = (reducer.friction.torque(0.0, speed, driving=True) for speed in (slow, fast))
-    damping = max(0.0, reducer.ratio**2 * (high - low) / (fast - slow))
+    slow, fast = reduced.friction.speeds[0], reduced.friction.speeds[-1]
+    low, high = (reduced.friction.torque(0.0, speed, driving=True) for speed in (slow, fast))
+    damping = max(0.0, reduced.ratio**2 * (high - low) / (fast - slow))
     rows = []
     for share in LOADS:
-        torque = share * reducer.rated_torque
-        ways = [reducer.ratio * reducer.friction.torque(torque, reducer.rated_speed, way) for way in (True, False)]
+        torque = share * reduced.rated_torque
+        ways = [reduced.ratio * reduced.friction.torque(torque, reduced.rated_speed, way) for way in (True, False)]
         rows.append((f"right at {share:.0%} of the rated torque", *(f"{way:.4g}" for way in ways), f"{damping:.3g}"))
     return Table([("", "friction, driving [N m]", "friction, driven [N m]", "damping [N m s/rad]")], rows)
 
 
-def _efficiency(reducer: Reducer) -> Result:
+def _efficiency(reduced: ReducedJoint) -> Result:
     """Give the map both ways at the rated speed and the ends of the map."""
-    friction = reducer.friction
+    friction = reduced.friction
     header = ["output torque [N m]"]
     rows: list[list[float]] = [[torque] for torque in friction.torques[1:]]
     for speed in friction.speeds:
         for driving, word in ((True, "driving"), (False, "driven")):
             header.append(f"{word}, {speed / RPM:.0f} rpm [%]")
             for row in rows:
-                row.append(100.0 * friction.efficiency(row[0], speed, reducer.ratio, driving))
+                row.append(100.0 * friction.efficiency(row[0], speed, reduced.ratio, driving))
     return Result("Efficiency", tuple(header), tuple(map(tuple, rows)))
 
 
-def _harmonics(reducer: Reducer) -> Table:
+def _harmonics(reduced: ReducedJoint) -> Table:
     """Give the harmonics under the rated torque, both ways, down to `SMALLEST` of the largest."""
-    load = reducer.ripple.loads[-1] * reducer.rated_torque
-    rated = [one for one in reducer.ripple.harmonics(reducer.way, reducer.rated_torque) if one["load_nm"] == load]
+    load = reduced.ripple.loads[-1] * reduced.rated_torque
+    rated = [one for one in reduced.ripple.harmonics(reduced.way, reduced.rated_torque) if one["load_nm"] == load]
     least = SMALLEST * max((one["value"] for one in rated), default=0.0)
     by_order: dict[float, list[dict[str, Any]]] = {}
     for one in rated:

@@ -6,11 +6,9 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.analysis import Series
-from cycloid_mj.design import Design
 from cycloid_mj.envelope import sample_ring_by_sagitta
-from cycloid_mj.mechanism.reducer import phases
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.member import columns_from_ring, seen_from_ring
-from cycloid_mj.modification import tooth_profile
 from cycloid_mj.report.encode import encoded
 from cycloid_mj.scene import (
     contact_forces,
@@ -35,9 +33,9 @@ def mechanism(motion: Series) -> dict[str, Any]:
     rows = _rows(motion)
     columns = {name: values[rows] for name, values in motion.run.columns.items()}
     seen = seen_from_ring(motion.design)
-    widest = widest_gap(seen, gaps(seen, columns_from_ring(motion.design, columns)))
-    return _shape(motion.design) | {
-        "usual": fitting_magnification(seen, widest, MAGNIFICATIONS),
+    widest = widest_gap(Reducer(seen), gaps(Reducer(seen), columns_from_ring(motion.design, columns)))
+    return _shape(Reducer(motion.design)) | {
+        "usual": fitting_magnification(Reducer(seen), widest, MAGNIFICATIONS),
         "widest": 1e3 * widest,
         "frames": _frames(motion, columns, motion.time[rows]),
     }
@@ -48,10 +46,11 @@ def _rows(motion: Series) -> npt.NDArray[np.intp]:
     return np.unique(np.linspace(turn.start, turn.stop - 1, FRAMES).round().astype(np.intp))
 
 
-def _shape(design: Design) -> dict[str, Any]:
+def _shape(reducer: Reducer) -> dict[str, Any]:
+    design = reducer.design
     ring, output, gear = design.ring, design.output, design.gear
-    hole = housing_solid(design, CHORD_ERROR).prisms[0].holes[0]
-    largest = largest_magnification(design)
+    hole = housing_solid(reducer, CHORD_ERROR).prisms[0].holes[0]
+    largest = largest_magnification(reducer)
     shape = {
         "kind": ring.kind,
         "free": ring.has_sockets,
@@ -66,20 +65,20 @@ def _shape(design: Design) -> dict[str, Any]:
         "shaft": 1e3 * design.shaft.radius,
         "housing": 1e3 * design.housing.outer_radius,
         "wall": 1e3 * float(np.linalg.norm(hole, axis=1).min()),
-        "clearance": 1e3 * tooth_clearance(design),
-        "gear": encoded(1e3 * gear_solid(design, CHORD_ERROR).prisms[0].outline),
+        "clearance": 1e3 * tooth_clearance(reducer),
+        "gear": encoded(1e3 * gear_solid(reducer, CHORD_ERROR).prisms[0].outline),
         "others": [
-            {"phase": phase, "gear": encoded(1e3 * gear_solid(design, CHORD_ERROR, disc).prisms[0].outline)}
-            for disc, phase in list(enumerate(phases(design)))[1:]
+            {"phase": phase, "gear": encoded(1e3 * gear_solid(reducer, CHORD_ERROR, disc).prisms[0].outline)}
+            for disc, phase in list(enumerate(reducer.phases))[1:]
         ],
         "magnifications": [
-            {"times": times, **{name: 1e3 * radius for name, radius in vars(drawn_radii(design, times)).items()}}
+            {"times": times, **{name: 1e3 * radius for name, radius in vars(drawn_radii(reducer, times)).items()}}
             for times in MAGNIFICATIONS
             if times <= largest
         ],
     }
     if ring.kind != "pin":
-        outline = sample_ring_by_sagitta(tooth_profile(design), CHORD_ERROR)
+        outline = sample_ring_by_sagitta(reducer.tooth_profile, CHORD_ERROR)
         shape |= {"ring": encoded(1e3 * outline.points), "ringNormals": encoded(outline.normals)}
     return shape
 
@@ -87,7 +86,8 @@ def _shape(design: Design) -> dict[str, Any]:
 def _frames(motion: Series, columns: dict[str, Array], time: Array) -> dict[str, Any]:
     """Give what changes, in mm, rad and N."""
     design, columns = seen_from_ring(motion.design), columns_from_ring(motion.design, columns)
-    measured, acting = gaps(design, columns), contact_forces(design, columns).of_disc(0)
+    reducer = Reducer(design)
+    measured, acting = gaps(reducer, columns), contact_forces(reducer, columns).of_disc(0)
     deviation = measured.deviation * [1e3, 1e3, 1.0]
     frames = {
         "time": encoded(time - time[0]),
@@ -98,7 +98,7 @@ def _frames(motion: Series, columns: dict[str, Array], time: Array) -> dict[str,
         "outputAway": encoded(1e3 * measured.output_away),
         "force": {kind: encoded(acting.of(*kinds).force) for kind, kinds in GROUPS.items()},
     }
-    if (ideal := ideal_forces(design, columns)) is not None:
+    if (ideal := ideal_forces(reducer, columns)) is not None:
         frames |= {
             "away": encoded(1e3 * measured.away),
             "pinAngle": encoded(np.mod(measured.pin_angle, 2 * np.pi)),

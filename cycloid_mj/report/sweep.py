@@ -22,7 +22,7 @@ def sweep_page(found: Sweep, quantities: Sequence[str], figure: bytes) -> str:
         environment()
         .get_template("sweep.html")
         .render(
-            title=f"cycloid_mj: sweep of {task.design.name}",
+            title=f"cycloid_mj: sweep of {task.reducer.design.name}",
             found=found,
             varied=_varied(found),
             figure=b64encode(figure).decode(),
@@ -32,7 +32,7 @@ def sweep_page(found: Sweep, quantities: Sequence[str], figure: bytes) -> str:
             rows=_rows(found, quantities),
             shown=min(len(found), MOST_ROWS),
             cpu=sum(row.cpu for row in found.rows.values()),
-            design=dump(task.design),
+            design=dump(task.reducer.design),
         )
     )
 

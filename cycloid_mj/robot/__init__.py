@@ -2,6 +2,6 @@
 
 from cycloid_mj.robot.attach import attach_reducer
 from cycloid_mj.robot.measured import reduce
-from cycloid_mj.robot.reducer import LEVELS, Level, Reducer
+from cycloid_mj.robot.reducer import LEVELS, Level, ReducedJoint
 
-__all__ = ["LEVELS", "Level", "Reducer", "attach_reducer", "reduce"]
+__all__ = ["LEVELS", "Level", "ReducedJoint", "attach_reducer", "reduce"]

@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.contact.working import working_at
-from cycloid_mj.design import Design
 from cycloid_mj.errors import RunError
 from cycloid_mj.loaded.balance import powers
 from cycloid_mj.loaded.springs import POSES
 from cycloid_mj.loaded.windup import LOST_MOTION_SHARE
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.result import Curve, Quantity, Table
 from cycloid_mj.robot.measured import SMALL, Play, play_of
-from cycloid_mj.robot.reducer import Reducer
+from cycloid_mj.robot.reducer import ReducedJoint
 from cycloid_mj.robot.ripple import Ripple
 from cycloid_mj.robot.study import vibration
 from cycloid_mj.robot.transmission import error, waves
@@ -127,7 +127,7 @@ class Against:
         return f"{100.0 * (row.value / row.reference - 1.0):+.3f} %" if row.reference else f"{row.value:+.3g}"
 
 
-def against(design: Design, reducer: Reducer) -> Against:
+def against(reducer: Reducer, reduced: ReducedJoint) -> Against:
     """Run the joint in MuJoCo at the levels `backlash` and `full` and hold it against the full model.
 
     Raises
@@ -135,18 +135,18 @@ def against(design: Design, reducer: Reducer) -> Against:
     RunError
         The full model has no static balance.
     """
-    design = working_at(design.but(load={"torque": design.rated_torque}), design.rated_torque)
-    play = play_of(design, ANGLES * POSES)
-    slow, slow_curves = _loop(reducer.at("backlash"), play)
+    reducer = working_at(reducer.but(load={"torque": reducer.design.rated_torque}), reducer.design.rated_torque)
+    play = play_of(reducer, ANGLES * POSES)
+    slow, slow_curves = _loop(reduced.at("backlash"), play)
     # at steps of a large part of a crank turn, the transmission error would be noise
-    smooth = replace(reducer.at("full"), ripple=Ripple((), (0.0,), *[((),)] * 6))
-    lossy, lossy_curves = _efficiencies(design, smooth)
-    ways = [_transmission(design, reducer.at("full"), name, way) for name, way in WAYS.items()]
-    rows = (*slow, *_resonance(reducer.at("backlash"), play), *lossy, *(row for rows, _ in ways for row in rows))
+    smooth = replace(reduced.at("full"), ripple=Ripple((), (0.0,), *[((),)] * 6))
+    lossy, lossy_curves = _efficiencies(reducer, smooth)
+    ways = [_transmission(reducer, reduced.at("full"), name, way) for name, way in WAYS.items()]
+    rows = (*slow, *_resonance(reduced.at("backlash"), play), *lossy, *(row for rows, _ in ways for row in rows))
     bounds = {row.key: POINTS if row.unit == "%" else _bound(row) for row in rows}
-    resonance = math.sqrt(reducer.stiffness(reducer.rated_torque) / (2.0 * reducer.reflected_inertia))
+    resonance = math.sqrt(reduced.stiffness(reduced.rated_torque) / (2.0 * reduced.reflected_inertia))
     curves = (*slow_curves, *lossy_curves, *(curve for _, curves in ways for curve in curves))
-    return Against(rows, bounds, curves, BELOW * resonance / _strongest(reducer.ripple))
+    return Against(rows, bounds, curves, BELOW * resonance / _strongest(reduced.ripple))
 
 
 def _bound(row: Quantity) -> float:
@@ -161,9 +161,9 @@ def _strongest(ripple: Ripple) -> float:
     return ripple.orders[int(np.argmax(np.hypot(ripple.high_cos[-1], ripple.high_sin[-1])))]
 
 
-def _loop(reducer: Reducer, play: Play) -> tuple[list[Quantity], list[Curve]]:
+def _loop(reduced: ReducedJoint, play: Play) -> tuple[list[Quantity], list[Curve]]:
     """Let the output rest under torques from one end to the other at a locked crank."""
-    on = bench(reducer, 1e-3 * reducer.reflected_inertia, QUASI_STATIC)
+    on = bench(reduced, 1e-3 * reduced.reflected_inertia, QUASI_STATIC)
     on.hold()
     rated = play.rated
 
@@ -207,33 +207,33 @@ def _loop(reducer: Reducer, play: Play) -> tuple[list[Quantity], list[Curve]]:
     ]
 
 
-def _resonance(reducer: Reducer, play: Play) -> Iterator[Quantity]:
+def _resonance(reduced: ReducedJoint, play: Play) -> Iterator[Quantity]:
     """Let a heavy load vibrate about the rated torque: sqrt(k/J), with the full model's slope."""
-    inertia = 10.0 * reducer.reflected_inertia
-    expected = math.sqrt(play.stiffness / (inertia + reducer.output_inertia))
-    _, _, off = vibration(bench(reducer, inertia, ANGLE / expected, "implicitfast"), inertia)
-    own = math.sqrt(reducer.stiffness(play.rated) / (inertia + reducer.output_inertia))
+    inertia = 10.0 * reduced.reflected_inertia
+    expected = math.sqrt(play.stiffness / (inertia + reduced.output_inertia))
+    _, _, off = vibration(bench(reduced, inertia, ANGLE / expected, "implicitfast"), inertia)
+    own = math.sqrt(reduced.stiffness(play.rated) / (inertia + reduced.output_inertia))
     found = own * (1.0 + off) / (2.0 * np.pi)
     yield Quantity(
         "resonance_hz", f"resonance with {inertia:.3g} kg m2, crank held", found, "Hz", None, expected / (2.0 * np.pi)
     )
 
 
-def _efficiencies(design: Design, reducer: Reducer) -> tuple[list[Quantity], list[Curve]]:
+def _efficiencies(reducer: Reducer, reduced: ReducedJoint) -> tuple[list[Quantity], list[Curve]]:
     """Turn the crank at the rated speed under loads both ways."""
     rows, curves = [], []
     ways = (("driving", True, "efficiency"), ("driven", False, "efficiency of back-driving"))
     for key, driving, name in ways:
-        joint = [100.0 * _efficiency(reducer, share, driving) for share in SHARES]
+        joint = [100.0 * _efficiency(reduced, share, driving) for share in SHARES]
         sign = 1.0 if driving else -1.0
-        full = [100.0 * _of_full_model(design, sign * share * design.rated_torque) for share in SHARES]
+        full = [100.0 * _of_full_model(reducer, sign * share * reducer.design.rated_torque) for share in SHARES]
         for share, ours, theirs in zip(SHARES, joint, full, strict=True):
             rows.append(
                 Quantity(f"{key}_{share:g}", f"{name} at {share:.0%} of the rated torque", ours, "%", None, theirs)
             )
-        torques = np.array(SHARES) * design.rated_torque
+        torques = np.array(SHARES) * reducer.design.rated_torque
         axes = "torque on the output [N m]", "efficiency [%]"
-        panel = f"{name}, {reducer.rated_speed / RPM:.0f} rpm"
+        panel = f"{name}, {reduced.rated_speed / RPM:.0f} rpm"
         curves += [
             Curve(panel, "full model", torques, np.array(full), *axes, "theory"),
             Curve(panel, "joint", torques, np.array(joint), *axes),
@@ -241,40 +241,40 @@ def _efficiencies(design: Design, reducer: Reducer) -> tuple[list[Quantity], lis
     return rows, curves
 
 
-def _of_full_model(design: Design, torque: float) -> float:
+def _of_full_model(reducer: Reducer, torque: float) -> float:
     """Give the efficiency of the full model; 0 where an output that drives is jammed by friction."""
     try:
-        return powers(design, torque).efficiency
+        return powers(reducer, torque).efficiency
     except RunError:
         if torque > 0.0:
             raise
         return 0.0
 
 
-def _efficiency(reducer: Reducer, share: float, driving: bool) -> float:
+def _efficiency(reduced: ReducedJoint, share: float, driving: bool) -> float:
     """Give the joint's efficiency by the power that friction takes in MuJoCo; 0 where the load cannot give it."""
-    speed, torque = reducer.rated_speed, share * reducer.rated_torque
-    on = bench(reducer, 1e-3 * reducer.reflected_inertia, QUASI_STATIC)
+    speed, torque = reduced.rated_speed, share * reduced.rated_torque
+    on = bench(reduced, 1e-3 * reduced.reflected_inertia, QUASI_STATIC)
     on.hold(speed)
     # the load brakes the output, or drives it
-    on.press(reducer.way * (-torque if driving else torque))
+    on.press(reduced.way * (-torque if driving else torque))
     on.step()
     on.step()
-    useful, taken = torque / reducer.ratio, on.friction_torque()
+    useful, taken = torque / reduced.ratio, on.friction_torque()
     return useful / (useful + taken) if driving else max(0.0, 1.0 - taken / useful)
 
 
-def _transmission(design: Design, reducer: Reducer, name: str, way: int) -> tuple[list[Quantity], list[Curve]]:
+def _transmission(reducer: Reducer, reduced: ReducedJoint, name: str, way: int) -> tuple[list[Quantity], list[Curve]]:
     """Turn the crank under the rated load through a whole turn of the output, as slowly as the steps ask."""
-    own = error(design, 1.0, way)
+    own = error(reducer, 1.0, way)
     fine, _ = waves(own)
-    turns = round(reducer.ratio)
+    turns = round(reduced.ratio)
     strong = np.flatnonzero(np.abs(fine) >= NOTABLE * np.abs(fine).max())
     count = STEPS_IN_A_CYCLE * int(strong.max())
     speed = way * 2.0 * np.pi * turns / (count * QUASI_STATIC)
-    on = bench(reducer, 1e-3 * reducer.reflected_inertia, QUASI_STATIC)
+    on = bench(reduced, 1e-3 * reduced.reflected_inertia, QUASI_STATIC)
     on.hold(speed)
-    on.press(-way * reducer.way * reducer.rated_torque)
+    on.press(-way * reduced.way * reduced.rated_torque)
     for _ in range(STEPS_IN_A_CYCLE):
         on.step()
     angle, length = _followed(on, count)
@@ -292,7 +292,7 @@ def _transmission(design: Design, reducer: Reducer, name: str, way: int) -> tupl
         )
         for one, ours, place in zip(order.tolist(), joint, strong.tolist(), strict=True)
     ]
-    return rows, list(_te_curves(design, own, angle, length, name))
+    return rows, list(_te_curves(reducer, own, angle, length, name))
 
 
 def _followed(on: Bench, count: int) -> tuple[Array, Array]:
@@ -304,8 +304,9 @@ def _followed(on: Bench, count: int) -> tuple[Array, Array]:
     return found[:, 0], found[:, 1]
 
 
-def _te_curves(design: Design, own: Array, angle: Array, length: Array, name: str) -> Sequence[Curve]:
+def _te_curves(reducer: Reducer, own: Array, angle: Array, length: Array, name: str) -> Sequence[Curve]:
     """Draw the first turn of the crank after angle 0; what turned back is at the same angles less whole turns."""
+    design = reducer.design
     angle = np.mod(angle, 2.0 * np.pi * design.reduction)
     panel = f"transmission error under {design.rated_torque:.4g} N m, {name}"
     axes = "crank angle [deg]", "output's error about its mean [arcsec]"

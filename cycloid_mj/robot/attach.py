@@ -14,10 +14,10 @@ from cycloid_mj.robot.mjcf import (
     reducer_name,
     rotor_name,
 )
-from cycloid_mj.robot.reducer import Reducer
+from cycloid_mj.robot.reducer import ReducedJoint
 
 
-def attach_reducer(spec: Any, joint: str, reducer: Reducer) -> None:
+def attach_reducer(spec: Any, joint: str, reduced: ReducedJoint) -> None:
     """Put a reducer on a hinge of an editable model, at the reducer's level.
 
     The joint's own armature, friction loss and damping stand for the drive that it had: those of the reducer take their
@@ -31,7 +31,7 @@ def attach_reducer(spec: Any, joint: str, reducer: Reducer) -> None:
     joint
         Name of a hinge.
     reducer
-        What `reduce` found, or `Reducer.read` read.
+        What `reduce` found, or `ReducedJoint.read` read.
 
     Raises
     ------
@@ -48,20 +48,20 @@ def attach_reducer(spec: Any, joint: str, reducer: Reducer) -> None:
     if any(each.name == reducer_name(joint) for each in spec.tuples):
         raise UsageError(f"the joint {joint!r} has a reducer already: attach one to each joint")
     before = [(list(key.qpos), list(key.qvel)) for key in spec.keys]
-    if reducer.level == "rigid":
-        found.armature, found.frictionloss = reducer.reflected_inertia, reducer.no_load_torque_at_output
+    if reduced.level == "rigid":
+        found.armature, found.frictionloss = reduced.reflected_inertia, reduced.no_load_torque_at_output
         found.solref_friction, found.solimp_friction = [STICKING_TIME, 1.0], STICKING_IMPEDANCE
         found.damping = first(0.0)
-        _hold_together(spec, reducer, joint, [])
+        _hold_together(spec, reduced, joint, [])
         return
-    found.armature, found.frictionloss = reducer.output_inertia, 0.0
+    found.armature, found.frictionloss = reduced.output_inertia, 0.0
     found.damping = first(0.0)
-    _add_rotor(found, model, reducer)
-    tendons = [_add_spring(spec, reducer, joint, number) for number in range(len(reducer.springs))]
-    _hold_together(spec, reducer, joint, tendons)
-    _move_actuators(spec, reducer, joint)
+    _add_rotor(found, model, reduced)
+    tendons = [_add_spring(spec, reduced, joint, number) for number in range(len(reduced.springs))]
+    _hold_together(spec, reduced, joint, tendons)
+    _move_actuators(spec, reduced, joint)
     if before:
-        _write_keys(spec, before, model, reducer, joint)
+        _write_keys(spec, before, model, reduced, joint)
 
 
 def first(coefficient: float) -> list[float]:
@@ -76,7 +76,7 @@ def _compiled(spec: Any) -> Any:
         raise UsageError(f"the model does not compile: {problem}") from problem
 
 
-def _add_rotor(joint: Any, model: Any, reducer: Reducer) -> None:
+def _add_rotor(joint: Any, model: Any, reduced: ReducedJoint) -> None:
     """Add the crank's body where that of the joint is, with the joint's axis."""
     own, name = model.joint(joint.name), rotor_name(joint.name)
     carried = model.body(int(own.bodyid[0]))
@@ -88,8 +88,8 @@ def _add_rotor(joint: Any, model: Any, reducer: Reducer) -> None:
         type=mujoco.mjtJoint.mjJNT_HINGE,
         pos=own.pos,
         axis=own.axis,
-        armature=reducer.rotor_inertia,
-        frictionloss=reducer.no_load_torque,
+        armature=reduced.rotor_inertia,
+        frictionloss=reduced.no_load_torque,
         solref_friction=[STICKING_TIME, 1.0],
         solimp_friction=STICKING_IMPEDANCE,
         limited=mujoco.mjtLimited.mjLIMITED_FALSE,
@@ -106,37 +106,37 @@ def _add_rotor(joint: Any, model: Any, reducer: Reducer) -> None:
     )
 
 
-def _add_spring(spec: Any, reducer: Reducer, joint: str, number: int) -> str:
-    spring, name = reducer.springs[number], reducer_name(joint, number)
+def _add_spring(spec: Any, reduced: ReducedJoint, joint: str, number: int) -> str:
+    spring, name = reduced.springs[number], reducer_name(joint, number)
     tendon = spec.add_tendon(name=name, limited=mujoco.mjtLimited.mjLIMITED_FALSE)
-    tendon.wrap_joint(rotor_name(joint), reducer.coefficient)
+    tendon.wrap_joint(rotor_name(joint), reduced.coefficient)
     tendon.wrap_joint(joint, 1.0)
-    tendon.springlength = [reducer.stops[0] - spring.start, reducer.stops[1] + spring.start]
-    tendon.stiffness, tendon.damping = first(spring.stiffness), first(0.0 if number else reducer.damping)
+    tendon.springlength = [reduced.stops[0] - spring.start, reduced.stops[1] + spring.start]
+    tendon.stiffness, tendon.damping = first(spring.stiffness), first(0.0 if number else reduced.damping)
     tendon.frictionloss = tendon.armature = 0.0
     return name
 
 
-def _hold_together(spec: Any, reducer: Reducer, joint: str, tendons: list[str]) -> None:
-    """Note what belongs to the reducer, with its number, for `Reducer.places`."""
+def _hold_together(spec: Any, reduced: ReducedJoint, joint: str, tendons: list[str]) -> None:
+    """Note what belongs to the reducer, with its number, for `ReducedJoint.places`."""
     joints = [joint, rotor_name(joint)] if tendons else [joint]
     kinds = [int(mujoco.mjtObj.mjOBJ_JOINT)] * len(joints) + [int(mujoco.mjtObj.mjOBJ_TENDON)] * len(tendons)
-    numbers = [float(reducer.fingerprint)] + [0.0] * (len(kinds) - 1)
+    numbers = [float(reduced.fingerprint)] + [0.0] * (len(kinds) - 1)
     spec.add_tuple(name=reducer_name(joint), objname=[*joints, *tendons], objtype=kinds, objprm=numbers)
 
 
-def _move_actuators(spec: Any, reducer: Reducer, joint: str) -> None:
+def _move_actuators(spec: Any, reduced: ReducedJoint, joint: str) -> None:
     """Let the joint's motors turn its crank: 1/coefficient of the joint's turn, the other way."""
     kinds = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
     for actuator in spec.actuators:
         if actuator.trntype in kinds and actuator.target == joint:
             gear = np.array(actuator.gear)
-            gear[0] *= -reducer.coefficient
+            gear[0] *= -reduced.coefficient
             actuator.trntype, actuator.target, actuator.gear = mujoco.mjtTrn.mjTRN_JOINT, rotor_name(joint), gear
 
 
 def _write_keys(
-    spec: Any, before: list[tuple[list[float], list[float]]], model: Any, reducer: Reducer, joint: str
+    spec: Any, before: list[tuple[list[float], list[float]]], model: Any, reduced: ReducedJoint, joint: str
 ) -> None:
     """Give every keyframe of the model as it was the crank's angle and speed: in the middle of the play, turning along.
 
@@ -147,7 +147,7 @@ def _write_keys(
     at, along = int(crank.qposadr[0]), int(crank.dofadr[0])
     for key, (positions, speeds) in zip(spec.keys, before, strict=True):
         positions, speeds = positions or model.qpos0.tolist(), speeds or [0.0] * model.nv
-        angle = (reducer.middle - positions[int(output.qposadr[0])]) / reducer.coefficient
-        speed = -speeds[int(output.dofadr[0])] / reducer.coefficient
+        angle = (reduced.middle - positions[int(output.qposadr[0])]) / reduced.coefficient
+        speed = -speeds[int(output.dofadr[0])] / reduced.coefficient
         key.qpos = [*positions[:at], angle, *positions[at:]]
         key.qvel = [*speeds[:along], speed, *speeds[along:]]

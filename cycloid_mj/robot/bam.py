@@ -18,7 +18,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from cycloid_mj.robot.friction import Friction
-from cycloid_mj.robot.reducer import Reducer
+from cycloid_mj.robot.reducer import ReducedJoint
 from cycloid_mj.types import Array
 
 FITTED = 0.25
@@ -34,19 +34,19 @@ WITHOUT_STRIBECK = {
 """No Stribeck effect; the last two are where BAM starts its fits from, and have no effect."""
 
 
-def bam(reducer: Reducer) -> dict[str, Any]:
+def bam(reduced: ReducedJoint) -> dict[str, Any]:
     """Give the parameters of M3 and M5 at the joint [N m, N m s/rad, 1], and how far each is off.
 
     By least squares over the reducer's loads from `FITTED` of the rated torque on, both ways, at its rated speed.
     """
-    base, viscous = reducer.no_load_torque_at_output, _viscous(reducer)
-    external, motor, lost = _loads(reducer)
+    base, viscous = reduced.no_load_torque_at_output, _viscous(reduced)
+    external, motor, lost = _loads(reduced)
     m3, _ = nnls((external + motor)[:, np.newaxis], lost)
     m5, _ = nnls(np.stack([external, motor], axis=1), lost)
-    common = {"friction_base": base, "friction_viscous": viscous, "armature": reducer.reflected_inertia}
+    common = {"friction_base": base, "friction_viscous": viscous, "armature": reduced.reflected_inertia}
     return {
         "source": "BAM, Rhoban, ICRA 2025: arXiv 2410.08650",
-        "joint": f"output of {reducer.name}, {reducer.ratio:g}:1; torques at the joint [N m], speeds in rad/s",
+        "joint": f"output of {reduced.name}, {reduced.ratio:g}:1; torques at the joint [N m], speeds in rad/s",
         "m3": {"model": "m3", **common, "load_friction_base": float(m3[0])},
         "m5": {
             "model": "m5",
@@ -59,27 +59,27 @@ def bam(reducer: Reducer) -> dict[str, Any]:
             "m3": float(np.abs(m3[0] * (external + motor) - lost).max()),
             "m5": float(np.abs(m5[0] * external + m5[1] * motor - lost).max()),
         },
-        "fitted_nm": [FITTED * reducer.rated_torque, reducer.rated_torque],
+        "fitted_nm": [FITTED * reduced.rated_torque, reduced.rated_torque],
     }
 
 
-def _loads(reducer: Reducer) -> tuple[Array, Array, Array]:
+def _loads(reduced: ReducedJoint) -> tuple[Array, Array, Array]:
     """Give sizes of external torque and motor torque at the joint, and friction beyond the base, shape (n,) [N m].
 
     The motor's is what the crank gives or takes, times the ratio; negative where it must help a reducer that locks.
     """
-    friction: Friction = reducer.friction
-    torques = np.array([at for at in friction.torques if FITTED <= at / reducer.rated_torque <= 1.0 + 1e-9])
+    friction: Friction = reduced.friction
+    torques = np.array([at for at in friction.torques if FITTED <= at / reduced.rated_torque <= 1.0 + 1e-9])
     rows = []
     for driving, sign in ((True, 1.0), (False, -1.0)):
-        whole = np.array([reducer.ratio * friction.torque(at, reducer.rated_speed, driving) for at in torques])
-        rows.append(np.stack([torques, torques + sign * whole, whole - reducer.no_load_torque_at_output]))
+        whole = np.array([reduced.ratio * friction.torque(at, reduced.rated_speed, driving) for at in torques])
+        rows.append(np.stack([torques, torques + sign * whole, whole - reduced.no_load_torque_at_output]))
     external, motor, lost = np.concatenate(rows, axis=1)
     return external, motor, lost
 
 
-def _viscous(reducer: Reducer) -> float:
+def _viscous(reduced: ReducedJoint) -> float:
     """Give the friction without a load that grows with the joint's speed [N m s/rad]: centrifugal force."""
-    first, last = reducer.friction.speeds[0], reducer.friction.speeds[-1]
-    low, high = (reducer.friction.torque(0.0, speed, driving=True) for speed in (first, last))
-    return max(0.0, reducer.ratio**2 * (high - low) / (last - first))
+    first, last = reduced.friction.speeds[0], reduced.friction.speeds[-1]
+    low, high = (reduced.friction.torque(0.0, speed, driving=True) for speed in (first, last))
+    return max(0.0, reduced.ratio**2 * (high - low) / (last - first))

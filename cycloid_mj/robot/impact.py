@@ -11,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 
 from cycloid_mj.errors import RunError
-from cycloid_mj.robot.reducer import Reducer
+from cycloid_mj.robot.reducer import ReducedJoint
 from cycloid_mj.robot.trial import Bench
 
 FREQUENCY = 3.0
@@ -52,11 +52,11 @@ class Impact:
 
 
 @lru_cache(maxsize=64)
-def impact(reducer: Reducer, inertia: float) -> Impact:
+def impact(reduced: ReducedJoint, inertia: float) -> Impact:
     """Solve the impact of a joint with an inertia on its output [kg m2] at its level, by LSODA instead of MuJoCo.
 
     J x'' = T cos(2 pi f t) - spring(x) - c x', J being all that turns with the output and c the damping: at the level
-    `full` beyond the stops alone, as `Reducer.step` has it, at `backlash` within the play too, as MJCF does.
+    `full` beyond the stops alone, as `ReducedJoint.step` has it, at `backlash` within the play too, as MJCF does.
 
     Raises
     ------
@@ -65,35 +65,35 @@ def impact(reducer: Reducer, inertia: float) -> Impact:
     """
     for halving in range(HALVINGS):
         frequency = FREQUENCY / 2.0**halving
-        crossed, peak = _swing(reducer, inertia, frequency)
+        crossed, peak = _swing(reduced, inertia, frequency)
         if crossed <= 0.5 / frequency:
             return Impact(frequency, peak)
-    raise RunError(f"{reducer.name}: the rated load does not carry {inertia:.4g} kg m2 across the play in a minute")
+    raise RunError(f"{reduced.name}: the rated load does not carry {inertia:.4g} kg m2 across the play in a minute")
 
 
 def peak_of(on: Bench, struck: Impact) -> float | None:
     """Run an impact in MuJoCo and give its largest wind-up [rad], as `Impact.peak`; None where the joint runs away."""
-    reducer, pulse = on.reducer, 2.0 * np.pi * struck.frequency
+    reduced, pulse = on.reduced, 2.0 * np.pi * struck.frequency
     on.hold()
-    on.press(reducer.rated_torque)
+    on.press(reduced.rated_torque)
     steps = math.ceil(struck.duration / float(on.model.opt.timestep))
-    lengths = on.lengths(lambda time: reducer.rated_torque * math.cos(pulse * time), steps)
-    return None if lengths is None else reducer.stops[0] - float(lengths.min())
+    lengths = on.lengths(lambda time: reduced.rated_torque * math.cos(pulse * time), steps)
+    return None if lengths is None else reduced.stops[0] - float(lengths.min())
 
 
-def _swing(reducer: Reducer, inertia: float, frequency: float) -> tuple[float, float]:
+def _swing(reduced: ReducedJoint, inertia: float, frequency: float) -> tuple[float, float]:
     """Give when the output reaches the lower stop [s], infinity for never, and its largest wind-up there [rad]."""
     from scipy.integrate import solve_ivp
 
-    rated, moving, pulse = reducer.rated_torque, inertia + reducer.output_inertia, 2.0 * np.pi * frequency
-    full = reducer.level == "full"
-    stops_at = reducer.moving_stops(0.0)
-    start = reducer.stops[1] + reducer.wind_up(rated) + (reducer.ripple.errors(0.0, 1.0)[1] if full else 0.0)
+    rated, moving, pulse = reduced.rated_torque, inertia + reduced.output_inertia, 2.0 * np.pi * frequency
+    full = reduced.level == "full"
+    stops_at = reduced.moving_stops(0.0)
+    start = reduced.stops[1] + reduced.wind_up(rated) + (reduced.ripple.errors(0.0, 1.0)[1] if full else 0.0)
 
     def motion(time: float, state: np.ndarray) -> list[float]:
         length, speed = float(state[0]), float(state[1])
-        torque = reducer.torque(length, stops_at(length) if full else reducer.stops)
-        damping = reducer.damping if torque or not full else 0.0
+        torque = reduced.torque(length, stops_at(length) if full else reduced.stops)
+        damping = reduced.damping if torque or not full else 0.0
         return [speed, (rated * math.cos(pulse * time) + torque - damping * speed) / moving]
 
     found = solve_ivp(
@@ -102,9 +102,9 @@ def _swing(reducer: Reducer, inertia: float, frequency: float) -> tuple[float, f
         [start, 0.0],
         method="LSODA",
         rtol=TOLERANCE,
-        atol=TOLERANCE * reducer.wind_up(rated),
+        atol=TOLERANCE * reduced.wind_up(rated),
         max_step=1.0 / (LOOKS * frequency),
     )
-    beyond = np.flatnonzero(found.y[0] <= reducer.stops[0])
+    beyond = np.flatnonzero(found.y[0] <= reduced.stops[0])
     crossed = float(found.t[beyond[0]]) if beyond.size else math.inf
-    return crossed, reducer.stops[0] - float(found.y[0].min())
+    return crossed, reduced.stops[0] - float(found.y[0].min())

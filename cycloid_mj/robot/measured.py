@@ -21,13 +21,13 @@ from cycloid_mj.loaded.sheet import driven, self_locking
 from cycloid_mj.loaded.springs import POSES, springs_of, turn_evenly
 from cycloid_mj.loaded.windup import STRAIGHT, windups
 from cycloid_mj.measure import spread
-from cycloid_mj.mechanism.reducer import mechanism
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf.bodies import crank_inertia
 from cycloid_mj.mjcf.laws import contact_laws
 from cycloid_mj.names import HOUSING, OUTPUT, PIN, SHAFT
 from cycloid_mj.result import Quantity, keyed
 from cycloid_mj.robot.friction import Friction
-from cycloid_mj.robot.reducer import Level, Reducer, Spring
+from cycloid_mj.robot.reducer import Level, ReducedJoint, Spring
 from cycloid_mj.robot.transmission import ripple, works
 from cycloid_mj.solid import mass_properties
 from cycloid_mj.solid.parts import body_solids
@@ -56,7 +56,7 @@ FINER = 4
 Progress = Callable[[int, int], None]
 
 
-def reduce(design: Design, level: Level = "full", progress: Progress | None = None) -> Reducer:
+def reduce(design: Design, level: Level = "full", progress: Progress | None = None) -> ReducedJoint:
     """Measure a design as a joint of a robot.
 
     Parameters
@@ -77,36 +77,37 @@ def reduce(design: Design, level: Level = "full", progress: Progress | None = No
     RunError
         No static balance was found, as where friction jams the reducer.
     """
-    require_sound(design)
-    if design.drive.speed == 0.0:
+    reducer = Reducer(design)
+    require_sound(reducer)
+    if reducer.design.drive.speed == 0.0:
         raise DesignError(
             "drive.speed_rpm is 0, but friction needs a crank that turns: give another speed, such as 1640"
         )
-    design = working_at(design.but(load={"torque": design.rated_torque}), design.rated_torque)
-    told = _Counted(progress, 2 + (1 + 2 * len(TORQUES)) * len(SPEEDS) + works(design))
-    fine, coarse = play_of(design, FINER * POSES), play_of(design, POSES)
+    reducer = working_at(reducer.but(load={"torque": reducer.design.rated_torque}), reducer.design.rated_torque)
+    told = _Counted(progress, 2 + (1 + 2 * len(TORQUES)) * len(SPEEDS) + works(reducer))
+    fine, coarse = play_of(reducer, FINER * POSES), play_of(reducer, POSES)
     told.one_more()
-    friction = _friction(design, told.one_more)
-    rotor, output = inertias(design)
-    made = Reducer(
-        name=design.name,
+    friction = _friction(reducer, told.one_more)
+    rotor, output = inertias(reducer)
+    made = ReducedJoint(
+        name=reducer.design.name,
         level=level,
-        ratio=float(design.reduction),
-        way=1 if design.ratio > 0 else -1,
-        rated_torque=design.rated_torque,
-        rated_speed=abs(design.drive.speed),
+        ratio=float(reducer.design.reduction),
+        way=1 if reducer.design.ratio > 0 else -1,
+        rated_torque=reducer.design.rated_torque,
+        rated_speed=abs(reducer.design.drive.speed),
         stops=fine.stops,
         springs=fine.springs,
         polynomial=tuple(fine.polynomial.tolist()),
         polynomial_error=tuple(np.abs(fine.polynomial - coarse.polynomial).tolist()),
-        damping=_damping(design),
+        damping=_damping(reducer),
         rotor_inertia=rotor,
         output_inertia=output,
         friction=friction,
-        ripple=ripple(design, told.one_more),
+        ripple=ripple(reducer, told.one_more),
     )
     told.one_more()
-    return replace(made.at(level), quantities=keyed(_quantities(design, made, fine, coarse)))
+    return replace(made.at(level), quantities=keyed(_quantities(reducer, made, fine, coarse)))
 
 
 @dataclass(frozen=True)
@@ -172,7 +173,7 @@ class Play:
         return max(abs((a * x + b * x**2 + c * x**3) / torque - 1.0) for x, torque in pairs)
 
 
-def play_of(design: Design, poses: int) -> Play:
+def play_of(reducer: Reducer, poses: int) -> Play:
     """Solve play and wind-up of a design at so many crank angles.
 
     Raises
@@ -180,8 +181,8 @@ def play_of(design: Design, poses: int) -> Play:
     RunError
         No balance was found.
     """
-    rated = design.rated_torque
-    still = design.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
+    rated = reducer.design.rated_torque
+    still = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
     springs = springs_of(still, turn_evenly(poses), friction=False)
 
     def turn(share: float) -> float:
@@ -190,18 +191,19 @@ def play_of(design: Design, poses: int) -> Play:
     low, high = (2.0 * turn(way * SMALL) - turn(2.0 * way * SMALL) for way in (-1.0, 1.0))
     shares = sorted({*KNOTS, *POLYNOMIAL, *STRAIGHT})
     wind_up = {share: 0.5 * (turn(share) - high + low - turn(-share)) for share in shares}
-    return Play(rated, (low, high) if member.sense(design) > 0 else (-high, -low), wind_up)
+    return Play(rated, (low, high) if member.sense(reducer.design) > 0 else (-high, -low), wind_up)
 
 
-def inertias(design: Design) -> tuple[float, float]:
+def inertias(reducer: Reducer) -> tuple[float, float]:
     """Give the inertia that turns with the crank, the discs' orbit in it, and that with the output [kg m2].
 
     But for their orbit the discs turn with the carrier of the output pins: not at all where the ring is the output,
     which takes its pins along.
     """
-    masses = {name: mass_properties(solid) for name, solid in body_solids(design).items()}
-    discs = [masses[body.part] for body in mechanism(design).discs]
-    crank = crank_inertia(design, masses[SHAFT]) + sum(disc.mass for disc in discs) * design.gear.eccentricity**2
+    design = reducer.design
+    masses = {name: mass_properties(solid) for name, solid in body_solids(reducer).items()}
+    discs = [masses[body.part] for body in reducer.mechanism.discs]
+    crank = crank_inertia(reducer, masses[SHAFT]) + sum(disc.mass for disc in discs) * design.gear.eccentricity**2
     if not design.output.turns_ring:
         return crank, sum(float(one.inertia[2, 2]) for one in (masses[OUTPUT], *discs))
     ring, pin = design.ring, masses.get(PIN)
@@ -209,11 +211,11 @@ def inertias(design: Design) -> tuple[float, float]:
     return crank, float(masses[HOUSING].inertia[2, 2]) + pins
 
 
-def _friction(design: Design, told: Callable[[], None]) -> Friction:
-    speed, rated = design.drive.speed, design.rated_torque
+def _friction(reducer: Reducer, told: Callable[[], None]) -> Friction:
+    speed, rated = reducer.design.drive.speed, reducer.design.rated_torque
     maps: dict[float, list[tuple[float, ...]]] = {1.0: [], -1.0: []}
     for share in SPEEDS:
-        turning = design.but(drive={"speed": share * speed})
+        turning = reducer.but(drive={"speed": share * speed})
         idle = _idle(turning)
         told()
         for way, rows in maps.items():
@@ -223,15 +225,15 @@ def _friction(design: Design, told: Callable[[], None]) -> Friction:
     return Friction(torques, speeds, tuple(maps[1.0]), tuple(maps[-1.0]))
 
 
-def _idle(design: Design) -> float:
+def _idle(reducer: Reducer) -> float:
     """Give the torque of friction on a crank that turns without a load [N m]."""
-    rated = design.rated_torque
+    rated = reducer.design.rated_torque
     for torque in NEXT_TO_NONE:
         with suppress(RunError):
-            low = _lost(design, torque * rated)
+            low = _lost(reducer, torque * rated)
             if torque == SMALL:
                 return low
-            return max(0.0, _to_zero((torque, low), (TORQUES[0], _lost(design, TORQUES[0] * rated))))
+            return max(0.0, _to_zero((torque, low), (TORQUES[0], _lost(reducer, TORQUES[0] * rated))))
     return 0.0
 
 
@@ -240,35 +242,35 @@ def _to_zero(near: tuple[float, float], far: tuple[float, float]) -> float:
     return near[1] - (far[1] - near[1]) * near[0] / (far[0] - near[0])
 
 
-def _lost(design: Design, torque: float, told: Callable[[], None] = lambda: None) -> float:
+def _lost(reducer: Reducer, torque: float, told: Callable[[], None] = lambda: None) -> float:
     """Give the torque of friction on a turning crank [N m]; an output that jams is held as by a crank that drives."""
     try:
-        found = powers(design, torque)
+        found = powers(reducer, torque)
     except RunError:
         if torque > 0.0:
             raise
-        found = powers(design, -torque)
+        found = powers(reducer, -torque)
     told()
-    return sum(found.losses.values()) / abs(design.drive.speed)
+    return sum(found.losses.values()) / abs(reducer.design.drive.speed)
 
 
-def _damping(design: Design) -> float:
+def _damping(reducer: Reducer) -> float:
     """Give the damping of the wind-up [N m s/rad], which goes from carrier to ring as a stiffness does.
 
     Springs s with dampers in series, slowly: c = k^2 sum (C/K) s over the compliances s of output, cam and mesh, C/K
     being the time constant of a contact. Of pin and seat in series, each has the share of its compliance.
     """
-    of, design = member.share(design), member.seen_from_ring(design)
-    laws = contact_laws(design)
-    found = [one.series(design) for one in windups(design, turn_evenly(), design.rated_torque)]
+    of, reducer = reducer.share, reducer.seen_from_ring
+    laws = contact_laws(reducer)
+    found = [one.series(reducer) for one in windups(reducer, turn_evenly(), reducer.design.rated_torque)]
     series = {part: float(np.mean([one[part] for one in found])) for part in found[0]}
-    mesh = [laws[kind] for kind in (design.tooth_pair, design.seat_pair) if kind in laws]
+    mesh = [laws[kind] for kind in (reducer.design.tooth_pair, reducer.design.seat_pair) if kind in laws]
     times = {kind: laws[kind].damping / laws[kind].stiffness for kind in ("cam", "output")}
     times["mesh"] = sum(law.damping / law.stiffness**2 for law in mesh) / sum(1.0 / law.stiffness for law in mesh)
     return sum(times[part] * give for part, give in series.items()) / (of * sum(series.values())) ** 2
 
 
-def _quantities(design: Design, made: Reducer, fine: Play, coarse: Play) -> Iterator[Quantity]:
+def _quantities(reducer: Reducer, made: ReducedJoint, fine: Play, coarse: Play) -> Iterator[Quantity]:
     at = f"at {made.rated_torque:.4g} N m, {made.rated_speed / RPM:.0f} rpm"
     friction, rated, speed = made.friction, made.rated_torque, made.rated_speed
 
@@ -300,17 +302,17 @@ def _quantities(design: Design, made: Reducer, fine: Play, coarse: Play) -> Iter
         *_in(both(lambda one: one.stiffness), 1.0 / ARCMINUTE, "N m/arcmin"),
     )
     efficiency = 100.0 * friction.efficiency(rated, speed, made.ratio, driving=True)
-    error, moved = 100.0 * _angles_leave_out(design, 1.0), _by_assumed_inputs(design)
+    error, moved = 100.0 * _angles_leave_out(reducer, 1.0), _by_assumed_inputs(reducer)
     yield Quantity("efficiency", f"efficiency {at}", efficiency, "%", error, note=moved)
-    back, held = driven(design, rated)
+    back, held = driven(reducer, rated)
     locked = math.isnan(held)
     yield Quantity(
         "back_driving_efficiency",
         f"efficiency of back-driving against {rated / made.ratio:.4g} N m on the crank",
         0.0 if locked else 100.0 * back.efficiency,
         "%",
-        0.0 if locked else 100.0 * _angles_leave_out(design, -held / rated),
-        note=self_locking(design, rated) if locked else "",
+        0.0 if locked else 100.0 * _angles_leave_out(reducer, -held / rated),
+        note=self_locking(reducer, rated) if locked else "",
     )
     near, far = ((torque, friction.torque(torque, speed, driving=True)) for torque in friction.torques[1:3])
     yield Quantity(
@@ -328,23 +330,25 @@ def _quantities(design: Design, made: Reducer, fine: Play, coarse: Play) -> Iter
     yield Quantity("damping_nm_s_per_rad", "damping of the wind-up", made.damping, "N m s/rad", None)
 
 
-def _by_assumed_inputs(design: Design) -> str:
+def _by_assumed_inputs(reducer: Reducer) -> str:
     """Tell how far the efficiency moves with the inputs that are assumed, as `measure efficiency` does by runs."""
 
-    def rate(varied: Design) -> float:
+    def rate(varied: Reducer) -> float:
         try:
-            return powers(varied, design.rated_torque).efficiency
+            return powers(varied, reducer.design.rated_torque).efficiency
         except RunError:
             return 0.0
 
-    assumed = spread.inputs(design)
-    return spread.told(rate(design), spread.moved(assumed, {end: rate(end) for one in assumed for end in one.ends}))
+    assumed = spread.inputs(reducer)
+    return spread.told(
+        rate(reducer), spread.moved(assumed, {end: rate(Reducer(end)) for one in assumed for end in one.ends})
+    )
 
 
-def _angles_leave_out(design: Design, share: float) -> float:
+def _angles_leave_out(reducer: Reducer, share: float) -> float:
     """Give by how much more crank angles change the efficiency under a share of the rated torque; negative drives."""
-    torque = share * design.rated_torque
-    return abs(powers(design, torque).efficiency - powers(design, torque, turn_evenly(FINER * POSES)).efficiency)
+    torque = share * reducer.design.rated_torque
+    return abs(powers(reducer, torque).efficiency - powers(reducer, torque, turn_evenly(FINER * POSES)).efficiency)
 
 
 def _in(values: Sequence[float], unit: float, name: str) -> tuple[float, str, float]:

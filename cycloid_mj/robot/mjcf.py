@@ -1,7 +1,7 @@
 """The joint as MJCF that needs nothing but ``mujoco``: `joint.xml` to include, `scene.xml` to open."""
 
 from cycloid_mj.digits import significant
-from cycloid_mj.robot.reducer import Reducer
+from cycloid_mj.robot.reducer import ReducedJoint
 from cycloid_mj.units import RPM
 
 OUTPUT = "output"
@@ -31,25 +31,25 @@ def reducer_name(joint: str, number: int = 0) -> str:
     return f"{joint}_reducer_{number + 1}" if number else f"{joint}_reducer"
 
 
-def joint_xml(reducer: Reducer, joint: str = OUTPUT) -> str:
+def joint_xml(reduced: ReducedJoint, joint: str = OUTPUT) -> str:
     """Give the part that a robot's model includes: the crank, the springs to the joint of this name, and the motor."""
-    body = _rigid(reducer, joint) if reducer.level == "rigid" else _with_springs(reducer, joint)
+    body = _rigid(reduced, joint) if reduced.level == "rigid" else _with_springs(reduced, joint)
     return f"""<mujoco model="reducer">
-  <!-- The reducer {_comment(reducer.name)} as one joint, level {reducer.level}, by cycloid-mj reduce.
-       {reducer.ratio:g}:1, rated {reducer.rated_torque:.4g} N m at {reducer.rated_speed / RPM:.0f} rpm of the crank.
+  <!-- The reducer {_comment(reduced.name)} as one joint, level {reduced.level}, by cycloid-mj reduce.
+       {reduced.ratio:g}:1, rated {reduced.rated_torque:.4g} N m at {reduced.rated_speed / RPM:.0f} rpm of the crank.
        Include it in a robot whose hinge is called "{joint}" and has class="{reducer_name(joint)}". -->
 {body}</mujoco>
 """
 
 
-def scene_xml(reducer: Reducer, load_inertia: float, timestep: float, integrator: str = "discrete") -> str:
+def scene_xml(reduced: ReducedJoint, load_inertia: float, timestep: float, integrator: str = "discrete") -> str:
     """Give a scene with the joint, a motor on its crank and an inertia [kg m2] on its output; `timestep` in seconds.
 
     The motor's control is its torque on the crank [N m].
     """
     inertia = _number(load_inertia)
-    turned = "against" if reducer.way < 0 else "with"
-    return f"""<mujoco model="reducer {reducer.name}">
+    turned = "against" if reduced.way < 0 else "with"
+    return f"""<mujoco model="reducer {reduced.name}">
   <!-- ctrl is the motor's torque on the crank [N m]; the output turns {turned} it. -->
   <option timestep="{_number(timestep)}" integrator="{integrator}" gravity="0 0 0"/>
   <statistic extent="0.4" center="0 0 0.05"/>
@@ -71,30 +71,30 @@ def scene_xml(reducer: Reducer, load_inertia: float, timestep: float, integrator
 """
 
 
-def _with_springs(reducer: Reducer, joint: str) -> str:
+def _with_springs(reduced: ReducedJoint, joint: str) -> str:
     rotor = rotor_name(joint)
     tendons, elements = [], []
-    for number, spring in enumerate(reducer.springs):
-        name, damping = reducer_name(joint, number), reducer.damping if number == 0 else 0.0
-        low, high = reducer.stops[0] - spring.start, reducer.stops[1] + spring.start
+    for number, spring in enumerate(reduced.springs):
+        name, damping = reducer_name(joint, number), reduced.damping if number == 0 else 0.0
+        low, high = reduced.stops[0] - spring.start, reduced.stops[1] + spring.start
         tendons.append(
             f'    <fixed name="{name}" springlength="{_number(low)} {_number(high)}" '
             f'stiffness="{_number(spring.stiffness)}" damping="{_number(damping)}">'
-            f'<joint joint="{rotor}" coef="{_number(reducer.coefficient)}"/><joint joint="{joint}" coef="1"/></fixed>\n'
+            f'<joint joint="{rotor}" coef="{_number(reduced.coefficient)}"/><joint joint="{joint}" coef="1"/></fixed>\n'
         )
         elements.append(f'<element objtype="tendon" objname="{name}"/>')
     radius, length = ROTOR_SIZE
     return f"""  <default>
     <default class="{reducer_name(joint)}">
-      <joint armature="{_number(reducer.output_inertia)}"/>
+      <joint armature="{_number(reduced.output_inertia)}"/>
     </default>
   </default>
   <worldbody>
     <!-- Under the link that holds the motor, if that moves; the axis is that of the joint. -->
     <body name="{rotor}">
       <inertial pos="0 0 0" mass="{NEXT_TO_NOTHING}" diaginertia="1e-12 1e-12 1e-12"/>
-      <joint name="{rotor}" axis="0 0 1" armature="{_number(reducer.rotor_inertia)}" \
-frictionloss="{_number(reducer.no_load_torque)}" {_sticking()} damping="0" limited="false"/>
+      <joint name="{rotor}" axis="0 0 1" armature="{_number(reduced.rotor_inertia)}" \
+frictionloss="{_number(reduced.no_load_torque)}" {_sticking()} damping="0" limited="false"/>
       <geom name="{rotor}" type="cylinder" size="{radius} {length}" contype="0" conaffinity="0" \
 mass="{NEXT_TO_NOTHING}" rgba="0.93 0.65 0.49 1"/>
     </body>
@@ -102,27 +102,27 @@ mass="{NEXT_TO_NOTHING}" rgba="0.93 0.65 0.49 1"/>
   <tendon>
 {"".join(tendons)}  </tendon>
   <actuator>
-    <motor name="motor" joint="{rotor}" ctrlrange="{_range(reducer)}"/>
+    <motor name="motor" joint="{rotor}" ctrlrange="{_range(reduced)}"/>
   </actuator>
   <custom>
-    <tuple name="{reducer_name(joint)}"><element objtype="joint" objname="{joint}" prm="{reducer.fingerprint}"/>\
+    <tuple name="{reducer_name(joint)}"><element objtype="joint" objname="{joint}" prm="{reduced.fingerprint}"/>\
 <element objtype="joint" objname="{rotor}"/>{"".join(elements)}</tuple>
   </custom>
 """
 
 
-def _rigid(reducer: Reducer, joint: str) -> str:
-    friction = _number(reducer.no_load_torque_at_output)
+def _rigid(reduced: ReducedJoint, joint: str) -> str:
+    friction = _number(reduced.no_load_torque_at_output)
     return f"""  <default>
     <default class="{reducer_name(joint)}">
-      <joint armature="{_number(reducer.reflected_inertia)}" frictionloss="{friction}" {_sticking()}/>
+      <joint armature="{_number(reduced.reflected_inertia)}" frictionloss="{friction}" {_sticking()}/>
     </default>
   </default>
   <actuator>
-    <motor name="motor" joint="{joint}" gear="{_number(reducer.way * reducer.ratio)}" ctrlrange="{_range(reducer)}"/>
+    <motor name="motor" joint="{joint}" gear="{_number(reduced.way * reduced.ratio)}" ctrlrange="{_range(reduced)}"/>
   </actuator>
   <custom>
-    <tuple name="{reducer_name(joint)}"><element objtype="joint" objname="{joint}" prm="{reducer.fingerprint}"/></tuple>
+    <tuple name="{reducer_name(joint)}"><element objtype="joint" objname="{joint}" prm="{reduced.fingerprint}"/></tuple>
   </custom>
 """
 
@@ -137,8 +137,8 @@ def _comment(text: str) -> str:
     return text.replace("--", "- -")
 
 
-def _range(reducer: Reducer) -> str:
-    most = _number(PEAK * reducer.rated_torque / reducer.ratio)
+def _range(reduced: ReducedJoint) -> str:
+    most = _number(PEAK * reduced.rated_torque / reduced.ratio)
     return f"-{most} {most}"
 
 

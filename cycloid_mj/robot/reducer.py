@@ -24,7 +24,7 @@ from cycloid_mj.units import RPM
 
 Level = Literal["rigid", "backlash", "full"]
 """How much of the reducer the joint has: ratio, inertia and constant friction; play and springs too; load-dependent
-friction and transmission error as well, by `Reducer.step`."""
+friction and transmission error as well, by `ReducedJoint.step`."""
 
 LEVELS: tuple[Level, ...] = get_args(Level)
 
@@ -57,7 +57,7 @@ class Place(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Reducer:
+class ReducedJoint:
     """A reducer as a joint.
 
     Attributes

@@ -13,7 +13,7 @@ import numpy as np
 
 from cycloid_mj.result import Table
 from cycloid_mj.robot.impact import impact, peak_of
-from cycloid_mj.robot.reducer import LEVELS, Level, Reducer
+from cycloid_mj.robot.reducer import LEVELS, Level, ReducedJoint
 from cycloid_mj.robot.trial import INTEGRATORS, Bench, Integrator, bench
 from cycloid_mj.types import Array
 from cycloid_mj.units import ARCMINUTE
@@ -131,13 +131,13 @@ class Tried:
         }
 
 
-def study(reducer: Reducer) -> tuple[Tried, ...]:
+def study(reduced: ReducedJoint) -> tuple[Tried, ...]:
     """Try every level, integrator and inertia at `STEPS`, and at `FINER` ones where none of these is accurate."""
-    return tuple(_all(reducer))
+    return tuple(_all(reduced))
 
 
 def scene(
-    reducer: Reducer,
+    reduced: ReducedJoint,
     inertia: float,
     timestep: float | None = None,
     integrators: Sequence[Integrator] = ("implicitfast", "discrete"),
@@ -151,24 +151,24 @@ def scene(
     runs = []
     for step in shorter if timestep is None else (timestep,):
         for integrator in integrators:
-            runs.append(tried(reducer, integrator, step, inertia))
+            runs.append(tried(reduced, integrator, step, inertia))
             if runs[-1].accurate:
                 return runs[-1]
     return min(runs, key=lambda one: (not one.stable, not one.good, abs(np.nan_to_num(one.impact_error, nan=np.inf))))
 
 
 def tried(
-    reducer: Reducer, integrator: Integrator, timestep: float, inertia: float, load: str = "as asked for"
+    reduced: ReducedJoint, integrator: Integrator, timestep: float, inertia: float, load: str = "as asked for"
 ) -> Tried:
     """Try one step [s] of an integrator with an inertia on the output [kg m2], at the reducer's level."""
 
     def on() -> Bench:
-        return bench(reducer, inertia, timestep, integrator)
+        return bench(reduced, inertia, timestep, integrator)
 
-    run = reducer.level, integrator, load, timestep, inertia
-    if reducer.level == "rigid":
+    run = reduced.level, integrator, load, timestep, inertia
+    if reduced.level == "rigid":
         return Tried(*run, *_rigid(on(), inertia))
-    struck = impact(reducer, inertia)
+    struck = impact(reduced, inertia)
     stable, error, frequency = vibration(on(), inertia)
     peak = peak_of(on(), struck) if stable and _stays(on(), inertia) else None
     if peak is None:
@@ -240,13 +240,13 @@ def vibration(on: Bench, inertia: float) -> tuple[bool, float, float]:
 
     The result is whether it is stable, the relative error of the wind-up, and of the frequency against sqrt(k/J).
     """
-    reducer, step = on.reducer, float(on.model.opt.timestep)
-    torque, moving = reducer.rated_torque, inertia + reducer.output_inertia
-    slowest = np.sqrt(reducer.stiffness(torque) / moving)
+    reduced, step = on.reduced, float(on.model.opt.timestep)
+    torque, moving = reduced.rated_torque, inertia + reduced.output_inertia
+    slowest = np.sqrt(reduced.stiffness(torque) / moving)
     steps = _steps(slowest, step)
-    wound, stop = reducer.wind_up(torque), reducer.stops[1]
-    if reducer.level == "full":
-        stop += reducer.ripple.errors(0.0, 1.0)[1]
+    wound, stop = reduced.wind_up(torque), reduced.stops[1]
+    if reduced.level == "full":
+        stop += reduced.ripple.errors(0.0, 1.0)[1]
     on.hold()
     on.data.qpos[on.place.output_angle] = stop + START * wound
     lengths = on.lengths(lambda time: torque, steps)
@@ -256,21 +256,21 @@ def vibration(on: Bench, inertia: float) -> tuple[bool, float, float]:
     return True, rest / wound - 1.0, frequency / slowest - 1.0
 
 
-def _all(reducer: Reducer) -> Iterator[Tried]:
+def _all(reduced: ReducedJoint) -> Iterator[Tried]:
     for level in LEVELS:
         for integrator in INTEGRATORS:
             for load, share in INERTIAS.items():
-                yield from _by_step(reducer.at(level), integrator, load, share * reducer.reflected_inertia)
+                yield from _by_step(reduced.at(level), integrator, load, share * reduced.reflected_inertia)
 
 
-def _by_step(reducer: Reducer, integrator: Integrator, load: str, inertia: float) -> Iterator[Tried]:
+def _by_step(reduced: ReducedJoint, integrator: Integrator, load: str, inertia: float) -> Iterator[Tried]:
     """Try `STEPS`, and if the shortest is not accurate `FINER` ones until one is."""
-    runs = [tried(reducer, integrator, step, inertia, load) for step in STEPS]
+    runs = [tried(reduced, integrator, step, inertia, load) for step in STEPS]
     yield from runs
     if runs[0].accurate:
         return
     for step in FINER:
-        run = tried(reducer, integrator, step, inertia, load)
+        run = tried(reduced, integrator, step, inertia, load)
         yield run
         if run.accurate:
             return
@@ -281,13 +281,13 @@ def _stays(on: Bench, inertia: float) -> bool:
 
     Crank and output move against each other then, faster than the output alone: k (1/J + 1/(i^2 J_rotor)).
     """
-    reducer, torque = on.reducer, on.reducer.rated_torque
-    wound, moving = reducer.wind_up(torque), inertia + reducer.output_inertia
-    swinging = moving / (1.0 + moving / (reducer.ratio**2 * reducer.rotor_inertia))
-    steps = _steps(np.sqrt(reducer.stiffness(torque) / swinging), float(on.model.opt.timestep))
+    reduced, torque = on.reduced, on.reduced.rated_torque
+    wound, moving = reduced.wind_up(torque), inertia + reduced.output_inertia
+    swinging = moving / (1.0 + moving / (reduced.ratio**2 * reduced.rotor_inertia))
+    steps = _steps(np.sqrt(reduced.stiffness(torque) / swinging), float(on.model.opt.timestep))
     on.press(torque)
     on.data.qpos[on.place.output_angle] -= (1.0 - START) * wound
-    on.data.ctrl[:] = reducer.coefficient * torque
+    on.data.ctrl[:] = reduced.coefficient * torque
     lengths = on.lengths(lambda time: torque, steps)
     return lengths is not None and float(np.ptp(lengths[steps // 2 :])) <= GROWN * wound
 
@@ -299,13 +299,13 @@ def _steps(frequency: float, step: float) -> int:
 
 def _rigid(on: Bench, inertia: float) -> tuple[bool, float, float]:
     """Put the rated input torque on the motor; the speed is that of the whole inertia less its friction."""
-    reducer, step = on.reducer, float(on.model.opt.timestep)
-    on.data.ctrl[:] = reducer.rated_torque / reducer.ratio
+    reduced, step = on.reduced, float(on.model.opt.timestep)
+    on.data.ctrl[:] = reduced.rated_torque / reduced.ratio
     for _ in range(FEWEST):
         on.step()
-    whole = inertia + reducer.reflected_inertia
-    given = reducer.rated_torque - float(on.model.dof_frictionloss[on.place.output_speed])
-    speed = reducer.way * float(on.data.qvel[on.place.output_speed])
+    whole = inertia + reduced.reflected_inertia
+    given = reduced.rated_torque - float(on.model.dof_frictionloss[on.place.output_speed])
+    speed = reduced.way * float(on.data.qvel[on.place.output_speed])
     error = speed / (given / whole * FEWEST * step) - 1.0
     return bool(np.isfinite(error)), error, np.nan
 

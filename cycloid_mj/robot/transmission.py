@@ -8,10 +8,10 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.design import Design
 from cycloid_mj.errors import RunError
 from cycloid_mj.loaded.balance import loads
 from cycloid_mj.loaded.springs import springs_of
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.member import sense
 from cycloid_mj.robot.ripple import Ripple
 from cycloid_mj.types import Array
@@ -34,12 +34,12 @@ MOST = 32
 """Harmonics that are kept at most."""
 
 
-def turns(design: Design) -> int:
+def turns(reducer: Reducer) -> int:
     """Give the crank turns after which the error repeats."""
-    return design.reduction
+    return reducer.design.reduction
 
 
-def ripple(design: Design, told: Callable[[], None]) -> Ripple:
+def ripple(reducer: Reducer, told: Callable[[], None]) -> Ripple:
     """Solve the error under no load and `LOADS`, both ways, keep the harmonics that matter; `told` counts the turns.
 
     Raises
@@ -47,49 +47,50 @@ def ripple(design: Design, told: Callable[[], None]) -> Ripple:
     RunError
         No balance was found.
     """
-    lightest = next((load for load in UNLOADED if _balances(design, load)), UNLOADED[-1])
+    lightest = next((load for load in UNLOADED if _balances(reducer, load)), UNLOADED[-1])
     shares = (lightest, *LOADS)
-    found = {(load, way): waves(error(design, load, way, told)) for way in (1, -1) for load in shares}
+    found = {(load, way): waves(error(reducer, load, way, told)) for way in (1, -1) for load in shares}
     kept = _kept([fine for fine, _ in found.values()])
     # forward, the load pushes the output of a carrier counter-clockwise, to its upper stop
     stops = {}
-    for name, way in (("low", -sense(design)), ("high", sense(design))):
+    for name, way in (("low", -sense(reducer.design)), ("high", sense(reducer.design))):
         each = [found[load, way] for load in shares]
         stops[f"{name}_cos"] = _rows([fine[kept].real for fine, _ in each])
         stops[f"{name}_sin"] = _rows([-fine[kept].imag for fine, _ in each])
         stops[f"{name}_error"] = _rows([np.abs(fine[kept] - coarse[kept]) for fine, coarse in each])
-    return Ripple(tuple((kept / turns(design)).tolist()), shares, **stops)
+    return Ripple(tuple((kept / turns(reducer)).tolist()), shares, **stops)
 
 
-def works(design: Design) -> int:
+def works(reducer: Reducer) -> int:
     """Count the turns of the crank that `ripple` solves."""
-    return 2 * (1 + len(LOADS)) * turns(design)
+    return 2 * (1 + len(LOADS)) * turns(reducer)
 
 
-def _balances(design: Design, load: float) -> bool:
+def _balances(reducer: Reducer, load: float) -> bool:
     """Tell whether a turn of the crank each way has a balance under a share of the rated torque."""
     try:
         for way in (1, -1):
-            _turn(design, load, way, 0)
+            _turn(reducer, load, way, 0)
     except RunError:
         return False
     return True
 
 
-def error(design: Design, load: float, way: int, told: Callable[[], None] = lambda: None) -> Array:
+def error(reducer: Reducer, load: float, way: int, told: Callable[[], None] = lambda: None) -> Array:
     """Give the error of the output [rad] under a share of the rated torque, all over its turn; counter-clockwise.
 
     `way` is that of the crank; the angles rise evenly from 0, `PER_MESH_PERIOD` in each mesh period.
     """
     found = []
-    for turn in range(turns(design)):
-        found.append(_turn(design, load, way, turn))
+    for turn in range(turns(reducer)):
+        found.append(_turn(reducer, load, way, turn))
         told()
     return np.concatenate(found)
 
 
-def _turn(design: Design, load: float, way: int, turn: int) -> Array:
-    turning = design.but(drive={"speed": way * abs(design.drive.speed)})
+def _turn(reducer: Reducer, load: float, way: int, turn: int) -> Array:
+    design = reducer.design
+    turning = reducer.but(drive={"speed": way * abs(design.drive.speed)})
     count = design.mesh_periods * PER_MESH_PERIOD
     springs = springs_of(turning, 2.0 * np.pi * (np.arange(count) / count + turn))
     return sense(design) * loads(turning, springs, way * load * design.rated_torque, follow=True).output_turn

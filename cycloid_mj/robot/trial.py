@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from cycloid_mj.robot.mjcf import joint_xml, scene_xml
-from cycloid_mj.robot.reducer import Place, Reducer
+from cycloid_mj.robot.reducer import Place, ReducedJoint
 from cycloid_mj.types import Array
 
 Integrator = Literal["implicitfast", "discrete"]
@@ -36,7 +36,7 @@ class Bench:
         Where the reducer is in them.
     """
 
-    reducer: Reducer
+    reduced: ReducedJoint
     model: Any
     data: Any
     place: Place
@@ -45,14 +45,14 @@ class Bench:
     def length(self) -> float:
         """L [rad]."""
         angles = self.data.qpos
-        return float(angles[self.place.output_angle] + self.reducer.coefficient * angles[self.place.crank_angle])
+        return float(angles[self.place.output_angle] + self.reduced.coefficient * angles[self.place.crank_angle])
 
     def hold(self, speed: float = 0.0) -> None:
         """Let the crank turn at a speed [rad/s] whatever the torque on it, the output along with it."""
-        self.model.dof_armature[self.place.crank_speed] = FLYWHEEL * self.reducer.rotor_inertia
+        self.model.dof_armature[self.place.crank_speed] = FLYWHEEL * self.reduced.rotor_inertia
         mujoco.mj_setConst(self.model, self.data)
         self.data.qvel[self.place.crank_speed] = speed
-        self.data.qvel[self.place.output_speed] = -self.reducer.coefficient * speed
+        self.data.qvel[self.place.output_speed] = -self.reduced.coefficient * speed
 
     def push(self, torque: float) -> None:
         """Put a torque on the output [N m], counter-clockwise."""
@@ -60,18 +60,18 @@ class Bench:
 
     def press(self, torque: float) -> None:
         """Put a torque on the output [N m] that is wound up by it already."""
-        reducer, angle = self.reducer, float(self.data.qpos[self.place.crank_angle])
+        reduced, angle = self.reduced, float(self.data.qpos[self.place.crank_angle])
         side, size = int(torque > 0.0), abs(torque)
-        length = reducer.stops[side] + reducer.wind_up(size) * (1.0 if side else -1.0)
-        if reducer.level == "full":
-            length += reducer.ripple.errors(angle, size / reducer.rated_torque)[side]
-        self.data.qpos[self.place.output_angle] = length - reducer.coefficient * angle
+        length = reduced.stops[side] + reduced.wind_up(size) * (1.0 if side else -1.0)
+        if reduced.level == "full":
+            length += reduced.ripple.errors(angle, size / reduced.rated_torque)[side]
+        self.data.qpos[self.place.output_angle] = length - reduced.coefficient * angle
         self.push(torque)
 
     def step(self) -> None:
         """Take one step, at the level `full` with what MJCF cannot say."""
-        if self.reducer.level == "full":
-            self.reducer.step(self.model, self.data)
+        if self.reduced.level == "full":
+            self.reduced.step(self.model, self.data)
         mujoco.mj_step(self.model, self.data)
 
     def rest(self, torque: float) -> float:
@@ -82,28 +82,28 @@ class Bench:
         """
         from scipy.optimize import brentq
 
-        reducer, data = self.reducer, self.data
+        reduced, data = self.reduced, self.data
 
         def pull(length: float) -> float:
-            data.qpos[self.place.output_angle] = length - reducer.coefficient * data.qpos[self.place.crank_angle]
+            data.qpos[self.place.output_angle] = length - reduced.coefficient * data.qpos[self.place.crank_angle]
             mujoco.mj_forward(self.model, data)
             return float(data.qacc[self.place.output_speed])
 
         self.push(torque)
-        reach = reducer.wind_up(torque)
-        while pull(reducer.stops[0] - reach) <= 0.0 or pull(reducer.stops[1] + reach) >= 0.0:
+        reach = reduced.wind_up(torque)
+        while pull(reduced.stops[0] - reach) <= 0.0 or pull(reduced.stops[1] + reach) >= 0.0:
             reach *= 2.0
-        return float(brentq(pull, reducer.stops[0] - reach, reducer.stops[1] + reach, xtol=1e-15, rtol=1e-14))
+        return float(brentq(pull, reduced.stops[0] - reach, reduced.stops[1] + reach, xtol=1e-15, rtol=1e-14))
 
     def lengths(self, torque: Callable[[float], float], steps: int) -> Array | None:
         """Give L after each of so many steps under a torque on the output by time; None where it runs away."""
-        reducer, found = self.reducer, np.empty(steps)
-        most = RUNAWAY * (reducer.backlash + reducer.wind_up(reducer.rated_torque))
+        reduced, found = self.reduced, np.empty(steps)
+        most = RUNAWAY * (reduced.backlash + reduced.wind_up(reduced.rated_torque))
         for i in range(steps):
             self.push(torque(float(self.data.time)))
             self.step()
             found[i] = self.length
-            if not abs(found[i] - reducer.middle) < most:
+            if not abs(found[i] - reduced.middle) < most:
                 return None
         return found
 
@@ -115,10 +115,10 @@ class Bench:
         return float(-self.data.efc_force[efc].sum() * np.sign(self.data.qvel[self.place.crank_speed]))
 
 
-def bench(reducer: Reducer, load_inertia: float, timestep: float, integrator: Integrator = "discrete") -> Bench:
+def bench(reduced: ReducedJoint, load_inertia: float, timestep: float, integrator: Integrator = "discrete") -> Bench:
     """Build the scene of a reducer at its level with an inertia [kg m2] on the output; `timestep` in seconds."""
-    scene = scene_xml(reducer, load_inertia, timestep, integrator)
-    model = mujoco.MjModel.from_xml_string(scene, {"joint.xml": joint_xml(reducer).encode()})
+    scene = scene_xml(reduced, load_inertia, timestep, integrator)
+    model = mujoco.MjModel.from_xml_string(scene, {"joint.xml": joint_xml(reduced).encode()})
     # what runs away is told by its values, not by a file of warnings in the user's folder
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
-    return Bench(reducer, model, mujoco.MjData(model), next(reducer.places(model)))
+    return Bench(reduced, model, mujoco.MjData(model), next(reduced.places(model)))

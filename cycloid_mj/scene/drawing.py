@@ -13,10 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj import profile
-from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
 from cycloid_mj.kinematics import gear_centre, gear_rotation
-from cycloid_mj.mechanism.reducer import phases
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import OUTPUT, gears, pin
 from cycloid_mj.profile import CycloidGear
 from cycloid_mj.scene.pose import moved, poses, ring_places, turned
@@ -113,42 +112,46 @@ class Drawing:
     output_pins: Array
 
 
-def largest_magnification(design: Design) -> float:
+def largest_magnification(reducer: Reducer) -> float:
     """Give the magnification at which some part would be drawn with less than `THINNEST` of its radius."""
+    design = reducer.design
     slack = 1.0 - THINNEST
     return 1.0 + slack * min(
-        design.ring.pin_radius / tooth_clearance(design),
+        design.ring.pin_radius / tooth_clearance(reducer),
         design.gear.bore_radius / design.clearance.cam,
         design.output.pin_radius / design.clearance.output,
     )
 
 
-def widest_gap(design: Design, measured: Gaps) -> float:
+def widest_gap(reducer: Reducer, measured: Gaps) -> float:
     """Return the widest gap that any two mating parts have in any of the samples [m]."""
+    design = reducer.design
     return max(
-        tooth_clearance(design) + float(np.abs(measured.opening).max(initial=0.0)),
+        tooth_clearance(reducer) + float(np.abs(measured.opening).max(initial=0.0)),
         design.pin_play + float(np.linalg.norm(measured.away, axis=-1).max(initial=0.0)),
         design.clearance.output + float(np.linalg.norm(measured.output_away, axis=-1).max(initial=0.0)),
         design.clearance.cam + float(np.linalg.norm(measured.deviation[:, :2], axis=-1).max(initial=0.0)),
     )
 
 
-def fitting_magnification(design: Design, widest: float, choices: Sequence[float]) -> float:
+def fitting_magnification(reducer: Reducer, widest: float, choices: Sequence[float]) -> float:
     """Return the largest of `choices` at which the widest gap [m] is drawn no wider than a share of any radius.
 
     Beyond that pins are seen outside their holes. Where no choice is small enough, the smallest.
     """
+    design = reducer.design
     least = min(design.ring.pin_radius, design.output.pin_radius, design.gear.bore_radius)
-    most = min(largest_magnification(design), WIDEST * least / widest)
+    most = min(largest_magnification(reducer), WIDEST * least / widest)
     return max((times for times in choices if times <= most), default=min(choices))
 
 
-def tooth_clearance(design: Design) -> float:
+def tooth_clearance(reducer: Reducer) -> float:
     """Give the normal clearance between gear and ring [m]."""
+    design = reducer.design
     return design.clearance.pin_gear if design.ring.kind == "pin" else design.clearance.tooth
 
 
-def drawn_radii(design: Design, magnification: float = 1.0) -> Radii:
+def drawn_radii(reducer: Reducer, magnification: float = 1.0) -> Radii:
     """Give the radii that leave each clearance `magnification` times as wide.
 
     Raises
@@ -156,13 +159,14 @@ def drawn_radii(design: Design, magnification: float = 1.0) -> Radii:
     UsageError
         `magnification` is below 1 or beyond `largest_magnification`.
     """
-    largest = largest_magnification(design)
+    design = reducer.design
+    largest = largest_magnification(reducer)
     if not 1.0 <= magnification <= largest:
         raise UsageError(
             f"gaps cannot be drawn {magnification:g} times as wide: give 1 to {np.floor(largest):g} for this design"
         )
     more, play = magnification - 1.0, design.clearance
-    ring = design.ring.pin_radius - more * tooth_clearance(design)
+    ring = design.ring.pin_radius - more * tooth_clearance(reducer)
     return Radii(
         pin=ring,
         socket=ring + magnification * design.pin_play,
@@ -172,7 +176,7 @@ def drawn_radii(design: Design, magnification: float = 1.0) -> Radii:
     )
 
 
-def gaps(design: Design, columns: Mapping[str, Array], disc: int = 0) -> Gaps:
+def gaps(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) -> Gaps:
     """Measure what separates a disc and its mates at the n samples of the columns, shape (n,) each, in SI units.
 
     Raises
@@ -180,10 +184,11 @@ def gaps(design: Design, columns: Mapping[str, Array], disc: int = 0) -> Gaps:
     LogError
         A column of the parts' motion is missing.
     """
-    place, crank, ahead = poses(design, columns), columns["crank_angle"], phases(design)[disc]
+    design = reducer.design
+    place, crank, ahead = poses(reducer, columns), columns["crank_angle"], reducer.phases[disc]
     mesh, gear = tooth_profile(design), place[gears(design.gear.discs)[disc]]
     ideal = np.column_stack([gear_centre(mesh, crank + ahead), gear_rotation(mesh, crank)])
-    nominal = ring_places(design)
+    nominal = ring_places(reducer)
     pins = np.zeros((crank.size, len(nominal), 3))
     if pin(1) in place:
         pins = np.stack([place[pin(number)] for number in range(1, len(nominal) + 1)], axis=1)
@@ -196,20 +201,20 @@ def gaps(design: Design, columns: Mapping[str, Array], disc: int = 0) -> Gaps:
         opening=_opening(mesh, gear - [0.0, 0.0, ahead / design.lobes], nominal + pins[..., :2]),
         away=pins[..., :2],
         pin_angle=pins[..., 2],
-        output_away=_output_away(design, gear, place[OUTPUT]),
+        output_away=_output_away(reducer, gear, place[OUTPUT]),
     )
 
 
-def ring_normals(design: Design, gear: Array) -> Array:
+def ring_normals(reducer: Reducer, gear: Array) -> Array:
     """Give the ideal common normals, from the gear to each pin or lobe, shape (n, N, 2).
 
     All run through the pitch point, c N from the axis along the eccentricity. `gear` is its ideal pose (n, 3).
     """
-    normal = ring_places(design) - design.ring.teeth * gear[:, np.newaxis, :2]
+    normal = ring_places(reducer) - reducer.design.ring.teeth * gear[:, np.newaxis, :2]
     return normal / np.linalg.norm(normal, axis=2, keepdims=True)
 
 
-def drawing(design: Design, measured: Gaps, magnification: float = 1.0) -> Drawing:
+def drawing(reducer: Reducer, measured: Gaps, magnification: float = 1.0) -> Drawing:
     """Place everything by its gaps.
 
     Raises
@@ -218,14 +223,14 @@ def drawing(design: Design, measured: Gaps, magnification: float = 1.0) -> Drawi
         The magnification is not possible; see `drawn_radii`.
     """
     gear = measured.gear
-    opening = magnification * measured.opening[..., np.newaxis] * ring_normals(design, gear)
-    ring = ring_places(design) + opening
-    holes = moved(gear[:, np.newaxis], output_centres(design))
-    outwards = gear[:, np.newaxis, :2] / design.gear.eccentricity
-    in_hole = design.gear.eccentricity + magnification * measured.output_away[..., np.newaxis]
+    opening = magnification * measured.opening[..., np.newaxis] * ring_normals(reducer, gear)
+    ring = ring_places(reducer) + opening
+    holes = moved(gear[:, np.newaxis], output_centres(reducer))
+    outwards = gear[:, np.newaxis, :2] / reducer.design.gear.eccentricity
+    in_hole = reducer.design.gear.eccentricity + magnification * measured.output_away[..., np.newaxis]
     return Drawing(
         magnification=magnification,
-        radii=drawn_radii(design, magnification),
+        radii=drawn_radii(reducer, magnification),
         gaps=measured,
         gear=gear,
         shaft=np.column_stack([-magnification * measured.deviation[:, :2], measured.crank_angle]),
@@ -235,7 +240,7 @@ def drawing(design: Design, measured: Gaps, magnification: float = 1.0) -> Drawi
     )
 
 
-def ring_outline(design: Design, outline: Array, normals: Array, drawn: Drawing, row: int) -> Array:
+def ring_outline(reducer: Reducer, outline: Array, normals: Array, drawn: Drawing, row: int) -> Array:
     """Give the outline (m, 2) [m] of an internal gear in frame `row`, each point moved along its normal.
 
     Parameters
@@ -252,7 +257,7 @@ def ring_outline(design: Design, outline: Array, normals: Array, drawn: Drawing,
     gear, deviation = drawn.gear[row], drawn.gaps.deviation[row]
     opening = np.einsum("mk,mk->m", normals, _displacement(outline - gear[:2], deviation))
     more = drawn.magnification - 1.0
-    return outline - normals * (more * tooth_clearance(design) + drawn.magnification * opening)[:, np.newaxis]
+    return outline - normals * (more * tooth_clearance(reducer) + drawn.magnification * opening)[:, np.newaxis]
 
 
 def _opening(mesh: CycloidGear, gear: Array, centres: Array) -> Array:
@@ -271,9 +276,9 @@ def _opening(mesh: CycloidGear, gear: Array, centres: Array) -> Array:
     return np.einsum("nik,nik->ni", point - profile.trochoid(mesh, t), profile.normals(mesh, t))
 
 
-def _output_away(design: Design, gear: Array, output: Array) -> Array:
-    pins, holes = (moved(pose[:, np.newaxis], output_centres(design)) for pose in (output, gear))
-    return np.linalg.norm(pins - holes, axis=2) - design.gear.eccentricity
+def _output_away(reducer: Reducer, gear: Array, output: Array) -> Array:
+    pins, holes = (moved(pose[:, np.newaxis], output_centres(reducer)) for pose in (output, gear))
+    return np.linalg.norm(pins - holes, axis=2) - reducer.design.gear.eccentricity
 
 
 def _displacement(arm: Array, deviation: Array) -> Array:

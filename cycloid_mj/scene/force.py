@@ -5,9 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.design import Design
 from cycloid_mj.kinematics import gear_centre
-from cycloid_mj.mechanism.reducer import phases
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import (
     FORCE_X,
     FORCE_Y,
@@ -96,7 +95,7 @@ class ContactForces:
         return ContactForces(names, found, self.point[:, rows], self.force[:, rows])
 
 
-def contact_forces(design: Design, columns: Mapping[str, Array], drawn: Drawing | None = None) -> ContactForces:
+def contact_forces(reducer: Reducer, columns: Mapping[str, Array], drawn: Drawing | None = None) -> ContactForces:
     """Give the force and its place in every mating pair that has columns.
 
     The columns ``<pair>_force_x``, ``_force_y`` and ``_moment`` are a wrench about the origin of the body that feels
@@ -121,9 +120,9 @@ def contact_forces(design: Design, columns: Mapping[str, Array], drawn: Drawing 
     names, kinds = tuple(acting), tuple(acting.values())
     count = columns["crank_angle"].size
     point, force = np.empty((count, len(names), 2)), np.empty((count, len(names), 2))
-    place, discs = poses(design, columns), gears(design.gear.discs)
-    true = _measured(design, place)
-    shown = true if drawn is None else _drawn(design, drawn)
+    place, discs = poses(reducer, columns), gears(reducer.design.gear.discs)
+    true = _measured(reducer, place)
+    shown = true if drawn is None else _drawn(reducer, drawn)
     for row, (name, kind) in enumerate(acting.items()):
         number, disc = number_of(name), disc_of(name)
         wrench = usable(np.stack([columns[column(name, part)] for part in WRENCH], axis=1))
@@ -135,35 +134,38 @@ def contact_forces(design: Design, columns: Mapping[str, Array], drawn: Drawing 
     return ContactForces(names, kinds, point, force)
 
 
-def on_gear(design: Design, columns: Mapping[str, Array]) -> ContactForces:
+def on_gear(reducer: Reducer, columns: Mapping[str, Array]) -> ContactForces:
     """Give the forces that viewers show; see `contact_forces`."""
-    return contact_forces(design, columns).of(*FORCE_COLOURS)
+    return contact_forces(reducer, columns).of(*FORCE_COLOURS)
 
 
-def arrow_heights(design: Design) -> tuple[float, ...]:
+def arrow_heights(reducer: Reducer) -> tuple[float, ...]:
     """Give where viewers show the forces on each disc along the axis [m]: on its face towards the output.
 
     Of several discs those on the first are on its other face, which no disc covers.
     """
+    design = reducer.design
     height = 0.5 * design.gear.face_width + THICKNESS * design.ring.pin_circle_radius
     first, *others = design.gear.disc_planes
     return (first - height if others else first + height, *(plane + height for plane in others))
 
 
-def ideal_forces(design: Design, columns: Mapping[str, Array], disc: int = 0) -> Array | None:
+def ideal_forces(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) -> Array | None:
     """Give the force of a disc on each pin by ideal load sharing [N], shape (n, N); None for an internal gear."""
+    design = reducer.design
     if design.ring.kind != "pin":
         return None
-    share, crank = columns["load_torque"] / design.gear.discs, columns["crank_angle"] + phases(design)[disc]
+    share, crank = columns["load_torque"] / design.gear.discs, columns["crank_angle"] + reducer.phases[disc]
     return ideal_load_sharing(tooth_profile(design), share, crank).forces
 
 
-def reference_force(design: Design) -> dict[str, float]:
+def reference_force(reducer: Reducer) -> dict[str, float]:
     """Give kind of pair -> a force that is typical of it [N], by the load, or by the gear's inertia if that is more.
 
     With the torque T of a disc, half of its N ring contacts share T/(c (N-1)) as a sine: the largest has
     4 T/(c N (N-1)), that of n output pins on the radius R has 4 T/(n R), and the cam has T/(c (N-1)).
     """
+    design = reducer.design
     gear, output, teeth = design.gear, design.output, design.ring.teeth
     area = np.pi * (design.ring.pin_circle_radius**2 - gear.bore_radius**2 - output.pins * output.hole_radius**2)
     mass = design.material_of("gear").density * gear.face_width * max(float(area), 0.0)
@@ -205,22 +207,22 @@ class _Inner:
         return self.ring[:, number - 1] + reach * along
 
 
-def _measured(design: Design, place: Mapping[str, Array]) -> _Inner:
-    nominal = ring_places(design)
+def _measured(reducer: Reducer, place: Mapping[str, Array]) -> _Inner:
+    nominal = ring_places(reducer)
     ring = moved(place[HOUSING][:, np.newaxis], nominal)
     if pin(1) in place:
         ring = np.stack([place[pin(number)][:, :2] for number in range(1, len(nominal) + 1)], axis=1)
-    pins = moved(place[OUTPUT][:, np.newaxis], output_centres(design))
-    return _Inner(ring, cams(design, place[SHAFT]), pins, drawn_radii(design))
+    pins = moved(place[OUTPUT][:, np.newaxis], output_centres(reducer))
+    return _Inner(ring, cams(reducer, place[SHAFT]), pins, drawn_radii(reducer))
 
 
-def _drawn(design: Design, drawn: Drawing) -> _Inner:
-    return _Inner(drawn.ring, cams(design, drawn.shaft), drawn.output_pins, drawn.radii)
+def _drawn(reducer: Reducer, drawn: Drawing) -> _Inner:
+    return _Inner(drawn.ring, cams(reducer, drawn.shaft), drawn.output_pins, drawn.radii)
 
 
-def cams(design: Design, shaft: Array) -> Array:
+def cams(reducer: Reducer, shaft: Array) -> Array:
     """Give the centres of all cams [m], shape (n, D, 2), of a crank in the poses (n, 3)."""
-    return moved(shaft[:, np.newaxis], gear_centre(tooth_profile(design), np.array(phases(design))))
+    return moved(shaft[:, np.newaxis], gear_centre(tooth_profile(reducer.design), np.array(reducer.phases)))
 
 
 def _direction(force: Array) -> Array:

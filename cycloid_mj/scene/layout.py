@@ -4,7 +4,7 @@ import json
 from importlib.resources import files
 from typing import Any
 
-from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import HOUSING, OUTPUT, PIN, SHAFT, all_numbered, gears, planar_speeds
 from cycloid_mj.scene.messages import ROOT
 
@@ -12,11 +12,12 @@ DISTANCE, NEAREST, FARTHEST = 4.0, 0.02, 100.0
 """Of the camera, and of what it sees, as multiples of the housing's radius."""
 
 
-def layout(design: Design) -> dict[str, Any]:
+def layout(reducer: Reducer) -> dict[str, Any]:
     """Give the layout that these viewers import as JSON: the mechanism from the output side, and three plots.
 
     ``assets/layout.json`` has what all designs share. A crank at 1640 rpm turns once in 4 s at its playback speed.
     """
+    design = reducer.design
     found: dict[str, Any] = json.loads(files("cycloid_mj.scene").joinpath("assets", "layout.json").read_text())
     view, reach = found["configById"]["3D!mechanism"], design.housing.outer_radius
     view["cameraState"] |= {"distance": DISTANCE * reach, "near": NEAREST * reach, "far": FARTHEST * reach}

@@ -22,6 +22,7 @@ from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
 from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import pin
 from cycloid_mj.scene.force import (
     ARROW,
@@ -55,11 +56,12 @@ ROOT = "reducer"
 FRAMES, PARTS, FORCES = "/tf", "/scene/parts", "/scene/forces"
 
 
-def frame_rate(design: Design) -> float:
+def frame_rate(reducer: Reducer) -> float:
     """Compute the frames per second [1/s] of a run: every 10 deg of crank, or ``settings.scene_rate`` if that is more.
 
     A run of many turns has `MOST_FRAMES` of them, which bounds the size of its log.
     """
+    design = reducer.design
     by_angle = FRAMES_A_TURN * abs(design.drive.speed) / (2.0 * math.pi)
     at_most = MOST_FRAMES / (design.drive.ramp + design.drive.hold)
     return min(max(design.settings.scene_rate, min(by_angle, at_most)), HIGHEST_RATE)
@@ -106,10 +108,10 @@ class Scene:
             A part of the design cannot be made.
         """
         update = SceneUpdate()
-        files = {name: glb(pieces) for name, pieces in shapes(self.design).items()}
+        files = {name: glb(pieces) for name, pieces in shapes(Reducer(self.design)).items()}
         one_pin = files.pop("pin", b"")
         if one_pin:
-            files |= {pin(number): one_pin for number, _ in enumerate(ring_places(self.design), start=1)}
+            files |= {pin(number): one_pin for number, _ in enumerate(ring_places(Reducer(self.design)), start=1)}
         for part, data in files.items():
             entity = update.entities.add(frame_id=part, id=part, frame_locked=True)
             entity.timestamp.FromNanoseconds(_nanoseconds(time))
@@ -133,8 +135,8 @@ class Scene:
         LogError
             A column of the parts' motion is missing.
         """
-        place = poses(self.design, columns)
-        acting = on_gear(self.design, columns)
+        place = poses(Reducer(self.design), columns)
+        acting = on_gear(Reducer(self.design), columns)
         for row, now in enumerate(time.tolist()):
             if all(np.isfinite(pose[row]).all() for pose in place.values()):
                 stamp = _nanoseconds(now)
@@ -169,13 +171,13 @@ class Scene:
 
     @cached_property
     def _heights(self) -> tuple[float, ...]:
-        return arrow_heights(self.design)
+        return arrow_heights(Reducer(self.design))
 
     @cached_property
     def _scales(self) -> dict[str, float]:
         """Length of an arrow for each newton of force [m/N], by kind of pair."""
         longest = ARROW * self.design.ring.pin_circle_radius
-        return {kind: longest / force for kind, force in reference_force(self.design).items()}
+        return {kind: longest / force for kind, force in reference_force(Reducer(self.design)).items()}
 
 
 def _transforms(stamp: int, place: Mapping[str, list[float]]) -> bytes:

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.design import Design
 from cycloid_mj.errors import LogError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import (
     FORCE_X,
     FORCE_Y,
@@ -24,19 +24,19 @@ from cycloid_mj.record import usable
 from cycloid_mj.types import Array
 
 
-def pose_columns(design: Design) -> tuple[str, ...]:
+def pose_columns(reducer: Reducer) -> tuple[str, ...]:
     """Name the columns that a run must have for its parts to be shown."""
-    planar = (name for gear in gears(design.gear.discs) for name in planar_joints(gear))
+    planar = (name for gear in gears(reducer.design.gear.discs) for name in planar_joints(gear))
     return ("crank_angle", *planar, "output_angle")
 
 
-def ring_places(design: Design) -> Array:
+def ring_places(reducer: Reducer) -> Array:
     """Give the nominal centres of the ring's pins or lobes, shape (N, 2) [m]: the first on +y, then clockwise."""
-    teeth = design.ring.teeth
-    return design.ring.pin_circle_radius * unit(2 * np.pi * np.arange(teeth) / teeth)
+    teeth = reducer.design.ring.teeth
+    return reducer.design.ring.pin_circle_radius * unit(2 * np.pi * np.arange(teeth) / teeth)
 
 
-def poses(design: Design, columns: Mapping[str, Array]) -> dict[str, Array]:
+def poses(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Array]:
     """Give part -> x [m], y [m] and angle [rad] at n times, shape (n, 3).
 
     Parts are housing, shaft, gear (of several discs gear_1, gear_2, ...), output and, where the ring has pins, pin_1
@@ -55,7 +55,8 @@ def poses(design: Design, columns: Mapping[str, Array]) -> dict[str, Array]:
     LogError
         A column is missing.
     """
-    missing = [name for name in pose_columns(design) if name not in columns]
+    design = reducer.design
+    missing = [name for name in pose_columns(reducer) if name not in columns]
     if missing:
         raise LogError(
             f"the run lacks the columns {', '.join(missing)}, so its parts cannot be shown: simulate it again"
@@ -69,27 +70,27 @@ def poses(design: Design, columns: Mapping[str, Array]) -> dict[str, Array]:
         OUTPUT: _pose(still, still, columns["output_angle"] - ring),
     }
     if design.ring.kind == "pin":
-        for number, (x, y) in enumerate(ring_places(design), start=1):
+        for number, (x, y) in enumerate(ring_places(reducer), start=1):
             away = [columns.get(column(pin(number), name), still) for name in ("x", "y", "angle")]
             if design.ring.has_massless_pins:
-                force = [_on_discs(design, columns, number, axis) for axis in (FORCE_X, FORCE_Y)]
-                away[:2] = _pressed(design, [*turned(np.stack(force, axis=-1), -ring).T])
+                force = [_on_discs(reducer, columns, number, axis) for axis in (FORCE_X, FORCE_Y)]
+                away[:2] = _pressed(reducer, [*turned(np.stack(force, axis=-1), -ring).T])
             place = turned(np.stack([x + away[0], y + away[1]], axis=1), ring)
             found[pin(number)] = _pose(place[:, 0], place[:, 1], away[2] + ring)
     return found
 
 
-def _on_discs(design: Design, columns: Mapping[str, Array], number: int, axis: str) -> Array:
+def _on_discs(reducer: Reducer, columns: Mapping[str, Array], number: int, axis: str) -> Array:
     """Give the force of a pin on all discs along an axis [N], shape (n,); 0 without columns."""
-    discs = design.gear.discs
+    discs = reducer.design.gear.discs
     pairs = [column(of_disc(pin(number), disc, discs), axis) for disc in range(discs)]
     return np.sum([columns.get(pair, np.zeros_like(columns["crank_angle"])) for pair in pairs], axis=0)
 
 
-def _pressed(design: Design, force: list[Array]) -> list[Array]:
+def _pressed(reducer: Reducer, force: list[Array]) -> list[Array]:
     """Give how far a massless pin is from its place [m]: by its play away from the gears, which feel its force [N]."""
     size = np.maximum(np.hypot(*force), np.finfo(float).tiny)
-    return [-design.pin_play * component / size for component in force]
+    return [-reducer.design.pin_play * component / size for component in force]
 
 
 def turned(points: Array, angle: npt.ArrayLike) -> Array:

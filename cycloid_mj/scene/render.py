@@ -6,8 +6,8 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.record import Run
 from cycloid_mj.scene.force import ARROW, FORCE_COLOURS, THICKNESS, arrow_heights, on_gear
 from cycloid_mj.scene.opengl import opengl
@@ -24,7 +24,7 @@ SAMPLES = 8
 
 def render(
     run: Run,
-    design: Design,
+    reducer: Reducer,
     sample: int,
     size: tuple[int, int] = (WIDTH, HEIGHT),
     view: tuple[float, float] = (AZIMUTH, ELEVATION),
@@ -59,7 +59,7 @@ def render(
     set_sample(model, data, run, sample)
     model.vis.global_.offwidth, model.vis.global_.offheight = width, height
     model.vis.quality.offsamples = SAMPLES
-    scene = _scene(model, data, _arrows(run, design, sample), view)
+    scene = _scene(model, data, _arrows(run, reducer, sample), view)
     with opengl(model, width, height) as context:
         frame = mujoco.MjrRect(0, 0, width, height)
         picture = np.empty((height, width, 3), dtype=np.uint8)
@@ -78,10 +78,10 @@ def _scene(model: Any, data: Any, arrows: list[dict[str, Any]], view: tuple[floa
     return scene
 
 
-def _arrows(run: Run, design: Design, sample: int) -> list[dict[str, Any]]:
+def _arrows(run: Run, reducer: Reducer, sample: int) -> list[dict[str, Any]]:
     """Give tail, tip, width [m] and colour of each force's arrow, on a face of its disc."""
     columns = {name: values[sample : sample + 1] for name, values in run.columns.items()}
-    acting, reach, faces = on_gear(design, columns), design.ring.pin_circle_radius, arrow_heights(design)
+    acting, reach, faces = on_gear(reducer, columns), reducer.design.ring.pin_circle_radius, arrow_heights(reducer)
     arrows = []
     for kind in dict.fromkeys(acting.kinds):
         these = acting.of(kind)

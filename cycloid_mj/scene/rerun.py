@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from cycloid_mj.design import Design
 from cycloid_mj.errors import CycloidError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import gears, planar_speeds
 from cycloid_mj.record import Run
 from cycloid_mj.scene.force import ARROW, FORCE_COLOURS, THICKNESS, ContactForces, arrow_heights, on_gear
@@ -26,7 +26,7 @@ PLOTTED = (("output_speed",), ("crank_torque", "load_torque"), ("peak_force",))
 """Columns in the plots that the viewer opens with, after the discs' speeds; every other can be dragged there."""
 
 
-def write_rerun(run: Run, design: Design, path: str | os.PathLike[str]) -> None:
+def write_rerun(run: Run, reducer: Reducer, path: str | os.PathLike[str]) -> None:
     """Write a run as a Rerun recording (.rrd): moving parts, forces on the gear, every column, and a layout.
 
     Parameters
@@ -46,14 +46,14 @@ def write_rerun(run: Run, design: Design, path: str | os.PathLike[str]) -> None:
         A column of the parts' motion is missing.
     """
     rr = _rerun()
-    place, acting = poses(design, run.columns), on_gear(design, run.columns)
-    name = "cycloid_mj_" + "_".join(design.name.split())
+    place, acting = poses(reducer, run.columns), on_gear(reducer, run.columns)
+    name = "cycloid_mj_" + "_".join(reducer.design.name.split())
     with whole_file(path) as beside:
         recording = rr.RecordingStream(name)
-        recording.save(str(beside), default_blueprint=_layout(design, run.topics))
+        recording.save(str(beside), default_blueprint=_layout(reducer, run.topics))
         time = rr.TimeColumn(TIMELINE, duration=run.time)
-        _log_parts(rr, recording, design, time, place)
-        _log_forces(rr, recording, design, time, acting)
+        _log_parts(rr, recording, reducer, time, place)
+        _log_forces(rr, recording, reducer, time, acting)
         for topic, names in run.topics.items():
             for column in names:
                 values = rr.Scalars.columns(scalars=run[column])
@@ -69,8 +69,8 @@ def _rerun() -> ModuleType:
         raise CycloidError(f"Rerun is not installed ({problem}): pip install 'cycloid-mj[rerun]'") from problem
 
 
-def _log_parts(rr: Any, recording: Any, design: Design, time: Any, place: Mapping[str, Array]) -> None:
-    looks = shapes(design)
+def _log_parts(rr: Any, recording: Any, reducer: Reducer, time: Any, place: Mapping[str, Array]) -> None:
+    looks = shapes(reducer)
     for part, pose in place.items():
         entity = f"{MECHANISM}/{part}"
         for piece in looks["pin" if part.startswith("pin_") else part]:
@@ -95,9 +95,9 @@ def _bytes(colour: Colour) -> list[int]:
     return [round(255 * part) for part in colour]
 
 
-def _log_forces(rr: Any, recording: Any, design: Design, time: Any, acting: ContactForces) -> None:
+def _log_forces(rr: Any, recording: Any, reducer: Reducer, time: Any, acting: ContactForces) -> None:
     """Log the arrows of each kind of pair, their tips at the contacts, on a face of their disc."""
-    reach, faces = design.ring.pin_circle_radius, np.array(arrow_heights(design))
+    reach, faces = reducer.design.ring.pin_circle_radius, np.array(arrow_heights(reducer))
     for kind in dict.fromkeys(acting.kinds):
         these = acting.of(kind)
         scale = ARROW * reach / these.size.max(initial=1e-9)
@@ -112,17 +112,17 @@ def _log_forces(rr: Any, recording: Any, design: Design, time: Any, acting: Cont
         recording.send_columns(entity, indexes=[time], columns=arrows.partition([pairs] * count))
 
 
-def _layout(design: Design, topics: Mapping[str, tuple[str, ...]]) -> Any:
+def _layout(reducer: Reducer, topics: Mapping[str, tuple[str, ...]]) -> Any:
     """Give the views that the viewer opens with."""
     rrb = importlib.import_module("rerun.blueprint")
     at = {name: f"/{SIGNALS}{topic}/{name}" for topic, names in topics.items() for name in names}
-    speeds = tuple(planar_speeds(gear)[2] for gear in gears(design.gear.discs))
+    speeds = tuple(planar_speeds(gear)[2] for gear in gears(reducer.design.gear.discs))
     plots = [
         rrb.TimeSeriesView(name=", ".join(names), contents=[at[name] for name in names])
         for names in (speeds, *PLOTTED)
         if all(name in at for name in names)
     ]
-    reach = design.housing.outer_radius
+    reach = reducer.design.housing.outer_radius
     eye = rrb.EyeControls3D(position=[0.8 * reach, 0.6 * reach, 3.2 * reach], look_target=[0, 0, 0], eye_up=[0, 1, 0])
     mechanism = rrb.Spatial3DView(origin=f"/{MECHANISM}", name="mechanism", eye_controls=eye, line_grid=False)
     return rrb.Blueprint(rrb.Horizontal(mechanism, rrb.Vertical(*plots)))

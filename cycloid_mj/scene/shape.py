@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import OUTPUT, ROLLER, SHAFT, SPACER, family, gears
 from cycloid_mj.solid import Mesh, Solid, carried, mesh, parts
 from cycloid_mj.solid.tint import Colour, tinted
@@ -35,7 +35,7 @@ class Piece:
     colour: Colour
 
 
-def shapes(design: Design) -> dict[str, tuple[Piece, ...]]:
+def shapes(reducer: Reducer) -> dict[str, tuple[Piece, ...]]:
     """Give housing, shaft, gears, pin (where the ring has pins) and output, each in the frame of its pose in the plane.
 
     The disc of the output is a piece of its own that can be seen through: the mechanism is looked at from its side,
@@ -47,23 +47,23 @@ def shapes(design: Design) -> dict[str, tuple[Piece, ...]]:
     DesignError
         A part of the design cannot be made.
     """
-    found, copies = parts(design, CHORD_ERROR), {by: carried(design, by) for by in (SHAFT, OUTPUT)}
+    found, copies = parts(reducer, CHORD_ERROR), {by: carried(reducer, by) for by in (SHAFT, OUTPUT)}
     planes = {
         name: np.array([0.0, 0.0, plane])
-        for name, plane in zip(gears(design.gear.discs), design.gear.disc_planes, strict=True)
+        for name, plane in zip(gears(reducer.design.gear.discs), reducer.design.gear.disc_planes, strict=True)
     }
-    seen = {name: _pieces(name, solid, planes.get(name, np.zeros(3)), design) for name, solid in found.items()}
+    seen = {name: _pieces(name, solid, planes.get(name, np.zeros(3)), reducer) for name, solid in found.items()}
     for by, borne in copies.items():
         seen[by] += tuple(_piece(name, found[part], place) for name, (part, place) in borne.items())
     apart = {part for borne in copies.values() for part, _ in borne.values()}
     return {name: pieces for name, pieces in seen.items() if name not in apart}
 
 
-def _pieces(name: str, solid: Solid, place: Array, design: Design) -> tuple[Piece, ...]:
+def _pieces(name: str, solid: Solid, place: Array, reducer: Reducer) -> tuple[Piece, ...]:
     if name != OUTPUT:
         return (_piece(name, solid, place),)
     disc, *others = solid.prisms
-    pins, second = others[: design.output.pins], others[design.output.pins :]
+    pins, second = others[: reducer.design.output.pins], others[reducer.design.output.pins :]
     discs = [
         Piece("disc", mesh(disc), COLOURS["disc"]),
         *(Piece("second_disc", mesh(one), COLOURS["disc"]) for one in second),

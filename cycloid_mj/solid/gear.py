@@ -3,8 +3,7 @@
 import math
 
 from cycloid_mj import names, profile
-from cycloid_mj.design import Design
-from cycloid_mj.mechanism.reducer import phases
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.modification import gear_profile, profile_offset, sample_turned, tooth_profile
 from cycloid_mj.solid.accuracy import drawing_error
 from cycloid_mj.solid.fit import require_above, require_below
@@ -20,7 +19,7 @@ ROUNDING = 1e-9
 """Relative; a hole of exactly output pin + eccentricity passes."""
 
 
-def gear_solid(design: Design, chord_error: float | None = None, disc: int = 0) -> Solid:
+def gear_solid(reducer: Reducer, chord_error: float | None = None, disc: int = 0) -> Solid:
     """Give a cycloid gear in its own frame: valley 1 and hole 1 on +y, holes numbered clockwise.
 
     The teeth of a disc that is ahead on the crank are turned back, clockwise, against its holes. Its profile is the
@@ -40,18 +39,19 @@ def gear_solid(design: Design, chord_error: float | None = None, disc: int = 0) 
     DesignError
         The profile is undercut, bore, holes and valleys meet, or the output pins cannot orbit in the holes.
     """
-    _require_room(design)
-    chord_error = drawing_error(design, chord_error)
-    outline = turned(gear_outline(design, chord_error)[::-1], -phases(design)[disc] / design.lobes)
+    design = reducer.design
+    _require_room(reducer)
+    chord_error = drawing_error(reducer, chord_error)
+    outline = turned(gear_outline(reducer, chord_error)[::-1], -reducer.phases[disc] / design.lobes)
     bore = circle(design.gear.bore_radius + design.clearance.cam, chord_error)
     hole = circle(design.output.hole_radius + design.clearance.output, chord_error)
-    holes = [hole + centre for centre in output_centres(design)]
+    holes = [hole + centre for centre in output_centres(reducer)]
     half = design.gear.face_width / 2
     name = names.of_disc(names.GEAR, disc, design.gear.discs)
     return Solid(name, (Prism(outline, (bore, *holes), -half, half),), design.material_of("gear").density)
 
 
-def gear_outline(design: Design, chord_error: float) -> Array:
+def gear_outline(reducer: Reducer, chord_error: float) -> Array:
     """Give the gear's outline with its clearance and modification, (n, 2) [m], clockwise from the valley on +y.
 
     Raises
@@ -59,19 +59,20 @@ def gear_outline(design: Design, chord_error: float) -> Array:
     DesignError
         The profile is undercut, `chord_error` [m] is too small, or nothing is left of the lobes.
     """
-    teeth, offset, rotation = gear_profile(design), profile_offset(design), design.modification.rotation
+    teeth, offset, rotation = reducer.gear_profile, reducer.profile_offset, reducer.design.modification.rotation
     if rotation:
         return sample_turned(teeth, chord_error, offset, rotation)
     return profile.outline(teeth, profile.sagitta_parameters(teeth, chord_error, offset), offset)
 
 
-def _require_room(design: Design) -> None:
+def _require_room(reducer: Reducer) -> None:
     """Raise DesignError unless bore, holes and valleys stay apart and the output pins have room to orbit."""
+    design = reducer.design
     gear, output, clearance = design.gear, design.output, design.clearance
     orbit = (output.pin_radius + gear.eccentricity) * (1 - ROUNDING)
     half_pitch = output.pin_circle_radius * math.sin(math.pi / output.pins)
     to_bore = output.pin_circle_radius - output.hole_radius - clearance.output
-    valley = gear_profile(design).pin_circle_radius - gear.eccentricity - profile_offset(design)
+    valley = reducer.gear_profile.pin_circle_radius - gear.eccentricity - reducer.profile_offset
     to_valley = valley - output.hole_radius - clearance.output
     require_above("output.hole_radius", output.hole_radius, orbit, "the output pins cannot orbit in the holes")
     require_below("output.hole_radius", output.hole_radius, half_pitch - clearance.output, "neighbouring holes meet")

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from cycloid_mj import envelope
-from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.profile import unit
 from cycloid_mj.sockets import arc_half_angle, wall_radius
 from cycloid_mj.solid.accuracy import drawing_error
@@ -16,7 +16,7 @@ from cycloid_mj.solid.prism import Prism, Solid
 from cycloid_mj.types import Array
 
 
-def pin_solid(design: Design, chord_error: float | None = None) -> Solid:
+def pin_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
     """Give one pin of the pinwheel, its centre at the origin: a cylinder through all discs, or the sleeve on it.
 
     Raises
@@ -24,14 +24,15 @@ def pin_solid(design: Design, chord_error: float | None = None) -> Solid:
     DesignError
         A sleeve is thicker than its radius: it has no bore.
     """
-    chord_error = drawing_error(design, chord_error)
+    design = reducer.design
+    chord_error = drawing_error(reducer, chord_error)
     outline = circle(design.ring.pin_radius, chord_error)
-    bore = (_sleeve_bore(design, chord_error),) if design.ring.has_sleeves else ()
+    bore = (_sleeve_bore(reducer, chord_error),) if design.ring.has_sleeves else ()
     half = design.gear.stack_width / 2
     return Solid("pin", (Prism(outline, bore, -half, half),), design.material_of("pin").density)
 
 
-def sleeve_core_radius(design: Design) -> float:
+def sleeve_core_radius(reducer: Reducer) -> float:
     """Give the radius of the pressed-in pin inside a sleeve [m]: the bore's less the clearance.
 
     Raises
@@ -39,12 +40,13 @@ def sleeve_core_radius(design: Design) -> float:
     DesignError
         The sleeve leaves no room for it.
     """
+    design = reducer.design
     thickness, room = design.ring.sleeve_thickness, design.ring.pin_radius - design.clearance.pin_sleeve
     require_below("ring.sleeve_thickness", thickness, room, "the sleeve leaves no room for its pin")
     return room - thickness
 
 
-def housing_solid(design: Design, chord_error: float | None = None) -> Solid:
+def housing_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
     """Give the housing in the frame of the reducer axis: the pinwheel without its pins, or the internal gear.
 
     The pinwheel of sleeved pins comes with the pressed-in ones, which both end plates hold (not drawn).
@@ -61,30 +63,33 @@ def housing_solid(design: Design, chord_error: float | None = None) -> Solid:
     DesignError
         The housing is too thin, or its sockets cannot hold the pins.
     """
-    chord_error = drawing_error(design, chord_error)
-    hole = _pinwheel(design, chord_error) if design.ring.kind == "pin" else _internal_gear(design, chord_error)
+    design = reducer.design
+    chord_error = drawing_error(reducer, chord_error)
+    hole = _pinwheel(reducer, chord_error) if design.ring.kind == "pin" else _internal_gear(reducer, chord_error)
     outline = circle(design.housing.outer_radius, chord_error)
     half = design.gear.stack_width / 2
     ring = Prism(outline, (hole,), -half, half)
-    return Solid("housing", (ring, *_cores(design, chord_error)), design.material_of("housing").density)
+    return Solid("housing", (ring, *_cores(reducer, chord_error)), design.material_of("housing").density)
 
 
-def _cores(design: Design, chord_error: float) -> list[Prism]:
+def _cores(reducer: Reducer, chord_error: float) -> list[Prism]:
     """Give the pressed-in pins inside the sleeves, pin 1 on +y, clockwise; none elsewhere."""
+    design = reducer.design
     if not design.ring.has_sleeves:
         return []
-    core, half = circle(sleeve_core_radius(design), chord_error), design.gear.stack_width / 2
+    core, half = circle(sleeve_core_radius(reducer), chord_error), design.gear.stack_width / 2
     angles = 2 * np.pi * np.arange(design.ring.teeth) / design.ring.teeth
     return [Prism(core + centre, (), -half, half) for centre in design.ring.pin_circle_radius * unit(angles)]
 
 
-def _sleeve_bore(design: Design, chord_error: float) -> Array:
+def _sleeve_bore(reducer: Reducer, chord_error: float) -> Array:
     """Give the bore of a sleeve as a polygon."""
-    return circle(sleeve_core_radius(design) + design.clearance.pin_sleeve, chord_error)
+    return circle(sleeve_core_radius(reducer) + reducer.design.clearance.pin_sleeve, chord_error)
 
 
-def _pinwheel(design: Design, chord_error: float) -> Array:
+def _pinwheel(reducer: Reducer, chord_error: float) -> Array:
     """Give the wall with N open sockets: one pitch of it, turned N times."""
+    design = reducer.design
     teeth, centre, pin = design.ring.teeth, design.ring.pin_circle_radius, design.ring.pin_radius
     play = design.socket_play
     radius, wall = pin + play, wall_radius(design)
@@ -99,9 +104,9 @@ def _pinwheel(design: Design, chord_error: float) -> Array:
     return np.concatenate([turned(pitch, math.pi / 2 + 2 * math.pi * i / teeth) for i in range(teeth)])
 
 
-def _internal_gear(design: Design, chord_error: float) -> Array:
+def _internal_gear(reducer: Reducer, chord_error: float) -> Array:
     """Give the double-enveloping internal gear; the clearance is the cycloid gear's."""
-    teeth = tooth_profile(design)
+    teeth = tooth_profile(reducer.design)
     root, _ = envelope.radii(teeth)
-    require_above("housing.outer_radius", design.housing.outer_radius, root, "the ring's roots cut through it")
+    require_above("housing.outer_radius", reducer.design.housing.outer_radius, root, "the ring's roots cut through it")
     return envelope.sample_ring_by_sagitta(teeth, chord_error).points[::-1]

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from cycloid_mj.design import Design
 from cycloid_mj.digits import significant, significant_tensor
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.solid.inertia import MassProperties, mass_properties
 from cycloid_mj.solid.parts import body_solids
 
 
-def moving_masses(design: Design) -> dict[str, MassProperties]:
+def moving_masses(reducer: Reducer) -> dict[str, MassProperties]:
     """Give part -> its mass properties; a ring that turns has those of its pins too, where they are no bodies.
 
     Raises
@@ -18,20 +18,21 @@ def moving_masses(design: Design) -> dict[str, MassProperties]:
     DesignError
         A part cannot be made.
     """
-    found = {name: mass_properties(solid) for name, solid in body_solids(design).items()}
+    design = reducer.design
+    found = {name: mass_properties(solid) for name, solid in body_solids(reducer).items()}
     if design.output.turns_ring and design.ring.kind == "pin" and not design.ring.has_pin_bodies:
-        found["housing"] = _with_pins(found["housing"], found["pin"], design)
+        found["housing"] = _with_pins(found["housing"], found["pin"], reducer)
     return found
 
 
-def output_inertia(design: Design) -> float:
+def output_inertia(reducer: Reducer) -> float:
     """Give the inertia of what the load is on about the reducer's axis [kg m2]: of the carrier, or of the ring."""
-    return float(moving_masses(design)["housing" if design.output.turns_ring else "output"].inertia[2, 2])
+    return float(moving_masses(reducer)["housing" if reducer.design.output.turns_ring else "output"].inertia[2, 2])
 
 
-def _with_pins(housing: MassProperties, pin: MassProperties, design: Design) -> MassProperties:
+def _with_pins(housing: MassProperties, pin: MassProperties, reducer: Reducer) -> MassProperties:
     """Add all pins, which stand evenly around the axis: each adds its own inertia, and its mass on the pin circle."""
-    count, orbit = design.ring.teeth, pin.mass * design.ring.pin_circle_radius**2
+    count, orbit = reducer.design.ring.teeth, pin.mass * reducer.design.ring.pin_circle_radius**2
     around = np.diag([0.5 * orbit, 0.5 * orbit, orbit])
     return replace(
         housing,

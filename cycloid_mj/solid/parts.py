@@ -1,12 +1,12 @@
 """All parts of a reducer by name."""
 
 from collections.abc import Mapping
-from functools import lru_cache
 
 import numpy as np
 
 from cycloid_mj import names
 from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer, once
 from cycloid_mj.solid.gear import gear_solid
 from cycloid_mj.solid.housing import housing_solid, pin_solid
 from cycloid_mj.solid.output import output_centres, output_solid, roller_solid
@@ -24,7 +24,7 @@ KEPT = 8
 """Shapes whose parts are kept, of some 2 MB each: the designs of a comparison, not all that a slider goes through."""
 
 
-def parts(design: Design, chord_error: float | None = None) -> dict[str, Solid]:
+def parts(reducer: Reducer, chord_error: float | None = None) -> dict[str, Solid]:
     """Give housing, shaft, gear, pin (one of N; only where the ring has pins) and output, each in its own frame.
 
     The pin of a sleeved ring is the sleeve; the pressed-in pins are the housing's. With D discs there are ``gear_1`` to
@@ -43,10 +43,10 @@ def parts(design: Design, chord_error: float | None = None) -> dict[str, Solid]:
     DesignError
         A part cannot be made, or the parts do not fit into each other.
     """
-    return dict(_parts(_shape(design), chord_error))
+    return dict(_parts(_shape(reducer), chord_error))
 
 
-def body_solids(design: Design) -> dict[str, Solid]:
+def body_solids(reducer: Reducer) -> dict[str, Solid]:
     """Give what moves together as one solid each, by the part that names it: as `parts`, but with what each carries.
 
     The shaft is the whole crank then, and the output has its rollers, after its own prisms.
@@ -57,90 +57,92 @@ def body_solids(design: Design) -> dict[str, Solid]:
         As `parts`.
     """
     whole = {
-        by: make(_shape(design))
+        by: make(_shape(reducer))
         for by, make in ((names.SHAFT, _whole_crank), (names.OUTPUT, _whole_output))
-        if carried(design, by)
+        if carried(reducer, by)
     }
-    borne = {part for by in whole for part, _ in carried(design, by).values()}
-    return {name: whole.get(name, solid) for name, solid in parts(design).items() if name not in borne}
+    borne = {part for by in whole for part, _ in carried(reducer, by).values()}
+    return {name: whole.get(name, solid) for name, solid in parts(reducer).items() if name not in borne}
 
 
-def carried(design: Design, by: str) -> dict[str, tuple[str, Array]]:
+def carried(reducer: Reducer, by: str) -> dict[str, tuple[str, Array]]:
     """Give what the shaft or the output carries beside the part of its name: cams and spacers, or rollers.
 
     Name of each copy -> its part, and its place (x, y, z) in the frame of what carries it, shape (3,) [m].
     """
-    gear = design.gear
+    gear = reducer.design.gear
     if by == names.SHAFT and gear.discs > 1:
         cams = {name: (name, np.zeros(3)) for name in names.all_numbered(names.CAM, gear.discs)}
         middles = [plane + gear.disc_spacing / 2 for plane in gear.disc_planes[:-1]]
         spacers = zip(names.all_numbered(names.SPACER, len(middles)), middles, strict=True)
         return cams | {name: (names.SPACER, np.array([0.0, 0.0, middle])) for name, middle in spacers}
-    if by == names.OUTPUT and design.output.has_roller_parts:
-        places = [np.array([*centre, plane]) for plane in gear.disc_planes for centre in output_centres(design)]
+    if by == names.OUTPUT and reducer.design.output.has_roller_parts:
+        places = [np.array([*centre, plane]) for plane in gear.disc_planes for centre in output_centres(reducer)]
         copies = zip(names.all_numbered(names.ROLLER, len(places)), places, strict=True)
         return {name: (names.ROLLER, place) for name, place in copies}
     return {}
 
 
-def _shape(design: Design) -> Design:
+def _shape(reducer: Reducer) -> Reducer:
     """Give a design without what no part depends on."""
-    return design.model_copy(update={name: Design.model_fields[name].default for name in SHAPING_NOTHING})
+    return Reducer(
+        reducer.design.model_copy(update={name: Design.model_fields[name].default for name in SHAPING_NOTHING})
+    )
 
 
-def crank_stretches(design: Design) -> Mapping[str, Prism]:
+def crank_stretches(reducer: Reducer) -> Mapping[str, Prism]:
     """Give the stretches of the whole crank by name, as right as for its mass; errors as ``shaft.stretches``."""
-    return _stretches(_shape(design), None)
+    return _stretches(_shape(reducer), None)
 
 
-def crank_solid(design: Design) -> Solid:
+def crank_solid(reducer: Reducer) -> Solid:
     """Give the whole crank as `body_solids` does, without drawing anything else; errors as ``shaft.stretches``."""
-    return _whole_crank(_shape(design))
+    return _whole_crank(_shape(reducer))
 
 
-@lru_cache(maxsize=KEPT)
-def _whole_crank(design: Design) -> Solid:
-    return Solid(names.SHAFT, tuple(_stretches(design, None).values()), design.material_of("shaft").density)
+@once
+def _whole_crank(reducer: Reducer) -> Solid:
+    return Solid(names.SHAFT, tuple(_stretches(reducer, None).values()), reducer.design.material_of("shaft").density)
 
 
-@lru_cache(maxsize=KEPT)
-def _whole_output(design: Design) -> Solid:
-    found = _parts(design, None)
+@once
+def _whole_output(reducer: Reducer) -> Solid:
+    found = _parts(reducer, None)
     (tube,) = found[names.ROLLER].prisms
     rollers = [
         Prism(tube.outline + place[:2], tuple(hole + place[:2] for hole in tube.holes), tube.z0 + z, tube.z1 + z)
-        for _, place in carried(design, names.OUTPUT).values()
+        for _, place in carried(reducer, names.OUTPUT).values()
         for z in (float(place[2]),)
     ]
     own = found[names.OUTPUT]
     return Solid(names.OUTPUT, (*own.prisms, *rollers), own.density)
 
 
-@lru_cache(maxsize=KEPT)
-def _stretches(design: Design, chord_error: float | None) -> Mapping[str, Prism]:
+@once
+def _stretches(reducer: Reducer, chord_error: float | None) -> Mapping[str, Prism]:
     # several discs balance each other, whatever their weight
-    balanced = _gears(design, chord_error)[0] if design.gear.discs == 1 else None
-    return stretches(design, chord_error, balanced)
+    balanced = _gears(reducer, chord_error)[0] if reducer.design.gear.discs == 1 else None
+    return stretches(reducer, chord_error, balanced)
 
 
-@lru_cache(maxsize=KEPT)
-def _gears(design: Design, chord_error: float | None) -> tuple[Solid, ...]:
-    return tuple(gear_solid(design, chord_error, disc) for disc in range(design.gear.discs))
+@once
+def _gears(reducer: Reducer, chord_error: float | None) -> tuple[Solid, ...]:
+    return tuple(gear_solid(reducer, chord_error, disc) for disc in range(reducer.design.gear.discs))
 
 
-@lru_cache(maxsize=KEPT)
-def _parts(design: Design, chord_error: float | None) -> dict[str, Solid]:
-    gears = _gears(design, chord_error)
-    crank = crank_parts(design, chord_error) if len(gears) > 1 else (_single(design, chord_error),)
-    solids = [housing_solid(design, chord_error), *crank, *gears]
-    if design.ring.kind == "pin":
-        solids.append(pin_solid(design, chord_error))
-    solids.append(output_solid(design, chord_error))
-    if design.output.has_roller_parts:
-        solids.append(roller_solid(design, chord_error))
+@once
+def _parts(reducer: Reducer, chord_error: float | None) -> dict[str, Solid]:
+    gears = _gears(reducer, chord_error)
+    crank = crank_parts(reducer, chord_error) if len(gears) > 1 else (_single(reducer, chord_error),)
+    solids = [housing_solid(reducer, chord_error), *crank, *gears]
+    if reducer.design.ring.kind == "pin":
+        solids.append(pin_solid(reducer, chord_error))
+    solids.append(output_solid(reducer, chord_error))
+    if reducer.design.output.has_roller_parts:
+        solids.append(roller_solid(reducer, chord_error))
     return {solid.name: solid for solid in solids}
 
 
-def _single(design: Design, chord_error: float | None) -> Solid:
-    prisms = tuple(_stretches(design, chord_error).values())
-    return Solid(names.SHAFT, prisms, design.material_of("shaft").density)
+def _single(reducer: Reducer, chord_error: float | None) -> Solid:
+    prisms = tuple(_stretches(reducer, chord_error).values())
+    return Solid(names.SHAFT, prisms, reducer.design.material_of("shaft").density)

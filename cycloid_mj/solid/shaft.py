@@ -6,8 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from cycloid_mj import names
-from cycloid_mj.design import Design
-from cycloid_mj.mechanism.reducer import phases
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.solid.accuracy import drawing_error
 from cycloid_mj.solid.fit import require_above, require_below, too_small
 from cycloid_mj.solid.gear import gear_solid
@@ -21,7 +20,7 @@ JOURNAL, COUNTERWEIGHT, INNER, NECK, FAR = "journal", "counterweight", "inner_jo
 """Stretches of the crank, with those of ``names.CAM`` and ``names.SPACER``; what lies between discs is numbered."""
 
 
-def shaft_solid(design: Design, chord_error: float | None = None) -> Solid:
+def shaft_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
     """Give the whole crank, all that turns with the input, frame of the reducer axis, crank at 0 (cam 1 towards +y).
 
     Of one disc it is a single part with a counterweight. Several discs, evenly spaced around it, balance each other;
@@ -39,23 +38,25 @@ def shaft_solid(design: Design, chord_error: float | None = None) -> Solid:
     DesignError
         No counterweight of this radius balances the gear within the shaft's length, or the shaft is too thick for cams.
     """
-    return Solid(names.SHAFT, tuple(stretches(design, chord_error).values()), design.material_of("shaft").density)
+    return Solid(
+        names.SHAFT, tuple(stretches(reducer, chord_error).values()), reducer.design.material_of("shaft").density
+    )
 
 
-def stretches(design: Design, chord_error: float | None = None, gear: Solid | None = None) -> Mapping[str, Prism]:
+def stretches(reducer: Reducer, chord_error: float | None = None, gear: Solid | None = None) -> Mapping[str, Prism]:
     """Give the stretches of the crank by name; see `shaft_solid`.
 
     Along z: journal, counterweight (with the shaft in its middle), journal across the gap, cam within the gear; or
     journal, cam 1, neck with the spacer around it, cam 2, ...; and where the shaft straddles the discs, a journal
     beyond them, for the bearing in the output's hub. `gear` is what the counterweight balances, if it is drawn already.
     """
-    chord_error = drawing_error(design, chord_error)
-    if design.gear.discs == 1:
-        return _with_counterweight(design, gear or gear_solid(design, chord_error), chord_error)
-    return _of_several(design, chord_error)
+    chord_error = drawing_error(reducer, chord_error)
+    if reducer.design.gear.discs == 1:
+        return _with_counterweight(reducer, gear or gear_solid(reducer, chord_error), chord_error)
+    return _of_several(reducer, chord_error)
 
 
-def crank_parts(design: Design, chord_error: float | None = None) -> tuple[Solid, ...]:
+def crank_parts(reducer: Reducer, chord_error: float | None = None) -> tuple[Solid, ...]:
     """Give the parts that the crank of several discs is built up of: shaft, spacer (in its own frame), and the cams.
 
     Raises
@@ -63,7 +64,8 @@ def crank_parts(design: Design, chord_error: float | None = None) -> tuple[Solid
     DesignError
         The shaft is too thick for its cams.
     """
-    found = stretches(design, chord_error)
+    design = reducer.design
+    found = stretches(reducer, chord_error)
     density, hole = design.material_of("shaft").density, found[names.numbered(NECK, 1)].outline
     ends = found.get(FAR, found[names.numbered(names.CAM, design.gear.discs)]).z1
     shaft = Prism(found[JOURNAL].outline, (), found[JOURNAL].z0, ends)
@@ -77,97 +79,101 @@ def crank_parts(design: Design, chord_error: float | None = None) -> tuple[Solid
     )
 
 
-def _with_counterweight(design: Design, gear: Solid, chord_error: float) -> dict[str, Prism]:
+def _with_counterweight(reducer: Reducer, gear: Solid, chord_error: float) -> dict[str, Prism]:
     """Give the crank of one disc."""
+    design = reducer.design
     shaft, half = design.shaft, design.gear.face_width / 2
     journal = circle(shaft.radius, chord_error)
     cam = Prism(circle(design.gear.bore_radius, chord_error, (0.0, design.gear.eccentricity)), (), -half, half)
-    counterweight = _counterweight(design, chord_error)
-    end = near_face(design)
-    start = end - _balancing_thickness(design, gear, cam, counterweight)
+    counterweight = _counterweight(reducer, chord_error)
+    end = near_face(reducer)
+    start = end - _balancing_thickness(reducer, gear, cam, counterweight)
     found = {
         JOURNAL: Prism(journal, (), end - shaft.length, start),
         COUNTERWEIGHT: Prism(counterweight, (), start, end),
         INNER: Prism(journal, (), end, -half),
         names.CAM: cam,
     }
-    return found | _far_journal(design, journal, start - (end - shaft.length))
+    return found | _far_journal(reducer, journal, start - (end - shaft.length))
 
 
-def _of_several(design: Design, chord_error: float) -> dict[str, Prism]:
+def _of_several(reducer: Reducer, chord_error: float) -> dict[str, Prism]:
     """Give the crank of several discs, which needs no counterweight: their static moments add up to nothing."""
+    design = reducer.design
     gear, shaft, half = design.gear, design.shaft, design.gear.face_width / 2
     room = gear.bore_radius - gear.eccentricity
     require_below("shaft.radius", shaft.radius, room, "the cams leave no wall around the shaft")
     journal, cam = circle(shaft.radius, chord_error), circle(gear.bore_radius, chord_error, (0.0, gear.eccentricity))
-    ring = circle(spacer_radius(design), chord_error)
-    planes, end = gear.disc_planes, near_face(design)
+    ring = circle(spacer_radius(reducer), chord_error)
+    planes, end = gear.disc_planes, near_face(reducer)
     found = {JOURNAL: Prism(journal, (), end - shaft.length, planes[0] - half)}
-    for number, (plane, phase) in enumerate(zip(planes, phases(design), strict=True), start=1):
+    for number, (plane, phase) in enumerate(zip(planes, reducer.phases, strict=True), start=1):
         if number > 1:
             z0, z1 = planes[number - 2] + half, plane - half
             found[names.numbered(NECK, number - 1)] = Prism(journal, (), z0, z1)
             found[names.numbered(names.SPACER, number - 1)] = Prism(ring, (journal,), z0, z1)
         found[names.numbered(names.CAM, number)] = Prism(turned(cam, phase), (), plane - half, plane + half)
-    return found | _far_journal(design, journal, shaft.length)
+    return found | _far_journal(reducer, journal, shaft.length)
 
 
-def spacer_radius(design: Design) -> float:
+def spacer_radius(reducer: Reducer) -> float:
     """Give the outer radius of the spacer between two discs [m]: midway from what their bores reach to the output pins.
 
     Both discs then run on it all round, wherever the crank is.
     """
+    design = reducer.design
     gear, output = design.gear, design.output
     reach = gear.bore_radius + design.clearance.cam + gear.eccentricity
     return 0.5 * (reach + output.pin_circle_radius - output.pin_radius)
 
 
-def bearing_width(design: Design, journal: float) -> float:
+def bearing_width(reducer: Reducer, journal: float) -> float:
     """Give the width [m] of each bearing on a journal [m] before the counterweight: as given, or its radius if it fits.
 
     Where that is longer than a third of the journal, it is the third.
     """
-    return design.shaft.bearing_width or min(design.shaft.radius, journal / 3.0)
+    return reducer.design.shaft.bearing_width or min(reducer.design.shaft.radius, journal / 3.0)
 
 
 def bearing_seats(
-    design: Design, found: Mapping[str, Prism] | None = None
+    reducer: Reducer, found: Mapping[str, Prism] | None = None
 ) -> tuple[tuple[float, float], tuple[float, float]]:
     """Give where along z the two bearings of the crank sit [m]: the one far from the discs, then the one near them.
 
     `found` are its stretches, if they are drawn already. A shaft that straddles the discs has the far one beyond them.
     """
-    shaft, found = design.shaft, found or stretches(design)
-    start, end = found[JOURNAL].z0, min(found[JOURNAL].z1, near_face(design))
-    width = bearing_width(design, end - start)
+    shaft, found = reducer.design.shaft, found or stretches(reducer)
+    start, end = found[JOURNAL].z0, min(found[JOURNAL].z1, near_face(reducer))
+    width = bearing_width(reducer, end - start)
     near = end - shaft.bearing_offset
     far = near - width - shaft.bearing_spacing if shaft.bearing_spacing else start
     far = found[FAR].z1 - width if FAR in found else far
     return (far, far + width), (near - width, near)
 
 
-def _far_journal(design: Design, outline: Array, journal: float) -> dict[str, Prism]:
+def _far_journal(reducer: Reducer, outline: Array, journal: float) -> dict[str, Prism]:
     """Give the journal beyond the discs, as far as the bearing in the output's hub; none on an overhung shaft."""
-    if design.shaft.mounting == "overhang":
+    if reducer.design.shaft.mounting == "overhang":
         return {}
-    half = design.gear.stack_width / 2
-    return {FAR: Prism(outline, (), half, half + AXIAL_GAP + bearing_width(design, journal))}
+    half = reducer.design.gear.stack_width / 2
+    return {FAR: Prism(outline, (), half, half + AXIAL_GAP + bearing_width(reducer, journal))}
 
 
-def _counterweight(design: Design, chord_error: float) -> Array:
+def _counterweight(reducer: Reducer, chord_error: float) -> Array:
     """Give the outline of the lower half disc, joined to the whole shaft in its middle."""
-    shaft = design.shaft
+    shaft = reducer.design.shaft
     require_above("shaft.counterweight_radius", shaft.counterweight_radius, shaft.radius, "it is within the shaft")
     lower = arc(shaft.counterweight_radius, math.pi, 2 * math.pi, chord_error)
     upper = arc(shaft.radius, 0.0, math.pi, chord_error)
     return np.concatenate([lower, upper])
 
 
-def _balancing_thickness(design: Design, gear: Solid, cam: Prism, counterweight: Array) -> float:
+def _balancing_thickness(reducer: Reducer, gear: Solid, cam: Prism, counterweight: Array) -> float:
     """Solve the balance of static moments about the axis, over the shaft's density [m4], for its thickness t [m].
 
     t S_counterweight + w S_cam + V_gear c rho_gear/rho_shaft = 0, with S the integral of y over a cross-section.
     """
+    design = reducer.design
     lighter = gear.density / design.material_of("shaft").density
     unbalance = (
         cam.height * area_moments(cam.outline).y + mass_properties(gear).volume * lighter * design.gear.eccentricity

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import disc_of
 from cycloid_mj.stress import elastic
 from cycloid_mj.stress.elastic import Body
@@ -61,7 +61,7 @@ class Case:
     points: Array
 
 
-def patch_case(design: Design, grid: Grid, loads: PartLoads) -> Case:
+def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> Case:
     """Factorise a part under patches and its mass.
 
     A moment that is carried elsewhere is the support's: the output's load torque acts at its hub.
@@ -73,7 +73,7 @@ def patch_case(design: Design, grid: Grid, loads: PartLoads) -> Case:
     """
     put = patches(grid if grid.section is None else grid.section.grid, loads)
     pressed = put.loads if grid.section is None else _lifted(grid.section, loads)
-    part = elastic.body(grid, material_of(design, grid.part))
+    part = elastic.body(grid, material_of(reducer, grid.part))
     mass, shares = elastic.mass_loads(part, grid.points), mass_coefficients(loads)
 
     def response(block: Integers) -> Response:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import minimize_scalar
 
-from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.stress.loads import PartLoads
 from cycloid_mj.stress.region import material_of
 from cycloid_mj.types import Array
@@ -30,7 +30,7 @@ class LineStress:
     von_mises: Array
 
 
-def line_stress(loads: PartLoads, design: Design) -> LineStress:
+def line_stress(loads: PartLoads, reducer: Reducer) -> LineStress:
     """Give the stress of every contact of a part by Hertz, as far as he holds.
 
     A contact that is conformal where it is pressed most has no figures at all, else that of a lesser force would stand
@@ -39,7 +39,7 @@ def line_stress(loads: PartLoads, design: Design) -> LineStress:
     worst = np.argmax(loads.pressure, axis=0)
     holds = loads.hertz & loads.hertz[worst, np.arange(len(loads.labels))]
     pressure = np.where(holds, loads.pressure, np.nan)
-    share, _ = largest_von_mises(material_of(design, loads.part).poisson)
+    share, _ = largest_von_mises(material_of(reducer, loads.part).poisson)
     return LineStress(pressure, share * pressure)
 
 

@@ -7,9 +7,7 @@ from itertools import product
 import numpy as np
 
 from cycloid_mj.contact.pressure import hertz_holds, hertz_pressure, line_curvature, line_share, pair_modulus
-from cycloid_mj.design import Design
-from cycloid_mj.deviations import deviations
-from cycloid_mj.mechanism.reducer import phases
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import (
     CAM,
     FORCE_X,
@@ -96,7 +94,7 @@ def frame(turn: Turn, part: str) -> Frame:
     """Give the frame of a part, that of its solid, as it moves."""
     still = np.zeros_like(turn.angle)
     fixed = np.zeros((still.size, 2))
-    if part in gears(turn.design.gear.discs):
+    if part in gears(turn.reducer.design.gear.discs):
         x, y, angle = planar_joints(part)
         return Frame(turn.vectors(x, y), turn[angle])
     if part == "shaft":
@@ -104,46 +102,46 @@ def frame(turn: Turn, part: str) -> Frame:
     if part == "output":
         return Frame(fixed, turn["output_angle"])
     if part == "pin_1":
-        return Frame(pin_centre(turn, 0), turn["pin_1_angle"] if turn.design.ring.has_pin_bodies else still)
+        return Frame(pin_centre(turn, 0), turn["pin_1_angle"] if turn.reducer.design.ring.has_pin_bodies else still)
     return Frame(fixed, still)
 
 
 def contacts(turn: Turn, part: str) -> list[Contact]:
     """Give every contact of a part: "shaft", a disc ("gear", of several "gear_2"), "ring", "output" or "pin_1"."""
-    if part in gears(turn.design.gear.discs):
-        return _of_gear(turn, gears(turn.design.gear.discs).index(part))
+    if part in gears(turn.reducer.design.gear.discs):
+        return _of_gear(turn, gears(turn.reducer.design.gear.discs).index(part))
     return {"shaft": _of_shaft, "ring": _of_ring, "output": _of_output, "pin_1": _of_pin}[part](turn)
 
 
-def half_width(design: Design, kind: str, force: Array, curvature: Array | float, radius: float) -> Array:
+def half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | float, radius: float) -> Array:
     """Give Hertz's half width [m] in a kind of pair under a force [N], by its relative curvature [1/m].
 
     `radius` is that of the thinner body [m].
     """
-    length, modulus = design.gear.face_width, pair_modulus(design, kind)
+    length, modulus = reducer.design.gear.face_width, pair_modulus(reducer, kind)
     conformal = 4.0 * force / (np.pi * length * modulus * (WIDEST * radius) ** 2)
     bounded = np.maximum(curvature, np.maximum(conformal, np.finfo(float).tiny))
     return hertz_line_contact(force, length, bounded, modulus).half_width
 
 
-def line(design: Design, kind: str, force: Array, curvature: Array | float | None = None) -> Line:
+def line(reducer: Reducer, kind: str, force: Array, curvature: Array | float | None = None) -> Line:
     """Give the line contact that bears most of the force [N] (k,) on a pair of a kind.
 
     `curvature` [1/m] is that of a tooth; other kinds have one of their own. It is the same line, and the same pressure,
     that ``measure loads`` gives: of a rolling cam, that of the most loaded roller.
     """
-    bend = line_curvature(design, kind) if curvature is None else curvature
-    force = force * line_share(design, kind)
-    pressure = hertz_pressure(design, kind, force, bend)
-    load = 2.0 * force / (np.pi * design.gear.face_width)
+    bend = line_curvature(reducer, kind) if curvature is None else curvature
+    force = force * line_share(reducer, kind)
+    pressure = hertz_pressure(reducer, kind, force, bend)
+    load = 2.0 * force / (np.pi * reducer.design.gear.face_width)
     width = np.divide(load, pressure, out=np.zeros_like(load), where=pressure > 0.0)
-    return Line(pressure, width, hertz_holds(design, kind, force, bend))
+    return Line(pressure, width, hertz_holds(reducer, kind, force, bend))
 
 
 def pin_centre(turn: Turn, pin: int) -> Array:
     """Centre of a ring pin (0 on +y, clockwise) from the reducer's axis [m], shape (k, 2)."""
-    ring = turn.design.ring
-    nominal = ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth) + deviations(turn.design).pin_place[pin]
+    ring = turn.reducer.design.ring
+    nominal = ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth) + turn.reducer.deviations.pin_place[pin]
     if not ring.has_pin_bodies:
         return np.broadcast_to(nominal, (turn.angle.size, 2))
     return nominal + turn.vectors(*planar_joints(numbered(PIN, pin + 1))[:2])
@@ -156,22 +154,22 @@ def _on_gear(turn: Turn, name: str, disc: int) -> Action:
 
 def _called(turn: Turn, name: str, disc: int) -> str:
     """Name a pair of a disc."""
-    return of_disc(name, disc, turn.design.gear.discs)
+    return of_disc(name, disc, turn.reducer.design.gear.discs)
 
 
 def _discs(turn: Turn) -> range:
-    return range(turn.design.gear.discs)
+    return range(turn.reducer.design.gear.discs)
 
 
 def _disc(turn: Turn, disc: int) -> Frame:
     """Give the frame of a disc."""
-    return frame(turn, gears(turn.design.gear.discs)[disc])
+    return frame(turn, gears(turn.reducer.design.gear.discs)[disc])
 
 
 def _tooth_frame(turn: Turn, disc: int) -> Frame:
     """Give the frame of a disc's teeth: on a disc ahead on the crank they are turned back."""
     seat = _disc(turn, disc)
-    return Frame(seat.origin, seat.angle - phases(turn.design)[disc] / turn.design.lobes)
+    return Frame(seat.origin, seat.angle - turn.reducer.phases[disc] / turn.reducer.design.lobes)
 
 
 def _logged(turn: Turn, name: str, origin: Array) -> Action:
@@ -184,11 +182,15 @@ def _in(seat: Frame, action: Action) -> Action:
 
 
 def _of_gear(turn: Turn, disc: int) -> list[Contact]:
-    return [*_teeth(turn, gears(turn.design.gear.discs)[disc], disc), _cam_in_bore(turn, disc), *_holes(turn, disc)]
+    return [
+        *_teeth(turn, gears(turn.reducer.design.gear.discs)[disc], disc),
+        _cam_in_bore(turn, disc),
+        *_holes(turn, disc),
+    ]
 
 
 def _of_ring(turn: Turn) -> list[Contact]:
-    design = turn.design
+    design = turn.reducer.design
     if design.ring.kind == "nonpin":
         return [contact for disc in _discs(turn) for contact in _teeth(turn, "ring", disc)]
     # a pin that is free presses on its socket as one, wherever discs press on it
@@ -198,10 +200,14 @@ def _of_ring(turn: Turn) -> list[Contact]:
 
 def _teeth(turn: Turn, part: str, disc: int) -> list[Contact]:
     """Give the contacts of a disc and the ring, on either of the two."""
-    if turn.design.ring.kind == "pin":
-        return [_pin_on_gear(turn, pin, disc) for pin in range(turn.design.ring.teeth)]
-    gear, flank, offset = tooth_profile(turn.design), gear_profile(turn.design), profile_offset(turn.design)
-    on_teeth, seat, phase = _tooth_frame(turn, disc), frame(turn, part), phases(turn.design)[disc]
+    if turn.reducer.design.ring.kind == "pin":
+        return [_pin_on_gear(turn, pin, disc) for pin in range(turn.reducer.design.ring.teeth)]
+    gear, flank, offset = (
+        tooth_profile(turn.reducer.design),
+        gear_profile(turn.reducer.design),
+        profile_offset(turn.reducer.design),
+    )
+    on_teeth, seat, phase = _tooth_frame(turn, disc), frame(turn, part), turn.reducer.phases[disc]
     lines, curvatures = lobe_lines(gear, turn["crank_angle"] + phase)
     ahead = on_teeth.angle + (turn["crank_angle"] + phase) / gear.lobes
     found = []
@@ -212,85 +218,85 @@ def _teeth(turn: Turn, part: str, disc: int) -> list[Contact]:
         place = turned(place, on_teeth.angle - seat.angle)
         if part == "ring":
             place, action = place + on_teeth.origin, action.reaction()
-        width = half_width(turn.design, "tooth", action.size, curvature, gear.pin_radius)
-        pressed = line(turn.design, "tooth", action.size, curvature)
+        width = half_width(turn.reducer, "tooth", action.size, curvature, gear.pin_radius)
+        pressed = line(turn.reducer, "tooth", action.size, curvature)
         found.append(Contact(_called(turn, name, disc), _in(seat, action), place, width, pressed))
     return found
 
 
 def _pin_on_gear(turn: Turn, pin: int, disc: int) -> Contact:
-    gear, seat, name = gear_profile(turn.design), _disc(turn, disc), numbered(PIN, pin + 1)
+    gear, seat, name = gear_profile(turn.reducer.design), _disc(turn, disc), numbered(PIN, pin + 1)
     action = _in(seat, _on_gear(turn, name, disc))
-    place = action.on_hole(seat.sees(pin_centre(turn, pin)), gear.pin_radius + deviations(turn.design).pin_radius[pin])
-    curvature = pin_curvature(gear, pin, _tooth_frame(turn, disc).angle, profile_offset(turn.design))
-    width = half_width(turn.design, "pin_gear", action.size, curvature, gear.pin_radius)
-    pressed = line(turn.design, "pin_gear", action.size, curvature)
+    place = action.on_hole(seat.sees(pin_centre(turn, pin)), gear.pin_radius + turn.reducer.deviations.pin_radius[pin])
+    curvature = pin_curvature(gear, pin, _tooth_frame(turn, disc).angle, profile_offset(turn.reducer.design))
+    width = half_width(turn.reducer, "pin_gear", action.size, curvature, gear.pin_radius)
+    pressed = line(turn.reducer, "pin_gear", action.size, curvature)
     return Contact(_called(turn, name, disc), action, place, width, pressed)
 
 
 def _cam_in_bore(turn: Turn, disc: int) -> Contact:
     action = _in(_disc(turn, disc), _on_gear(turn, CAM, disc))
-    radius = turn.design.gear.bore_radius + turn.design.clearance.cam
+    radius = turn.reducer.design.gear.bore_radius + turn.reducer.design.clearance.cam
     width = _cam_width(turn, action)
     place = action.on_hole(np.zeros(2), radius, width)
-    return Contact(_called(turn, CAM, disc), action, place, width, line(turn.design, "cam", action.size))
+    return Contact(_called(turn, CAM, disc), action, place, width, line(turn.reducer, "cam", action.size))
 
 
 def _holes(turn: Turn, disc: int) -> list[Contact]:
     """Give the output pins in a disc's holes."""
-    output, seat = turn.design.output, _disc(turn, disc)
-    radius = output.hole_radius + turn.design.clearance.output
+    output, seat = turn.reducer.design.output, _disc(turn, disc)
+    radius = output.hole_radius + turn.reducer.design.clearance.output
     found = []
-    centres = output_centres(turn.design) + deviations(turn.design).hole_place[disc]
+    centres = output_centres(turn.reducer) + turn.reducer.deviations.hole_place[disc]
     for number, centre in enumerate(centres, start=1):
         name = numbered(OUTPUT_PIN, number)
         action = _in(seat, _on_gear(turn, name, disc))
         width = _hole_width(turn, action)
-        place, pressed = action.on_hole(centre, radius, width), line(turn.design, "output", action.size)
+        place, pressed = action.on_hole(centre, radius, width), line(turn.reducer, "output", action.size)
         found.append(Contact(_called(turn, name, disc), action, place, width, pressed))
     return found
 
 
 def _of_output(turn: Turn) -> list[Contact]:
     """Give the output pins' contacts: on the pins themselves, or handed on by the bores of rollers to their cores."""
-    output, seat = turn.design.output, frame(turn, "output")
+    output, seat = turn.reducer.design.output, frame(turn, "output")
     radius = output.root_radius
     found = []
-    for disc, (number, centre) in product(_discs(turn), enumerate(output_centres(turn.design), start=1)):
+    for disc, (number, centre) in product(_discs(turn), enumerate(output_centres(turn.reducer), start=1)):
         name = numbered(OUTPUT_PIN, number)
         action = _in(seat, _on_gear(turn, name, disc).reaction())
         width = np.full_like(action.size, WIDEST * radius) if output.rollers else _hole_width(turn, action)
-        place, pressed = action.on_disc(centre, radius, width), line(turn.design, "output", action.size)
+        place, pressed = action.on_disc(centre, radius, width), line(turn.reducer, "output", action.size)
         found.append(Contact(_called(turn, name, disc), action, place, width, pressed))
     return found
 
 
 def _of_shaft(turn: Turn) -> list[Contact]:
-    gear, seat, made = turn.design.gear, frame(turn, "shaft"), deviations(turn.design)
+    gear, seat, made = turn.reducer.design.gear, frame(turn, "shaft"), turn.reducer.deviations
     found = []
-    for disc, phase in enumerate(phases(turn.design)):
+    for disc, phase in enumerate(turn.reducer.phases):
         action = _in(seat, _on_gear(turn, CAM, disc).reaction())
         width = _cam_width(turn, action)
         centre = (gear.eccentricity + made.eccentricity) * unit(-phase) + made.cam_place[disc]
-        place, pressed = action.on_disc(centre, gear.bore_radius, width), line(turn.design, "cam", action.size)
+        place, pressed = action.on_disc(centre, gear.bore_radius, width), line(turn.reducer, "cam", action.size)
         found.append(Contact(_called(turn, CAM, disc), action, place, width, pressed))
     return found
 
 
 def _of_pin(turn: Turn) -> list[Contact]:
     """Give the contacts of pin 1: each disc, and its socket, which carries all of them where the pin is pressed in."""
-    gear, seat, centre = gear_profile(turn.design), frame(turn, "pin_1"), np.zeros(2)
+    gear, seat, centre = gear_profile(turn.reducer.design), frame(turn, "pin_1"), np.zeros(2)
     radius, found, sockets = gear.pin_radius, [], []
-    for disc, name in enumerate(gears(turn.design.gear.discs)):
+    for disc, name in enumerate(gears(turn.reducer.design.gear.discs)):
         pushed = _in(seat, _on_gear(turn, "pin_1", disc).reaction())
-        curvature = pin_curvature(gear, 0, _tooth_frame(turn, disc).angle, profile_offset(turn.design))
-        narrow = half_width(turn.design, "pin_gear", pushed.size, curvature, radius)
-        pressed = line(turn.design, "pin_gear", pushed.size, curvature)
+        curvature = pin_curvature(gear, 0, _tooth_frame(turn, disc).angle, profile_offset(turn.reducer.design))
+        narrow = half_width(turn.reducer, "pin_gear", pushed.size, curvature, radius)
+        pressed = line(turn.reducer, "pin_gear", pushed.size, curvature)
         found.append(Contact(name, pushed, pushed.on_disc(centre, radius, narrow), narrow, pressed))
         sockets.append(_in(seat, _by_socket(turn, 0, disc)))
-    free = turn.design.ring.has_sockets and turn.design.ring.has_pin_bodies
+    free = turn.reducer.design.ring.has_sockets and turn.reducer.design.ring.has_pin_bodies
     for disc, held in enumerate(sockets[:1] if free else sockets):
-        wide, pressed = _socket_width(turn, held), line(turn.design, "pin_socket", held.size)
+        wide, pressed = _socket_width(turn, held), line(turn.reducer, "pin_socket", held.size)
         name = SOCKET if free else _called(turn, SOCKET, disc)
         found.append(Contact(name, held, held.on_disc(centre, radius, wide), wide, pressed))
     return found
@@ -301,45 +307,47 @@ def _socket(turn: Turn, pin: int, disc: int) -> Contact:
 
     What a closed socket carries where the ring has no wall is left out: that is in its end plates.
     """
-    ring = turn.design.ring
+    ring = turn.reducer.design.ring
     action = _by_socket(turn, pin, disc).reaction()
     centre, radius = ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth), ring.pin_radius
-    centre = centre + deviations(turn.design).pin_place[pin]
-    wall = radius + turn.design.socket_play
+    centre = centre + turn.reducer.deviations.pin_place[pin]
+    wall = radius + turn.reducer.design.socket_play
     out = np.linalg.norm(action.on_hole(centre, wall), axis=-1)
-    action = action.where(out > wall_radius(turn.design) * (1.0 - 1e-9))
+    action = action.where(out > wall_radius(turn.reducer.design) * (1.0 - 1e-9))
     width = _socket_width(turn, action)
     place = action.on_hole(centre, wall, width)
     whole = ring.has_sockets and ring.has_pin_bodies
     name = numbered(SOCKET, pin + 1) if whole else _called(turn, numbered(SOCKET, pin + 1), disc)
-    return Contact(name, action, place, width, line(turn.design, "pin_socket", action.size))
+    return Contact(name, action, place, width, line(turn.reducer, "pin_socket", action.size))
 
 
 def _by_socket(turn: Turn, pin: int, disc: int) -> Action:
     """Give the force of a socket on its pin, about the reducer's axis: where the pin is no body, that of a disc."""
-    if turn.design.ring.has_sockets and turn.design.ring.has_pin_bodies:
+    if turn.reducer.design.ring.has_sockets and turn.reducer.design.ring.has_pin_bodies:
         return _logged(turn, numbered(SOCKET, pin + 1), pin_centre(turn, pin))
     return _on_gear(turn, numbered(PIN, pin + 1), disc)
 
 
 def _cam_width(turn: Turn, action: Action) -> Array:
-    radius = turn.design.gear.bore_radius
-    return _nested_width(turn, "cam", action, radius, radius + turn.design.clearance.cam)
+    radius = turn.reducer.design.gear.bore_radius
+    return _nested_width(turn, "cam", action, radius, radius + turn.reducer.design.clearance.cam)
 
 
 def _hole_width(turn: Turn, action: Action) -> Array:
-    output = turn.design.output
-    return _nested_width(turn, "output", action, output.pin_radius, output.hole_radius + turn.design.clearance.output)
+    output = turn.reducer.design.output
+    return _nested_width(
+        turn, "output", action, output.pin_radius, output.hole_radius + turn.reducer.design.clearance.output
+    )
 
 
 def _socket_width(turn: Turn, action: Action) -> Array:
     """Half width of the patch of a pin in its socket [m], (k,); as wide as can be where the pin is pressed in."""
-    radius = turn.design.ring.pin_radius
-    return _nested_width(turn, "pin_socket", action, radius, radius + turn.design.socket_play)
+    radius = turn.reducer.design.ring.pin_radius
+    return _nested_width(turn, "pin_socket", action, radius, radius + turn.reducer.design.socket_play)
 
 
 def _nested_width(turn: Turn, kind: str, action: Action, inner: float, outer: float) -> Array:
-    return half_width(turn.design, kind, action.size, 1.0 / inner - 1.0 / outer, inner)
+    return half_width(turn.reducer, kind, action.size, 1.0 / inner - 1.0 / outer, inner)
 
 
 def total(found: Sequence[Contact]) -> Action:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import GEAR, family
 from cycloid_mj.solid import output_centres
 from cycloid_mj.solid.output import AXIAL_GAP
@@ -41,7 +41,7 @@ _NODE = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 """Node of a quadratic triangle between two of its corners; the corner itself on the diagonal."""
 
 
-def solid_grid(design: Design, part: str, settings: GridSettings) -> Grid:
+def solid_grid(reducer: Reducer, part: str, settings: GridSettings) -> Grid:
     """Give the grid of a part other than the shaft as a solid body: "gear" (any disc), "ring", "output" or "pin_1".
 
     Contact forces of a disc act evenly over its face width. The output is its disc with the pins on it, one body, and
@@ -55,11 +55,12 @@ def solid_grid(design: Design, part: str, settings: GridSettings) -> Grid:
     CycloidError
         The part does not mesh, or a package of the extra ``fem`` is missing.
     """
+    design = reducer.design
     length, gear = design.ring.pin_radius, design.gear
     share = OUTPUT_SECTION if part == "output" else 1.0
     coarse: dict[str, Any] = {name: share * getattr(settings, name) for name, share in COARSER.items()}
     section = planar_grid(
-        part_region(design, part), replace(settings, **coarse, refinement=share * settings.refinement), length
+        part_region(reducer, part), replace(settings, **coarse, refinement=share * settings.refinement), length
     )
     layer = settings.layer_edge * length / settings.refinement
     least = LEAST_LAYERS.get(part, 2)
@@ -76,11 +77,11 @@ def solid_grid(design: Design, part: str, settings: GridSettings) -> Grid:
     levels = np.concatenate([second, stack, disc])
     filled = np.ones((len(levels) - 1, len(section.cells)), bool)
     between = slice(max(len(second) - 1, 0), len(second) + len(stack))
-    filled[between] = _within_pins(design, section)
+    filled[between] = _within_pins(reducer, section)
     grid = extruded(section, levels, filled, _layers_of(discs, len(second)))
     distance = CORNER_DISTANCE * design.output.root_radius
-    corners = [_output_corners(design, face, disc[-1], distance / 4)]
-    corners += [_output_corners(design, -face, -disc[-1], distance / 4)] if len(second) else []
+    corners = [_output_corners(reducer, face, disc[-1], distance / 4)]
+    corners += [_output_corners(reducer, -face, -disc[-1], distance / 4)] if len(second) else []
     return replace(grid, keep_off=np.concatenate(corners), corner_distance=distance)
 
 
@@ -176,17 +177,17 @@ def _levels(z0: float, z1: float, layer: float) -> Array:
     return np.linspace(z0, z1, math.ceil((z1 - z0) / layer) + 1)
 
 
-def _within_pins(design: Design, section: Grid) -> Mask:
+def _within_pins(reducer: Reducer, section: Grid) -> Mask:
     """Tell the triangles (m,) of the output's section that lie in its pins."""
     middle = section.points[section.cells[:, :3]].mean(axis=1)
-    apart = np.linalg.norm(middle[:, np.newaxis] - output_centres(design), axis=2)
-    return np.asarray(apart.min(axis=1) < design.output.root_radius)
+    apart = np.linalg.norm(middle[:, np.newaxis] - output_centres(reducer), axis=2)
+    return np.asarray(apart.min(axis=1) < reducer.design.output.root_radius)
 
 
-def _output_corners(design: Design, face: float, back: float, step: float) -> Array:
+def _output_corners(reducer: Reducer, face: float, back: float, step: float) -> Array:
     """Points on the roots of the output's pins, and along both rims of its hub, about a step [m] apart."""
-    pin, hub = design.output.root_radius, design.shaft.radius
-    roots = [_ring(pin, step, face) + np.append(centre, 0.0) for centre in output_centres(design)]
+    pin, hub = reducer.design.output.root_radius, reducer.design.shaft.radius
+    roots = [_ring(pin, step, face) + np.append(centre, 0.0) for centre in output_centres(reducer)]
     return np.concatenate([*roots, _ring(hub, step, face), _ring(hub, step, back)])
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from cycloid_mj.design import Design
 from cycloid_mj.design.model import Material
 from cycloid_mj.errors import UsageError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.stress.bulk import OCTAVE, Distances, distances_of, ladder, largest, plateau
 from cycloid_mj.stress.case import Case, Response
 from cycloid_mj.stress.grid import Grid
@@ -126,11 +127,12 @@ def solve(
     CycloidError
         The loads are not this part's, its support is singular, or a package of the extra ``fem`` is missing.
     """
-    case = part_case(design, grid, loads)
+    reducer = Reducer(design)
+    case = part_case(reducer, grid, loads)
     answers = list(_answers(case, len(loads.angle)))
     apart = distances_of(grid, case, len(loads.angle))
     del case  # its factor: beside it the operators would be the peak of memory
-    operators, material = recovery(grid), material_of(design, grid.part)
+    operators, material = recovery(grid), material_of(reducer, grid.part)
     return _maxima(grid, loads, apart, distance, answers, lambda moved: stresses(operators, moved, material))
 
 
@@ -153,12 +155,12 @@ class Loaded:
         return stresses(self.operators, moved, self.material)
 
 
-def loaded(design: Design, grid: Grid, loads: PartLoads) -> Loaded:
+def loaded(reducer: Reducer, grid: Grid, loads: PartLoads) -> Loaded:
     """Factorise a part under its loads; raises as ``solve``."""
     operators = recovery(grid)  # first: beside the factor its own needs would be the peak of memory
-    case = part_case(design, grid, loads)
+    case = part_case(reducer, grid, loads)
     return Loaded(
-        grid, loads, material_of(design, grid.part), operators, case, distances_of(grid, case, len(loads.angle))
+        grid, loads, material_of(reducer, grid.part), operators, case, distances_of(grid, case, len(loads.angle))
     )
 
 
@@ -241,9 +243,10 @@ def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int, distanc
     CycloidError
         As for ``solve``.
     """
+    reducer = Reducer(design)
     if not 0 <= index < len(loads.angle):
         raise UsageError(f"the loads have no angle of index {index}; choose 0 to {len(loads.angle) - 1}")
-    return mapped(loaded(design, grid, loads), index, distance)
+    return mapped(loaded(reducer, grid, loads), index, distance)
 
 
 def mapped(part: Loaded, index: int, distance: float | None = None) -> StressMap:

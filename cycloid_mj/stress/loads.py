@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.design import Design
 from cycloid_mj.errors import UsageError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import GEAR, family, gears
 from cycloid_mj.record import Run
 from cycloid_mj.solid import MassProperties, body_solids, mass_properties
@@ -61,17 +61,18 @@ class PartLoads:
         return np.asarray(self.hertz & (self.half_width < 2.0 * self.strip))
 
 
-def part_names(design: Design) -> tuple[str, ...]:
+def part_names(reducer: Reducer) -> tuple[str, ...]:
     """Name the parts of a design whose stress can be asked for.
 
     Sleeves take ring and pins out: the housing holds such pins beside the gear, which no load in the plane can tell.
     """
+    design = reducer.design
     left_out = {"ring", "pin_1"} if design.ring.has_sleeves else {"pin_1"} if design.ring.kind == "nonpin" else set()
     discs = gears(design.gear.discs)
     return tuple(name for part in PARTS if part not in left_out for name in (discs if part == GEAR else (part,)))
 
 
-def part_loads(run: Run, design: Design, part: str, angles: npt.ArrayLike = DEGREES) -> PartLoads:
+def part_loads(run: Run, reducer: Reducer, part: str, angles: npt.ArrayLike = DEGREES) -> PartLoads:
     """Give the loads on a part at crank angles [rad], shape (k,), from the forces that a run logged.
 
     The samples nearest to the angles are taken, in the last turn of the settled hold. Each force, friction included,
@@ -86,8 +87,8 @@ def part_loads(run: Run, design: Design, part: str, angles: npt.ArrayLike = DEGR
     LogError
         The run carries no design or no forces, or its hold is too short or too coarse.
     """
-    require_part(design, part)
-    sampled = turn(run, design, angles)
+    require_part(reducer, part)
+    sampled = turn(run, reducer, angles)
     found = contacts(sampled, part)
     return PartLoads(
         part=part,
@@ -114,27 +115,27 @@ def _motion(turn: Turn, part: str, pushed: Action) -> dict[str, Array]:
     `pushed` is the sum of the contacts' forces, which accelerate a part that is free to move.
     """
     still = np.zeros_like(turn.angle)
-    environment = turn.design.environment
+    environment = turn.reducer.design.environment
     world = np.broadcast_to([environment.gravity_x, environment.gravity_y], (turn.angle.size, 2))
     about = still
-    if turn.design.output.turns_ring:
+    if turn.reducer.design.output.turns_ring:
         # all is seen from the ring, where the carrier turns back
         world, about = turned(world, turn["output_angle"]), turn["output_speed"]
     moved = {"body_force": turned(world, -frame(turn, part).angle), "spin": still, "spin_rate": still, "torque": still}
     if part == "ring":
         return moved
-    body = mass_properties(body_solids(turn.design)[{"pin_1": "pin"}.get(part, part)])
+    body = mass_properties(body_solids(turn.reducer)[{"pin_1": "pin"}.get(part, part)])
     if part == "pin_1" or family(part) == GEAR:  # their centroid is the origin of their frame
-        moves = part != "pin_1" or turn.design.ring.has_pin_bodies
+        moves = part != "pin_1" or turn.reducer.design.ring.has_pin_bodies
         spin = turn[f"{part}_speed"] - about * (part != "pin_1") if moves else still
         spin_rate = pushed.moment / float(body.inertia[2, 2])
         return moved | {"body_force": -pushed.force / body.mass, "spin": spin, "spin_rate": spin_rate}
     if part == "shaft":
-        rotor = turn.design.drive.rotor_inertia
+        rotor = turn.reducer.design.drive.rotor_inertia
         spin_rate = (pushed.moment + turn["crank_torque"]) / (_inertia_about_axis(body) + rotor)
         torque = turn["crank_torque"] - rotor * spin_rate
         return moved | {"spin": turn["crank_speed"] - about, "spin_rate": spin_rate, "torque": torque}
-    if turn.design.output.turns_ring:
+    if turn.reducer.design.output.turns_ring:
         return moved | {"torque": -pushed.moment}
     spin_rate = (pushed.moment + turn["load_torque"]) / _inertia_about_axis(body)
     return moved | {"spin": turn["output_speed"], "spin_rate": spin_rate, "torque": turn["load_torque"]}
@@ -145,11 +146,11 @@ def _inertia_about_axis(body: MassProperties) -> float:
     return float(body.inertia[2, 2] + body.mass * np.sum(body.centroid[:2] ** 2))
 
 
-def require_part(design: Design, part: str) -> None:
+def require_part(reducer: Reducer, part: str) -> None:
     """Raise UsageError unless a design has a part."""
-    if part not in part_names(design):
+    if part not in part_names(reducer):
         reason = ""
-        if design.ring.has_sleeves and part in ("ring", "pin_1"):
+        if reducer.design.ring.has_sleeves and part in ("ring", "pin_1"):
             reason = " whose stress could be told (sleeved pins are held beside the gear, out of its plane)"
-        names = ", ".join(part_names(design))
-        raise UsageError(f"the design {design.name!r} has no part {part!r}{reason}; there are {names}")
+        names = ", ".join(part_names(reducer))
+        raise UsageError(f"the design {reducer.design.name!r} has no part {part!r}{reason}; there are {names}")

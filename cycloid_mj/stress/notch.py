@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import OUTPUT_PIN, disc_of, number_of, numbered
 from cycloid_mj.solid.output import AXIAL_GAP
 from cycloid_mj.stress.shaftgrid import Shaft
@@ -93,29 +93,30 @@ def shoulder_factor(radius: float, fillet: float, outer: float, terms: tuple[flo
     return 1.0 + 1.0 / math.sqrt(a * slope + 2.0 * b * share * (1.0 + 2.0 * share) ** 2 + c * slope**z * shorter)
 
 
-def root_arms(design: Design) -> Array:
+def root_arms(reducer: Reducer) -> Array:
     """Give the moment at the roots of an output pin per force in the middle of each disc [m], shape (roots, D).
 
     A cantilever has one root, F a; a beam clamped at both ends two, F a b^2/l^2, with a the distance of the root from
     the force and b that of the other (Roark, Formulas for Stress and Strain, 8.1, case 1d).
     """
-    gear = design.gear
+    gear = reducer.design.gear
     end = gear.stack_width / 2.0 + AXIAL_GAP
     near = end - np.array(gear.disc_planes)
-    if design.output.support == "cantilever":
+    if reducer.design.output.support == "cantilever":
         return near[np.newaxis]
     far = 2.0 * end - near
     return np.stack([a * b**2 / (a + b) ** 2 for a, b in ((near, far), (far, near))])
 
 
-def output_roots(design: Design, loads: "PartLoads") -> tuple[Notch, ...]:
+def output_roots(reducer: Reducer, loads: "PartLoads") -> tuple[Notch, ...]:
     """Give the most loaded root of the output's pins, which carry the force of each disc evenly over its width.
 
     Their nominal bending stress is 4 M/(pi R^3), M of `root_arms`, R being the core's radius under a roller.
     """
+    design = reducer.design
     discs = np.array([disc_of(label) for label in loads.labels])
     pins = np.array([number_of(label) for label in loads.labels])
-    arms, numbers = root_arms(design)[:, discs], np.unique(pins)
+    arms, numbers = root_arms(reducer)[:, discs], np.unique(pins)
     moments = np.stack(
         [np.einsum("rc,kcx->krx", arms[:, pins == one], loads.force[:, pins == one]) for one in numbers], axis=2
     )
@@ -137,14 +138,14 @@ def output_roots(design: Design, loads: "PartLoads") -> tuple[Notch, ...]:
     )
 
 
-def shaft_shoulders(design: Design, shaft: Shaft, moments: Array, angle: Array) -> tuple[Notch, ...]:
+def shaft_shoulders(reducer: Reducer, shaft: Shaft, moments: Array, angle: Array) -> tuple[Notch, ...]:
     """Give the shoulders of the shaft, and first the journal's section of the largest nominal stress, without a notch.
 
     `moments` (k, s, 3) [N m] about x, y and z are those at the shaft's stations, at crank angles (k,) [rad].
     """
     bending = 4.0 * np.hypot(moments[..., 0], moments[..., 1]) / (np.pi * shaft.radius**3)
     torsion = 2.0 * np.abs(moments[..., 2]) / (np.pi * shaft.radius**3)
-    fillet = design.shaft.shoulder_fillet
+    fillet = reducer.design.shaft.shoulder_fillet
 
     def notch(name: str, station: int, fillet: float, factors: tuple[float, float]) -> Notch:
         bends, twists = bending[:, station], torsion[:, station]

@@ -3,6 +3,7 @@
 import numpy.typing as npt
 
 from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.stress.case import Case, patch_case
 from cycloid_mj.stress.extrude import solid_grid
 from cycloid_mj.stress.grid import Grid, GridSettings, planar_grid
@@ -35,15 +36,16 @@ def part_grid(
     CycloidError
         The part does not mesh, or a package of the extra ``fem`` is missing.
     """
+    reducer = Reducer(design)
     settings = GridSettings() if settings is None else settings
     if part == "shaft":
-        return shaft_grid(design, settings)
+        return shaft_grid(reducer, settings)
     if settings.solid:
-        return solid_grid(design, part, settings)
-    return planar_grid(part_region(design, part), settings, design.ring.pin_radius, focus)
+        return solid_grid(reducer, part, settings)
+    return planar_grid(part_region(reducer, part), settings, reducer.design.ring.pin_radius, focus)
 
 
-def part_case(design: Design, grid: Grid, loads: PartLoads) -> Case:
+def part_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> Case:
     """Factorise a part with its loads; on the shaft they are superposed unit loads.
 
     Raises
@@ -52,4 +54,4 @@ def part_case(design: Design, grid: Grid, loads: PartLoads) -> Case:
         The loads are not this part's, its support is singular, or a package of the extra ``fem`` is missing.
     """
     case = shaft_case if grid.part == "shaft" else patch_case
-    return case(design, grid, loads)
+    return case(reducer, grid, loads)

@@ -5,8 +5,9 @@ from typing import Literal
 
 import numpy as np
 
-from cycloid_mj.design import Design, Material
+from cycloid_mj.design import Material
 from cycloid_mj.errors import UsageError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import GEAR, family, gears
 from cycloid_mj.solid import circle, output_centres, parts
 from cycloid_mj.types import Array
@@ -44,12 +45,12 @@ class Region:
     thickness: float
 
 
-def material_of(design: Design, part: str) -> Material:
+def material_of(reducer: Reducer, part: str) -> Material:
     """Give what a part is made of."""
-    return design.material_of(MADE_AS.get(part, GEAR if family(part) == GEAR else part))
+    return reducer.design.material_of(MADE_AS.get(part, GEAR if family(part) == GEAR else part))
 
 
-def part_region(design: Design, part: str) -> Region:
+def part_region(reducer: Reducer, part: str) -> Region:
     """Give the region of a planar part in the frame of its solid.
 
     The housing is held as the design says, by circles that its bolts clamp or by its seat, the outer circle. The output
@@ -62,8 +63,9 @@ def part_region(design: Design, part: str) -> Region:
     UsageError
         The design has no such part, or its pins leave no room for a hub.
     """
+    design = reducer.design
     width = design.gear.stack_width
-    solids = parts(design, CHORD_ERROR)
+    solids = parts(reducer, CHORD_ERROR)
     match family(part) if part in gears(design.gear.discs) else part:
         case "gear":
             prism = solids[part].prisms[0]
@@ -74,17 +76,18 @@ def part_region(design: Design, part: str) -> Region:
         case "ring":
             prism = solids["housing"].prisms[0]
             rim = Boundary(prism.outline, "outline", held=design.housing.support == "rim")
-            return Region(part, (rim, Boundary(prism.holes[0], "hole", touched="line"), *_bolts(design)), width)
+            return Region(part, (rim, Boundary(prism.holes[0], "hole", touched="line"), *_bolts(reducer)), width)
         case "pin_1" if design.ring.kind == "pin":
             return Region(part, (Boundary(solids["pin"].prisms[0].outline, "outline", touched="line"),), width)
         case "output":
-            return _output(design, solids["output"].prisms[0].outline)
+            return _output(reducer, solids["output"].prisms[0].outline)
     known = [name for name in PLANAR_PARTS if name != "pin_1" or design.ring.kind == "pin"]
     raise UsageError(f"the design {design.name!r} has no planar part {part!r}; choose one of {', '.join(known)}")
 
 
-def _bolts(design: Design) -> tuple[Boundary, ...]:
+def _bolts(reducer: Reducer) -> tuple[Boundary, ...]:
     """Give the circles that the bolts of the housing clamp, none where its rim is held."""
+    design = reducer.design
     housing = design.housing
     if housing.support == "rim":
         return ()
@@ -94,11 +97,11 @@ def _bolts(design: Design) -> tuple[Boundary, ...]:
     return tuple(Boundary(clamped + centre, "inset", held=True) for centre in centres)
 
 
-def _output(design: Design, rim: Array) -> Region:
-    output, hub = design.output, design.shaft.radius
+def _output(reducer: Reducer, rim: Array) -> Region:
+    output, hub = reducer.design.output, reducer.design.shaft.radius
     if not hub < output.pin_circle_radius - output.pin_radius:
         raise UsageError("the output's pins leave no room for a hub of the shaft's radius: lessen shaft.radius_mm")
     pin = circle(output.root_radius, CHORD_ERROR)
-    pins = tuple(Boundary(pin + centre, "inset", touched="line") for centre in output_centres(design))
+    pins = tuple(Boundary(pin + centre, "inset", touched="line") for centre in output_centres(reducer))
     held = Boundary(circle(hub, CHORD_ERROR), "hole", held=True)
     return Region("output", (Boundary(rim, "outline"), held, *pins), output.disc_thickness)

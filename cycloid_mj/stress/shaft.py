@@ -17,8 +17,8 @@ import numpy as np
 from scipy import sparse
 
 from cycloid_mj import names
-from cycloid_mj.design import Design
 from cycloid_mj.errors import CycloidError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.stress import elastic
 from cycloid_mj.stress.case import Case, Response, mass_coefficients
 from cycloid_mj.stress.grid import Grid
@@ -139,7 +139,7 @@ def opened(pads: Pads, compliance: Array, pressed: Array) -> Array:
     )
 
 
-def shaft_case(design: Design, grid: Grid, loads: PartLoads) -> Case:
+def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> Case:
     """Solve the unit loads of the shaft; each angle is a sum of them.
 
     Raises
@@ -147,14 +147,14 @@ def shaft_case(design: Design, grid: Grid, loads: PartLoads) -> Case:
     CycloidError
         A load acts elsewhere than on the cam.
     """
-    shaft = shaft_measures(design)
+    shaft = shaft_measures(reducer)
     cams = tuple(names.of_disc(names.CAM, disc, len(shaft.cams)) for disc in range(len(shaft.cams)))
     if loads.part != "shaft" or loads.labels != cams:
         raise CycloidError(
             f"the shaft's grid takes the loads of {', '.join(cams)}, got {', '.join(loads.labels) or 'none'} on the "
             f"{loads.part}"
         )
-    steel = design.material_of("shaft")
+    steel = reducer.design.material_of("shaft")
     pads = bearing_pads(grid, shaft, BEARING_STIFFNESS * steel.youngs_modulus * shaft.radius)
     part = elastic.body(grid, steel, springs=pads.springs, loose=(2, 5))
     on_cams = [unit for cam in range(len(cams)) for unit in _on_cam_units(grid, shaft, cam)]

@@ -2,16 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from cycloid_mj import names
-from cycloid_mj.design import Design
 from cycloid_mj.errors import CycloidError
-from cycloid_mj.mechanism.reducer import phases
+from cycloid_mj.mechanism.whole import Reducer, once
 from cycloid_mj.solid import crank_stretches
 from cycloid_mj.solid.output import near_face
 from cycloid_mj.solid.shaft import COUNTERWEIGHT, FAR, JOURNAL, bearing_seats
@@ -96,13 +94,14 @@ class Shaft:
         return np.concatenate([[shoulder.z for shoulder in self.shoulders], *between])
 
 
-@lru_cache(maxsize=8)
-def shaft_measures(design: Design) -> Shaft:
+@once
+def shaft_measures(reducer: Reducer) -> Shaft:
     """Give the measures of a design's balanced crank, without the spacers of a built-up one."""
-    found = crank_stretches(design)
+    design = reducer.design
+    found = crank_stretches(reducer)
     journal, weight = found[JOURNAL], found.get(COUNTERWEIGHT)
     cams = [(one.z0, one.z1) for name, one in found.items() if names.family(name) == names.CAM]
-    end = min(journal.z1, near_face(design))
+    end = min(journal.z1, near_face(reducer))
     return Shaft(
         radius=design.shaft.radius,
         cam_radius=design.gear.bore_radius,
@@ -112,12 +111,12 @@ def shaft_measures(design: Design) -> Shaft:
         far_end=found[FAR].z1 if FAR in found else cams[-1][1],
         counterweight=(weight.z0, weight.z1) if weight else (end, end),
         cams=tuple(cams),
-        phases=phases(design),
-        bearings=bearing_seats(design, found),
+        phases=reducer.phases,
+        bearings=bearing_seats(reducer, found),
     )
 
 
-def shaft_grid(design: Design, settings: GridSettings) -> Grid:
+def shaft_grid(reducer: Reducer, settings: GridSettings) -> Grid:
     """Give the grid of the shaft in the frame of its solid: the reducer axis, cam towards +y.
 
     Raises
@@ -125,7 +124,7 @@ def shaft_grid(design: Design, settings: GridSettings) -> Grid:
     CycloidError
         The shaft does not mesh, or a package of the extra ``fem`` is missing.
     """
-    shaft = shaft_measures(design)
+    shaft = shaft_measures(reducer)
     edge = settings.solid_edge * shaft.radius / settings.refinement
     return Grid(
         part="shaft",

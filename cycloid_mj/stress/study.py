@@ -11,6 +11,7 @@ import numpy.typing as npt
 from cycloid_mj import names
 from cycloid_mj.contact.pressure import SHAKEDOWN_PRESSURE
 from cycloid_mj.design import Design, override
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.record import Run
 from cycloid_mj.stress.bulk import OCTAVE, fall, plateau
 from cycloid_mj.stress.closed import LineStress, line_stress
@@ -120,7 +121,7 @@ class StressStudy:
 
 def stress_study(
     run: Run,
-    design: Design,
+    reducer: Reducer,
     parts: Sequence[str] = (),
     settings: StudySettings | None = None,
     log: str | None = None,
@@ -156,15 +157,16 @@ def stress_study(
     CycloidError
         A part does not mesh, its support is singular, or a package of the extra ``fem`` is missing.
     """
+    design = reducer.design
     settings = settings or StudySettings()
-    names = tuple(dict.fromkeys(parts)) or part_names(design)
+    names = tuple(dict.fromkeys(parts)) or part_names(reducer)
     for part in names:
-        require_part(design, part)
+        require_part(reducer, part)
     start, found = time.perf_counter(), []
     for number, part in enumerate(in_order(names)):
         told(part, number, len(names))
-        found.append(part_study(run, design, part, settings, (grids or {}).get(part)))
-    order = part_names(design)
+        found.append(part_study(run, reducer, part, settings, (grids or {}).get(part)))
+    order = part_names(reducer)
     studies = tuple(sorted(found, key=lambda study: order.index(study.findings.part)))
     findings = StressFindings(
         design=design.name,
@@ -179,9 +181,9 @@ def stress_study(
     return StressStudy(design, studies, findings)
 
 
-def study_grids(design: Design, parts: Sequence[str], settings: StudySettings) -> dict[str, Grid]:
+def study_grids(reducer: Reducer, parts: Sequence[str], settings: StudySettings) -> dict[str, Grid]:
     """Mesh the parts of a study, in the order in which it takes them."""
-    return {part: part_grid(design, part, settings.grid(part)) for part in in_order(parts)}
+    return {part: part_grid(reducer.design, part, settings.grid(part)) for part in in_order(parts)}
 
 
 def in_order(parts: Sequence[str]) -> list[str]:
@@ -189,42 +191,42 @@ def in_order(parts: Sequence[str]) -> list[str]:
     return sorted(parts, key=lambda part: part != "output")
 
 
-def part_study(run: Run, design: Design, part: str, settings: StudySettings, grid: Grid | None = None) -> PartStudy:
+def part_study(run: Run, reducer: Reducer, part: str, settings: StudySettings, grid: Grid | None = None) -> PartStudy:
     """Find the stress of one part, on a grid that may be there already; raises as `stress_study`."""
     start = time.perf_counter()
     turn = 2 * np.pi * np.arange(settings.angles) / settings.angles
-    loads = part_loads(run, design, part, turn)
-    grid = grid or part_grid(design, part, settings.grid(part))
+    loads = part_loads(run, reducer, part, turn)
+    grid = grid or part_grid(reducer.design, part, settings.grid(part))
     (stress, drawn, swung, corners), lines = (
-        _solved(design, grid, loads, settings.map_angle),
-        line_stress(loads, design),
+        _solved(reducer, grid, loads, settings.map_angle),
+        line_stress(loads, reducer),
     )
-    strength = material_of(design, part).yield_strength
+    strength = material_of(reducer, part).yield_strength
     pressure = float(_largest(lines.peak_pressure.reshape(1, -1))[0])
     findings = PartFindings(
         part=part,
         unknowns=grid.unknowns,
         dimension=grid.dimension,
-        teeth=design.ring.teeth,
+        teeth=reducer.design.ring.teeth,
         angle=loads.angle,
         bulk=stress.bulk_stress,
-        bulk_peak=_bulk_peak(loads, stress, design),
+        bulk_peak=_bulk_peak(loads, stress, reducer),
         bulk_distance=stress.bulk_distance,
         sensitivity=_sensitivity(stress, grid),
         choice=max(_choice(stress), corner_choice(corners)),
         by_distance=(stress.distances, stress.stress_by_distance.max(axis=1)),
         contact=_largest(lines.von_mises),
-        contact_peak=_contact_peak(loads, lines, design),
+        contact_peak=_contact_peak(loads, lines, reducer),
         largest_pressure=pressure,
         shakedown=SHAKEDOWN_PRESSURE * _safety(pressure, strength),
         largest_force=float(np.linalg.norm(loads.force, axis=-1).max()),
-        near_field=_near_field(loads, design, stress.bulk_distance),
+        near_field=_near_field(loads, reducer, stress.bulk_distance),
         imbalance=_imbalance(stress, grid),
-        notches=notches_of(design, loads, stress),
+        notches=notches_of(reducer, loads, stress),
         swing=swung,
-        variants=_variants(design, part, settings, loads, stress),
+        variants=_variants(reducer, part, settings, loads, stress),
         yield_strength=strength,
-        refinement=_refined(design, grid, settings, loads, stress),
+        refinement=_refined(reducer, grid, settings, loads, stress),
         wall=time.perf_counter() - start,
         by_corner=corners,
     )
@@ -232,13 +234,13 @@ def part_study(run: Run, design: Design, part: str, settings: StudySettings, gri
 
 
 def _solved(
-    design: Design, grid: Grid, loads: PartLoads, map_angle: float | None
+    reducer: Reducer, grid: Grid, loads: PartLoads, map_angle: float | None
 ) -> tuple[PartStress, StressMap, Swing | None, tuple[tuple[float, float], ...]]:
     """Give the maxima of a part, its map, its swing and its bulk by the distance from corners.
 
     Its factor is let go before other grids are factorised.
     """
-    part = loaded(design, grid, loads)
+    part = loaded(reducer, grid, loads)
     stress = maxima(part)
     angle = loads.angle[stress.bulk_stress.argmax()] if map_angle is None else map_angle
     nearest = int(np.argmax(np.cos(loads.angle - angle)))
@@ -259,11 +261,11 @@ def at_angles(loads: PartLoads, rows: npt.ArrayLike) -> PartLoads:
     return replace(loads, **kept)
 
 
-def _refined(design: Design, grid: Grid, settings: StudySettings, loads: PartLoads, stress: PartStress) -> Refinement:
+def _refined(reducer: Reducer, grid: Grid, settings: StudySettings, loads: PartLoads, stress: PartStress) -> Refinement:
     """Solve some crank angles on a finer grid."""
     rows = _checked_rows(stress.bulk_stress, settings.checked)
-    finer = part_grid(design, grid.part, settings.grid(grid.part, settings.finer(grid)))
-    found = solve(design, finer, at_angles(loads, rows), distance=stress.bulk_distance)
+    finer = part_grid(reducer.design, grid.part, settings.grid(grid.part, settings.finer(grid)))
+    found = solve(reducer.design, finer, at_angles(loads, rows), distance=stress.bulk_distance)
     return Refinement(
         unknowns=(stress.unknowns, found.unknowns),
         angle=loads.angle[rows],
@@ -277,15 +279,15 @@ def _checked_rows(stress: Array, count: int) -> npt.NDArray[np.intp]:
     return (int(np.argmax(stress)) + steps) % stress.size
 
 
-def notches_of(design: Design, loads: PartLoads, stress: PartStress) -> tuple[Notch, ...]:
+def notches_of(reducer: Reducer, loads: PartLoads, stress: PartStress) -> tuple[Notch, ...]:
     """Compute the stress at the fillets of a part, nominal times notch factor, under the loads it was solved for."""
     if stress.part == "shaft":
-        return shaft_shoulders(design, shaft_measures(design), stress.moments, loads.angle)
-    return output_roots(design, loads) if stress.part == "output" else ()
+        return shaft_shoulders(reducer, shaft_measures(reducer), stress.moments, loads.angle)
+    return output_roots(reducer, loads) if stress.part == "output" else ()
 
 
 def _variants(
-    design: Design, part: str, settings: StudySettings, loads: PartLoads, stress: PartStress
+    reducer: Reducer, part: str, settings: StudySettings, loads: PartLoads, stress: PartStress
 ) -> tuple[tuple[str, float], ...]:
     """Give the part's largest bulk stress [Pa] under its other supports, at some crank angles and the same loads."""
     if part not in SUPPORTS:
@@ -295,14 +297,14 @@ def _variants(
     some = at_angles(loads, _checked_rows(stress.bulk_stress, VARIED))
     found = []
     for choice in choices:
-        if choice != getattr(getattr(design, table), name):
-            other = override(design, [f'{key}="{choice}"'])
+        if choice != getattr(getattr(reducer.design, table), name):
+            other = override(reducer.design, [f'{key}="{choice}"'])
             solved = solve(other, part_grid(other, part, settings.grid(part)), some)
             found.append((f"{key} = {choice}", float(solved.bulk_stress.max())))
     return tuple(found)
 
 
-def _bulk_peak(loads: PartLoads, stress: PartStress, design: Design) -> Peak:
+def _bulk_peak(loads: PartLoads, stress: PartStress, reducer: Reducer) -> Peak:
     row = int(np.argmax(stress.bulk_stress))
     size = float(stress.bulk_stress[row])
     return Peak(
@@ -310,7 +312,7 @@ def _bulk_peak(loads: PartLoads, stress: PartStress, design: Design) -> Peak:
         float(loads.angle[row]),
         stress.bulk_place[row],
         "",
-        _safety(size, material_of(design, loads.part).yield_strength),
+        _safety(size, material_of(reducer, loads.part).yield_strength),
     )
 
 
@@ -340,7 +342,7 @@ def _largest(values: Array) -> Array:
     return np.where(np.isfinite(largest), largest, np.nan)
 
 
-def _contact_peak(loads: PartLoads, lines: LineStress, design: Design) -> Peak:
+def _contact_peak(loads: PartLoads, lines: LineStress, reducer: Reducer) -> Peak:
     """Give the largest stress below a contact; not a number where all are conformal."""
     told = np.where(np.isnan(lines.von_mises), -1.0, lines.von_mises)
     row, contact = np.unravel_index(int(np.argmax(told)), told.shape)
@@ -351,7 +353,7 @@ def _contact_peak(loads: PartLoads, lines: LineStress, design: Design) -> Peak:
         float(loads.angle[row]),
         place,
         loads.labels[contact],
-        _safety(size, material_of(design, loads.part).yield_strength),
+        _safety(size, material_of(reducer, loads.part).yield_strength),
     )
 
 
@@ -363,15 +365,15 @@ def _imbalance(stress: PartStress, grid: Grid) -> float:
     return largest / max(float(stress.load.max()), np.finfo(float).tiny)
 
 
-def _near_field(loads: PartLoads, design: Design, distance: float) -> float:
+def _near_field(loads: PartLoads, reducer: Reducer, distance: float) -> float:
     """Stress 2 F/(pi L d) [Pa] at the bulk distance d from the largest force on a narrow patch (Flamant)."""
     narrow = loads.half_width < distance / 2.0
     force = np.where(narrow, np.linalg.norm(loads.force, axis=-1), 0.0).max()
-    return float(2.0 * force / (np.pi * design.gear.face_width * distance))
+    return float(2.0 * force / (np.pi * reducer.design.gear.face_width * distance))
 
 
-def _strength(design: Design, loads: PartLoads) -> float:
-    return material_of(design, loads.part).yield_strength
+def _strength(reducer: Reducer, loads: PartLoads) -> float:
+    return material_of(reducer, loads.part).yield_strength
 
 
 def _safety(stress: float, strength: float) -> float:

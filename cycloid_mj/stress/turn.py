@@ -8,8 +8,9 @@ import numpy.typing as npt
 
 from cycloid_mj.analysis.series import design_of
 from cycloid_mj.analysis.window import in_hold
-from cycloid_mj.design import PARTS, Design
+from cycloid_mj.design import PARTS
 from cycloid_mj.errors import LogError, UsageError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.member import columns_from_ring
 from cycloid_mj.names import CAM, FORCE_X, column, of_disc
 from cycloid_mj.record import Run
@@ -31,9 +32,9 @@ COARSEST = 1.5
 """Samples may lie this many wanted steps apart; then no sample stands for more than two of the wanted angles."""
 
 
-def cam_force(design: Design) -> str:
+def cam_force(reducer: Reducer) -> str:
     """Name a column that every run with forces has."""
-    return column(of_disc(CAM, 0, design.gear.discs), FORCE_X)
+    return column(of_disc(CAM, 0, reducer.design.gear.discs), FORCE_X)
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +51,7 @@ class Turn:
         The run, seen from its ring, and the numbers of the samples in it, shape (k,).
     """
 
-    design: Design
+    reducer: Reducer
     angle: Array
     run: Run
     rows: npt.NDArray[np.intp]
@@ -64,7 +65,7 @@ class Turn:
         return np.stack([self[x], self[y]], axis=-1)
 
 
-def turn(run: Run, design: Design | None = None, angles: npt.ArrayLike = DEGREES) -> Turn:
+def turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike = DEGREES) -> Turn:
     """Choose the samples nearest to crank angles [rad], shape (k,), in the last turn of the settled hold.
 
     Raises
@@ -75,35 +76,37 @@ def turn(run: Run, design: Design | None = None, angles: npt.ArrayLike = DEGREES
         The design is not the one that ran.
     """
     ran = design_of(run)
-    if design is not None:
-        require_same(design, ran)
-    if cam_force(ran) not in run.columns:
+    if reducer is not None:
+        require_same(reducer, Reducer(ran))
+    column = cam_force(Reducer(ran))
+    if column not in run.columns:
         raise LogError(
-            f"the run has no forces of the mating pairs (no column {cam_force(ran)!r} among {len(run.columns)}), so "
+            f"the run has no forces of the mating pairs (no column {column!r} among {len(run.columns)}), so "
             "there are no loads to put on the parts; simulate it again with the forces in its log"
         )
     run = run.usable()
     run = replace(run, columns=columns_from_ring(ran, run.columns))
     wanted = np.atleast_1d(np.asarray(angles, dtype=np.float64))
-    rows = _last_turn(run, in_hold(ran, run.time) & np.isfinite(run[cam_force(ran)]))
+    rows = _last_turn(run, in_hold(Reducer(ran), run.time) & np.isfinite(run[cam_force(Reducer(ran))]))
     crank = run["crank_angle"][rows]
     _require_fine(crank, wanted, run, rows)
     nearest = np.array([np.argmin(np.abs(_wrapped(crank - angle))) for angle in wanted])
-    return Turn(ran, wanted + _wrapped(crank[nearest] - wanted), run, rows[nearest])
+    return Turn(Reducer(ran), wanted + _wrapped(crank[nearest] - wanted), run, rows[nearest])
 
 
-def require_same(design: Design, ran: Design) -> None:
+def require_same(reducer: Reducer, ran: Reducer) -> None:
     """Raise UsageError unless a design is the one that ran, but for load, speed, environment and settings."""
-    if differing := differences(design, ran):
+    if differing := differences(reducer, ran):
         raise UsageError(
-            f"the log is not of the design {design.name!r}: it differs in {'; '.join(differing[:3])}, in SI units; "
+            f"the log is not of the design {reducer.design.name!r}: "
+            f"it differs in {'; '.join(differing[:3])}, in SI units; "
             "give the design that ran, or leave out --design"
         )
 
 
-def differences(design: Design, ran: Design) -> list[str]:
+def differences(reducer: Reducer, ran: Reducer) -> list[str]:
     """Tell where a design differs from one that ran in what it is, not in under what it runs."""
-    asked, logged = _values(design), _values(ran)
+    asked, logged = _values(reducer), _values(ran)
     return [
         f"{key} ({asked.get(key)} in the design, {logged.get(key)} in the log)"
         for key in {**asked, **logged}
@@ -111,10 +114,10 @@ def differences(design: Design, ran: Design) -> list[str]:
     ]
 
 
-def _values(design: Design) -> dict[str, Any]:
+def _values(reducer: Reducer) -> dict[str, Any]:
     """Give the values of a design by ``table.key``, but for those that it may run under; none of no table."""
     free = {"name": True} | {table: keys or True for table, keys in FREE.items()}
-    tables = {table: value for table, value in design.model_dump(exclude=free).items() if value is not None}
+    tables = {table: value for table, value in reducer.design.model_dump(exclude=free).items() if value is not None}
     single = {table: value for table, value in tables.items() if not isinstance(value, dict)}
     keyed = {table: keys for table, keys in tables.items() if isinstance(keys, dict)}
     return single | {f"{table}.{key}": value for table, keys in keyed.items() for key, value in keys.items()}

@@ -7,7 +7,7 @@ that of the sockets comes on top. The cam has next to no clearance, the output's
 import mujoco
 
 from cycloid_mj.contact.collider import installed
-from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import ReducerModel, build
 from cycloid_mj.validation.rig import FREE, KINDS, NONPIN, reducer_of, without_friction, without_gravity
 from cycloid_mj.validation.row import Row, relative
@@ -32,32 +32,34 @@ def _row(kind: str) -> Row:
         "drive.rotor_inertia_kg_m2=10.0",
         "settings.timestep_us=2.0",
     )
-    low, high = stops(design)
-    measured, closed = 1e6 * (high - low), 1e6 * expected(design, kind)
+    reducer = Reducer(design)
+    low, high = stops(reducer)
+    measured, closed = 1e6 * (high - low), 1e6 * expected(reducer, kind)
     series = " + delta of the sockets" if kind == FREE else ""
     return relative(f"backlash of the gear, {kind}", measured, closed, "urad", f"2 delta/(c (N-1)){series}", 0.5)
 
 
-def expected(design: Design, kind: str) -> float:
+def expected(reducer: Reducer, kind: str) -> float:
     """Give the backlash [rad]: the largest arm of a contact about the gear's centre is c (N-1)."""
+    design = reducer.design
     room = design.clearance
     delta = {FREE: room.pin_gear + room.pin_socket, NONPIN: room.tooth}.get(kind, room.pin_gear)
     return 2.0 * delta / (design.gear.eccentricity * design.lobes)
 
 
-def stops(design: Design) -> tuple[float, float]:
+def stops(reducer: Reducer) -> tuple[float, float]:
     """Give the gear's angles [rad] at its stops, clockwise and counter-clockwise."""
-    reducer = build(design)
-    return stop(reducer, -TORQUE), stop(reducer, TORQUE)
+    compiled = build(reducer.design)
+    return stop(compiled, -TORQUE), stop(compiled, TORQUE)
 
 
-def stop(reducer: ReducerModel, torque: float, joint: str = "gear_angle") -> float:
+def stop(compiled: ReducerModel, torque: float, joint: str = "gear_angle") -> float:
     """Turn gear or output to its stop by a torque [N m] and give its angle; it settles by being halted now and then."""
-    data = mujoco.MjData(reducer.model)
+    data = mujoco.MjData(compiled.model)
     data.joint(joint).qfrc_applied[0] = torque
     with installed():
-        mujoco.mj_step(reducer.model, data, _TRAVEL)
+        mujoco.mj_step(compiled.model, data, _TRAVEL)
         for _ in range(_STOPS):
             data.qvel[:] = 0.0
-            mujoco.mj_step(reducer.model, data, _SETTLE)
+            mujoco.mj_step(compiled.model, data, _SETTLE)
     return float(data.joint(joint).qpos[0])

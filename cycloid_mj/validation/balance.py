@@ -15,7 +15,8 @@ from cycloid_mj.loaded.samples import alike, solve_samples
 from cycloid_mj.loaded.sliding import Losses, rubbing_of
 from cycloid_mj.mechanism.gaps import arc_gaps
 from cycloid_mj.mechanism.kernel import FLOATING, Rubbing, Springs, State, follow_path, gap, state, state_after
-from cycloid_mj.member import seen_from_ring, share
+from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.member import share
 from cycloid_mj.types import Array
 from cycloid_mj.validation import rig
 from cycloid_mj.validation.displaced import Pressed, cam_ways, held_back
@@ -76,13 +77,13 @@ def made(built: str, *changes: str) -> Design:
     return override(PRESETS["pin"], ["ring.pins=fixed", *BUILT[built], *MADE, *still, uniform, *changes])
 
 
-def pressed(design: Design, crank: float = CRANK) -> tuple[Springs, Pressed]:
+def pressed(reducer: Reducer, crank: float = CRANK) -> tuple[Springs, Pressed]:
     """Give the springs of a design at a crank angle [rad], and the same on exact gaps."""
-    springs = springs_of(design, [crank], friction=False)
+    springs = springs_of(reducer, [crank], friction=False)
     contacts, angle = springs.contacts, float(springs.crank[0])
-    seen = seen_from_ring(design)
+    seen = reducer.seen_from_ring
     return contacts, Pressed(
-        seen, angle, contacts.stiffness[0], contacts.cam_stiffness, arc_gaps(seen, angle).play, contacts.bending
+        seen.design, angle, contacts.stiffness[0], contacts.cam_stiffness, arc_gaps(seen, angle).play, contacts.bending
     )
 
 
@@ -96,7 +97,7 @@ def way(unknowns: int, size: float) -> Array:
 
 def state_rows(built: str) -> list[Row]:
     """Hold energy and forces of displaced parts against exact gaps, and the stiffness against differences of forces."""
-    springs, exact = pressed(made(built))
+    springs, exact = pressed(Reducer(made(built)))
     number = springs.slope.shape[2]
     z, load = way(number, NEAR), 100.0 * way(number, 1.0)
     found = state(springs, 0, load, z)
@@ -138,7 +139,7 @@ def gradient_rows() -> list[Row]:
 
     A large turn counts to the second order; far from a valley the foot of a normal is hardest to find.
     """
-    springs, _ = pressed(made(ONE))
+    springs, _ = pressed(Reducer(made(ONE)))
     rest, source = np.zeros(springs.slope.shape[2]), "differences of gaps"
     apart = [
         springs._replace(distance=np.full(springs.distance.shape, q), shift=np.full(springs.shift.shape, p))
@@ -166,7 +167,7 @@ def normal_rows() -> list[Row]:
 
     The most curved teeth decide: those in valleys, which are taken along the exact curve.
     """
-    springs, _ = pressed(made(ONE))
+    springs, _ = pressed(Reducer(made(ONE)))
     z, step = way(springs.slope.shape[2], 2.5 * NEAR), 1e-9
     ways, rates, turns = step * np.eye(z.size)[:2], [], []
     for i in range(springs.disc.size):
@@ -184,7 +185,7 @@ def closed_rows() -> list[Row]:
 
     And of gaps that are hardly open or closed, which must not pass for open.
     """
-    springs, _ = pressed(made(ONE))
+    springs, _ = pressed(Reducer(made(ONE)))
     draw, shape = np.random.default_rng(6).uniform, springs.distance.shape
     drawn = [
         springs._replace(distance=draw(-size, size, shape), shift=draw(-size, size, shape))
@@ -211,7 +212,7 @@ def far_apart(springs: Springs) -> Springs:
 def tight_rows() -> list[Row]:
     """Hold force and energy of a cam that is wider than its bore against those of two springs, one on either side."""
     tight, push = 1e-6, np.array([0.6, -0.8])
-    springs = far_apart(pressed(made(ONE))[0])._replace(cam_clearance=-tight)
+    springs = far_apart(pressed(Reducer(made(ONE)))[0])._replace(cam_clearance=-tight)
     forces, energies, reaches = [], [], np.linspace(0.0, 3.0 * tight, 7)
     for reach in reaches:
         z = np.zeros(springs.slope.shape[2])
@@ -231,7 +232,7 @@ def tight_rows() -> list[Row]:
 
 def work_rows(built: str) -> list[Row]:
     """Hold the energy that is stored along a way against the work of the forces, with no step on it."""
-    springs, _ = pressed(made(built))
+    springs, _ = pressed(Reducer(made(built)))
     number = springs.slope.shape[2]
     end, load = way(number, AWAY), np.zeros(number)
     shares = np.linspace(0.0, 1.0, 201)
@@ -245,9 +246,10 @@ def work_rows(built: str) -> list[Row]:
 def balance_rows(built: str, *changes: str, torque: float = rig.RATED_LOAD, crank: float = CRANK) -> list[Row]:
     """Hold the forces at the balance that is found against the load [N m], and each contact's, by exact gaps."""
     design = made(built, *changes)
-    springs = springs_of(design, [crank], friction=False)
-    _, exact = pressed(design, crank)
-    found = loads(design, springs, torque)
+    reducer = Reducer(design)
+    springs = springs_of(reducer, [crank], friction=False)
+    _, exact = pressed(reducer, crank)
+    found = loads(reducer, springs, torque)
     z, load = found.departures[0], springs.load(share(design) * torque)[0]
     ours = np.concatenate([found.teeth[0], found.output[0]])
     name = ", ".join((built, *changes, *([] if torque == rig.RATED_LOAD else [f"{torque:.5g} N m"])))
@@ -262,12 +264,12 @@ def sample_rows() -> list[Row]:
     design, count = made(TWO), len(TURN)
     given = dict.fromkeys(design.pair_kinds, 3e8)  # a sample's springs are those of the design without its errors
     design = design.but(stiffness=given)
-    figures = solve_samples(design, alike(design, 1), [rig.RATED_LOAD], count)[0]
-    springs = springs_of(design, TURN, friction=False)
-    found, load = loads(design, springs, rig.RATED_LOAD), springs.load(rig.RATED_LOAD)
+    figures = solve_samples(Reducer(design), alike(Reducer(design), 1), [rig.RATED_LOAD], count)[0]
+    springs = springs_of(Reducer(design), TURN, friction=False)
+    found, load = loads(Reducer(design), springs, rig.RATED_LOAD), springs.load(rig.RATED_LOAD)
     z, force = [], []
     for number, crank in enumerate(TURN):
-        _, exact = pressed(design, crank)
+        _, exact = pressed(Reducer(design), crank)
         z.append(exact.balance(load[number], found.departures[number]))
         force.append(exact.forces(z[-1]))
     places, pushes = np.array(z), np.array(force)
@@ -303,8 +305,9 @@ def rubbed(built: str) -> tuple[Springs, Pressed, Rubbing]:
     """Give what `pressed` does of a design with friction, and that friction, all that remembers, at a held crank."""
     rubs = (f"friction.{kind}={FRICTION}" for kind in rig.MATING)
     design = made(built, *rubs, f"friction.cam_rolling={ROLLING}")
-    springs, exact = pressed(design)
-    return springs, exact, rubbing_of(design, springs, CRANK, Losses(drag=1.0, travel=1e-4, material=0.1), "crank")
+    reducer = Reducer(design)
+    springs, exact = pressed(reducer)
+    return springs, exact, rubbing_of(reducer, springs, CRANK, Losses(drag=1.0, travel=1e-4, material=0.1), "crank")
 
 
 def step_rows(built: str) -> list[Row]:
@@ -372,8 +375,9 @@ def path_rows(built: str, reach: float = np.inf, spare: int = 0) -> list[Row]:
 def floating_rows() -> list[Row]:
     """Hold the way of parts that nothing touches against the stiffness that keeps them where they were before."""
     design = made(ONE)
-    springs = far_apart(pressed(design)[0])._replace(cam_clearance=1.0)
-    rubbing = rubbing_of(design, springs, CRANK, Losses(), "crank")
+    reducer = Reducer(design)
+    springs = far_apart(pressed(reducer)[0])._replace(cam_clearance=1.0)
+    rubbing = rubbing_of(reducer, springs, CRANK, Losses(), "crank")
     path = np.outer([0.0, 1.0, 0.5], way(springs.slope.shape[2], 1e-6))
     z = np.zeros_like(path)
     follow_path(springs, rubbing, path, np.inf, np.zeros(len(path)), z)
@@ -389,7 +393,7 @@ def _pushes(exact: Pressed, rubbing: Rubbing, path: Array) -> Iterator[Array]:
     before, side, material, depth = np.zeros(path.shape[1]), np.zeros(count), np.zeros(bearing), np.zeros(bearing)
     for z in path:
         slip = rubbing.slip.copy()
-        for disc, (x, y) in enumerate(cam_ways(exact.design, exact.crank, before)):
+        for disc, (x, y) in enumerate(cam_ways(Reducer(exact.design), exact.crank, before)):
             # a disc that slides across its cam does so at right angles to the way from the cam's centre
             slip[bearing - discs + disc, 3 * disc : 3 * disc + 2] += np.array([-y, x]) / (np.hypot(x, y) or 1.0)
         (gaps, slopes), spring = exact.contacts(z), exact.forces(z)

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj import kinematics, statics
-from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build
 from cycloid_mj.record import Run
 from cycloid_mj.run import simulate
@@ -40,8 +40,9 @@ def rows(quick: bool) -> list[Row]:
 def _slow_row(quick: bool) -> Row:
     rpm = 100.0 if quick else 40.0
     design = reducer_of(FIXED, *IDEAL, *rig.without_gravity(), "contact.stiffness_n_m=1e7", "load.torque_nm=1.0")
-    run = _ideal_run(design, rpm, 60.0 / (rpm * design.ring.teeth))
-    ours, ideal = run.forces("cam")[:, 0], statics_load(design, run["crank_angle"])
+    reducer = Reducer(design)
+    run = _ideal_run(reducer, rpm, 60.0 / (rpm * design.ring.teeth))
+    ours, ideal = run.forces("cam")[:, 0], statics_load(reducer, run["crank_angle"])
     return deviation("load of the cam, slow and ideal", ours, ideal, "N", "ring + output pins, closed form", 0.5)
 
 
@@ -50,11 +51,12 @@ def _fast_rows(quick: bool) -> list[Row]:
     design = reducer_of(
         FIXED, *IDEAL, "contact.stiffness_n_m=3e7", "load.torque_nm=0.5", "environment.gravity_y_m_s2=-98.0"
     )
-    run = _ideal_run(design, 1640.0, 60.0 / 1640.0)
+    reducer = Reducer(design)
+    run = _ideal_run(reducer, 1640.0, 60.0 / 1640.0)
     crank, speed = run["crank_angle"], run["crank_speed"]
     ours = run.forces("cam")[:, 0]
-    inertia = body_force(design, crank, speed)
-    ideal = statics_load(design, crank, inertia)
+    inertia = body_force(reducer, crank, speed)
+    ideal = statics_load(reducer, crank, inertia)
     outward = np.stack([-np.sin(crank), np.cos(crank)], axis=-1)
     radial, expected = (float(np.mean(np.sum(force * outward, axis=1))) for force in (ours, ideal))
     up, weight = (float(np.mean(force[:, 1])) for force in (ours, ideal))
@@ -68,12 +70,13 @@ def _fast_rows(quick: bool) -> list[Row]:
 
 def _rated_rows() -> list[Row]:
     run, design = rig.rated_run(FREE, 1640.0, 12)
+    reducer = Reducer(design)
     crank, cam = run["crank_angle"], run.forces("cam")[:, 0]
-    body = body_force(design, crank, run["crank_speed"])
+    body = body_force(reducer, crank, run["crank_speed"])
     balance = -run.forces(design.tooth_pair).sum(axis=1) - run.forces("output").sum(axis=1) - body
     # The gear's vibration has no mean in the turning frame.
     ours, held = (np.mean(_turning(force, crank), axis=0, keepdims=True) for force in (cam, balance))
-    ideal = statics_load(design, crank, body)
+    ideal = statics_load(reducer, crank, body)
     return [
         deviation("load of the cam, rated, free pins", ours, held, "N", "m (g - a), ring, output, logged", 0.01),
         relative(
@@ -88,32 +91,34 @@ def _rated_rows() -> list[Row]:
     ]
 
 
-def statics_load(design: Design, crank: Array, force: npt.ArrayLike = (0.0, 0.0)) -> Array:
+def statics_load(reducer: Reducer, crank: Array, force: npt.ArrayLike = (0.0, 0.0)) -> Array:
     """Give the closed form of the cam's force on the gear [N], shape (n, 2), under a `force` [N] on its centre."""
+    design = reducer.design
     gear, torque, output = tooth_profile(design), design.load.torque, design.output
     ring = statics.ideal_load_sharing(gear, torque, crank)
     pins = statics.ideal_output_forces(gear, output.pins, output.pin_circle_radius, torque, crank)
     return statics.cam_force(ring, pins, crank, force)
 
 
-def body_force(design: Design, crank: Array, speed: Array) -> Array:
+def body_force(reducer: Reducer, crank: Array, speed: Array) -> Array:
     """Give the gear's weight less its mass times its ideal acceleration [N], shape (n, 2)."""
-    mass = mass_properties(gear_solid(design)).mass
+    design = reducer.design
+    mass = mass_properties(gear_solid(reducer)).mass
     gravity = np.array([design.environment.gravity_x, design.environment.gravity_y])
     return mass * (gravity - kinematics.gear_centre_acceleration(tooth_profile(design), crank, speed))
 
 
-def _ideal_run(design: Design, rpm: float, duration: float) -> Run:
-    design = rig.changed(
-        design,
+def _ideal_run(reducer: Reducer, rpm: float, duration: float) -> Run:
+    reducer = rig.changed(
+        reducer,
         f"drive.speed_rpm={rpm!r}",
         f"drive.hold_s={SETTLED + duration!r}",
         "load.rise_s=0.004",
         "settings.log_rate_hz=10000.0",
     )
-    reducer = build(design)
-    rig.stiffen_cam(reducer, STIFF_CAM)
-    run = simulate(design, reducer)
+    compiled = build(reducer.design)
+    rig.stiffen_cam(compiled, STIFF_CAM)
+    run = simulate(reducer.design, compiled)
     return run.select(run.time >= run.time[-1] - duration)
 
 

@@ -11,9 +11,8 @@ import numpy.typing as npt
 
 from cycloid_mj import kinematics, member, profile
 from cycloid_mj.design import Design
-from cycloid_mj.deviations import deviations
 from cycloid_mj.errors import RunError
-from cycloid_mj.modification import profile_offset, tooth_profile
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.types import Array, Mask
 from cycloid_mj.validation.gaps import Pose, flanks_of, pin_gaps, rotate
 
@@ -24,25 +23,26 @@ _ROUNDS, _IMBALANCE = 30, 1e-6
 """Most steps to a balance, and the largest force that may be left over, as a share of the load."""
 
 
-def pose_of(design: Design, crank: float, z: Array, disc: int = 0) -> Pose:
+def pose_of(reducer: Reducer, crank: float, z: Array, disc: int = 0) -> Pose:
     """Give the pose of a disc's teeth at departures z [m]: those of disc d mesh as a gear d/D of a turn ahead."""
-    gear, ahead = tooth_profile(design), crank + phase_of(design, disc)
+    gear, ahead = reducer.tooth_profile, crank + phase_of(reducer, disc)
     x, y, turn = z[3 * disc : 3 * disc + 3]
-    angle = float(kinematics.gear_rotation(gear, ahead)) + turn / design.output.pin_circle_radius
+    angle = float(kinematics.gear_rotation(gear, ahead)) + turn / reducer.design.output.pin_circle_radius
     return Pose(kinematics.gear_centre(gear, ahead) + np.array([x, y]), angle)
 
 
-def phase_of(design: Design, disc: int) -> float:
+def phase_of(reducer: Reducer, disc: int) -> float:
     """Give how far a disc's eccentric is ahead of the first one's [rad]."""
-    return 2.0 * np.pi * disc / design.gear.discs
+    return 2.0 * np.pi * disc / reducer.design.gear.discs
 
 
-def in_workshop(design: Design, crank: float, shift: Array, turns: Array, output: float) -> tuple[float, Array]:
+def in_workshop(reducer: Reducer, crank: float, shift: Array, turns: Array, output: float) -> tuple[float, Array]:
     """Give what an observer on the ring sees of parts in the workshop: the crank's angle [rad], and the unknowns z [m].
 
     The workshop has the crank at an angle [rad], each disc beside its ideal place by a shift [m], seen from the ring,
     shape (D, 2), and by a turn [rad], shape (D,); and the output, carrier or ring, turned on by an angle [rad].
     """
+    design = reducer.design
     ring, carrier = float(member.ring_angle(design, crank)), float(member.gear_angle(design, crank))
     turned = carrier + turns
     if design.output.turns_ring:
@@ -50,54 +50,56 @@ def in_workshop(design: Design, crank: float, shift: Array, turns: Array, output
     else:
         carrier += output
     seen = crank - ring
-    ideal = float(kinematics.gear_rotation(tooth_profile(design), seen))
+    ideal = float(kinematics.gear_rotation(reducer.tooth_profile, seen))
     arcs = design.output.pin_circle_radius * (np.append(turned, carrier) - ring - ideal)
     return seen, np.append(np.column_stack([shift, arcs[:-1]]), arcs[-1])
 
 
-def exact_gaps(design: Design, crank: float, z: Array, aside: Array | float = 0.0) -> Array:
+def exact_gaps(reducer: Reducer, crank: float, z: Array, aside: Array | float = 0.0) -> Array:
     """Give the gaps of pins or arcs, disc after disc, then those of output pins [m], at the unknowns of ``mechanism``.
 
     All pins are `aside` of their places [m]; what a pin gives way by is not in its gap.
     """
-    return exact_contacts(design, crank, z, aside)[0]
+    return exact_contacts(reducer, crank, z, aside)[0]
 
 
-def exact_contacts(design: Design, crank: float, z: Array, aside: Array | float = 0.0) -> tuple[Array, Array]:
+def exact_contacts(reducer: Reducer, crank: float, z: Array, aside: Array | float = 0.0) -> tuple[Array, Array]:
     """Give what `exact_gaps` does, shape (n,), and the gradients of these gaps [1], shape (n, u)."""
     sides = [
-        side(design, crank, z, disc)
+        side(reducer, crank, z, disc)
         for side in (partial(_teeth, aside=aside), _holes)
-        for disc in range(design.gear.discs)
+        for disc in range(reducer.design.gear.discs)
     ]
     return np.concatenate([gaps for gaps, _ in sides]), np.concatenate([slopes for _, slopes in sides])
 
 
-def _teeth(design: Design, crank: float, z: Array, disc: int, aside: Array | float = 0.0) -> tuple[Array, Array]:
+def _teeth(reducer: Reducer, crank: float, z: Array, disc: int, aside: Array | float = 0.0) -> tuple[Array, Array]:
     """Give the gaps of pins or arcs to a disc [m] and their gradients: moved along its normal, it closes one."""
-    gear, made, pose = tooth_profile(design), deviations(design), pose_of(design, crank, z, disc)
+    gear, made, pose = reducer.tooth_profile, reducer.deviations, pose_of(reducer, crank, z, disc)
     pins = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear)) + made.pin_place + aside
-    mesh = pin_gaps(gear, pose, pins, flanks_of(design))
-    grown = profile_offset(design) - made.disc_radius[disc] - gear.pin_radius - made.pin_radius
+    mesh = pin_gaps(gear, pose, pins, flanks_of(reducer))
+    grown = reducer.profile_offset - made.disc_radius[disc] - gear.pin_radius - made.pin_radius
     slopes = np.zeros((mesh.distance.size, z.size))
     slopes[:, 3 * disc : 3 * disc + 2] = -mesh.normals
-    slopes[:, 3 * disc + 2] = -_moment(mesh.places - pose.centre, mesh.normals) / design.output.pin_circle_radius
+    slopes[:, 3 * disc + 2] = (
+        -_moment(mesh.places - pose.centre, mesh.normals) / reducer.design.output.pin_circle_radius
+    )
     return mesh.distance + grown, slopes
 
 
-def _holes(design: Design, crank: float, z: Array, disc: int) -> tuple[Array, Array]:
+def _holes(reducer: Reducer, crank: float, z: Array, disc: int) -> tuple[Array, Array]:
     """Give the gaps of the output pins in the holes of a disc [m], circles in circles, and their gradients."""
-    output, ideal = design.output, float(kinematics.gear_rotation(tooth_profile(design), crank))
+    output, ideal = reducer.design.output, float(kinematics.gear_rotation(reducer.tooth_profile, crank))
     around = output.pin_circle_radius * profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins)
     turn, out = (ideal + float(arc) / output.pin_circle_radius for arc in (z[3 * disc + 2], z[-1]))
-    holes, pins = rotate(around + deviations(design).hole_place[disc], turn), rotate(around, out)
-    between = pins - holes - pose_of(design, crank, z, disc).centre
+    holes, pins = rotate(around + reducer.deviations.hole_place[disc], turn), rotate(around, out)
+    between = pins - holes - pose_of(reducer, crank, z, disc).centre
     apart = np.linalg.norm(between, axis=1)
     push, slopes = between / apart[:, np.newaxis], np.zeros((output.pins, z.size))
     slopes[:, 3 * disc : 3 * disc + 2] = push
     slopes[:, 3 * disc + 2] = _moment(holes, push) / output.pin_circle_radius
     slopes[:, -1] = -_moment(pins, push) / output.pin_circle_radius
-    return output.hole_radius + design.clearance.output - output.pin_radius - apart, slopes
+    return output.hole_radius + reducer.design.clearance.output - output.pin_radius - apart, slopes
 
 
 def _moment(arms: Array, forces: Array) -> Array:
@@ -105,11 +107,12 @@ def _moment(arms: Array, forces: Array) -> Array:
     return np.asarray(arms[:, 0] * forces[:, 1] - arms[:, 1] * forces[:, 0])
 
 
-def cam_ways(design: Design, crank: float, z: Array) -> Array:
+def cam_ways(reducer: Reducer, crank: float, z: Array) -> Array:
     """Give the way of each disc's centre from its cam's [m], shape (D, 2)."""
-    made, ways = deviations(design), []
+    design = reducer.design
+    made, ways = reducer.deviations, []
     for disc in range(design.gear.discs):
-        out = kinematics.gear_centre(tooth_profile(design), crank + phase_of(design, disc)) / design.gear.eccentricity
+        out = kinematics.gear_centre(reducer.tooth_profile, crank + phase_of(reducer, disc)) / design.gear.eccentricity
         ways.append(z[3 * disc : 3 * disc + 2] - made.eccentricity * out - rotate(made.cam_place[disc], crank))
     return np.array(ways)
 
@@ -144,8 +147,8 @@ class Pressed:
 
     def contacts(self, z: Array) -> tuple[Array, Array]:
         """Give the gaps of contacts, then of cams [m], where a contact that gives way has done so; and gradients."""
-        gaps, slopes = exact_contacts(self.design, self.crank, z)
-        ways = cam_ways(self.design, self.crank, z)
+        gaps, slopes = exact_contacts(Reducer(self.design), self.crank, z)
+        ways = cam_ways(Reducer(self.design), self.crank, z)
         out, of_cams = np.linalg.norm(ways, axis=1), np.zeros((len(ways), z.size))
         for disc, way in enumerate(ways):
             of_cams[disc, 3 * disc : 3 * disc + 2] = -way / (out[disc] or 1.0)

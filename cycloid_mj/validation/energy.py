@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.contact.timestep import timestep
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import FRICTION_POWER, NORMAL_POWER
 from cycloid_mj.record import Run
 from cycloid_mj.run import simulate
@@ -63,7 +64,8 @@ def jolt_rows(quick: bool) -> list[Row]:
 def _logged_at_every_step(kind: str, *changes: str) -> Run:
     """Run at the step that is chosen, and log each."""
     design = reducer_of(kind, *changes)
-    return simulate(rig.changed(design, f"settings.log_rate_hz={1.0 / timestep(design)!r}"))
+    reducer = Reducer(design)
+    return simulate(rig.changed(reducer, f"settings.log_rate_hz={1.0 / timestep(reducer)!r}").design)
 
 
 def balance(run: Run) -> Balance:

@@ -17,9 +17,10 @@ from scipy.optimize import minimize, root
 
 from cycloid_mj import envelope, kinematics, profile
 from cycloid_mj.design import Design
-from cycloid_mj.deviations import Deviations, deviations
+from cycloid_mj.deviations import Deviations
 from cycloid_mj.errors import RunError
-from cycloid_mj.modification import profile_offset, tooth_profile
+from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.modification import profile_offset
 from cycloid_mj.profile import CycloidGear, unit
 from cycloid_mj.sockets import arc_half_angle
 from cycloid_mj.types import Array, Integers
@@ -129,7 +130,7 @@ class Springs:
 
 
 def solve(
-    design: Design, stiffness: Mapping[str, float], crank: float, start: Equilibrium | None = None
+    reducer: Reducer, stiffness: Mapping[str, float], crank: float, start: Equilibrium | None = None
 ) -> Equilibrium:
     """Solve for the pose at which contacts and load balance.
 
@@ -149,7 +150,7 @@ def solve(
     RunError
         No balance was found.
     """
-    locked = _locked(design, stiffness, crank)
+    locked = _locked(reducer, stiffness, crank)
     allowed = _IMBALANCE * np.abs(locked.load).max()
     if start is not None:
         z, residual = _balanced(locked, start.departures)
@@ -190,15 +191,16 @@ def _least_energy(locked: Locked) -> Array:
     return _SCALE * np.asarray(found.x)
 
 
-def _locked(design: Design, stiffness: Mapping[str, float], crank: float) -> Locked:
-    gear = tooth_profile(design)
+def _locked(reducer: Reducer, stiffness: Mapping[str, float], crank: float) -> Locked:
+    design = reducer.design
+    gear = reducer.tooth_profile
     roots = np.zeros(0, dtype=np.int64)
     if design.ring.kind == "nonpin":
         ideal = envelope.sigma_contacts(gear, crank).lobe
         roots = np.unique((ideal[:, np.newaxis] + [-1, 0, 1]) % gear.ring_teeth)
     load = np.zeros(4 + (2 * gear.ring_teeth if design.ring.has_moving_pins else 0))
     load[3] = design.load.torque / design.output.pin_circle_radius
-    return Locked(design, gear, stiffness, crank, load, roots, flanks_of(design), deviations(design))
+    return Locked(design, gear, stiffness, crank, load, roots, flanks_of(reducer), reducer.deviations)
 
 
 def _energy(locked: Locked, z: Array) -> float:
@@ -262,7 +264,7 @@ def _ring(locked: Locked, z: Array, uniform: bool) -> Springs:
     kind = "tooth" if design.ring.kind == "nonpin" else "pin_gear"
     stiffness = np.full(count, locked.stiffness[kind])
     if not uniform:
-        stiffness = tooth_stiffness(design, locked.stiffness[kind], mesh, pose, locked.flanks)
+        stiffness = tooth_stiffness(Reducer(design), locked.stiffness[kind], mesh, pose, locked.flanks)
     return Springs(mesh.distance + clearance, stiffness, slope, -n)
 
 
@@ -282,7 +284,7 @@ def _sockets(locked: Locked, z: Array) -> Springs:
     return Springs(locked.design.pin_play - larger - distance, stiffness, slope, -outward)
 
 
-def seats(design: Design, shift: Array) -> tuple[Array, Array]:
+def seats(reducer: Reducer, shift: Array) -> tuple[Array, Array]:
     """Give how far pins or sleeves are from their seats.
 
     The nearest point of a socket's arc is straight ahead of the pin, or where the socket ends.
@@ -301,11 +303,12 @@ def seats(design: Design, shift: Array) -> tuple[Array, Array]:
     outward
         Unit vectors towards what is nearest, shape (n, 2).
     """
+    design = reducer.design
     ring, distance = design.ring, np.linalg.norm(shift, axis=1)
     outward = shift / np.maximum(distance, np.finfo(float).tiny)[:, np.newaxis]
     if not ring.has_sockets or ring.socket == "closed":
         return design.pin_play - distance, outward
-    home = profile.pin_angles(tooth_profile(design))
+    home = profile.pin_angles(reducer.tooth_profile)
     ahead = np.arctan2(shift[:, 0], shift[:, 1]) - home
     ahead = (ahead + np.pi) % (2.0 * np.pi) - np.pi
     radius = ring.pin_radius + design.clearance.pin_socket

@@ -13,9 +13,8 @@ import numpy.typing as npt
 from scipy.spatial import cKDTree
 
 from cycloid_mj import envelope, profile
-from cycloid_mj.design import Design
-from cycloid_mj.deviations import deviations
-from cycloid_mj.modification import FlankEnds, flank_ends, gear_profile, profile_offset
+from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.modification import FlankEnds, flank_ends
 from cycloid_mj.profile import CycloidGear, unit
 from cycloid_mj.types import Array, Integers, Mask
 
@@ -53,11 +52,11 @@ class Flanks:
     waves: tuple[tuple[int, float, float], ...] = ()
 
 
-def flanks_of(design: Design) -> Flanks:
+def flanks_of(reducer: Reducer) -> Flanks:
     """Give the flanks of a design."""
-    amplitudes = enumerate(deviations(design).waves.tolist(), start=1)
+    amplitudes = enumerate(reducer.deviations.waves.tolist(), start=1)
     waves = tuple((order, cosine, sine) for order, (cosine, sine) in amplitudes if cosine or sine)
-    return Flanks(gear_profile(design), profile_offset(design), design.modification.rotation, waves)
+    return Flanks(reducer.gear_profile, reducer.profile_offset, reducer.design.modification.rotation, waves)
 
 
 @dataclass(frozen=True)

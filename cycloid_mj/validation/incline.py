@@ -13,6 +13,7 @@ import mujoco
 from cycloid_mj.contact.law import IMPRATIO, ContactLaw, contact_law, curvature_law, solver_parameters
 from cycloid_mj.contact.working import at_rated_load, working_force
 from cycloid_mj.design import PRESETS
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.validation.row import Row, relative
 
 MASS, RADIUS, GRAVITY = 0.25, 0.02, 9.8
@@ -86,11 +87,11 @@ def rows(quick: bool) -> list[Row]:
 
 def pair_law() -> ContactLaw:
     """Give the law of a pin on the gear for a body of `MASS`."""
-    design = at_rated_load(PRESETS["pin"])
-    friction = design.friction.pin_gear
-    creep = friction * working_force(design, "pin_gear") / design.contact.creep_speed
+    design = at_rated_load(Reducer(PRESETS["pin"]))
+    friction = design.design.friction.pin_gear
+    creep = friction * working_force(design, "pin_gear") / design.design.contact.creep_speed
     stiffness = curvature_law(design).stiffness
-    return contact_law(stiffness, design.contact.damping_ratio, MASS, friction, creep, TIMESTEP)
+    return contact_law(stiffness, design.design.contact.damping_ratio, MASS, friction, creep, TIMESTEP)
 
 
 def descent(law: ContactLaw, angle: float, turns: bool) -> Descent:

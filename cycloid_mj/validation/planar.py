@@ -25,6 +25,7 @@ from cycloid_mj.course import braking
 from cycloid_mj.design import Design
 from cycloid_mj.errors import DesignError
 from cycloid_mj.mechanism.reducer import Mechanism, mechanism
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf.laws import contact_laws
 from cycloid_mj.modification import gear_profile, profile_offset
 from cycloid_mj.solid import MassProperties, moving_masses, output_inertia
@@ -137,6 +138,7 @@ def planar(design: Design) -> Planar:
     DesignError
         It is of a kind that is not covered here.
     """
+    reducer = Reducer(design)
     ring, clearance = design.ring, design.clearance
     closed = ring.pins == "fixed" or (ring.pins in ("free", "massless") and ring.socket == "closed")
     covered = ring.kind == "pin" and closed and not design.output.turns_ring
@@ -145,22 +147,22 @@ def planar(design: Design) -> Planar:
             f"{design.name}: the planar witness takes pins that are fixed or in closed sockets, a turning carrier, no "
             "drag and no ramp"
         )
-    reducer, law, gear = mechanism(design), curvature_law(design), gear_profile(design)
-    discs = [reducer.mating("pin_gear", disc) for disc in range(design.gear.discs)]
-    holes = [reducer.mating("output", disc).on.place for disc in range(design.gear.discs)]
-    cams = [reducer.mating("cam", disc).by.place[0] for disc in range(design.gear.discs)]
+    mechanism, law, gear = reducer.mechanism, curvature_law(reducer), gear_profile(design)
+    discs = [mechanism.mating("pin_gear", disc) for disc in range(design.gear.discs)]
+    holes = [mechanism.mating("output", disc).on.place for disc in range(design.gear.discs)]
+    cams = [mechanism.mating("cam", disc).by.place[0] for disc in range(design.gear.discs)]
     laws = {
-        kind: Law(one.stiffness, one.damping, one.friction, one.creep) for kind, one in contact_laws(design).items()
+        kind: Law(one.stiffness, one.damping, one.friction, one.creep) for kind, one in contact_laws(reducer).items()
     }
     massless, free = ring.has_massless_pins, ring.has_pin_bodies
-    inertia, gravity = _inertias(design, reducer)
+    inertia, gravity = _inertias(design, mechanism)
     teeth = Teeth(
         curve=Trochoid(gear.pin_circle_radius, gear.eccentricity, float(gear.ring_teeth)),
         offset=profile_offset(design),
         turned=np.array([mating.on.angle[0] for mating in discs]),
         radius=ring.pin_radius,
         play=design.pin_play if massless else 0.0,
-        yielding=pair_stiffness(design, "pin_gear") / pair_stiffness(design, design.seat_pair) if massless else 0.0,
+        yielding=pair_stiffness(reducer, "pin_gear") / pair_stiffness(reducer, design.seat_pair) if massless else 0.0,
         reference=law.reference,
         constant=law.constant,
     )
@@ -170,7 +172,7 @@ def planar(design: Design) -> Planar:
         free=free,
         socket=ring.pin_radius + clearance.pin_socket,
         holes=np.array(holes),
-        studs=reducer.mating("output").by.place,
+        studs=mechanism.mating("output").by.place,
         cams=np.array(cams),
         hole=design.output.hole_radius + clearance.output,
         stud=design.output.pin_radius,
@@ -183,14 +185,15 @@ def planar(design: Design) -> Planar:
         inertia=inertia,
         gravity=gravity,
         speed=design.drive.speed,
-        load=braking(design) * design.load.torque,
+        load=braking(reducer) * design.load.torque,
         rise=design.load.rise,
     )
 
 
-def _inertias(design: Design, reducer: Mechanism) -> tuple[Array, Array]:
+def _inertias(design: Design, mechanism: Mechanism) -> tuple[Array, Array]:
     """Give mass or inertia of each unknown, and gravity on it."""
-    masses, discs = moving_masses(design), [body.name for body in reducer.discs]
+    reducer = Reducer(design)
+    masses, discs = moving_masses(reducer), [body.name for body in mechanism.discs]
     moving = [masses[name] for name in discs]
     after = [masses[names.PIN]] * design.ring.teeth if design.ring.has_pin_bodies else []
     pull = (design.environment.gravity_x, design.environment.gravity_y, 0.0)
@@ -198,19 +201,19 @@ def _inertias(design: Design, reducer: Mechanism) -> tuple[Array, Array]:
     def of(parts: list[MassProperties]) -> list[float]:
         return [value for part in parts for value in (part.mass, part.mass, float(part.inertia[2, 2]))]
 
-    inertia = np.array([*of(moving), output_inertia(design), *of(after)])
+    inertia = np.array([*of(moving), output_inertia(reducer), *of(after)])
     pulled = np.array([*pull * len(moving), 0.0, *pull * len(after)])
     return inertia, inertia * pulled
 
 
-def start(design: Design, reducer: Planar) -> tuple[Array, Array]:
+def start(design: Design, compiled: Planar) -> tuple[Array, Array]:
     """Give places and speeds at the crank angle 0: those of the ideal mechanism at full speed."""
     discs = mechanism(design).discs
-    lobes, speed = design.lobes, reducer.speed
+    lobes, speed = design.lobes, compiled.speed
     places = [value for disc in discs for value in (*disc.place, 0.0)]
     speeds = [value for disc in discs for value in (-speed * disc.place[1], speed * disc.place[0], -speed / lobes)]
-    still = np.zeros((len(reducer.pins) if reducer.free else 0, 3))
-    pins = np.column_stack([reducer.pins, np.zeros(len(reducer.pins))])[: len(still)]
+    still = np.zeros((len(compiled.pins) if compiled.free else 0, 3))
+    pins = np.column_stack([compiled.pins, np.zeros(len(compiled.pins))])[: len(still)]
     return np.array([*places, 0.0, *pins.ravel()]), np.array([*speeds, -speed / lobes, *still.ravel()])
 
 
@@ -222,9 +225,9 @@ def run(design: Design, duration: float, step: float, every: int) -> History:
     DesignError
         As `planar`.
     """
-    reducer = planar(design)
-    places, speeds = start(design, reducer)
-    return History(_compiled()(reducer, places, speeds, step, round(duration / step), every))
+    compiled = planar(design)
+    places, speeds = start(design, compiled)
+    return History(_compiled()(compiled, places, speeds, step, round(duration / step), every))
 
 
 @njit()
@@ -254,11 +257,11 @@ def _act(force: Array, body: int, ax: float, ay: float, fx: float, fy: float) ->
 
 
 @njit()
-def _on_teeth(reducer: Planar, disc: int, pin: int, q: Array, v: Array, force: Array, of_pin: int) -> None:
+def _on_teeth(compiled: Planar, disc: int, pin: int, q: Array, v: Array, force: Array, of_pin: int) -> None:
     """Add the force of a ring pin on a disc's teeth, and on the pin if it is free, from `of_pin` on."""
-    teeth, body = reducer.teeth, 3 * disc
-    px, py = reducer.pins[pin, 0], reducer.pins[pin, 1]
-    if reducer.free:
+    teeth, body = compiled.teeth, 3 * disc
+    px, py = compiled.pins[pin, 0], compiled.pins[pin, 1]
+    if compiled.free:
         px, py = q[of_pin], q[of_pin + 1]
     turned = q[body + 2] - teeth.turned[disc]
     s, c = math.sin(turned), math.cos(turned)
@@ -278,96 +281,96 @@ def _on_teeth(reducer: Planar, disc: int, pin: int, q: Array, v: Array, force: A
     depth = reach + 0.5 * gap
     ax, ay = dx + depth * nx, dy + depth * ny
     vx, vy = v[body] - v[body + 2] * ay, v[body + 1] + v[body + 2] * ax
-    if reducer.free:
+    if compiled.free:
         vx -= v[of_pin] - v[of_pin + 2] * depth * ny
         vy -= v[of_pin + 1] + v[of_pin + 2] * depth * nx
-    fx, fy = _press(reducer.mesh, factor, gap, nx, ny, vx, vy)
+    fx, fy = _press(compiled.mesh, factor, gap, nx, ny, vx, vy)
     _act(force, body, ax, ay, fx, fy)
-    if reducer.free:
+    if compiled.free:
         _act(force, of_pin, depth * nx, depth * ny, -fx, -fy)
 
 
 @njit()
-def _in_socket(reducer: Planar, pin: int, q: Array, v: Array, force: Array, body: int) -> None:
+def _in_socket(compiled: Planar, pin: int, q: Array, v: Array, force: Array, body: int) -> None:
     """Add the force of its socket on a free pin."""
-    dx, dy = q[body] - reducer.pins[pin, 0], q[body + 1] - reducer.pins[pin, 1]
+    dx, dy = q[body] - compiled.pins[pin, 0], q[body + 1] - compiled.pins[pin, 1]
     aside = math.sqrt(dx * dx + dy * dy)
-    gap = reducer.socket - reducer.teeth.radius - aside
+    gap = compiled.socket - compiled.teeth.radius - aside
     if gap >= 0.0:
         return
     nx, ny = -dx / aside, -dy / aside
-    arm = -(reducer.teeth.radius + 0.5 * gap)
+    arm = -(compiled.teeth.radius + 0.5 * gap)
     vx, vy = v[body] - v[body + 2] * arm * ny, v[body + 1] + v[body + 2] * arm * nx
-    fx, fy = _press(reducer.seat, 1.0, gap, nx, ny, vx, vy)
+    fx, fy = _press(compiled.seat, 1.0, gap, nx, ny, vx, vy)
     _act(force, body, arm * nx, arm * ny, fx, fy)
 
 
 @njit()
-def _in_hole(reducer: Planar, disc: int, pin: int, q: Array, v: Array, force: Array, output: int) -> None:
+def _in_hole(compiled: Planar, disc: int, pin: int, q: Array, v: Array, force: Array, output: int) -> None:
     """Add the force of an output pin on a disc's hole, and its moment on the output."""
     body = 3 * disc
-    hx, hy = _turned(q[body + 2], reducer.holes[disc, pin])
-    sx, sy = _turned(q[output], reducer.studs[pin])
+    hx, hy = _turned(q[body + 2], compiled.holes[disc, pin])
+    sx, sy = _turned(q[output], compiled.studs[pin])
     dx, dy = sx - q[body] - hx, sy - q[body + 1] - hy
     aside = math.sqrt(dx * dx + dy * dy)
-    gap = reducer.hole - reducer.stud - aside
+    gap = compiled.hole - compiled.stud - aside
     if gap >= 0.0:
         return
     nx, ny = dx / aside, dy / aside
-    arm = reducer.stud + 0.5 * gap
+    arm = compiled.stud + 0.5 * gap
     px, py = sx + arm * nx, sy + arm * ny
     ax, ay = px - q[body], py - q[body + 1]
     vx = v[body] - v[body + 2] * ay + v[output] * py
     vy = v[body + 1] + v[body + 2] * ax - v[output] * px
-    fx, fy = _press(reducer.rim, 1.0, gap, nx, ny, vx, vy)
+    fx, fy = _press(compiled.rim, 1.0, gap, nx, ny, vx, vy)
     _act(force, body, ax, ay, fx, fy)
     force[output] -= px * fy - py * fx
 
 
 @njit()
-def _on_cam(reducer: Planar, disc: int, crank: float, q: Array, v: Array, force: Array) -> tuple[float, float, float]:
+def _on_cam(compiled: Planar, disc: int, crank: float, q: Array, v: Array, force: Array) -> tuple[float, float, float]:
     """Add the force of a cam on its disc; give it, and the torque on the crank that it asks for."""
     body = 3 * disc
-    cx, cy = _turned(crank, reducer.cams[disc])
+    cx, cy = _turned(crank, compiled.cams[disc])
     dx, dy = cx - q[body], cy - q[body + 1]
     aside = math.sqrt(dx * dx + dy * dy)
-    gap = reducer.bore - reducer.cam - aside
+    gap = compiled.bore - compiled.cam - aside
     if gap >= 0.0:
         return 0.0, 0.0, 0.0
     nx, ny = dx / aside, dy / aside
-    arm = reducer.cam + 0.5 * gap
+    arm = compiled.cam + 0.5 * gap
     px, py = cx + arm * nx, cy + arm * ny
     ax, ay = px - q[body], py - q[body + 1]
-    vx = v[body] - v[body + 2] * ay + reducer.speed * py
-    vy = v[body + 1] + v[body + 2] * ax - reducer.speed * px
-    fx, fy = _press(reducer.bearing, 1.0, gap, nx, ny, vx, vy)
+    vx = v[body] - v[body + 2] * ay + compiled.speed * py
+    vy = v[body + 1] + v[body + 2] * ax - compiled.speed * px
+    fx, fy = _press(compiled.bearing, 1.0, gap, nx, ny, vx, vy)
     _act(force, body, ax, ay, fx, fy)
     return fx, fy, px * fy - py * fx
 
 
 @njit()
-def _forces(reducer: Planar, time: float, q: Array, v: Array, force: Array, seen: Array) -> None:
+def _forces(compiled: Planar, time: float, q: Array, v: Array, force: Array, seen: Array) -> None:
     """Compute the force on each unknown; of what is seen: load, torque of the crank, force of the first cam."""
-    force[:] = reducer.gravity
-    discs = len(reducer.cams)
+    force[:] = compiled.gravity
+    discs = len(compiled.cams)
     output = 3 * discs
-    seen[0] = reducer.load
-    if time < reducer.rise:
-        seen[0] *= 0.5 - 0.5 * math.cos(math.pi * time / reducer.rise)
+    seen[0] = compiled.load
+    if time < compiled.rise:
+        seen[0] *= 0.5 - 0.5 * math.cos(math.pi * time / compiled.rise)
     force[output] += seen[0]
     seen[1] = 0.0
     for disc in range(discs):
-        for pin in range(len(reducer.pins)):
-            _on_teeth(reducer, disc, pin, q, v, force, output + 1 + 3 * pin)
-        for pin in range(len(reducer.studs)):
-            _in_hole(reducer, disc, pin, q, v, force, output)
-        fx, fy, torque = _on_cam(reducer, disc, reducer.speed * time, q, v, force)
+        for pin in range(len(compiled.pins)):
+            _on_teeth(compiled, disc, pin, q, v, force, output + 1 + 3 * pin)
+        for pin in range(len(compiled.studs)):
+            _in_hole(compiled, disc, pin, q, v, force, output)
+        fx, fy, torque = _on_cam(compiled, disc, compiled.speed * time, q, v, force)
         seen[1] += torque
         if disc == 0:
             seen[2], seen[3] = fx, fy
-    if reducer.free:
-        for pin in range(len(reducer.pins)):
-            _in_socket(reducer, pin, q, v, force, output + 1 + 3 * pin)
+    if compiled.free:
+        for pin in range(len(compiled.pins)):
+            _in_socket(compiled, pin, q, v, force, output + 1 + 3 * pin)
 
 
 @cache
@@ -376,39 +379,39 @@ def _compiled() -> Any:
     sources = digest(gap)
 
     @njit(cache=cacheable())
-    def integrate(reducer: Planar, q: Array, v: Array, step: float, steps: int, every: int) -> Array:
+    def integrate(compiled: Planar, q: Array, v: Array, step: float, steps: int, every: int) -> Array:
         assert sources
-        return _integrate(reducer, q, v, step, steps, every)
+        return _integrate(compiled, q, v, step, steps, every)
 
     return integrate
 
 
 @njit()
-def _integrate(reducer: Planar, q: Array, v: Array, step: float, steps: int, every: int) -> Array:
+def _integrate(compiled: Planar, q: Array, v: Array, step: float, steps: int, every: int) -> Array:
     """Take steps of the classic Runge-Kutta method; give the samples, shape (samples, columns)."""
-    size, output = len(q), 3 * len(reducer.cams)
+    size, output = len(q), 3 * len(compiled.cams)
     samples = np.zeros((steps // every, 10))
     seen, ignored = np.zeros(4), np.zeros(4)
     rates = np.zeros((4, size))
     half = 0.5 * step
     for k in range(steps):
         time = k * step
-        _forces(reducer, time, q, v, rates[0], seen)
+        _forces(compiled, time, q, v, rates[0], seen)
         if k % every == 0 and k // every < len(samples):
             row = samples[k // every]
-            row[0], row[1] = time, reducer.speed * time
+            row[0], row[1] = time, compiled.speed * time
             row[2], row[3], row[4], row[5] = q[2], v[2], q[output], v[output]
             row[6:] = seen
-        rates[0] /= reducer.inertia
+        rates[0] /= compiled.inertia
         v1 = v + half * rates[0]
-        _forces(reducer, time + half, q + half * v, v1, rates[1], ignored)
-        rates[1] /= reducer.inertia
+        _forces(compiled, time + half, q + half * v, v1, rates[1], ignored)
+        rates[1] /= compiled.inertia
         v2 = v + half * rates[1]
-        _forces(reducer, time + half, q + half * v1, v2, rates[2], ignored)
-        rates[2] /= reducer.inertia
+        _forces(compiled, time + half, q + half * v1, v2, rates[2], ignored)
+        rates[2] /= compiled.inertia
         v3 = v + step * rates[2]
-        _forces(reducer, time + step, q + step * v2, v3, rates[3], ignored)
-        rates[3] /= reducer.inertia
+        _forces(compiled, time + step, q + step * v2, v3, rates[3], ignored)
+        rates[3] /= compiled.inertia
         q = q + step / 6.0 * (v + 2.0 * v1 + 2.0 * v2 + v3)
         v = v + step / 6.0 * (rates[0] + 2.0 * rates[1] + 2.0 * rates[2] + rates[3])
     return samples

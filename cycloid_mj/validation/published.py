@@ -16,6 +16,7 @@ from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.loaded import loads, springs_of
 from cycloid_mj.loaded.friction import ideal_losses
 from cycloid_mj.mechanism import limits
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build
 from cycloid_mj.profile import CycloidGear
 from cycloid_mj.record import Run
@@ -102,15 +103,15 @@ def hertz_rows(quick: bool) -> list[Row]:
 
 def printed_rows(quick: bool) -> list[Row]:
     """Hold the printed drive's play, as drawn: simulated against the linear programme, and that against the bench's."""
-    design = rig.changed(PRESETS["printed"], *rig.without_friction(), *rig.without_gravity())
-    reducer, (small, large) = build(design), PRINTED_TORQUES
+    design = rig.changed(Reducer(PRESETS["printed"]), *rig.without_friction(), *rig.without_gravity())
+    compiled, (small, large) = build(design.design), PRINTED_TORQUES
     near, far = (
-        stop(reducer, torque, names.OUTPUT_JOINT) - stop(reducer, -torque, names.OUTPUT_JOINT)
+        stop(compiled, torque, names.OUTPUT_JOINT) - stop(compiled, -torque, names.OUTPUT_JOINT)
         for torque in (small, large)
     )
     simulated = near - (far - near) * small / (large - small)
     low, high = limits.stops(design, 0.0)
-    period = 2.0 * np.pi / design.ring.teeth * np.arange(8) / 8
+    period = 2.0 * np.pi / design.design.ring.teeth * np.arange(8) / 8
     drawn = np.mean([np.ptp(limits.stops(design, float(crank), sides=180)) for crank in period])
     name = "backlash of a printed drive"
     clearances = "drawn clearances; parts come out of a printer with about twice as much"
@@ -139,8 +140,9 @@ def two_disc_rows(quick: bool) -> list[Row]:
         environment=still,
         drive={"speed": 0.0},
     )
+    reducer = Reducer(design)
     crank = np.linspace(0.0, 2.0 * np.pi, 181 if quick else 721)
-    found = loads(design, springs_of(design, crank, friction=False), design.rated_torque / 100.0)
+    found = loads(reducer, springs_of(reducer, crank, friction=False), design.rated_torque / 100.0)
     cam = 100.0 * np.linalg.norm(found.cam, axis=-1)
     values = (
         ("largest force on a pin", 100.0 * found.teeth.max(), 213.14),
@@ -184,9 +186,9 @@ def efficiency_rows(quick: bool) -> list[Row]:
     formula = 100.0 * mesh_efficiency(case) * output_efficiency(case)
     ideal, ideal_design = wang_run(case, True, quick)
     real, real_design = wang_run(case, False, quick)
-    closed = 100.0 / (1.0 + sum(ideal_losses(ideal_design, ideal["crank_angle"], MESH_FRICTION)))
+    closed = 100.0 / (1.0 + sum(ideal_losses(Reducer(ideal_design), ideal["crank_angle"], MESH_FRICTION)))
     ours, built = 100.0 * efficiency(ideal), 100.0 * efficiency(real)
-    logged = friction_by_force(real, real_design)
+    logged = friction_by_force(real, Reducer(real_design))
     return [
         *printed,
         absolute(
@@ -249,11 +251,11 @@ def wang_run(case: Wang, ideal: bool, quick: bool) -> tuple[Run, Design]:
     periods = 8 if quick else WANG_PINS
     settled = 0.012
     hold = settled + periods * 60.0 / (WANG_SPEED_RPM * WANG_PINS)
-    design = rig.changed(design, f"drive.hold_s={hold!r}")
-    reducer = build(design)
+    design = rig.changed(Reducer(design), f"drive.hold_s={hold!r}").design
+    compiled = build(design)
     if ideal:
-        rig.stiffen_cam(reducer, WANG_CAM)
-    run = simulate(design, reducer)
+        rig.stiffen_cam(compiled, WANG_CAM)
+    run = simulate(design, compiled)
     return run.select(run.time >= settled), design
 
 
@@ -294,8 +296,9 @@ def efficiency(run: Run) -> float:
     return float(-np.mean(run["load_torque"] * run["output_speed"]) / np.mean(run["crank_torque"] * run["crank_speed"]))
 
 
-def friction_by_force(run: Run, design: Design) -> float:
+def friction_by_force(run: Run, reducer: Reducer) -> float:
     """Give the friction power of the mesh [W] that Coulomb's law asks for at the logged normal forces."""
+    design = reducer.design
     gear = tooth_profile(design)
     B = profile.pin_angles(gear) + run["crank_angle"][:, np.newaxis]
     inward = -profile.unit(profile.pin_angles(gear) - profile.conjugate_alpha(gear, B))

@@ -7,6 +7,7 @@ import numpy as np
 from cycloid_mj.contact.law import contact_law, solver_parameters
 from cycloid_mj.contact.teeth import DEFLECTION
 from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import ReducerModel
 from cycloid_mj.names import TEETH
 from cycloid_mj.record import Run
@@ -39,9 +40,9 @@ def reducer_of(kind: str, *changes: str) -> Design:
     return override(PRESETS[preset], [ring, "drive.ramp_s=0.0", *changes])
 
 
-def changed(design: Design, *changes: str) -> Design:
+def changed(reducer: Reducer, *changes: str) -> Reducer:
     """Give the design with ``table.key=value`` changes."""
-    return override(design, changes)
+    return Reducer(override(reducer.design, changes))
 
 
 def without_friction() -> list[str]:
@@ -59,20 +60,20 @@ def clearances(value_um: float) -> list[str]:
     return [f"clearance.{kind}_um={value_um!r}" for kind in MATING]
 
 
-def stiffen_cam(reducer: ReducerModel, stiffness: float) -> None:
+def stiffen_cam(compiled: ReducerModel, stiffness: float) -> None:
     """Give a compiled model's cam another stiffness [N/m], with the damping and added mass that go with it."""
-    model = reducer.model
+    model = compiled.model
     gear = float(model.body("gear").mass[0])
     law = contact_law(stiffness, 0.5, gear, 0.0, 0.0, float(model.opt.timestep))
-    pair = next(pair for pair in reducer.pairs if pair.kind == "cam")
+    pair = next(pair for pair in compiled.pairs if pair.kind == "cam")
     parameters = solver_parameters(law, inverse_weight(model, pair.on, pair.by))
     number = model.pair(pair.name).id
     model.pair_solref[number], model.pair_solimp[number] = parameters.solref, parameters.solimp
 
 
-def part_patches(reducer: ReducerModel) -> None:
+def part_patches(compiled: ReducerModel) -> None:
     """Keep the lines of an arc and a root apart in a compiled model, each a whole spring, however near they are."""
-    reducer.model.geom(TEETH).user[DEFLECTION] = 0.0
+    compiled.model.geom(TEETH).user[DEFLECTION] = 0.0
 
 
 def inverse_weight(model: Any, *geoms: str) -> float:

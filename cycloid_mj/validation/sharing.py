@@ -10,7 +10,7 @@ from collections.abc import Callable
 import numpy as np
 
 from cycloid_mj import envelope, profile, statics
-from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.mjcf import build
 from cycloid_mj.profile import CycloidGear
 from cycloid_mj.record import Run
@@ -64,59 +64,60 @@ def patch_rows(quick: bool) -> list[Row]:
 
 def _ideal_row(
     kind: str,
-    reference: Callable[[Design, float], Array],
+    reference: Callable[[Reducer, float], Array],
     apart: bool,
     quantity: str,
     source: str,
     note: str,
     quick: bool,
 ) -> Row:
-    design = _slow(reducer_of(kind, *IDEAL), 100.0 if quick else 40.0)
+    design = _slow(Reducer(reducer_of(kind, *IDEAL)), 100.0 if quick else 40.0)
     run = settled_run(design, STIFF_CAM, apart)
     ideal = np.stack([reference(design, crank) for crank in run["crank_angle"]])
-    return deviation(quantity, run.forces(design.tooth_pair), ideal, "N", source, PACE_BOUND, note)
+    return deviation(quantity, run.forces(design.design.tooth_pair), ideal, "N", source, PACE_BOUND, note)
 
 
-def ideal_forces(design: Design, crank: float) -> Array:
+def ideal_forces(reducer: Reducer, crank: float) -> Array:
     """Give the ideal forces of the ring's pins or lobes on the gear [N], shape (N, 2)."""
+    design = reducer.design
     gear, torque = tooth_profile(design), design.load.torque
-    lobes, normals, _ = _ideal_contacts(design, crank)
+    lobes, normals, _ = _ideal_contacts(reducer, crank)
     share = statics.ideal_ring_load_sharing if design.ring.kind == "nonpin" else statics.ideal_load_sharing
     return _by_lobe(gear, lobes, share(gear, torque, crank).forces, normals)
 
 
-def patch_forces(design: Design, crank: float) -> Array:
+def patch_forces(reducer: Reducer, crank: float) -> Array:
     """Give the forces [N], shape (N, 2), of an ideal nonpin mesh whose near lines share their springs."""
-    gear = tooth_profile(design)
-    lobes, normals, B = _ideal_contacts(design, crank)
-    root = np.sqrt(_patch_weights(design, crank))
+    gear = tooth_profile(reducer.design)
+    lobes, normals, B = _ideal_contacts(reducer, crank)
+    root = np.sqrt(_patch_weights(reducer, crank))
     # w l / sum w l^2 is root(w) times the share of an arm root(w) l.
-    sizes = root * statics.share_load(root * profile.moment_arm(gear, B), design.load.torque)
+    sizes = root * statics.share_load(root * profile.moment_arm(gear, B), reducer.design.load.torque)
     return _by_lobe(gear, lobes, sizes, normals)
 
 
 def clearance_rows(kind: str, quick: bool) -> list[Row]:
     """Hold the design with its clearances against the independent static solution."""
     free = [*rig.without_friction(), *rig.without_gravity(), f"load.torque_nm={RATED_LOAD}", "settings.timestep_us=2.0"]
-    rows = _solved_rows(reducer_of(kind, *free), kind, None, quick)
+    rows = _solved_rows(Reducer(reducer_of(kind, *free)), kind, None, quick)
     if kind == NONPIN:
         close = reducer_of(kind, *free, *rig.clearances(SMALL_CLEARANCE))
-        rows += _solved_rows(close, f"{kind}, {SMALL_CLEARANCE:g} um, stiff cam", STIFF_CAM / 2, quick)
+        rows += _solved_rows(Reducer(close), f"{kind}, {SMALL_CLEARANCE:g} um, stiff cam", STIFF_CAM / 2, quick)
     return rows
 
 
-def _solved_rows(design: Design, name: str, cam: float | None, quick: bool) -> list[Row]:
-    slow = _slow(design, 200.0 if quick else 100.0)
+def _solved_rows(reducer: Reducer, name: str, cam: float | None, quick: bool) -> list[Row]:
+    slow = _slow(reducer, 200.0 if quick else 100.0)
     run = settled_run(slow, cam, False)
-    stiffness = {kind: law.stiffness for kind, law in build(slow).laws.items()}
+    stiffness = {kind: law.stiffness for kind, law in build(slow.design).laws.items()}
     stiffness["cam"] = cam or stiffness["cam"]
     samples = np.linspace(0, len(run) - 1, 2 if quick else 5).astype(int)
     solved: list[equilibrium.Equilibrium] = []
     for crank in run["crank_angle"][samples]:
         solved.append(equilibrium.solve(slow, stiffness, float(crank), solved[-1] if solved else None))
-    ring, ideal_ring = run.forces(slow.tooth_pair)[samples], np.stack([one.ring_forces for one in solved])
+    ring, ideal_ring = run.forces(slow.design.tooth_pair)[samples], np.stack([one.ring_forces for one in solved])
     cam_load, ideal_cam = run.forces("cam")[samples, 0], np.stack([one.cam_force for one in solved])
-    turn = (run["gear_angle"] + run["crank_angle"] / slow.lobes)[samples]
+    turn = (run["gear_angle"] + run["crank_angle"] / slow.design.lobes)[samples]
     ideal_turn = np.array([one.gear_turn for one in solved])
     source = "static solution by scipy"
     return [
@@ -126,29 +127,29 @@ def _solved_rows(design: Design, name: str, cam: float | None, quick: bool) -> l
     ]
 
 
-def settled_run(design: Design, cam: float | None, apart: bool) -> Run:
+def settled_run(reducer: Reducer, cam: float | None, apart: bool) -> Run:
     """Run a design and give the samples after the load's rise; `cam` [N/m], if given, is its cam's stiffness."""
-    reducer = build(design)
+    compiled = build(reducer.design)
     if cam is not None:
-        rig.stiffen_cam(reducer, cam)
+        rig.stiffen_cam(compiled, cam)
     if apart:
-        rig.part_patches(reducer)
-    run = simulate(design, reducer)
+        rig.part_patches(compiled)
+    run = simulate(reducer.design, compiled)
     return run.select(run.time > SETTLED)
 
 
-def _slow(design: Design, rpm: float) -> Design:
+def _slow(reducer: Reducer, rpm: float) -> Reducer:
     """Give the design at a crank speed [rpm] that takes it through one mesh period after it has settled."""
-    hold = SETTLED + 60.0 / (rpm * design.ring.teeth)
+    hold = SETTLED + 60.0 / (rpm * reducer.design.ring.teeth)
     changes = [f"drive.speed_rpm={rpm!r}", f"drive.hold_s={hold!r}", "load.rise_s=0.004", "settings.log_rate_hz=2500.0"]
-    return rig.changed(design, *changes)
+    return rig.changed(reducer, *changes)
 
 
-def _ideal_contacts(design: Design, crank: float) -> tuple[Integers, Array, Array]:
+def _ideal_contacts(reducer: Reducer, crank: float) -> tuple[Integers, Array, Array]:
     """Give the ideal mesh's contacts: the lobe that each is logged with, the ring's normal and the phase B."""
-    gear = tooth_profile(design)
+    gear = tooth_profile(reducer.design)
     arcs = envelope.arc_contacts(gear, crank)
-    if design.ring.kind == "pin":
+    if reducer.design.ring.kind == "pin":
         return arcs.lobe, arcs.normals, arcs.B
     roots = envelope.sigma_contacts(gear, crank)
     lobes = np.concatenate([arcs.lobe, _owner(gear, roots)])
@@ -160,11 +161,12 @@ def _owner(gear: CycloidGear, roots: envelope.RingContacts) -> Integers:
     return (roots.lobe - np.greater(roots.B, np.pi)) % gear.ring_teeth
 
 
-def _patch_weights(design: Design, crank: float) -> Array:
+def _patch_weights(reducer: Reducer, crank: float) -> Array:
     """Give the share of a whole spring that each contact of the ideal nonpin mesh has, arcs first.
 
     A root's line and its lobe's arc are apart as the gap half-way between them is in deflections at working force.
     """
+    design = reducer.design
     gear = tooth_profile(design)
     roots, low = envelope.sigma_contacts(gear, crank), profile.best_phase(gear)
     pose = Pose(gear.eccentricity * profile.unit(-crank), -crank / gear.lobes)

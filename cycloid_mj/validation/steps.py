@@ -14,6 +14,7 @@ from scipy.optimize import brentq
 from cycloid_mj.analysis import analyze
 from cycloid_mj.contact.timestep import timestep
 from cycloid_mj.errors import RunError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.validation.rig import FREE, PERIODS, SLEEVED, rated_design, rated_run
 from cycloid_mj.validation.row import Row, absolute, relative
 
@@ -76,7 +77,7 @@ def rows(kind: str, quick: bool) -> list[Row]:
 def light_rows(kind: str) -> list[Row]:
     """Hold the step that is chosen under a light load against half of it."""
     load = f"load.torque_nm={LIGHT}"
-    step = 1e6 * timestep(rated_design(kind, load))
+    step = 1e6 * timestep(Reducer(rated_design(kind, load)))
     found, finer = (_run(kind, 6, load, f"settings.timestep_us={share * step!r}") for share in (1.0, 0.5))
     rows = _compared(kind, f"{LIGHT:g} N m, {step:.3g} us", found, finer, f"{0.5 * step:.3g} us", LIGHTLY_LOADED)
     return _held(rows)
@@ -87,7 +88,7 @@ def massless_rows(real: Figures | RunError, quick: bool) -> list[Row]:
     if isinstance(real, RunError):
         raise real
     changes = 'ring.pins="massless"'
-    step = 1e6 * timestep(rated_design(FREE, changes))
+    step = 1e6 * timestep(Reducer(rated_design(FREE, changes)))
     found = _run(FREE, _periods(FREE, quick), changes)
     return _held(_compared(FREE, f"massless, {step:g} us", found, real, "real pins", WITHOUT_INERTIA))
 
@@ -120,7 +121,7 @@ def judged(kind: str, study: Study, default: float) -> list[Row]:
 
 def default_step(kind: str) -> float:
     """Give the time step [us] that a kind of ring has at rated load."""
-    return 1e6 * timestep(rated_design(kind))
+    return 1e6 * timestep(Reducer(rated_design(kind)))
 
 
 def observed_order(steps: tuple[float, float, float], values: tuple[float, float, float]) -> float:

@@ -4,38 +4,38 @@ import numpy as np
 
 from cycloid_mj import profile, statics
 from cycloid_mj.contact.working import working_force
-from cycloid_mj.design import Design
-from cycloid_mj.modification import tooth_profile
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.types import Array
 from cycloid_mj.validation.gaps import Flanks, Gaps, Pose, flank_distance, offset_root
 
 
-def tooth_stiffness(design: Design, flat: float, mesh: Gaps, pose: Pose, flanks: Flanks) -> Array:
+def tooth_stiffness(reducer: Reducer, flat: float, mesh: Gaps, pose: Pose, flanks: Flanks) -> Array:
     """Give the stiffness [N/m] of each place of the mesh, (n,); `flat` is that of a pin on a flat [N/m].
 
     That of a line contact at the local relative curvature, at most twice that of a pin on a flat; lines of an arc and a
     root with less than a deflection of gap between them are one patch and share its stiffness.
     """
     stiffness = np.full(mesh.distance.size, flat)
-    if design.contact.stiffness_law == "local":
+    if reducer.design.contact.stiffness_law == "local":
         relative = profile.curvature(flanks.gear, mesh.t, flanks.offset) + mesh.ring_curvature
-        stiffness = flat * _factor(design, relative)
-    return _shared(design, flat, mesh, pose, flanks, stiffness)
+        stiffness = flat * _factor(reducer, relative)
+    return _shared(reducer, flat, mesh, pose, flanks, stiffness)
 
 
-def _factor(design: Design, curvature: Array) -> Array:
+def _factor(reducer: Reducer, curvature: Array) -> Array:
     """Stiffness at a relative curvature [1/m] over that of a pin on a flat."""
+    design = reducer.design
     depth = design.ring.pin_radius
     modulus = statics.contact_modulus(design.material.youngs_modulus, design.material.poisson)
-    working = (working_force(design, design.tooth_pair), design.gear.face_width, modulus, depth)
+    working = (working_force(reducer, design.tooth_pair), design.gear.face_width, modulus, depth)
     flat = statics.line_contact_stiffness(*working, 1 / depth)
     # Twice as stiff as a pin on a flat where a + ln kappa has half of its value there.
     least = np.exp(-(statics.line_contact_constant(*working) + np.log(depth)) / 2)
     return statics.line_contact_stiffness(*working, np.maximum(curvature, least)) / flat
 
 
-def _shared(design: Design, flat: float, mesh: Gaps, pose: Pose, flanks: Flanks, stiffness: Array) -> Array:
-    gear, deflection = tooth_profile(design), working_force(design, design.tooth_pair) / flat
+def _shared(reducer: Reducer, flat: float, mesh: Gaps, pose: Pose, flanks: Flanks, stiffness: Array) -> Array:
+    gear, deflection = reducer.tooth_profile, working_force(reducer, reducer.design.tooth_pair) / flat
     low, stiffness = profile.best_phase(gear), stiffness.copy()
     arcs = {int(lobe): row for row, lobe in enumerate(mesh.owner) if np.isnan(mesh.B[row])}
     for row in np.flatnonzero(~np.isnan(mesh.B) & (mesh.distance < gear.pin_radius - flanks.offset)):

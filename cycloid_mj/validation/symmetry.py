@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.record import Run
 from cycloid_mj.solid import gear_solid, mass_properties
 from cycloid_mj.types import Array
@@ -48,9 +48,10 @@ def mirror_rows(kind: str, quick: bool) -> list[Row]:
     """Hold the reversed drive of one kind of ring against the mirror image of the other; gravity is off."""
     periods = 4 if quick else 12
     forward, design = rated_run(kind, SPEED, periods, *rig.without_gravity())
+    reducer = Reducer(design)
     backward, _ = rated_run(kind, -SPEED, periods, *rig.without_gravity())
     bounds, source = _bounds(kind), "mirror image"
-    curve, mirrored_curve = ripple(forward, design, 1.0), -ripple(backward, design, -1.0)
+    curve, mirrored_curve = ripple(forward, reducer, 1.0), -ripple(backward, reducer, -1.0)
     middle = float(np.mean(curve))
     ring = forward.forces(design.tooth_pair)
     opposite = -np.arange(design.ring.teeth) % design.ring.teeth
@@ -78,15 +79,16 @@ def gravity_rows(kind: str, quick: bool) -> list[Row]:
     # what gravity adds to the efficiency of pins that do not chatter is no more than steps of 10 us take away
     step = [] if kind == FREE else ["settings.timestep_us=5.0"]
     off, design = rated_run(kind, SPEED, PERIODS, *step, *rig.without_gravity())
+    reducer = Reducer(design)
     down, _ = rated_run(kind, SPEED, PERIODS, *step, f"environment.gravity_y_m_s2={-GRAVITY}")
     sideways = [*rig.without_gravity(), f"environment.gravity_x_m_s2={GRAVITY}"]
     turned, _ = rated_run(kind, SPEED, PERIODS, *step, *sideways)
     bounds = _bounds(kind)
-    weight = mass_properties(gear_solid(design)).mass * GRAVITY
-    held = {name: mean_force(run, design) for name, run in (("off", off), ("down", down), ("turned", turned))}
-    added = once_per_turn(down, off, design) * -1j, once_per_turn(turned, off, design)
+    weight = mass_properties(gear_solid(reducer)).mass * GRAVITY
+    held = {name: mean_force(run, reducer) for name, run in (("off", off), ("down", down), ("turned", turned))}
+    added = once_per_turn(down, off, reducer) * -1j, once_per_turn(turned, off, reducer)
     vectors = [np.array([[one.real, one.imag]]) for one in added]
-    means = [float(np.mean(transmission_error(run, design))) for run in (down, off)]
+    means = [float(np.mean(transmission_error(run, reducer))) for run in (down, off)]
     shares = 100.0 * efficiency(down), 100.0 * efficiency(off)
     return [
         relative(f"gravity: upward force on the gear, {kind}", held["down"][1], weight, "N", "m g", bounds.upward),
@@ -111,26 +113,26 @@ def _bounds(kind: str) -> Bounds:
     return CHATTERING if kind == FREE else REPEATING
 
 
-def transmission_error(run: Run, design: Design) -> Array:
+def transmission_error(run: Run, reducer: Reducer) -> Array:
     """Give the gear's angle less the ideal one [arcsec], shape (n,)."""
-    return ARCSECONDS * (run["gear_angle"] + run["crank_angle"] / design.lobes)
+    return ARCSECONDS * (run["gear_angle"] + run["crank_angle"] / reducer.design.lobes)
 
 
-def ripple(run: Run, design: Design, way: float) -> Array:
+def ripple(run: Run, reducer: Reducer, way: float) -> Array:
     """Give the transmission error [arcsec] over the mesh period, its phase counted the `way` of the crank (BINS,)."""
-    phase = np.mod(way * run["crank_angle"] * design.ring.teeth / (2.0 * np.pi), 1.0)
+    phase = np.mod(way * run["crank_angle"] * reducer.design.ring.teeth / (2.0 * np.pi), 1.0)
     bins = np.minimum((BINS * phase).astype(int), BINS - 1)
-    error = transmission_error(run, design)
+    error = transmission_error(run, reducer)
     return np.asarray(np.bincount(bins, error, BINS) / np.bincount(bins, minlength=BINS))
 
 
-def mean_force(run: Run, design: Design) -> Array:
+def mean_force(run: Run, reducer: Reducer) -> Array:
     """Give the mean force of all contacts on the gear [N], shape (2,)."""
-    parts = [run.forces(kind) for kind in (design.tooth_pair, "output", "cam")]
+    parts = [run.forces(kind) for kind in (reducer.design.tooth_pair, "output", "cam")]
     return np.asarray(np.mean(sum(part.sum(axis=1) for part in parts), axis=0))
 
 
-def once_per_turn(run: Run, without: Run, design: Design) -> complex:
+def once_per_turn(run: Run, without: Run, reducer: Reducer) -> complex:
     """Give the first harmonic, over the crank's turn, of what gravity adds to the transmission error [arcsec]."""
-    added = transmission_error(run, design) - transmission_error(without, design)
+    added = transmission_error(run, reducer) - transmission_error(without, reducer)
     return complex(2.0 * np.mean(added * np.exp(-1j * run["crank_angle"])))

@@ -18,9 +18,10 @@ from cycloid_mj.contact.timestep import timestep
 from cycloid_mj.contact.working import at_rated_load, working_force
 from cycloid_mj.design import PRESETS
 from cycloid_mj.mechanism.reducer import Role
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.validation.row import Row, relative
 
-RATED = at_rated_load(PRESETS["pin"])
+RATED = at_rated_load(Reducer(PRESETS["pin"]))
 MASS = 0.05
 """Mass of the moving disc [kg]."""
 FORCE = 400.0
@@ -45,7 +46,7 @@ _XML = """<mujoco>
 
 def rows(quick: bool) -> list[Row]:
     """Give the rows of this rung."""
-    stiffness, ratio = curvature_law(RATED).stiffness, RATED.contact.damping_ratio
+    stiffness, ratio = curvature_law(RATED).stiffness, RATED.design.contact.damping_ratio
     step = timestep(RATED)
     law = contact_law(stiffness, ratio, MASS, 0.0, 0.0, step)
     swinging = replace(law, damping=0.0, added_mass=0.3 * MASS)
@@ -145,8 +146,12 @@ def two_bodies(law: ContactLaw, timestep: float, gravity: float) -> Any:
 def _secant_rows(stiffness: float) -> list[Row]:
     """Tell what the one stiffness at the working force leaves out, and what Palmgren's empirical formula gives."""
     design = RATED
-    working, length, radius = working_force(design, "pin_gear"), design.gear.face_width, design.ring.pin_radius
-    modulus = statics.contact_modulus(design.material.youngs_modulus, design.material.poisson)
+    working, length, radius = (
+        working_force(design, "pin_gear"),
+        design.design.gear.face_width,
+        design.design.ring.pin_radius,
+    )
+    modulus = statics.contact_modulus(design.design.material.youngs_modulus, design.design.material.poisson)
 
     def hertz(force: float) -> float:
         return float(statics.line_contact_stiffness(force, length, modulus, radius, 1.0 / radius))

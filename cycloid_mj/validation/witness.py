@@ -8,6 +8,7 @@ import numpy as np
 
 from cycloid_mj import names
 from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.run import simulate
 from cycloid_mj.types import Array
 from cycloid_mj.units import ARCSECONDS
@@ -47,10 +48,10 @@ step: at 2 us the first and the last are 0.07 and 0.9 %. Of the fixed pins none 
 
 def rows(quick: bool) -> list[Row]:
     """Give the rows of this rung."""
-    return [row for which, design in CASES.items() for row in rows_of(which, design())]
+    return [row for which, design in CASES.items() for row in rows_of(which, Reducer(design()))]
 
 
-def rows_of(which: str, design: Design) -> list[Row]:
+def rows_of(which: str, reducer: Reducer) -> list[Row]:
     """Hold a run of a design against the witness; `which` names it."""
     units = ("arcsec", "arcsec", "N", "%", "mrad/s")
     called = (
@@ -61,15 +62,16 @@ def rows_of(which: str, design: Design) -> list[Row]:
         "rms gear speed error",
     )
     judge = (relative, relative, relative, absolute, relative)
-    pairs = zip(of_run(design), of_witness(design), strict=True)
+    pairs = zip(of_run(reducer), of_witness(reducer), strict=True)
     return [
         one(f"{name}, {which}", ours, theirs, unit, "planar witness", bound)
         for (ours, theirs), name, unit, bound, one in zip(pairs, called, units, BOUNDS, judge, strict=True)
     ]
 
 
-def of_run(design: Design) -> tuple[float, ...]:
+def of_run(reducer: Reducer) -> tuple[float, ...]:
     """Give the figures of a run: those of `BOUNDS`."""
+    design = reducer.design
     run = simulate(design)
     late = run.select(run.time >= SETTLED)
     gear = names.of_disc(names.GEAR, 0, design.gear.discs)
@@ -78,8 +80,9 @@ def of_run(design: Design) -> tuple[float, ...]:
     return _figures(late["output_angle"] + late["crank_angle"] / design.lobes, late.forces("cam")[:, 0], powers, speed)
 
 
-def of_witness(design: Design, step: float = STEP) -> tuple[float, ...]:
+def of_witness(reducer: Reducer, step: float = STEP) -> tuple[float, ...]:
     """Give those of the witness."""
+    design = reducer.design
     history = planar.run(design, design.drive.hold, step, round(EVERY * STEP / step))
     late = planar.History(history.values[history["time"] >= SETTLED])
     powers = late["crank_torque"] * design.drive.speed, late["load"] * late["output_speed"]

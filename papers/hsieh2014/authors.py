@@ -18,6 +18,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.measure.pool import each
 from cycloid_mj.measure.steady import steady_design, whole_periods
 from cycloid_mj.measure.torque import rated_test
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.result import Table
 from hsieh2014.idle_stress import idle_stress
 from hsieh2014.motion import at_degrees
@@ -63,7 +64,7 @@ def authors(plan: Plan, runs: Runs, progress: Progress) -> Found:
     ours = {design.name: settled(runs(idle_runs(plan, design))[0]) for design in designs()}
     soft = {design.name: settled(runs(varied_idle_runs(plan, IMPACT, design))[0]) for design in designs()}
     progress("output torque with IMPACT")
-    torques = {design.name: (_torque(design), _torque(IMPACT.of(design))) for design in designs()}
+    torques = {design.name: (_torque(design), _torque(IMPACT.of(Reducer(design)))) for design in designs()}
     rated = {run.provenance["design"]: run for run in runs(rated_runs(plan))}
     stresses = {}
     for design in designs():
@@ -234,7 +235,7 @@ def _torque_table(torques: Mapping[str, tuple[float, float]]) -> Table:
 
 def _torque(design: Design) -> float:
     """Compute the output torque [N m] at the rated input torque."""
-    own = massless(working_at(steady_design(design), design.rated_torque))
+    own = massless(working_at(steady_design(Reducer(design)), design.rated_torque))
     return rated_test(own, whole_periods(own, PERIODS)).output
 
 

@@ -2,6 +2,7 @@
 
 from cycloid_mj import envelope, profile
 from cycloid_mj.comparison import conditions, differences
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.modification import tooth_profile
 from cycloid_mj.result import Claim, Removal, Table, Value, Verdict
 from hsieh2014.plan import Plan, designs
@@ -52,7 +53,7 @@ def equal(plan: Plan, runs: Runs, progress: Progress) -> Found:
     names = tuple(design.name for design in both)
     found = differences(both)
     rows = tuple((key, *map(str, each)) for key, each in found.items())
-    shared = tuple((key, str(value)) for key, value in conditions(both[0]).items())
+    shared = tuple((key, str(value)) for key, value in conditions(Reducer(both[0])).items())
     return Found(
         tables=(
             Table("all that differs between the designs", ("value", *names), rows),

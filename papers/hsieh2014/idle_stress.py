@@ -9,6 +9,7 @@ import numpy as np
 from cycloid_mj.analysis.series import design_of
 from cycloid_mj.comparison import Spread
 from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import OUTPUT
 from cycloid_mj.record import Run
 from cycloid_mj.types import Array
@@ -91,6 +92,7 @@ def idle_stress(
     progress
         Called with each part before it begins; see `stress.study.stress_study`.
     """
+    reducer = Reducer(design)
     from cycloid_mj.stress.field import solve
     from cycloid_mj.stress.loads import part_loads
     from cycloid_mj.stress.study import notches_of, stress_study
@@ -98,22 +100,22 @@ def idle_stress(
     window = LOGGED * SAMPLING // settings.angles + 1
     peaks = [at_peaks(run, window) for run in starts]
     softly = at_peaks(soft, window) if soft else None
-    study = stress_study(peaks[0], design, (), settings, told=progress, references=stress_references(design))
+    study = stress_study(peaks[0], reducer, (), settings, told=progress, references=stress_references(design))
     turn = 2 * np.pi * np.arange(settings.angles) / settings.angles
     under_load = 2 * np.pi * np.arange(RATED_ANGLES) / RATED_ANGLES
     largest, loaded, curves = {}, {}, {}
     for one in study.parts:
         part, grid = one.findings.part, one.grid
-        rated_loads = part_loads(rated, design, part, under_load)
+        rated_loads = part_loads(rated, reducer, part, under_load)
         under = solve(design, grid, rated_loads)
         governing = under.bulk_stress / MEGAPASCAL
         if part == OUTPUT:
-            fillet = max(notch.stress for notch in notches_of(design, rated_loads, under)) / MEGAPASCAL
+            fillet = max(notch.stress for notch in notches_of(reducer, rated_loads, under)) / MEGAPASCAL
             governing = np.append(governing, fillet)
         loaded[part] = Spread.of(governing)
-        heavy = [heaviest(part_loads(run, design, part, turn), HEAVIEST) for run in peaks]
+        heavy = [heaviest(part_loads(run, reducer, part, turn), HEAVIEST) for run in peaks]
         # a single touch has no plateau of its own: bulk begins where it does under the rated load, in every start
-        cases = [*heavy, *([part_loads(softly, design_of(softly), part, turn)] if softly else [])]
+        cases = [*heavy, *([part_loads(softly, Reducer(design_of(softly)), part, turn)] if softly else [])]
         stress = solve(design, grid, joined(cases), distance=under.bulk_distance).bulk_stress / MEGAPASCAL
         parts = np.split(stress, np.cumsum([len(each.angle) for each in cases])[:-1])
         largest[part] = Spread.of(each.max() for each in parts[: len(heavy)])

@@ -9,6 +9,7 @@ from cycloid_mj.cli.batch import run_all
 from cycloid_mj.design import Design, dump
 from cycloid_mj.errors import LogError, RunError, warn
 from cycloid_mj.log import read
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.record import Run
 from cycloid_mj.replacing import as_own
 from cycloid_mj.run import provenance
@@ -47,7 +48,9 @@ class Logs:
             Ctrl-C stopped the runs: it ends the command, not this stage alone.
         """
         paths = {
-            design: self._into / log_name(design, provenance(design)) for design in designs if design not in self._known
+            design: self._into / log_name(design, provenance(Reducer(design)))
+            for design in designs
+            if design not in self._known
         }
         missing = {design: path for design, path in paths.items() if self._fresh or not _is_there(design, path)}
         if missing:
@@ -68,6 +71,6 @@ class Logs:
 
 def _is_there(design: Design, path: Path) -> bool:
     try:
-        return path.exists() and fits(read(path), design, provenance(design))
+        return path.exists() and fits(read(path), design, provenance(Reducer(design)))
     except LogError:
         return False

@@ -8,6 +8,7 @@ import numpy as np
 from cycloid_mj.analysis import Findings, Series, judge, series
 from cycloid_mj.comparison import Spread, Variation, load_words, settled, settling
 from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.result import Claim, Range, Removal, Table, Value, Verdict
 from cycloid_mj.types import Array
 from hsieh2014 import statements
@@ -153,7 +154,7 @@ def pin_1(plan: Plan, runs: Runs, progress: Progress) -> Found:
     varied = {
         one: [settled(run) for run in runs(varied_idle_runs(plan, one, design))]
         for one in variations(plan)
-        if one.of(design).ring.has_moving_pins
+        if one.of(Reducer(design)).ring.has_moving_pins
     }
     claims = [judged(starts, rated, varied, ranges(plan)) for judged in (_sway, _spin, _turns, _slides)]
     return Found(plates, claims=tuple(claims), notes=(note,))
@@ -186,7 +187,7 @@ def _each(
 
 def at_degrees(motion: Series) -> Series:
     """Give a run at one sample for each degree, the paper's sampling."""
-    return series(motion.run.select(slice(None, None, LOGGED)), motion.q, settling(motion.design))
+    return series(motion.run.select(slice(None, None, LOGGED)), motion.q, settling(Reducer(motion.design)))
 
 
 def _load(motion: Series) -> str:

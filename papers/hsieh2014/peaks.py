@@ -10,6 +10,7 @@ from scipy.signal import find_peaks
 
 from cycloid_mj.comparison import gravity_turn, settled
 from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.names import (
     CAM,
     FORCE_X,
@@ -97,7 +98,7 @@ def curves_by_angle(run: Run, of_parts: Mapping[str, Sequence[str]]) -> dict[str
     forces = {
         part: np.max([peak(run, pair) for pair in among], axis=0)[motion.hold] for part, among in of_parts.items()
     }
-    turned = np.mod(motion.crank_angle[motion.hold] - gravity_turn(motion.design), 2 * np.pi)
+    turned = np.mod(motion.crank_angle[motion.hold] - gravity_turn(Reducer(motion.design)), 2 * np.pi)
     number = np.minimum((turned * BINS / (2 * np.pi)).astype(int), BINS - 1)
     found = {part: np.zeros(BINS) for part in forces}
     for part, force in forces.items():
@@ -143,7 +144,7 @@ def share_near(force: Array, reach: float) -> float:
 
 def standing_for_pin_1(design: Design) -> int:
     """Give the number of the ring pin, or lobe, that a start has where gravity finds pin 1: as far from straight up."""
-    pitches = round(gravity_turn(design) * design.ring.teeth / (2 * np.pi))
+    pitches = round(gravity_turn(Reducer(design)) * design.ring.teeth / (2 * np.pi))
     return (-pitches) % design.ring.teeth + 1
 
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from cycloid_mj.analysis.series import design_of
 from cycloid_mj.errors import CycloidError
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.record import Run
 from hsieh2014.stage import Plate
 
@@ -17,7 +18,8 @@ def pictures(rated: Sequence[Run]) -> tuple[tuple[Plate, ...], tuple[str, ...]]:
     try:
         drawn = {
             run.provenance["design"]: {
-                name: render(run, design_of(run), len(run) - 1, (700, 700), view) for name, view in views.items()
+                name: render(run, Reducer(design_of(run)), len(run) - 1, (700, 700), view)
+                for name, view in views.items()
             }
             for run in rated
         }

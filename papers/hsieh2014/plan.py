@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from cycloid_mj.comparison import SWEEP, Variation, all_started, settling, with_play_of
 from cycloid_mj.design import PRESETS, Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.result import Condition, Range
 
 SAMPLING = 360
@@ -122,7 +123,7 @@ def at_speed(design: Design, load: float, turns: int, finer: int = 1) -> Design:
     sample = 2 * math.pi / abs(design.drive.speed) / (SAMPLING * LOGGED)
     sampling = {"timestep": sample / (STEPS * finer), "log_rate": 1.0 / sample}
     design = design.but(drive={"ramp": 0.0}, load={"torque": load}, settings=sampling)
-    slower = max(settling(design.but(ring={"kind": kind})) for kind in ("pin", "nonpin"))
+    slower = max(settling(Reducer(design.but(ring={"kind": kind}))) for kind in ("pin", "nonpin"))
     return design.steady(slower, turns, samples=SPARE)
 
 
@@ -140,13 +141,13 @@ def main_runs(plan: Plan) -> list[Design]:
 
 def idle_runs(plan: Plan, design: Design) -> list[Design]:
     """Give the independent starts of a design at no load; the first is its main run."""
-    return list(all_started(at_speed(design, 0.0, plan.turns), STARTS))
+    return list(all_started(Reducer(at_speed(design, 0.0, plan.turns)), STARTS))
 
 
 def equalised() -> Design:
     """Give the third design of the rated runs: nonpin with the pin design's total play and series stiffness there."""
     pin, nonpin = designs()
-    return with_play_of(nonpin, pin.but(load={"torque": loads()[1]}))
+    return with_play_of(Reducer(nonpin), Reducer(pin.but(load={"torque": loads()[1]})))
 
 
 def rated_runs(plan: Plan) -> list[Design]:
@@ -157,7 +158,7 @@ def rated_runs(plan: Plan) -> list[Design]:
 def finer_idle_runs(plan: Plan, design: Design) -> list[Design]:
     """Give some idle starts with half the step, or none."""
     turns, count = plan.finer_turns, plan.varied_starts
-    return list(all_started(at_speed(design, 0.0, turns, 2), count)) if turns else []
+    return list(all_started(Reducer(at_speed(design, 0.0, turns, 2)), count)) if turns else []
 
 
 def finer_rated_runs(plan: Plan) -> list[Design]:
@@ -179,16 +180,16 @@ def ranges(plan: Plan) -> tuple[Range, ...]:
 
 def varied_idle_runs(plan: Plan, variation: Variation, design: Design) -> list[Design]:
     """Give the idle starts of a design with one parameter varied; where it does not concern it, the main ones."""
-    changed, count = variation.of(design), plan.varied_starts
+    changed, count = variation.of(Reducer(design)), plan.varied_starts
     if changed == design:
         return idle_runs(plan, design)
-    return list(all_started(at_speed(changed, 0.0, plan.varied_turns), count))
+    return list(all_started(Reducer(at_speed(changed, 0.0, plan.varied_turns)), count))
 
 
 def varied_rated_runs(plan: Plan, variation: Variation) -> list[Design]:
     """Give the rated runs with one parameter varied; what it does not concern stays the main run."""
     found = []
     for design in designs():
-        changed = variation.of(design)
+        changed = variation.of(Reducer(design))
         found.append(at_speed(changed, loads()[1], plan.turns if changed == design else plan.varied_turns))
     return found

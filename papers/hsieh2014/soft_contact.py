@@ -18,6 +18,7 @@ from cycloid_mj.contact import impact
 from cycloid_mj.contact.gap import Trochoid, circle_in_circle, trochoid_curvature, trochoid_distance
 from cycloid_mj.contact.law import pair_stiffness
 from cycloid_mj.design import Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.solid import mass_properties, parts
 from cycloid_mj.types import Array
 from hsieh2014.peaks import BINS
@@ -96,8 +97,9 @@ class Forces:
 
 def line_contacts(design: Design) -> SoftContact:
     """Give linear springs as stiff as the design's own line contacts, damped as those, from the surface on."""
-    stiffness = pair_stiffness(design, design.tooth_pair)
-    mass = mass_properties(parts(design)["gear"]).mass / design.ring.teeth
+    reducer = Reducer(design)
+    stiffness = pair_stiffness(reducer, design.tooth_pair)
+    mass = mass_properties(parts(reducer)["gear"]).mass / design.ring.teeth
     return SoftContact("line contacts, as here", stiffness, 1.0, math.sqrt(stiffness * mass), 1e-15)
 
 
@@ -122,7 +124,7 @@ def soft_idle(
     phase
         Crank angle at the start [rad].
     """
-    body = {name: mass_properties(solid) for name, solid in parts(design).items()}
+    body = {name: mass_properties(solid) for name, solid in parts(Reducer(design)).items()}
     ring, gear, output = design.ring, design.gear, design.output
     free = ring.has_sockets
     facets = _facets(design, chord_error, seed)

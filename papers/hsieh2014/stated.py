@@ -4,6 +4,7 @@ import math
 from typing import TYPE_CHECKING
 
 from cycloid_mj.design import PRESETS, Design
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.papers import Vibration
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ def is_ours(design: Design) -> bool:
     """Whether a design is one of the paper's two but for load, speed, environment and settings."""
     from cycloid_mj.stress.turn import differences
 
-    return not all(differences(design, PRESETS[kind]) for kind in OURS)
+    return not all(differences(Reducer(design), Reducer(PRESETS[kind])) for kind in OURS)
 
 
 def stress_references(design: Design) -> "dict[str, Reference]":

@@ -7,6 +7,7 @@ from cycloid_mj.comparison import settled
 from cycloid_mj.design import Design
 from cycloid_mj.measure import Measurement
 from cycloid_mj.measure.pool import Progress as Steps
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.rating.duty import DutyPoint
 from cycloid_mj.rating.loading import loading
 from cycloid_mj.rating.peak import peaks
@@ -67,7 +68,7 @@ def _at_equal_play(plan: Plan) -> float:
     from cycloid_mj.measure.steady import steady_design, whole_periods
     from cycloid_mj.measure.torque import PERIODS, QUICK_PERIODS, rated_test
 
-    design = steady_design(equalised())
+    design = steady_design(Reducer(equalised()))
     return rated_test(design, whole_periods(design, QUICK_PERIODS if plan.quick else PERIODS)).output
 
 
@@ -212,8 +213,9 @@ def capacity() -> Claim:
 
 def _first_yield(design: Design) -> float:
     """Compute the torque on the output [N m] at which the first contact yields."""
+    reducer = Reducer(design)
     point = DutyPoint(torque=design.rated_torque, speed=design.drive.speed, share=1.0)
-    items = peaks(design, design.rated_torque, loading(design, point))
+    items = peaks(reducer, design.rated_torque, loading(reducer, point))
     return next(item.limit for item in items if item.key == "peak_yield")
 
 

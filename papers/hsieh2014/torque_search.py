@@ -12,6 +12,7 @@ from cycloid_mj.measure.sensitivity import friction_for, with_common_friction
 from cycloid_mj.measure.spread import BEARING, TEETH
 from cycloid_mj.measure.steady import steady_design, whole_periods
 from cycloid_mj.measure.torque import rated_test
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.result import Range
 
 GRID = (0.0, 0.01, 0.03, 0.06, TEETH[1])
@@ -111,10 +112,10 @@ def search(design: Design, targets: Mapping[str, float]) -> Search:
 
 def rates(design: Design, cases: Iterable[Case]) -> dict[Case, float]:
     """Run the torque test of each case; give the output torque as a share of that without losses."""
-    own = massless(working_at(steady_design(design), design.rated_torque))
+    own = massless(working_at(steady_design(Reducer(design)), design.rated_torque))
     periods = whole_periods(own, PERIODS)
     wanted = list(dict.fromkeys(cases))
-    tested = each(lambda case: _rate(own, case, periods), wanted)
+    tested = each(lambda case: _rate(own.design, case, periods), wanted)
     return dict(zip(wanted, tested, strict=True))
 
 
@@ -145,5 +146,5 @@ def _rate(design: Design, case: Case, periods: int) -> float:
     bearings, friction = case
     varied = bearings.of(design)
     if friction is not None:
-        varied = with_common_friction(varied, friction)
-    return rated_test(varied, periods).output / design.rated_torque
+        varied = with_common_friction(Reducer(varied), friction).design
+    return rated_test(Reducer(varied), periods).output / design.rated_torque

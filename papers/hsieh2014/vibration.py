@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 
 from cycloid_mj.comparison import RANKED, Ranked, Spread, Variation, settled
+from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.record import Run
 from cycloid_mj.result import Claim, Removal, Table, Value
 from hsieh2014.cycle import cycle_table
@@ -178,7 +179,7 @@ def _spin_table(plan: Plan, runs: Runs) -> Table:
     design = designs()[0]
     cases = {"as it is": (idle_runs(plan, design), rated_runs(plan)[:1])}
     for one in variations(plan):
-        if one.of(design).ring.has_moving_pins:
+        if one.of(Reducer(design)).ring.has_moving_pins:
             cases[one.words] = (
                 varied_idle_runs(plan, one, design),
                 [] if plan.quick else varied_rated_runs(plan, one)[:1],
