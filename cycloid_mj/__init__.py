@@ -14,18 +14,18 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from cycloid_mj import measure, stress
     from cycloid_mj.analysis import Findings, analyze
+    from cycloid_mj.base.record import Run
+    from cycloid_mj.base.result import Curve, Quantity, Table
     from cycloid_mj.bench import calibrate
     from cycloid_mj.checks import Check, check
     from cycloid_mj.design import PRESETS, Design
     from cycloid_mj.design import resolve as load
+    from cycloid_mj.dynamics.mjcf import build
+    from cycloid_mj.dynamics.run import simulate
     from cycloid_mj.explore import optimize, sweep, tolerance
+    from cycloid_mj.life import rate
     from cycloid_mj.log import read as read_log
-    from cycloid_mj.mjcf import build
-    from cycloid_mj.rating import rate
-    from cycloid_mj.record import Run
-    from cycloid_mj.result import Curve, Quantity, Table
     from cycloid_mj.robot import ReducedJoint, attach_reducer, reduce
-    from cycloid_mj.run import simulate
 
 __all__ = [
     "PRESETS",
@@ -59,30 +59,30 @@ __version__ = "0.1.0"
 _ORIGINS = {
     "PRESETS": "design",
     "Check": "checks",
-    "Curve": "result",
+    "Curve": "base.result",
     "Design": "design",
     "Findings": "analysis",
-    "Quantity": "result",
+    "Quantity": "base.result",
     "ReducedJoint": "robot",
-    "Run": "record",
-    "Table": "result",
+    "Run": "base.record",
+    "Table": "base.result",
     "analyze": "analysis",
     "attach_reducer": "robot",
-    "build": "mjcf",
+    "build": "dynamics.mjcf",
     "calibrate": "bench",
     "check": "checks",
-    "load": "design.resolve",
+    "load": "design:resolve",
     "measure": "",
     "optimize": "explore",
-    "rate": "rating",
-    "read_log": "log.read",
+    "rate": "life",
+    "read_log": "log:read",
     "reduce": "robot",
-    "simulate": "run",
+    "simulate": "dynamics.run",
     "stress": "",
     "sweep": "explore",
     "tolerance": "explore",
 }
-"""Where each public name lives: a room, and the name there if it is another; a room itself has no origin."""
+"""Where each public name lives: a module, and the name there if it is another; a room itself has no origin."""
 
 
 def __getattr__(name: str) -> Any:
@@ -92,8 +92,8 @@ def __getattr__(name: str) -> Any:
     origin = _ORIGINS[name]
     if not origin:
         return import_module(f"{__name__}.{name}")
-    room, _, there = origin.partition(".")
-    value = getattr(import_module(f"{__name__}.{room}"), there or name)
+    module, _, there = origin.partition(":")
+    value = getattr(import_module(f"{__name__}.{module}"), there or name)
     globals()[name] = value
     return value
 

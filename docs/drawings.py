@@ -8,14 +8,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from cycloid_mj import kinematics, profile
+from cycloid_mj.base.types import Array
 from cycloid_mj.design import Design, loads
-from cycloid_mj.loaded import loads as balanced
-from cycloid_mj.loaded import springs_of, transmission_error
-from cycloid_mj.modification import tooth_profile
+from cycloid_mj.geometry import kinematics, profile
+from cycloid_mj.geometry.modification import tooth_profile
 from cycloid_mj.plots import mechanism
 from cycloid_mj.plots.style import BLUE, GREEN, GREY, ORANGE, STYLE, VERMILION
-from cycloid_mj.types import Array
+from cycloid_mj.statics import loads as balanced
+from cycloid_mj.statics import springs_of, transmission_error
 
 FEW = loads(
     """

@@ -12,8 +12,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import cycloid_mj as cm
-from cycloid_mj.loaded import loads, springs_of, transmission_error
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics import loads, springs_of, transmission_error
 
 ARCSEC, ARCMIN = np.pi / 648000.0, np.pi / 10800.0
 crank = np.linspace(0.0, 2.0 * np.pi / 6.0, 121)

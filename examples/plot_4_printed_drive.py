@@ -11,8 +11,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import cycloid_mj as cm
-from cycloid_mj.loaded import loads, springs_of
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics import loads, springs_of
 
 still = {"drive.speed_rpm": 0.0, "environment.gravity_y_m_s2": 0.0}
 torque = np.concatenate([-np.geomspace(10.0, 0.01, 25), np.geomspace(0.01, 10.0, 25)])

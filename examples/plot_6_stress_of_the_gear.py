@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import cycloid_mj as cm
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress.loads import part_loads
 
 design = cm.load("pin", {"ring.pins": "massless", "drive.ramp_s": 0.0, "drive.hold_s": 0.05, "load.torque_nm": 36.68})

@@ -12,8 +12,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import cycloid_mj as cm
-from cycloid_mj.loaded import loads, springs_of
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics import loads, springs_of
 
 crank = np.linspace(0.0, 2.0 * np.pi, 181)
 

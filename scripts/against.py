@@ -20,9 +20,9 @@ from typing import Any
 
 import numpy as np
 
+from cycloid_mj.base.record import Run
 from cycloid_mj.design import loads
 from cycloid_mj.log import read
-from cycloid_mj.record import Run
 
 ROOT = Path(__file__).resolve().parents[1]
 TURN = 60.0 / 1640.0
@@ -126,16 +126,21 @@ STATICS = """import json, sys
 import numpy as np
 from cycloid_mj.design import PRESETS, override
 try:
-    from cycloid_mj.loaded.balance import transmission_error
+    from cycloid_mj.reducer import Reducer as prepared
+    from cycloid_mj.statics.balance import transmission_error
 except ImportError:
-    from cycloid_mj.measure.static_error import static_error as transmission_error
+    prepared = lambda design: design
+    try:
+        from cycloid_mj.loaded.balance import transmission_error
+    except ImportError:
+        from cycloid_mj.measure.static_error import static_error as transmission_error
 found = {}
 crank = np.linspace(0.0, 2.0 * np.pi, 361)[:-1]
 for name in ("pin", "nonpin"):
     for seed in range(5):
         made = ["hole_position", "pin_position"] if name == "pin" else ["hole_position"]
         changes = [f"errors.seed={seed}", *(f"errors.{each}_um=1.0" for each in made)]
-        errors = transmission_error(override(PRESETS[name], changes), crank, 36.68)
+        errors = transmission_error(prepared(override(PRESETS[name], changes)), crank, 36.68)
         found[f"{name} {seed}"] = {"mean": float(errors[:, 0].mean()), "std": float(errors[:, 0].std())}
 json.dump(found, sys.stdout)
 """
@@ -143,12 +148,18 @@ json.dump(found, sys.stdout)
 
 LOOPS = """import json, sys, time
 from cycloid_mj.design import PRESETS, override
-from cycloid_mj.mjcf import build
+prepared, newer = lambda design: design, True
 try:
-    from cycloid_mj.run import blocks
+    from cycloid_mj.dynamics.mjcf import build
+    from cycloid_mj.dynamics.run import blocks
+    from cycloid_mj.reducer import Reducer as prepared
 except ImportError:
-    from cycloid_mj.simulate import blocks
-newer = "cycloid_mj.run" in sys.modules
+    from cycloid_mj.mjcf import build
+    try:
+        from cycloid_mj.run import blocks
+    except ImportError:
+        from cycloid_mj.simulate import blocks
+        newer = False
 massless = ["ring.pins=massless"] if newer else []
 cases = {
     "free pins, 36.68 N m": ("pin", 36.68, 0.03, []),
@@ -160,7 +171,7 @@ found = {}
 for name, (preset, load, hold, changes) in cases.items():
     run = ["drive.ramp_s=0", f"drive.hold_s={hold}", f"load.torque_nm={load}", *changes]
     design = override(PRESETS[preset], run)
-    samples = blocks(build(design), design)
+    samples = blocks(build(design), prepared(design))
     next(samples)
     start = time.thread_time()
     taken = sum(len(block.time) for block in samples)

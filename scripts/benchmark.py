@@ -47,9 +47,9 @@ from passes import (
 from sweeping import sweep_table
 
 from cycloid_mj.design import PRESETS, override
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.mjcf import build
-from cycloid_mj.run import reducer_model
+from cycloid_mj.dynamics.mjcf import build
+from cycloid_mj.dynamics.run import reducer_model
+from cycloid_mj.reducer import Reducer
 
 Row = dict[str, list[float]]
 Table = dict[str, Row]

@@ -9,11 +9,11 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from cycloid_mj.contact.working import at_rated_load, working_force
-from cycloid_mj.convex import ConvexSettings
 from cycloid_mj.design import PRESETS, Design, override
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.mjcf.folder import MANIFEST, SCENE, model_files, write_folder
+from cycloid_mj.dynamics.mjcf.folder import MANIFEST, SCENE, model_files, write_folder
+from cycloid_mj.parts.convex import ConvexSettings
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.working import at_rated_load, working_force
 
 MODELS = Path(__file__).parent.parent / "models"
 README = Path(__file__).with_name("model_readme.md")

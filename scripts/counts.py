@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("cycloid_mj", "papers/hsieh2014")
@@ -23,9 +23,13 @@ Function = ast.FunctionDef | ast.AsyncFunctionDef
 TURNING_RING = frozenset({"turns_ring", "seen_from_ring", "turns_of_crank", "columns_from_ring"})
 """Names whose use tells that the output is the ring; the module that defines them does not count."""
 
-RING_MODULE = "cycloid_mj/member.py"
+RING_MODULE = "cycloid_mj/reducer/member.py"
 
-DRAWERS = {"share": RING_MODULE, "phases": "mechanism/reducer.py", "tooth_profile": "cycloid_mj/modification.py"}
+DRAWERS = {
+    "share": RING_MODULE,
+    "phases": "reducer/bodies.py",
+    "tooth_profile": "cycloid_mj/geometry/modification.py",
+}
 """Functions that one data sheet should not have to call over and over, with the end of their module's path."""
 
 
@@ -124,7 +128,7 @@ def homonyms(of: Iterable[Module]) -> tuple[str, ...]:
 def drawers_opened() -> tuple[str, ...]:
     """List every call of `DRAWERS` that one data sheet of the preset twodisc makes."""
     from cycloid_mj.design import PRESETS
-    from cycloid_mj.rating.datasheet import datasheet
+    from cycloid_mj.life.datasheet import datasheet
 
     calls: list[str] = []
 

@@ -29,8 +29,8 @@ from pathlib import Path
 from resource import RUSAGE_CHILDREN, getrusage
 from typing import Any
 
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.whole import write_whole
+from cycloid_mj.base.whole import write_whole
+from cycloid_mj.reducer import Reducer
 
 ROOT = Path(__file__).resolve().parent.parent
 STAMPS = ROOT / "docs" / "figures.json"
@@ -148,7 +148,7 @@ ARTEFACTS: Mapping[str, Artefact] = {
 def statics_of(preset: str) -> dict[str, Value]:
     """Give the figures of a preset by statics."""
     from cycloid_mj.design import PRESETS as DESIGNS
-    from cycloid_mj.loaded.sheet import glance
+    from cycloid_mj.statics.sheet import glance
 
     design = DESIGNS[preset]
     return {key: one.value for key, one in glance(Reducer(design), design.rated_torque).quantities.items()}
@@ -157,10 +157,10 @@ def statics_of(preset: str) -> dict[str, Value]:
 @cache
 def short_run(kind: str) -> Any:
     """Run a preset for some milliseconds under 36 N m: with pins of a kind, or ``nonpin``."""
+    from cycloid_mj.base.errors import CycloidWarning
     from cycloid_mj.design import PRESETS as DESIGNS
     from cycloid_mj.design import override
-    from cycloid_mj.errors import CycloidWarning
-    from cycloid_mj.run import simulate
+    from cycloid_mj.dynamics.run import simulate
 
     changes = ["drive.ramp_s=0", f"drive.hold_s={LENGTH}", "load.torque_nm=36", f"load.rise_s={0.25 * LENGTH}"]
     if kind != "nonpin":
@@ -175,7 +175,7 @@ def run_of(kind: str) -> dict[str, Value]:
     import numpy as np
 
     from cycloid_mj.analysis.series import design_of
-    from cycloid_mj.member import gear_angle, output_angle
+    from cycloid_mj.reducer.member import gear_angle, output_angle
 
     run = short_run(kind)
     design, crank = design_of(run), run["crank_angle"]
@@ -190,7 +190,7 @@ def run_of(kind: str) -> dict[str, Value]:
 
 def words_of_the_report() -> dict[str, Value]:
     """Give the titles, and the heads of the tables, on the page of two short runs."""
-    from cycloid_mj.errors import CycloidWarning
+    from cycloid_mj.base.errors import CycloidWarning
     from cycloid_mj.report import report
 
     with warnings.catch_warnings():

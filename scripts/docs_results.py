@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from cycloid_mj.result import Table
+from cycloid_mj.base.result import Table
 
 ROOT = Path(__file__).parent.parent
 PAGE, KEPT = ROOT / "docs" / "paper.md", ROOT / "tests" / "data" / "reproduce.json"

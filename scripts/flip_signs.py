@@ -26,16 +26,17 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-ROOM = Path("cycloid_mj/mechanism")
-MODEL = "reducer.py"
+PACKAGE = Path("cycloid_mj")
+FILES = ("reducer/bodies.py", "reducer/gaps.py", "reducer/limits.py", "statics/kernel.py")
+MODEL = "reducer/bodies.py"
 """The file that models are made from; what the others hold is seen without one, and without compiling."""
 
-KERNEL = "kernel.py"
+KERNEL = "statics/kernel.py"
 """The balance: the rows of gaps and stops, and the search that they are held against, add nothing to its own."""
 
-TESTS = ("test_limits.py", "test_mechanism.py", "test_kernel.py")
-KERNEL_TESTS = ("test_mechanism.py", "test_kernel.py")
-MODEL_TESTS = ("test_reducer.py",)
+KERNEL_TESTS = ("reducer/test_mechanism.py", "statics/test_kernel.py")
+TESTS = ("reducer/test_limits.py", *KERNEL_TESTS)
+MODEL_TESTS = ("reducer/test_reducer.py",)
 
 SECONDS = 30
 """CPU time of tests or rows after which they count as failed: they do not come to an end."""
@@ -96,6 +97,11 @@ class Found:
     by_row: bool
 
 
+def of_package(path: Path) -> str:
+    """Give a file of the package from its root on, any other by its name."""
+    return path.relative_to(ROOT / PACKAGE).as_posix() if path.is_relative_to(ROOT / PACKAGE) else path.name
+
+
 def flips(path: Path) -> Iterator[Flip]:
     """Give every sign of a file."""
     content = path.read_bytes()
@@ -123,7 +129,7 @@ def flips(path: Path) -> Iterator[Flip]:
             place = next(i for i in range(first, last) if content[i : i + 1] in (b"+", b"-"))
             around = [one.name for one in functions if one.lineno <= node.lineno <= (one.end_lineno or 0)]
             sign, within = content[place : place + 1].decode(), around[-1] if around else ""
-            yield Flip(path.name, node.lineno, place, sign, ast.unparse(node), within, makes)
+            yield Flip(of_package(path), node.lineno, place, sign, ast.unparse(node), within, makes)
 
 
 def made(tree: ast.AST) -> Iterator[tuple[str, ast.AST]]:
@@ -168,8 +174,8 @@ class Flipped(importlib.abc.Loader):
     """Loads the module of a flip with its sign flipped; it stands before all other finders of modules."""
 
     def __init__(self, flip: Flip) -> None:
-        self._flip, self._path = flip, ROOT / ROOM / flip.file
-        self._name = ".".join([*ROOM.parts, self._path.stem])
+        self._flip, self._path = flip, ROOT / PACKAGE / flip.file
+        self._name = ".".join((PACKAGE / flip.file).with_suffix("").parts)
 
     def find_spec(self, name: str, path: object, target: object = None) -> importlib.machinery.ModuleSpec | None:
         """Find the one module."""
@@ -194,7 +200,7 @@ def tested(file: str) -> bool:
 
 def validated(file: str) -> bool:
     """Tell whether a row of the rung `mechanism` fails that may see a sign of a file, or cannot be given."""
-    from cycloid_mj.validation import balance, mechanism
+    from cycloid_mj.validate import balance, mechanism
 
     if file == MODEL:
         parts = mechanism.MODELS
@@ -281,8 +287,8 @@ def tried(chosen: list[Flip], workers: int) -> Iterator[tuple[Flip, Found]]:
 
 def wanted(only: str, lines: str, sample: int) -> list[Flip]:
     """Give the flips to try: all, those of one file or of some of its lines, or so many spread evenly over them."""
-    files = sorted((ROOT / ROOM).glob("*.py"))
-    of_files = (sorted(flips(path), key=lambda flip: flip.place) for path in files if only in ("", path.name))
+    files = [ROOT / PACKAGE / file for file in FILES if only in ("", file, Path(file).name)]
+    of_files = (sorted(flips(path), key=lambda flip: flip.place) for path in files)
     every = [flip for of_file in of_files for flip in of_file]
     if lines:
         first, last = (int(end) for end in lines.split("-"))

@@ -15,11 +15,11 @@ import numpy as np
 from build_models import MODELLED
 
 from cycloid_mj.analysis import analyze
-from cycloid_mj.convex import CoacdSettings, plain_gear, plain_ring
 from cycloid_mj.design import PRESETS, Design, override
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.mjcf.folder import SCENE, quality_um
-from cycloid_mj.run import Contact, reducer_model, schedule, simulate
+from cycloid_mj.dynamics.mjcf.folder import SCENE, quality_um
+from cycloid_mj.dynamics.run import Contact, reducer_model, schedule, simulate
+from cycloid_mj.parts.convex import CoacdSettings, plain_gear, plain_ring
+from cycloid_mj.reducer import Reducer
 
 MODELS = Path(__file__).parent.parent / "models"
 THRESHOLDS = (0.05, 0.02)

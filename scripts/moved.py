@@ -18,9 +18,9 @@ from tempfile import TemporaryDirectory
 
 from against import ROOT, Ended, Figures, Trial, ended, laid_out, loaded, of_the_json
 
+from cycloid_mj.base.result import Table
 from cycloid_mj.design import PRESETS
 from cycloid_mj.log import read
-from cycloid_mj.result import Table
 
 DIGITS = 5e-6
 """Least change that is listed, as a share of the figure: half of the last of five digits."""

@@ -19,15 +19,15 @@ import mujoco
 import numpy as np
 from numba import cfunc, njit, types
 
-from cycloid_mj.contact.collider import installed
-from cycloid_mj.contact.library import function_address, library
-from cycloid_mj.contact.memory import read_address, write_float
-from cycloid_mj.course import initial_state, ramp_and_hold
 from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.dynamics.contact.collider import installed
+from cycloid_mj.dynamics.contact.library import function_address, library
+from cycloid_mj.dynamics.contact.memory import read_address, write_float
+from cycloid_mj.dynamics.course import initial_state, ramp_and_hold
+from cycloid_mj.dynamics.mjcf import ReducerModel, build
+from cycloid_mj.dynamics.run import attachments, blocks, columns, contact_of, provenance, schedule
 from cycloid_mj.log import LogWriter
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.mjcf import ReducerModel, build
-from cycloid_mj.run import attachments, blocks, columns, contact_of, provenance, schedule
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene import Scene, frame_rate
 
 Case = tuple[Design, ReducerModel]

@@ -26,15 +26,15 @@ import mujoco
 import numpy as np
 from numba import njit
 
-from cycloid_mj.contact.collider import installed
-from cycloid_mj.contact.working import working_force
-from cycloid_mj.course import initial_state, ramp_and_hold
+from cycloid_mj.base.types import Array
 from cycloid_mj.design import PRESETS, Design, override
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.mjcf import build
-from cycloid_mj.modification import gear_profile, profile_offset, tooth_profile
-from cycloid_mj.profile import pin_angles, sample, unit
-from cycloid_mj.types import Array
+from cycloid_mj.dynamics.contact.collider import installed
+from cycloid_mj.dynamics.course import initial_state, ramp_and_hold
+from cycloid_mj.dynamics.mjcf import build
+from cycloid_mj.geometry.modification import gear_profile, profile_offset, tooth_profile
+from cycloid_mj.geometry.profile import pin_angles, sample, unit
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.working import working_force
 
 SAMPLING = 1e-4
 LOAD = 36.0

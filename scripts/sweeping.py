@@ -10,14 +10,14 @@ from typing import Any
 
 from dask_cluster import ROOT, Cluster
 
+from cycloid_mj.base.engine import Engine
 from cycloid_mj.design import PRESETS, override
-from cycloid_mj.engine import Engine
 from cycloid_mj.explore.draw import BLOCK, blocks, tolerances
 from cycloid_mj.explore.figures import ANGLES, FIGURES
 from cycloid_mj.explore.measured import Options
 from cycloid_mj.explore.row import Row, Task, measured_row
 from cycloid_mj.explore.tolerances import balanced
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
 
 WORKERS = 2
 COLUMNS = ("CPU", "2 processes", "Dask", "client", "scheduler")

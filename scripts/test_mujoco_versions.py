@@ -19,7 +19,9 @@ from time import perf_counter
 
 ROOT = Path(__file__).resolve().parents[1]
 TESTS = [
-    f"tests/test_{room}.py" for room in ("contact", "selftest", "near", "ring", "law", "each_step", "simulate", "robot")
+    *(f"tests/dynamics/test_{name}.py" for name in ("contact", "selftest", "near", "ring", "each_step", "simulate")),
+    "tests/statics/test_law.py",
+    "tests/robot/test_robot.py",
 ]
 AHEAD = "mujoco-core"
 

@@ -7,8 +7,8 @@ import signal
 import numpy as np
 import pytest
 
-from cycloid_mj.circles import look_rarely
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.base.circles import look_rarely
+from cycloid_mj.reducer import Reducer
 
 look_rarely()
 
@@ -40,7 +40,7 @@ def compiled(tmp_path_factory: pytest.TempPathFactory) -> None:
 
 
 def _contact() -> None:
-    from cycloid_mj.contact.collider import installed
+    from cycloid_mj.dynamics.contact.collider import installed
 
     with installed():
         pass
@@ -48,7 +48,7 @@ def _contact() -> None:
 
 def _contact_and_sliding() -> None:
     from cycloid_mj.design import Design
-    from cycloid_mj.loaded.sliding import Losses, turn_along
+    from cycloid_mj.statics.sliding import Losses, turn_along
 
     _contact()
     turn_along(Reducer(Design()), np.linspace(0.0, 1.0, 3), 0.0, Losses())
@@ -56,8 +56,8 @@ def _contact_and_sliding() -> None:
 
 def _statics() -> None:
     from cycloid_mj.design import Design
-    from cycloid_mj.loaded.samples import alike, solve_samples
-    from cycloid_mj.loaded.sheet import sheet
+    from cycloid_mj.statics.samples import alike, solve_samples
+    from cycloid_mj.statics.sheet import sheet
 
     sheet(Reducer(Design()))
     solve_samples(Reducer(Design()), alike(Reducer(Design()), 1), [1.0], 2)

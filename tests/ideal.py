@@ -4,12 +4,12 @@ from collections.abc import Callable
 
 import numpy as np
 
+from cycloid_mj.base.names import CAM, FORCE_X, FORCE_Y, MOMENT, OUTPUT_PIN, PEAK_FORCE, all_numbered, column
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.types import Array
 from cycloid_mj.design import Design, dump
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.names import CAM, FORCE_X, FORCE_Y, MOMENT, OUTPUT_PIN, PEAK_FORCE, all_numbered, column
-from cycloid_mj.record import Run
-from cycloid_mj.run import schedule
-from cycloid_mj.types import Array
+from cycloid_mj.dynamics.run import schedule
+from cycloid_mj.reducer import Reducer
 
 LOBES, ECCENTRICITY = 35, 1e-3
 SPIN = 7.0

@@ -2,16 +2,16 @@
 
 import numpy as np
 
-from cycloid_mj import kinematics, profile
+from cycloid_mj.base.record import Run
 from cycloid_mj.design import Design, dump
-from cycloid_mj.mechanism.reducer import mechanism
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.mjcf import sensors
-from cycloid_mj.record import Run
+from cycloid_mj.dynamics.mjcf import sensors
+from cycloid_mj.geometry import kinematics, profile
+from cycloid_mj.geometry.ideal_loads import ideal_load_sharing
+from cycloid_mj.parts import output_centres
+from cycloid_mj.parts.gear import tooth_profile
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.bodies import mechanism
 from cycloid_mj.scene.pose import ring_places
-from cycloid_mj.solid import output_centres
-from cycloid_mj.solid.gear import tooth_profile
-from cycloid_mj.statics import ideal_load_sharing
 
 STEP = 1e-4
 TORQUE = 36.0

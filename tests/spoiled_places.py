@@ -11,7 +11,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from cycloid_mj.contact import each_step, layout, lift, selftest
+from cycloid_mj.dynamics.contact import each_step, layout, lift, selftest
 
 CRASHED = "ended by a signal"
 

@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from cycloid_mj.contact import each_step
-from cycloid_mj.contact.each_step import EachStep
-from cycloid_mj.contact.forces import OF_PAIR, pair_index
-from cycloid_mj.types import Array
+from cycloid_mj.base.types import Array
+from cycloid_mj.dynamics.contact import each_step
+from cycloid_mj.dynamics.contact.each_step import EachStep
+from cycloid_mj.dynamics.contact.forces import OF_PAIR, pair_index
 
 
 class Stepped(NamedTuple):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
 
 SCRIPTS = Path(__file__).parents[1] / "scripts"
 sys.path.insert(0, str(SCRIPTS))

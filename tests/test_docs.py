@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from cycloid_mj.design import PRESETS
-from cycloid_mj.loaded.sheet import sheet
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.rating.items import rate
+from cycloid_mj.life.items import rate
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.sheet import sheet
 
 ROOT = Path(__file__).parent.parent
 WRITTEN = [
@@ -88,7 +88,7 @@ def test_every_section_of_the_physics_names_tests_that_are_there() -> None:
     sections = [part for part in re.split(r"^###? ", text, flags=re.MULTILINE)[1:] if "\n\n" in part.strip()]
     assert len(sections) > 12
     for section in sections:
-        named = re.findall(r"\[`(test_\w+)`\]\(\.\./(tests/test_\w+\.py)\)", section)
+        named = re.findall(r"\[`(test_\w+)`\]\(\.\./(tests/(?:\w+/)?test_\w+\.py)\)", section)
         assert named, section.splitlines()[0]
         for name, file in named:
             assert f"\ndef {name}(" in (ROOT / file).read_text(encoding="utf-8"), f"{file}: {name}"
@@ -106,6 +106,6 @@ def test_the_check_of_one_room_names_the_rooms(monkeypatch: pytest.MonkeyPatch) 
     import check
 
     assert not any(word.startswith("tests/") for word in check.tests(None))
-    assert "tests/test_mechanism.py" in check.tests("mechanism")
-    with pytest.raises(SystemExit, match=r"choose of .*mechanism"):
+    assert "tests/reducer" in check.tests("reducer")
+    with pytest.raises(SystemExit, match=r"choose of .*reducer"):
         check.tests("cellar")

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
+from cycloid_mj.base.errors import CycloidWarning
 from cycloid_mj.cli.app import main
-from cycloid_mj.contact.tested import KNOWN
 from cycloid_mj.design import PRESETS
-from cycloid_mj.errors import CycloidWarning
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.dynamics.contact.tested import KNOWN
 from cycloid_mj.papers import GROUP, Paper, papers, published_torques, stress_references
+from cycloid_mj.reducer import Reducer
 
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
@@ -33,7 +33,7 @@ def test_the_licence_of_gmsh_is_told_and_only_extras_import_it():
     readme = " ".join((ROOT / "README.md").read_text().split())
     assert "`cad` and `fem` (and `test`) install gmsh, which is under GPL-2.0-or-later" in readme
     assert "GPL-2.0-or-later" in (ROOT / "pyproject.toml").read_text()
-    script = "import sys, cycloid_mj.cli.app, cycloid_mj.run, cycloid_mj.report; print('gmsh' in sys.modules)"
+    script = "import sys, cycloid_mj.cli.app, cycloid_mj.dynamics.run, cycloid_mj.report; print('gmsh' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", script], capture_output=True, text=True).stdout == "False\n"
 
 

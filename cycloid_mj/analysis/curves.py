@@ -4,9 +4,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from cycloid_mj.analysis.series import Compared, PinPath, Series
-from cycloid_mj.errors import LogError
-from cycloid_mj.types import Array
-from cycloid_mj.units import ARCSECONDS
+from cycloid_mj.base.errors import LogError
+from cycloid_mj.base.types import Array
+from cycloid_mj.base.units import ARCSECONDS
 
 MICROMETRE = "\N{MICRO SIGN}m"
 

@@ -10,13 +10,13 @@ import numpy as np
 
 from cycloid_mj.analysis.findings import ContactSummary, Window
 from cycloid_mj.analysis.series import Series
-from cycloid_mj.contact.jam import SELF_LOCKING
-from cycloid_mj.contact.regime import pace
-from cycloid_mj.contact.swing import deepest
+from cycloid_mj.base.names import FRICTION_POWER, NORMAL_POWER
+from cycloid_mj.base.record import Run
 from cycloid_mj.design.units import MICROMETRE, RPM
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.names import FRICTION_POWER, NORMAL_POWER
-from cycloid_mj.record import Run
+from cycloid_mj.dynamics.jam import SELF_LOCKING
+from cycloid_mj.dynamics.regime import pace
+from cycloid_mj.dynamics.swing import deepest
+from cycloid_mj.reducer import Reducer
 
 OPEN = 0.002
 """Share of the power that may be missing from the balance: what samples of it may miss. At every step it closes to some

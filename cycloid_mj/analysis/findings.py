@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.result import Condition, plain
+from cycloid_mj.base.result import Condition, plain
+from cycloid_mj.reducer import Reducer
 
 Phase = Literal["hold", "ramp"]
 

@@ -29,12 +29,12 @@ from cycloid_mj.analysis.findings import (
 )
 from cycloid_mj.analysis.series import Compared, Series, point_path, series
 from cycloid_mj.analysis.window import turn_by_turn
-from cycloid_mj.contact.timestep import timestep
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.names import FRICTION_POWER, NORMAL_POWER
-from cycloid_mj.record import Run
-from cycloid_mj.types import Array, Mask
-from cycloid_mj.units import ARCSECONDS
+from cycloid_mj.base.names import FRICTION_POWER, NORMAL_POWER
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.types import Array, Mask
+from cycloid_mj.base.units import ARCSECONDS
+from cycloid_mj.dynamics.timestep import timestep
+from cycloid_mj.reducer import Reducer
 
 COARSEST_SAMPLING = np.radians(5.0)
 """Crank angle from sample to sample beyond which velocities give no acceleration: the error is its square / 24."""

@@ -7,15 +7,16 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj import kinematics, member, names
 from cycloid_mj.analysis import window
 from cycloid_mj.analysis.findings import Phase
+from cycloid_mj.base import names
+from cycloid_mj.base.errors import LogError, UsageError
+from cycloid_mj.base.record import LARGEST, Run
+from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.design import Design, loads
-from cycloid_mj.errors import LogError, UsageError
-from cycloid_mj.kinematics import CrankLaw
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.record import LARGEST, Run
-from cycloid_mj.types import Array, Mask
+from cycloid_mj.geometry import kinematics
+from cycloid_mj.geometry.kinematics import CrankLaw
+from cycloid_mj.reducer import Reducer, member
 
 DESIGN_FILE = "design.toml"
 MOTION = (

@@ -4,10 +4,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from cycloid_mj.contact.swing import SETTLING, slowness
-from cycloid_mj.errors import LogError, UsageError
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.types import Array, Mask
+from cycloid_mj.base.errors import LogError, UsageError
+from cycloid_mj.base.types import Array, Mask
+from cycloid_mj.dynamics.swing import SETTLING, slowness
+from cycloid_mj.reducer import Reducer
 
 SETTLING_TURN = 1 / 8
 """The same as a share of a crank turn: slow reducers are large, and ring at lower frequencies."""

@@ -4,15 +4,15 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from cycloid_mj import kinematics
+from cycloid_mj.base.names import HOUSING, gears
+from cycloid_mj.base.types import Array
 from cycloid_mj.design import Design
-from cycloid_mj.mechanism.reducer import phases
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.modification import tooth_profile
-from cycloid_mj.names import HOUSING, gears
+from cycloid_mj.geometry import kinematics
+from cycloid_mj.geometry.modification import tooth_profile
+from cycloid_mj.parts import Prism, output_centres, parts
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.bodies import phases
 from cycloid_mj.scene import moved, ring_places
-from cycloid_mj.solid import Prism, output_centres, parts
-from cycloid_mj.types import Array
 
 LOOKS = {
     "ring": "#D9DFE4;#54606B",

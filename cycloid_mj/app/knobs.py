@@ -5,9 +5,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import Design, override
 from cycloid_mj.design.units import file_key, unit_of
-from cycloid_mj.errors import DesignError
 
 SHAPES: Mapping[str, Mapping[str, Any]] = {
     "pin": {"ring.kind": "pin", "gear.discs": 1},

@@ -5,8 +5,8 @@ import zipfile
 from collections.abc import Callable, Mapping
 
 from cycloid_mj.design import Design, dump
-from cycloid_mj.export import FORMATS, export
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.parts.export import FORMATS, export
+from cycloid_mj.reducer import Reducer
 
 
 def design_file(design: Design) -> dict[str, bytes]:
@@ -16,16 +16,16 @@ def design_file(design: Design) -> dict[str, bytes]:
 
 def model(design: Design) -> dict[str, bytes]:
     """Give a model folder that any MuJoCo opens, packed."""
-    from cycloid_mj.mjcf.folder import model_files
+    from cycloid_mj.dynamics.mjcf.folder import model_files
 
     return _packed(f"{design.name}-mjcf", model_files(Reducer(design)))
 
 
 def data_sheet(design: Design) -> dict[str, bytes]:
     """Give the data sheet as PDF."""
+    from cycloid_mj.life.datasheet import datasheet
     from cycloid_mj.plots.datasheet import datasheet_pages
     from cycloid_mj.plots.save import document
-    from cycloid_mj.rating.datasheet import datasheet
 
     return {f"{design.name}-datasheet.pdf": document(datasheet_pages(datasheet(Reducer(design))))}
 

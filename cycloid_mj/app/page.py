@@ -19,8 +19,8 @@ from cycloid_mj.app.newest import Newest
 from cycloid_mj.app.running import Runner
 from cycloid_mj.app.shown import Line, check_lines, error_lines, life_lines, refused, static_lines
 from cycloid_mj.app.workers import Workers
+from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.design import Design, override
-from cycloid_mj.errors import CycloidError
 
 CRANK = Knob("crank", "crank [deg]", 17.0, 0.0, 360.0, 1.0)
 """The slider that turns the mechanism and is no value of the design."""

@@ -2,10 +2,10 @@
 
 import math
 
+from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import Design
-from cycloid_mj.errors import DesignError
+from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.report import report
-from cycloid_mj.run import simulate
 
 TURNS = 1.25
 """Crank turns after the load has come on and the start has rung out."""

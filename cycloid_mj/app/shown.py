@@ -4,15 +4,15 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import islice
 
+from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.result import Quantity
 from cycloid_mj.checks import Check, check, soundness
 from cycloid_mj.design import Design
-from cycloid_mj.errors import CycloidError
-from cycloid_mj.loaded.sheet import glance
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.rating import Item, rate
-from cycloid_mj.rating.duty import steady
-from cycloid_mj.rating.rated import is_bearing_life
-from cycloid_mj.result import Quantity
+from cycloid_mj.life import Item, rate
+from cycloid_mj.life.duty import steady
+from cycloid_mj.life.rated import is_bearing_life
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.sheet import glance
 
 KEYS = {
     "backlash": "backlash",

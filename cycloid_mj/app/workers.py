@@ -8,8 +8,8 @@ from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 
 from cycloid_mj.app.shown import Line
+from cycloid_mj.base.engine.parent import serve_parent
 from cycloid_mj.design import PRESETS, Design
-from cycloid_mj.engine.parent import serve_parent
 
 Work = Callable[[Design], tuple[Line, ...]]
 

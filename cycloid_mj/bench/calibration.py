@@ -6,20 +6,20 @@ from typing import Any
 
 import numpy as np
 
+from cycloid_mj.base.errors import RunError, UsageError
+from cycloid_mj.base.result import Table
+from cycloid_mj.base.types import Array
+from cycloid_mj.base.units import DEGREE
 from cycloid_mj.bench.fit import COVERED, Fitted, fit
 from cycloid_mj.bench.loop import DEFLECTION, TORQUE, MeasuredLoop
 from cycloid_mj.bench.overlay import Bench, model_branches, put_all
 from cycloid_mj.bench.parameters import DEFAULT, Model, Parameter, parameters
 from cycloid_mj.bench.search import STEP, Search
 from cycloid_mj.design import Design, Friction
-from cycloid_mj.errors import RunError, UsageError
-from cycloid_mj.loaded.sliding import Held, Losses, turn_along
-from cycloid_mj.loaded.windup import STRAIGHT
-from cycloid_mj.mechanism.limits import stops
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.result import Table
-from cycloid_mj.types import Array
-from cycloid_mj.units import DEGREE
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.limits import stops
+from cycloid_mj.statics.sliding import Held, Losses, turn_along
+from cycloid_mj.statics.windup import STRAIGHT
 
 Progress = Callable[[int], None]
 """Called at each trial of the search with how many there have been."""

@@ -13,13 +13,13 @@ from operator import itemgetter
 
 import numpy as np
 
+from cycloid_mj.base.errors import RunError
+from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.overlay import Bench, Branches, model_branches, put_all
 from cycloid_mj.bench.parameters import Model, Parameter
 from cycloid_mj.bench.search import FAILED, LONG, SHORT, Search, offset_scales
 from cycloid_mj.bench.spread import Spread, memory, spread
-from cycloid_mj.errors import RunError
-from cycloid_mj.types import Array, Mask
 
 AT_BOUND = 1e-3
 """Distance from a bound, on a value's scale, at which a value is at it."""

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from cycloid_mj.errors import UsageError
-from cycloid_mj.replacing import as_input
-from cycloid_mj.types import Array, Integers
-from cycloid_mj.units import DEGREE
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.replacing import as_input
+from cycloid_mj.base.types import Array, Integers
+from cycloid_mj.base.units import DEGREE
 
 TORQUE, DEFLECTION = COLUMNS = ("torque_output_Nm", "deflection_deg")
 

@@ -10,10 +10,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from cycloid_mj.base.types import Array
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.parameters import Model, Parameter
-from cycloid_mj.loaded.sliding import Held, course_along
-from cycloid_mj.types import Array
+from cycloid_mj.statics.sliding import Held, course_along
 
 GRID, LEAD = 24, 8
 """Torques of a branch of the model, and of each that only leads to the loop."""

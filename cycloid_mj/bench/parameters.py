@@ -8,15 +8,15 @@ from typing import Any
 
 from pydantic.fields import FieldInfo
 
+from cycloid_mj.base.errors import DesignError, UsageError
+from cycloid_mj.base.units import DEGREE
 from cycloid_mj.bench.loop import MeasuredLoop
-from cycloid_mj.contact.law import pair_stiffness
-from cycloid_mj.contact.working import at_rated_load
 from cycloid_mj.design import Design, override
 from cycloid_mj.design.units import MICROMETRE, file_key, section_of, unit_of
-from cycloid_mj.errors import DesignError, UsageError
-from cycloid_mj.loaded.sliding import Losses
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.units import DEGREE
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.law import pair_stiffness
+from cycloid_mj.statics.sliding import Losses
+from cycloid_mj.statics.working import at_rated_load
 
 MOST_PLAY = 900.0
 """Largest clearance that is looked for [um]."""

@@ -13,11 +13,11 @@ from typing import Literal
 
 import numpy as np
 
+from cycloid_mj.base.errors import RunError
+from cycloid_mj.base.types import Array
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.overlay import Bench, Branches, distances, model_branches, put_all
 from cycloid_mj.bench.parameters import Model, Parameter
-from cycloid_mj.errors import RunError
-from cycloid_mj.types import Array
 
 OUTLIER = 0.03
 """Residual, as a share of a loop's range, from which a point counts less and less (soft L1)."""

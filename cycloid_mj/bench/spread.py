@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.types import Array, Mask
+from cycloid_mj.base.types import Array, Mask
 
 LONGEST_MEMORY = 0.25
 """Largest lag over which residuals count as one, as a share of a loop's points."""

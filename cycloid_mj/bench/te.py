@@ -11,15 +11,15 @@ from typing import Any
 
 import numpy as np
 
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.result import Table
+from cycloid_mj.base.types import Array
+from cycloid_mj.base.units import ARCSECOND, DEGREE
 from cycloid_mj.bench.loop import read_columns
 from cycloid_mj.design import Design
-from cycloid_mj.errors import UsageError
-from cycloid_mj.loaded import transmission_error
 from cycloid_mj.measure.orders import causes
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.result import Table
-from cycloid_mj.types import Array
-from cycloid_mj.units import ARCSECOND, DEGREE
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics import transmission_error
 
 CRANK, ERROR = COLUMNS = ("crank_deg", "te_arcsec")
 

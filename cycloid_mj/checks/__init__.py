@@ -6,6 +6,7 @@ stated, and what misses it is warned of: ``WALL_SHARE``, ``LEAST_CORE``, ``PLAY_
 and those of `margin` and `strength`. An error is what cannot be made, put together or turned.
 """
 
+from cycloid_mj.base.errors import DesignError
 from cycloid_mj.checks.assembly import assembly_checks
 from cycloid_mj.checks.body import balance, bearings, body_checks
 from cycloid_mj.checks.limit import Check, Limit
@@ -17,8 +18,7 @@ from cycloid_mj.checks.summary import Summary, masses, summary
 from cycloid_mj.checks.teeth import WALL_SHARE, WALLS, tooth_checks
 from cycloid_mj.checks.tolerance import tolerance_checks
 from cycloid_mj.design import Design
-from cycloid_mj.errors import DesignError
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
 
 __all__ = [
     "OVERLOAD",

@@ -6,9 +6,9 @@ import numpy as np
 
 from cycloid_mj.checks.limit import Check, told
 from cycloid_mj.design.units import MICROMETRE
-from cycloid_mj.deviations import is_ideal
-from cycloid_mj.mechanism.limits import best_fit
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.geometry.deviations import is_ideal
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.limits import best_fit
 
 MOST_POSES = 36
 """Crank angles that are tried: one in each mesh period of the paper's designs."""

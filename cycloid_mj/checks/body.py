@@ -3,11 +3,11 @@
 import math
 from collections.abc import Iterator
 
-from cycloid_mj import profile
 from cycloid_mj.checks.limit import Check, Limit, millimetres, verdict, wall_verdict
 from cycloid_mj.checks.teeth import WALL_SHARE, pitches
 from cycloid_mj.design.units import MILLIMETRE
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.geometry import profile
+from cycloid_mj.reducer import Reducer
 
 HOLE_TOLERANCE = 1e-9
 """Relative; lets a hole of output pin + eccentricity pass in spite of rounding, and nothing else."""

@@ -9,10 +9,10 @@ from typing import Literal
 import numpy as np
 from pydantic.fields import FieldInfo
 
+from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import override
 from cycloid_mj.design.units import MILLIMETRE, Unit, file_key, unit_of
-from cycloid_mj.errors import DesignError
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
 
 SIDES = {"less than": operator.lt, "at most": operator.le, "more than": operator.gt, "at least": operator.ge}
 UPPER = ("less than", "at most")

@@ -3,9 +3,9 @@
 import math
 from collections.abc import Iterator
 
-from cycloid_mj import envelope, profile
 from cycloid_mj.checks.limit import Check, Limit, millimetres, verdict
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.geometry import envelope, profile
+from cycloid_mj.reducer import Reducer
 
 K1_ENDS = 0.35, 0.95
 """Assumed range of K1 = c N / E: below, teeth push the gear aside more than round; above, their bends are sharp."""

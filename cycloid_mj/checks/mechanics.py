@@ -7,8 +7,8 @@ from cycloid_mj.checks.limit import Check, Limit, millimetres, told, verdict
 from cycloid_mj.checks.teeth import pitches
 from cycloid_mj.design import PARTS, Material
 from cycloid_mj.design.units import DEGREE, MICROMETRE
-from cycloid_mj.mechanism.limits import stops
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.limits import stops
 
 PLAY_SHARE = 0.1
 """Assumed: most play of the whole gear, as a share of the smaller of c and rho, that is small against the teeth."""

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj import profile, statics
-from cycloid_mj.errors import RunError
-from cycloid_mj.loaded import Loads, Springs, loads, peak_force, peak_pressure, springs_of, torque_at_pressure
-from cycloid_mj.mechanism.whole import Reducer, once
+from cycloid_mj.base.errors import RunError
+from cycloid_mj.geometry import ideal_loads, profile
+from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.statics import Loads, Springs, loads, peak_force, peak_pressure, springs_of, torque_at_pressure
 
 CARRIES = 0.01
 """A tooth carries where its force is at least this share of the largest."""
@@ -52,7 +52,7 @@ class Rated:
     def concentration(self) -> float:
         """Largest force on a tooth over that of ideal sharing [1]."""
         carried = self.reducer.share * self.torque / self.reducer.design.gear.discs
-        ideal = statics.ideal_load_sharing(self.reducer.tooth_profile, carried, self.springs.crank)
+        ideal = ideal_loads.ideal_load_sharing(self.reducer.tooth_profile, carried, self.springs.crank)
         return float(self.found.teeth.max() / ideal.forces.max())
 
     @property

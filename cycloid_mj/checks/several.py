@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 
 from cycloid_mj.checks.limit import Check
-from cycloid_mj.mechanism.reducer import are_one_part
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.bodies import are_one_part
 
 MOST_PINS = 100
 """Most output pins that a design may have."""

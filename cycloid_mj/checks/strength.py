@@ -8,13 +8,13 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TypedDict
 
+from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.checks.limit import Check, Limit, told
 from cycloid_mj.checks.rated import Rated, rated
-from cycloid_mj.contact.pressure import HARDNESS_PRESSURE, SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.design import PARTNERS, Design
 from cycloid_mj.design.units import DEGREE, MEGAPASCAL, NEWTON_METRE, NONE, Unit
-from cycloid_mj.errors import CycloidError
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.pressure import HARDNESS_PRESSURE, SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 
 CONCENTRATION = 3.0
 """Assumed: most that the largest tooth force may be, over that of ideal sharing."""

@@ -3,15 +3,15 @@
 from collections import Counter
 from dataclasses import dataclass
 
-from cycloid_mj import names
+from cycloid_mj.base import names
 from cycloid_mj.checks.rated import rated
-from cycloid_mj.contact.pressure import YIELD_PRESSURE, pair_strength
 from cycloid_mj.design import material_limits
-from cycloid_mj.loaded.springs import turn_evenly
-from cycloid_mj.mechanism.limits import stops
-from cycloid_mj.mechanism.reducer import are_one_part
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.solid import carried, mass_properties, parts
+from cycloid_mj.parts import carried, mass_properties, parts
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.bodies import are_one_part
+from cycloid_mj.reducer.limits import stops
+from cycloid_mj.statics.pressure import YIELD_PRESSURE, pair_strength
+from cycloid_mj.statics.springs import turn_evenly
 
 POSES = 13
 """Crank angles over which the backlash is averaged."""

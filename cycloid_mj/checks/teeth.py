@@ -4,11 +4,11 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
-from cycloid_mj import profile
 from cycloid_mj.checks.limit import Check, Limit, millimetres, verdict, wall_verdict
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.profile import CycloidGear
-from cycloid_mj.sockets import socket_half_angle
+from cycloid_mj.geometry import profile
+from cycloid_mj.geometry.profile import CycloidGear
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.sockets import socket_half_angle
 
 WALL_SHARE = 0.01
 """Assumed: least wall between any two cut-outs, as a share of E (0.4 mm on the paper's gear)."""

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 
 from cycloid_mj.checks.limit import Check, Limit, told
 from cycloid_mj.design.units import MICROMETRE
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
 
 SIGMAS = 3.0
 """Standard deviations that are taken for the tolerance of a part: 3 parts in 1000 lie beyond."""

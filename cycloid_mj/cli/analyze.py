@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
+from cycloid_mj.base.errors import warn
 from cycloid_mj.cli.flags import JsonFlag, PointFlag, point
 from cycloid_mj.cli.terminal import say, say_groups, say_json
-from cycloid_mj.errors import warn
 
 if TYPE_CHECKING:
     from cycloid_mj.analysis import Findings

@@ -5,10 +5,10 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from cycloid_mj.base.replacing import claim
 from cycloid_mj.cli.analyze import LogName
 from cycloid_mj.cli.flags import ForceFlag, whole, within
 from cycloid_mj.cli.terminal import say
-from cycloid_mj.replacing import claim
 
 EXAMPLES = """Examples:
   cycloid-mj animate runs/pin.mcap pin.gif

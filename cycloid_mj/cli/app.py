@@ -10,6 +10,9 @@ from contextlib import suppress
 from cyclopts import App, CycloptsError, Parameter
 
 from cycloid_mj import __version__
+from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.base.interrupt import cause
+from cycloid_mj.base.replacing import one_command
 from cycloid_mj.cli import (
     analyze,
     animate,
@@ -43,9 +46,6 @@ from cycloid_mj.cli import (
 )
 from cycloid_mj.cli.mistakes import sentence
 from cycloid_mj.cli.terminal import log_told, tell, warnings_kept
-from cycloid_mj.errors import CycloidError, UsageError
-from cycloid_mj.interrupt import cause
-from cycloid_mj.replacing import one_command
 
 FAILURE = 1
 

@@ -8,11 +8,11 @@ from collections.abc import Mapping
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from pathlib import Path
 
+from cycloid_mj.base.errors import RunError
+from cycloid_mj.base.interrupt import Stopped, cause
 from cycloid_mj.cli.progress import Progress
 from cycloid_mj.cli.simulate import run_into_log
 from cycloid_mj.design import Design
-from cycloid_mj.errors import RunError
-from cycloid_mj.interrupt import Stopped, cause
 
 
 def run_all(jobs: Mapping[Design, Path], workers: int, force: bool, quiet: bool) -> None:

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
+from cycloid_mj.base.errors import RunError, UsageError
+from cycloid_mj.base.interrupt import cause
 from cycloid_mj.cli.flags import FLAT, LOAD, DesignOptions, ForceFlag, JsonFlag, QuietFlag
 from cycloid_mj.cli.terminal import json_text, say, say_json, show, tell
-from cycloid_mj.errors import RunError, UsageError
-from cycloid_mj.interrupt import cause
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.bench import Calibration
@@ -158,12 +158,12 @@ def compare_bench(
     share, is fitted. For each order: both amplitudes, their phase, what share of
     the measured power the model explains, and what can give that order.
     """
+    from cycloid_mj.base.whole import write_whole
     from cycloid_mj.bench import compare_bench as compared
     from cycloid_mj.bench import read_te
     from cycloid_mj.cli.outfile import folder
     from cycloid_mj.plots.bench import comparison_figure
     from cycloid_mj.plots.save import pictures
-    from cycloid_mj.whole import write_whole
 
     measured = read_te(te)
     design = chosen.sound()
@@ -198,12 +198,12 @@ class _Trials:
 
 def _write(found: "Calibration", into: Path) -> list[Path]:
     """Write the results of a calibration; give the paths."""
+    from cycloid_mj.base.units import DEGREE
+    from cycloid_mj.base.whole import write_whole
     from cycloid_mj.design import dump
     from cycloid_mj.plots.bench import calibration_figure
     from cycloid_mj.plots.save import pictures
     from cycloid_mj.report.bench import calibration_page
-    from cycloid_mj.units import DEGREE
-    from cycloid_mj.whole import write_whole
 
     name = found.design.name
     figures = pictures({f"{name}-loops": calibration_figure(found)}, into, ("png", "svg"))

@@ -6,16 +6,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
+from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.replacing import claim
 from cycloid_mj.cli.flags import FLAT, TIMESTEP, DesignOptions, ForceFlag, JsonFlag, whole, within
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import say, say_json, say_table, tell
-from cycloid_mj.errors import CycloidError
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.replacing import claim
+from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
-    from cycloid_mj.convex import Plain
     from cycloid_mj.design import Design
+    from cycloid_mj.parts.convex import Plain
 
 EXAMPLES = """Examples:
   cycloid-mj build --design pin --out models/pin
@@ -69,8 +69,8 @@ def build(
     """
     from dataclasses import replace
 
-    from cycloid_mj.convex import ConvexSettings
-    from cycloid_mj.mjcf.folder import MANIFEST, SCENE, model_files, write_folder
+    from cycloid_mj.dynamics.mjcf.folder import MANIFEST, SCENE, model_files, write_folder
+    from cycloid_mj.parts.convex import ConvexSettings
 
     design = chosen.sound([(TIMESTEP, timestep_us)])
     _require_room(out)
@@ -114,8 +114,8 @@ def _told(manifest: bytes) -> dict[str, dict[str, Any]]:
 def _plain_told(design: "Design", seed: int) -> dict[str, dict[str, Any]]:
     """Give the figures of plain CoACD on the toothed parts."""
     reducer = Reducer(design)
-    from cycloid_mj.convex import CoacdSettings, plain_gear, plain_ring
-    from cycloid_mj.mjcf.folder import quality_um
+    from cycloid_mj.dynamics.mjcf.folder import quality_um
+    from cycloid_mj.parts.convex import CoacdSettings, plain_gear, plain_ring
 
     found: dict[str, dict[str, Any]] = {}
     for threshold in (0.05, 0.02):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
+from cycloid_mj.base.errors import LogError, UsageError
 from cycloid_mj.cli.flags import (
     FLAT,
     HOLD,
@@ -32,9 +33,8 @@ from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.simulate import logs_folder, require_possible
 from cycloid_mj.cli.verdict import report
 from cycloid_mj.design import Design
-from cycloid_mj.errors import LogError, UsageError
-from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.papers import vibration
+from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.analysis import Series

@@ -4,11 +4,11 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from cycloid_mj.base.errors import UsageError
 from cycloid_mj.cli.flags import FLAT, PRESET, ForceFlag, JsonFlag, PresetOptions
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import say, say_json
-from cycloid_mj.errors import UsageError
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
 
 RUNS = "runs"
 
@@ -38,11 +38,11 @@ def datasheet(
     dimensioned drawing. Every number is this model's, by statics, and has its
     condition beside it.
     """
+    from cycloid_mj.base.whole import write_whole
+    from cycloid_mj.life.datasheet import datasheet as computed
     from cycloid_mj.plots.datasheet import datasheet_pages
     from cycloid_mj.plots.save import document
-    from cycloid_mj.rating.datasheet import datasheet as computed
     from cycloid_mj.report.datasheet import datasheet_page
-    from cycloid_mj.whole import write_whole
 
     if not 0.0 < life_h < float("inf"):
         raise UsageError(f"--life-h {life_h:g}: give a number more than 0")

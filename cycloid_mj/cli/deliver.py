@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from cycloid_mj.base.interrupt import unbroken
+from cycloid_mj.base.result import quantity_table
+from cycloid_mj.base.whole import write_whole
 from cycloid_mj.cli.terminal import json_text, say, say_json, show, tell
-from cycloid_mj.interrupt import unbroken
-from cycloid_mj.result import quantity_table
-from cycloid_mj.whole import write_whole
 
 if TYPE_CHECKING:
     from cycloid_mj.cli.measure import Delivered

@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import App, Parameter
 
+from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.base.replacing import claim
+from cycloid_mj.base.whole import write_whole
 from cycloid_mj.cli.flags import NAMES, ForceFlag, JsonFlag, SetFlag, designed, whole
 from cycloid_mj.cli.terminal import say, say_json
 from cycloid_mj.design import PRESETS, Design, dump, override, reasons
-from cycloid_mj.errors import CycloidError, UsageError
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.replacing import claim
-from cycloid_mj.whole import write_whole
+from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.checks import Check, Summary
-    from cycloid_mj.rating import Rating
+    from cycloid_mj.life import Rating
 
 DesignName = Annotated[str, Parameter(metavar="NAME|FILE", help=f"Design: {NAMES}, or a TOML file.")]
 NewName = Annotated[
@@ -109,7 +109,7 @@ def new(
         raise UsageError(f"{missing} is missing: a new size takes --ratio, --diameter-mm and --torque-nm together")
     if source:
         raise UsageError(f"--from {source} starts from a design, --ratio from none: leave one of them out")
-    from cycloid_mj.sizing import sized
+    from cycloid_mj.explore.sizing import sized
 
     found = sized(stem, ratio, 1e-3 * diameter_mm, torque_nm, process, 1 if discs is None else discs)
     design = override(found.design, set_)
@@ -187,7 +187,7 @@ def _summed(design: Design) -> "Summary | None":
 
 def _rated(design: Design) -> "Rating | None":
     """Rate a design at its rated torque and speed; nothing where its crank stands still."""
-    from cycloid_mj.rating.items import rate
+    from cycloid_mj.life.items import rate
 
     try:
         return rate(design)

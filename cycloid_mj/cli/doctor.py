@@ -9,9 +9,9 @@ from importlib.util import find_spec
 from typing import NamedTuple
 
 from cycloid_mj import __version__
+from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.cli.flags import JsonFlag
 from cycloid_mj.cli.terminal import say, say_json
-from cycloid_mj.errors import CycloidError
 
 NEEDED = ("numpy", "scipy", "numba", "trimesh", "coacd", "mcap", "matplotlib", "pydantic", "cyclopts")
 EXTRAS = {
@@ -75,7 +75,7 @@ def _versions() -> Iterator[Finding]:
 
 
 def _cache() -> Iterator[Finding]:
-    from cycloid_mj.compiling import cacheable
+    from cycloid_mj.base.compiling import cacheable
 
     kept = "compiled code is kept" if cacheable() else "no folder can be written: set NUMBA_CACHE_DIR to one that can"
     yield Finding("compile cache", cacheable(), False, kept)
@@ -92,7 +92,7 @@ def _self_tested() -> str:
     """Have the contact tried on the release that is installed, if it has not passed before."""
     import mujoco
 
-    from cycloid_mj.contact import collider, each_step
+    from cycloid_mj.dynamics.contact import collider, each_step
 
     with collider.installed(), each_step.installed():
         return f"release {mujoco.__version__} passes: the places in its structures, gaps and forces are right"
@@ -101,7 +101,7 @@ def _self_tested() -> str:
 def _simulated() -> str:
     """Run a millisecond of a reducer with pressed-in pins, and hold its gear against the closed form."""
     from cycloid_mj.design import PRESETS, override
-    from cycloid_mj.run import simulate
+    from cycloid_mj.dynamics.run import simulate
 
     changes = ["ring.pins=fixed", "drive.ramp_s=0", "drive.hold_s=0.001", "load.torque_nm=5", "load.rise_s=0.0005"]
     design = override(PRESETS["pin"], changes)

@@ -5,11 +5,11 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
+from cycloid_mj.base.errors import UsageError
 from cycloid_mj.cli.flags import FLAT, DesignOptions, ForceFlag, JsonFlag, within
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import say, say_json, say_table
-from cycloid_mj.errors import UsageError
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
 
 EXAMPLES = """Examples:
   cycloid-mj export --design pin --format stl
@@ -108,11 +108,11 @@ def export(
     --plate also plate (file, size [m], parts: name -> count) and bom (item,
     count, size, material, made_or_bought).
     """
-    from cycloid_mj.export import bill, bill_csv, stl_bytes, widened
-    from cycloid_mj.export import export as exported
-    from cycloid_mj.export import plate as laid_out
-    from cycloid_mj.units import MILLIMETRES
-    from cycloid_mj.whole import write_whole
+    from cycloid_mj.base.units import MILLIMETRES
+    from cycloid_mj.base.whole import write_whole
+    from cycloid_mj.parts.export import bill, bill_csv, stl_bytes, widened
+    from cycloid_mj.parts.export import export as exported
+    from cycloid_mj.parts.export import plate as laid_out
 
     if cam_bearing_bore_mm is not None and not plate:
         raise UsageError("--cam-bearing-bore-mm is for the plate: add --plate")

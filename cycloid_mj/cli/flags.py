@@ -9,11 +9,11 @@ from typing import Annotated, Any, Literal
 from cyclopts import Parameter, Token
 from pydantic.fields import FieldInfo
 
+from cycloid_mj.base.engine import Engine
+from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.design import PRESETS, Design, override, resolve
 from cycloid_mj.design.units import Unit, file_key, unit_of
-from cycloid_mj.engine import Engine
-from cycloid_mj.errors import DesignError, UsageError
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
 
 SYMBOLS = {"nm": "N m"}
 SIDES = {

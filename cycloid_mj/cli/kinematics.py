@@ -5,11 +5,11 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from cycloid_mj.base.errors import UsageError
 from cycloid_mj.cli.flags import FLAT, MOST_ROWS, RAMP, SPEED, DesignOptions, ForceFlag, PointFlag, point, within
 from cycloid_mj.cli.outfile import STDOUT, Columns, CsvFlag, claim_csv, write_csv
 from cycloid_mj.cli.terminal import tell
 from cycloid_mj.design import Design
-from cycloid_mj.errors import UsageError
 
 EXAMPLES = """Examples:
   cycloid-mj kinematics --design pin --q 0,24 --csv q.csv
@@ -73,8 +73,8 @@ def kinematics(
 def _motion(design: Design, q: tuple[float, float], until: float | None, step: float | None) -> Columns:
     import numpy as np
 
-    from cycloid_mj.kinematics import CrankLaw, point_path
-    from cycloid_mj.solid.gear import tooth_profile
+    from cycloid_mj.geometry.kinematics import CrankLaw, point_path
+    from cycloid_mj.parts.gear import tooth_profile
 
     law = CrankLaw(design.drive.speed, design.drive.ramp)
     until = design.drive.ramp + design.drive.hold if until is None else until

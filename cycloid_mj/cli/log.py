@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import App, Parameter
 
+from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.replacing import claim, require_ending
 from cycloid_mj.cli.analyze import LogName
 from cycloid_mj.cli.flags import ForceFlag, JsonFlag, within
 from cycloid_mj.cli.outfile import STDOUT, claim_csv, write_csv
 from cycloid_mj.cli.terminal import say, say_json, say_table, tell
-from cycloid_mj.errors import CycloidError
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.replacing import claim, require_ending
+from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
+    from cycloid_mj.base.record import Run
     from cycloid_mj.log import Log
-    from cycloid_mj.record import Run
     from cycloid_mj.scene import Scene
 
 EXAMPLES = """Examples:

@@ -29,7 +29,7 @@ from cycloid_mj.cli.flags import (
 )
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.design import Design
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
 
 ABOUT = "Measure transmission error, backlash, lost motion, torque, efficiency, loads or vibration."
 EXAMPLES = """Examples:

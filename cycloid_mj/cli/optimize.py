@@ -5,6 +5,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
+from cycloid_mj.base.errors import DesignError, RunError, UsageError
+from cycloid_mj.base.interrupt import cause
+from cycloid_mj.base.whole import write_whole
 from cycloid_mj.cli.flags import (
     FLAT,
     HERE,
@@ -19,10 +22,7 @@ from cycloid_mj.cli.flags import (
     within,
 )
 from cycloid_mj.cli.terminal import say, say_json, show, tell
-from cycloid_mj.errors import DesignError, RunError, UsageError
-from cycloid_mj.interrupt import cause
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.whole import write_whole
+from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.explore.optimum import Optimum

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any, TextIO
 
 from cyclopts import Parameter
 
-from cycloid_mj.errors import CycloidError, UsageError
-from cycloid_mj.replacing import claim, require_ending
-from cycloid_mj.whole import whole_file
+from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.base.replacing import claim, require_ending
+from cycloid_mj.base.whole import whole_file
 
 if TYPE_CHECKING:
     import numpy.typing as npt

@@ -5,11 +5,11 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
+from cycloid_mj.base.errors import warn
 from cycloid_mj.cli.analyze import LogName
 from cycloid_mj.cli.flags import ForceFlag, PointFlag, point
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import say
-from cycloid_mj.errors import warn
 
 EXAMPLES = """Examples:
   cycloid-mj plot runs/pin.mcap

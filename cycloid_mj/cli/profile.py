@@ -4,15 +4,15 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
+from cycloid_mj.base.errors import UsageError
 from cycloid_mj.cli.flags import FLAT, MOST_ROWS, DesignOptions, ForceFlag, whole, within
 from cycloid_mj.cli.outfile import STDOUT, Columns, CsvFlag, claim_csv, write_csv
 from cycloid_mj.cli.terminal import tell
 from cycloid_mj.design import Design
-from cycloid_mj.errors import UsageError
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
-    from cycloid_mj.types import Array
+    from cycloid_mj.base.types import Array
 
 EXAMPLES = """Examples:
   cycloid-mj profile --design pin --csv gear.csv --points 7000
@@ -84,16 +84,16 @@ def profile(
 
 
 def _gear(design: Design, points: int | None) -> Columns:
-    from cycloid_mj.profile import sample
-    from cycloid_mj.solid.gear import tooth_profile
+    from cycloid_mj.geometry.profile import sample
+    from cycloid_mj.parts.gear import tooth_profile
 
     outline = sample(tooth_profile(design), points or POINTS_PER_TOOTH * design.lobes)
     return _columns(outline.points, outline.normals, outline.curvature)
 
 
 def _ring(design: Design, points: int | None) -> Columns:
-    from cycloid_mj.envelope import sample_ring
-    from cycloid_mj.solid.gear import tooth_profile
+    from cycloid_mj.geometry.envelope import sample_ring
+    from cycloid_mj.parts.gear import tooth_profile
 
     if design.ring.kind == "pin":
         raise UsageError(
@@ -108,10 +108,10 @@ def _curvature(design: Design, crank_angles: int | None) -> Columns:
     reducer = Reducer(design)
     import numpy as np
 
-    from cycloid_mj.contact.pressure import pair_modulus
-    from cycloid_mj.contact.working import at_rated_load, working_force
-    from cycloid_mj.contact_lines import contact_lines, mesh_period, pressure
-    from cycloid_mj.solid.gear import tooth_profile
+    from cycloid_mj.geometry.contact_lines import contact_lines, mesh_period, pressure
+    from cycloid_mj.parts.gear import tooth_profile
+    from cycloid_mj.statics.pressure import pair_modulus
+    from cycloid_mj.statics.working import at_rated_load, working_force
 
     gear = tooth_profile(design)
     crank_angles = crank_angles or CRANK_ANGLES

@@ -6,16 +6,16 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.replacing import claim, require_ending
 from cycloid_mj.cli.flags import FLAT, LOAD, PRESET, SPEED, ForceFlag, JsonFlag, PresetOptions
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import say, say_json, say_table, show
 from cycloid_mj.design import Design
-from cycloid_mj.errors import UsageError
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.replacing import claim, require_ending
+from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
-    from cycloid_mj.rating import Duty
+    from cycloid_mj.life import Duty
 
 RUNS = "runs"
 
@@ -80,10 +80,10 @@ def rate(
     not say is assumed, and said beside the number: [bearing] and [service] take
     ratings and limits. The exit code is 0 whatever the safeties are.
     """
-    from cycloid_mj.rating.items import rate as rated
-    from cycloid_mj.rating.ranges import read_ranges
+    from cycloid_mj.base.whole import write_whole
+    from cycloid_mj.life.items import rate as rated
+    from cycloid_mj.life.ranges import read_ranges
     from cycloid_mj.report.rating import rating_page
-    from cycloid_mj.whole import write_whole
 
     for flag, value in (("--life-h", life_h), ("--peak-nm", peak_nm)):
         if value is not None and not 0.0 < value < float("inf"):
@@ -119,8 +119,8 @@ def rate(
 def _duty(
     design: Design, load_nm: float | None, speed_rpm: float | None, duty: Path | None, peak_nm: float | None
 ) -> "Duty":
-    from cycloid_mj.rating.duty import read_duty, steady
-    from cycloid_mj.units import RPM
+    from cycloid_mj.base.units import RPM
+    from cycloid_mj.life.duty import read_duty, steady
 
     if duty:
         return read_duty(duty, peak_nm)

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
+from cycloid_mj.base.errors import UsageError, warn
 from cycloid_mj.cli.flags import FLAT, DesignOptions, ForceFlag, JsonFlag, QuietFlag
 from cycloid_mj.cli.terminal import json_text, say, say_json, show, tell
-from cycloid_mj.errors import UsageError, warn
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.robot import ReducedJoint
@@ -74,16 +74,16 @@ def reduce(
     What MJCF cannot say is ReducedJoint.step in Python; attach_reducer puts the joint on
     any model.
     """
+    from cycloid_mj.base.result import plain
+    from cycloid_mj.base.whole import write_whole
     from cycloid_mj.cli.outfile import folder
     from cycloid_mj.cli.progress import counted
     from cycloid_mj.report.joint import joint_page
-    from cycloid_mj.result import plain
     from cycloid_mj.robot.against import against
     from cycloid_mj.robot.bam import bam
     from cycloid_mj.robot.measured import reduce as measured
     from cycloid_mj.robot.mjcf import joint_xml, scene_xml
     from cycloid_mj.robot.study import recommended, recommended_table, scene, study, table
-    from cycloid_mj.whole import write_whole
 
     if timestep_ms is not None and not 0.01 <= timestep_ms <= 10.0:
         raise UsageError(f"--timestep-ms {timestep_ms:g}: give from 0.01 to 10")
@@ -139,7 +139,7 @@ def _inaccurate(asked: "Tried") -> list[str]:
 
 
 def _print(reduced: "ReducedJoint") -> None:
-    from cycloid_mj.result import quantity_table
+    from cycloid_mj.base.result import quantity_table
 
     show(quantity_table(f"reduce: {reduced.name}, level {reduced.level}", reduced.quantities.values()))
     for one in reduced.quantities.values():

@@ -5,12 +5,12 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.replacing import claim
 from cycloid_mj.cli.analyze import LogName
 from cycloid_mj.cli.flags import ForceFlag, whole, within
 from cycloid_mj.cli.terminal import say
-from cycloid_mj.errors import UsageError
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.replacing import claim
+from cycloid_mj.reducer import Reducer
 
 EXAMPLES = """Examples:
   cycloid-mj render runs/pin.mcap pin.png
@@ -59,9 +59,9 @@ def render(
     import numpy as np
 
     from cycloid_mj.analysis.series import design_of
+    from cycloid_mj.base.whole import whole_file
     from cycloid_mj.log import read
     from cycloid_mj.scene.opengl import require_mujoco
-    from cycloid_mj.whole import whole_file
 
     if Path(out).suffix.lower() not in FORMATS:
         raise UsageError(f"a picture is written as {', '.join(FORMATS)}: cannot write {out}")

@@ -5,10 +5,10 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.replacing import claim, require_ending
 from cycloid_mj.cli.flags import ForceFlag, PointFlag, point
 from cycloid_mj.cli.terminal import printable, say
-from cycloid_mj.errors import UsageError
-from cycloid_mj.replacing import claim, require_ending
 
 EXAMPLES = """Examples:
   cycloid-mj report runs/pin.mcap
@@ -28,9 +28,9 @@ def report(*logs: LogNames, out: OutFlag = None, q: PointFlag = None, force: For
     mechanism with its forces, load sharing, order spectrum, losses, warnings
     and provenance. The page needs no network and reads on paper too.
     """
+    from cycloid_mj.base.whole import write_whole
     from cycloid_mj.log import read
     from cycloid_mj.report import report as reviewed
-    from cycloid_mj.whole import write_whole
 
     place = point(q)
     if not logs:

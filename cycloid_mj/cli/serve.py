@@ -5,9 +5,9 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.cli.flags import FLAT, PRESET, PresetOptions, whole
 from cycloid_mj.cli.terminal import tell
-from cycloid_mj.errors import CycloidError, UsageError
 
 EXAMPLES = """Examples:
   cycloid-mj app

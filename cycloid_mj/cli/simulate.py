@@ -10,20 +10,20 @@ from typing import TYPE_CHECKING, Annotated, Literal, NoReturn
 
 from cyclopts import Parameter
 
+from cycloid_mj.base.errors import CycloidError, LogError, RunError, UsageError
+from cycloid_mj.base.interrupt import cause, unbroken
+from cycloid_mj.base.replacing import claim
 from cycloid_mj.cli.analyze import report
 from cycloid_mj.cli.flags import FLAT, HOLD, LOAD, RAMP, SPEED, TIMESTEP, DesignOptions, JsonFlag, QuietFlag
 from cycloid_mj.cli.outfile import folder, new_folder
 from cycloid_mj.cli.progress import Progress
 from cycloid_mj.design import Design
-from cycloid_mj.errors import CycloidError, LogError, RunError, UsageError
-from cycloid_mj.interrupt import cause, unbroken
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.replacing import claim
+from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.analysis import Findings
+    from cycloid_mj.dynamics.run import Block, Contact, Schedule
     from cycloid_mj.log import LogWriter
-    from cycloid_mj.run import Block, Contact, Schedule
 
 EXAMPLES = """Examples:
   cycloid-mj simulate --design pin
@@ -140,8 +140,8 @@ def require_possible(design: Design) -> None:
     if design.drive.speed == 0.0:
         raise UsageError("drive.speed_rpm is 0: the crank would stand still; give --speed-rpm")
     from cycloid_mj.checks import require_sound
-    from cycloid_mj.contact.timestep import timestep
-    from cycloid_mj.run import MOST_STEPS
+    from cycloid_mj.dynamics.run import MOST_STEPS
+    from cycloid_mj.dynamics.timestep import timestep
 
     require_sound(reducer)
     step = timestep(reducer)
@@ -183,8 +183,17 @@ def run_into_log(
     """Run a design into the first log of `names` that no other run has taken meanwhile."""
     reducer = Reducer(design)
     progress.tell("preparing the model")
+    from cycloid_mj.dynamics.run import (
+        attachments,
+        blocks,
+        columns,
+        provenance,
+        reducer_model,
+        schedule,
+        warned,
+        warnings,
+    )
     from cycloid_mj.log import LogWriter
-    from cycloid_mj.run import attachments, blocks, columns, provenance, reducer_model, schedule, warned, warnings
     from cycloid_mj.scene import Scene, frame_rate
 
     compiled = reducer_model(reducer, contact)

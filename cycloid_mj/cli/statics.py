@@ -6,10 +6,10 @@ from cyclopts import Parameter
 
 from cycloid_mj.cli.flags import FLAT, LOAD, DesignOptions, JsonFlag
 from cycloid_mj.cli.terminal import say, say_json, say_table
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
-    from cycloid_mj.loaded.sheet import Sheet
+    from cycloid_mj.statics.sheet import Sheet
 
 EXAMPLES = """Examples:
   cycloid-mj statics --design pin
@@ -46,7 +46,7 @@ def statics(*, chosen: Annotated[DesignOptions, FLAT], load_nm: LoadFlag = None,
     runs are known to differ from it.
     """
     from cycloid_mj.checks import require_sound
-    from cycloid_mj.loaded.sheet import sheet
+    from cycloid_mj.statics.sheet import sheet
 
     design = chosen.resolved()
     reducer = Reducer(design)
@@ -60,7 +60,7 @@ def statics(*, chosen: Annotated[DesignOptions, FLAT], load_nm: LoadFlag = None,
 
 
 def _print(found: "Sheet") -> None:
-    from cycloid_mj.loaded.sheet import COMPARED, known_difference
+    from cycloid_mj.statics.sheet import COMPARED, known_difference
 
     rows = []
     for one in found.quantities.values():

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
+from cycloid_mj.base.errors import UsageError, warn
 from cycloid_mj.cli.flags import (
     LOAD,
     NAMES,
@@ -27,12 +28,11 @@ from cycloid_mj.cli.simulate import logs_folder, require_possible
 from cycloid_mj.cli.stressfiles import RESULT, report
 from cycloid_mj.cli.terminal import tell
 from cycloid_mj.design import Design
-from cycloid_mj.errors import UsageError, warn
-from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.papers import stress_references
+from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
-    from cycloid_mj.record import Run
+    from cycloid_mj.base.record import Run
     from cycloid_mj.stress.grid import Grid
     from cycloid_mj.stress.study import StressStudy, StudySettings
 
@@ -190,7 +190,7 @@ def stress(
 def _loaded(design: Design, load_nm: float | None) -> Design:
     """Give a design that runs from full speed for one settled turn, under a load."""
     from cycloid_mj.comparison import settling
-    from cycloid_mj.member import share
+    from cycloid_mj.reducer.member import share
 
     load = load_nm if load_nm is not None else design.load.torque or round(design.rated_torque, 9)
     design = design.but(drive={"ramp": 0.0}, load={"torque": load})

@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from cycloid_mj.base.whole import write_whole
 from cycloid_mj.cli.terminal import say, say_json, say_table, with_warnings
 from cycloid_mj.papers import stress_claims
-from cycloid_mj.whole import write_whole
 
 if TYPE_CHECKING:
-    from cycloid_mj.result import Claim
+    from cycloid_mj.base.result import Claim
     from cycloid_mj.stress.study import StressStudy
 
 RESULT = "stress.json"

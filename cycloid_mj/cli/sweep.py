@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
+from cycloid_mj.base.errors import RunError, UsageError
+from cycloid_mj.base.interrupt import cause
 from cycloid_mj.cli.flags import (
     FLAT,
     HERE,
@@ -19,9 +21,7 @@ from cycloid_mj.cli.flags import (
 )
 from cycloid_mj.cli.flags import whole as whole_number
 from cycloid_mj.cli.terminal import say, say_json, show, tell
-from cycloid_mj.errors import RunError, UsageError
-from cycloid_mj.interrupt import cause
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.explore.points import Points
@@ -167,12 +167,12 @@ def _points(vary: tuple[str, ...], table: Path | None, sample: str | None, point
 
 def _delivered(found: "Sweep", quantities: tuple[str, ...], into: Path, json: bool, quiet: bool) -> int:
     """Write figure and page, and tell what was found; give the exit code."""
+    from cycloid_mj.base.whole import write_whole
     from cycloid_mj.explore.ranks import tables
     from cycloid_mj.explore.sweeps import PARQUET, TABLE
     from cycloid_mj.plots.explored import sweep_figure
     from cycloid_mj.plots.save import pictures
     from cycloid_mj.report.sweep import sweep_page
-    from cycloid_mj.whole import write_whole
 
     parquet, page = into / PARQUET, into / PAGE
     drawn = pictures({"sweep": sweep_figure(found, quantities)}, into, ("png", "svg"))

@@ -10,10 +10,10 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import TYPE_CHECKING, Any
 
-from cycloid_mj.errors import CycloidWarning
+from cycloid_mj.base.errors import CycloidWarning
 
 if TYPE_CHECKING:
-    from cycloid_mj.result import Table
+    from cycloid_mj.base.result import Table
 
 PIPE_WIDTH = 120
 

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
+from cycloid_mj.base.errors import RunError, UsageError
+from cycloid_mj.base.interrupt import cause
+from cycloid_mj.base.whole import write_whole
 from cycloid_mj.cli.flags import FLAT, HERE, PRESET, EngineOptions, ForceFlag, JsonFlag, PresetOptions, QuietFlag, whole
 from cycloid_mj.cli.terminal import finite, say, say_json, show, tell
-from cycloid_mj.errors import RunError, UsageError
-from cycloid_mj.interrupt import cause
-from cycloid_mj.whole import write_whole
 
 if TYPE_CHECKING:
     from cycloid_mj.explore.tolerances import Tolerances

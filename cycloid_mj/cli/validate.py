@@ -10,8 +10,8 @@ from cycloid_mj.cli.progress import seconds_left
 from cycloid_mj.cli.terminal import say, say_json, say_table, tell
 
 if TYPE_CHECKING:
-    from cycloid_mj.validation.ladder import Part
-    from cycloid_mj.validation.row import Row
+    from cycloid_mj.validate.ladder import Part
+    from cycloid_mj.validate.row import Row
 
 EXAMPLES = """Examples:
   cycloid-mj validate --quick
@@ -37,7 +37,7 @@ def validate(*, quick: QuickFlag = False, only: OnlyFlag = (), json: JsonFlag = 
     Exit code 1 if any row fails. Two processes at a time, for some minutes.
     """
     tell("starting")
-    from cycloid_mj.validation.ladder import chosen
+    from cycloid_mj.validate.ladder import chosen
 
     parts = chosen(only)
     start = monotonic()
@@ -53,7 +53,7 @@ def validate(*, quick: QuickFlag = False, only: OnlyFlag = (), json: JsonFlag = 
 
 def _climbed(parts: "tuple[Part, ...]", quick: bool) -> "list[Row]":
     """Run the parts and tell how far they are."""
-    from cycloid_mj.validation.ladder import climb, in_order
+    from cycloid_mj.validate.ladder import climb, in_order
 
     start, whole = monotonic(), sum(part.cost[not quick] for part in parts)
     done, found = 0.0, []
@@ -67,8 +67,8 @@ def _climbed(parts: "tuple[Part, ...]", quick: bool) -> "list[Row]":
 
 def _report(rows: "list[Row]", wall: float) -> None:
     """Write the table, the notes below it, and the sum."""
-    from cycloid_mj.validation.ladder import RUNGS
-    from cycloid_mj.validation.row import Outcome
+    from cycloid_mj.validate.ladder import RUNGS
+    from cycloid_mj.validate.row import Outcome
 
     numbers = {rung: number for number, rung in enumerate(RUNGS, start=1)}
     climbed = dict.fromkeys(row.rung for row in rows)

@@ -5,8 +5,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from cycloid_mj.base.errors import warn
 from cycloid_mj.cli.terminal import say, say_json, show
-from cycloid_mj.errors import warn
 from cycloid_mj.papers import vibration
 
 if TYPE_CHECKING:

@@ -38,8 +38,8 @@ def view(what: WhatName, /, *, set_: SetFlag = (), slow: SlowFlag = SLOW) -> int
         show_run(read(what), slow)
         return 0
     design = designed(what, set_, ())
-    from cycloid_mj.errors import warn
-    from cycloid_mj.mjcf import build
+    from cycloid_mj.base.errors import warn
+    from cycloid_mj.dynamics.mjcf import build
 
     tell("building the model")
     compiled = build(design)

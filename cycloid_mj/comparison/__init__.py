@@ -4,6 +4,7 @@ A verdict on the paper's findings rests on more than one number: at no load on i
 chaotic, and under load on the crank turns of a run.
 """
 
+from cycloid_mj.base.result import load_words
 from cycloid_mj.comparison.comparison import Comparison, comparable, compare
 from cycloid_mj.comparison.conditions import conditions, differences, total_play, under, with_play_of
 from cycloid_mj.comparison.measures import Measures, measure, settled, settling
@@ -12,7 +13,6 @@ from cycloid_mj.comparison.sensitivity import ASSUMPTIONS, Sensitivity, sensitiv
 from cycloid_mj.comparison.starts import STARTS, Spread, all_started, gravity_turn, order, started
 from cycloid_mj.comparison.sweep import SWEEP, Variation, Varied, varied
 from cycloid_mj.comparison.trial import Trial
-from cycloid_mj.result import load_words
 
 __all__ = [
     "ASSUMPTIONS",

@@ -4,17 +4,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.result import Table, load_words, plain
 from cycloid_mj.comparison.conditions import HOLD, conditions, differences
 from cycloid_mj.comparison.ranking import NO_FIGURES, Ranking, rankings, summary
 from cycloid_mj.comparison.sensitivity import Sensitivity, sensitivity_table
 from cycloid_mj.comparison.sweep import Varied, decisions
 from cycloid_mj.comparison.table import ROWS, table
 from cycloid_mj.comparison.trial import Trial
-from cycloid_mj.contact.massless import require_pin_bodies
 from cycloid_mj.design import Design
-from cycloid_mj.errors import UsageError
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.result import Table, load_words, plain
+from cycloid_mj.dynamics.massless import require_pin_bodies
+from cycloid_mj.reducer import Reducer
 
 
 @dataclass(frozen=True)

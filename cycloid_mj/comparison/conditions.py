@@ -10,9 +10,9 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from cycloid_mj.contact.law import series_stiffness
 from cycloid_mj.design import Design, dump, override
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.law import series_stiffness
 
 TABLES = ("drive", "load", "environment", "settings")
 HOLD = "drive.hold_s"

@@ -7,7 +7,7 @@ import numpy as np
 
 from cycloid_mj.analysis import Series
 from cycloid_mj.analysis.window import turn_by_turn
-from cycloid_mj.types import Array
+from cycloid_mj.base.types import Array
 
 
 @dataclass(frozen=True)

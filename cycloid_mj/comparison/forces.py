@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.analysis import Series
+from cycloid_mj.base.types import Array
 from cycloid_mj.comparison.fluctuation import turns
-from cycloid_mj.types import Array
 
 
 @dataclass(frozen=True)

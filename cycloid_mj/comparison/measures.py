@@ -8,13 +8,13 @@ import numpy.typing as npt
 from cycloid_mj.analysis import Findings, Series, judge, series
 from cycloid_mj.analysis.series import design_of
 from cycloid_mj.analysis.window import require_hold
+from cycloid_mj.base.record import Run
 from cycloid_mj.comparison.fluctuation import Level, level, turns, unshifted
 from cycloid_mj.comparison.forces import Forces, forces
 from cycloid_mj.comparison.vibration import Vibration, vibration
-from cycloid_mj.contact.swing import SETTLING, slowness
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.member import gear_angle
-from cycloid_mj.record import Run
+from cycloid_mj.dynamics.swing import SETTLING, slowness
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.member import gear_angle
 
 
 @dataclass(frozen=True)

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal, NamedTuple
 
+from cycloid_mj.base.result import load_words
 from cycloid_mj.comparison.fluctuation import Level
 from cycloid_mj.comparison.measures import Measures
 from cycloid_mj.comparison.starts import ALIKE, STARTS, Spread, order
 from cycloid_mj.comparison.trial import Trial
-from cycloid_mj.result import load_words
 
 Verdict = Literal["confirmed", "contradicted", "alike", "undecided", "not determined"]
 

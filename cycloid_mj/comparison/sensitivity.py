@@ -8,10 +8,10 @@ it goes. What is stated holds for the designs, load and speed that were run, and
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from cycloid_mj.base.result import Table
 from cycloid_mj.comparison.sweep import Variation
 from cycloid_mj.comparison.table import DYNAMIC
 from cycloid_mj.comparison.trial import Trial
-from cycloid_mj.result import Table
 
 ASSUMPTIONS = (
     Variation("creep speed", "1 mm/s", ("contact.creep_speed_mm_s=1.0",)),

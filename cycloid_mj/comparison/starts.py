@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cycloid_mj.design import Design
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
 
 STARTS = 8
 """Independent starts over which an idle quantity is given, and from which on two designs are ranked by it."""

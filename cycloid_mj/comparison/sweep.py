@@ -4,11 +4,11 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from cycloid_mj.base.result import load_words
 from cycloid_mj.comparison.ranking import NO_FIGURES, Ranking, rankings
 from cycloid_mj.comparison.trial import Trial
 from cycloid_mj.design import Design, override
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.result import load_words
+from cycloid_mj.reducer import Reducer
 
 
 @dataclass(frozen=True)

@@ -3,10 +3,10 @@
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
+from cycloid_mj.base.result import Table
 from cycloid_mj.comparison.measures import Measures
 from cycloid_mj.comparison.starts import Spread
 from cycloid_mj.comparison.trial import Trial
-from cycloid_mj.result import Table
 
 
 class Figure(NamedTuple):

@@ -4,14 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj import kinematics
 from cycloid_mj.analysis import Series
 from cycloid_mj.analysis.spectrum import density
+from cycloid_mj.base.names import planar_speeds
+from cycloid_mj.base.types import Array
 from cycloid_mj.comparison.fluctuation import Level, level, turns
-from cycloid_mj.mechanism.reducer import phases
-from cycloid_mj.modification import tooth_profile
-from cycloid_mj.names import planar_speeds
-from cycloid_mj.types import Array
+from cycloid_mj.geometry import kinematics
+from cycloid_mj.geometry.modification import tooth_profile
+from cycloid_mj.reducer.bodies import phases
 
 OCTAVES = 1e3 * 2.0 ** np.arange(-5, 7)
 """Centres of the octave bands [Hz], those of IEC 61260."""

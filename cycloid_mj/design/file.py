@@ -11,13 +11,13 @@ from typing import Any, get_origin
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
+from cycloid_mj.base.errors import DesignError, UsageError
+from cycloid_mj.base.replacing import as_input
 from cycloid_mj.design.absent import absent_layout
 from cycloid_mj.design.mistakes import refusal
 from cycloid_mj.design.model import Design, Section
 from cycloid_mj.design.presets import PRESETS
 from cycloid_mj.design.units import Unit, counted_by, file_key, section_of, source_of, unit_of
-from cycloid_mj.errors import DesignError, UsageError
-from cycloid_mj.replacing import as_input
 
 LARGEST_INTEGER = 2**63 - 1
 """TOML's integers have 64 bits; a larger one counts as infinite."""

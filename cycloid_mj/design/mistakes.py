@@ -4,8 +4,8 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
+from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design.units import file_key, section_of, unit_of
-from cycloid_mj.errors import DesignError
 
 MOST_ERRORS = 5
 """Wrong values of a design that are told one by one; the others are counted."""

@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cycloid_mj.base.types import Array, Integers
 from cycloid_mj.explore.draw import WAVE, Block
 from cycloid_mj.explore.zone import Zone
-from cycloid_mj.types import Array, Integers
 
 SAMPLES = 512
 """Of each of the two sets; a power of two."""

@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from cycloid_mj import profile
+from cycloid_mj.base.types import Array, Mask
+from cycloid_mj.base.units import MICROMETRES
 from cycloid_mj.design import Design
 from cycloid_mj.explore.zone import Zone, wave_zones, zone
-from cycloid_mj.loaded.samples import Samples, alike
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.types import Array, Mask
-from cycloid_mj.units import MICROMETRES
+from cycloid_mj.geometry import profile
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.samples import Samples, alike
 
 BLOCK = 512
 """Samples that are drawn together. The draws are those of a block of this size."""

@@ -6,10 +6,10 @@ from typing import Literal
 
 import numpy as np
 
-from cycloid_mj.loaded.samples import Figures, Samples, backlash, solve_samples
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.types import Array
-from cycloid_mj.units import ARCMINUTE, ARCSECONDS
+from cycloid_mj.base.types import Array
+from cycloid_mj.base.units import ARCMINUTE, ARCSECONDS
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.samples import Figures, Samples, backlash, solve_samples
 
 ANGLES = 360
 """Crank angles at which every sample is balanced."""

@@ -5,11 +5,11 @@ import operator
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from cycloid_mj.base.digits import significant
+from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.design import Design, declared, override, value_of
-from cycloid_mj.digits import significant
-from cycloid_mj.errors import DesignError, UsageError
 from cycloid_mj.explore.points import Value
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
 
 _EXAMPLE = "'output.hole_radius_mm=output.pin_radius_mm+gear.eccentricity_mm'"
 

@@ -4,13 +4,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from cycloid_mj.base.types import Array, Mask
+from cycloid_mj.base.units import MICROMETRES
 from cycloid_mj.explore.draw import Block, departures, put, unchecked_design
 from cycloid_mj.explore.zone import Zone
-from cycloid_mj.loaded.samples import alike
-from cycloid_mj.mechanism.limits import tightest
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.types import Array, Mask
-from cycloid_mj.units import MICROMETRES
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.limits import tightest
+from cycloid_mj.statics.samples import alike
 
 JAM_SHARE = 0.01
 """A sample jams where a preload is more than this share of the same pair's largest force under the rated torque, or

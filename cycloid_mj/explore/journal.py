@@ -10,11 +10,11 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import IO, Any
 
-from cycloid_mj.errors import CycloidError, UsageError
+from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.base.interrupt import unbroken
+from cycloid_mj.base.replacing import as_own
+from cycloid_mj.base.whole import write_whole
 from cycloid_mj.explore.row import Row
-from cycloid_mj.interrupt import unbroken
-from cycloid_mj.replacing import as_own
-from cycloid_mj.whole import write_whole
 
 SWEEP = "sweep"
 """Name of a study, and of its files."""

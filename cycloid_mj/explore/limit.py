@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.errors import UsageError
-from cycloid_mj.types import Array, Mask
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.types import Array, Mask
 
 
 @dataclass(frozen=True)

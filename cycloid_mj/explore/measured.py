@@ -6,15 +6,15 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
-from cycloid_mj.contact.massless import assumptions as massless_assumptions
-from cycloid_mj.contact.massless import massless
-from cycloid_mj.contact.working import own_load
-from cycloid_mj.errors import DesignError, RunError, UsageError
-from cycloid_mj.frame import Cell
+from cycloid_mj.base.errors import DesignError, RunError, UsageError
+from cycloid_mj.base.frame import Cell
+from cycloid_mj.base.result import Quantity
+from cycloid_mj.base.units import ARCMINUTE, MILLIMETRES, with_unit
+from cycloid_mj.dynamics.massless import assumptions as massless_assumptions
+from cycloid_mj.dynamics.massless import massless
 from cycloid_mj.measure import MEASURES
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.result import Quantity
-from cycloid_mj.units import ARCMINUTE, MILLIMETRES, with_unit
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.working import own_load
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ def _of_quantities(quantities: Iterable[Quantity], **more: Any) -> Measured:
 
 
 def _statics(reducer: Reducer, _: Options) -> Measured:
-    from cycloid_mj.loaded.sheet import sheet
+    from cycloid_mj.statics.sheet import sheet
 
     found = sheet(reducer)
     return _of_quantities(found.quantities.values(), assumptions=found.assumptions)
@@ -68,7 +68,7 @@ def _measure(name: str, reducer: Reducer, options: Options) -> Measured:
 def _simulate(reducer: Reducer, options: Options) -> Measured:
     """Run a design over its own course; under a load, without the inertia of its pins, unless they are to stay real."""
     from cycloid_mj.analysis import analyze
-    from cycloid_mj.run import MOST_STEPS, schedule, simulate
+    from cycloid_mj.dynamics.run import MOST_STEPS, schedule, simulate
 
     if reducer.design.drive.speed == 0.0:
         raise DesignError("drive.speed_rpm is 0: the crank would stand still; give another speed, such as 1640")

@@ -7,10 +7,12 @@ from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 
+from cycloid_mj.base.engine import Engine, Progress, silent, versions
+from cycloid_mj.base.errors import CycloidError, DesignError, RunError
+from cycloid_mj.base.frame import write_csv, write_parquet
+from cycloid_mj.base.whole import write_whole
 from cycloid_mj.checks import require_sound
 from cycloid_mj.design import Design, dump
-from cycloid_mj.engine import Engine, Progress, silent, versions
-from cycloid_mj.errors import CycloidError, DesignError, RunError
 from cycloid_mj.explore.draw import tolerances
 from cycloid_mj.explore.journal import journal
 from cycloid_mj.explore.optimum import Checked, Optimum
@@ -20,10 +22,8 @@ from cycloid_mj.explore.row import Row
 from cycloid_mj.explore.search import Point, searched
 from cycloid_mj.explore.tolerances import tolerance
 from cycloid_mj.explore.verify import verified
-from cycloid_mj.frame import write_csv, write_parquet
-from cycloid_mj.loaded.sheet import Sheet, sheet
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.whole import write_whole
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.sheet import Sheet, sheet
 
 STUDY = "optimize"
 HISTORY, BEST = "history.csv", "best.toml"

@@ -7,18 +7,18 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.frame import Cell, Frame, Tabular, framed
+from cycloid_mj.base.result import Quantity, Table
 from cycloid_mj.checks import check
 from cycloid_mj.design import Design, declared
 from cycloid_mj.design.units import unit_of
-from cycloid_mj.errors import DesignError
 from cycloid_mj.explore.problem import FEASIBLE, REFUSED, VIOLATION, Problem
 from cycloid_mj.explore.quantities import catalogue
 from cycloid_mj.explore.row import Row
 from cycloid_mj.explore.tolerances import VERIFIED_HEADER, Tolerances
 from cycloid_mj.explore.verify import Verified, table_rows
-from cycloid_mj.frame import Cell, Frame, Tabular, framed
-from cycloid_mj.loaded.sheet import Sheet
-from cycloid_mj.result import Quantity, Table
+from cycloid_mj.statics.sheet import Sheet
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,11 +13,11 @@ from typing import Any, Literal
 import numpy as np
 from pydantic.fields import FieldInfo
 
+from cycloid_mj.base.digits import significant
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.replacing import as_input
+from cycloid_mj.base.types import Array
 from cycloid_mj.design import declared
-from cycloid_mj.digits import significant
-from cycloid_mj.errors import UsageError
-from cycloid_mj.replacing import as_input
-from cycloid_mj.types import Array
 
 MOST_POINTS = 1_000_000
 

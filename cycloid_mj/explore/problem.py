@@ -6,14 +6,14 @@ import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from cycloid_mj.base.errors import CycloidError, CycloidWarning, DesignError, UsageError
 from cycloid_mj.design import Design, declared, override, value_of
-from cycloid_mj.errors import CycloidError, CycloidWarning, DesignError, UsageError
 from cycloid_mj.explore.followers import Follower, by_themselves, followed, following
 from cycloid_mj.explore.limit import FigureLimit, limit
 from cycloid_mj.explore.points import Value, Wanted, all_values, axis_of
 from cycloid_mj.explore.quantities import catalogue, figures, known, refusals
 from cycloid_mj.explore.row import Row, one_line
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
 
 MOST_OBJECTIVES = 2
 MOST_COMBINATIONS = 2000

@@ -3,14 +3,14 @@
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping
 
-from cycloid_mj import profile
+from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.result import Quantity, keyed
+from cycloid_mj.base.units import ARCMINUTE, MILLIMETRES
 from cycloid_mj.checks import WALLS, check, masses, soundness, summary
 from cycloid_mj.design import PRESETS
-from cycloid_mj.errors import CycloidError
-from cycloid_mj.loaded.sheet import PARTS_OF_SHEET, sheet_part
-from cycloid_mj.mechanism.whole import Reducer, once
-from cycloid_mj.result import Quantity, keyed
-from cycloid_mj.units import ARCMINUTE, MILLIMETRES
+from cycloid_mj.geometry import profile
+from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.statics.sheet import PARTS_OF_SHEET, sheet_part
 
 
 def _geometry(reducer: Reducer) -> dict[str, Quantity]:

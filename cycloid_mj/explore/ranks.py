@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.errors import UsageError
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.result import Table
+from cycloid_mj.base.types import Array
 from cycloid_mj.explore.sweeps import Sweep
-from cycloid_mj.result import Table
-from cycloid_mj.types import Array
 
 FEWEST = 3
 """Points of which a rank correlation says anything."""

@@ -5,13 +5,13 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from cycloid_mj.base.errors import CycloidError, CycloidWarning
+from cycloid_mj.base.frame import Cell
 from cycloid_mj.design import override
-from cycloid_mj.errors import CycloidError, CycloidWarning
 from cycloid_mj.explore.followers import Follower, followed, values_of
 from cycloid_mj.explore.measured import MEASURED, Measured, Options
 from cycloid_mj.explore.points import Value
-from cycloid_mj.frame import Cell
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
 
 
 @dataclass(frozen=True)

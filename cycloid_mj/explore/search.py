@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from cycloid_mj.digits import significant
+from cycloid_mj.base.digits import significant
+from cycloid_mj.base.types import Array
 from cycloid_mj.explore.points import Value
 from cycloid_mj.explore.problem import FEASIBLE, VIOLATION, Problem
 from cycloid_mj.explore.row import Row
-from cycloid_mj.types import Array
 
 WIDTH, LOCAL_WIDTH = 0.25, 0.03
 """First standard deviation of a search, and of one about the best point, as shares of the ranges."""

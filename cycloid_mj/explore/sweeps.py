@@ -10,17 +10,17 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
+from cycloid_mj.base.engine import Engine, Progress, silent, versions
+from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.base.frame import Cell, Frame, Tabular, framed, write_csv, write_parquet
 from cycloid_mj.design import Design, declared, dump
 from cycloid_mj.design.units import unit_of
-from cycloid_mj.engine import Engine, Progress, silent, versions
-from cycloid_mj.errors import CycloidError, UsageError
 from cycloid_mj.explore.followers import following
 from cycloid_mj.explore.journal import journal
 from cycloid_mj.explore.measured import Options, require_measures
 from cycloid_mj.explore.points import Method, Points, Wanted, grid, sampled, tabled
 from cycloid_mj.explore.row import Row, Task, measured_row
-from cycloid_mj.frame import Cell, Frame, Tabular, framed, write_csv, write_parquet
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
 
 POINT, WARNINGS, ERROR, CPU, VERSIONS = "point", "warnings", "error", "cpu_s", "versions"
 """Columns that every sweep has."""

@@ -7,9 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from cycloid_mj.base.engine import Engine, Progress, silent
+from cycloid_mj.base.errors import RunError, UsageError
+from cycloid_mj.base.frame import Frame, Tabular
+from cycloid_mj.base.result import Table
+from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.design import Design
-from cycloid_mj.engine import Engine, Progress, silent
-from cycloid_mj.errors import RunError, UsageError
 from cycloid_mj.explore.budget import SAMPLES as BUDGET_SAMPLES
 from cycloid_mj.explore.budget import Share, budget_blocks, shares
 from cycloid_mj.explore.draw import (
@@ -31,11 +34,8 @@ from cycloid_mj.explore.jam import PRELOADS, cause, jams_of, pressed_pairs
 from cycloid_mj.explore.limit import FigureLimit, limit
 from cycloid_mj.explore.verify import Verified, table_rows, verified
 from cycloid_mj.explore.zone import Zone
-from cycloid_mj.frame import Frame, Tabular
-from cycloid_mj.loaded.samples import alike
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.result import Table
-from cycloid_mj.types import Array, Mask
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.samples import alike
 
 THREADS = Engine(kind="threads")
 """Samples are balanced by compiled code that releases Python's lock."""

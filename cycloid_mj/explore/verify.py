@@ -6,14 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.errors import CycloidError
+from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.units import ARCSECONDS
 from cycloid_mj.explore.figures import FIGURES, figures_of
-from cycloid_mj.loaded.samples import alike
 from cycloid_mj.measure.pressed import pressed
 from cycloid_mj.measure.steady import SETTLED, steady, steady_design
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.member import output_angle
-from cycloid_mj.units import ARCSECONDS
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.member import output_angle
+from cycloid_mj.statics.samples import alike
 
 KINDS = {"output_pin_force_n": "output", "cam_force_n": "cam"}
 

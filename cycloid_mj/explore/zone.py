@@ -11,8 +11,8 @@ from typing import Literal
 import numpy as np
 from scipy.special import ndtri
 
-from cycloid_mj.errors import DesignError
-from cycloid_mj.types import Array
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.types import Array
 
 ZONE_SIGMAS = 6.0
 """Standard deviations in a zone that a process keeps: 3 parts in 1000 lie beyond."""

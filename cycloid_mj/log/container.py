@@ -22,7 +22,7 @@ from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, Metadata, Schema
 
-from cycloid_mj.errors import LogError
+from cycloid_mj.base.errors import LogError
 
 Bytes = npt.NDArray[np.uint8]
 

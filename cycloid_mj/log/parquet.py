@@ -3,11 +3,11 @@
 import os
 from collections.abc import Sequence
 
-from cycloid_mj.errors import LogError
-from cycloid_mj.frame import Frame
-from cycloid_mj.frame import write_parquet as write_frame
+from cycloid_mj.base.errors import LogError
+from cycloid_mj.base.frame import Frame
+from cycloid_mj.base.frame import write_parquet as write_frame
+from cycloid_mj.base.record import Run
 from cycloid_mj.log.encoding import TIME
-from cycloid_mj.record import Run
 
 
 def write_parquet(run: Run, path: str | os.PathLike[str], columns: Sequence[str] | None = None) -> None:

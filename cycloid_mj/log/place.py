@@ -12,9 +12,9 @@ from itertools import count
 from pathlib import Path
 from typing import BinaryIO
 
-from cycloid_mj.errors import LogError
-from cycloid_mj.replacing import claim
-from cycloid_mj.whole import hidden_beside
+from cycloid_mj.base.errors import LogError
+from cycloid_mj.base.replacing import claim
+from cycloid_mj.base.whole import hidden_beside
 
 
 class LogTakenError(LogError):

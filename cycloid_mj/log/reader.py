@@ -12,13 +12,13 @@ import numpy as np
 import numpy.typing as npt
 from mcap.opcode import Opcode
 
-from cycloid_mj.errors import LogError
+from cycloid_mj.base.errors import LogError
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.replacing import as_input
 from cycloid_mj.log import container
 from cycloid_mj.log.encoding import FORMAT, PACKAGE, TIME, Group, group_of
 from cycloid_mj.log.preamble import PROVENANCE, lost
 from cycloid_mj.log.viewer import RATE
-from cycloid_mj.record import Run
-from cycloid_mj.replacing import as_input
 
 Bytes = npt.NDArray[np.uint8]
 

@@ -13,14 +13,14 @@ import numpy as np
 import numpy.typing as npt
 from mcap.writer import Writer
 
-from cycloid_mj.errors import LogError
-from cycloid_mj.interrupt import unbroken
+from cycloid_mj.base.errors import LogError
+from cycloid_mj.base.interrupt import unbroken
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.types import Array
 from cycloid_mj.log.encoding import PACKAGE, Group
 from cycloid_mj.log.place import LogTakenError, Place, unwritable
 from cycloid_mj.log.preamble import Metadata, preamble, storable
 from cycloid_mj.log.viewer import RATE, Message, Viewer, due
-from cycloid_mj.record import Run
-from cycloid_mj.types import Array
 
 MEDIA_TYPES = {".json": "application/json", ".toml": "application/toml", ".xml": "application/xml"}
 WHOLE_CHUNKS_ONLY = 1 << 62  # mcap's own limit on chunks, out of the way: chunks end here, between two samples

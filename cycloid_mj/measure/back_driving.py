@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.contact.working import at_rated_load
-from cycloid_mj.course import Course, braking
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.mjcf import build
-from cycloid_mj.record import Run
-from cycloid_mj.run import simulate
+from cycloid_mj.base.record import Run
+from cycloid_mj.dynamics.course import Course, braking
+from cycloid_mj.dynamics.mjcf import build
+from cycloid_mj.dynamics.run import simulate
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.working import at_rated_load
 
 GROWTH, GROWS_FOR = 0.025, 0.04
 """The torque from rest grows to this share of the rated output torque, over this time [s]."""

@@ -11,20 +11,19 @@ from typing import Any
 
 import numpy as np
 
-from cycloid_mj.contact.swing import moving_inertia
-from cycloid_mj.contact.working import at_rated_load, working_forces_told
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.result import Curve, Quantity, keyed
+from cycloid_mj.base.types import Array
+from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.design import Design, Errors, Modification
-from cycloid_mj.errors import UsageError
+from cycloid_mj.dynamics.swing import moving_inertia
 from cycloid_mj.measure import bench, play
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
-from cycloid_mj.mechanism import limits
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.record import Run
-from cycloid_mj.result import Curve, Quantity, keyed
-from cycloid_mj.types import Array
-from cycloid_mj.units import ARCMINUTE
+from cycloid_mj.reducer import Reducer, limits
+from cycloid_mj.statics.working import at_rated_load, working_forces_told
 
 ANGLES, QUICK_ANGLES = 8, 2
 PRESS = 0.0025

@@ -12,20 +12,21 @@ from dataclasses import replace
 
 import numpy as np
 
-from cycloid_mj import names, statics
-from cycloid_mj.contact.law import IMPRATIO, pair_stiffness
-from cycloid_mj.contact.regime import at_rest
-from cycloid_mj.contact.working import working_force
-from cycloid_mj.course import Signal, locked_crank
+from cycloid_mj.base import names
+from cycloid_mj.base.errors import ContactError, RunError
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.types import Array
 from cycloid_mj.design import Drive, Friction, Load, Settings
-from cycloid_mj.errors import ContactError, RunError
-from cycloid_mj.mechanism.whole import Reducer, once
-from cycloid_mj.member import gear_angle, output_angle
-from cycloid_mj.mjcf import ReducerModel, build
-from cycloid_mj.record import Run
-from cycloid_mj.run import simulate
-from cycloid_mj.solid.gear import tooth_profile
-from cycloid_mj.types import Array
+from cycloid_mj.dynamics.course import Signal, locked_crank
+from cycloid_mj.dynamics.mjcf import ReducerModel, build
+from cycloid_mj.dynamics.regime import at_rest
+from cycloid_mj.dynamics.run import simulate
+from cycloid_mj.geometry import ideal_loads
+from cycloid_mj.parts.gear import tooth_profile
+from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.reducer.member import gear_angle, output_angle
+from cycloid_mj.statics.law import IMPRATIO, pair_stiffness
+from cycloid_mj.statics.working import working_force
 
 """One minute of arc [rad]."""
 
@@ -77,7 +78,7 @@ def step(reducer: Reducer, torque: float) -> float:
     held = min(design.friction_of("pin_gear"), design.friction_of(kind)) > 0.0
     bore = ring.sleeve_bore_radius if ring.has_sleeves else 0.0
     mass = math.pi * (ring.pin_radius**2 - bore**2) * design.gear.face_width * design.material_of("pin").density
-    force = float(statics.ideal_load_sharing(tooth_profile(design), abs(torque), 0.0).forces.max())
+    force = float(ideal_loads.ideal_load_sharing(tooth_profile(design), abs(torque), 0.0).forces.max())
     bowl = force / (design.pin_play + force / pair_stiffness(reducer, kind))
     return min(LONGEST_STEP, (HELD_SHARE if held else STEP_SHARE) * 2.0 * math.sqrt(mass / bowl))
 

@@ -7,13 +7,13 @@ speed, and that damps it; in the mean the slope takes nothing, as the output hol
 import math
 from dataclasses import replace
 
-from cycloid_mj.contact.working import working_at
-from cycloid_mj.course import braked_output, rising
+from cycloid_mj.base.names import DRIVE
+from cycloid_mj.base.record import Run
+from cycloid_mj.dynamics.course import braked_output, rising
+from cycloid_mj.dynamics.mjcf import ReducerModel, build
 from cycloid_mj.measure.steady import steady
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.mjcf import ReducerModel, build
-from cycloid_mj.names import DRIVE
-from cycloid_mj.record import Run
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.working import working_at
 
 DECAY = 2e-3
 """Time [s] in which the motor's slope lets the ringing fall to 1/e: with the paper's motor, 5 % of its speed take all

@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from typing import Any
 
+from cycloid_mj.base.names import DRAGS
+from cycloid_mj.base.result import Table
 from cycloid_mj.measure.published import Published
 from cycloid_mj.measure.steady import Powers
-from cycloid_mj.names import DRAGS
-from cycloid_mj.result import Table
 
 TEETH = ("pin_gear", "pin_socket", "pin_sleeve", "tooth")
 DAMPING = "damping of all contacts"

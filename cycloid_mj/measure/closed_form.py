@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.loaded.friction import ideal_losses
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.member import seen_from_ring
-from cycloid_mj.solid import gear_solid, mass_properties
+from cycloid_mj.parts import gear_solid, mass_properties
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.member import seen_from_ring
+from cycloid_mj.statics.friction import ideal_losses
 
 CRANK_ANGLES = 360
 AS_BUILT = (

@@ -1,8 +1,8 @@
 """What the measures that turn the crank set alike: time step, speed, load and rate of their runs."""
 
-from cycloid_mj.contact.timestep import timestep
-from cycloid_mj.errors import DesignError
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.dynamics.timestep import timestep
+from cycloid_mj.reducer import Reducer
 
 """One turn a minute [rad/s]."""
 LOG_RATE = 20e3

@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from cycloid_mj.contact.massless import assumptions
-from cycloid_mj.contact.working import at_rated_load, working_forces_told
+from cycloid_mj.base.result import Curve, Quantity, Table, keyed
+from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Design
+from cycloid_mj.dynamics.massless import assumptions
 from cycloid_mj.measure import build_up, spread
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency, wang_efficiency
 from cycloid_mj.measure.conditions import drag_told
@@ -18,9 +19,8 @@ from cycloid_mj.measure.pool import Progress, silent
 from cycloid_mj.measure.published import Published
 from cycloid_mj.measure.sensitivity import friction_for
 from cycloid_mj.measure.steady import steady_design, whole_periods
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.result import Curve, Quantity, Table, keyed
-from cycloid_mj.units import RPM
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.working import at_rated_load, working_forces_told
 
 TORQUES, SPEEDS = (0.25, 0.5, 1.0), (0.5, 1.0, 1.5)
 """Points of the map: shares of the rated output torque, without losses, and of the design's speed."""

@@ -4,7 +4,8 @@ from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from cycloid_mj.contact.massless import massless
+from cycloid_mj.base.record import Run
+from cycloid_mj.dynamics.massless import massless
 from cycloid_mj.measure import sensitivity
 from cycloid_mj.measure.back_driving import BreakAway, break_away
 from cycloid_mj.measure.braked import braked_run
@@ -14,8 +15,7 @@ from cycloid_mj.measure.pool import Progress, run_all
 from cycloid_mj.measure.spread import PERIODS as SPREAD_PERIODS
 from cycloid_mj.measure.spread import Moved, inputs, moved
 from cycloid_mj.measure.steady import SETTLED, Powers, first_half, powers, steady, whole_periods
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.record import Run
+from cycloid_mj.reducer import Reducer
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,17 +13,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj import course
-from cycloid_mj.contact.swing import closed_stiffness, moving_inertia
-from cycloid_mj.loaded.windup import LOST_MOTION_SHARE, STRAIGHT
+from cycloid_mj.base.names import FRICTION_POWER, NORMAL_POWER
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.types import Array
+from cycloid_mj.dynamics import course
+from cycloid_mj.dynamics.swing import closed_stiffness, moving_inertia
 from cycloid_mj.measure import bench
-from cycloid_mj.mechanism import limits
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.member import sense
-from cycloid_mj.names import FRICTION_POWER, NORMAL_POWER
-from cycloid_mj.record import Run
-from cycloid_mj.structure import wind_up
-from cycloid_mj.types import Array
+from cycloid_mj.reducer import Reducer, limits
+from cycloid_mj.reducer.member import sense
+from cycloid_mj.statics.structure import wind_up
+from cycloid_mj.statics.windup import LOST_MOTION_SHARE, STRAIGHT
 
 POWER = 5
 TO_ZERO = (0.005, 0.015)

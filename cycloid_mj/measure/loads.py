@@ -6,28 +6,28 @@ from dataclasses import replace
 
 import numpy as np
 
-from cycloid_mj import statics
-from cycloid_mj.contact.pressure import HERTZ_REACH, SHAKEDOWN_PRESSURE, YIELD_PRESSURE, pair_strength
-from cycloid_mj.contact.swing import deepest
-from cycloid_mj.contact.working import STRIBECK, working_forces_told
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.result import Curve, Quantity, keyed
+from cycloid_mj.base.types import Array
+from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Design
-from cycloid_mj.errors import UsageError
-from cycloid_mj.loaded.bearings import reaction_quantities, spatial
-from cycloid_mj.loaded.ideal import ideal_peak
-from cycloid_mj.loaded.sheet import disc_shares
+from cycloid_mj.dynamics.swing import deepest
+from cycloid_mj.geometry import ideal_loads
+from cycloid_mj.geometry.profile import unit
 from cycloid_mj.measure.conditions import halved
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.pressed import CARRIES, Pressed, pressed
 from cycloid_mj.measure.steady import SETTLED, steady, steady_design
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.member import against_ring
-from cycloid_mj.profile import unit
-from cycloid_mj.record import Run
-from cycloid_mj.result import Curve, Quantity, keyed
-from cycloid_mj.solid.gear import tooth_profile
-from cycloid_mj.types import Array
-from cycloid_mj.units import RPM
+from cycloid_mj.parts.gear import tooth_profile
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.member import against_ring
+from cycloid_mj.statics.bearings import reaction_quantities, spatial
+from cycloid_mj.statics.ideal import ideal_peak
+from cycloid_mj.statics.pressure import HERTZ_REACH, SHAKEDOWN_PRESSURE, YIELD_PRESSURE, pair_strength
+from cycloid_mj.statics.sheet import disc_shares
+from cycloid_mj.statics.working import STRIBECK, working_forces_told
 
 CHECKED = 2
 """Mesh periods of the runs with half the step, and of those that find the capacity."""
@@ -307,7 +307,7 @@ def _shared(reducer: Reducer, crank: Array) -> Array:
     design = reducer.design
     torque = reducer.share * math.copysign(design.load.torque, design.drive.speed) / design.gear.discs
     gear, turned = tooth_profile(design), against_ring(design, crank)
-    each = [statics.ideal_load_sharing(gear, torque, turned + phase).forces for phase in reducer.phases]
+    each = [ideal_loads.ideal_load_sharing(gear, torque, turned + phase).forces for phase in reducer.phases]
     return np.concatenate(each, axis=1)
 
 

@@ -1,15 +1,15 @@
 """Lost motion, torsional stiffness and friction's hysteresis: a slow torque loop at the output, the crank locked."""
 
-from cycloid_mj.contact.working import working_at, working_forces_told
+from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.design import Design
-from cycloid_mj.errors import RunError, UsageError
-from cycloid_mj.loaded.windup import Windup, windups
 from cycloid_mj.measure import bench, hysteresis
 from cycloid_mj.measure.lost_motion_table import Found, by_angle, curves, quantities
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.structure import structure_told
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.structure import structure_told
+from cycloid_mj.statics.windup import Windup, windups
+from cycloid_mj.statics.working import working_at, working_forces_told
 
 ANGLES, QUICK_ANGLES = 6, 2
 SLOWER, FINER = 2.0, 4.0

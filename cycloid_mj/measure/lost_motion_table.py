@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from cycloid_mj.loaded.windup import LOST_MOTION_SHARE, SERIES, Windup, in_series
+from cycloid_mj.base.result import Curve, Quantity, keyed
+from cycloid_mj.base.types import Array, Mask
+from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.measure import bench, play
 from cycloid_mj.measure.hysteresis import Loop
 from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.result import Curve, Quantity, keyed
-from cycloid_mj.types import Array, Mask
-from cycloid_mj.units import ARCMINUTE
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.windup import LOST_MOTION_SHARE, SERIES, Windup, in_series
 
 STATICS, RIGID = "statics: springs in balance", "rigid contacts: linear programme"
 IDEAL = "without friction and weight"

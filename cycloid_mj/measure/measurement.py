@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.result import Curve, Quantity, Table
 from cycloid_mj.design import Design, material_limits
-from cycloid_mj.record import Run
-from cycloid_mj.result import Curve, Quantity, Table
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,8 +13,8 @@ from typing import Any, Literal
 import numpy as np
 
 from cycloid_mj.analysis.spectrum import Orders
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.types import Array, Integers, Mask
+from cycloid_mj.base.types import Array, Integers, Mask
+from cycloid_mj.reducer import Reducer
 
 Place = Literal["gear", "stage"]
 """Where an error shows: in the gear's turn, or in the output's turn against the gear's, the stage of output pins."""

@@ -1,7 +1,7 @@
 """How far the output of a rigid reducer turns at a locked crank: the closed forms of backlash.
 
 Rigid contacts only push and parts move by micrometres, so the stops of the output are the ends of a linear programme
-(``mechanism.limits``). Its dual is statics: half the backlash is the least sum of F_i delta_i over all loads F_i >= 0
+(``reducer.limits``). Its dual is statics: half the backlash is the least sum of F_i delta_i over all loads F_i >= 0
 that balance a unit torque on the output. With one clearance alone this has a closed form (`parts_alone`):
 
 - teeth, and pins in their sockets or sleeves, which are in series with them: the force per torque is least on the
@@ -14,11 +14,11 @@ that balance a unit torque on the output. With one clearance alone this has a cl
 
 import numpy as np
 
-from cycloid_mj.mechanism.gaps import gaps
-from cycloid_mj.mechanism.limits import CAM_SIDES, stops
-from cycloid_mj.mechanism.whole import Reducer, once
-from cycloid_mj.member import against_ring
-from cycloid_mj.types import Array
+from cycloid_mj.base.types import Array
+from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.reducer.gaps import gaps
+from cycloid_mj.reducer.limits import CAM_SIDES, stops
+from cycloid_mj.reducer.member import against_ring
 
 COARSE_SIDES = 180
 """Sides of the polygon around the cam's play over a whole turn, where many angles are solved: larger by 1.6e-4."""

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping
 from typing import TypeVar
 
-from cycloid_mj.engine import Engine, Progress, silent
+from cycloid_mj.base.engine import Engine, Progress, silent
 
 __all__ = ["Progress", "each", "run_all", "silent"]
 

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj import envelope
-from cycloid_mj.contact.pressure import hertz_holds, hertz_pressure, line_curvature, line_share
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.member import against_ring
-from cycloid_mj.record import Run
-from cycloid_mj.solid.gear import tooth_profile
-from cycloid_mj.types import Array, Mask
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.types import Array, Mask
+from cycloid_mj.geometry import envelope
+from cycloid_mj.parts.gear import tooth_profile
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.member import against_ring
+from cycloid_mj.statics.pressure import hertz_holds, hertz_pressure, line_curvature, line_share
 
 CARRIES = 0.01
 """A contact carries where its force is at least this share of the largest of its kind."""

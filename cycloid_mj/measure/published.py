@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cycloid_mj.result import Quantity, Table
+from cycloid_mj.base.result import Quantity, Table
 
 
 @dataclass(frozen=True)

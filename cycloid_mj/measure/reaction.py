@@ -4,12 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.loaded.bearings import Reactions, spatial
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.names import CAM, FORCE_X, FORCE_Y, GEAR, HOUSING, OUTPUT, SHAFT, column
-from cycloid_mj.profile import unit
-from cycloid_mj.record import Run
-from cycloid_mj.solid import (
+from cycloid_mj.base.names import CAM, FORCE_X, FORCE_Y, GEAR, HOUSING, OUTPUT, SHAFT, column
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.types import Array
+from cycloid_mj.geometry.profile import unit
+from cycloid_mj.parts import (
     MassProperties,
     Solid,
     body_solids,
@@ -19,7 +18,8 @@ from cycloid_mj.solid import (
     moving_masses,
     pin_solid,
 )
-from cycloid_mj.types import Array
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.bearings import Reactions, spatial
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
+from cycloid_mj.base.result import Curve, Table
 from cycloid_mj.design import Design
 from cycloid_mj.measure.published import Published
 from cycloid_mj.measure.steady import steady_design
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.result import Curve, Table
+from cycloid_mj.reducer import Reducer
 
 SLIDING = (0.0, 0.1)
 """Coefficients of one sliding pair, tried one pair at a time."""

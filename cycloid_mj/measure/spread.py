@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from cycloid_mj.contact.law import pair_stiffness
+from cycloid_mj.base.result import Table
 from cycloid_mj.design import Design
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.result import Table
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.law import pair_stiffness
 
 PLAY = (0.5, 2.0)
 """Factors on a clearance: what a drawing says against what a gauge finds."""

@@ -6,15 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.analysis.doubts import unbalanced
-from cycloid_mj.contact.swing import slowness
-from cycloid_mj.course import Course
-from cycloid_mj.errors import warn
+from cycloid_mj.base.errors import warn
+from cycloid_mj.base.names import FRICTION_POWER, NORMAL_POWER
+from cycloid_mj.base.record import Run
+from cycloid_mj.dynamics.course import Course
+from cycloid_mj.dynamics.mjcf import ReducerModel
+from cycloid_mj.dynamics.run import simulate
+from cycloid_mj.dynamics.swing import slowness
 from cycloid_mj.measure.conditions import LOG_RATE, require_motion
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.mjcf import ReducerModel
-from cycloid_mj.names import FRICTION_POWER, NORMAL_POWER
-from cycloid_mj.record import Run
-from cycloid_mj.run import simulate
+from cycloid_mj.reducer import Reducer
 
 SETTLED = 0.01
 """Time [s] after which a run under a held crank counts: the load's rise, and the time that it takes to ring out."""

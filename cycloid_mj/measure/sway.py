@@ -11,18 +11,18 @@ import numpy as np
 
 from cycloid_mj.analysis import series
 from cycloid_mj.analysis.spectrum import thinned
+from cycloid_mj.base.names import GEAR, PEAK_FORCE, SHAFT, column, gears, planar_speeds
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.types import Array
+from cycloid_mj.base.units import RPM
 from cycloid_mj.comparison.vibration import acceleration
-from cycloid_mj.contact.swing import slowness
+from cycloid_mj.dynamics.mjcf import ReducerModel
+from cycloid_mj.dynamics.run import simulate
+from cycloid_mj.dynamics.swing import slowness
 from cycloid_mj.measure.conditions import LOG_RATE
 from cycloid_mj.measure.reaction import masses, of_discs, reaction, shaft_acceleration, without_counterweight
 from cycloid_mj.measure.trace import RISE, SETTLING, pressed
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.mjcf import ReducerModel
-from cycloid_mj.names import GEAR, PEAK_FORCE, SHAFT, column, gears, planar_speeds
-from cycloid_mj.record import Run
-from cycloid_mj.run import simulate
-from cycloid_mj.types import Array
-from cycloid_mj.units import RPM
+from cycloid_mj.reducer import Reducer
 
 FASTER = 10
 """Samples taken for each one that is kept, or as many as there are steps."""

@@ -9,21 +9,21 @@ from itertools import product
 
 import numpy as np
 
-from cycloid_mj.contact.working import working_at, working_forces_told
+from cycloid_mj.base.result import keyed
+from cycloid_mj.base.units import ARCSECONDS, RPM
 from cycloid_mj.design import Design
-from cycloid_mj.loaded import transmission_error
+from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.measure import te_table
 from cycloid_mj.measure.conditions import DRAG, halved, require_motion
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.orders import causes
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.trace import Case, Errors, Trace, own, trace
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.member import sense, turns_of_crank
-from cycloid_mj.mjcf import build
-from cycloid_mj.result import keyed
-from cycloid_mj.structure import structure_told
-from cycloid_mj.units import ARCSECONDS, RPM
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.member import sense, turns_of_crank
+from cycloid_mj.statics import transmission_error
+from cycloid_mj.statics.structure import structure_told
+from cycloid_mj.statics.working import working_at, working_forces_told
 
 CHECKED = 3
 """Mesh periods that are run again with half the step."""

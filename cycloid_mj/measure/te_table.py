@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.analysis.spectrum import Orders, periodic_orders
+from cycloid_mj.base.result import Curve, Quantity
+from cycloid_mj.base.types import Array
 from cycloid_mj.measure.orders import causes
 from cycloid_mj.measure.trace import Case, Errors, Trace
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.member import sense
-from cycloid_mj.result import Curve, Quantity
-from cycloid_mj.types import Array
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.member import sense
 
 HIGHEST = 3
 """Mesh orders up to which orders are told."""

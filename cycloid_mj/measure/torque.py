@@ -8,9 +8,11 @@ from functools import partial
 import numpy as np
 
 from cycloid_mj.analysis.spectrum import tapered_orders
-from cycloid_mj.contact.massless import assumptions, massless
-from cycloid_mj.contact.working import working_at, working_forces_told
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.result import Curve, Quantity, keyed
+from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Design
+from cycloid_mj.dynamics.massless import assumptions, massless
 from cycloid_mj.measure import build_up, sensitivity, spread, steady
 from cycloid_mj.measure.braked import DECAY, braked_run
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency
@@ -21,10 +23,8 @@ from cycloid_mj.measure.published import Published, friction_quantities, tables
 from cycloid_mj.measure.sensitivity import Variation
 from cycloid_mj.measure.spread import Moved
 from cycloid_mj.measure.steady import Powers, first_half, powers, steady_design, whole_periods
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.record import Run
-from cycloid_mj.result import Curve, Quantity, keyed
-from cycloid_mj.units import RPM
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.working import working_at, working_forces_told
 
 PERIODS, QUICK_PERIODS = 12, 4
 """Fewest mesh periods of the main run: a third of a crank turn, or less."""

@@ -4,17 +4,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cycloid_mj.contact.swing import slowness
-from cycloid_mj.course import Course, braking, load_torque, servo_target
-from cycloid_mj.kinematics import CrankLaw
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.types import Array
+from cycloid_mj.base.units import ARCSECONDS
+from cycloid_mj.dynamics.course import Course, braking, load_torque, servo_target
+from cycloid_mj.dynamics.mjcf import ReducerModel
+from cycloid_mj.dynamics.run import simulate
+from cycloid_mj.dynamics.swing import slowness
+from cycloid_mj.geometry.kinematics import CrankLaw
 from cycloid_mj.measure import bench
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.mjcf import ReducerModel
-from cycloid_mj.record import Run
-from cycloid_mj.run import simulate
-from cycloid_mj.structure import wind_up
-from cycloid_mj.types import Array
-from cycloid_mj.units import ARCSECONDS
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.structure import wind_up
 
 """In a radian."""
 SETTLING, RISE = 0.020, 0.008

@@ -7,19 +7,19 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.analysis.spectrum import BAND, tapered_orders
-from cycloid_mj.contact.massless import require_pin_bodies
-from cycloid_mj.contact.working import working_at, working_forces_told
+from cycloid_mj.base.result import Curve, Quantity, keyed
+from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Design
+from cycloid_mj.dynamics.massless import require_pin_bodies
+from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.measure.conditions import DRAG, halved, require_motion
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.reaction import unbalance, weight
 from cycloid_mj.measure.sway import Sway, sway
 from cycloid_mj.measure.trace import own
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.mjcf import build
-from cycloid_mj.result import Curve, Quantity, keyed
-from cycloid_mj.units import RPM
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.working import working_at, working_forces_told
 
 SHARES = (0.5, 0.75, 1.0, 1.25, 1.5)
 """Crank speeds of the sweep as shares of the design's."""

@@ -7,14 +7,14 @@ import numpy.typing as npt
 from matplotlib.figure import Figure
 
 from cycloid_mj.analysis import Series, condition, series
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.base.record import Run
 from cycloid_mj.plots.mechanism import mechanism
 from cycloid_mj.plots.motion import gear_speed_figure, input_figure, transmission_error_figure
 from cycloid_mj.plots.pin import pin_figure
 from cycloid_mj.plots.point import path_figure, velocity_figure
 from cycloid_mj.plots.save import FigureError, save
 from cycloid_mj.plots.style import state
-from cycloid_mj.record import Run
+from cycloid_mj.reducer import Reducer
 
 __all__ = ["FigureError", "figures", "mechanism", "save"]
 

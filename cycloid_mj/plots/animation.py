@@ -9,14 +9,14 @@ import numpy.typing as npt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from cycloid_mj.analysis import Series, series
-from cycloid_mj.errors import UsageError
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.member import columns_from_ring, seen_from_ring
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.types import Array
 from cycloid_mj.plots.stage import Script, Stage, set_stage, show
 from cycloid_mj.plots.style import styled
-from cycloid_mj.record import Run
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.member import columns_from_ring, seen_from_ring
 from cycloid_mj.scene import contact_forces, drawing, drawn_radii, gaps, ideal_forces
-from cycloid_mj.types import Array
 
 Image = npt.NDArray[np.uint8]
 

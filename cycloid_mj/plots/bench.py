@@ -3,9 +3,9 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from cycloid_mj.base.units import ARCSECOND, DEGREE
 from cycloid_mj.bench import BenchComparison, Calibration
 from cycloid_mj.plots.style import BLUE, GREY, ORANGE, THEORY, VERMILION, centred, legend_above, sheet, state, styled
-from cycloid_mj.units import ARCSECOND, DEGREE
 
 MEASURED = {"color": BLUE, "linestyle": "none", "marker": ".", "markersize": 2.5}
 MODEL = {"color": VERMILION, "linewidth": 1.1}

@@ -9,9 +9,10 @@ from matplotlib.figure import Figure
 
 from cycloid_mj.analysis import SIGNALS, Series, Signal, condition
 from cycloid_mj.analysis.spectrum import BAND
+from cycloid_mj.base.result import load_words
+from cycloid_mj.base.types import Array
 from cycloid_mj.comparison.forces import cam_force, tooth_forces
 from cycloid_mj.comparison.vibration import spectrum
-from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.plots.style import (
     BLACK,
     BLUE,
@@ -27,8 +28,7 @@ from cycloid_mj.plots.style import (
     turn_degrees,
     typeset,
 )
-from cycloid_mj.result import load_words
-from cycloid_mj.types import Array
+from cycloid_mj.reducer import Reducer
 
 Grid = Sequence[Sequence[Series]]
 

@@ -8,14 +8,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from cycloid_mj.contact.pressure import pair_modulus
-from cycloid_mj.contact.working import at_rated_load, working_force
-from cycloid_mj.contact_lines import ContactLines, contact_lines, mesh_period, pressure
 from cycloid_mj.design import Design
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.modification import tooth_profile
+from cycloid_mj.geometry.contact_lines import ContactLines, contact_lines, mesh_period, pressure
+from cycloid_mj.geometry.modification import tooth_profile
 from cycloid_mj.plots.comparison import COLORS
 from cycloid_mj.plots.style import GREY, crank_axis, keys, sheet, styled
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.pressure import pair_modulus
+from cycloid_mj.statics.working import at_rated_load, working_force
 
 CRANK_ANGLES = 120
 """Crank angles in a mesh period; the lines of all teeth together then lie 1/12 deg of phase apart with 36 teeth."""

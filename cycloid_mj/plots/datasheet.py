@@ -9,11 +9,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.base.result import Curve, Quantity
+from cycloid_mj.life.datasheet import Datasheet
 from cycloid_mj.plots.style import styled
 from cycloid_mj.plots.views import draw_views
-from cycloid_mj.rating.datasheet import Datasheet
-from cycloid_mj.result import Curve, Quantity
+from cycloid_mj.reducer import Reducer
 
 PAGE = (8.27, 11.69)
 """A4 [in]."""

@@ -9,11 +9,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
+from cycloid_mj.base.types import Array
+from cycloid_mj.base.units import unit_suffix
 from cycloid_mj.explore import Sweep
 from cycloid_mj.explore.ranks import number_inputs, ranks
 from cycloid_mj.plots.style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, WIDTH, state, styled, typeset
-from cycloid_mj.types import Array
-from cycloid_mj.units import unit_suffix
 
 COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)
 ROW_HEIGHT = 2.2

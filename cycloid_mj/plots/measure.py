@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 
+from cycloid_mj.base.result import Curve
 from cycloid_mj.measure import Measurement
 from cycloid_mj.plots.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, THEORY, VERMILION, sheet, styled, typeset
-from cycloid_mj.result import Curve
 
 COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, GREY)
 HEIGHT, POLAR_HEIGHT = 1.9, 3.2

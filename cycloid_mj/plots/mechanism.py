@@ -10,14 +10,14 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyArrowPatch, Patch, PathPatch
 from matplotlib.path import Path
 
-from cycloid_mj import kinematics, member
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.names import HOUSING, OUTPUT, SHAFT, gears, planar_joints
+from cycloid_mj.base.names import HOUSING, OUTPUT, SHAFT, gears, planar_joints
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.types import Array
+from cycloid_mj.geometry import kinematics
+from cycloid_mj.parts import VISUAL_CHORD_ERROR, Prism, output_centres, parts, pin_radius, sleeve_core_radius
 from cycloid_mj.plots.style import BLACK, BLUE, GREEN, PURPLE, VERMILION, styled
-from cycloid_mj.record import Run
+from cycloid_mj.reducer import Reducer, member
 from cycloid_mj.scene import ContactForces, cams, contact_forces, moved, poses, ring_places
-from cycloid_mj.solid import VISUAL_CHORD_ERROR, Prism, output_centres, parts, pin_radius, sleeve_core_radius
-from cycloid_mj.types import Array
 
 CRANK_ANGLE = math.radians(35.0)
 """Where the crank is drawn by default [rad]."""

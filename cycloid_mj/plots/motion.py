@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cycloid_mj.analysis import SIGNALS, Series
+from cycloid_mj.base.types import Array
 from cycloid_mj.plots.style import (
     BLACK,
     BLUE,
@@ -23,7 +24,6 @@ from cycloid_mj.plots.style import (
     turn_degrees,
     typeset,
 )
-from cycloid_mj.types import Array
 
 SPEED_SPAN = 0.01
 """Half of the span of the gear's speed as a share of it, so that the eye sees the error at its true size."""

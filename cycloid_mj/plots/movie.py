@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
-from cycloid_mj.errors import CycloidError, UsageError
-from cycloid_mj.whole import whole_file
+from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.base.whole import whole_file
 
 Frame = npt.NDArray[np.uint8]
 

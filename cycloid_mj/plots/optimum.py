@@ -6,9 +6,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from cycloid_mj.base.types import Array
 from cycloid_mj.explore.optimum import Optimum
 from cycloid_mj.plots.style import BLUE, GREY, SKY, VERMILION, legend_above, sheet, state, styled
-from cycloid_mj.types import Array
 
 MOST_KEYS = 6
 """Keys that are drawn, a panel each."""

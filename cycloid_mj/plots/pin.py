@@ -7,7 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cycloid_mj.analysis import MICROMETRE, SIGNALS, PinPath, Series
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.base.types import Array
+from cycloid_mj.geometry.profile import unit
 from cycloid_mj.plots.style import (
     BLACK,
     BLUE,
@@ -20,9 +21,8 @@ from cycloid_mj.plots.style import (
     styled,
     turn_degrees,
 )
-from cycloid_mj.profile import unit
-from cycloid_mj.sockets import socket_half_angle
-from cycloid_mj.types import Array
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.sockets import socket_half_angle
 
 CLEARANCE: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "linestyle": "--"}
 

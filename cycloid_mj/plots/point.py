@@ -5,6 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cycloid_mj.analysis import MICROMETRE, Compared, Series
+from cycloid_mj.base.types import Array
 from cycloid_mj.plots.style import (
     BLACK,
     BLUE,
@@ -25,7 +26,6 @@ from cycloid_mj.plots.style import (
     turn_degrees,
     typeset,
 )
-from cycloid_mj.types import Array
 
 _LIGHT = {BLUE: "#9CCBEA", ORANGE: "#F6D9A0", GREEN: "#A5D9CB"}
 

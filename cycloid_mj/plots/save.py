@@ -8,9 +8,9 @@ from typing import Any
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
 
-from cycloid_mj.errors import CycloidError, UsageError
+from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.base.whole import write_whole
 from cycloid_mj.plots.style import styled
-from cycloid_mj.whole import write_whole
 
 METADATA: dict[str, dict[str, Any]] = {
     "png": {"Software": None},

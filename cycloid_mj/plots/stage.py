@@ -13,19 +13,19 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Affine2D
 
 from cycloid_mj.analysis import condition
-from cycloid_mj.envelope import sample_ring_by_sagitta
-from cycloid_mj.kinematics import gear_centre
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.names import GEAR, OUTPUT, SHAFT
+from cycloid_mj.base.names import GEAR, OUTPUT, SHAFT
+from cycloid_mj.base.types import Array
+from cycloid_mj.geometry.envelope import sample_ring_by_sagitta
+from cycloid_mj.geometry.kinematics import gear_centre
+from cycloid_mj.parts import circle, gear_solid, housing_solid
+from cycloid_mj.parts.gear import tooth_profile
+from cycloid_mj.parts.polygon import arc
 from cycloid_mj.plots.mechanism import LOOKS
 from cycloid_mj.plots.style import BLACK, BLUE, VERMILION
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.sockets import socket_half_angle
 from cycloid_mj.scene import ContactForces, Drawing, ring_outline
 from cycloid_mj.scene.pose import ring_places
-from cycloid_mj.sockets import socket_half_angle
-from cycloid_mj.solid import circle, gear_solid, housing_solid
-from cycloid_mj.solid.gear import tooth_profile
-from cycloid_mj.solid.polygon import arc
-from cycloid_mj.types import Array
 
 CHORD_ERROR = 1e-5
 """Largest distance of a drawn chord from its curve [m]: a tenth of a pixel."""

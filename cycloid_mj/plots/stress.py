@@ -9,14 +9,14 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
-from cycloid_mj.names import GEAR, gears
+from cycloid_mj.base.names import GEAR, gears
+from cycloid_mj.base.types import Array, Integers
+from cycloid_mj.base.units import MEGAPASCAL, MILLIMETRE
 from cycloid_mj.plots.comparison import COLORS
 from cycloid_mj.plots.style import BLACK, GREY, crank_axis, keys, sheet, styled
 from cycloid_mj.stress.field import StressMap
 from cycloid_mj.stress.findings import BOUND, StressFindings
 from cycloid_mj.stress.grid import Grid
-from cycloid_mj.types import Array, Integers
-from cycloid_mj.units import MEGAPASCAL, MILLIMETRE
 
 Entries = list[tuple[str, dict[str, Any]]]
 

@@ -6,11 +6,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from cycloid_mj.base.types import Array
 from cycloid_mj.explore.figures import FIGURES
 from cycloid_mj.explore.limit import FigureLimit
 from cycloid_mj.explore.tolerances import Tolerances
 from cycloid_mj.plots.style import BLACK, BLUE, SKY, VERMILION, keys, sheet, state, styled
-from cycloid_mj.types import Array
 
 MOST_BINS = 60
 REACH = 0.001

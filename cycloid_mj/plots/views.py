@@ -8,16 +8,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Rectangle
 
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.names import GEAR, HOUSING, OUTPUT, PIN, SHAFT, family, gears
+from cycloid_mj.base.names import GEAR, HOUSING, OUTPUT, PIN, SHAFT, family, gears
+from cycloid_mj.base.types import Array
+from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.parts import Prism, body_solids, output_centres, parts, pin_radius, sleeve_core_radius
+from cycloid_mj.parts.cut import cut
+from cycloid_mj.parts.polygon import turned
 from cycloid_mj.plots.dimension import TEXT, along, leader
 from cycloid_mj.plots.mechanism import LOOKS, draw_disc, draw_region
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene import ring_places
-from cycloid_mj.solid import Prism, body_solids, output_centres, parts, pin_radius, sleeve_core_radius
-from cycloid_mj.solid.cut import cut
-from cycloid_mj.solid.polygon import turned
-from cycloid_mj.types import Array
-from cycloid_mj.units import MILLIMETRES
 
 CHORD_ERROR = 5e-6
 """Largest distance of a drawn chord from its curve [m]."""

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 
 import numpy.typing as npt
 
-from cycloid_mj.errors import UsageError, warn
-from cycloid_mj.record import Run
+from cycloid_mj.base.errors import UsageError, warn
+from cycloid_mj.base.record import Run
 from cycloid_mj.report.page import page
 from cycloid_mj.report.reviewed import PALETTE, review
 

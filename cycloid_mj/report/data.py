@@ -7,10 +7,10 @@ import numpy as np
 
 from cycloid_mj.analysis import FIGURES, SIGNALS, Figure, Series
 from cycloid_mj.analysis.spectrum import tapered_orders
+from cycloid_mj.base.types import Array
 from cycloid_mj.report.encode import decimated, encoded
 from cycloid_mj.report.mechanism import mechanism
 from cycloid_mj.report.reviewed import Reviewed
-from cycloid_mj.types import Array
 
 MOST_VALUES = 1_000_000
 """Values of curves that a page carries, over all runs: 5 MB."""

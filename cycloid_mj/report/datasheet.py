@@ -4,9 +4,9 @@ import re
 
 from markupsafe import Markup
 
+from cycloid_mj.life.datasheet import Datasheet
 from cycloid_mj.plots.datasheet import datasheet_pictures, written
 from cycloid_mj.plots.save import drawn
-from cycloid_mj.rating.datasheet import Datasheet
 from cycloid_mj.report.page import environment
 
 

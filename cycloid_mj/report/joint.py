@@ -7,16 +7,16 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
+from cycloid_mj.base.result import Curve
+from cycloid_mj.base.result import Table as Result
+from cycloid_mj.base.units import RPM
 from cycloid_mj.report.encode import encoded
 from cycloid_mj.report.page import environment
 from cycloid_mj.report.tables import Table
-from cycloid_mj.result import Curve
-from cycloid_mj.result import Table as Result
 from cycloid_mj.robot.against import Against
 from cycloid_mj.robot.reducer import ReducedJoint
 from cycloid_mj.robot.study import Tried, recommended_table
 from cycloid_mj.robot.study import table as study_table
-from cycloid_mj.units import RPM
 
 SCRIPTS = ("scale.js", "chart.js", "joint.js")
 

@@ -6,9 +6,11 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.analysis import Series
-from cycloid_mj.envelope import sample_ring_by_sagitta
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.member import columns_from_ring, seen_from_ring
+from cycloid_mj.base.types import Array
+from cycloid_mj.geometry.envelope import sample_ring_by_sagitta
+from cycloid_mj.parts import gear_solid, housing_solid
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.member import columns_from_ring, seen_from_ring
 from cycloid_mj.report.encode import encoded
 from cycloid_mj.scene import (
     contact_forces,
@@ -20,8 +22,6 @@ from cycloid_mj.scene import (
     widest_gap,
 )
 from cycloid_mj.scene.drawing import tooth_clearance
-from cycloid_mj.solid import gear_solid, housing_solid
-from cycloid_mj.types import Array
 
 FRAMES = 360
 CHORD_ERROR = 1e-5

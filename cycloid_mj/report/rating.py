@@ -1,6 +1,6 @@
 """The page of a rating: what the template ``assets/rating.html`` is filled with."""
 
-from cycloid_mj.rating import Item, Rating
+from cycloid_mj.life import Item, Rating
 from cycloid_mj.report.page import environment
 from cycloid_mj.report.tables import Table
 

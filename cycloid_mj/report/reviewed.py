@@ -7,7 +7,7 @@ from pathlib import PurePath
 import numpy.typing as npt
 
 from cycloid_mj.analysis import Findings, Series, judge, series
-from cycloid_mj.record import Run
+from cycloid_mj.base.record import Run
 
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """Okabe and Ito's colours, one for each run."""

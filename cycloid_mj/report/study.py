@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 from matplotlib.figure import Figure
 
+from cycloid_mj.base.result import Table
 from cycloid_mj.plots.save import drawn
 from cycloid_mj.report.page import environment
 from cycloid_mj.report.tables import Table as Texts
-from cycloid_mj.result import Table
 
 
 @dataclass(frozen=True)

@@ -3,11 +3,11 @@
 from base64 import b64encode
 from collections.abc import Sequence
 
+from cycloid_mj.base.result import Table
 from cycloid_mj.design import dump
 from cycloid_mj.explore import Sweep
 from cycloid_mj.explore.ranks import tables
 from cycloid_mj.report.page import environment
-from cycloid_mj.result import Table
 
 MOST_ERRORS = 12
 

@@ -7,21 +7,21 @@ from typing import Any
 
 import numpy as np
 
-from cycloid_mj.contact.working import working_at
-from cycloid_mj.errors import RunError
-from cycloid_mj.loaded.balance import powers
-from cycloid_mj.loaded.springs import POSES
-from cycloid_mj.loaded.windup import LOST_MOTION_SHARE
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.result import Curve, Quantity, Table
+from cycloid_mj.base.errors import RunError
+from cycloid_mj.base.result import Curve, Quantity, Table
+from cycloid_mj.base.types import Array
+from cycloid_mj.base.units import ARCMINUTE, ARCSECONDS, RPM
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.robot.measured import SMALL, Play, play_of
 from cycloid_mj.robot.reducer import ReducedJoint
 from cycloid_mj.robot.ripple import Ripple
 from cycloid_mj.robot.study import vibration
 from cycloid_mj.robot.transmission import error, waves
 from cycloid_mj.robot.trial import Bench, bench
-from cycloid_mj.types import Array
-from cycloid_mj.units import ARCMINUTE, ARCSECONDS, RPM
+from cycloid_mj.statics.balance import powers
+from cycloid_mj.statics.springs import POSES
+from cycloid_mj.statics.windup import LOST_MOTION_SHARE
+from cycloid_mj.statics.working import working_at
 
 BOUNDS = {
     "backlash_arcmin": 0.002,

@@ -5,7 +5,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from cycloid_mj.errors import UsageError
+from cycloid_mj.base.errors import UsageError
 from cycloid_mj.robot.mjcf import (
     NEXT_TO_NOTHING,
     ROTOR_SIZE,

@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 from scipy.optimize import nnls
 
+from cycloid_mj.base.types import Array
 from cycloid_mj.robot.friction import Friction
 from cycloid_mj.robot.reducer import ReducedJoint
-from cycloid_mj.types import Array
 
 FITTED = 0.25
 """Share of the rated torque from which friction is fitted, up to the rated one."""

@@ -10,7 +10,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from cycloid_mj.errors import RunError
+from cycloid_mj.base.errors import RunError
 from cycloid_mj.robot.reducer import ReducedJoint
 from cycloid_mj.robot.trial import Bench
 

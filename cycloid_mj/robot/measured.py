@@ -11,28 +11,27 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cycloid_mj import member
+from cycloid_mj.base.errors import DesignError, RunError
+from cycloid_mj.base.names import HOUSING, OUTPUT, PIN, SHAFT
+from cycloid_mj.base.result import Quantity, keyed
+from cycloid_mj.base.types import Array
+from cycloid_mj.base.units import ARCMINUTE, RPM
 from cycloid_mj.checks import require_sound
-from cycloid_mj.contact.working import working_at
 from cycloid_mj.design import Design
-from cycloid_mj.errors import DesignError, RunError
-from cycloid_mj.loaded.balance import loads, powers
-from cycloid_mj.loaded.sheet import driven, self_locking
-from cycloid_mj.loaded.springs import POSES, springs_of, turn_evenly
-from cycloid_mj.loaded.windup import STRAIGHT, windups
+from cycloid_mj.dynamics.mjcf.bodies import crank_inertia
+from cycloid_mj.dynamics.mjcf.laws import contact_laws
 from cycloid_mj.measure import spread
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.mjcf.bodies import crank_inertia
-from cycloid_mj.mjcf.laws import contact_laws
-from cycloid_mj.names import HOUSING, OUTPUT, PIN, SHAFT
-from cycloid_mj.result import Quantity, keyed
+from cycloid_mj.parts import mass_properties
+from cycloid_mj.parts.parts import body_solids
+from cycloid_mj.reducer import Reducer, member
 from cycloid_mj.robot.friction import Friction
 from cycloid_mj.robot.reducer import Level, ReducedJoint, Spring
 from cycloid_mj.robot.transmission import ripple, works
-from cycloid_mj.solid import mass_properties
-from cycloid_mj.solid.parts import body_solids
-from cycloid_mj.types import Array
-from cycloid_mj.units import ARCMINUTE, RPM
+from cycloid_mj.statics.balance import loads, powers
+from cycloid_mj.statics.sheet import driven, self_locking
+from cycloid_mj.statics.springs import POSES, springs_of, turn_evenly
+from cycloid_mj.statics.windup import STRAIGHT, windups
+from cycloid_mj.statics.working import working_at
 
 SMALL = 1e-4
 """Torque that presses the parts to a stop, as a share of the rated one; a line through twice that leads to zero."""

@@ -1,8 +1,8 @@
 """The joint as MJCF that needs nothing but ``mujoco``: `joint.xml` to include, `scene.xml` to open."""
 
-from cycloid_mj.digits import significant
+from cycloid_mj.base.digits import significant
+from cycloid_mj.base.units import RPM
 from cycloid_mj.robot.reducer import ReducedJoint
-from cycloid_mj.units import RPM
 
 OUTPUT = "output"
 """Name of the joint that the output turns; what belongs to it is named after it, as by `attach_reducer`."""

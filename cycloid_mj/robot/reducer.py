@@ -15,12 +15,12 @@ from typing import Any, Literal, NamedTuple, Self, get_args
 
 import numpy as np
 
-from cycloid_mj.errors import CycloidError, UsageError
-from cycloid_mj.result import Quantity
+from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.base.result import Quantity
+from cycloid_mj.base.types import Array
+from cycloid_mj.base.units import RPM
 from cycloid_mj.robot.friction import Friction
 from cycloid_mj.robot.ripple import Ripple
-from cycloid_mj.types import Array
-from cycloid_mj.units import RPM
 
 Level = Literal["rigid", "backlash", "full"]
 """How much of the reducer the joint has: ratio, inertia and constant friction; play and springs too; load-dependent

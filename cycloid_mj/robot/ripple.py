@@ -11,8 +11,8 @@ from typing import Any, Self
 
 import numpy as np
 
-from cycloid_mj.types import Array
-from cycloid_mj.units import ARCSECONDS
+from cycloid_mj.base.types import Array
+from cycloid_mj.base.units import ARCSECONDS
 
 Rows = tuple[tuple[float, ...], ...]
 

@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from cycloid_mj.result import Table
+from cycloid_mj.base.result import Table
+from cycloid_mj.base.types import Array
+from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.robot.impact import impact, peak_of
 from cycloid_mj.robot.reducer import LEVELS, Level, ReducedJoint
 from cycloid_mj.robot.trial import INTEGRATORS, Bench, Integrator, bench
-from cycloid_mj.types import Array
-from cycloid_mj.units import ARCMINUTE
 
 STEPS = (1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3)
 """Time steps of the study [s]."""

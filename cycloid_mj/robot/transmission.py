@@ -8,13 +8,13 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.errors import RunError
-from cycloid_mj.loaded.balance import loads
-from cycloid_mj.loaded.springs import springs_of
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.member import sense
+from cycloid_mj.base.errors import RunError
+from cycloid_mj.base.types import Array
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.member import sense
 from cycloid_mj.robot.ripple import Ripple
-from cycloid_mj.types import Array
+from cycloid_mj.statics.balance import loads
+from cycloid_mj.statics.springs import springs_of
 
 Waves = npt.NDArray[np.complex128]
 

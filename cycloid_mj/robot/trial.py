@@ -7,9 +7,9 @@ from typing import Any, Literal, get_args
 import mujoco
 import numpy as np
 
+from cycloid_mj.base.types import Array
 from cycloid_mj.robot.mjcf import joint_xml, scene_xml
 from cycloid_mj.robot.reducer import Place, ReducedJoint
-from cycloid_mj.types import Array
 
 Integrator = Literal["implicitfast", "discrete"]
 

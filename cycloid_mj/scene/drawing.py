@@ -12,16 +12,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj import profile
-from cycloid_mj.errors import UsageError
-from cycloid_mj.kinematics import gear_centre, gear_rotation
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.names import OUTPUT, gears, pin
-from cycloid_mj.profile import CycloidGear
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.names import OUTPUT, gears, pin
+from cycloid_mj.base.types import Array
+from cycloid_mj.geometry import profile
+from cycloid_mj.geometry.kinematics import gear_centre, gear_rotation
+from cycloid_mj.geometry.profile import CycloidGear
+from cycloid_mj.parts import output_centres
+from cycloid_mj.parts.gear import tooth_profile
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene.pose import moved, poses, ring_places, turned
-from cycloid_mj.solid import output_centres
-from cycloid_mj.solid.gear import tooth_profile
-from cycloid_mj.types import Array
 
 THINNEST = 0.4
 """Least radius that a part may be drawn with, as a share of its own."""

@@ -5,9 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.kinematics import gear_centre
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.names import (
+from cycloid_mj.base.names import (
     FORCE_X,
     FORCE_Y,
     HOUSING,
@@ -21,14 +19,16 @@ from cycloid_mj.names import (
     number_of,
     pin,
 )
-from cycloid_mj.record import usable
+from cycloid_mj.base.record import usable
+from cycloid_mj.base.types import Array
+from cycloid_mj.geometry.ideal_loads import ideal_load_sharing
+from cycloid_mj.geometry.kinematics import gear_centre
+from cycloid_mj.parts import output_centres
+from cycloid_mj.parts.gear import tooth_profile
+from cycloid_mj.parts.tint import Colour
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene.drawing import Drawing, Radii, drawn_radii
 from cycloid_mj.scene.pose import moved, poses, ring_places
-from cycloid_mj.solid import output_centres
-from cycloid_mj.solid.gear import tooth_profile
-from cycloid_mj.solid.tint import Colour
-from cycloid_mj.statics import ideal_load_sharing
-from cycloid_mj.types import Array
 
 WRENCH = (FORCE_X, FORCE_Y, MOMENT)
 _ON_PINS = ("pin_socket", "pin_sleeve")

@@ -4,8 +4,8 @@ import json
 from importlib.resources import files
 from typing import Any
 
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.names import HOUSING, OUTPUT, PIN, SHAFT, all_numbered, gears, planar_speeds
+from cycloid_mj.base.names import HOUSING, OUTPUT, PIN, SHAFT, all_numbered, gears, planar_speeds
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene.messages import ROOT
 
 DISTANCE, NEAREST, FARTHEST = 4.0, 0.02, 100.0

@@ -20,10 +20,12 @@ from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.names import pin
+from cycloid_mj.base.types import Array
 from cycloid_mj.design import Design
-from cycloid_mj.errors import UsageError
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.names import pin
+from cycloid_mj.parts.tint import Colour
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene.force import (
     ARROW,
     FORCE_COLOURS,
@@ -36,8 +38,6 @@ from cycloid_mj.scene.force import (
 from cycloid_mj.scene.glb import MEDIA_TYPE, glb
 from cycloid_mj.scene.pose import poses, ring_places
 from cycloid_mj.scene.shape import shapes
-from cycloid_mj.solid.tint import Colour
-from cycloid_mj.types import Array
 
 Message = tuple[str, int, bytes]
 """Topic, time [ns] and serialized content."""

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from cycloid_mj.errors import CycloidError
+from cycloid_mj.base.errors import CycloidError
 
 USUAL = {"darwin": "cgl", "win32": "glfw"}
 """Platform -> MuJoCo's module for its OpenGL; EGL elsewhere."""

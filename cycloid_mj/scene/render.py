@@ -6,9 +6,9 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.errors import UsageError
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.record import Run
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.record import Run
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene.force import ARROW, FORCE_COLOURS, THICKNESS, arrow_heights, on_gear
 from cycloid_mj.scene.opengl import opengl
 from cycloid_mj.scene.replay import AZIMUTH, ELEVATION, aim, replay_model, set_sample

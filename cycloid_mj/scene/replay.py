@@ -5,8 +5,8 @@ from typing import Any
 
 import mujoco
 
-from cycloid_mj.errors import LogError
-from cycloid_mj.record import Run
+from cycloid_mj.base.errors import LogError
+from cycloid_mj.base.record import Run
 
 MODEL_FILE = "model.xml"
 COLUMNS = {"crank": "crank_angle", "output": "output_angle"}

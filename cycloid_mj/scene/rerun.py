@@ -8,17 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from cycloid_mj.errors import CycloidError
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.names import gears, planar_speeds
-from cycloid_mj.record import Run
+from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.names import gears, planar_speeds
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.types import Array
+from cycloid_mj.base.whole import whole_file
+from cycloid_mj.parts.tint import Colour
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene.force import ARROW, FORCE_COLOURS, THICKNESS, ContactForces, arrow_heights, on_gear
 from cycloid_mj.scene.glb import smoothed
 from cycloid_mj.scene.pose import poses
 from cycloid_mj.scene.shape import Piece, shapes
-from cycloid_mj.solid.tint import Colour
-from cycloid_mj.types import Array
-from cycloid_mj.whole import whole_file
 
 TIMELINE = "time"
 MECHANISM, SIGNALS = "mechanism", "signals"

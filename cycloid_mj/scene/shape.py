@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.names import OUTPUT, ROLLER, SHAFT, SPACER, family, gears
-from cycloid_mj.solid import Mesh, Solid, carried, mesh, parts
-from cycloid_mj.solid.tint import Colour, tinted
-from cycloid_mj.types import Array
+from cycloid_mj.base.names import OUTPUT, ROLLER, SHAFT, SPACER, family, gears
+from cycloid_mj.base.types import Array
+from cycloid_mj.parts import Mesh, Solid, carried, mesh, parts
+from cycloid_mj.parts.tint import Colour, tinted
+from cycloid_mj.reducer import Reducer
 
 CHORD_ERROR = 1e-5
 """Largest distance of a drawn chord from its curve [m]."""

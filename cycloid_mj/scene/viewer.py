@@ -7,9 +7,9 @@ from typing import Any
 
 import mujoco
 
-from cycloid_mj.contact.collider import installed
-from cycloid_mj.errors import CycloidError, UsageError
-from cycloid_mj.record import Run
+from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.base.record import Run
+from cycloid_mj.dynamics.contact.collider import installed
 from cycloid_mj.scene.replay import aim, replay_model, set_sample
 
 FRAME = 1.0 / 60.0

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from cycloid_mj.base.types import Array, Integers, Mask
 from cycloid_mj.stress.case import Case
 from cycloid_mj.stress.grid import Grid
-from cycloid_mj.types import Array, Integers, Mask
 
 RUNG = np.sqrt(2.0)
 """Ratio of neighbouring distances of the ladder."""

@@ -6,15 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.names import disc_of
+from cycloid_mj.base.names import disc_of
+from cycloid_mj.base.types import Array, Integers
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress import elastic
 from cycloid_mj.stress.elastic import Body
 from cycloid_mj.stress.grid import Grid, Section
 from cycloid_mj.stress.loads import PartLoads, of_contacts
 from cycloid_mj.stress.patch import patches
 from cycloid_mj.stress.region import material_of
-from cycloid_mj.types import Array, Integers
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import minimize_scalar
 
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.base.types import Array
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress.loads import PartLoads
 from cycloid_mj.stress.region import material_of
-from cycloid_mj.types import Array
 
 DEEPEST = 3.0
 """The largest von Mises stress of any material lies within this depth, in half widths."""

@@ -6,9 +6,7 @@ from itertools import product
 
 import numpy as np
 
-from cycloid_mj.contact.pressure import hertz_holds, hertz_pressure, line_curvature, line_share, pair_modulus
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.names import (
+from cycloid_mj.base.names import (
     CAM,
     FORCE_X,
     FORCE_Y,
@@ -23,15 +21,17 @@ from cycloid_mj.names import (
     of_disc,
     planar_joints,
 )
-from cycloid_mj.profile import unit
-from cycloid_mj.sockets import wall_radius
-from cycloid_mj.solid import output_centres
-from cycloid_mj.solid.gear import gear_profile, profile_offset, tooth_profile
-from cycloid_mj.statics import hertz_line_contact
+from cycloid_mj.base.types import Array, Mask
+from cycloid_mj.geometry.ideal_loads import hertz_line_contact
+from cycloid_mj.geometry.profile import unit
+from cycloid_mj.parts import output_centres
+from cycloid_mj.parts.gear import gear_profile, profile_offset, tooth_profile
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.sockets import wall_radius
+from cycloid_mj.statics.pressure import hertz_holds, hertz_pressure, line_curvature, line_share, pair_modulus
 from cycloid_mj.stress.action import Action, turned
 from cycloid_mj.stress.flank import lobe_lines, lobe_place, pin_curvature
 from cycloid_mj.stress.turn import Turn
-from cycloid_mj.types import Array, Mask
 
 WIDEST = np.pi / 3
 """Largest half width of a patch [rad of the thinner body]; assumed.

@@ -15,11 +15,11 @@ from scipy import sparse
 from scipy.sparse import csgraph
 from scipy.sparse.linalg import splu
 
+from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.types import Array, Integers
 from cycloid_mj.design.model import Material
-from cycloid_mj.errors import CycloidError
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.packages import package
-from cycloid_mj.types import Array, Integers
 
 INDEPENDENT = 1e-6
 """Supports hold a rigid motion whose share at them is larger than this, relatively."""

@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.names import GEAR, family
-from cycloid_mj.solid import output_centres
-from cycloid_mj.solid.output import AXIAL_GAP
+from cycloid_mj.base.names import GEAR, family
+from cycloid_mj.base.types import Array, Integers, Mask
+from cycloid_mj.parts import output_centres
+from cycloid_mj.parts.output import AXIAL_GAP
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress.grid import Grid, GridSettings, Section, planar_grid, quadratic
 from cycloid_mj.stress.region import part_region
-from cycloid_mj.types import Array, Integers, Mask
 
 COARSER = {"contact_edge": 3.0, "wide_edge": 2.0, "free_edge": 2.5, "inner_edge": 3.0, "turn": 2.0, "growth": 8.0}
 """Settings of a section over those of a planar grid: a solid has fifteen unknowns and more for two of the plane."""

@@ -6,10 +6,11 @@ from itertools import count
 
 import numpy as np
 
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.types import Array, Integers, Mask
 from cycloid_mj.design import Design
 from cycloid_mj.design.model import Material
-from cycloid_mj.errors import UsageError
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress.bulk import OCTAVE, Distances, distances_of, ladder, largest, plateau
 from cycloid_mj.stress.case import Case, Response
 from cycloid_mj.stress.grid import Grid
@@ -17,7 +18,6 @@ from cycloid_mj.stress.loads import PartLoads
 from cycloid_mj.stress.part import part_case
 from cycloid_mj.stress.recover import Recovery, principal, recovery, stresses, von_mises
 from cycloid_mj.stress.region import material_of
-from cycloid_mj.types import Array, Integers, Mask
 
 BLOCK = 16
 """Angles worked on together: enough for speed (6 take half as long again each, 32 as long), few enough for memory."""

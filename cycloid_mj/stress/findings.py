@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from cycloid_mj.base.types import Array
+from cycloid_mj.base.units import MEGAPASCAL, MILLIMETRE
 from cycloid_mj.stress.notch import Notch
 from cycloid_mj.stress.swing import Swing
-from cycloid_mj.types import Array
-from cycloid_mj.units import MEGAPASCAL, MILLIMETRE
 
 BOUND = 0.03
 """Largest change of a maximum under one more refinement for which it counts as found."""

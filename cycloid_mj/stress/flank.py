@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
-from cycloid_mj import envelope, profile
-from cycloid_mj.profile import CycloidGear
+from cycloid_mj.base.types import Array
+from cycloid_mj.geometry import envelope, profile
+from cycloid_mj.geometry.profile import CycloidGear
 from cycloid_mj.stress.action import Action, cross
-from cycloid_mj.types import Array
 
 ROUNDS = 30
 FARTHEST = 0.5

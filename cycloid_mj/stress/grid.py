@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.errors import CycloidError, UsageError
+from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.base.types import Array, Integers
+from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.stress.outline import Loop, Sizing, divide
 from cycloid_mj.stress.packages import mesher, package
 from cycloid_mj.stress.region import Region
-from cycloid_mj.types import Array, Integers
-from cycloid_mj.units import MILLIMETRES
 
 BULK_DISTANCE = 0.5
 """Where bulk begins: so far from every loaded patch, as a share of the ring's pin radius. The one definition."""

@@ -7,15 +7,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.errors import UsageError
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.names import GEAR, family, gears
-from cycloid_mj.record import Run
-from cycloid_mj.solid import MassProperties, body_solids, mass_properties
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.names import GEAR, family, gears
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.types import Array, Mask
+from cycloid_mj.parts import MassProperties, body_solids, mass_properties
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress.action import Action, turned
 from cycloid_mj.stress.contacts import contacts, frame, total
 from cycloid_mj.stress.turn import DEGREES, Turn, turn
-from cycloid_mj.types import Array, Mask
 
 PARTS = ("shaft", "gear", "ring", "output", "pin_1")
 """Parts in their order; of several discs each is one: gear_1, gear_2, ..."""
@@ -23,7 +23,7 @@ PARTS = ("shaft", "gear", "ring", "output", "pin_1")
 
 @dataclass(frozen=True)
 class PartLoads:
-    """Loads on one part in its own frame (the frame of its solid: see `cycloid_mj.solid`), at k crank angles.
+    """Loads on one part in its own frame (the frame of its solid: see `cycloid_mj.parts`), at k crank angles.
 
     The body force at r (from the origin of the part's frame) is rho (body_force + spin^2 r - spin_rate z x r).
     """

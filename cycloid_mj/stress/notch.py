@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.names import OUTPUT_PIN, disc_of, number_of, numbered
-from cycloid_mj.solid.output import AXIAL_GAP
+from cycloid_mj.base.names import OUTPUT_PIN, disc_of, number_of, numbered
+from cycloid_mj.base.types import Array
+from cycloid_mj.base.units import MEGAPASCAL, MILLIMETRE
+from cycloid_mj.parts.output import AXIAL_GAP
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress.shaftgrid import Shaft
-from cycloid_mj.types import Array
-from cycloid_mj.units import MEGAPASCAL, MILLIMETRE
 
 if TYPE_CHECKING:
     from cycloid_mj.stress.loads import PartLoads

@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from cycloid_mj.errors import CycloidError
-from cycloid_mj.interrupt import signals_kept
-from cycloid_mj.units import MILLIMETRES
+from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.interrupt import signals_kept
+from cycloid_mj.base.units import MILLIMETRES
 
 """gmsh works in mm: its tolerances are absolute."""
 

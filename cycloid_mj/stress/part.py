@@ -3,7 +3,7 @@
 import numpy.typing as npt
 
 from cycloid_mj.design import Design
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress.case import Case, patch_case
 from cycloid_mj.stress.extrude import solid_grid
 from cycloid_mj.stress.grid import Grid, GridSettings, planar_grid

@@ -13,10 +13,10 @@ import numpy.typing as npt
 from scipy import sparse
 from scipy.spatial import cKDTree
 
-from cycloid_mj.errors import CycloidError
+from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.types import Array, Integers
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.loads import PartLoads
-from cycloid_mj.types import Array, Integers
 
 LEAST_POINTS = 8
 """Points of the narrowest patch."""

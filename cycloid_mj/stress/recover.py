@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
+from cycloid_mj.base.types import Array, Integers, Mask
 from cycloid_mj.design.model import Material
 from cycloid_mj.stress import elastic
 from cycloid_mj.stress.grid import Grid
-from cycloid_mj.types import Array, Integers, Mask
 
 PLANE = ((0, 0), (1, 1), (0, 1))
 SPACE = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))

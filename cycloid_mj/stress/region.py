@@ -5,12 +5,12 @@ from typing import Literal
 
 import numpy as np
 
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.names import GEAR, family, gears
+from cycloid_mj.base.types import Array
 from cycloid_mj.design import Material
-from cycloid_mj.errors import UsageError
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.names import GEAR, family, gears
-from cycloid_mj.solid import circle, output_centres, parts
-from cycloid_mj.types import Array
+from cycloid_mj.parts import circle, output_centres, parts
+from cycloid_mj.reducer import Reducer
 
 CHORD_ERROR = 1e-9
 """How far the polygons are from the exact outlines [m]: a millionth of a millimetre."""

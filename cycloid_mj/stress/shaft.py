@@ -16,16 +16,16 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from cycloid_mj import names
-from cycloid_mj.errors import CycloidError
-from cycloid_mj.mechanism.whole import Reducer
+from cycloid_mj.base import names
+from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.types import Array, Integers, Mask
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress import elastic
 from cycloid_mj.stress.case import Case, Response, mass_coefficients
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.loads import PartLoads
 from cycloid_mj.stress.shaftgrid import Shaft, shaft_measures
 from cycloid_mj.stress.surface import surface, traction_loads
-from cycloid_mj.types import Array, Integers, Mask
 
 HARMONICS = (0, 1, 2, 4, 6, 8)
 """Orders of the pressure around the cam that are kept; what is left out is 0.4 % of the peak."""

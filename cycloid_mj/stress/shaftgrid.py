@@ -7,16 +7,16 @@ from typing import Any
 
 import numpy as np
 
-from cycloid_mj import names
-from cycloid_mj.errors import CycloidError
-from cycloid_mj.mechanism.whole import Reducer, once
-from cycloid_mj.solid import crank_stretches
-from cycloid_mj.solid.output import near_face
-from cycloid_mj.solid.shaft import COUNTERWEIGHT, FAR, JOURNAL, bearing_seats
+from cycloid_mj.base import names
+from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.types import Array
+from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.parts import crank_stretches
+from cycloid_mj.parts.output import near_face
+from cycloid_mj.parts.shaft import COUNTERWEIGHT, FAR, JOURNAL, bearing_seats
+from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.stress.grid import Grid, GridSettings, quadratic
 from cycloid_mj.stress.packages import mesher
-from cycloid_mj.types import Array
-from cycloid_mj.units import MILLIMETRES
 
 CORNER_DISTANCE = 0.15
 """Share of the shaft's radius by which the bulk keeps off sharp inner corners, which in truth have fillets."""

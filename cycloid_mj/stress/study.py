@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj import names
-from cycloid_mj.contact.pressure import SHAKEDOWN_PRESSURE
+from cycloid_mj.base import names
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.types import Array
 from cycloid_mj.design import Design, override
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.record import Run
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.pressure import SHAKEDOWN_PRESSURE
 from cycloid_mj.stress.bulk import OCTAVE, fall, plateau
 from cycloid_mj.stress.closed import LineStress, line_stress
 from cycloid_mj.stress.field import PartStress, StressMap, by_corner, loaded, mapped, maxima, solve
@@ -24,7 +25,6 @@ from cycloid_mj.stress.part import part_grid
 from cycloid_mj.stress.region import material_of
 from cycloid_mj.stress.shaftgrid import shaft_measures
 from cycloid_mj.stress.swing import SWINGING, Swing, swing
-from cycloid_mj.types import Array
 
 Told = Callable[[str, int, int], None]
 

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cycloid_mj.base.types import Array, Integers, Mask
 from cycloid_mj.stress.grid import Grid, middles_of
 from cycloid_mj.stress.packages import package
-from cycloid_mj.types import Array, Integers, Mask
 
 ORDER = 6
 """Polynomials that the quadrature integrates exactly on a flat face."""

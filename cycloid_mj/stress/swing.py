@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from cycloid_mj.base.types import Array, Integers
+from cycloid_mj.base.units import MEGAPASCAL, MILLIMETRE
 from cycloid_mj.stress.field import Loaded
 from cycloid_mj.stress.recover import von_mises
-from cycloid_mj.types import Array, Integers
-from cycloid_mj.units import MEGAPASCAL, MILLIMETRE
 
 SWINGING = ("gear", "ring")
 """Parts with webs and ligaments, whose fatigue goes by the swing of their nodes; others have fillets instead."""

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from cycloid_mj.base.units import MEGAPASCAL, MILLIMETRE
 from cycloid_mj.stress.findings import PartFindings, Peak, StressFindings
-from cycloid_mj.units import MEGAPASCAL, MILLIMETRE
 
 BULK_HEADER = (
     "part",

@@ -8,13 +8,13 @@ import numpy.typing as npt
 
 from cycloid_mj.analysis.series import design_of
 from cycloid_mj.analysis.window import in_hold
+from cycloid_mj.base.errors import LogError, UsageError
+from cycloid_mj.base.names import CAM, FORCE_X, column, of_disc
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.design import PARTS
-from cycloid_mj.errors import LogError, UsageError
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.member import columns_from_ring
-from cycloid_mj.names import CAM, FORCE_X, column, of_disc
-from cycloid_mj.record import Run
-from cycloid_mj.types import Array, Mask
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.member import columns_from_ring
 
 DEGREES = np.radians(np.arange(360.0))
 """Every degree of a crank turn [rad]: the paper's sampling (Hsieh 2014, section 3.3)."""

@@ -7,7 +7,7 @@ from cycloid_mj.papers import Paper
 from hsieh2014.stated import VIBRATION, is_ours, stress_references, torques
 
 if TYPE_CHECKING:
-    from cycloid_mj.result import Claim
+    from cycloid_mj.base.result import Claim
     from cycloid_mj.stress.study import StressStudy
 
 EXAMPLES = """Examples:

@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.analysis import Series
+from cycloid_mj.base.result import Table
 from cycloid_mj.comparison import settled
-from cycloid_mj.contact.massless import massless
-from cycloid_mj.contact.working import working_at
 from cycloid_mj.design import Design
+from cycloid_mj.dynamics.massless import massless
 from cycloid_mj.measure.pool import each
 from cycloid_mj.measure.steady import steady_design, whole_periods
 from cycloid_mj.measure.torque import rated_test
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.result import Table
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.working import working_at
 from hsieh2014.idle_stress import idle_stress
 from hsieh2014.motion import at_degrees
 from hsieh2014.peaks import maxima

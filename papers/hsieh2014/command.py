@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.whole import write_whole
 from cycloid_mj.cli.flags import ForceFlag, JsonFlag, QuietFlag
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import finite, say, say_json, say_table, tell, with_warnings
-from cycloid_mj.errors import UsageError
-from cycloid_mj.whole import write_whole
 
 if TYPE_CHECKING:
     from hsieh2014.run import Report

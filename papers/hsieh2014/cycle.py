@@ -5,11 +5,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from cycloid_mj.analysis import Series
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.result import Table
+from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.comparison import settled
 from cycloid_mj.comparison.forces import tooth_forces
-from cycloid_mj.record import Run
-from cycloid_mj.result import Table
-from cycloid_mj.types import Array, Mask
 
 RELIEVED = 0.1
 """Pin 1 counts as relieved below this share of its largest force, as in the study of stress."""

@@ -9,10 +9,10 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj import kinematics
-from cycloid_mj.kinematics import CrankLaw
-from cycloid_mj.profile import CycloidGear, conjugate_alpha, unit
-from cycloid_mj.types import Array
+from cycloid_mj.base.types import Array
+from cycloid_mj.geometry import kinematics
+from cycloid_mj.geometry.kinematics import CrankLaw
+from cycloid_mj.geometry.profile import CycloidGear, conjugate_alpha, unit
 
 GEAR = CycloidGear(ring_teeth=36, eccentricity=1e-3, pin_circle_radius=40.75e-3, pin_radius=2.25e-3)
 Q = np.array([5e-3, 24e-3])

@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj import kinematics
-from cycloid_mj.kinematics import CrankLaw
-from cycloid_mj.profile import unit
-from cycloid_mj.types import Array
+from cycloid_mj.base.types import Array
+from cycloid_mj.geometry import kinematics
+from cycloid_mj.geometry.kinematics import CrankLaw
+from cycloid_mj.geometry.profile import unit
 from hsieh2014.equations import (
     GEAR,
     HOLD,

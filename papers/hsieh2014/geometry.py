@@ -1,10 +1,10 @@
 """Before anything runs: Figs 1-4, how the profiles come about; and all in which the two designs differ."""
 
-from cycloid_mj import envelope, profile
+from cycloid_mj.base.result import Claim, Removal, Table, Value, Verdict
 from cycloid_mj.comparison import conditions, differences
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.modification import tooth_profile
-from cycloid_mj.result import Claim, Removal, Table, Value, Verdict
+from cycloid_mj.geometry import envelope, profile
+from cycloid_mj.geometry.modification import tooth_profile
+from cycloid_mj.reducer import Reducer
 from hsieh2014.plan import Plan, designs
 from hsieh2014.stage import Found, Plate, Progress, Runs
 from hsieh2014.statements import POISSON

@@ -7,9 +7,9 @@ paper's kind of motion solver, on exact flanks and on flanks made of facets.
 from collections.abc import Mapping
 from typing import Any
 
+from cycloid_mj.base.result import Table
 from cycloid_mj.design import PRESETS
 from cycloid_mj.measure.pool import each
-from cycloid_mj.result import Table
 from hsieh2014.plan import Plan, designs
 from hsieh2014.soft_contact import GENERIC, STEEL, Forces, SoftContact, line_contacts, soft_idle
 from hsieh2014.stated import HEIGHTS

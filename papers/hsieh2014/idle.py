@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cycloid_mj.base.record import Run
 from cycloid_mj.comparison import RANKED, Spread, Variation, measure, settled
 from cycloid_mj.design import Design, override
-from cycloid_mj.record import Run
 from hsieh2014.plan import Plan, designs, idle_runs, variations, varied_idle_runs
 from hsieh2014.stage import Runs
 from hsieh2014.verdicts import rank_order

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cycloid_mj.analysis.series import design_of
+from cycloid_mj.base.names import OUTPUT
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.types import Array
+from cycloid_mj.base.units import MEGAPASCAL
 from cycloid_mj.comparison import Spread
 from cycloid_mj.design import Design
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.names import OUTPUT
-from cycloid_mj.record import Run
-from cycloid_mj.types import Array
-from cycloid_mj.units import MEGAPASCAL
+from cycloid_mj.reducer import Reducer
 from hsieh2014.peaks import at_peaks
 from hsieh2014.plan import LOGGED, SAMPLING
 from hsieh2014.stated import stress_references

@@ -5,14 +5,14 @@ import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from cycloid_mj.base.errors import LogError, RunError, warn
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.replacing import as_own
 from cycloid_mj.cli.batch import run_all
 from cycloid_mj.design import Design, dump
-from cycloid_mj.errors import LogError, RunError, warn
+from cycloid_mj.dynamics.run import provenance
 from cycloid_mj.log import read
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.record import Run
-from cycloid_mj.replacing import as_own
-from cycloid_mj.run import provenance
+from cycloid_mj.reducer import Reducer
 
 DIGITS = 12
 

@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.analysis import Findings, Series, judge, series
+from cycloid_mj.base.result import Claim, Range, Removal, Table, Value, Verdict
+from cycloid_mj.base.types import Array
 from cycloid_mj.comparison import Spread, Variation, load_words, settled, settling
 from cycloid_mj.design import Design
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.result import Claim, Range, Removal, Table, Value, Verdict
-from cycloid_mj.types import Array
+from cycloid_mj.reducer import Reducer
 from hsieh2014 import statements
 from hsieh2014.plan import (
     LEFT_OPEN,

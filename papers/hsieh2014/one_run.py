@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.result import Claim, Value
+from cycloid_mj.base.result import Claim, Value
+from cycloid_mj.base.types import Array
+from cycloid_mj.base.units import MEGAPASCAL
 from cycloid_mj.stress.findings import PartFindings, StressFindings
-from cycloid_mj.types import Array
-from cycloid_mj.units import MEGAPASCAL
 from hsieh2014.plan import no_load
 from hsieh2014.stated import HEIGHTS, LEAST, MOST, NEAR, ORDER, PIN_1_LOADED, SHAFT_PEAKS
 from hsieh2014.statements import (

@@ -6,9 +6,9 @@ from typing import Any
 
 from jinja2 import ChoiceLoader, PackageLoader
 
+from cycloid_mj.base.result import Claim, Verdict
 from cycloid_mj.report.page import environment
 from cycloid_mj.report.tables import Table
-from cycloid_mj.result import Claim, Verdict
 from hsieh2014.stage import Stage
 
 TITLE = "Hsieh 2014, reproduced: cycloidal reducers with and without pins"

@@ -9,9 +9,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from cycloid_mj.analysis import Series
+from cycloid_mj.base.types import Array
 from cycloid_mj.plots.comparison import COLORS
 from cycloid_mj.plots.style import BLACK, GREY, THEORY, crank_axis, keys, sheet, styled, turn_degrees
-from cycloid_mj.types import Array
 from hsieh2014.peaks import middle
 from hsieh2014.stated import SHOWN
 

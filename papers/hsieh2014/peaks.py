@@ -8,10 +8,7 @@ import numpy.typing as npt
 from scipy.ndimage import maximum_filter1d
 from scipy.signal import find_peaks
 
-from cycloid_mj.comparison import gravity_turn, settled
-from cycloid_mj.design import Design
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.names import (
+from cycloid_mj.base.names import (
     CAM,
     FORCE_X,
     FORCE_Y,
@@ -25,8 +22,11 @@ from cycloid_mj.names import (
     SOCKET,
     column,
 )
-from cycloid_mj.record import Run
-from cycloid_mj.types import Array
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.types import Array
+from cycloid_mj.comparison import gravity_turn, settled
+from cycloid_mj.design import Design
+from cycloid_mj.reducer import Reducer
 
 BINS = 36
 """Parts of a crank turn: ten degrees each, a mesh period of the paper's ring."""

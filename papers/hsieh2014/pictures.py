@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 
 from cycloid_mj.analysis.series import design_of
-from cycloid_mj.errors import CycloidError
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.record import Run
+from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.record import Run
+from cycloid_mj.reducer import Reducer
 from hsieh2014.stage import Plate
 
 

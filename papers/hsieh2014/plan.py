@@ -3,10 +3,10 @@
 import math
 from dataclasses import dataclass
 
+from cycloid_mj.base.result import Condition, Range
 from cycloid_mj.comparison import SWEEP, Variation, all_started, settling, with_play_of
 from cycloid_mj.design import PRESETS, Design
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.result import Condition, Range
+from cycloid_mj.reducer import Reducer
 
 SAMPLING = 360
 """Samples of a crank turn in the figures: one for each degree, 0.000101626 s at 1640 rpm (the paper's)."""

@@ -8,10 +8,10 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from cycloid_mj import envelope, kinematics, profile
+from cycloid_mj.base.types import Array
+from cycloid_mj.geometry import envelope, kinematics, profile
+from cycloid_mj.geometry.profile import CycloidGear
 from cycloid_mj.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, VERMILION, keys, sheet, styled
-from cycloid_mj.profile import CycloidGear
-from cycloid_mj.types import Array
 
 CRANK = np.radians(25.0)
 """Crank angle of the drawings of contact [rad]."""

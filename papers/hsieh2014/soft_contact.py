@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from cycloid_mj.compiling import cacheable
-from cycloid_mj.contact import impact
-from cycloid_mj.contact.gap import Trochoid, circle_in_circle, trochoid_curvature, trochoid_distance
-from cycloid_mj.contact.law import pair_stiffness
+from cycloid_mj.base.compiling import cacheable
+from cycloid_mj.base.types import Array
 from cycloid_mj.design import Design
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.solid import mass_properties, parts
-from cycloid_mj.types import Array
+from cycloid_mj.dynamics.contact.gap import Trochoid, circle_in_circle, trochoid_curvature, trochoid_distance
+from cycloid_mj.parts import mass_properties, parts
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics import impact
+from cycloid_mj.statics.law import pair_stiffness
 from hsieh2014.peaks import BINS
 
 TIMESTEP = 0.5e-6

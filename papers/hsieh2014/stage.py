@@ -4,9 +4,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.result import Claim, Table
 from cycloid_mj.design import Design
-from cycloid_mj.record import Run
-from cycloid_mj.result import Claim, Table
 from hsieh2014.plan import Plan
 
 Runs = Callable[[Sequence[Design]], list[Run]]

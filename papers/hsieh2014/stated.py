@@ -4,8 +4,8 @@ import math
 from typing import TYPE_CHECKING
 
 from cycloid_mj.design import PRESETS, Design
-from cycloid_mj.mechanism.whole import Reducer
 from cycloid_mj.papers import Vibration
+from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.measure.published import Published
@@ -69,8 +69,8 @@ def is_ours(design: Design) -> bool:
 
 def stress_references(design: Design) -> "dict[str, Reference]":
     """Give the paper's figure, and the height that it stays below, of each part of its own designs."""
+    from cycloid_mj.base.units import MEGAPASCAL
     from cycloid_mj.stress.findings import Reference
-    from cycloid_mj.units import MEGAPASCAL
 
     if not is_ours(design):
         return {}

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from cycloid_mj.result import Claim, Condition, Range, Removal, Value, Verdict
+from cycloid_mj.base.result import Claim, Condition, Range, Removal, Value, Verdict
 from hsieh2014.plan import no_load, torque_test
 from hsieh2014.stated import FIGURES, GEAR_SPEED, HEIGHTS, IDEAL, ORDER, TORQUES, VIBRATION
 

@@ -6,10 +6,10 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from cycloid_mj.names import KINDS
-from cycloid_mj.record import Run
-from cycloid_mj.result import Table
-from cycloid_mj.units import MEGAPASCAL
+from cycloid_mj.base.names import KINDS
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.result import Table
+from cycloid_mj.base.units import MEGAPASCAL
 from hsieh2014 import hypothesis
 from hsieh2014.idle_stress import IdleStress, idle_stress
 from hsieh2014.peaks import largest_force, pairs_on

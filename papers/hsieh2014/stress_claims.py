@@ -7,11 +7,11 @@ from itertools import pairwise
 import numpy as np
 
 from cycloid_mj.analysis.series import design_of
+from cycloid_mj.base.names import OUTPUT
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.result import Claim, Range, Removal, Value, Verdict
+from cycloid_mj.base.types import Array
 from cycloid_mj.comparison import Spread, Variation, settled
-from cycloid_mj.names import OUTPUT
-from cycloid_mj.record import Run
-from cycloid_mj.result import Claim, Range, Removal, Value, Verdict
-from cycloid_mj.types import Array
 from hsieh2014.cycle import cycle
 from hsieh2014.idle_stress import IdleStress
 from hsieh2014.peaks import (

@@ -3,16 +3,16 @@
 from collections.abc import Iterator, Mapping, Sequence
 
 from cycloid_mj.analysis import judge
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.result import Claim, Removal, Table, Value, Verdict
 from cycloid_mj.comparison import settled
 from cycloid_mj.design import Design
+from cycloid_mj.life.duty import DutyPoint
+from cycloid_mj.life.loading import loading
+from cycloid_mj.life.peak import peaks
 from cycloid_mj.measure import Measurement
 from cycloid_mj.measure.pool import Progress as Steps
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.rating.duty import DutyPoint
-from cycloid_mj.rating.loading import loading
-from cycloid_mj.rating.peak import peaks
-from cycloid_mj.record import Run
-from cycloid_mj.result import Claim, Removal, Table, Value, Verdict
+from cycloid_mj.reducer import Reducer
 from hsieh2014.pictures import pictures
 from hsieh2014.plan import Plan, designs, equalised, rated_runs
 from hsieh2014.stage import Found, Plate, Progress, Runs

@@ -4,16 +4,16 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from cycloid_mj.contact.massless import massless
-from cycloid_mj.contact.working import working_at
+from cycloid_mj.base.result import Range
 from cycloid_mj.design import Design
+from cycloid_mj.dynamics.massless import massless
 from cycloid_mj.measure.pool import each
 from cycloid_mj.measure.sensitivity import friction_for, with_common_friction
 from cycloid_mj.measure.spread import BEARING, TEETH
 from cycloid_mj.measure.steady import steady_design, whole_periods
 from cycloid_mj.measure.torque import rated_test
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.result import Range
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.working import working_at
 
 GRID = (0.0, 0.01, 0.03, 0.06, TEETH[1])
 """Frictions of the teeth between which that of a torque is interpolated [1]."""

@@ -4,9 +4,9 @@ import math
 from collections.abc import Iterable, Mapping
 from statistics import NormalDist, median
 
+from cycloid_mj.base.result import Value, Verdict
 from cycloid_mj.comparison import Spread
 from cycloid_mj.comparison.starts import ALIKE
-from cycloid_mj.result import Value, Verdict
 
 SIGNIFICANCE = 0.05
 """Chance of starts as different as those of two designs that do not differ, below which an order counts."""

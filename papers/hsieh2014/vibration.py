@@ -6,10 +6,10 @@ Each idle quantity is the spread over independent starts. What the rated load ma
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.result import Claim, Removal, Table, Value
 from cycloid_mj.comparison import RANKED, Ranked, Spread, Variation, settled
-from cycloid_mj.mechanism.whole import Reducer
-from cycloid_mj.record import Run
-from cycloid_mj.result import Claim, Removal, Table, Value
+from cycloid_mj.reducer import Reducer
 from hsieh2014.cycle import cycle_table
 from hsieh2014.idle import (
     Divergence,

@@ -1,0 +1,1 @@
+"""What every room stands on: types, units, errors, names, results, files, processes and the compile cache."""

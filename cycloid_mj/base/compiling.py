@@ -1,0 +1,79 @@
+"""How number-crunching code is compiled: kept where there is a place for it, and told when it takes time."""
+
+import zlib
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numba
+from numba.core import event, sigutils
+from numba.core.ccallback import CFunc
+
+from cycloid_mj.base.compile_cache import SealedCache, folder, say_compiling
+from cycloid_mj.base.interrupt import unbroken
+
+Function = Callable[..., Any]
+
+
+def njit(*, cache: bool = False, **options: Any) -> Callable[[Function], Any]:
+    """Compile a function for Python and other kernels, as ``numba.njit`` does; kept in a `SealedCache` if asked."""
+
+    def compiled(function: Function) -> Any:
+        made = numba.njit(**options)(function)
+        if cache:
+            made._cache = SealedCache(function)
+        return made
+
+    return compiled
+
+
+def cfunc(signature: Any, *, cache: bool = False) -> Callable[[Function], Any]:
+    """Compile a function that C can call, as ``numba.cfunc`` does; kept in a `SealedCache` if asked."""
+
+    def compiled(function: Function) -> Any:
+        made: Any = CFunc(function, sigutils.normalize_signature(signature), locals={}, options={})
+        if cache:
+            made._cache = SealedCache(function)
+        made.compile()
+        return made
+
+    return compiled
+
+
+def cacheable() -> bool:
+    """Tell whether there is a place to keep what is compiled in."""
+    return folder() is not None
+
+
+def digest(*modules: ModuleType) -> int:
+    """Give a digest of the sources of modules whose code is compiled into another's.
+
+    Numba does not follow them into other files: with the digest among what a function closes over, its cache does.
+    """
+    return zlib.crc32(b"".join(Path(module.__file__).read_bytes() for module in modules if module.__file__))
+
+
+@contextmanager
+def announced() -> Iterator[None]:
+    """Log once (level info) that code is being compiled, if it is in this block, and not loaded from the cache.
+
+    Signals that end the program wait until the block is done: raised within LLVM, they would be lost.
+    """
+    with unbroken(), event.install_listener("numba:compile", _Announcer()):
+        yield
+
+
+class _Announcer(event.Listener):  # type: ignore[misc]  # numba has no types
+    def on_start(self, event: Any) -> None:
+        if cacheable():
+            say_compiling("compiling the contact code, once per installation; this takes some seconds")
+        else:
+            say_compiling(
+                "compiling the contact code, for this run only, since there is no folder to keep it in: "
+                "set NUMBA_CACHE_DIR to one that can be written"
+            )
+
+    def on_end(self, event: Any) -> None:
+        """Nothing more is to be said."""

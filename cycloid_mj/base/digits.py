@@ -1,0 +1,38 @@
+"""Derived numbers with as many digits as they mean.
+
+The last bits of a sum or a sine depend on the machine and on the number of threads, and within some turns a rattling
+gear makes them visible. What enters a model is rounded, so that the same design is the same model everywhere.
+"""
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.base.types import Array
+
+DIGITS = 12
+"""Significant digits of derived numbers; what is known of materials and parts ends far before them."""
+
+LENGTH = 1e-15
+"""Grid of derived coordinates [m], and of sines and cosines [1]: around zero they have no significant digits."""
+
+
+def significant(value: float) -> float:
+    """Give a number with `DIGITS` significant digits."""
+    return float(f"{value:.{DIGITS - 1}e}")
+
+
+def significant_tensor(values: npt.ArrayLike) -> Array:
+    """Give numbers that belong together with as many decimals as leave the largest of them `DIGITS` digits."""
+    array = np.asarray(values, dtype=np.float64)
+    largest = float(np.abs(array).max(initial=0.0))
+    if largest == 0.0:
+        return array
+    decimals = DIGITS - 1 - int(np.floor(np.log10(largest)))
+    return np.array([significant(float(one)) for one in np.round(array, decimals).ravel()]).reshape(array.shape) + 0.0
+
+
+def on_grid(values: npt.ArrayLike) -> Array:
+    """Give coordinates [m], sines or cosines on the grid of `LENGTH`."""
+    decimals = -int(np.log10(LENGTH))
+    rounded: Array = np.asarray(values, dtype=np.float64).round(decimals) + 0.0
+    return rounded

@@ -1,0 +1,138 @@
+"""Work on a running Dask cluster; Dask itself tries again what a lost worker had."""
+
+import logging
+import re
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import CancelledError
+from contextlib import contextmanager
+from itertools import islice
+from typing import Any, TypeVar
+
+from cycloid_mj.base.engine.packages import Versions, require_same, versions
+from cycloid_mj.base.errors import CycloidError, RunError, UsageError
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+AHEAD = 1000
+"""Items that are with the scheduler at once, at least: what comes later waits here, where it costs nothing."""
+
+SECONDS_TO_CONNECT = 20.0
+
+
+def on_cluster(
+    work: Callable[[T], R], items: Iterable[T], scheduler: str, lost: Callable[[int, str], R] | None = None
+) -> Iterator[tuple[int, R]]:
+    """Do a piece of work for each item; see `Engine.stream`."""
+    with _client(scheduler) as client, _connected(scheduler):
+        from distributed import KilledWorker, as_completed
+
+        _require_workers(client, scheduler)
+        waiting = iter(enumerate(items))
+        places: dict[Any, int] = {}
+
+        def submitted(count: int) -> list[Any]:
+            futures = {client.submit(_piece, work, item, pure=False): place for place, item in islice(waiting, count)}
+            places.update(futures)
+            return list(futures)
+
+        running = as_completed(submitted(max(AHEAD, 4 * sum(client.nthreads().values()))), loop=client.loop)
+        for future in running:
+            place = places.pop(future)
+            if future.status == "finished":
+                theirs, result = future.result()
+                require_same(theirs, f"a worker of {scheduler}")
+            elif future.status == "error" and isinstance(future.exception(), KilledWorker):
+                why = "each worker of the cluster that worked on it died"
+                if lost is None:
+                    raise RunError(f"item {place + 1}: {why}; is there enough memory?") from future.exception()
+                result = lost(place, why)
+            else:
+                raise _failure(future, scheduler)
+            future.release()
+            yield place, result
+            running.update(submitted(1))
+
+
+def _piece(work: Callable[[T], R], item: T) -> tuple[Versions, R]:
+    return versions(), work(item)
+
+
+@contextmanager
+def _client(scheduler: str) -> Iterator[Any]:
+    """Connect with a scheduler; what is under way is cancelled when the block ends."""
+    if not re.fullmatch(r"(\w+://)?\S+:\d+", scheduler):
+        raise UsageError(f"--scheduler {scheduler!r}: expected HOST:PORT, such as 10.0.0.1:8786")
+    try:
+        from distributed import Client
+    except ImportError as problem:
+        raise UsageError(f"--scheduler needs Dask ({problem}): pip install 'cycloid-mj[cluster]'") from problem
+    with _silent_loggers():
+        try:
+            client = Client(scheduler, timeout=SECONDS_TO_CONNECT, set_as_default=False)
+        except (OSError, ValueError) as problem:
+            raise RunError(
+                f"no Dask scheduler answers at {scheduler} ({problem}): start one with `dask scheduler`, or work here "
+                "with --workers"
+            ) from problem
+        try:
+            yield client
+        finally:
+            client.close()
+
+
+@contextmanager
+def _silent_loggers() -> Iterator[None]:
+    """Silence Dask, each of whose loggers has a level of its own: what matters is raised."""
+    levels = {name: logging.getLogger(name).level for name in [*logging.root.manager.loggerDict] if _of_dask(name)}
+    for name in levels:
+        logging.getLogger(name).setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        for name, level in levels.items():
+            logging.getLogger(name).setLevel(level)
+
+
+def _of_dask(name: str) -> bool:
+    return name.partition(".")[0] in ("distributed", "tornado")
+
+
+@contextmanager
+def _connected(scheduler: str) -> Iterator[None]:
+    """Turn what Dask raises where the scheduler is gone into a RunError."""
+    try:
+        yield
+    except (OSError, CancelledError) as problem:
+        raise _lost(scheduler) from problem
+
+
+def _lost(scheduler: str) -> RunError:
+    return RunError(f"the connection with the scheduler {scheduler} was lost: start it again, then the same command")
+
+
+def _require_workers(client: Any, scheduler: str) -> None:
+    """Raise RunError where a cluster has no workers, or has other versions of the packages."""
+    try:
+        client.wait_for_workers(1, timeout=SECONDS_TO_CONNECT)
+    except TimeoutError as problem:
+        raise RunError(f"the cluster at {scheduler} has no workers: start some with `dask worker`") from problem
+    try:
+        found = client.run(versions)
+    except Exception as problem:  # whatever a worker fails with, such as a missing package
+        own = dict(versions())["cycloid_mj"]
+        raise RunError(
+            f"a worker of {scheduler} cannot load cycloid_mj ({problem}): install cycloid-mj {own} on all of them"
+        ) from problem
+    for address, theirs in found.items():
+        require_same(theirs, f"the worker {address}")
+
+
+def _failure(future: Any, scheduler: str) -> BaseException:
+    """Give the error that ends the work: that of the work itself, or that the cluster is gone."""
+    if future.status != "error":
+        return _lost(scheduler)
+    error: BaseException = future.exception()
+    if isinstance(error, CycloidError):
+        return error
+    return RunError(f"a worker of {scheduler} failed: {type(error).__name__}: {error}")

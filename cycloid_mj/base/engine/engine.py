@@ -1,0 +1,106 @@
+"""One way to do the same work for many items: results come as they are done, from wherever they are done."""
+
+import os
+from collections.abc import Callable, Iterable, Iterator
+from contextvars import ContextVar
+from dataclasses import dataclass
+from functools import partial
+from typing import Literal, TypeVar
+
+T = TypeVar("T")
+R = TypeVar("R")
+Progress = Callable[[int, int], None]
+"""Called after each piece of work: how many are done, and how many there are."""
+
+Lost = Callable[[int, str], R]
+"""Called for an item whose worker died each time, with its place and why: gives the result in its stead, or raises."""
+
+
+_within_a_piece = ContextVar("within_a_piece", default=False)
+
+
+def cores() -> int:
+    """Give the cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def silent(done: int, whole: int) -> None:
+    """Report no progress."""
+
+
+@dataclass(frozen=True)
+class Engine:
+    """Where work is done, and by how many at once.
+
+    Attributes
+    ----------
+    workers
+        Workers on this machine; 0: one for each core that this process may use.
+    kind
+        Whether they are processes, or threads, for work that releases Python's lock.
+    scheduler
+        Instead of workers here: ``HOST:PORT`` of the scheduler of a running Dask cluster.
+    """
+
+    workers: int = 0
+    kind: Literal["processes", "threads"] = "processes"
+    scheduler: str = ""
+
+    @property
+    def local_workers(self) -> int:
+        """How many workers there are on this machine: one for what is itself a piece of work."""
+        return 1 if _within_a_piece.get() else self.workers or cores()
+
+    def stream(
+        self, work: Callable[[T], R], items: Iterable[T], lost: Lost[R] | None = None
+    ) -> Iterator[tuple[int, R]]:
+        """Do a piece of work for each item; give the place of each item with its result, in the order they are done.
+
+        Work for processes or a cluster is a function of a module (or a `functools.partial` of one), so that it can be
+        sent; items and results should be small. The results do not depend on where they were made. The first error of
+        a piece of work ends everything. Ctrl-C, and closing the iterator, leave what is not begun and stop the rest.
+
+        Parameters
+        ----------
+        work, items
+            What is done, and for what.
+        lost
+            What to do about an item whose worker died each time it was tried; by default a `RunError`.
+
+        Raises
+        ------
+        RunError
+            Workers died again and again, have other versions of the packages, or cannot be reached.
+        UsageError
+            The scheduler's address is none, or Dask is not installed.
+        """
+        from cycloid_mj.base.engine.cluster import on_cluster
+        from cycloid_mj.base.engine.processes import in_processes
+        from cycloid_mj.base.engine.threads import in_threads
+
+        piece = partial(_piece, work)
+        if self.scheduler:
+            return on_cluster(piece, items, self.scheduler, lost)
+        if self.local_workers == 1:
+            return ((place, piece(item)) for place, item in enumerate(items))
+        if self.kind == "threads":
+            return in_threads(piece, items, self.local_workers)
+        return in_processes(piece, items, self.local_workers, lost)
+
+    def each(self, work: Callable[[T], R], items: Iterable[T], progress: Progress = silent) -> list[R]:
+        """Do the same, and give all results in the order of the items."""
+        items = list(items)
+        found: dict[int, R] = {}
+        for place, result in self.stream(work, items):
+            found[place] = result
+            progress(len(found), len(items))
+        return [found[place] for place in range(len(items))]
+
+
+def _piece(work: Callable[[T], R], item: T) -> R:
+    """Do a piece of work; what it would share among workers in its turn, it does alone: the cores are taken."""
+    token = _within_a_piece.set(True)
+    try:
+        return work(item)
+    finally:
+        _within_a_piece.reset(token)

@@ -1,0 +1,34 @@
+"""Versions of the packages that decide the figures: results of different ones do not belong together."""
+
+import platform
+from functools import cache
+from importlib.metadata import version
+
+from cycloid_mj.base.errors import RunError
+
+PACKAGES = ("mujoco", "numpy", "scipy", "numba")
+"""Packages whose code a figure passes through."""
+
+Versions = tuple[tuple[str, str], ...]
+"""Name and version of Python, this package and each of `PACKAGES`."""
+
+
+@cache
+def versions() -> Versions:
+    """Give the versions of this process."""
+    from cycloid_mj import __version__
+
+    own = (("python", platform.python_version()), ("cycloid_mj", __version__))
+    return own + tuple((name, version(name)) for name in PACKAGES)
+
+
+def require_same(theirs: Versions, whose: str) -> None:
+    """Raise RunError where the versions of a worker are not those of this process."""
+    ours, others = dict(versions()), dict(theirs)
+    differing = [
+        f"{name} is {others.get(name, 'missing')} there and {ours.get(name, 'missing')} here"
+        for name in ours | others
+        if ours.get(name) != others.get(name)
+    ]
+    if differing:
+        raise RunError(f"{whose}: {'; '.join(differing)}; install the same versions, so that the figures are the same")

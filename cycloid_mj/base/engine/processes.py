@@ -1,0 +1,65 @@
+"""Work in processes of this machine; a process that dies is replaced, and its work tried again."""
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, TypeVar
+
+from cycloid_mj.base.circles import look_rarely
+from cycloid_mj.base.engine.parent import serve_parent
+from cycloid_mj.base.engine.results import handed_on
+from cycloid_mj.base.errors import RunError
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+TRIES = 3
+"""Times that an item may be under way when a process dies, before it is tried alone to tell whether it is the cause."""
+
+
+def in_processes(
+    work: Callable[[T], R], items: Iterable[T], workers: int, lost: Callable[[int, str], R] | None = None
+) -> Iterator[tuple[int, R]]:
+    """Do a piece of work for each item; see `Engine.stream`."""
+    from joblib.externals.loky.process_executor import TerminatedWorkerError
+
+    waiting = dict(enumerate(items))
+    deaths: Counter[int] = Counter()
+    while waiting:
+        begun: set[int] = set()
+        alone = next((place for place in waiting if deaths[place] >= TRIES), None)
+        chosen = waiting if alone is None else {alone: waiting[alone]}
+        try:
+            for place, result in _parallel(work, dict(chosen), workers, begun):
+                del waiting[place]
+                yield place, result
+        except TerminatedWorkerError as death:
+            if alone is not None:
+                why = f"the process that worked on it died {deaths[alone] + 1} times, at last while it did nothing else"
+                if lost is None:
+                    raise RunError(f"item {alone + 1}: {why}; is there enough memory?") from death
+                del waiting[alone]
+                yield alone, lost(alone, why)
+            deaths.update(begun & waiting.keys())
+
+
+def _parallel(work: Callable[[T], R], items: dict[int, T], workers: int, begun: set[int]) -> Iterator[tuple[int, R]]:
+    """Do the work once, without tries; `begun` collects the places of the items that were handed to a process."""
+    from joblib import Parallel, delayed, parallel_config
+
+    def pieces() -> Iterator[Any]:
+        for place, item in items.items():
+            begun.add(place)
+            yield delayed(_piece)(work, place, item)
+
+    with parallel_config("loky", inner_max_num_threads=1, initializer=_begin):
+        pool = Parallel(max(2, workers), batch_size=1, return_as="generator_unordered")
+    yield from handed_on(pool(pieces()))
+
+
+def _begin() -> None:
+    serve_parent()
+    look_rarely()
+
+
+def _piece(work: Callable[[T], R], place: int, item: T) -> tuple[int, R]:
+    return place, work(item)

@@ -1,0 +1,162 @@
+"""Named columns with units: what a sweep, a study of tolerances and an optimisation give, for files and for pandas.
+
+A frame is handed on through Arrow's C stream, which pandas, polars, pyarrow and DuckDB read without a copy by hand:
+``polars.DataFrame(frame)``, ``pandas.DataFrame.from_arrow(frame)``, ``duckdb.sql("from frame")``. `columns` is a dict
+of arrays for all else: ``pandas.DataFrame(frame.columns)``.
+"""
+
+import csv
+import importlib
+import json
+import math
+import os
+import shutil
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.whole import whole_file
+
+Cell = float | int | str | bool
+Column = npt.NDArray[Any]
+
+
+class Tabular:
+    """What has a `frame`: it is a table for whoever takes one."""
+
+    @property
+    def frame(self) -> "Frame":
+        """Its rows as a frame."""
+        raise NotImplementedError
+
+    def __arrow_c_stream__(self, requested_schema: object = None) -> object:
+        """Give the rows as a stream of Arrow; raise CycloidError if DuckDB, which makes it, is not installed."""
+        with _duckdb("a table for other packages", "take the arrays of its columns").connect() as database:
+            database.register("frame", dict(self.frame.columns))
+            return database.table("frame").__arrow_c_stream__(requested_schema)
+
+    def __len__(self) -> int:
+        """Count the rows."""
+        return self.frame.rows
+
+    def __getitem__(self, name: str) -> Column:
+        """Give a column, shape (rows,)."""
+        return self.frame.columns[name]
+
+
+@dataclass(frozen=True, eq=False)
+class Frame(Tabular):
+    """Columns of one length.
+
+    Attributes
+    ----------
+    columns
+        Name -> values, shape (rows,) each: numbers (NaN where there is none), text or switches.
+    units
+        Name -> unit; columns without one, such as text, are left out.
+    """
+
+    columns: Mapping[str, Column]
+    units: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def frame(self) -> "Frame":
+        """The frame itself."""
+        return self
+
+    @property
+    def rows(self) -> int:
+        """How many rows there are."""
+        return len(next(iter(self.columns.values()), ()))
+
+    @property
+    def numbers(self) -> dict[str, Column]:
+        """The columns that are numbers, as floats."""
+        return {name: column.astype(float) for name, column in self.columns.items() if column.dtype.kind in "fiu"}
+
+
+def framed(rows: Sequence[Mapping[str, Cell]], names: Iterable[str], units: Mapping[str, str]) -> Frame:
+    """Give rows as a frame; what a row does not have is NaN, or no text."""
+    return Frame({name: _column([row.get(name) for row in rows]) for name in names}, units)
+
+
+def _column(cells: list[Cell | None]) -> Column:
+    kinds = {type(cell) for cell in cells}
+    if str in kinds:
+        return np.array(["" if cell is None else str(cell) for cell in cells], dtype=object)
+    if kinds == {bool} or kinds == {int}:
+        return np.array(cells)
+    return np.array([math.nan if cell is None else float(cell) for cell in cells])
+
+
+def write_csv(frame: Frame, path: str | os.PathLike[str]) -> None:
+    """Write a frame with every digit of every number; what is no number is left empty.
+
+    Raises
+    ------
+    CycloidError
+        The file cannot be written; one that was there before is as it was.
+    """
+    columns = [_words(column) for column in frame.columns.values()]
+    with whole_file(path) as beside, beside.open("w", encoding="utf-8", newline="") as stream:
+        lines = csv.writer(stream, lineterminator="\n")
+        lines.writerow(frame.columns)
+        lines.writerows(zip(*columns, strict=True))
+
+
+def _words(column: Column) -> list[str]:
+    match column.dtype.kind:
+        case "f":
+            # the sum turns -0.0 into 0.0
+            return ["" if math.isnan(value) else repr(value) for value in (column + 0.0).tolist()]
+        case "b":
+            return [str(value).lower() for value in column.tolist()]
+    return list(map(str, column.tolist()))
+
+
+def write_parquet(
+    frame: Frame,
+    path: str | os.PathLike[str],
+    metadata: Mapping[str, Any],
+    error: Callable[[str], CycloidError] = CycloidError,
+) -> None:
+    """Write a frame as a Parquet file, with its units and other metadata; it takes its name only once it is whole.
+
+    Raises
+    ------
+    CycloidError
+        The file cannot be written; an `error` for what DuckDB says, and where it is not installed.
+    """
+    duckdb = _duckdb("Parquet", "write CSV", error)
+    pairs = {"units": dict(frame.units), **metadata}
+    told = ", ".join(f"{key}: {_quoted(json.dumps(value))}" for key, value in pairs.items())
+    options = f"FORMAT parquet, COMPRESSION zstd, KV_METADATA {{{told}}}"
+    with whole_file(path) as beside, duckdb.connect() as database, TemporaryDirectory() as elsewhere:
+        database.register("frame", dict(frame.columns))
+        # DuckDB takes names in UTF-8 alone
+        at = beside if str(beside).isprintable() else Path(elsewhere) / "frame.parquet"
+        try:
+            database.execute(f"COPY (SELECT * FROM frame) TO {_quoted(str(at))} ({options})")
+        except duckdb.Error as problem:
+            raise error(f"cannot write {path}: {problem}; choose another place for it") from problem
+        if at != beside:
+            shutil.copyfile(at, beside)
+
+
+def _duckdb(what: str, instead: str, error: Callable[[str], CycloidError] = CycloidError) -> ModuleType:
+    try:
+        return importlib.import_module("duckdb")
+    except ImportError as problem:
+        raise error(f"{what} needs DuckDB ({problem}): pip install 'cycloid-mj[parquet]', or {instead}") from problem
+
+
+def _quoted(text: str) -> str:
+    """Give text as SQL has it."""
+    return "'" + text.replace("'", "''") + "'"

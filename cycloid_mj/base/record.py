@@ -1,0 +1,249 @@
+"""The record of a run: what a simulation gives and an analysis takes.
+
+This module owns `Run`, time with named columns, their units and where they come from. It knows neither how a run is
+computed nor how it is stored.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
+from functools import cache
+from html import escape
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.base.errors import LogError
+from cycloid_mj.base.names import FORCE_X, FORCE_Y, REDUCER, column, kind_of
+from cycloid_mj.base.types import Array, Mask
+
+LARGEST = 1e30
+"""No quantity of a reducer comes near, in SI units; double precision still holds its square, and single itself."""
+
+
+class Deferred(Mapping[str, bytes]):
+    """Files by name whose contents are made when they are first read: a run in memory seldom shows its model."""
+
+    def __init__(self, made: Mapping[str, Callable[[], bytes]]) -> None:
+        self._made = {name: cache(content) for name, content in made.items()}
+
+    def __getitem__(self, name: str) -> bytes:
+        """Give the content of a file."""
+        return self._made[name]()
+
+    def __iter__(self) -> Iterator[str]:
+        """Go through the names."""
+        return iter(self._made)
+
+    def __len__(self) -> int:
+        """Count the files."""
+        return len(self._made)
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """Samples of a simulated reducer.
+
+    Arrays are locked: they are copied unless they are locked already and own their memory.
+
+    Attributes
+    ----------
+    time
+        Shape (n,), [s], finite and strictly increasing.
+    columns
+        Name -> values, shape (n,), in the unit given in `units`. Any float is allowed, NaN included.
+    units
+        Name -> unit: "rad", "rad/s", "N", "N m", "m", "1", ...; one for every column.
+    provenance
+        Flat text about the run: versions, seed, solver; ``warnings``, a line each.
+    attachments
+        File name -> content, such as ``design.toml`` and ``model.xml``.
+    complete
+        Whether the run reached its end.
+    note
+        Why it did not; "" if it did.
+    topics
+        Topic -> names of its columns, as a log has them in groups; every column is in one of them. Columns that are in
+        none, as of a run without topics, join the first, or ``/reducer``.
+
+    Raises
+    ------
+    LogError
+        Lengths differ, time does not increase, or columns, units and topics do not have the same names.
+    """
+
+    time: Array
+    columns: Mapping[str, Array]
+    units: Mapping[str, str]
+    provenance: Mapping[str, str] = field(default_factory=dict)
+    attachments: Mapping[str, bytes] = field(default_factory=dict)
+    complete: bool = True
+    note: str = ""
+    topics: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        columns = {name: _locked(values) for name, values in self.columns.items()}
+        object.__setattr__(self, "time", _locked(self.time))
+        object.__setattr__(self, "columns", MappingProxyType(columns))
+        for name in ("units", "provenance", "attachments"):
+            given = getattr(self, name)
+            object.__setattr__(self, name, given if isinstance(given, Deferred) else MappingProxyType(dict(given)))
+        _check_time(self.time)
+        _check_columns(self.time.size, self.columns, self.units)
+        object.__setattr__(self, "topics", MappingProxyType(_topics(self.topics, self.columns)))
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Why the figures of this run may not be those of its design, as far as was known before it began."""
+        return tuple(self.provenance.get("warnings", "").splitlines())
+
+    def __len__(self) -> int:
+        """Give the number of samples n."""
+        return self.time.size
+
+    def __getitem__(self, name: str) -> Array:
+        """Give the column `name`, shape (n,); raise LogError if there is none."""
+        if name not in self.columns:
+            raise LogError(_unknown(name, list(self.columns)))
+        return self.columns[name]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Let a run travel to other processes: a mapping proxy cannot be pickled, a dict can."""
+        mappings = (dict(m) for m in (self.columns, self.units, self.provenance, self.attachments))
+        return Run, (self.time, *mappings, self.complete, self.note, dict(self.topics))
+
+    def __repr__(self) -> str:
+        """Describe the run in one line."""
+        return f"Run({', '.join(f'{key} {value}' for key, value in self._facts())})"
+
+    def _repr_html_(self) -> str:
+        """Describe the run in a table, for a notebook."""
+        rows = "".join(f"<tr><th>{escape(key)}</th><td>{escape(value)}</td></tr>" for key, value in self._facts())
+        return f"<table>{rows}</table>"
+
+    def _facts(self) -> tuple[tuple[str, str], ...]:
+        end = "yes" if self.complete else f"no: {self.note or 'no reason given'}"
+        time = f"{self.time[0]:g} to {self.time[-1]:g} s" if len(self) else "none"
+        return (
+            ("samples", str(len(self))),
+            ("columns", str(len(self.columns))),
+            ("time", time),
+            ("attachments", ", ".join(self.attachments) or "none"),
+            ("complete", end),
+        )
+
+    @property
+    def groups(self) -> dict[str, dict[str, str]]:
+        """Topic -> its columns with their units, as a log is written."""
+        return {topic: {name: self.units[name] for name in names} for topic, names in self.topics.items()}
+
+    def block(self, names: Sequence[str]) -> Array:
+        """Give the k columns `names` side by side, shape (n, k); raise LogError if one is unknown."""
+        block = np.empty((len(self), len(names)))
+        for k, name in enumerate(names):
+            block[:, k] = self[name]
+        return block
+
+    def by_stem(self, quantity: str) -> dict[str, Array]:
+        """Give a quantity, as of `names.column`, by what has it: `names.PEAK_FORCE` by pair, for one."""
+        end = column("", quantity)
+        return {name.removesuffix(end): values for name, values in self.columns.items() if name.endswith(end)}
+
+    def pairs(self, kind: str) -> tuple[str, ...]:
+        """Name the mating pairs of a kind that the run has forces of, in their order."""
+        return tuple(pair for pair in self.by_stem(FORCE_X) if kind_of(pair) == kind)
+
+    def forces(self, kind: str) -> Array:
+        """Give the forces in the k mating pairs of a kind, such as ``pin_gear``: x and y [N], shape (n, k, 2).
+
+        Raises
+        ------
+        LogError
+            The run has none.
+        """
+        pairs = self.pairs(kind)
+        if not pairs:
+            raise LogError(
+                f"the run has no forces of the kind {kind!r} among its {len(self.columns)} columns: simulate it again "
+                "with the forces in its log"
+            )
+        names = [column(pair, part) for pair in pairs for part in (FORCE_X, FORCE_Y)]
+        return self.block(names).reshape(len(self), len(pairs), 2)
+
+    def usable(self) -> "Run":
+        """Give the run with NaN for every value that no reducer can have; see `usable`."""
+        return replace(self, columns={name: usable(values) for name, values in self.columns.items()})
+
+    def select(self, rows: Mask | slice) -> "Run":
+        """Give the run with only the samples `rows`: a mask of shape (n,) or a forward slice."""
+        if not isinstance(rows, slice) and (rows.dtype != np.bool_ or rows.shape != self.time.shape):
+            raise LogError(
+                f"cannot select samples by an array of {rows.dtype}, shape {rows.shape}: "
+                f"give a slice or a mask of bool, shape {self.time.shape}"
+            )
+        columns = {name: values[rows] for name, values in self.columns.items()}
+        return replace(self, time=self.time[rows], columns=columns)
+
+
+def usable(values: Array) -> Array:
+    """Give values of any shape with NaN for those that are infinite or beyond `LARGEST`: one can compute with them."""
+    sound = np.abs(values) <= LARGEST
+    return values if sound.all() else np.where(sound, values, np.nan)
+
+
+def _locked(values: npt.ArrayLike) -> Array:
+    array = np.asarray(values, dtype=np.float64)
+    if array.flags.writeable or array.base is not None:
+        array = array.copy()
+        array.flags.writeable = False
+    return array
+
+
+def _check_time(time: Array) -> None:
+    if time.ndim != 1:
+        raise LogError(f"time of a run has shape {time.shape}: give shape (n,)")
+    if not np.isfinite(time).all():
+        sample = int(np.argmin(np.isfinite(time)))
+        raise LogError(f"time of a run is {time[sample]} s at sample {sample}: give finite times")
+    backward = np.flatnonzero(np.diff(time) <= 0.0)
+    if backward.size:
+        before = int(backward[0])
+        raise LogError(
+            f"time of a run goes from {time[before]!s} s to {time[before + 1]!s} s "
+            f"at sample {before + 1}: give strictly increasing times"
+        )
+
+
+def _check_columns(samples: int, columns: Mapping[str, Array], units: Mapping[str, str]) -> None:
+    for name, values in columns.items():
+        if values.shape != (samples,):
+            raise LogError(
+                f"column {name!r} has shape {values.shape}: give shape ({samples},), one value for each time"
+            )
+        if name not in units:
+            raise LogError(f"column {name!r} has no unit: add it to units ('1' for a plain number)")
+    if surplus := [name for name in units if name not in columns]:
+        raise LogError(f"units has {surplus[0]!r}, which is no column: {_unknown(surplus[0], list(columns))}")
+
+
+def _topics(topics: Mapping[str, Sequence[str]], columns: Mapping[str, Array]) -> dict[str, tuple[str, ...]]:
+    """Give the topics of all columns; raise LogError if they have another name, or one of them twice."""
+    found = {topic: tuple(names) for topic, names in topics.items()}
+    listed = [name for names in found.values() for name in names]
+    if unknown := [name for name in listed if name not in columns]:
+        raise LogError(f"topics has {unknown[0]!r}, which is no column: {_unknown(unknown[0], list(columns))}")
+    if len(set(listed)) < len(listed):
+        twice = next(name for name in listed if listed.count(name) > 1)
+        raise LogError(f"topics has column {twice!r} twice: give it one topic")
+    if rest := tuple(name for name in columns if name not in set(listed)):
+        first = next(iter(found), REDUCER)
+        found[first] = (*found.get(first, ()), *rest)
+    return found
+
+
+def _unknown(name: str, names: list[str]) -> str:
+    nearest = get_close_matches(name, names, n=3) or names[:3]
+    listed = ", ".join(nearest) if nearest else "none, the run has no columns"
+    return f"no column {name!r} in this run of {len(names)}; nearest: {listed}"

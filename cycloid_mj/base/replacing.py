@@ -1,0 +1,169 @@
+"""What a command may replace: never a file that it reads; what was there before only where `--force` says so.
+
+The rule is kept by the two writers (`whole` and `log.place`) while a command of the command line is at work, so that a
+command which claims nothing replaces nothing. In Python, files are replaced as their functions say.
+"""
+
+import os
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from contextvars import ContextVar
+from dataclasses import dataclass, field
+from datetime import datetime
+from pathlib import Path
+from typing import NamedTuple
+
+from cycloid_mj.base.errors import CycloidError, UsageError
+
+LOG = ".mcap"
+HEAD = 2048
+"""Bytes at the start of a file that tell what it is."""
+
+
+class Kind(NamedTuple):
+    """A kind of file: what it is called, and how every file of it begins, in small letters."""
+
+    name: str
+    start: bytes
+
+
+KINDS = {
+    LOG: Kind("a log", b"\x89mcap0"),
+    ".html": Kind("an HTML page", b"<!doctype html"),
+    ".json": Kind("a JSON file", b"{"),
+    ".svg": Kind("a picture", b"<?xml"),
+    ".png": Kind("a picture", b"\x89png"),
+    ".gif": Kind("a film", b"gif8"),
+    ".pdf": Kind("a PDF file", b"%pdf"),
+    ".parquet": Kind("a Parquet file", b"par1"),
+    ".rrd": Kind("a recording", b"rrf"),
+    ".toml": Kind("a design file", b""),
+    ".csv": Kind("a table", b""),
+}
+"""Ending of a name -> what such a file is; where there is no start, files of that kind begin with anything."""
+
+ANY = Kind("a file", b"")
+
+NAMED = re.compile(rb'<title>(.*?)</title>|^name = "(.*?)"|"(?:design|name)": "(.*?)"', re.MULTILINE)
+"""Where the head of a file names what it is about."""
+
+
+class TakenError(CycloidError):
+    """Something is there already that is not to be replaced."""
+
+
+@dataclass
+class _Command:
+    """What the running command has read, by device and inode; what it may replace: files, and all of folders."""
+
+    read: dict[tuple[int, int], Path] = field(default_factory=dict)
+    replaceable: set[Path] = field(default_factory=set)
+
+
+_command: ContextVar[_Command | None] = ContextVar("command", default=None)
+
+
+@contextmanager
+def one_command() -> Iterator[None]:
+    """Keep the rule inside this block."""
+    token = _command.set(_Command())
+    try:
+        yield
+    finally:
+        _command.reset(token)
+
+
+def as_input(path: Path) -> Path:
+    """Note that the command reads a file, and so never writes it; return the path."""
+    if (command := _command.get()) is not None:
+        with suppress(OSError, ValueError):
+            command.read.setdefault(_identity(path), path)
+    return path
+
+
+def as_own(path: Path) -> None:
+    """Note that a file, or all of a folder, is the command's own, of this call or of an earlier one."""
+    if (command := _command.get()) is not None:
+        command.replaceable.add(_real(path))
+        with suppress(OSError, ValueError):
+            command.read.pop(_identity(path), None)
+
+
+def claim(*paths: Path, force: bool) -> None:
+    """Refuse, before the work begins, files and folders that may not be written; `force` lets them be replaced.
+
+    Raises
+    ------
+    TakenError
+        A file is one that the command reads, or of another kind than its name says, or there without `force`.
+    """
+    command = _command.get()
+    for path in paths:
+        if force and command is not None:
+            command.replaceable.add(_real(path))
+        require_replaceable(path)
+
+
+def require_replaceable(path: Path) -> None:
+    """Raise TakenError for a file that the command reads, of another kind, or not to be replaced."""
+    command = _command.get()
+    if command is None or not path.is_file():
+        return
+    if (source := command.read.get(_identity(path))) is not None:
+        same = "itself" if source == path else f"{source}, which is the same file"
+        raise TakenError(f"cannot write {path} over {same}: this command reads it; give another file")
+    real = _real(path)
+    if command.replaceable.isdisjoint((real, *real.parents)):
+        raise TakenError(
+            f"{path} exists already ({standing(path)}): give another name or --out, or replace it with --force"
+        )
+    _require_own_kind(path)
+
+
+def require_ending(path: Path, ending: str) -> None:
+    """Raise UsageError for a name with the ending of another kind of file than `ending`."""
+    found = path.suffix.lower()
+    if found in KINDS and found != ending:
+        raise UsageError(f"cannot write {path}: {found} is the ending of {KINDS[found].name}; take {ending}")
+
+
+def standing(path: Path) -> str:
+    """Tell what a file is, what it is about where its head says so, and its time of change."""
+    head = _head(path)
+    what = _kind(head) or KINDS.get(path.suffix.lower(), ANY).name
+    found = NAMED.search(head)
+    about = next((word for word in found.groups() if word), b"").decode(errors="replace") if found else ""
+    when = datetime.fromtimestamp(path.stat().st_mtime).isoformat(" ", "minutes")
+    return f"{what}{f', {about!r},' if about else ''} of {when}"
+
+
+def _require_own_kind(path: Path) -> None:
+    """Raise TakenError where what stands under a name is of another kind than the name says; nothing is of any."""
+    head, wanted = _head(path), KINDS.get(path.suffix.lower(), ANY)
+    found = _kind(head)
+    if head and (not head.lower().startswith(wanted.start) or found not in ("", wanted.name)):
+        raise TakenError(f"cannot write {path}: it is {found or f'not {wanted.name}'}; give another name")
+
+
+def _kind(head: bytes) -> str:
+    """Tell what a file is by its head; nothing where that does not say it."""
+    return next((kind.name for kind in KINDS.values() if kind.start and head.lower().startswith(kind.start)), "")
+
+
+def _head(path: Path) -> bytes:
+    """Read the start of a file, without blanks before it."""
+    try:
+        with path.open("rb") as stream:
+            return stream.read(HEAD).lstrip()
+    except OSError:
+        return b""
+
+
+def _identity(path: Path) -> tuple[int, int]:
+    there = path.stat()
+    return there.st_dev, there.st_ino
+
+
+def _real(path: Path) -> Path:
+    return Path(os.path.realpath(path))

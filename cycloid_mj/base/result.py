@@ -1,0 +1,357 @@
+"""What every measure, check, comparison and claim is made of: quantities, curves, tables, verdicts."""
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields, is_dataclass
+from enum import StrEnum
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from cycloid_mj.base.types import Array
+
+
+def plain(value: Any) -> Any:
+    """Give records, mappings and sequences as dicts, lists, numbers, text and None: what is no number becomes None.
+
+    A record that has `as_json` is what that gives, another its fields.
+    """
+    if hasattr(value, "as_json"):
+        return plain(value.as_json())
+    if is_dataclass(value) and not isinstance(value, type):
+        return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
+    if isinstance(value, Mapping):
+        return {key: plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One measured number.
+
+    Attributes
+    ----------
+    key, name
+        What it is: for programs, where it is the key of the JSON object, and in words.
+    value, unit
+        What was measured.
+    error
+        Its numerical error, in the same unit: what half the step, or a shorter average, changes. None where a closed
+        form gives the value itself.
+    reference
+        The closed form, in the same unit; None where there is none.
+    source
+        Where the reference comes from.
+    note
+        What decides a difference, or what the value stands on.
+    """
+
+    key: str
+    name: str
+    value: float
+    unit: str
+    error: float | None = None
+    reference: float | None = None
+    source: str = ""
+    note: str = ""
+
+    def as_json(self) -> dict[str, Any]:
+        """Give the quantity for a program."""
+        return {
+            "name": self.name,
+            "value": self.value,
+            "unit": self.unit,
+            "numerical_error": self.error,
+            "reference": self.reference,
+            "source": self.source,
+            "note": self.note,
+        }
+
+
+def keyed(*groups: Iterable[Quantity]) -> dict[str, Quantity]:
+    """Give the quantities of all groups by their keys, in their order."""
+    return {quantity.key: quantity for group in groups for quantity in group}
+
+
+def quantity_table(title: str, quantities: Iterable[Quantity]) -> "Table":
+    """Give quantities as a table of text, a line each; an error or a reference that is not known is left empty."""
+    rows = (
+        (
+            one.name,
+            "-" if math.isnan(one.value) else f"{one.value:.6g}",
+            one.unit,
+            "" if one.error is None or math.isnan(one.error) else f"{one.error:.2g}",
+            "" if one.reference is None else f"{one.reference:.6g}",
+            one.source,
+        )
+        for one in quantities
+    )
+    return Table(title, ("quantity", "value", "unit", "num. error", "closed form", "source"), tuple(rows))
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One curve of a figure.
+
+    Attributes
+    ----------
+    panel
+        Title of the panel that it is drawn in.
+    name
+        What tells it from the panel's other curves.
+    x, y
+        Points, shape (n,) each.
+    x_label, y_label
+        What the axes show, with units: ``crank angle [deg]``.
+    style
+        ``line``, ``theory`` (broad and light), ``points``, ``rings`` (theory at single points), ``bars`` (a spectrum)
+        or ``polar`` (x in degrees, clockwise from +y).
+    of
+        Of a theory: name of the one of the panel's curves that it belongs to, drawn in its colour.
+    """
+
+    panel: str
+    name: str
+    x: "Array"
+    y: "Array"
+    x_label: str
+    y_label: str
+    style: str = "line"
+    of: str = ""
+
+    def as_json(self) -> dict[str, Any]:
+        """Give the curve for a program."""
+        x, y = self.x.tolist(), self.y.tolist()
+        return {
+            "panel": self.panel,
+            "name": self.name,
+            "x_label": self.x_label,
+            "y_label": self.y_label,
+            "x": x,
+            "y": y,
+        }
+
+
+@dataclass(frozen=True)
+class Table:
+    """Numbers that belong together: a map, or a sensitivity.
+
+    Attributes
+    ----------
+    title
+        What it shows.
+    header
+        Names of the columns, with units; the first column names the row.
+    rows
+        Texts and numbers, as many as there are columns.
+    """
+
+    title: str
+    header: tuple[str, ...]
+    rows: tuple[tuple[str | float, ...], ...]
+
+    @property
+    def cells(self) -> list[list[str]]:
+        """The rows as text, numbers with five digits: what every table shows, on paper, page and terminal."""
+        return [[cell if isinstance(cell, str) else f"{cell:.5g}" for cell in row] for row in self.rows]
+
+    def as_markdown(self) -> str:
+        """Give header and rows as a table in Markdown."""
+        lines = [self.header, ["---"] * len(self.header), *self.cells]
+        return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
+
+    def as_json(self) -> dict[str, Any]:
+        """Give the table for a program."""
+        return {"title": self.title, "columns": list(self.header), "rows": [list(row) for row in self.rows]}
+
+
+class Verdict(StrEnum):
+    """What becomes of a published claim here; its value is the word for people and programs."""
+
+    AGREES = "agrees"
+    DISAGREES = "disagrees"
+    """Nothing that the source leaves open gives it, within the physical ranges that were searched."""
+    DEPENDS = "depends"
+    """Something decides it that the source leaves open at the claim's condition."""
+    NOT_DETERMINED = "not determined"
+    """The spread of independent starts exceeds the difference."""
+
+
+@dataclass(frozen=True)
+class Condition:
+    """Under what a figure holds.
+
+    Attributes
+    ----------
+    load
+        Torque against the output's rotation [N m]; 0 is no load.
+    speed
+        Of the crank [rad/s].
+    input_torque
+        On the crank, where the test gives that and the load follows from it [N m].
+    """
+
+    load: float
+    speed: float
+    input_torque: float | None = None
+
+    def __str__(self) -> str:
+        """Give the condition in words, such as "36.68 N m, 1640 rpm"."""
+        return f"{self.words}, {self.speed_rpm:g} rpm"
+
+    @property
+    def speed_rpm(self) -> float:
+        """Speed of the crank [rpm], as a design file has it: without the rounding of the way to rad/s and back."""
+        return round(self.speed * 30.0 / math.pi, 9)
+
+    @property
+    def words(self) -> str:
+        """The load in words, for a row of a table."""
+        return load_words(self.load) if self.input_torque is None else f"{self.input_torque:g} N m in"
+
+    def as_json(self) -> dict[str, float]:
+        """Give load [N m] and speed [rpm] for a program."""
+        torque = {} if self.input_torque is None else {"input_torque_nm": self.input_torque}
+        return {"load_nm": self.load, "speed_rpm": self.speed_rpm} | torque
+
+
+def load_words(load: float) -> str:
+    """Name a load [N m]."""
+    return f"{load:g} N m" if load else "no load"
+
+
+@dataclass(frozen=True)
+class Value:
+    """A value as it is written, and as a number.
+
+    Attributes
+    ----------
+    text
+        As it is written for people.
+    value, unit
+        The number; None where there is none, as for a pattern.
+    spread
+        Lowest and highest of several starts, in the same unit.
+    """
+
+    text: str
+    value: float | None = None
+    unit: str = ""
+    spread: tuple[float, float] | None = None
+
+    def as_json(self) -> dict[str, Any]:
+        """Give the value for a program."""
+        spread = None if self.spread is None else list(self.spread)
+        return {"value": self.value, "unit": self.unit, "spread": spread, "text": self.text}
+
+
+@dataclass(frozen=True)
+class Range:
+    """Physical range of an input that the source leaves open, as far as it was searched.
+
+    Attributes
+    ----------
+    name, unit
+        The input, by its key in the design file where it has one.
+    low, high
+        Ends of the range, in `unit`.
+    source
+        Why the range is physical.
+    """
+
+    name: str
+    low: float
+    high: float
+    unit: str
+    source: str
+
+    def as_json(self) -> dict[str, Any]:
+        """Give the range for a program."""
+        return dict(vars(self))
+
+
+@dataclass(frozen=True)
+class Removal:
+    """A claim judged with one thing taken away or changed alone: what it is, what is found then, and the verdict."""
+
+    what: str
+    found: str
+    verdict: Verdict
+
+    def as_json(self) -> dict[str, str]:
+        """Give the removal for a program."""
+        return {"taken_away": self.what, "ours": self.found, "verdict": str(self.verdict)}
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One published claim, judged.
+
+    Attributes
+    ----------
+    key
+        Its name for programs.
+    figure, part, design
+        Figure or section of the source, the part and the design that it speaks of; "both" where it compares them.
+    condition
+        Under what the source states it, and it is judged.
+    claim, kind
+        What is claimed, in our words, and whether that is a ``value``, a ``height``, an ``order`` or a ``pattern``.
+    stated, found
+        The value that the source gives, and ours under the same condition.
+    error
+        Numerical error of ours; its text is where the error comes from, as in "half the step".
+    verdict, decided_by
+        Whether they agree, and what decides it.
+    rated
+        Ours at the rated load, beside it and never judged; None where the rated load is the condition.
+    searched
+        What the source leaves open, and the ranges in which it was searched for the claim.
+    removals
+        The same claim with one thing taken away or changed alone: what proves, or refutes, that it decides.
+    p
+        Chance of starts as different as those found if the two designs were alike; None where no order is judged.
+    """
+
+    key: str
+    figure: str
+    part: str
+    design: str
+    condition: Condition
+    claim: str
+    kind: str
+    stated: Value
+    found: Value
+    error: Value
+    verdict: Verdict
+    decided_by: str
+    rated: Value | None = None
+    searched: tuple[Range, ...] = ()
+    removals: tuple[Removal, ...] = ()
+    p: float | None = None
+
+    def as_json(self) -> dict[str, Any]:
+        """Give the claim for a program."""
+        return {
+            "key": self.key,
+            "figure": self.figure,
+            "part": self.part,
+            "design": self.design,
+            "condition": self.condition.as_json(),
+            "paper": {
+                "claim": self.claim,
+                "kind": self.kind,
+                "value": self.stated.value,
+                "unit": self.stated.unit,
+                "text": self.stated.text,
+            },
+            "ours": self.found.as_json(),
+            "numerical_error": {"value": self.error.value, "unit": self.error.unit, "source": self.error.text},
+            "verdict": self.verdict,
+            "p": self.p,
+            "decided_by": self.decided_by,
+            "removals": [one.as_json() for one in self.removals],
+            "ranges_searched": [one.as_json() for one in self.searched],
+            "at_rated_load": None if self.rated is None else self.rated.as_json(),
+        }

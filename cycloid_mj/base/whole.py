@@ -1,0 +1,96 @@
+"""Files that are written whole or not at all: every file of results goes through here."""
+
+import os
+import secrets
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from cycloid_mj.base.errors import CycloidError, UsageError
+from cycloid_mj.base.interrupt import unbroken
+from cycloid_mj.base.replacing import LOG, as_own, require_replaceable
+
+
+@contextmanager
+def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Give the name of a new hidden file beside `path`, which takes its place when the block ends without an error.
+
+    Raises
+    ------
+    CycloidError
+        It cannot be written; a file that was there before is as it was.
+    """
+    with whole_files([path]) as (beside,):
+        yield beside
+
+
+@contextmanager
+def whole_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]]:
+    """Give new hidden files beside `paths`, which take their places together when the block ends without an error.
+
+    Files that belong together, such as the parts of a model, are never left as a mixture of old and new ones. A
+    symbolic link stays one: what it points to is replaced.
+
+    Raises
+    ------
+    UsageError
+        One of them has a log's name.
+    TakenError
+        One of them is there, and the running command reads it or may not replace it.
+    CycloidError
+        One of them cannot be written; all files that were there before are as they were.
+    """
+    beside: list[tuple[Path, Path]] = []
+    at = Path()
+    try:
+        for at in map(Path, paths):
+            target = Path(os.path.realpath(at))
+            with unbroken():
+                beside.append((_claimed(target, at), target))
+        at = at if len(beside) == 1 else at.parent
+        yield [hidden for hidden, _ in beside]
+        with unbroken():
+            for hidden, target in beside:
+                os.replace(hidden, target)
+                as_own(target)
+    except OSError as problem:
+        reason = problem.strerror or problem
+        raise CycloidError(
+            f"cannot write {at}: {reason}; give a file in a folder that exists and can be written"
+        ) from problem
+    finally:
+        with unbroken():
+            for hidden, _ in beside:
+                with suppress(OSError):
+                    hidden.unlink()
+
+
+def write_whole(files: Mapping[Path, bytes]) -> None:
+    """Write files that belong together, all of them or none, replacing those of the same names.
+
+    Raises
+    ------
+    CycloidError
+        One of them cannot be written.
+    """
+    with whole_files(list(files)) as beside:
+        for hidden, content in zip(beside, files.values(), strict=True):
+            hidden.write_bytes(content)
+
+
+def hidden_beside(path: Path) -> Path:
+    """Give a hidden name in the folder of `path`, with its ending, that no file has."""
+    # not the process's number: in containers the next process has the same one, and a killed one's file may be there
+    return path.with_name(f".{path.stem}.{secrets.token_hex(4)}.new{path.suffix}")
+
+
+def _claimed(path: Path, called: Path) -> Path:
+    """Make a hidden file beside `path`, which the user calls otherwise."""
+    if path.suffix.lower() == LOG:
+        raise UsageError(f"cannot write {called}: {LOG} is the ending of logs; give a name with another")
+    require_replaceable(called)
+    if path.exists() and not path.is_file():
+        raise CycloidError(f"cannot write {called}: it is no regular file; give the name of a file")
+    hidden = hidden_beside(path)
+    with hidden.open("xb"):
+        return hidden

@@ -1,0 +1,148 @@
+"""The collider: exact conjugate contact at MuJoCo's extension point for collision functions.
+
+MuJoCo looks up ``mjCOLLISIONFUNC[type][type]`` for each pair of geoms. All parts in contact stand in the model as
+cylinders, so one entry is replaced, [cylinder][cylinder]. A geom of ours carries its role as its ``priority`` (which
+MuJoCo does not use for explicit pairs); every other pair goes on to the original function. The collider keeps no
+state: all it needs stands in the ``mjModel`` and ``mjData`` that it is called with. So does `lift`, MuJoCo's callback
+between speeds and forces, which goes with it.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
+from typing import Any
+
+import llvmlite.binding
+from numba import types
+
+from cycloid_mj.base.compiling import announced, cacheable, cfunc, digest
+from cycloid_mj.base.errors import ContactError
+from cycloid_mj.dynamics.contact import gap, mating, memory, near, ring, selftest, teeth
+from cycloid_mj.dynamics.contact.layout import Layout, discover
+from cycloid_mj.dynamics.contact.library import CYLINDER, TYPES, answer, callback, collision_table
+from cycloid_mj.dynamics.contact.lift import between_speeds_and_forces, places
+from cycloid_mj.dynamics.contact.mating import PRIORITY, inner_in_outer, lobe_on_teeth, pin_on_teeth
+from cycloid_mj.dynamics.contact.memory import read_address, read_int
+from cycloid_mj.dynamics.contact.shared import Shared
+from cycloid_mj.reducer.bodies import Role
+
+_SIGNATURE = types.int32(types.intp, types.intp, types.intp, types.int32, types.int32, types.float64)
+_ENTRY = CYLINDER * TYPES + CYLINDER
+_ORIGINAL = "cycloid_mj_original_cylinder_collider"
+_PINS = "cycloid_mj_pin_collider"
+_original = types.ExternalFunction(_ORIGINAL, _SIGNATURE)
+_pins = types.ExternalFunction(_PINS, _SIGNATURE)
+
+
+_PIN, _TEETH, _INNER, _OUTER, _LOBE = (int(role) for role in Role)
+
+
+def _places(layout: Layout) -> tuple[int, ...]:
+    """Give the places that a collider closes over, and a digest of the sources compiled into it."""
+    arrays = (layout.geom_size, layout.geom_priority, layout.geom_user, layout.geom_xpos, layout.geom_xmat)
+    return (*arrays, layout.nuser_geom, digest(gap, mating, memory, near, ring, teeth))
+
+
+def _compile_pins(layout: Layout) -> Any:
+    """Compile the collider of pins, sockets, cam and holes, or load it; it passes other pairs on to the original."""
+    at = _places(layout)
+
+    @cfunc(_SIGNATURE, cache=cacheable())
+    def collide(model: int, data: int, out: int, geom1: int, geom2: int, margin: float) -> int:
+        priority = read_address(model + at[PRIORITY])
+        role1, role2 = read_int(priority + 4 * geom1), read_int(priority + 4 * geom2)
+        if role1 == _TEETH and role2 == _PIN:
+            return pin_on_teeth(at, model, data, out, geom1, geom2, 1.0, margin)
+        if role1 == _PIN and role2 == _TEETH:
+            return pin_on_teeth(at, model, data, out, geom2, geom1, -1.0, margin)
+        if role2 == _OUTER and role1 in (_INNER, _PIN):
+            return inner_in_outer(at, model, data, out, geom1, geom2, 1.0, margin)
+        if role1 == _OUTER and role2 in (_INNER, _PIN):
+            return inner_in_outer(at, model, data, out, geom2, geom1, -1.0, margin)
+        return _original(model, data, out, geom1, geom2, margin)
+
+    return collide
+
+
+def _compile_lobes(layout: Layout) -> Any:
+    """Compile the collider of lobes on teeth, or load it; it passes other pairs on to that of pins.
+
+    It takes as long to compile as all the others together, and a pinwheel does without.
+    """
+    at = _places(layout)
+
+    @cfunc(_SIGNATURE, cache=cacheable())
+    def collide(model: int, data: int, out: int, geom1: int, geom2: int, margin: float) -> int:
+        priority = read_address(model + at[PRIORITY])
+        role1, role2 = read_int(priority + 4 * geom1), read_int(priority + 4 * geom2)
+        if role1 == _TEETH and role2 == _LOBE:
+            return lobe_on_teeth(at, model, data, out, geom1, geom2, 1.0, margin)
+        if role1 == _LOBE and role2 == _TEETH:
+            return lobe_on_teeth(at, model, data, out, geom2, geom1, -1.0, margin)
+        return _pins(model, data, out, geom1, geom2, margin)
+
+    return collide
+
+
+@cache
+def _pin_collider() -> Any:
+    """Give MuJoCo's own collider and that of pins, which works with it; the own one's address is bound by name."""
+    original = collision_table()[_ENTRY]
+    if not original:
+        raise ContactError("MuJoCo has no collision function for two cylinders to pass foreign pairs on to")
+    llvmlite.binding.add_symbol(_ORIGINAL, original)
+    with announced():
+        pins = _compile_pins(discover())
+    selftest.require_passed("collider", lambda: selftest.try_collider(pins.address))
+    return original, pins
+
+
+@cache
+def _lift() -> Any:
+    lift = between_speeds_and_forces(places())
+    selftest.require_passed("lift", lambda: selftest.try_lift(lift.address))
+    return lift
+
+
+@cache
+def _lobe_collider() -> Any:
+    _, pins = _pin_collider()
+    llvmlite.binding.add_symbol(_PINS, pins.address)
+    with announced():
+        return _compile_lobes(discover())
+
+
+def _install() -> None:
+    _, collider = _pin_collider()
+    answer("mjcb_control", _lift().address)
+    collision_table()[_ENTRY] = collider.address
+
+
+def _uninstall() -> None:
+    original, _ = _pin_collider()
+    collision_table()[_ENTRY] = original
+    callback("mjcb_control").value = None
+
+
+_installation = Shared(_install, _uninstall)
+
+
+@contextmanager
+def installed(lobes: bool = True) -> Iterator[None]:
+    """Run MuJoCo with exact conjugate contact inside this ``with`` block; nested and parallel blocks are allowed.
+
+    Parameters
+    ----------
+    lobes
+        Whether an internal gear is to meet the teeth. Without one, half of what there is to compile is left out.
+
+    Raises
+    ------
+    ContactError
+        Somebody else answers ``mjcb_control``.
+    """
+    with _installation.made():
+        if lobes:
+            # it stays until the last block ends: what it passes on is all that the one of pins takes
+            collision_table()[_ENTRY] = _lobe_collider().address
+        yield

@@ -1,0 +1,405 @@
+"""What happens in every step of a run, inside MuJoCo: commands are set, largest forces noted, samples taken.
+
+A sample is one step in many, and an impact of a few steps falls between two of them; a shaft follows its command at
+every step. MuJoCo's speeds are half a step behind its places and forces: what a sample has of speeds is of those half a
+step on, whose powers are what the energy changes by.
+
+All is done by MuJoCo's callback for sensors, at the end of the forward dynamics. A model of ours has a user sensor,
+which the callback answers, and one number of user data: the address of what the run keeps. Without a run that is 0, and
+nothing happens. The callback takes the steps that follow itself, by the stages of ``mj_step`` that move anything, and
+writes the samples among them: no Python until the call ends. So they are inside one call from Python, whose error a
+fatal one of MuJoCo's becomes.
+"""
+
+import ctypes
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import astuple
+from functools import cache
+from typing import Any
+
+import llvmlite.binding
+import mujoco
+import numpy as np
+from numba import njit, types
+
+from cycloid_mj.base.compiling import announced, cacheable, cfunc, digest
+from cycloid_mj.base.types import Array
+from cycloid_mj.dynamics.contact import forces, gap, kept, lift, memory, selftest, teeth
+from cycloid_mj.dynamics.contact.forces import OF_PAIR, PairIndex, gather, pair_of
+from cycloid_mj.dynamics.contact.kept import KEPT, Kept, kept_at
+from cycloid_mj.dynamics.contact.layout import discover_steps
+from cycloid_mj.dynamics.contact.library import answer, callback, function_address
+from cycloid_mj.dynamics.contact.lift import places, take_off
+from cycloid_mj.dynamics.contact.memory import read_address, read_float, read_int, write_float
+from cycloid_mj.dynamics.contact.shared import Shared
+from cycloid_mj.statics import impact
+from cycloid_mj.statics.impact import Impact
+
+SENSOR, IMPACT_SENSOR = "each_step", "impact"
+"""Names of the user sensors: they read 0."""
+
+OF_SOLVER = 6
+"""Numbers of a sample on all contacts and the solver: contacts that carry a force, deepest geometric penetration [m],
+largest force of one contact [N], most iterations of the solver in an island; a sum of all accelerations, which is a
+number if each is one; and warnings that MuJoCo has given."""
+
+_FIRST_STAGE, _LAST_STAGE = int(mujoco.mjtStage.mjSTAGE_POS), int(mujoco.mjtStage.mjSTAGE_ACC)
+_spring, _damper = njit(impact.spring), njit(impact.damper)
+_SHALLOWEST = 1e-12
+"""Least depth [m] that the law is evaluated at."""
+_LEAST_MASS = 1e-7
+"""Least added mass [kg] of a contact that follows IMPACT: a ten-thousandth of a pin."""
+_STAGE, _PREFIX = types.void(types.intp, types.intp), "cycloid_mj_"
+_STAGES = [
+    types.ExternalFunction(_PREFIX + name, _STAGE)
+    for name in (
+        "mj_Euler",
+        "mj_fwdPosition",
+        "mj_fwdVelocity",
+        "mj_fwdActuation",
+        "mj_fwdAcceleration",
+        "mj_fwdConstraint",
+        "mj_energyPos",
+        "mj_energyVel",
+    )
+]
+_integrate, _position, _velocity, _actuation, _acceleration, _constraint, _place_energy, _motion_energy = _STAGES
+_times_jacobian = types.ExternalFunction(_PREFIX + "mj_mulJacVec", types.void(*[types.intp] * 4))
+"""Speeds of the constraints' rows, to the third address, from those of the joints at the fourth."""
+
+
+def add_sensor(spec: Any, impact: bool = False) -> None:
+    """Give an editable model the user data and the user sensor; with `impact` another that is asked for before forces.
+
+    The second one lets a run put the law IMPACT in the place of the model's own, contact by contact.
+    """
+    spec.nuserdata = 1
+    stages = {SENSOR: mujoco.mjtStage.mjSTAGE_ACC} | ({IMPACT_SENSOR: mujoco.mjtStage.mjSTAGE_POS} if impact else {})
+    for name, stage in stages.items():
+        spec.add_sensor(
+            name=name,
+            type=mujoco.mjtSensor.mjSENS_USER,
+            dim=1,
+            datatype=mujoco.mjtDataType.mjDATATYPE_REAL,
+            needstage=stage,
+        )
+
+
+class EachStep:
+    """What a run keeps for its steps, which must go on under `installed`, on the ``MjData`` that it was made for.
+
+    The first step is sampled. A sample is of the start of a step. It is a row of what stands at `sources`, then of the
+    potential and the kinetic energy [J] (`copied`), `OF_SOLVER` (`solver`), ``forces.OF_PAIR`` of each pair (`pairs`),
+    and the power that each drag takes [W] (`drags`). The normal force of a pair is the sum over its contacts.
+
+    Parameters
+    ----------
+    model, data
+        What is stepped.
+    index
+        The model's mating pairs.
+    every
+        Steps from one sample to the next.
+    sources
+        Addresses of numbers in ``MjData``.
+    drags
+        Rows of the constraints that brake joints.
+    impacts
+        The law IMPACT of each pair; none where contacts follow the model's own.
+    """
+
+    def __init__(
+        self,
+        model: Any,
+        data: Any,
+        index: PairIndex,
+        every: int = 1,
+        sources: Sequence[int] = (),
+        drags: Sequence[int] = (),
+        impacts: Sequence[Impact] = (),
+    ) -> None:
+        self._model, self._data, self._index = model, data, index
+        energies = data.energy.ctypes.data + 8 * np.arange(2)
+        self._sources = np.array([*sources, *energies], dtype=np.int64)
+        self._drags = np.array(drags, dtype=np.int32)
+        self._impacts = np.array([astuple(one) for one in impacts], dtype=np.float64)
+        self._step = np.array([model.opt.timestep])
+        self._peak = np.zeros(len(index.origin))
+        self._sum = np.zeros_like(self._peak)
+        self._commands = np.zeros((0, len(data.ctrl)))
+        self._half, self._speeds = np.array([0.5 * model.opt.timestep]), np.zeros(model.nv)
+        sizes = [self._sources.size, OF_SOLVER, OF_PAIR * self._peak.size, self._drags.size]
+        ends = np.cumsum([0, *sizes]).tolist()
+        self.copied, self.solver, self.pairs, self.drags = map(slice, ends[:-1], ends[1:])
+        self._every, self._width = every, ends[-1]
+        self._kept = self._places()
+        data.userdata[0] = self._kept.ctypes.data
+
+    def command(self, commands: Array) -> None:
+        """Set the commands of the next steps, shape (steps, actuators); after them the last one stays."""
+        self._commands = np.ascontiguousarray(commands)
+        self._data.ctrl[:] = self._commands[0]
+        width = self._commands.strides[0]
+        self._kept["command"] = self._commands.ctypes.data + width
+        self._kept["last"] = self._commands.ctypes.data + width * len(self._commands)
+
+    def advance(self, samples: int) -> Array:
+        """Take the steps up to so many samples, the last of them included; give a row for each sample."""
+        rows = np.zeros((samples, self._width))
+        self._kept["rows"] = rows.ctypes.data
+        self._kept["left"] = self._kept["due"] - 1 + (samples - 1) * self._every
+        mujoco.mj_step(self._model, self._data)
+        return rows
+
+    def _places(self) -> Any:
+        at, model, data, index = discover_steps(), self._model, self._data, self._index
+        start = data._address
+        places = {
+            "contacts": start + at.contact,
+            "count": start + at.ncon,
+            "forces": start + at.efc_force,
+            "speeds": start + at.efc_vel,
+            "places": start + at.efc_pos,
+            "weights": start + at.efc_R,
+            "inverse": start + at.efc_D,
+            "constants": start + at.efc_KBIP,
+            "stride": at.stride,
+            "pos": at.pos,
+            "frame": at.frame,
+            "dim": at.dim,
+            "geom": at.geom,
+            "row": at.efc_address,
+            "freedoms": model.nv,
+            "numbers": model.nuser_geom,
+            "surfaces": len(index.pair),
+            "mating": len(index.origin),
+            "actuators": len(data.ctrl),
+            "copied": self._sources.size,
+            "braked": self._drags.size,
+            "islands": data.solver_niter.size,
+            "kinds": data.warning.number.size,
+            "apart": data.warning.number.strides[0],
+            "due": 1,
+            "every": self._every,
+            "width": 8 * self._width,
+        }
+        arrays = {
+            "xpos": data.xpos,
+            "geom_xpos": data.geom_xpos,
+            "geom_xmat": data.geom_xmat,
+            "accelerations": data.qacc,
+            "moving": data.qvel,
+            "half": self._half,
+            "before": self._speeds,
+            "step": self._step,
+            "ctrl": data.ctrl,
+            "iterations": data.solver_niter,
+            "warnings": data.warning.number,
+            "surface": index.surface,
+            "pair": index.pair,
+            "origin": index.origin,
+            "reach": index.reach,
+            "teeth": index.teeth,
+            "sources": self._sources,
+            "drags": self._drags,
+            "sum": self._sum,
+            "peak": self._peak,
+        }
+        made = np.zeros((), KEPT)
+        made["impact"] = self._impacts.ctypes.data if self._impacts.size else 0
+        for name, place in (places | {name: array.ctypes.data for name, array in arrays.items()}).items():
+            made[name] = place
+        return made
+
+
+@contextmanager
+def installed() -> Iterator[None]:
+    """Do what `EachStep` keeps inside this ``with`` block; nested and parallel blocks are allowed.
+
+    MuJoCo's timers stand still: reading the clock some twenty times takes 4 % of a step.
+
+    Raises
+    ------
+    ContactError
+        Somebody else answers user sensors, or MuJoCo is of a release that does not work.
+    """
+    with _installation.made():
+        _require_passed()
+        yield
+
+
+@cache
+def _require_passed() -> None:
+    selftest.require_passed("samples", lambda: selftest.try_steps(add_sensor, EachStep))
+
+
+def _install() -> None:
+    answer("mjcb_sensor", _compiled().address)
+    timer = callback("mjcb_time")
+    _timer.value, timer.value = timer.value, None
+
+
+def _uninstall() -> None:
+    callback("mjcb_sensor").value = None
+    callback("mjcb_time").value = _timer.value
+
+
+_timer = ctypes.c_void_p()
+_installation = Shared(_install, _uninstall)
+
+
+@cache
+def _compiled() -> Any:
+    layout = discover_steps()
+    at = layout.nuserdata, layout.userdata, digest(forces, gap, impact, kept, lift, memory, teeth)
+    lifted = places()
+    for stage in (*_STAGES, _times_jacobian):
+        llvmlite.binding.add_symbol(stage.symbol, function_address(stage.symbol.removeprefix(_PREFIX)))
+
+    @cfunc(types.void(types.intp, types.intp, types.int32), cache=cacheable())
+    def during_step(model: int, data: int, stage: int) -> None:
+        if (stage != _LAST_STAGE and stage != _FIRST_STAGE) or read_int(model + at[0]) != 1:
+            return
+        address = int(read_float(read_address(data + at[1])))
+        if not address:
+            return
+        run = kept_at(address)
+        if stage == _FIRST_STAGE:
+            _strike(run)
+            return
+        _end_step(model, data, run)
+        while run.left > 0:
+            run.left -= 1
+            _integrate(model, data)
+            _position(model, data)
+            _strike(run)
+            _velocity(model, data)
+            take_off(lifted, model, data)
+            _actuation(model, data)
+            _acceleration(model, data)
+            _constraint(model, data)
+            _end_step(model, data, run)
+
+    with announced():
+        return during_step
+
+
+@njit
+def _end_step(model: int, data: int, run: Kept) -> None:
+    """Do what is done once the forces of a step are known."""
+    _note(run)
+    run.due -= 1
+    if run.due == 0:
+        run.due = run.every
+        _half_a_step_on(run)
+        _times_jacobian(model, data, read_address(run.speeds), run.moving)
+        _place_energy(model, data)
+        _motion_energy(model, data)
+        _sample(run)
+        for k in range(run.freedoms):
+            write_float(run.moving + 8 * k, read_float(run.before + 8 * k))
+    _command(run)
+
+
+@njit
+def _strike(run: Kept) -> None:
+    """Give every contact, once it is found, the stiffness and damping that IMPACT has at its depth.
+
+    MuJoCo's rows obey R f + a + b v + k r = 0 (`law`). R is that of the added mass K dt^2/4 + C dt/2 of the law's
+    tangent K and damping C, stable at any step; friction keeps its coefficient and its creep.
+    """
+    if not run.impact:
+        return
+    first, places = read_address(run.contacts), read_address(run.places)
+    weights, inverse = read_address(run.weights), read_address(run.inverse)
+    constants, step = read_address(run.constants), read_float(run.step)
+    for k in range(read_int(run.count)):
+        contact = first + run.stride * k
+        pair, row = abs(pair_of(run, contact)) - 1, read_int(contact + run.row)
+        if pair < 0 or row < 0:
+            continue
+        law = run.impact + 32 * pair
+        exponent = read_float(law + 8)
+        depth = max(-read_float(places + 8 * row), _SHALLOWEST)
+        force = _spring(depth, read_float(law), exponent)
+        damping = _damper(depth, read_float(law + 16), read_float(law + 24))
+        added = max(0.25 * exponent * force / depth * step * step + 0.5 * damping * step, _LEAST_MASS)
+        scale = 1.0 / (added * read_float(weights + 8 * row))
+        for axis in range(read_int(contact + run.dim)):
+            weight, of_row = weights + 8 * (row + axis), constants + 32 * (row + axis)
+            write_float(weight, scale * read_float(weight))
+            write_float(inverse + 8 * (row + axis), 1.0 / read_float(weight))
+            write_float(of_row + 8, scale * read_float(of_row + 8))
+        normal = constants + 32 * row
+        write_float(normal, force / (depth * added))
+        write_float(normal + 8, damping / added)
+        write_float(normal + 16, 1.0)
+
+
+@njit
+def _half_a_step_on(run: Kept) -> None:
+    """Keep the joints' speeds, and let them go on by half a step."""
+    half = read_float(run.half)
+    for k in range(run.freedoms):
+        speed = read_float(run.moving + 8 * k)
+        write_float(run.before + 8 * k, speed)
+        write_float(run.moving + 8 * k, speed + half * read_float(run.accelerations + 8 * k))
+
+
+@njit
+def _command(run: Kept) -> None:
+    """Set the commands of the next step."""
+    if run.command < run.last:
+        for k in range(run.actuators):
+            write_float(run.ctrl + 8 * k, read_float(run.command + 8 * k))
+        run.command += 8 * run.actuators
+
+
+@njit
+def _note(run: Kept) -> None:
+    """Note the forces of the contacts of this step."""
+    first, force = read_address(run.contacts), read_address(run.forces)
+    count = read_int(run.count)
+    for k in range(count):
+        contact = first + run.stride * k
+        pair, row = abs(pair_of(run, contact)) - 1, read_int(contact + run.row)
+        if pair >= 0 and row >= 0:
+            place = run.sum + 8 * pair
+            write_float(place, read_float(place) + read_float(force + 8 * row))
+    for k in range(count):
+        pair = abs(pair_of(run, first + run.stride * k)) - 1
+        if pair >= 0:
+            place = run.peak + 8 * pair
+            write_float(place, max(read_float(place), read_float(run.sum + 8 * pair)))
+            write_float(run.sum + 8 * pair, 0.0)
+
+
+@njit
+def _sample(run: Kept) -> None:
+    """Write the row of a sample."""
+    row = run.rows
+    run.rows += run.width
+    for k in range(run.copied):
+        write_float(row, read_float(read_address(run.sources + 8 * k)))
+        row += 8
+    pairs = row + 8 * OF_SOLVER
+    for k in range(run.mating):
+        write_float(pairs + 8 * (OF_PAIR * k + 3), read_float(run.peak + 8 * k))
+        write_float(run.peak + 8 * k, 0.0)
+    gather(run, row, pairs)
+    iterations, moving, warned = 0, 0.0, 0
+    for k in range(run.islands):
+        iterations = max(iterations, read_int(run.iterations + 4 * k))
+    for k in range(run.freedoms):
+        moving += read_float(run.accelerations + 8 * k)
+    for k in range(run.kinds):
+        warned += read_int(run.warnings + run.apart * k)
+    write_float(row + 24, float(iterations))
+    write_float(row + 32, moving)
+    write_float(row + 40, float(warned))
+    braked = pairs + 8 * OF_PAIR * run.mating
+    for k in range(run.braked):
+        place = 8 * read_int(run.drags + 4 * k)
+        force, speed = read_float(read_address(run.forces) + place), read_float(read_address(run.speeds) + place)
+        write_float(braked + 8 * k, -force * speed)

@@ -1,0 +1,362 @@
+"""Exact gaps between conjugate surfaces: a pin against the cycloid gear, a circle inside a circle.
+
+Compiled by numba, so that the collider and the tests call the same functions. Angles are clockwise from +y as in
+the paper's geometry (Hsieh 2014, Eqs 2-7); lengths in metres.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from cycloid_mj.base.types import Array
+
+MAX_ROUNDS = 30
+NEAR = 3e-7
+"""A Newton step [rad] so small that the error after it, its square times the teeth, is below rounding."""
+
+_SCAN = 64
+
+_STRAIGHT = 0.1
+"""Least distance of a point from the centre of curvature at its foot, as a share of the radius there."""
+
+NO_WAVES: Array = np.zeros((0, 2))
+"""Of a profile that is as drawn."""
+
+
+class Trochoid(NamedTuple):
+    """The curve T(t) = E u(t) - c u(N t): pin-circle radius E and eccentricity c [m], and N teeth of the ring."""
+
+    radius: float
+    eccentricity: float
+    teeth: float
+
+
+class Pose(NamedTuple):
+    """Place [m] and turn of a part in a frame: a point p of the part is at (x, y) + turned(p)."""
+
+    x: float
+    y: float
+    cosine: float
+    sine: float
+
+
+@njit(inline="always")
+def inwards(pose: Pose, x: float, y: float) -> tuple[float, float]:
+    """Give the components in the part of a vector of the frame that the pose is in."""
+    return pose.cosine * x + pose.sine * y, pose.cosine * y - pose.sine * x
+
+
+@njit(inline="always")
+def outwards(pose: Pose, x: float, y: float) -> tuple[float, float]:
+    """Give the components in that frame of a vector of the part."""
+    return pose.cosine * x - pose.sine * y, pose.cosine * y + pose.sine * x
+
+
+@njit(inline="always")
+def placed(pose: Pose, x: float, y: float) -> tuple[float, float]:
+    """Give a point of the part in that frame [m]."""
+    return pose.x + pose.cosine * x - pose.sine * y, pose.y + pose.cosine * y + pose.sine * x
+
+
+@njit(inline="always")
+def _turned(sine: float, cosine: float, angle: float) -> tuple[float, float]:
+    """Give sine and cosine of an angle increased by a small one: by series where that is exact to rounding."""
+    if abs(angle) > 0.05:
+        s, c = math.sin(angle), math.cos(angle)
+    else:
+        square = angle * angle
+        s = angle * (1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0)))
+        c = 1.0 - square / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0 * (1.0 - square / 56.0)))
+    return sine * c + cosine * s, cosine * c - sine * s
+
+
+@njit(inline="always")
+def trochoid_start(x: float, y: float, curve: Trochoid) -> tuple[float, float, float]:
+    """Give the parameter of the trochoid point at the distance of (x, y) from the gear centre, its sine and cosine.
+
+    On T(t), r^2 = E^2 + c^2 - 2 E c cos((N-1) t), and the polar angle is t - atan2(c sin, E - c cos) of that phase.
+    Both invert in closed form; the sign of the phase is that of (N-1) times the polar angle.
+    """
+    radius, eccentricity, teeth = curve
+    squared = x * x + y * y
+    polar = math.atan2(x, y)
+    cosine = (radius * radius + eccentricity * eccentricity - squared) / (2.0 * radius * eccentricity)
+    cosine = min(1.0, max(-1.0, cosine))
+    turns = (teeth - 1.0) * polar / (2.0 * math.pi)
+    sine = math.sqrt(1.0 - cosine * cosine)
+    if turns - math.floor(turns) > 0.5:
+        sine = -sine
+    tilt = eccentricity * sine / (radius - eccentricity * cosine)
+    length = math.sqrt(squared * (1.0 + tilt * tilt))
+    return polar + math.atan(tilt), (x + tilt * y) / length, (y - tilt * x) / length
+
+
+@njit
+def trochoid_foot(
+    x: float, y: float, curve: Trochoid, start: float, st: float, ct: float
+) -> tuple[float, float, float, float, bool]:
+    """Solve for the foot point of (x, y) by Newton's method; ``st`` and ``ct`` are sine and cosine of the start.
+
+    Returns
+    -------
+    t
+        Parameter of the foot point [rad].
+    distance
+        Signed distance from the trochoid [m], positive outside.
+    normal_x, normal_y
+        Outward unit normal at the foot point.
+    converged
+        Whether the last step was below ``NEAR``.
+    """
+    radius, eccentricity, teeth = curve
+    t = start
+    sn, cn = math.sin(teeth * t), math.cos(teeth * t)
+    base = eccentricity * teeth
+    limit = 0.5 / teeth
+    converged = False
+    for _ in range(MAX_ROUNDS):
+        dx = radius * st - eccentricity * sn - x
+        dy = radius * ct - eccentricity * cn - y
+        tx, ty = radius * ct - base * cn, base * sn - radius * st
+        ax, ay = base * teeth * sn - radius * st, base * teeth * cn - radius * ct
+        speed2 = tx * tx + ty * ty
+        curvature = speed2 + dx * ax + dy * ay
+        # Gauss-Newton where the point is beyond a centre of curvature: always a descent direction.
+        step = -(dx * tx + dy * ty) / (curvature if curvature > 0.1 * speed2 else speed2)
+        step = min(limit, max(-limit, step))
+        t += step
+        st, ct = _turned(st, ct, step)
+        sn, cn = _turned(sn, cn, teeth * step)
+        if abs(step) < NEAR:
+            converged = True
+            break
+    tx, ty = radius * ct - base * cn, base * sn - radius * st
+    speed = math.sqrt(tx * tx + ty * ty)
+    nx, ny = -ty / speed, tx / speed
+    dx = radius * st - eccentricity * sn - x
+    dy = radius * ct - eccentricity * cn - y
+    return t, -(dx * nx + dy * ny), nx, ny, converged
+
+
+@njit
+def trochoid_distance(x: float, y: float, curve: Trochoid) -> tuple[float, float, float, float]:
+    """Give the foot parameter, the signed distance and the outward normal of any point near the trochoid.
+
+    Starts in closed form; a point far from the curve, where that may lead to another foot, is searched.
+    """
+    radius, eccentricity, teeth = curve
+    start, st, ct = trochoid_start(x, y, curve)
+    t, distance, nx, ny, converged = trochoid_foot(x, y, curve, start, st, ct)
+    if converged and abs(distance) < 0.1 * eccentricity:
+        return t, distance, nx, ny
+    pitch = 2.0 * math.pi / (teeth - 1.0)
+    best, nearest = start, math.inf
+    for k in range(_SCAN):
+        candidate = start + pitch * (k / _SCAN - 0.5) * 2.0
+        ex = radius * math.sin(candidate) - eccentricity * math.sin(teeth * candidate) - x
+        ey = radius * math.cos(candidate) - eccentricity * math.cos(teeth * candidate) - y
+        if ex * ex + ey * ey < nearest:
+            best, nearest = candidate, ex * ex + ey * ey
+    t, distance, nx, ny, converged = trochoid_foot(x, y, curve, best, math.sin(best), math.cos(best))
+    return t, distance, nx, ny
+
+
+@njit(inline="always")
+def trochoid_curvature(t: float, curve: Trochoid) -> float:
+    """Give the signed curvature of the trochoid [1/m], positive where it is convex.
+
+    From l^2 = E^2 + c^2 N^2 - 2 E c N cos B: kappa = (E^2 + c^2 N^3 - E c N (N+1) cos B) / l^3 with B = (N-1) t.
+    """
+    radius, eccentricity, teeth = curve
+    base = eccentricity * teeth
+    product = radius * base * math.cos((teeth - 1.0) * t)
+    l2 = radius * radius + base * base - 2.0 * product
+    return (radius * radius + base * base * teeth - (teeth + 1.0) * product) / (l2 * math.sqrt(l2))
+
+
+class Flank(NamedTuple):
+    """The gear's flanks, as ``flank_distance`` takes them.
+
+    Attributes
+    ----------
+    curve
+        The trochoid that the gear is generated with.
+    offset
+        Distance of the flank from the trochoid, inwards [m].
+    rotation
+        Angle by which each flank is turned towards the middle of its lobe [rad].
+    tip, tip_radius, valley, valley_radius
+        Where a turned flank ends, see ``modification.FlankEnds``; 0 where the rotation is.
+    waves
+        How far the flank stands back, ``deviations.profile_error``: amplitudes of cos(k t) and sin(k t) [m] of the
+        orders k = 1, 2, ... in a turn of the gear, shape (orders, 2).
+    """
+
+    curve: Trochoid
+    offset: float
+    rotation: float
+    tip: float
+    tip_radius: float
+    valley: float
+    valley_radius: float
+    waves: Array
+
+
+@njit
+def wave(t: float, waves: Array) -> tuple[float, float, float]:
+    """Give how far waves stand back at the parameter t [rad], the slope of that [m/rad] and the slope's [m/rad2]."""
+    back, slope, bend = 0.0, 0.0, 0.0
+    sine, cosine = math.sin(t), math.cos(t)
+    s, c = 0.0, 1.0
+    for k in range(1, len(waves) + 1):
+        s, c = s * cosine + c * sine, c * cosine - s * sine
+        by_cosine, by_sine = waves[k - 1, 0], waves[k - 1, 1]
+        here = by_cosine * c + by_sine * s
+        back += here
+        slope += k * (by_sine * c - by_cosine * s)
+        bend -= k * k * here
+    return back, slope, bend
+
+
+@njit(inline="always")
+def _speed_squared(t: float, curve: Trochoid) -> float:
+    """Give the square of the trochoid's arc rate [m2/rad2]."""
+    radius, eccentricity, teeth = curve
+    base = eccentricity * teeth
+    return radius * radius + base * base - 2.0 * radius * base * math.cos((teeth - 1.0) * t)
+
+
+@njit
+def _waved_distance(x: float, y: float, flank: Flank) -> tuple[float, float, float, float]:
+    """Give what ``trochoid_distance`` gives, of the curve that stands back from the trochoid by the flank's waves w(t).
+
+    At a point whose foot is at t the gap is wider by w(t). Its gradient, along which the contact pushes, is the normal
+    less the tangent times w' over the rate at which the point moves along with its foot: the arc rate times one more
+    than curvature times distance. The true distance differs by half of the square of that turn, below 1e-4 of it.
+    """
+    t, distance, nx, ny = trochoid_distance(x, y, flank.curve)
+    back, slope, _ = wave(t, flank.waves)
+    straight = max(_STRAIGHT, 1.0 + trochoid_curvature(t, flank.curve) * distance)
+    turn = slope / (straight * math.sqrt(_speed_squared(t, flank.curve)))
+    size = math.sqrt(1.0 + turn * turn)
+    return t, distance + back, (nx + turn * ny) / size, (ny - turn * nx) / size
+
+
+@njit(inline="always")
+def _unturned_distance(x: float, y: float, flank: Flank) -> tuple[float, float, float, float]:
+    if len(flank.waves) == 0:
+        return trochoid_distance(x, y, flank.curve)
+    return _waved_distance(x, y, flank)
+
+
+@njit
+def flank_curvature(t: float, flank: Flank) -> float:
+    """Give the signed curvature [1/m] of the trochoid with the flank's waves, positive where it is convex."""
+    bend = trochoid_curvature(t, flank.curve)
+    if len(flank.waves) == 0:
+        return bend
+    return bend + wave(t, flank.waves)[2] / _speed_squared(t, flank.curve)
+
+
+@njit
+def _turned_flank_distance(x: float, y: float, flank: Flank) -> tuple[float, float, float, float, bool]:
+    s, c = math.sin(flank.rotation), math.cos(flank.rotation)
+    # The flank before a tip, clockwise, is turned clockwise, that after it counter-clockwise.
+    side = 1.0
+    t, distance, nx, ny = _unturned_distance(c * x - s * y, c * y + s * x, flank)
+    other = _unturned_distance(c * x + s * y, c * y - s * x, flank)
+    if other[1] > distance:
+        side, s = -1.0, -s
+        t, distance, nx, ny = other
+    pitch = 2.0 * math.pi / (flank.curve.teeth - 1.0)
+    turns = side * t / pitch
+    beyond_valley = pitch * (turns - math.floor(turns))
+    if beyond_valley <= 0.5 * pitch - flank.tip or beyond_valley >= pitch - flank.valley:
+        return t, distance, c * nx + s * ny, c * ny - s * nx, False
+    at_tip = beyond_valley < 0.75 * pitch
+    middle = side * pitch * (math.floor(turns) + (0.5 if at_tip else 1.0))
+    corner = flank.tip_radius if at_tip else flank.valley_radius
+    dx, dy = x - corner * math.sin(middle), y - corner * math.cos(middle)
+    away = math.sqrt(dx * dx + dy * dy)
+    end = middle - side * (flank.tip if at_tip else flank.valley)
+    return end, away - flank.offset + wave(end, flank.waves)[0], dx / away, dy / away, True
+
+
+@njit(inline="always")
+def flank_distance(x: float, y: float, flank: Flank) -> tuple[float, float, float, float, bool]:
+    """Give the distance of a point from the gear's flanks, beyond their offset; the point is near the trochoid.
+
+    With turned flanks the gear is what its profile has in common when turned to either side: the nearer way out is
+    the longer one, and where that leads to a part that is cut away, the corner where the flanks meet is nearest.
+
+    Returns
+    -------
+    t
+        Trochoid parameter of the foot point on its flank [rad], for the flank's curvature; at a corner, its end.
+    distance
+        Distance from the surface less the offset [m]: from the trochoid, where there is no rotation.
+    normal_x, normal_y
+        Outward unit normal.
+    at_corner
+        Whether the nearest point is a corner.
+    """
+    if flank.rotation == 0.0:
+        t, distance, nx, ny = _unturned_distance(x, y, flank)
+        return t, distance, nx, ny, False
+    return _turned_flank_distance(x, y, flank)
+
+
+@njit(inline="always")
+def circle_in_circle(dx: float, dy: float, inner: float, outer: float) -> tuple[float, float, float]:
+    """Give gap [m] and unit normal from inner to outer circle; (dx, dy) leads from outer to inner centre."""
+    distance = math.sqrt(dx * dx + dy * dy)
+    if distance == 0.0:
+        return outer - inner, 0.0, 1.0
+    return outer - inner - distance, dx / distance, dy / distance
+
+
+class Arc(NamedTuple):
+    """What is left of an open circle: its radius [m], the unit vector to its middle, cosine and sine of half of it."""
+
+    radius: float
+    x: float
+    y: float
+    cosine: float
+    sine: float
+
+
+@njit(inline="always")
+def arc_edge(arc: Arc, side: float) -> tuple[float, float]:
+    """Compute the edge of an arc [m] from its circle's centre; side 1.0 is clockwise of the middle, -1.0 before it."""
+    across = side * arc.sine
+    return arc.radius * (arc.cosine * arc.x + across * arc.y), arc.radius * (arc.cosine * arc.y - across * arc.x)
+
+
+@njit(inline="always")
+def circle_at_edge(dx: float, dy: float, inner: float, arc: Arc, side: float) -> tuple[float, float, float]:
+    """Compute gap [m] and unit normal from a circle, (dx, dy) from an arc's centre, to an edge of the arc."""
+    x, y = arc_edge(arc, side)
+    x, y = x - dx, y - dy
+    distance = math.sqrt(x * x + y * y)
+    return distance - inner, x / distance, y / distance
+
+
+@njit(inline="always")
+def places_in_arc(dx: float, dy: float, arc: Arc) -> tuple[float, bool, bool]:
+    """Tell which points of an arc may be nearest to a place, (dx, dy) from its circle's centre [m].
+
+    Returns
+    -------
+    side
+        Of the middle on which the place is, 1.0 clockwise.
+    on_arc
+        Whether the arc's own points are nearest, not its edge on this side.
+    other
+        Whether the other edge is a nearest point of its own, across the opening.
+    """
+    along, across = dx * arc.x + dy * arc.y, dx * arc.y - dy * arc.x
+    side = 1.0 if across >= 0.0 else -1.0
+    up, aside = arc.sine * along, arc.cosine * abs(across)
+    return side, up >= aside, up < -aside

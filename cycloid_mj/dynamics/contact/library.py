@@ -1,0 +1,92 @@
+"""MuJoCo's own shared library, as loaded by its Python bindings, and its table of collision functions."""
+
+import ctypes
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import mujoco
+
+from cycloid_mj.base.errors import ContactError
+from cycloid_mj.dynamics.contact.tested import unfit
+
+CYLINDER = int(mujoco.mjtGeom.mjGEOM_CYLINDER)
+TYPES = int(mujoco.mjtGeom.mjNGEOMTYPES)
+
+# The precision is one for the process, and a spec can be written by one thread at a time.
+_precision = threading.Lock()
+
+
+@cache
+def library() -> ctypes.CDLL:
+    """Give the library that the bindings use; opening it again gives the same one.
+
+    Raises
+    ------
+    ContactError
+        It was not found.
+    """
+    folders = [Path(folder) for folder in mujoco.__path__]
+    found = [path for folder in folders for name in ("libmujoco*", "mujoco.dll") for path in sorted(folder.rglob(name))]
+    for path in found:
+        opened = ctypes.CDLL(str(path))
+        opened.mj_versionString.restype = ctypes.c_char_p
+        if opened.mj_versionString().decode() == mujoco.mj_versionString():
+            return opened
+    raise ContactError(
+        f"the shared library of MuJoCo {mujoco.__version__} was not found in {', '.join(map(str, folders))}; "
+        "install MuJoCo again with pip"
+    )
+
+
+def collision_table() -> Any:
+    """Give ``mjCOLLISIONFUNC`` as a writable array of ``TYPES * TYPES`` addresses."""
+    return (ctypes.c_void_p * (TYPES * TYPES)).in_dll(library(), "mjCOLLISIONFUNC")
+
+
+def callback(name: str) -> ctypes.c_void_p:
+    """Give one of MuJoCo's global callbacks as a writable address; none: 0."""
+    return ctypes.c_void_p.in_dll(library(), name)
+
+
+def answer(name: str, address: int) -> None:
+    """Set a global callback that nobody has set.
+
+    Raises
+    ------
+    ContactError
+        Somebody has.
+    """
+    if callback(name).value:
+        raise ContactError(
+            f"MuJoCo's callback {name} is taken, and a run needs it: call mujoco.set_{name}(None) before"
+        )
+    callback(name).value = address
+
+
+def function_address(name: str) -> int:
+    """Give the address of a function of MuJoCo's C API."""
+    function = getattr(library(), name, None)
+    address = function and ctypes.cast(function, ctypes.c_void_p).value
+    if not address:
+        raise unfit(f"it has no function {name}")
+    return address
+
+
+@contextmanager
+def exact_xml() -> Iterator[None]:
+    """Let MuJoCo write every digit of a double in XML inside this block; its default is six, coarser than 1 um here."""
+    setter = getattr(library(), "_mjPRIVATE__set_xml_precision", None)
+    getter = getattr(library(), "_mjPRIVATE__get_xml_precision", None)
+    if setter is None or getter is None:
+        raise unfit("it cannot write exact XML")
+    with _precision:
+        before = getter()
+        setter(17)
+        try:
+            yield
+        finally:
+            setter(before)

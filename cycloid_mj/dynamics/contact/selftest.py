@@ -1,0 +1,208 @@
+"""Whether the release of MuJoCo that is installed is one that the contact works with: tried once, and kept.
+
+The contact reads and writes MuJoCo's own structures, which change without notice: where they have changed, its figures
+would be wrong without a word. So what was compiled for a release is tried on a model whose answer is known, before
+anything else is done with it. A release that has passed is not tried again by the same code.
+"""
+
+import hashlib
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import mujoco
+import numpy as np
+
+from cycloid_mj.base.compile_cache import folder
+from cycloid_mj.dynamics.contact.forces import OF_PAIR, PairIndex, pair_index
+from cycloid_mj.dynamics.contact.gap import Flank, Trochoid
+from cycloid_mj.dynamics.contact.library import CYLINDER, TYPES, answer, callback, collision_table
+from cycloid_mj.dynamics.contact.teeth import USER_DATA, Teeth, user_data
+from cycloid_mj.dynamics.contact.tested import unfit
+from cycloid_mj.reducer.bodies import Role
+
+GRAVITY, SETTLED = 9.81, 500
+"""Of the models that are tried [m/s2], and the steps after which their parts lie still."""
+
+LARGEST_ERROR = 1e-6
+"""Of a force, as a share of it."""
+
+_SOFT = 'solref="0.002 1" solimp="0.9 0.9 0.001"'
+OPTION = f'<option timestep="1e-4" gravity="0 {-GRAVITY} 0" tolerance="0"/>'
+_RADIUS, _CRANK, _TEETH, _PIN, _CLEARANCE = 40e-3, 1e-3, 12, 3e-3, 1e-5
+"""Of a gear and a pin in one of its valleys [m]."""
+
+_RUBBING, _SLIDING, _LEFT = 0.5, 5.0, 0.01
+"""Friction and speed [m/s] of feet that slide, and the share of their weight that may stay lifted: added mass times
+friction squared is a quarter of it."""
+
+_BORE, _ASIDE = 0.5e-3, (0.3e-3, -0.2e-3)
+"""Half the play of a cylinder in a bore, and its place there, from which it slides on outwards [m]."""
+
+
+def require_passed(part: str, trial: Callable[[], str]) -> None:
+    """Try a part of the contact on the release that is installed, if it has not passed before.
+
+    Parameters
+    ----------
+    part
+        What is tried; its name is that of the record.
+    trial
+        Tells what is wrong, or nothing.
+
+    Raises
+    ------
+    ContactError
+        Something is wrong; the message names the releases that are known to work.
+    """
+    record = _record(part)
+    if record and record.exists():
+        return
+    if wrong := trial():
+        raise unfit(f"{part}: {wrong}")
+    if record:
+        try:
+            record.touch()
+        except OSError:  # it is tried again by the next process
+            return
+
+
+def try_collider(address: int) -> str:
+    """Tell what is wrong with the collider of pins and bores at an address, or nothing.
+
+    Its gaps are held against their closed forms, its forces against the weights that they carry.
+    """
+    pin = f"{0.0} {1.0}" + " 0" * (USER_DATA - 2)
+    gear = Trochoid(_RADIUS, _CRANK, float(_TEETH))
+    flank = Flank(gear, _PIN + _CLEARANCE, 0.0, 0.0, 0.0, 0.0, 0.0, np.zeros((0, 2)))
+    numbers = " ".join(map(repr, user_data(Teeth(flank, 0.0, 0.0, 0.0, gear))))
+    outwards = math.hypot(*_ASIDE)
+    model = mujoco.MjModel.from_xml_string(f"""
+<mujoco>{OPTION}<size nuser_geom="{USER_DATA}"/>
+<default><geom type="cylinder" contype="0" conaffinity="0"/>
+<pair condim="1" {_SOFT}/></default><worldbody>
+<geom name="teeth" size="0.05 0.01" pos="0 {_CRANK} 0" priority="{int(Role.TEETH)}" user="{numbers}"/>
+<body pos="0 {_RADIUS} 0"><joint type="slide" axis="0 1 0"/><geom name="pin" size="{_PIN} 0.01" mass="1"
+  priority="{int(Role.PIN)}" user="{pin}"/></body>
+<geom name="bore" size="0.02 0.01" priority="{int(Role.OUTER)}"/>
+<body pos="{_ASIDE[0]} {_ASIDE[1]} 0"><joint type="slide" axis="{_ASIDE[0]} {_ASIDE[1]} 0"/>
+<geom name="core" size="{0.02 - _BORE} 0.01" mass="2"
+  priority="{int(Role.INNER)}"/></body>
+</worldbody><contact>
+<pair geom1="teeth" geom2="pin"/>
+<pair geom1="bore" geom2="core"/>
+</contact></mujoco>""")
+    data, table, entry = mujoco.MjData(model), collision_table(), CYLINDER * TYPES + CYLINDER
+    original = table[entry]
+    table[entry] = address
+    try:
+        model.pair_margin[:] = 1e-3  # for gaps to be contacts
+        mujoco.mj_forward(model, data)
+        gaps = _by_mass(model, data, data.contact.dist.copy())
+        wanted = {1.0: _CLEARANCE, 2.0: _BORE - outwards}
+        if gaps.keys() != wanted.keys() or any(abs(gaps[mass] - gap) > 1e-12 for mass, gap in wanted.items()):
+            return f"gaps of {sorted(gaps.values())} m where {sorted(wanted.values())} m are"
+        model.pair_margin[:] = 0.0
+        mujoco.mj_step(model, data, SETTLED)
+        mujoco.mj_forward(model, data)
+        forces = _by_mass(model, data, data.efc_force.copy())
+    finally:
+        table[entry] = original
+    return differing(forces, {1.0: GRAVITY, 2.0: -2.0 * GRAVITY * _ASIDE[1] / outwards})
+
+
+def try_lift(address: int) -> str:
+    """Tell what is wrong with what takes the lift off sliding contacts (``mjcb_control``) at an address, or nothing.
+
+    Feet that rest are given a speed along the floor: as without friction, they press on it by their weights.
+    """
+    soft = 'solref="0.002 10" solimp="0.01 0.01 0.001"'
+    weights = {mass: mass * GRAVITY for mass in (1.0, 2.0, 3.0)}
+    feet = "".join(
+        f'<body pos="{mass} 0.1 0"><joint type="slide" axis="0 1 0"/><joint type="slide" axis="1 0 0"/>'
+        f'<geom name="foot{mass:g}" type="sphere" size="0.1" mass="{mass}"/></body>'
+        for mass in weights
+    )
+    pairs = "".join(
+        f'<pair geom1="floor" geom2="foot{mass:g}" condim="{1 if mass == 2.0 else 3}" '
+        f'friction="{_RUBBING} {_RUBBING}" {soft}/>'
+        for mass in weights
+    )
+    model = mujoco.MjModel.from_xml_string(
+        f'<mujoco><option timestep="1e-4" gravity="0 {-GRAVITY} 0" tolerance="0" cone="elliptic" impratio="2"/>'
+        f'<size nuser_geom="{USER_DATA}" nuserdata="1"/><default><geom contype="0" conaffinity="0"/></default>'
+        f'<worldbody><geom name="floor" type="plane" size="9 9 1" zaxis="0 1 0"/>{feet}</worldbody>'
+        f"<contact>{pairs}</contact></mujoco>"
+    )
+    data = mujoco.MjData(model)
+    answer("mjcb_control", address)
+    try:
+        mujoco.mj_step(model, data, SETTLED)
+        data.qvel[1::2] = _SLIDING
+        mujoco.mj_forward(model, data)
+    finally:
+        callback("mjcb_control").value = None
+    return differing(_by_mass(model, data, data.efc_force[data.contact.efc_address]), weights, _LEFT)
+
+
+def try_steps(add_sensor: Callable[[Any], None], each_step: Callable[[Any, Any, PairIndex, int], Any]) -> str:
+    """Tell what is wrong with what a run keeps for its steps (``EachStep``, under its callback), or nothing.
+
+    The samples' forces on two balls at rest are held against their weights.
+    """
+    weights = {"light": GRAVITY, "heavy": 3.0 * GRAVITY}
+    balls = "".join(
+        f'<body pos="{x} 0.1 0"><joint type="slide" axis="0 1 0"/>'
+        f'<geom name="{name}" type="sphere" size="0.1" mass="{weights[name] / GRAVITY}" condim="1" {_SOFT}/></body>'
+        for x, name in enumerate(weights)
+    )
+    spec = mujoco.MjSpec.from_string(
+        f"<mujoco>{OPTION}<worldbody>"
+        f'<geom name="floor" type="plane" size="9 9 1" zaxis="0 1 0" condim="1" {_SOFT}/>{balls}</worldbody></mujoco>'
+    )
+    add_sensor(spec)
+    model = spec.compile()
+    data, pairs = mujoco.MjData(model), [_Pair(name, "floor") for name in weights]
+    run = each_step(model, data, pair_index(model, pairs), SETTLED)
+    row = run.advance(3)[-1]
+    samples = row[run.pairs].reshape(len(pairs), OF_PAIR)
+    upward, largest = ({name: float(one) for name, one in zip(weights, samples[:, at], strict=True)} for at in (1, 3))
+    if row[run.solver][0] != len(pairs):
+        return f"{row[run.solver][0]:g} contacts carry where {len(pairs)} do"
+    return differing(upward, weights) or differing(largest, weights)
+
+
+class _Pair(NamedTuple):
+    on: str
+    by: str
+
+
+def differing(forces: dict[Any, float], weights: dict[Any, float], share: float = LARGEST_ERROR) -> str:
+    """Tell how forces differ from the weights that they carry [N], or nothing."""
+    if forces.keys() == weights.keys() and all(
+        abs(forces[key] - weight) <= share * weight for key, weight in weights.items()
+    ):
+        return ""
+    return f"forces of {sorted(forces.values())} N under weights of {sorted(weights.values())} N"
+
+
+def _by_mass(model: Any, data: Any, values: Any) -> dict[float, float]:
+    """Give one value of each contact by the mass of its moving part; nothing where there are not as many."""
+    if len(values) != data.ncon:
+        return {}
+    return {
+        float(model.body_mass[model.geom_bodyid[geoms].max()]): float(value)
+        for geoms, value in zip(data.contact.geom, values, strict=True)
+    }
+
+
+def _record(part: str) -> Path | None:
+    """Give the file that says that a part has passed with this code on this release, and this build of it."""
+    place = folder()
+    if place is None:
+        return None
+    code = b"".join(path.read_bytes() for path in sorted(Path(__file__).parent.glob("*.py")))
+    built = Path(mujoco.__file__).stat()
+    key = hashlib.sha256(b"%s %d %d" % (code, built.st_mtime_ns, built.st_size)).hexdigest()
+    return place / f"mujoco-{mujoco.__version__}-{part}-{key[:16]}.passed"

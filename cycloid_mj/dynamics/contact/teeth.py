@@ -1,0 +1,82 @@
+"""What the collider must know of the gear's teeth and of a pin, as it stands in ``geom user`` of the model."""
+
+from typing import NamedTuple
+
+from numba import njit
+
+from cycloid_mj.base.types import Array
+from cycloid_mj.dynamics.contact.gap import Flank, Trochoid
+from cycloid_mj.dynamics.contact.memory import array_at, read_float
+
+
+class Teeth(NamedTuple):
+    """A gear's teeth to the collider; `user_data` is how they stand in the model.
+
+    Attributes
+    ----------
+    flank
+        Its flanks.
+    reference, constant, deflection
+        What makes the stiffness follow the relative curvature, ``law.CurvatureLaw``: reference and constant of the
+        compliance [1]; the deflection at working force [m], 0 to keep lines of contact apart however near they are.
+    ring
+        The trochoid of the ring: of its pins' circle, which that of a modified gear is not.
+    """
+
+    flank: Flank
+    reference: float
+    constant: float
+    deflection: float
+    ring: Trochoid
+
+
+USER_DATA = 13
+"""Numbers of ``geom user`` in a model of ours: of the teeth, `user_data`, after which those of waves stand; of a pin,
+sine and cosine of its home angle, clockwise from +y, and of a massless one its play [m], the stiffness of a pin on a
+flat over that of its seat, and one more than the least cosine of the angle to its home at which its seat holds
+it; of an open socket, cosine and sine of half the angle on which it holds its pin, from the +y of its geom."""
+
+DEFLECTION = 6
+"""Which of the teeth's is the deflection."""
+
+PLAY = 2
+"""Which of a pin's is its play."""
+
+
+def user_data(teeth: Teeth) -> tuple[float, ...]:
+    """Give teeth as ``geom user``, shape (``USER_DATA`` + 2 orders of waves,)."""
+    curve, offset, *ends, waves = teeth.flank
+    law = (teeth.reference, teeth.constant, teeth.deflection)
+    return (*curve, offset, *law, teeth.ring.radius, *ends, *waves.ravel().tolist())
+
+
+def teeth_of(numbers: Array) -> Teeth:
+    """Give the teeth that `user_data` made numbers of."""
+    radius, eccentricity, number, offset, reference, constant, deflection, ring = numbers[:8].tolist()
+    rotation, tip, tip_radius, valley, valley_radius = numbers[8:USER_DATA].tolist()
+    curve, waves = Trochoid(radius, eccentricity, number), numbers[USER_DATA:].reshape(-1, 2)
+    flank = Flank(curve, offset, rotation, tip, tip_radius, valley, valley_radius, waves)
+    return Teeth(flank, reference, constant, deflection, Trochoid(ring, eccentricity, number))
+
+
+@njit(inline="always")
+def _number(user: int, place: int) -> float:
+    return read_float(user + 8 * place)
+
+
+@njit(inline="always")
+def read_teeth(user: int, numbers: int) -> Teeth:
+    """Read teeth at the address of their ``geom user``, of so many numbers."""
+    eccentricity, number = _number(user, 1), _number(user, 2)
+    flank = Flank(
+        Trochoid(_number(user, 0), eccentricity, number),
+        _number(user, 3),
+        _number(user, 8),
+        _number(user, 9),
+        _number(user, 10),
+        _number(user, 11),
+        _number(user, 12),
+        array_at(user + 8 * USER_DATA, (numbers - USER_DATA) // 2, 2),
+    )
+    ring = Trochoid(_number(user, 7), eccentricity, number)
+    return Teeth(flank, _number(user, 4), _number(user, 5), _number(user, 6), ring)

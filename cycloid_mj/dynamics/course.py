@@ -1,0 +1,109 @@
+"""What a run is made to do: where it starts, and what is asked of crank and output over time.
+
+A shaft that is *held* follows a position command by its servo; the other one feels a torque.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.base.types import Array
+from cycloid_mj.dynamics.mjcf import ReducerModel
+from cycloid_mj.dynamics.mjcf.keyframe import joint_state
+from cycloid_mj.geometry.kinematics import CrankLaw
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.member import sense
+
+Signal = Callable[[Array], Array]
+
+
+@dataclass(frozen=True)
+class Course:
+    """The course of one run.
+
+    Attributes
+    ----------
+    angle, speed
+        Of the crank at t = 0 [rad, rad/s]; every other part starts where the closed form has it.
+    drive, load
+        Commands of the crank's and the output's actuator at times [s], shape (n,): the position command [rad] of the
+        shaft that the model holds, the torque about +z [N m] on one that it does not.
+    """
+
+    angle: float
+    speed: float
+    drive: Signal
+    load: Signal
+
+    def commands(self, time: Array) -> Array:
+        """Give both commands at times [s], shape (n, 2)."""
+        return np.stack([self.drive(time), self.load(time)], axis=1)
+
+
+def ramp_and_hold(compiled: ReducerModel, reducer: Reducer) -> Course:
+    """Give a design's own course: crank speed ramps up and holds; the load rises to its constant torque."""
+    design = reducer.design
+    law = CrankLaw(design.drive.speed, design.drive.ramp)
+    return Course(
+        angle=0.0,
+        speed=float(law.speed_at(0.0)) if design.drive.ramp == 0.0 else 0.0,
+        drive=lambda time: servo_target(compiled, law, time),
+        load=lambda time: load_torque(reducer, time),
+    )
+
+
+def locked_crank(compiled: ReducerModel, angle: float, torque: Signal) -> Course:
+    """Hold the crank still at an angle [rad] under a torque on the output [N m] over time [s]."""
+    law = CrankLaw(0.0, 0.0)
+    return Course(angle, 0.0, lambda time: angle + servo_target(compiled, law, time), torque)
+
+
+def braked_output(compiled: ReducerModel, reducer: Reducer, torque: Signal, angle: float = 0.0) -> Course:
+    """Hold the output at the speed that the design's crank speed gives it, under a torque on the crank [N m].
+
+    The model holds the output: ``build(design, held="output")``. The crank starts at `angle` [rad], at full speed.
+    """
+    design = reducer.design
+    speed = design.drive.speed
+    law = CrankLaw(speed / design.ratio, 0.0)
+    return Course(angle, speed, torque, lambda time: servo_target(compiled, law, time) + angle / design.ratio)
+
+
+def rising(torque: float, rise: float) -> Signal:
+    """Give a torque [N m] that comes on as a half cosine over `rise` [s], and then stays."""
+    return lambda time: torque * 0.5 * (1.0 - np.cos(np.pi * np.clip(time / rise, 0.0, 1.0)))
+
+
+def initial_state(compiled: ReducerModel, reducer: Reducer, course: Course | None = None) -> Any:
+    """Give the state at the start of a course, by default the design's own, as the closed form has it."""
+    course = course or ramp_and_hold(compiled, reducer)
+    data = mujoco.MjData(compiled.model)
+    position, velocity = joint_state(reducer, course.angle, course.speed)
+    for joint, value in position.items():
+        data.joint(joint).qpos[0] = value
+    for joint, value in velocity.items():
+        data.joint(joint).qvel[0] = value
+    return data
+
+
+def load_torque(reducer: Reducer, time: npt.ArrayLike) -> Array:
+    """Torque of the load on the output [N m], against its rotation; it rises as a half cosine from zero."""
+    design = reducer.design
+    return braking(reducer) * rising(design.load.torque, design.load.rise)(np.asarray(time, dtype=np.float64))
+
+
+def braking(reducer: Reducer) -> float:
+    """Give the sign of a torque on the output that brakes the design's crank: 1 of a counter-clockwise one."""
+    return math.copysign(1.0, reducer.design.drive.speed) * sense(reducer.design)
+
+
+def servo_target(compiled: ReducerModel, law: CrankLaw, time: Array) -> Array:
+    """Position command [rad] with which the servo follows a law without lag in speed or acceleration."""
+    kp, kv = compiled.servo_gains
+    torque = compiled.crank_inertia * law.acceleration_at(time)
+    return law.angle_at(time) + (kv * law.speed_at(time) + torque) / kp

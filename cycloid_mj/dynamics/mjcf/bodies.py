@@ -1,0 +1,181 @@
+"""The bodies of a mechanism in MuJoCo, with their joints, masses, meshes to be seen and cylinders to meet others."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from cycloid_mj.base import names
+from cycloid_mj.base.digits import on_grid, significant
+from cycloid_mj.base.types import Array
+from cycloid_mj.dynamics.contact.gap import Flank, Trochoid
+from cycloid_mj.dynamics.contact.teeth import Teeth, user_data
+from cycloid_mj.geometry.modification import FlankEnds, flank_ends
+from cycloid_mj.parts import MassProperties, carried
+from cycloid_mj.parts.tint import Colour, tinted
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.bodies import Body, Mechanism, Role, Surfaces
+from cycloid_mj.statics.law import curvature_law, pair_stiffness
+
+VISUAL_GROUP, CONTACT_GROUP = 2, 3
+COLOURS = {
+    names.HOUSING: (0.55, 0.58, 0.62, 1.0),
+    names.SHAFT: (0.80, 0.62, 0.25, 1.0),
+    names.GEAR: (0.25, 0.47, 0.70, 1.0),
+    names.PIN: (0.83, 0.84, 0.86, 1.0),
+    names.OUTPUT: (0.36, 0.62, 0.42, 1.0),
+    names.CAM: (0.90, 0.72, 0.36, 1.0),
+    names.SPACER: (0.62, 0.52, 0.34, 1.0),
+    names.ROLLER: (0.72, 0.84, 0.74, 1.0),
+}
+"""Of what a part is; see `colour`."""
+
+SEAL_TIME, SEAL_IMPEDANCE = 1e-4, [0.99, 0.99, 1.0, 0.5, 1.0]
+"""Time [s] in which the drag of seals stops a shaft that it can hold, and how firmly: a shaft that turns feels all of
+it above a creep of some mrad/s."""
+
+_X, _Y, _Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+
+
+def add_bodies(spec: Any, mechanism: Mechanism, masses: Mapping[str, MassProperties]) -> None:
+    """Add every body with its joints and its mass; what is held needs none."""
+    # MuJoCo factorises from the last degree of freedom backwards: each pin meets the gear alone, so with the pins
+    # last an elimination fills in nothing between pins; before the gear each would couple all of them.
+    for body in mechanism.bodies:
+        carrier = spec.body(body.carrier) if body.carrier else spec.worldbody
+        made = carrier.add_body(name=body.name, pos=point(body.place, body.plane))
+        _add_joints(made, body, Reducer(mechanism.design))
+        if body.joints:
+            set_inertia(made, masses[body.part])
+
+
+def add_shapes(spec: Any, mechanism: Mechanism) -> None:
+    """Add to the bodies what is seen, by meshes named as the parts, and the cylinders for the exact collider."""
+    planes = {body.name: body.plane for body in mechanism.bodies}
+    for body in mechanism.bodies:
+        for part, place in seen(Reducer(mechanism.design), body):
+            spec.body(body.name).add_geom(
+                type=mujoco.mjtGeom.mjGEOM_MESH,
+                meshname=part,
+                group=VISUAL_GROUP,
+                contype=0,
+                conaffinity=0,
+                mass=0.0,
+                rgba=list(colour(part)),
+                pos=point(place[:2], float(place[2])),
+            )
+    for surfaces in mechanism.surfaces:
+        middle, half_width = span(Reducer(mechanism.design), surfaces)
+        for i, name in enumerate(surfaces.names):
+            spec.body(surfaces.bodies[i]).add_geom(
+                name=name,
+                type=mujoco.mjtGeom.mjGEOM_CYLINDER,
+                size=[surfaces.radius[i], half_width, 0.0],
+                pos=point(surfaces.place[i], middle - planes[surfaces.bodies[i]]),
+                priority=int(surfaces.role),
+                group=CONTACT_GROUP,
+                contype=0,
+                conaffinity=0,
+                mass=0.0,
+                rgba=[0.9, 0.4, 0.2, 0.3],
+                **_attributes(Reducer(mechanism.design), surfaces, i),
+            )
+
+
+def crank_inertia(reducer: Reducer, shaft: MassProperties) -> float:
+    """Give the inertia of shaft and rotor about the crank axis [kg m2]."""
+    return float(
+        shaft.inertia[2, 2] + shaft.mass * np.sum(shaft.centroid[:2] ** 2) + reducer.design.drive.rotor_inertia
+    )
+
+
+def seen(reducer: Reducer, body: Body) -> list[tuple[str, Array]]:
+    """Give the parts that a body is seen by, and the place (x, y, z) of each in its frame, shape (3,) [m]."""
+    return [(body.part, np.zeros(3)), *carried(reducer, body.part).values()]
+
+
+def colour(part: str) -> Colour:
+    """Give the colour of a part by its name."""
+    return tinted(COLOURS[names.family(part)], part)
+
+
+def span(reducer: Reducer, surfaces: Surfaces) -> tuple[float, float]:
+    """Give the middle of surfaces along z, and half their width [m]."""
+    gear = reducer.design.gear
+    if surfaces.disc is None:
+        return 0.0, 0.5 * gear.stack_width
+    return gear.disc_planes[surfaces.disc], 0.5 * gear.face_width
+
+
+def point(place: Array, z: float = 0.0) -> list[float]:
+    """Give a place in the plane [m], shape (2,), and its z [m] as MuJoCo takes it."""
+    return [*on_grid(place).tolist(), float(on_grid(np.array(z)))]
+
+
+def turn(angle: float) -> list[float]:
+    """Give the quaternion of a clockwise turn about z [rad]."""
+    turned: list[float] = on_grid([np.cos(0.5 * angle), 0.0, 0.0, -np.sin(0.5 * angle)]).tolist()
+    return turned
+
+
+def set_inertia(body: Any, properties: MassProperties) -> None:
+    """Give a body its mass, its centroid and its moments of inertia."""
+    inertia = properties.inertia
+    body.explicitinertial = True
+    body.mass = properties.mass
+    body.ipos = properties.centroid.tolist()
+    body.fullinertia = [inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+
+
+def _add_joints(made: Any, body: Body, reducer: Reducer) -> None:
+    hinge, slide = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
+    *slides, last = body.joints or [""]
+    for name, axis, origin in zip(slides, (_X, _Y), body.origin, strict=False):
+        made.add_joint(name=name, type=slide, axis=axis, ref=origin)
+    if last:
+        made.add_joint(name=last, type=hinge, axis=_Z, **_drag(reducer, last))
+
+
+def _drag(reducer: Reducer, joint: str) -> dict[str, Any]:
+    """Give what seals and rotor add to the turn of a shaft."""
+    design = reducer.design
+    drag = {names.CRANK_JOINT: design.drag.crank, names.OUTPUT_JOINT: design.drag.output}.get(joint, 0.0)
+    sealed = {"frictionloss": drag, "solref_friction": [SEAL_TIME, 1.0], "solimp_friction": SEAL_IMPEDANCE}
+    rotor = {"armature": design.drive.rotor_inertia} if joint == names.CRANK_JOINT else {}
+    return rotor | (sealed if drag > 0.0 else {})
+
+
+def _attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[str, Any]:
+    """Give what the collider must know of a surface besides its place and its radius."""
+    design = reducer.design
+    angle = float(surfaces.angle[i])
+    if surfaces.role == Role.TEETH:
+        teeth = _teeth(reducer, surfaces.disc or 0)
+        return {"quat": turn(angle), "userdata": [significant(one) for one in user_data(teeth)]}
+    if surfaces.role == Role.LOBE:
+        return {"quat": turn(angle)}
+    if surfaces.role == Role.OUTER and surfaces.half_angle < np.pi:
+        half = surfaces.half_angle
+        return {"quat": turn(angle), "userdata": [significant(np.cos(half)), significant(np.sin(half))]}
+    if surfaces.role != Role.PIN:
+        return {}
+    # A pin that its ring carries round has no home: the collider takes where it is.
+    home = [0.0, 0.0] if design.output.turns_ring else on_grid([np.sin(angle), np.cos(angle)]).tolist()
+    if not design.ring.has_massless_pins:
+        return {"userdata": home}
+    softness = pair_stiffness(reducer, design.tooth_pair) / pair_stiffness(reducer, design.seat_pair)
+    held = 1.0 + np.cos(surfaces.half_angle)
+    return {"userdata": [*home, *map(significant, (float(surfaces.play[i]), softness, held))]}
+
+
+def _teeth(reducer: Reducer, disc: int) -> Teeth:
+    law, gear, made = curvature_law(reducer), reducer.gear_profile, reducer.deviations
+    offset = reducer.profile_offset - float(made.disc_radius[disc])
+    rotation = reducer.design.modification.rotation
+    ends = flank_ends(gear, offset, rotation) if rotation else FlankEnds(0.0, 0.0, 0.0, 0.0)
+    curve = Trochoid(gear.pin_circle_radius, gear.eccentricity, float(gear.ring_teeth))
+    corners = (ends.tip, ends.tip_radius, ends.valley, ends.valley_radius)
+    flank = Flank(curve, offset, rotation, *corners, made.waves_in_use)
+    ring = curve._replace(radius=reducer.design.ring.pin_circle_radius)
+    return Teeth(flank, law.reference, law.constant, law.deflection, ring)

@@ -1,0 +1,179 @@
+"""``Design`` -> a folder that any MuJoCo user can open: MJCF, meshes, scene, design and manifest, byte for byte."""
+
+import hashlib
+import importlib.metadata
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from cycloid_mj import __version__
+from cycloid_mj.base import names
+from cycloid_mj.base.errors import CycloidError, warn
+from cycloid_mj.base.whole import write_whole
+from cycloid_mj.design import dump
+from cycloid_mj.dynamics.mjcf.keyframe import add_keyframes
+from cycloid_mj.dynamics.mjcf.mesh import MeshSpec, add_rest, mesh_spec, reducer_model
+from cycloid_mj.dynamics.mjcf.model import xml
+from cycloid_mj.dynamics.mjcf.scene import scene_xml
+from cycloid_mj.dynamics.mjcf.sensors import add_sensors
+from cycloid_mj.parts.convex import (
+    ConvexSettings,
+    Quality,
+    Rest,
+    Surface,
+    decompose,
+    require_single,
+    sectors,
+    surface_quality,
+)
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.working import for_slices
+
+REDUCER, SCENE, MANIFEST, DESIGN = "reducer.xml", "scene.xml", "manifest.json", "design.toml"
+ASSETS = "assets"
+
+DRIVE_BANDWIDTH = 2e3
+"""Bandwidth of the crank's speed servo [rad/s]."""
+
+DRIVE_MARGIN = 5.0
+"""Largest torque of the servo, as a multiple of the design's rated input torque."""
+
+_NUMBER = re.compile(r"-?\d+\.\d{6,}(?:e[+-]?\d+)?")
+
+
+def model_files(reducer: Reducer, settings: ConvexSettings | None = None) -> dict[str, bytes]:
+    """Give every file of a model folder by its path in it; takes some 10 s for CoACD.
+
+    The model differs from ``build_mesh``'s in what it is for: the crank has a speed servo (``ctrl`` in rad/s, no target
+    to be moved), there are keyframes, and convex pieces behind the teeth meet objects from outside.
+
+    Raises
+    ------
+    DesignError
+        A part cannot be made, or a decomposition is worse than its bound.
+    ContactError
+        MuJoCo cannot represent a contact's stiffness at this time step.
+
+    Warns
+    -----
+    CycloidWarning
+        Figures of runs of this model may not be those of the design.
+    """
+    settings, reducer = settings or ConvexSettings(), for_slices(reducer)
+    made = mesh_spec(reducer, settings)
+    measured = {surface.key: _checked(surface, settings) for surface in made.surfaces}
+    rests = [decompose(sector, settings) for sector in sectors(reducer, settings)]
+    for number, rest in enumerate(rests, start=1):
+        add_rest(made.spec, reducer, number, rest)
+    gains = _add_drive(made, reducer)
+    add_sensors(made.spec, reducer)
+    add_keyframes(made.spec, reducer)
+    made.spec.meshdir = ASSETS
+    compiled = reducer_model(made, reducer, gains)
+    warn(reducer.design.name, compiled.warnings)
+    files = {f"{ASSETS}/{name}": content for name, content in sorted(made.spec.assets.items())}
+    files[DESIGN] = dump(reducer.design).encode()
+    files[REDUCER] = _reducer_xml(made.spec, reducer).encode()
+    files[SCENE] = scene_xml(reducer, REDUCER).encode()
+    files[MANIFEST] = _manifest(reducer, settings, compiled.model, measured, rests, files).encode()
+    return files
+
+
+def write_folder(files: Mapping[str, bytes], folder: Path) -> None:
+    """Write the files of a model, all of them or none, into a folder that exists; other files in it stay.
+
+    Raises
+    ------
+    CycloidError
+        A file cannot be written.
+    """
+    try:
+        (folder / ASSETS).mkdir(exist_ok=True)
+    except OSError as error:
+        raise CycloidError(f"cannot make the folder {folder / ASSETS}: {error.strerror or error}") from error
+    write_whole({folder / name: content for name, content in files.items()})
+
+
+def design_hash(reducer: Reducer) -> str:
+    """Give the SHA-256 of a design's complete file."""
+    return hashlib.sha256(dump(reducer.design).encode()).hexdigest()
+
+
+def _checked(surface: Surface, settings: ConvexSettings) -> Quality:
+    require_single(surface, settings.coacd)
+    return surface_quality(surface)
+
+
+def _add_drive(made: MeshSpec, reducer: Reducer) -> tuple[float, float]:
+    """Add the speed servo of the crank, and give its gains kp and kv; add the torque of the load."""
+    joint = mujoco.mjtTrn.mjTRN_JOINT
+    drive = made.spec.add_actuator(name=names.DRIVE, target=names.CRANK_JOINT, trntype=joint)
+    gain = made.crank_inertia * DRIVE_BANDWIDTH
+    drive.set_to_velocity(kv=gain)
+    drive.forcelimited = True
+    drive.forcerange = np.array([-1.0, 1.0]) * DRIVE_MARGIN * reducer.design.drive.torque
+    load = made.spec.add_actuator(name=names.LOAD, target=names.OUTPUT_JOINT, trntype=joint)
+    load.set_to_motor()
+    return 0.0, gain
+
+
+def _reducer_xml(spec: Any, reducer: Reducer) -> str:
+    """Give the MJCF, each number as the shortest that reads back the same."""
+    text = _NUMBER.sub(lambda found: repr(float(found.group())), xml(spec))
+    name = reducer.design.name
+    note = f"<!-- {name}: made by `cycloid-mj build` (cycloid_mj {__version__}); change the design, not this. -->\n"
+    return note + text.rstrip() + "\n"
+
+
+def _manifest(
+    reducer: Reducer,
+    settings: ConvexSettings,
+    model: Any,
+    measured: Mapping[str, Quality],
+    rests: list[Rest],
+    files: Mapping[str, bytes],
+) -> str:
+    design = reducer.design
+    moving = [
+        names.SHAFT,
+        *names.gears(design.gear.discs),
+        names.OUTPUT,
+        *([names.numbered(names.PIN, 1)] if design.ring.has_pin_bodies else []),
+    ]
+    content = {
+        "design": {"name": design.name, "sha256": design_hash(reducer)},
+        "versions": {
+            "cycloid_mj": __version__,
+            "mujoco": mujoco.__version__,
+            "numpy": np.__version__,
+            "coacd": importlib.metadata.version("coacd"),
+        },
+        "settings": asdict(settings),
+        "timestep_s": model.opt.timestep,
+        "geoms": model.ngeom,
+        "meshes": model.nmesh,
+        "mass_kg": {body: float(model.body(body).mass[0]) for body in (names.HOUSING, *moving)},
+        "surfaces": {name: quality_um(found) for name, found in measured.items()},
+        "rest": [{"part": rest.sector.part, "copies": rest.sector.count, **quality_um(rest.quality)} for rest in rests],
+        "sha256": {name: hashlib.sha256(content).hexdigest() for name, content in sorted(files.items())},
+    }
+    return json.dumps(content, indent=2) + "\n"
+
+
+def quality_um(found: Quality) -> dict[str, float]:
+    """Give the figures of a decomposition with micrometres, rounded."""
+    return {
+        "parts": found.parts,
+        "max_overfill_um": round(1e6 * found.max_overfill, 4),
+        "rms_overfill_um": round(1e6 * found.rms_overfill, 4),
+        "max_underfill_um": round(1e6 * found.max_underfill, 4),
+        "rms_underfill_um": round(1e6 * found.rms_underfill, 4),
+        "volume_error": round(found.volume_error, 7),
+        "normals": found.samples,
+    }

@@ -1,0 +1,56 @@
+"""How a line contact of known stiffness is shared by the slices of a surface: an elastic foundation.
+
+Each slice is a spring of a stiffness in proportion to its width. Under the working force the springs in touch add up to
+the stiffness of the line contact, however many they are: finer slices are more of them, and softer.
+"""
+
+import math
+
+from cycloid_mj.parts.convex import Slice
+from cycloid_mj.statics.law import ContactLaw
+
+
+def slice_law(law: ContactLaw, factor: float, part: Slice, force: float) -> ContactLaw:
+    """Give the law of one slice: k = K w / patch for a width w, at most K.
+
+    Parameters
+    ----------
+    law
+        Of the whole line contact.
+    factor
+        Its stiffness there, as a share of the law's.
+    part
+        The slice: a face wider than the patch, or a hull that carries alone, has the whole stiffness.
+    force
+        Working force F of the line contact [N]; its penetration is d = F/K.
+    """
+    stiffness = law.stiffness * factor
+    depth = force / stiffness
+    patch = hole_patch(depth, part.radius, part.play) if part.play else flank_patch(depth, part.curvature)
+    share = min(1.0, part.width / patch)
+    return ContactLaw(
+        stiffness=stiffness * share,
+        damping=law.damping * share,
+        added_mass=law.added_mass * max(1.0, factor) * share,
+        friction=law.friction,
+        creep=law.creep * share,
+    )
+
+
+def flank_patch(depth: float, curvature: float) -> float:
+    """Give the effective width [m] of the contact of two flanks at a penetration [m]: 4/3 sqrt(2 d / kappa).
+
+    The gap opens as kappa s^2 / 2 beside the deepest point: springs of k per width push with 4/3 sqrt(2 d/kappa) k d.
+    """
+    return 4.0 / 3.0 * math.sqrt(2.0 * depth / curvature)
+
+
+def hole_patch(depth: float, radius: float, play: float) -> float:
+    """Give the effective width [m] of the contact of a round part in a hole at a penetration [m].
+
+    Displaced by x = play + d, the part is x cos(theta) - play deep up to the angle theta_0 = acos(play / x); springs of
+    k per width push with the share cos(theta), in all k R [x (theta_0 + sin theta_0 cos theta_0) - 2 play sin theta_0].
+    """
+    x = play + depth
+    end = math.acos(play / x)
+    return radius * (x * (end + math.sin(end) * math.cos(end)) - 2.0 * play * math.sin(end)) / depth

@@ -1,0 +1,73 @@
+"""The states that a model can be reset to: every part where the closed form puts it, at rest or at full speed."""
+
+import math
+from typing import Any
+
+from cycloid_mj.base import names
+from cycloid_mj.geometry.deviations import is_ideal
+from cycloid_mj.geometry.kinematics import gear_centre
+from cycloid_mj.reducer import Reducer, member
+from cycloid_mj.reducer.bodies import Mechanism
+from cycloid_mj.reducer.limits import best_fit
+
+QUARTERS = (0, 90, 180, 270)
+"""Crank angles of the keyframes [deg]."""
+
+HOME = "home"
+
+
+def keyframe_name(angle: int, speed: float) -> str:
+    """Name the keyframe at a crank angle [deg] and speed [rad/s]: ``home``, ``rest_90``, ``1640rpm_0``, ..."""
+    if speed:
+        return f"{speed * 30.0 / math.pi:.6g}rpm_{angle}"
+    return f"rest_{angle}" if angle else HOME
+
+
+def add_keyframes(spec: Any, reducer: Reducer) -> None:
+    """Add keyframes at four crank angles, at rest and at the design's speed, without load."""
+    model = spec.compile()
+    for speed in dict.fromkeys((0.0, reducer.design.drive.speed)):
+        for angle in QUARTERS:
+            position, velocity = joint_state(reducer, math.radians(angle), speed)
+            qpos, qvel = model.qpos0.copy(), [0.0] * model.nv
+            for joint in position:
+                qpos[model.joint(joint).qposadr[0]] = position[joint]
+            for joint in velocity:
+                qvel[model.joint(joint).dofadr[0]] = velocity[joint]
+            ctrl = [speed if model.actuator(i).name == names.DRIVE else 0.0 for i in range(model.nu)]
+            spec.add_key(name=keyframe_name(angle, speed), qpos=list(qpos), qvel=qvel, ctrl=ctrl)
+
+
+def joint_state(reducer: Reducer, crank: float, speed: float) -> tuple[dict[str, float], dict[str, float]]:
+    """Give positions and velocities of the joints of crank, discs and output at a crank angle [rad] and speed [rad/s].
+
+    Hsieh 2014, Eqs 12 and 13 (corrected): the gear's centre runs on a circle, gear and output turn at -speed/(N-1); or
+    the gear does not turn, and the ring does, at speed/N.
+    Parts with errors or modified flanks, and the pins among them that move, are where they fit best.
+    """
+    design = reducer.design
+    gear = reducer.tooth_profile
+    turned, slow = float(member.gear_angle(design, crank)), float(member.gear_angle(design, speed))
+    position = {names.CRANK_JOINT: crank, names.OUTPUT_JOINT: float(member.output_angle(design, crank))}
+    velocity = {names.CRANK_JOINT: speed, names.OUTPUT_JOINT: float(member.output_angle(design, speed))}
+    mechanism = reducer.mechanism
+    for disc, phase in zip(mechanism.discs, mechanism.phases, strict=True):
+        x, y = (float(value) for value in gear_centre(gear, crank + phase))
+        position |= dict(zip(disc.joints, (x, y, turned), strict=True))
+        velocity |= dict(zip(disc.joints, (-speed * y, speed * x, slow), strict=True))
+    if not is_ideal(design):
+        for joint, shift in _room(mechanism, crank).items():
+            position[joint] = position.get(joint, 0.0) + shift
+    return position, velocity
+
+
+def _room(mechanism: Mechanism, crank: float) -> dict[str, float]:
+    """Give how far joints are from the ideal mesh in the pose that leaves the most room."""
+    fit, angle = best_fit(Reducer(mechanism.design), crank), float(member.ring_angle(mechanism.design, crank))
+    cos, sin = math.cos(angle), math.sin(angle)
+    joints: dict[str, float] = {}
+    for disc, (x, y), turn in zip(mechanism.discs, fit.shift.tolist(), fit.gear_turn.tolist(), strict=True):
+        joints |= dict(zip(disc.joints, (x * cos - y * sin, x * sin + y * cos, turn), strict=True))
+    for pin, place in zip(mechanism.pins, fit.pin_shift, strict=False):
+        joints |= dict(zip(pin.joints[:2], place.tolist(), strict=True))
+    return joints | {names.OUTPUT_JOINT: fit.output_turn}

@@ -1,0 +1,47 @@
+"""The contact law of each kind of mating pair of a design, from its stiffness and the masses that move on it."""
+
+from collections.abc import Sequence
+
+from cycloid_mj.dynamics.timestep import effective_masses, timestep
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.impact import impact_of
+from cycloid_mj.statics.law import ContactLaw, contact_law, contact_stiffness, damping_ratio
+from cycloid_mj.statics.working import working_force
+
+Laws = dict[str, ContactLaw]
+"""Kind of pair -> its law."""
+
+
+def laws_of_discs(reducer: Reducer) -> tuple[Laws, ...]:
+    """Give `contact_laws` of every disc."""
+    return tuple(contact_laws(reducer, disc) for disc in range(reducer.design.gear.discs))
+
+
+def stiffest(laws: Sequence[Laws]) -> Laws:
+    """Give the law of each kind on the disc where it is stiffest; elsewhere an output pin may bend more."""
+    return {kind: max((one[kind] for one in laws), key=lambda law: law.stiffness) for kind in laws[0]}
+
+
+def contact_laws(reducer: Reducer, disc: int = 0) -> Laws:
+    """Give the contact law of each kind of pair: line-contact stiffness, damping by the pair's own effective mass.
+
+    With massless pins the pair of gear and pin is one of gear and housing: both contacts in series, rubbing as easily
+    as the easier of the two. An output pin that bends gives way at its disc's plane, in series with its contact; what a
+    disc's force bends it by at another disc's plane is left out (docs/decisions/11-bent-output-pins.md). Of the law
+    IMPACT these are secants at the working force, which a run replaces at every step (`contact.each_step`).
+    """
+    design = reducer.design
+    laws = {}
+    for kind, mass in effective_masses(reducer).items():
+        through = kind == design.tooth_pair and design.ring.has_massless_pins
+        friction = design.mesh_friction if through else design.friction_of(kind)
+        force, impact = working_force(reducer, kind), impact_of(reducer, kind)
+        laws[kind] = contact_law(
+            stiffness=contact_stiffness(reducer, kind, disc),
+            damping_ratio=impact.damping_ratio(force, mass) if impact else damping_ratio(reducer, kind),
+            effective_mass=mass,
+            friction=friction,
+            creep=friction * force / design.contact.creep_speed,
+            timestep=timestep(reducer),
+        )
+    return laws

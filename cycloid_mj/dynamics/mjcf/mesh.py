@@ -1,0 +1,320 @@
+"""``Design`` -> the reducer in stock MuJoCo collision: the same bodies, in contact by the meshes of convex slices.
+
+A surface's geoms are named ``<stem>/<member>/<number>``; the stem is the name that the same surface has in the model of
+exact contact, and in its mating pairs. Round parts are capsules whose caps lie beyond the faces. Bits of ``contype``
+and ``conaffinity`` let mating surfaces meet and nothing else; what is behind them only meets objects from outside.
+
+A geom has no ``solreffriction``: MuJoCo takes the damping of the contact for that of its friction, and a fast slide
+then pushes the surfaces apart, with friction times damping times speed. The facets of a hole, which know their mate,
+meet it by explicit pairs where they rub, and have none of it.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from cycloid_mj.base import names
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.dynamics.contact import each_step
+from cycloid_mj.dynamics.mjcf.bodies import add_bodies, colour, crank_inertia, point, seen, set_inertia, span, turn
+from cycloid_mj.dynamics.mjcf.foundation import slice_law
+from cycloid_mj.dynamics.mjcf.laws import Laws, laws_of_discs, stiffest
+from cycloid_mj.dynamics.mjcf.model import ReducerModel, add_actuators, empty_spec, judged
+from cycloid_mj.dynamics.mjcf.sensors import add_sensors
+from cycloid_mj.geometry import profile
+from cycloid_mj.geometry.modification import tooth_profile
+from cycloid_mj.parts import VISUAL_CHORD_ERROR, mesh, moving_masses, parts
+from cycloid_mj.parts.convex import ConvexSettings, Place, Rest, Surface, gear_holes, prism, surfaces
+from cycloid_mj.parts.export.stl import stl_bytes
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.bodies import Mechanism
+from cycloid_mj.reducer.sockets import require_drawn
+from cycloid_mj.statics.law import ContactLaw, SolverParameters, curvature_law, solver_parameters, stock_impratio
+from cycloid_mj.statics.working import for_slices, working_force
+
+VISUAL, COLLISION = "visual", "collision"
+"""Default classes, in groups 2 and 3."""
+
+OUTSIDE, TEETH, ROOTS, SOCKETS, HOLES, BORE = (1 << bit for bit in (0, 1, 2, 3, 5, 4))
+"""Bits of contype and conaffinity; 1 is what every object has by default."""
+
+BORES = (BORE, *(1 << bit for bit in (6, 7, 8)))
+"""The same of the bore of each disc: the caps of its cam reach into the next one's."""
+
+CCD_TOLERANCE, CCD_ITERATIONS = 1e-9, 60
+
+CAP = 0.1
+"""How far the cylinder of a capsule reaches beyond the faces, as a share of its width."""
+
+OUTPUT_OPACITY = 0.4
+"""The output disc covers the gear: it is drawn translucent."""
+
+_STEMS = {"lobe": names.LOBE, "socket": names.SOCKET, "hole": names.HOLE}
+"""Surfaces of which a part has several, numbered."""
+
+_OF_DISCS = (names.TEETH, names.BORE, names.HOLE)
+"""Surfaces that every disc has; the ring's span all of them."""
+
+_KINDS = {"lobe": "tooth", "socket": "pin_socket", "bore": "cam", "hole": "output"}
+_SLICE_PRIORITY, _HULL_PRIORITY = 2, 1
+
+
+@dataclass(frozen=True)
+class MeshSpec:
+    """An editable mesh model with what its makers know: see ``ReducerModel``; `surfaces` are its sliced surfaces."""
+
+    spec: Any
+    surfaces: tuple[Surface, ...]
+    laws: Mapping[str, ContactLaw]
+    crank_inertia: float
+
+
+def build_mesh(reducer: Reducer, settings: ConvexSettings | None = None) -> ReducerModel:
+    """Build the model of a design for stock MuJoCo collision; to be run as that of ``build``.
+
+    Raises
+    ------
+    DesignError
+        A part of the design cannot be made, or sliced; its pins carry sleeves; or its contacts follow IMPACT.
+    ContactError
+        MuJoCo cannot represent a contact's stiffness at this time step.
+    """
+    design = reducer.design
+    if design.contact.law == "impact":
+        raise DesignError(
+            f'{design.name}: contact.law = "impact" acts on exact profiles alone, not on convex meshes: run it with '
+            '--contact profile, or set contact.law = "line"'
+        )
+    made = mesh_spec(reducer, settings or ConvexSettings())
+    gains = add_actuators(made.spec, made.crank_inertia)
+    add_sensors(made.spec, reducer)
+    each_step.add_sensor(made.spec)
+    return reducer_model(made, reducer, gains)
+
+
+def reducer_model(made: MeshSpec, reducer: Reducer, gains: tuple[float, float]) -> ReducerModel:
+    """Compile a mesh model that has its actuators, with the servo's gains, and judge it."""
+    model, pairs = made.spec.compile(), reducer.mechanism.pairs
+    return judged(ReducerModel(made.spec, model, pairs, made.laws, gains, made.crank_inertia), reducer)
+
+
+def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
+    """Give the bodies of a design with their visual and their colliding geoms: no actuators, no sensors, no rest.
+
+    The slices are as stiff as `for_slices` says.
+    """
+    reducer = for_slices(reducer)
+    ring = reducer.design.ring
+    if ring.has_sleeves or ring.has_massless_pins:
+        what = "a sleeve turns on its pin" if ring.has_sleeves else "a massless pin gives way"
+        raise DesignError(
+            f'ring.pins = "{ring.pins}" has no meshes for stock collision: {what} by exact contact only; '
+            'choose ring.pins = "free" or "fixed", or the contact profile'
+        )
+    require_drawn(reducer.design, "meshes for stock collision")
+    masses = moving_masses(reducer)
+    laws = laws_of_discs(reducer)
+    mechanism, spec = reducer.mechanism, empty_spec(reducer, stock_impratio(reducer, laws))
+    spec.nuser_geom = 0
+    for item in (*spec.lights, *spec.cameras):
+        spec.delete(item)
+    add_bodies(spec, mechanism, masses)
+    set_inertia(spec.body(names.HOUSING), masses[names.HOUSING])
+    _options(spec)
+    _add_visuals(spec, mechanism)
+    weights = _inverse_weights(spec)
+    working = surfaces(reducer, settings)
+    collision = spec.add_default(COLLISION, spec.default)
+    collision.geom.group, collision.geom.contype, collision.geom.conaffinity = 3, 0, 0
+    apart = {surface.disc for surface in working if surface.disc}
+    for surface in working:
+        discs = range(reducer.design.gear.discs if surface.name in _OF_DISCS else 1)
+        of = [disc for disc in discs if surface.name != names.TEETH or disc not in apart]
+        _add_surface(spec, mechanism, surface, [surface.disc] if surface.disc else of, laws, weights, settings)
+    _add_round_parts(spec, mechanism)
+    return MeshSpec(spec, working, stiffest(laws), crank_inertia(reducer, masses[names.SHAFT]))
+
+
+def add_rest(spec: Any, reducer: Reducer, number: int, rest: Rest) -> None:
+    """Add the convex pieces behind the working surfaces of a part, which meet objects from outside."""
+    sector, ahead = rest.sector, reducer.phases
+    bodies = names.gears(reducer.design.gear.discs) if sector.part == names.GEAR else (sector.part,)
+    for index, piece in enumerate(rest.pieces, start=1):
+        name = f"{sector.part}_rest_{number}_{index}"
+        _add_stl(spec, name, stl_bytes(piece))
+        part = _sub_default(spec, name)
+        part.geom.type, part.geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, name
+        part.geom.conaffinity = OUTSIDE
+        for body, phase in zip(bodies, ahead, strict=False):
+            first = phase / reducer.design.lobes if sector.of_teeth else 0.0
+            for copy in range(sector.count):
+                spec.body(body).add_geom(part, quat=turn(first + 2.0 * np.pi * copy / sector.count))
+
+
+def stem(surface: str, member: int) -> str:
+    """Name a member of a surface as its mating pairs do."""
+    return names.numbered(_STEMS[surface], member) if surface in _STEMS else surface
+
+
+def _options(spec: Any) -> None:
+    spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_MULTICCD)
+    spec.option.ccd_tolerance = CCD_TOLERANCE
+    spec.option.ccd_iterations = CCD_ITERATIONS
+
+
+def _inverse_weights(spec: Any) -> dict[str, float]:
+    """Give MuJoCo's translational inverse weight of every body [1/kg]."""
+    model = spec.copy().compile()
+    return {model.body(i).name: float(model.body_invweight0[i, 0]) for i in range(model.nbody)}
+
+
+def _add_visuals(spec: Any, mechanism: Mechanism) -> None:
+    visual = spec.add_default(VISUAL, spec.default)
+    visual.geom.group, visual.geom.contype, visual.geom.conaffinity = 2, 0, 0
+    visual.geom.type = mujoco.mjtGeom.mjGEOM_MESH
+    for part, solid in parts(Reducer(mechanism.design), VISUAL_CHORD_ERROR).items():
+        _add_stl(spec, part, stl_bytes(mesh(solid)), mujoco.mjtMeshInertia.mjMESH_INERTIA_EXACT)
+        opacity = OUTPUT_OPACITY if part == names.OUTPUT else 1.0
+        spec.add_material(name=part, rgba=[*colour(part)[:3], opacity], specular=0.4, shininess=0.4)
+        for body, place in _homes(mechanism, part):
+            spec.body(body).add_geom(visual, meshname=part, material=part, pos=place)
+
+
+def _homes(mechanism: Mechanism, part: str) -> Iterator[tuple[str, list[float]]]:
+    """Give the body that each copy of a part belongs to, and its place in it [m]."""
+    shown = [
+        (body.name, at) for body in mechanism.bodies for one, at in seen(Reducer(mechanism.design), body) if one == part
+    ]
+    for body, at in shown:
+        yield body, point(at[:2], float(at[2]))
+    if not shown:  # pins that do not move belong to the housing
+        ring = tooth_profile(mechanism.design)
+        for place in ring.pin_circle_radius * profile.unit(profile.pin_angles(ring)):
+            yield names.HOUSING, point(place)
+
+
+def _add_stl(spec: Any, name: str, content: bytes, inertia: Any = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX) -> None:
+    file = f"{name}.stl"
+    spec.assets[file] = content
+    spec.add_mesh(name=name, file=file, inertia=inertia)
+
+
+def _sub_default(spec: Any, name: str) -> Any:
+    return spec.add_default(name, spec.find_default(COLLISION))
+
+
+def _add_surface(
+    spec: Any,
+    mechanism: Mechanism,
+    surface: Surface,
+    discs: Sequence[int],
+    laws: Sequence[Laws],
+    weights: Mapping[str, float],
+    settings: ConvexSettings,
+) -> None:
+    """Add the meshes of a surface's slices, and its geoms: on some discs, or (disc 0 alone) on the housing."""
+    for number, _ in enumerate(surface.slices):
+        _add_stl(spec, f"{surface.key}_{number + 1}", stl_bytes(mesh(prism(surface, number))))
+    for disc in discs:
+        # the holes of each disc have errors of their own
+        own = gear_holes(Reducer(mechanism.design), settings, disc) if surface.name == "hole" and disc else surface
+        _add_slices(spec, mechanism, own, disc, laws, weights)
+
+
+def _add_slices(
+    spec: Any,
+    mechanism: Mechanism,
+    surface: Surface,
+    disc: int,
+    laws: Sequence[Laws],
+    weights: Mapping[str, float],
+) -> None:
+    """Add one class for each slice of a surface on a disc, with its contact physics, and its geoms at every place."""
+    design, carriers, discs = mechanism.design, mechanism.carriers, mechanism.design.gear.discs
+    reducer = Reducer(design)
+    kind = _KINDS.get(surface.name, design.tooth_pair)
+    own = discs if surface.name in _OF_DISCS else 1
+    curve, force = curvature_law(reducer), working_force(reducer, kind)
+    mating = mechanism.mating(kind, disc)
+    mates = {name: mate for pair in mating.pairs for name, mate in ((pair.on, pair.by), (pair.by, pair.on))}
+    first = next(mating.pairs)
+    weight = weights[carriers[first.on]] + weights[carriers[first.by]]
+    law = laws[disc][kind]
+    rubs = kind != design.tooth_pair and law.friction > 0.0
+    classes = []
+    for number, part in enumerate(surface.slices):
+        name = f"{surface.name}_{number + 1}"
+        factor = curve.factor(part.curvature) if kind == design.tooth_pair else 1.0
+        parameters = solver_parameters(slice_law(law, factor, part, force), weight, spec.option.impratio)
+        default = _sub_default(spec, names.of_disc(name, disc, own))
+        default.geom.type, default.geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, f"{surface.key}_{number + 1}"
+        if rubs:
+            _meet_by_pair(default.pair, parameters)
+        else:
+            _meet_by_bits(default.geom, parameters, surface.name, part.width, disc)
+        classes.append(default)
+    ahead = mechanism.phases[disc] / design.lobes if surface.name == names.TEETH else 0.0
+    counts: dict[int, int] = {}
+    for place in surface.places:
+        counts[place.member] = counts.get(place.member, 0) + 1
+        called = names.of_disc(stem(surface.name, place.member), disc, own)
+        name = f"{called}/{place.member}/{counts[place.member]}"
+        pose = {"pos": [*place.centre, 0.0], "quat": _pose(place, ahead)}
+        spec.body(carriers[called]).add_geom(classes[place.slice], name=name, **pose)
+        if rubs:
+            spec.add_pair(classes[place.slice], geomname1=name, geomname2=mates[called])
+
+
+def _meet_by_bits(geom: Any, parameters: SolverParameters, surface: str, width: float, disc: int) -> None:
+    geom.contype, geom.conaffinity = _bits(surface, width, disc)
+    geom.priority = _SLICE_PRIORITY if np.isfinite(width) else _HULL_PRIORITY
+    geom.condim, geom.solref, geom.solimp = parameters.condim, parameters.solref, parameters.solimp
+    geom.friction = [parameters.friction[0], 0.0, 0.0]
+
+
+def _meet_by_pair(pair: Any, parameters: SolverParameters) -> None:
+    pair.condim, pair.solref, pair.solimp = parameters.condim, parameters.solref, parameters.solimp
+    pair.friction, pair.solreffriction = parameters.friction, parameters.solreffriction
+    pair.margin, pair.gap = 0.0, 0.0
+
+
+def _bits(surface: str, width: float, disc: int) -> tuple[int, int]:
+    """Give contype and conaffinity of a slice, or of the hull that is a convex tip.
+
+    Tips of the gear meet the roots of an internal gear, its valleys do not. The arc of an internal gear's lobe meets
+    the gear as a capsule, which is exact and quicker than its hull.
+    """
+    hull = not np.isfinite(width)
+    if surface == "lobe":
+        return (0, OUTSIDE) if hull else (0, ROOTS)
+    if surface == "teeth":
+        return (ROOTS if hull else 0, TEETH)
+    return 0, {"socket": SOCKETS, "bore": BORES[disc], "hole": HOLES}[surface]
+
+
+def _add_round_parts(spec: Any, mechanism: Mechanism) -> None:
+    """Add pins, or the arcs of an internal gear's lobes (the same circles), cams and output pins as capsules."""
+    design, collision = mechanism.design, spec.find_default(COLLISION)
+    cams = [("cam", BORES[disc], disc) for disc in range(design.gear.discs)]
+    for kind, bits, disc in ((design.tooth_pair, TEETH | SOCKETS, 0), *cams, ("output", HOLES, 0)):
+        round_parts = mechanism.mating(kind, disc).by
+        middle, half_width = span(Reducer(design), round_parts)
+        half = half_width * (1.0 + 2.0 * CAP)
+        for i, name in enumerate(round_parts.names):
+            spec.body(round_parts.bodies[i]).add_geom(
+                collision,
+                name=name,
+                type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+                size=[round_parts.radius[i], half, 0.0],
+                contype=bits,
+                pos=point(round_parts.place[i], middle),
+            )
+
+
+def _pose(place: Place, ahead: float) -> list[float]:
+    """Quaternion of a place on teeth that are turned back; a prism's mirror image is half a turn about its y axis."""
+    w, _, _, z = turn(place.angle + ahead)
+    return [0.0, -z, w, 0.0] if place.mirrored else [w, 0.0, 0.0, z]

@@ -1,0 +1,177 @@
+"""``Design`` -> ``MjSpec``: the mechanism's bodies and pairs with their contact physics, actuators and sensors.
+
+Frame: +x right, +y up, z along the crank axis; crank angle counter-clockwise, zero with the gear centre at (0, +c).
+The gear and the free pins move in the plane (two slides and a hinge); shaft and output turn on hinges.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import mujoco
+
+from cycloid_mj.base import names
+from cycloid_mj.base.digits import significant
+from cycloid_mj.design import Design
+from cycloid_mj.dynamics.contact import each_step
+from cycloid_mj.dynamics.contact.library import exact_xml
+from cycloid_mj.dynamics.contact.teeth import USER_DATA
+from cycloid_mj.dynamics.mjcf.bodies import add_bodies, add_shapes, crank_inertia
+from cycloid_mj.dynamics.mjcf.laws import Laws, laws_of_discs, stiffest
+from cycloid_mj.dynamics.mjcf.sensors import add_sensors
+from cycloid_mj.dynamics.mjcf.solver import set_solver
+from cycloid_mj.dynamics.regime import warnings
+from cycloid_mj.dynamics.timestep import timestep
+from cycloid_mj.parts import VISUAL_CHORD_ERROR, mesh, moving_masses, output_inertia, parts
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.bodies import Pair
+from cycloid_mj.statics.law import ContactLaw, impratio, solver_parameters
+
+Held = Literal["crank", "output", ""]
+"""The shaft that a servo holds; none: both feel a torque alone."""
+
+SERVO_BANDWIDTH = 2e4
+"""Bandwidth [rad/s] of the position servo that makes a shaft follow its command; critically damped."""
+
+
+@dataclass(frozen=True)
+class ReducerModel:
+    """A model ready to run.
+
+    Attributes
+    ----------
+    spec, model
+        The editable and the compiled model.
+    pairs
+        Every mating pair, in the order of the log's force columns.
+    laws
+        The contact law of each kind of pair, on the disc where it is stiffest.
+    servo_gains
+        kp [N m/rad] and kv [N m s/rad] of the servo on the shaft that is held.
+    crank_inertia
+        Inertia of shaft and rotor about the crank axis [kg m2].
+    warnings
+        Why its figures may not be those of its design, see ``dynamics.regime``.
+    """
+
+    spec: Any
+    model: Any
+    pairs: tuple[Pair, ...]
+    laws: Mapping[str, ContactLaw]
+    servo_gains: tuple[float, float]
+    crank_inertia: float
+    warnings: tuple[str, ...] = ()
+
+
+def build(design: Design, held: Held = "crank") -> ReducerModel:
+    """Build the contact model of a design.
+
+    Parameters
+    ----------
+    design
+        What to build.
+    held
+        The shaft that a servo holds to a position command; the actuator of a shaft that is not held is a torque.
+
+    Raises
+    ------
+    DesignError
+        A part of the design cannot be made.
+    ContactError
+        MuJoCo cannot represent a contact's stiffness at this time step.
+    """
+    reducer = Reducer(design)
+    masses = moving_masses(reducer)
+    laws = laws_of_discs(reducer)
+    mechanism, spec = reducer.mechanism, empty_spec(reducer, impratio(reducer, laws, timestep(reducer)))
+    for name, solid in parts(reducer, VISUAL_CHORD_ERROR).items():
+        shape = mesh(solid)
+        spec.add_mesh(
+            name=name,
+            uservert=shape.vertices.ravel().tolist(),
+            userface=shape.faces.ravel().tolist(),
+            inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_EXACT,
+        )
+    add_bodies(spec, mechanism, masses)
+    add_shapes(spec, mechanism)
+    crank = crank_inertia(reducer, masses[names.SHAFT])
+    inertias = {"crank": crank, "output": output_inertia(reducer), "": 0.0}
+    gains = add_actuators(spec, inertias[held], held)
+    add_sensors(spec, reducer)
+    each_step.add_sensor(spec, reducer.design.contact.law == "impact")
+    if reducer.design.ring.has_pin_bodies:
+        set_solver(spec, stiffest(laws), loaded=reducer.design.load.torque != 0.0)
+    model = _add_pairs(spec, mechanism.pairs, laws)
+    return judged(ReducerModel(spec, model, mechanism.pairs, stiffest(laws), gains, crank), reducer)
+
+
+def judged(compiled: ReducerModel, reducer: Reducer) -> ReducerModel:
+    """Give a model with its warnings."""
+    return replace(compiled, warnings=warnings(reducer, compiled))
+
+
+def xml(spec: Any) -> str:
+    """Give the MJCF of a compiled spec with every digit of every number."""
+    with exact_xml():
+        spec.compile()  # else it gives the pairs as they were when they were compiled last
+        return str(spec.to_xml())
+
+
+def empty_spec(reducer: Reducer, impratio: float) -> Any:
+    """Give an editable model with the options of every model of a design, and nothing in it but light and camera."""
+    design = reducer.design
+    spec = mujoco.MjSpec()
+    spec.modelname = f"cycloid_{design.name}"
+    spec.nuser_geom = USER_DATA + reducer.deviations.waves_in_use.size
+    option = spec.option
+    option.timestep = timestep(reducer)
+    option.gravity = [design.environment.gravity_x, design.environment.gravity_y, 0.0]
+    option.integrator = mujoco.mjtIntegrator.mjINT_EULER
+    option.solver = mujoco.mjtSolver.mjSOL_NEWTON
+    option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    option.impratio = impratio
+    option.iterations = 100
+    option.tolerance = 1e-10
+    # Mostly one island holds everything in contact: looking for more costs time. `set_solver` knows where not.
+    option.disableflags = int(mujoco.mjtDisableBit.mjDSBL_AUTORESET | mujoco.mjtDisableBit.mjDSBL_ISLAND)
+    option.enableflags = int(mujoco.mjtEnableBit.mjENBL_ENERGY)
+    reach = design.housing.outer_radius
+    spec.stat.extent = 2.0 * reach
+    spec.stat.center = [0.0, 0.0, 0.0]
+    spec.worldbody.add_light(pos=[reach, 2 * reach, 6 * reach], dir=[-0.2, -0.3, -1.0])
+    spec.worldbody.add_camera(name="front", pos=[0.0, 0.0, -4 * reach], xyaxes=[-1, 0, 0, 0, 1, 0])
+    return spec
+
+
+def add_actuators(spec: Any, inertia: float, held: Held = "crank") -> tuple[float, float]:
+    """Add the actuators of crank and output, a servo on the held shaft of this inertia; give the servo's gains."""
+    kp, kv = significant(inertia * SERVO_BANDWIDTH**2), significant(2.0 * inertia * SERVO_BANDWIDTH)
+    for shaft, name, joint in (("crank", names.DRIVE, names.CRANK_JOINT), ("output", names.LOAD, names.OUTPUT_JOINT)):
+        actuator = spec.add_actuator(name=name, target=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT)
+        if shaft == held:
+            actuator.set_to_position(kp=kp, kv=kv)
+        else:
+            actuator.set_to_motor()
+    return kp, kv
+
+
+def _add_pairs(spec: Any, mating: tuple[Pair, ...], laws: Sequence[Laws]) -> Any:
+    """Add the explicit pairs with each contact's physics; give the compiled model.
+
+    The physics need the weights of the compiled bodies, and are put into both: compiling once more takes as long.
+    """
+    added = []
+    for pair in mating:
+        law = laws[pair.disc][pair.kind]
+        added.append(spec.add_pair(name=pair.name, geomname1=pair.on, geomname2=pair.by, condim=law.condim))
+    model = spec.compile()
+    for pair, in_spec in zip(mating, added, strict=True):
+        bodies = [model.geom(name).bodyid[0] for name in (pair.on, pair.by)]
+        inverse_weight = float(sum(model.body_invweight0[body, 0] for body in bodies))
+        parameters = solver_parameters(laws[pair.disc][pair.kind], inverse_weight, spec.option.impratio)
+        place = model.pair(pair.name).id
+        for name in ("friction", "solref", "solreffriction", "solimp"):
+            value = getattr(parameters, name)
+            setattr(in_spec, name, list(value))
+            getattr(model, f"pair_{name}")[place] = value
+    return model

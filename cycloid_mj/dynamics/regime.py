@@ -1,0 +1,220 @@
+"""Bad regimes: settings with which a run goes through, and its numbers are not the design's.
+
+Each is told in one line: what, where, and what to change. What cannot run at all is an error elsewhere.
+"""
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+
+from cycloid_mj.design import Friction
+from cycloid_mj.dynamics.timestep import passing_limit, resolved, rolling_limits, timestep
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.member import against_ring
+from cycloid_mj.statics.law import LEAST_IMPEDANCE, ContactLaw, leads, pair_stiffness
+from cycloid_mj.statics.structure import pin_flexibility
+from cycloid_mj.statics.working import working_force
+
+NOISE = 1e4 * 2.0**-52
+"""Least clearance as a share of E. Gaps are right to some ten roundings of E: to a thousandth of it."""
+
+FEWEST_SAMPLES = 8.0
+"""Fewest samples from tooth to tooth.
+
+A sine sampled at as many per period keeps 92 % of its peak to peak at least; the transmission error of fixed pins keeps
+99 %, at 3 samples 87 to 98 %, at one 50 to 97 %.
+"""
+
+MOST_LEAD = 0.15
+"""Lead of friction before its sliding from which on a run tells of it.
+
+Fixed pins and internal gear under 1 to 3 N m: friction of the teeth is 5 % too small at 0.84, 1 % at 0.72, and right
+within 0.1 % at 0.3; at 20 N m and 20 000 rpm losses are a third too small at 0.3, and right within 1 % at 0.15.
+"""
+
+RAISED = 0.01
+"""Share of the effective mass by which MuJoCo may raise an added mass without a word."""
+
+
+class Compiled(Protocol):
+    """What is judged of a built model: see ``mjcf.ReducerModel``."""
+
+    @property
+    def model(self) -> Any:
+        """The compiled model."""
+
+    @property
+    def pairs(self) -> Sequence[Any]:
+        """Every mating pair."""
+
+    @property
+    def laws(self) -> Mapping[str, ContactLaw]:
+        """The contact law of each kind of pair."""
+
+
+def warnings(reducer: Reducer, compiled: Compiled) -> tuple[str, ...]:
+    """Tell every bad regime of a built design: what, where, and what to change; nothing where there is none."""
+    step = compiled.model.opt.timestep  # by mesh contact it may be shorter than the design's
+    resolved = [text for kind, law in compiled.laws.items() for text in _resolution(reducer, kind, law, step)]
+    return (
+        *_rolling(reducer, step),
+        *resolved,
+        *_leading(reducer, compiled),
+        *_clamped(compiled),
+        *_bent(reducer),
+        *at_rest(reducer, compiled.laws),
+    )
+
+
+def at_rest(reducer: Reducer, kinds: Iterable[str]) -> tuple[str, ...]:
+    """Tell those that count even where all motion is so slow that neither step nor mass has an effect."""
+    return (*(text for kind in kinds for text in _noise(reducer, kind)), *_unused(reducer))
+
+
+def pace(reducer: Reducer) -> tuple[str, ...]:
+    """Tell where a run at the design's crank speed has too few steps or samples from tooth to tooth."""
+    design = reducer.design
+    passing = design.ring.teeth * abs(float(against_ring(design, design.drive.speed))) / (2.0 * math.pi)
+    return (*_few_steps(reducer, passing), *_few_samples(reducer, passing)) if passing else ()
+
+
+def _few_steps(reducer: Reducer, passing: float) -> Iterator[str]:
+    """Tell of a crank that turns too far in a step; teeth pass ``passing`` times a second."""
+    step, longest = timestep(reducer), passing_limit(reducer)
+    if step > longest * (1.0 + 1e-9):
+        yield (
+            f"settings.timestep_us = {1e6 * step:g}: the crank turns by "
+            f"{math.degrees(abs(reducer.design.drive.speed)) * step:.3g} deg in a step, and a tooth passes in "
+            f"{1.0 / (passing * step):.3g} steps: forces and ripple are wrong, peaks are cut; shorten it to "
+            f"{_below(1e6 * longest)} or lower drive.speed_rpm"
+        )
+
+
+def _few_samples(reducer: Reducer, passing: float) -> Iterator[str]:
+    """Tell of a log too coarse for a tooth's passing; it holds a sample a step at most."""
+    design = reducer.design
+    rate, least = min(design.settings.log_rate, 1.0 / timestep(reducer)), FEWEST_SAMPLES * passing
+    if rate < least * (1.0 - 1e-9):
+        yield (
+            f"settings.log_rate_hz = {design.settings.log_rate:g} gives {rate / passing:.2g} samples of each passing "
+            f"tooth ({passing:.4g} a second): transmission error, peaks and rms may read too low; raise it to "
+            f"{_above(least)} or more, or lower drive.speed_rpm"
+        )
+
+
+def steps_ratio(law: ContactLaw, step: float) -> float:
+    """Give K dt^2/m [1]: the square of the time step over the contact's own time sqrt(m/K)."""
+    return law.stiffness * step**2 / law.effective_mass
+
+
+def _rolling(reducer: Reducer, step: float) -> Iterator[str]:
+    """Tell of a step that does not follow what rolls in its play."""
+    for what, longest in rolling_limits(reducer).items():
+        if step > longest * (1.0 + 1e-9):
+            yield (
+                f"settings.timestep_us = {1e6 * step:g} is too long for the rolling of {what}: speeds and losses are "
+                f"wrong; shorten it to {_below(1e6 * longest)} or leave it 0"
+            )
+
+
+def _resolution(reducer: Reducer, kind: str, law: ContactLaw, step: float) -> Iterator[str]:
+    """Tell of a contact that the step does not resolve."""
+    most, ratio = resolved(reducer, kind), steps_ratio(law, step)
+    if ratio > most * (1.0 + 1e-9):
+        longest = step * math.sqrt(most / ratio)
+        yield (
+            f"{kind}: a stiffness of {law.stiffness:.3g} N/m is too large for a step of {1e6 * step:g} us: K dt^2/m = "
+            f"{ratio:.3g}, and the figures hold up to {most:g}; shorten settings.timestep_us to "
+            f"{_below(1e6 * longest)} or lower stiffness.{kind}_n_m"
+        )
+
+
+def _leading(reducer: Reducer, compiled: Compiled) -> Iterator[str]:
+    """Tell of friction that turns round before the sliding does."""
+    found = leads(reducer, compiled.laws, float(compiled.model.opt.impratio))
+    kind = max(found, key=lambda one: found[one], default="")
+    if kind and found[kind] > MOST_LEAD:
+        yield (
+            f"{kind}: friction leads its sliding by {math.degrees(math.atan(found[kind])):.3g} deg of the crank's turn "
+            f"at this speed and working force: losses read too low; shorten settings.timestep_us to "
+            f"{_below(1e6 * compiled.model.opt.timestep * MOST_LEAD / found[kind])}"
+        )
+
+
+def _noise(reducer: Reducer, kind: str) -> Iterator[str]:
+    clearance, least = getattr(reducer.design.clearance, kind), NOISE * reducer.design.ring.pin_circle_radius
+    if clearance < least:
+        yield (
+            f"clearance.{kind}_um = {1e6 * clearance:g} is below the numerical noise of the gaps; "
+            f"raise it to {_above(1e6 * least)} or more"
+        )
+
+
+def _clamped(compiled: Compiled) -> Iterator[str]:
+    """Tell of an added mass that MuJoCo's least impedance raises."""
+    model = compiled.model
+    first = {pair.kind: pair for pair in reversed(compiled.pairs)} if model.nuser_geom else {}
+    for kind, pair in first.items():
+        law = compiled.laws[kind]
+        weight = sum(model.body_invweight0[model.geom(name).bodyid[0], 0] for name in (pair.on, pair.by))
+        least = LEAST_IMPEDANCE / (1.0 - LEAST_IMPEDANCE) / float(weight)
+        if least - law.added_mass > RAISED * law.effective_mass:
+            yield (
+                f"{kind}: MuJoCo's least impedance, {LEAST_IMPEDANCE:g}, raises the added mass from "
+                f"{law.added_mass:.3g} to {least:.3g} kg, {least / law.effective_mass:.1%} of what moves on it; "
+                f"heavier parts or fewer contacts (ring.teeth, output.pins) avoid it"
+            )
+
+
+def _bent(reducer: Reducer) -> Iterator[str]:
+    """Tell of output pins that a disc which bears all bends so far that they meet another disc's hole from behind.
+
+    They do where they bend there by more than the contact of that disc gives way with both clearances; up to that the
+    discs' contacts do not know of each other, and a run leaves it out (docs/decisions/11-bent-output-pins.md).
+
+    With C the flexibility and g = C(d, d) + 1/k what gives way at a disc, a pin that bears F in disc d reaches behind
+    disc d' by s = F (C(d', d) - g) - twice the clearance, and presses there with f. Disc d bears that, too, which bends
+    the pin farther: f g' = s + f (C(d', d) - g). So much of F goes from the one disc to the other: at the most, since
+    disc d seldom bears all of the load.
+    """
+    flexibility, force = pin_flexibility(reducer), reducer.design.gear.discs * working_force(reducer, "output")
+    gives = flexibility.diagonal() + 1.0 / pair_stiffness(reducer, "output")
+    beyond = flexibility - gives
+    surplus = force * beyond - 2.0 * reducer.design.clearance.output
+    if surplus.max() > 0.0:
+        other, disc = np.unravel_index(int(surplus.argmax()), surplus.shape)
+        reach, softness = float(surplus[other, disc]), float(gives[other] - beyond[other, disc])
+        moved = min(reach / (softness * force), 1.0) if softness > 0.0 else 1.0
+        yield (
+            f"output pins bend: where gear {disc + 1} bears {force:.3g} N, they reach gear {other + 1}'s holes from "
+            f"behind, by {1e6 * reach:.3g} um. A run leaves that out, which moves up to about {moved:.1%} of the load "
+            "from disc to disc: its shares of discs and its wind-up are not those of statics (`measure loads`); "
+            'stiffen the pins by output.support = "both_ends", output.rollers = false or output.core_radius_mm'
+        )
+
+
+def _unused(reducer: Reducer) -> Iterator[str]:
+    """Tell of a sliding friction that was given where rollers run."""
+    design = reducer.design
+    rolling = {"cam": ('gear.bearing = "plain"', design.gear.bearing == "rolling")}
+    rolling |= {"output": ("output.rollers = false", design.output.rollers)}
+    for kind, (change, rolls) in rolling.items():
+        given = getattr(design.friction, kind)
+        if rolls and given not in (0.0, getattr(Friction(), kind)):
+            yield (
+                f"friction.{kind} = {given:g} has no effect where rollers run: set friction.{kind}_rolling, or {change}"
+            )
+
+
+def _below(number: float) -> str:
+    """Give the next lower of 1, 2 and 5 times a power of ten: a remedy should not lie on the limit."""
+    ten = 10.0 ** math.floor(math.log10(number))
+    return f"{max(digit for digit in (0.5, 1.0, 2.0, 5.0) if digit < number / ten) * ten:g}"
+
+
+def _above(number: float) -> str:
+    """Give the next higher one."""
+    ten = 10.0 ** math.floor(math.log10(number))
+    return f"{min(digit for digit in (2.0, 5.0, 10.0) if digit > number / ten) * ten:g}"

@@ -1,0 +1,429 @@
+"""The step loop: ``Design`` -> blocks of samples, or a whole ``Run``.
+
+The loop is ``mj_step``, some samples in one call. Every sample is checked, and a run that went wrong ends with a
+``RunError`` that says how; the samples up to then have been given out already.
+"""
+
+import math
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from contextlib import nullcontext
+from dataclasses import dataclass
+from functools import partial
+from itertools import chain
+from typing import Any, Literal
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.base.errors import RunError, warn
+from cycloid_mj.base.interrupt import give_way
+from cycloid_mj.base.names import (
+    DRAGS,
+    FORCE_X,
+    FORCE_Y,
+    FORCES,
+    FRICTION_POWER,
+    MOMENT,
+    NORMAL_POWER,
+    PEAK_FORCE,
+    PINS,
+    POINT_Q,
+    REDUCER,
+    column,
+    gears,
+    planar_joints,
+    planar_speeds,
+)
+from cycloid_mj.base.record import Deferred, Run
+from cycloid_mj.base.types import Array
+from cycloid_mj.design import Design, dump
+from cycloid_mj.dynamics.contact import collider, each_step
+from cycloid_mj.dynamics.contact.drag import drag_rows
+from cycloid_mj.dynamics.contact.each_step import EachStep
+from cycloid_mj.dynamics.contact.forces import OF_PAIR, pair_index
+from cycloid_mj.dynamics.contact.shared import Shared
+from cycloid_mj.dynamics.course import Course, initial_state, ramp_and_hold
+from cycloid_mj.dynamics.jam import jamming_power, means_of_last
+from cycloid_mj.dynamics.massless import idle
+from cycloid_mj.dynamics.mjcf import ReducerModel, addresses, build, sensors, unused, xml
+from cycloid_mj.dynamics.regime import pace
+from cycloid_mj.dynamics.swing import deepest
+from cycloid_mj.dynamics.timestep import Step, chosen, held_figures, timestep
+from cycloid_mj.geometry.kinematics import carried_point
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.impact import impact_of
+from cycloid_mj.statics.working import for_slices, working_forces_told
+
+Groups = dict[str, dict[str, str]]
+
+Contact = Literal["profile", "mesh"]
+"""How parts meet: by their exact profiles, or as convex meshes in MuJoCo's own collision."""
+
+MOST_STEPS = 10**9
+"""A run of more steps would take a day and more; it is a slip of a value."""
+
+MESH_SWAYS = (
+    "by mesh contact means hold (within 3 % of exact profiles), but the rms of the gear's speed, of forces and of "
+    "accelerations is that of slices too, idle up to ten times the profiles': take --contact profile for these"
+)
+"""What a run by convex slices does not tell."""
+
+Marks = npt.NDArray[np.bool_]
+
+_BLOCK = 100
+"""Samples of a block, or as many as are taken at once: as much is lost of a run that is stopped."""
+_STEPS_AT_ONCE = 2000
+"""Steps without Python: they take 40 to 160 ms, for which Ctrl-C waits. By mesh, where a step takes some ms, it is
+those to the next sample."""
+
+# Every sample is checked for MuJoCo's warnings: they need not go to MUJOCO_LOG.TXT in the working folder as well.
+_no_log_file = Shared(
+    lambda: mujoco.set_mju_user_warning(lambda message: None), lambda: mujoco.set_mju_user_warning(None)
+)
+
+
+@dataclass(frozen=True)
+class Block:
+    """Consecutive samples: times [s], shape (k,), and one array (k, columns) for each topic."""
+
+    time: Array
+    values: Mapping[str, Array]
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """Steps of a run.
+
+    Attributes
+    ----------
+    timestep
+        Time step [s].
+    steps
+        Steps of the whole run.
+    stride
+        Steps from one sample to the next.
+    """
+
+    timestep: float
+    steps: int
+    stride: int
+
+    @property
+    def samples(self) -> int:
+        """Samples of the whole run, the first at t = 0."""
+        return -(-self.steps // self.stride)
+
+
+def schedule(reducer: Reducer, step: float = 0.0) -> Schedule:
+    """Give the steps of a design's run: ramp and hold, sampled as near to the log rate as whole steps allow.
+
+    `step` is the time step [s] of the model that runs it; 0: the design's own.
+    """
+    design = reducer.design
+    step = step or timestep(reducer)
+    steps = max(1, round((design.drive.ramp + design.drive.hold) / step))
+    stride = max(1, round(1.0 / (design.settings.log_rate * step)))
+    return Schedule(step, steps, min(stride, steps))
+
+
+def columns(compiled: ReducerModel, reducer: Reducer) -> Groups:
+    """Give the log's columns with their units, by topic."""
+    kinds = sorted(compiled.laws)
+    groups = {topic: dict(names) for topic, names in sensors(reducer).items()}
+    groups[REDUCER] |= {
+        "contacts": "1",
+        "penetration": "m",
+        "peak_force": "N",
+        "solver_iterations": "1",
+        "potential_energy": "J",
+        "kinetic_energy": "J",
+    }
+    groups[REDUCER] |= {column(kind, power): "W" for kind in kinds for power in (FRICTION_POWER, NORMAL_POWER)}
+    groups[REDUCER] |= {column(name, FRICTION_POWER): "W" for name in drag_rows(compiled.model, DRAGS)}
+    groups[REDUCER] |= POINT_Q
+    acting = {FORCE_X: "N", FORCE_Y: "N", MOMENT: "N m", PEAK_FORCE: "N"}
+    groups[FORCES] = {column(pair.name, part): unit for pair in compiled.pairs for part, unit in acting.items()}
+    return groups
+
+
+def reducer_model(reducer: Reducer, contact: Contact = "profile") -> ReducerModel:
+    """Build the model of a design for a kind of contact.
+
+    Raises
+    ------
+    DesignError
+        A part of the design cannot be made, or sliced.
+    ContactError
+        MuJoCo cannot represent a contact's stiffness at this time step.
+    """
+    if contact == "profile":
+        return build(reducer.design)
+    from cycloid_mj.dynamics.mjcf.mesh import build_mesh
+
+    return build_mesh(reducer)
+
+
+def contact_of(compiled: ReducerModel) -> Contact:
+    """Tell the kind of contact of a model: what the collider needs to know of the exact profiles is user data."""
+    return "profile" if compiled.model.nuser_geom else "mesh"
+
+
+def simulate(
+    design: Design,
+    compiled: ReducerModel | None = None,
+    course: Course | None = None,
+    progress: Callable[[int, int], None] = lambda done, whole: None,
+) -> Run:
+    """Run a design in memory, on a model of its own or on one that is given, over its own course or another.
+
+    `progress` is told the samples that are done, and all that there will be.
+
+    Raises
+    ------
+    RunError
+        The run went wrong; nothing is returned.
+
+    Warns
+    -----
+    CycloidWarning
+        Its figures may not be those of the design; `Run.warnings` keeps why.
+    """
+    reducer = Reducer(design)
+    compiled = compiled or build(reducer.design)
+    groups = columns(compiled, reducer)
+    samples, run = schedule(reducer, compiled.model.opt.timestep).samples, list[Block]()
+    for block in blocks(compiled, reducer, course):
+        run.append(block)
+        progress(sum(len(one.time) for one in run), samples)
+    time = np.concatenate([block.time for block in run])
+    units = {name: unit for group in groups.values() for name, unit in group.items()}
+    values: dict[str, Array] = {}
+    for topic, names in groups.items():
+        table = np.concatenate([block.values[topic] for block in run])
+        values |= {name: table[:, i] for i, name in enumerate(names)}
+    return Run(
+        time=time,
+        columns=values,
+        units=units,
+        provenance=provenance(reducer, contact_of(compiled), compiled.model.opt.timestep)
+        | warned(warnings(compiled, reducer, course)),
+        attachments=attachments(compiled, reducer),
+        topics={topic: tuple(names) for topic, names in groups.items()},
+    )
+
+
+def provenance(reducer: Reducer, contact: Contact = "profile", step: float = 0.0) -> dict[str, str]:
+    """Give what a run stands on: contact method, time step, the forces that stiffness is the secant of, versions.
+
+    `step` is as in `schedule`.
+    """
+    from cycloid_mj import __version__
+
+    made = for_slices(reducer) if contact == "mesh" else reducer
+    own = chosen(made)
+    step = step or own.seconds
+    return {
+        "design": reducer.design.name,
+        "contact": contact,
+        "timestep_s": repr(step),
+        "timestep": str(own if own.seconds == step else Step(step, "the model's")),
+        "timestep_for": held_figures(made if own.seconds == step else made.but(settings={"timestep": step})),
+        "working_forces": working_forces_told(made, reducer.mechanism.kinds),
+        "cycloid_mj": __version__,
+        "mujoco": mujoco.__version__,
+        "numpy": np.__version__,
+    }
+
+
+def warnings(compiled: ReducerModel, reducer: Reducer, course: Course | None = None) -> tuple[str, ...]:
+    """Tell why the figures of a run may not be those of its design; a course that starts at rest does not hurry."""
+    hurries = course is None or course.speed != 0.0
+    sways = (MESH_SWAYS,) if contact_of(compiled) == "mesh" and hurries else ()
+    return (*sways, *compiled.warnings, *(pace(reducer) if hurries else ()), *(idle(reducer) if course is None else ()))
+
+
+def warned(texts: Sequence[str]) -> dict[str, str]:
+    """Give the entry of a run's provenance that keeps its warnings; none where there are none."""
+    return {"warnings": "\n".join(texts)} if texts else {}
+
+
+def attachments(compiled: ReducerModel, reducer: Reducer) -> Mapping[str, bytes]:
+    """Give the files that make a log complete: the design file and the model, with the meshes that it refers to."""
+    assets = {name: partial(bytes, content) for name, content in compiled.spec.assets.items()}
+    own = {"design.toml": lambda: dump(reducer.design).encode(), "model.xml": lambda: xml(compiled.spec).encode()}
+    return Deferred(own | assets)
+
+
+def blocks(compiled: ReducerModel, reducer: Reducer, course: Course | None = None) -> Generator[Block, None, None]:
+    """Run a model over a course, by default the design's own, and give its samples block by block.
+
+    Raises
+    ------
+    RunError
+        Not a number, a warning of MuJoCo's, a jam, penetration beyond ``contact.max_penetration_um``, a jumped tooth,
+        or a solver that did not converge; raised after the samples before it were given.
+
+    Warns
+    -----
+    CycloidWarning
+        As `simulate`.
+    """
+    warn(reducer.design.name, warnings(compiled, reducer, course))
+    plan = schedule(reducer, compiled.model.opt.timestep)
+    driven, course = course is None, course or ramp_and_hold(compiled, reducer)
+    data = initial_state(compiled, reducer, course)
+    recorder = _Recorder(compiled, reducer, data, plan, driven)
+    profile = contact_of(compiled) == "profile"
+    exact = collider.installed(reducer.design.ring.kind == "nonpin") if profile else nullcontext()
+    at_once = max(1, _STEPS_AT_ONCE // plan.stride) if profile else 1
+    with exact, each_step.installed(), unused.left_out(compiled.model), _no_log_file.made():
+        size = max(_BLOCK, at_once)
+        for first in range(0, plan.samples, size):
+            samples = range(first, min(first + size, plan.samples))
+            taken, problem = _advance(plan, course, samples, recorder, at_once)
+            if len(taken.time):
+                yield taken
+            if problem:
+                raise RunError(problem)
+
+
+def _advance(plan: Schedule, course: Course, samples: range, recorder: "_Recorder", at_once: int) -> tuple[Block, str]:
+    """Take the steps up to some samples; a sample is what the solver found at the start of its last step."""
+    begin = (samples.start - 1) * plan.stride + 1 if samples.start else 0
+    time = plan.timestep * np.arange(begin, (samples.stop - 1) * plan.stride + 1, dtype=np.float64)
+    recorder.each_step.command(course.commands(time))
+    taken, problem = list[Array](), ""
+    for first in samples[::at_once]:
+        give_way()
+        rows, problem = recorder.advance(min(at_once, samples.stop - first))
+        taken.append(rows)
+        if problem:
+            problem = f"at t = {plan.timestep * (first + len(rows) - 1) * plan.stride:.6f} s {problem}"
+            break
+    rows = np.concatenate(taken)
+    time = time[-1 - (len(samples) - 1) * plan.stride :: plan.stride]
+    return Block(time[: len(rows)], recorder.tables(rows)), problem
+
+
+class _Recorder:
+    """Takes samples, judges them, and makes tables of them."""
+
+    def __init__(self, compiled: ReducerModel, reducer: Reducer, data: Any, plan: Schedule, driven: bool) -> None:
+        design = reducer.design
+        groups = sensors(reducer)
+        names = list(chain.from_iterable(groups.values()))
+        index, drags = pair_index(compiled.model, compiled.pairs), drag_rows(compiled.model, DRAGS)
+        laws = [impact_of(reducer, pair.kind) for pair in compiled.pairs]
+        impacts = [law for law in laws if law]
+        self.each_step = EachStep(
+            compiled.model, data, index, plan.stride, addresses(data, reducer), [*drags.values()], impacts
+        )
+        self._read, self._first_pin = len(names), len(groups[REDUCER])
+        self._has_pins = PINS in groups
+        self._kinds = [np.array([pair.kind == kind for pair in compiled.pairs]) for kind in sorted(compiled.laws)]
+        self._deepest, self._most_iterations = deepest(reducer), compiled.model.opt.iterations
+        self._design, self._data = design, data
+        self._jamming = jamming_power(reducer) if driven else math.inf
+        mesh = 2.0 * math.pi / (design.ring.teeth * abs(design.drive.speed)) if design.drive.speed else math.inf
+        of_mesh = min(mesh / (plan.stride * plan.timestep), plan.samples)
+        self._lost = np.zeros(max(math.ceil(of_mesh), 1) - 1)
+        self._gears = [names.index(disc.joints[-1]) for disc in reducer.mechanism.discs]
+        first_disc = gears(design.gear.discs)[0]
+        self._pose = [names.index(name) for name in planar_joints(first_disc)]
+        self._motion = [names.index(name) for name in planar_speeds(first_disc)]
+        self._crank, self._output = names.index("crank_angle"), names.index("output_angle")
+        bodies = reducer.mechanism.pins if design.ring.has_sockets else ()
+        self._free_pins = np.array([[names.index(joint) for joint in pin.joints[:2]] for pin in bodies], dtype=int)
+
+    def advance(self, samples: int) -> tuple[Array, str]:
+        """Give the rows of the next samples, up to the first with which something is wrong, and what that is."""
+        rows = self.each_step.advance(samples)
+        checks = list(self._checks(rows))
+        wrong = np.any([failed for failed, _ in checks], axis=0)
+        if not wrong.any():
+            return rows, ""
+        first = int(np.argmax(wrong))
+        return rows[: first + 1], next(told(first) for failed, told in checks if failed[first])
+
+    def tables(self, rows: Array) -> dict[str, Array]:
+        """Give the values of samples by topic, one row for each."""
+        seen, solver, drags = (
+            rows[:, part] for part in (self.each_step.copied, self.each_step.solver, self.each_step.drags)
+        )
+        pairs = rows[:, self.each_step.pairs].reshape(len(rows), -1, OF_PAIR)
+        powers = np.stack([pairs[:, of_kind, 4:].sum(axis=1) for of_kind in self._kinds], axis=1)
+        energies = seen[:, self._read :]
+        q = carried_point((0.0, self._design.output.pin_circle_radius), seen[:, self._pose], seen[:, self._motion])
+        compiled = [seen[:, : self._first_pin], solver[:, :4], energies, powers.reshape(len(rows), -1), drags, *q]
+        tables = {REDUCER: np.concatenate(compiled, axis=1)}
+        if self._has_pins:
+            tables[PINS] = seen[:, self._first_pin : self._read]
+        return tables | {FORCES: pairs[:, :, :4].reshape(len(rows), -1)}
+
+    def _checks(self, rows: Array) -> Iterator[tuple[Marks, Callable[[int], str]]]:
+        """Give what can be wrong: of which samples it is, and how it is told of one."""
+        seen = rows[:, self.each_step.copied]
+        _, depth, _, iterations, moving, warnings = rows[:, self.each_step.solver].T
+        sound = np.isfinite(seen).all(axis=1) & np.isfinite(moving)
+        unsound = "the state is not a number; shorten settings.timestep_us or lower the contact stiffness"
+        yield ~sound, lambda sample: unsound
+        yield warnings > 0.0, lambda sample: self._warning()
+        lost = rows[:, self.each_step.pairs].reshape(len(rows), -1, OF_PAIR)[:, :, 4].sum(axis=1)
+        taken = means_of_last(lost, self._lost)
+        self._lost = np.concatenate([self._lost, lost])[len(lost) :]
+        yield taken > self._jamming, partial(self._jam, taken)
+        yield (lost > self._jamming) & (depth > self._deepest), partial(self._jam, lost)
+        yield (
+            depth > self._deepest,
+            lambda sample: (
+                f"a contact is {depth[sample] * 1e6:.1f} um deep, beyond contact.max_penetration_um = "
+                f"{self._deepest * 1e6:g}; shorten settings.timestep_us or lower the load"
+            ),
+        )
+        yield (
+            iterations >= self._most_iterations,
+            lambda sample: (
+                f"the constraint solver did not converge in {iterations[sample]:.0f} iterations; "
+                "shorten settings.timestep_us"
+            ),
+        )
+        if len(self._free_pins):
+            away = np.linalg.norm(seen[:, self._free_pins], axis=2)
+            yield (
+                (away > self._design.ring.pin_radius).any(axis=1),
+                lambda sample: (
+                    f"pin {np.argmax(away[sample]) + 1} left its socket: it is {1e3 * away[sample].max():.3g} mm from "
+                    'its place; see the check pin_held of the design, or set ring.socket = "closed"'
+                ),
+            )
+        lobes = self._design.lobes
+        ring = seen[:, self._output] if self._design.output.turns_ring else np.zeros(len(rows))
+        for number, gear in enumerate(self._gears, start=1):
+            error = seen[:, gear] - ring + (seen[:, self._crank] - ring) / lobes
+            which = f"gear {number}" if len(self._gears) > 1 else "the gear"
+            yield (
+                np.abs(error) > 0.25 * 2.0 * math.pi / lobes,
+                partial(_jumped, which, error),
+            )
+
+    def _jam(self, lost: Array, sample: int) -> str:
+        """Tell of a jam; it is one in the mean of a mesh, or presses contacts too deep."""
+        drive = self._design.drive
+        return (
+            f"the drive jams: friction takes {lost[sample]:.3g} W, {lost[sample] / abs(drive.speed):.3g} N m at a "
+            f"crank rated at {drive.torque:.3g} N m; teeth with this friction lock themselves, or parts interfere: "
+            "lower friction.*, or check clearances and errors"
+        )
+
+    def _warning(self) -> str:
+        warnings = self._data.warning
+        first = int(np.argmax(warnings.number > 0))
+        return f"MuJoCo warned: {mujoco.mju_warningText(first, warnings[first].lastinfo)}"
+
+
+def _jumped(which: str, error: Array, sample: int) -> str:
+    return (
+        f"{which} jumped a tooth: it is {math.degrees(error[sample]):.3f} deg from where the crank puts it; "
+        "check clearances and load"
+    )

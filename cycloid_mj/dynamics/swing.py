@@ -1,0 +1,90 @@
+"""How long a drive takes to settle, and how deep its contacts may go: by its own stiffness and mass, not the paper's.
+
+A jolt rings out as what the load is on swings on the stiffness of all contacts; a soft or heavy drive takes longer than
+the paper's, whose period is 0.2 ms.
+"""
+
+import math
+
+import numpy as np
+
+from cycloid_mj.base import names
+from cycloid_mj.design import Drive, Friction, Settings
+from cycloid_mj.geometry import ideal_loads
+from cycloid_mj.parts import moving_masses, output_inertia
+from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.statics.law import contact_stiffness, pair_stiffness
+from cycloid_mj.statics.structure import wind_up
+from cycloid_mj.statics.working import at_rated_load, working_force
+
+SETTLING = 0.005
+"""Least time that a start, the end of the ramp or the load's rise takes to ring out [s]; contacts need 1 to 3 ms."""
+
+SWINGS = 6.0
+"""Periods of the swing that are waited for: each leaves 4 % of it at half of critical damping, 53 % at a tenth."""
+
+DEEPEST = 50e-6
+"""Depth of a contact [m] that no drive of this size reaches in a run that goes right: a hundred times the paper's."""
+
+DEEPER = 10.0
+"""Depth, in those that working forces press contacts in, that a run which goes right does not reach either."""
+
+OF_ECCENTRICITY = 0.25
+"""Share of the eccentricity that a contact may never be deep: the teeth would no longer be the teeth."""
+
+
+def closed_stiffness(reducer: Reducer) -> float:
+    """Give the torsional stiffness [N m/rad] with half of the teeth and half of the output pins closed: an estimate.
+
+    In series: k sum l^2 of the teeth (with the sockets or sleeves behind them), k (c (N-1))^2 of the cam, and
+    k n R^2/4 of n output pins on the radius R, of each disc as much; then what carrier, shaft and housing twist by.
+    """
+    design = reducer.design
+    k = {kind: pair_stiffness(reducer, kind) for kind in design.pair_kinds}
+    k |= {"output": contact_stiffness(reducer, "output")}
+    k = {kind: design.gear.discs * one for kind, one in k.items()}
+    gear, output = reducer.tooth_profile, design.output
+    arms = ideal_loads.ideal_load_sharing(gear, 1.0, 0.0).arms
+    per_arm = sum(1.0 / k[kind] for kind in k if kind not in ("cam", "output"))
+    mesh = np.sum(arms[arms > 0.0] ** 2) / per_arm
+    cam = k["cam"] * (gear.eccentricity * gear.lobes) ** 2
+    pins = k["output"] * output.pins * output.pin_circle_radius**2 / 4.0
+    return float(1.0 / (reducer.share**2 * (1.0 / mesh + 1.0 / cam + 1.0 / pins) + wind_up(reducer)))
+
+
+def moving_inertia(reducer: Reducer) -> float:
+    """Give the inertia about its axis of what turns at a locked crank, gear and carrier or the ring [kg m2]."""
+    same = {"drive": Drive(), "settings": Settings(), "friction": Friction(), "name": "shape"}
+    return _inertia(Reducer(reducer.design.model_copy(update=same)))
+
+
+@once
+def _inertia(reducer: Reducer) -> float:
+    design = reducer.design
+    if design.output.turns_ring:
+        return output_inertia(reducer)
+    gear = moving_masses(reducer)[names.of_disc(names.GEAR, 0, design.gear.discs)]
+    return design.gear.discs * float(gear.inertia[2, 2]) + output_inertia(reducer)
+
+
+def swing_period(reducer: Reducer) -> float:
+    """Give the period [s] with which what turns at a locked crank swings on the contacts, as stiff as under the load.
+
+    With wide clearances, of which fewer teeth carry, it is longer by half.
+    """
+    return 2.0 * math.pi * math.sqrt(moving_inertia(reducer) / closed_stiffness(at_rated_load(reducer)))
+
+
+@once
+def slowness(reducer: Reducer) -> float:
+    """Tell how many times as long as the paper's a drive takes to settle [1]: 1 where `SETTLING` is enough."""
+    return max(1.0, SWINGS * swing_period(reducer) / SETTLING)
+
+
+def deepest(reducer: Reducer) -> float:
+    """Give the depth [m] beyond which a contact ends a run: ``contact.max_penetration``, or what the design allows."""
+    design = reducer.design
+    if design.contact.max_penetration:
+        return design.contact.max_penetration
+    pressed = max(working_force(reducer, kind) / contact_stiffness(reducer, kind) for kind in design.pair_kinds)
+    return min(max(DEEPEST, DEEPER * pressed), OF_ECCENTRICITY * design.gear.eccentricity)

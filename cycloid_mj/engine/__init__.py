@@ -1,6 +1,0 @@
-"""Where many pieces of work are done: in threads or processes of this machine (joblib), or on a Dask cluster."""
-
-from cycloid_mj.engine.engine import Engine, Progress, silent
-from cycloid_mj.engine.packages import Versions, versions
-
-__all__ = ["Engine", "Progress", "Versions", "silent", "versions"]

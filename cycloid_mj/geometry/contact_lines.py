@@ -1,0 +1,93 @@
+"""Where the ideal mesh touches and how sharply: every contact line of a pin ring or of the double-enveloping ring.
+
+The relative normal curvature of a line is the gear's curvature plus the ring's (Johnson 1985, section 4.1): the
+smaller it is, the wider the strip of contact and the lower Hertz's pressure. Pins and arcs have the same lines with
+the same curvature; the flanks Sigma of the double-enveloping ring add lines of their own, of nearly equal curvatures.
+"""
+
+from dataclasses import dataclass, fields
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.base.types import Array, Integers
+from cycloid_mj.geometry import envelope, profile
+from cycloid_mj.geometry.envelope import RingContacts
+from cycloid_mj.geometry.ideal_loads import hertz_line_contact
+from cycloid_mj.geometry.profile import CycloidGear
+
+RingKind = Literal["pin", "nonpin"]
+
+
+@dataclass(frozen=True)
+class ContactLines:
+    """Contact lines at several crank angles; each array has one row per line, in the order of the crank angles.
+
+    `crank_angle` [rad], counter-clockwise; `tooth` index of the pin, or of the lobe whose arc or flank it is (0 on
+    +y, clockwise); `part` ("pin", "arc", "sigma1", "sigma2"); `phase` B in [0, 2 pi) [rad], where a
+    counter-clockwise crank under load presses the lines of B > pi; `points` (n, 2) [m] in the ring frame;
+    `relative_curvature` [1/m].
+    """
+
+    crank_angle: Array
+    tooth: Integers
+    part: npt.NDArray[np.str_]
+    phase: Array
+    points: Array
+    relative_curvature: Array
+
+
+def contact_lines(gear: CycloidGear, kind: RingKind, crank_angles: npt.ArrayLike) -> ContactLines:
+    """Give every contact line at some crank angles [rad], without clearance.
+
+    Raises
+    ------
+    DesignError
+        If the gear is undercut.
+    """
+    profile.require_no_undercut(gear)
+    pieces = [piece for angle in np.ravel(crank_angles) for piece in _at(gear, kind, float(angle))]
+    columns = {field.name: [getattr(piece, field.name) for piece in pieces] for field in fields(ContactLines)}
+    return ContactLines(**{name: np.concatenate(arrays) for name, arrays in columns.items()})
+
+
+def mesh_period(gear: CycloidGear, count: int) -> Array:
+    """Give `count` crank angles [rad] that divide one mesh period 2 pi/N equally, from 0, its end left out."""
+    return 2 * np.pi / gear.ring_teeth * np.arange(count) / count
+
+
+def pressure(lines: ContactLines, force: float, length: float, modulus: float) -> Array:
+    """Hertz's peak pressure [Pa] of each line if it carried `force` [N] over the face width `length` [m].
+
+    `modulus` E* [Pa] as in `statics.contact_modulus`. Hertz's strip must be narrow against both bodies: near the
+    junctions of arc and Sigma, where the relative curvature goes to zero, it is not, and the pressure goes to zero.
+    """
+    curvature = np.maximum(lines.relative_curvature, np.finfo(float).tiny)
+    return hertz_line_contact(force, length, curvature, modulus).peak_pressure
+
+
+def _at(gear: CycloidGear, kind: RingKind, crank_angle: float) -> list[ContactLines]:
+    arcs = envelope.arc_contacts(gear, crank_angle)
+    if kind == "pin":
+        return [_lines(crank_angle, arcs, arcs.lobe, np.full(arcs.lobe.shape, "pin"))]
+    roots = envelope.sigma_contacts(gear, crank_angle)
+    phase = roots.B
+    beyond_middle = phase > np.pi
+    # that half of the root counter-clockwise of a lobe is the flank Sigma(2) of the lobe on its other side
+    tooth = np.mod(roots.lobe - beyond_middle, gear.ring_teeth)
+    return [
+        _lines(crank_angle, arcs, arcs.lobe, np.full(arcs.lobe.shape, "arc")),
+        _lines(crank_angle, roots, tooth, np.where(beyond_middle, "sigma2", "sigma1")),
+    ]
+
+
+def _lines(crank_angle: float, contacts: RingContacts, tooth: Integers, part: npt.NDArray[np.str_]) -> ContactLines:
+    return ContactLines(
+        crank_angle=np.full(tooth.shape, crank_angle),
+        tooth=tooth,
+        part=part,
+        phase=np.mod(contacts.B, 2 * np.pi),
+        points=contacts.points,
+        relative_curvature=contacts.relative_curvature,
+    )

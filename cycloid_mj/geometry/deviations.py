@@ -1,0 +1,119 @@
+"""By how much the parts of a reducer as made depart from the design: listed, or drawn at random with a seed.
+
+The one place where manufacturing errors are drawn. Each kind has a random stream of its own, so that one kind switched
+on leaves the others as they were. Pins, lobes and holes are counted from 0 on +y, clockwise; lengths in metres.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.base.types import Array
+from cycloid_mj.design import Design
+
+_STREAMS = {"pin_x": 0, "pin_y": 1, "pin_dr": 2, "hole_x": 3, "hole_y": 4, "disc_dr": 5, "cam_x": 6, "cam_y": 7}
+"""Random stream of each list of errors; a number once given stays, or the same seed would give other parts."""
+
+
+@dataclass(frozen=True)
+class Deviations:
+    """Departures of one reducer as made.
+
+    Attributes
+    ----------
+    pin_place
+        Of each ring pin's place, and its socket's, from its point on the pin circle [m], ring frame, shape (N, 2).
+    pin_radius
+        Of each ring pin's radius, or its sleeve's [m], shape (N,).
+    hole_place
+        Of each hole's place in its disc [m], disc's frame, shape (D, output pins, 2).
+    disc_radius
+        How far the flanks of each disc stand out beyond their drawing [m], shape (D,).
+    cam_place
+        Of each cam from its place on a crank of that eccentricity [m], as it is at the crank angle 0, shape (D, 2).
+    eccentricity
+        Of all cams' eccentricity from that of the teeth [m].
+    waves
+        How far the flanks of all discs stand back: of each order from 1 on the amplitude of its cosine and of its sine
+        [m], shape (N, 2); see `profile_error`.
+    """
+
+    pin_place: Array
+    pin_radius: Array
+    hole_place: Array
+    disc_radius: Array
+    cam_place: Array
+    eccentricity: float
+    waves: Array
+
+    @property
+    def largest(self) -> float:
+        """The largest size of any of them [m]."""
+        places = np.concatenate([self.pin_place, *self.hole_place, self.cam_place])
+        radii = np.concatenate([self.pin_radius, self.disc_radius, self.waves.ravel()])
+        return float(max(np.linalg.norm(places, axis=1).max(), np.abs(radii).max(), abs(self.eccentricity)))
+
+    @property
+    def waves_in_use(self) -> Array:
+        """The waves up to the last order that is not 0 [m], shape (orders, 2)."""
+        there = np.flatnonzero(np.any(self.waves != 0.0, axis=1))
+        return self.waves[: there[-1] + 1 if there.size else 0]
+
+
+def deviations(design: Design) -> Deviations:
+    """Give the departures of a design's parts; the same design gives the same ones."""
+    errors, pins, holes = design.errors, design.ring.teeth, design.output.pins
+    place, radius, hole, cam = errors.pin_position, errors.pin_radius, errors.hole_position, errors.cam_position
+    return Deviations(
+        pin_place=np.stack([_each(design, axis, place, pins) for axis in ("pin_x", "pin_y")], axis=1),
+        pin_radius=_each(design, "pin_dr", radius, pins),
+        hole_place=np.stack([_of_discs(design, axis, hole, holes) for axis in ("hole_x", "hole_y")], axis=2),
+        disc_radius=_of_discs(design, "disc_dr", errors.disc_size, 1)[:, 0],
+        cam_place=np.stack([_of_discs(design, axis, cam, 1)[:, 0] for axis in ("cam_x", "cam_y")], axis=1),
+        eccentricity=errors.eccentricity,
+        waves=np.stack([_each(design, name, 0.0, pins) for name in ("profile_cos", "profile_sin")], axis=1),
+    )
+
+
+def profile_error(waves: Array, t: Array) -> Array:
+    """Give how far the flanks stand back [m] at parameters t [rad] of the gear's trochoid, in the shape of t.
+
+    It is the sum of a_k cos(k t) + b_k sin(k t) over the orders k = 1, 2, ..., with the `waves` (a_k, b_k) of
+    `Deviations`: cycles in a turn of the gear, as measuring machines give a profile's error by order. The trochoid
+    stands back by it along its normals, and the flanks are its parallel: what a grinding wheel of a pin's radius leaves
+    that strays by as much. Statics takes it at the foot of the ideal profile, to first order.
+    """
+    error = np.zeros(np.shape(t))
+    for place in np.flatnonzero(np.any(waves != 0.0, axis=1)):
+        cosine, sine = waves[place]
+        error += cosine * np.cos((place + 1) * t) + sine * np.sin((place + 1) * t)
+    return error
+
+
+def is_ideal(design: Design) -> bool:
+    """Tell whether every part is as the ideal mesh has it: no errors, no modification."""
+    modification = design.modification
+    modified = modification.equidistant or modification.pin_circle or modification.rotation
+    return not modified and deviations(design).largest == 0.0
+
+
+def _of_discs(design: Design, name: str, standard_deviation: float, count: int) -> Array:
+    """Give the error of each of `count` like parts of every disc [m], shape (D, count)."""
+    listed = getattr(design.errors, name)
+    if listed:
+        return np.reshape(listed, (design.gear.discs, count))
+    return np.stack([_drawn(design, name, standard_deviation, count, disc) for disc in range(design.gear.discs)])
+
+
+def _each(design: Design, name: str, standard_deviation: float, count: int) -> Array:
+    """Give the error of each part [m]: its list, or normal deviates."""
+    values = getattr(design.errors, name)
+    return np.array(values) if values else _drawn(design, name, standard_deviation, count)
+
+
+def _drawn(design: Design, name: str, standard_deviation: float, count: int, disc: int = 0) -> Array:
+    """Draw normal deviates [m]; every disc has a stream of its own, the first that of a drive with one."""
+    if not standard_deviation:
+        return np.zeros(count)
+    key = [design.errors.seed, _STREAMS[name], *([disc] if disc else [])]
+    return standard_deviation * np.random.default_rng(key).standard_normal(count)

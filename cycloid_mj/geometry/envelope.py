@@ -1,0 +1,329 @@
+"""The double-enveloping internal gear: arcs of the pins and second envelope Sigma, closed form (Hsieh 2014, Eqs 8-11).
+
+Ring frame, lobe 1 on +y; symbols, u(b) and phase B as in `profile`, and K = E^2 - c^2 N^2, l the `pitch_distance`.
+On its orbit the gear sweeps, beside each lobe (the pin's own arc), a second flank: at every crank angle the common
+normal meets the pitch circle c N u(crank) of the ring twice, once for each envelope. Sigma(1) is B in [B0, pi], on the
+counter-clockwise side of its lobe, and Sigma(2), its mirror image, B in [pi, 2 pi - B0], on the clockwise side of the
+next lobe. Arcs and Sigma join at B0 and 2 pi - B0 with a common tangent.
+
+No design without undercut fails here: sigma_radius >= the gear's own radius of curvature at the contact, so Sigma has
+no cusps. Normals point out of the ring's material, into the bore; curvature is positive where the ring is convex.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.special import ellipeinc
+
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.types import Array, Integers
+from cycloid_mj.geometry import profile
+from cycloid_mj.geometry.profile import CycloidGear, SmoothArc, unit
+
+Labels = npt.NDArray[np.str_]
+
+
+@dataclass(frozen=True)
+class RingOutline:
+    """Points of the whole closed ring in the ring frame: clockwise, from the tip of lobe 1 on +y, none repeated.
+
+    `points` [m] and unit `normals` (n, 2) into the bore, `curvature` [1/m] (positive on the convex arcs), `part`
+    ("arc", "sigma1", "sigma2"), `arc_length` from the first point [m].
+    """
+
+    points: Array
+    normals: Array
+    curvature: Array
+    part: Labels
+    arc_length: Array
+
+
+@dataclass(frozen=True)
+class RingContacts:
+    """Where the gear touches the ring at one crank angle; each array has one row per contact.
+
+    `lobe` index (0 on +y, clockwise) and phase `B` [rad] of the ring point, `t` trochoid parameter of the gear point,
+    `points` [m] and unit `normals` (n, 2) in the ring frame, into the bore, and the `relative_curvature` [1/m], gear's
+    plus ring's, of the line contact. The normal's `moment_arm` is that of B.
+    """
+
+    lobe: Integers
+    B: Array
+    t: Array
+    points: Array
+    normals: Array
+    relative_curvature: Array
+
+
+def largest_alpha(gear: CycloidGear) -> float:
+    """Half angle asin(c N / E) of the arc of each lobe [rad], where Sigma takes over (B = B0)."""
+    return math.pi / 2 - profile.best_phase(gear)
+
+
+def arc_points(gear: CycloidGear, alpha: npt.ArrayLike) -> Array:
+    """Points (..., 2) [m] of the arc of lobe 1: E u(0) - rho u(-alpha), |alpha| <= `largest_alpha`."""
+    return gear.pin_circle_radius * unit(0.0) - gear.pin_radius * unit(-np.asarray(alpha, float))
+
+
+def sigma_crank_angle_cw(gear: CycloidGear, B: npt.ArrayLike) -> Array:
+    """Clockwise crank angle [(N-2) B - (N-1) (pi + 2 alpha)] / N at which the gear touches Sigma at B [rad]."""
+    N = gear.ring_teeth
+    B = np.asarray(B, float)
+    return ((N - 2) * B - (N - 1) * (np.pi + 2 * profile.conjugate_alpha(gear, B))) / N
+
+
+def sigma_normal_angle(gear: CycloidGear, B: npt.ArrayLike) -> Array:
+    """Clockwise angle psi = [pi - 2 B - (N-2) alpha] / N of the normal at B, out of the bore, from +y [rad]."""
+    N = gear.ring_teeth
+    B = np.asarray(B, float)
+    return (np.pi - 2 * B - (N - 2) * profile.conjugate_alpha(gear, B)) / N
+
+
+def sigma_points(gear: CycloidGear, B: npt.ArrayLike) -> Array:
+    """Points (..., 2) [m] of Sigma counter-clockwise of lobe 1, B in [B0, 2 pi - B0].
+
+    c N u(crank) + (h - rho) u(psi) with h = [(N-1) K + l^2] / (N l): on the common normal through the pitch point.
+    """
+    N, c, _, rho = gear.symbols
+    l_B = profile.pitch_distance(gear, B)
+    h = ((N - 1) * _K(gear) + l_B**2) / (N * l_B)
+    pitch_point = c * N * unit(sigma_crank_angle_cw(gear, B))
+    return pitch_point + (h - rho)[..., np.newaxis] * unit(sigma_normal_angle(gear, B))
+
+
+def sigma_radius(gear: CycloidGear, B: npt.ArrayLike) -> Array:
+    """Concave radius of curvature of Sigma at B [m].
+
+    2 [(N+1) l^4 + (N-1) K^2] / (N l [(N+2) l^2 - (N-2) K]) - rho, which is the arc rate over the turning rate.
+    """
+    return sigma_arc_rate(gear, B) / -_sigma_turning_rate(gear, B)
+
+
+def sigma_arc_rate(gear: CycloidGear, B: npt.ArrayLike) -> Array:
+    """Differentiate `sigma_arc_length` by B [m]: [(N+1) l + (N-1) K^2 / l^3] / N^2 less rho times the turning rate."""
+    N, _, _, rho = gear.symbols
+    l_B = profile.pitch_distance(gear, B)
+    return ((N + 1) * l_B + (N - 1) * _K(gear) ** 2 / l_B**3) / N**2 + rho * _sigma_turning_rate(gear, B)
+
+
+def sigma_arc_length(gear: CycloidGear, B: npt.ArrayLike) -> Array:
+    """Length [m] of Sigma from its junction B0 to B.
+
+    Differences of (4/N) [(E + c N) Ell(B/2 + pi/2 | m) + moment arm] less rho times the turn of the normal.
+    """
+    N, _, _, rho = gear.symbols
+    scale, m = profile.trochoid_ellipse(gear)
+
+    def from_valley(B: npt.ArrayLike) -> Array:
+        elliptic = scale * ellipeinc(np.asarray(B, float) / 2 + np.pi / 2, m)
+        return 4 / N * (elliptic + profile.moment_arm(gear, B)) + rho * sigma_normal_angle(gear, B)
+
+    return from_valley(B) - from_valley(profile.best_phase(gear))
+
+
+def tightest_radius(gear: CycloidGear) -> float:
+    """Smallest concave radius of curvature of the ring [m].
+
+    With y = l^2/K, the radius is stationary at the one root above 1 of
+    (N+1)(N+2) y^3 - 3 (N+1)(N-2) y^2 - 3 (N-1)(N+2) y + (N-1)(N-2); Sigma ends at y = (E + c N)/(E - c N).
+    """
+    N, c, E, _ = gear.symbols
+    cubic = [(N + 1) * (N + 2), -3 * (N + 1) * (N - 2), -3 * (N - 1) * (N + 2), (N - 1) * (N - 2)]
+    y = min(float(np.max(np.roots(cubic).real)), (E + c * N) / (E - c * N))
+    cos_B = (E**2 + (c * N) ** 2 - y * _K(gear)) / (2 * E * c * N)
+    return float(sigma_radius(gear, math.acos(max(-1.0, cos_B))))
+
+
+def junction(gear: CycloidGear) -> Array:
+    """Points (2, 2) [m] where the arc of lobe 1 meets Sigma: counter-clockwise side first, then clockwise."""
+    alpha = largest_alpha(gear)
+    return arc_points(gear, [-alpha, alpha])
+
+
+def radii(gear: CycloidGear) -> tuple[float, float]:
+    """Root and lobe-tip radius of the ring, E + 2 c - rho and E - rho [m]."""
+    _, c, E, rho = gear.symbols
+    return E + 2 * c - rho, E - rho
+
+
+def perimeter(gear: CycloidGear) -> float:
+    """Perimeter of the ring [m]: the gear's plus 8 c (Fagnano's theorem sums the elliptic integrals)."""
+    return profile.length(gear) + 8 * gear.eccentricity
+
+
+def area(gear: CycloidGear) -> float:
+    """Area of the bore [m^2], the inward parallel at rho of the envelope of the trochoid.
+
+    A0 - rho (L + 8 c) + pi rho^2, with L the trochoid's length and
+    A0 = pi (N+1) (E^2/N + 2 c^2) - 2 B0 (E^2/N + 2 N c^2) + 6 c sqrt(K).
+    """
+    N, c, E, rho = gear.symbols
+    B0 = profile.best_phase(gear)
+    A0 = math.pi * (N + 1) * (E**2 / N + 2 * c**2) - 2 * B0 * (E**2 / N + 2 * N * c**2) + 6 * c * math.sqrt(_K(gear))
+    return A0 - rho * (profile.length(gear, 0.0) + 8 * c) + math.pi * rho**2
+
+
+def require_envelope(gear: CycloidGear) -> None:
+    """Raise DesignError unless the gear is free of undercut, which is all that the envelope needs."""
+    profile.require_no_undercut(gear)
+
+
+def sample_ring(gear: CycloidGear, points: int) -> RingOutline:
+    """Ring of `points` >= 3 points equally spaced by arc length, clockwise from the tip of lobe 1 on +y.
+
+    Raises
+    ------
+    DesignError
+        If the gear is undercut or fewer than 3 points are asked for.
+    """
+    require_envelope(gear)
+    if points < 3:
+        raise DesignError(f"{points} points do not make a ring; ask for at least 3")
+    pitch = perimeter(gear) / gear.ring_teeth
+    lobe, remainder = np.divmod(np.arange(points) * gear.ring_teeth, points)
+    beyond_middle = 2 * remainder > points
+    signed_share = np.where(beyond_middle, remainder - points, remainder) / points
+    return _ring_at(gear, lobe + beyond_middle, pitch * signed_share)
+
+
+def sample_ring_by_sagitta(gear: CycloidGear, chord_error: float) -> RingOutline:
+    """Ring whose chords leave the curve by at most `chord_error` [m], with few points; every lobe the same.
+
+    The junctions are among the points, so that each chord spans an arc or a Sigma only.
+
+    Raises
+    ------
+    DesignError
+        If the gear is undercut or `chord_error` is below 1e-12 m.
+    """
+    require_envelope(gear)
+    B0, alpha, rho = profile.best_phase(gear), largest_alpha(gear), gear.pin_radius
+    flank = SmoothArc(
+        points=lambda B: sigma_points(gear, B),
+        normal_angle=lambda B: sigma_normal_angle(gear, B),
+        turning_rate=lambda B: _sigma_turning_rate(gear, B),
+        arc_rate=lambda B: sigma_arc_rate(gear, B),
+    )
+    B = profile.sagitta_nodes(flank, B0, np.pi, chord_error)
+    chords = max(1, math.ceil(alpha / (2 * math.acos(max(0.0, 1 - chord_error / rho)))))
+    half = np.concatenate([np.linspace(0, rho * alpha, chords + 1), rho * alpha + sigma_arc_length(gear, B[1:])])
+    half[-1] = perimeter(gear) / gear.ring_teeth / 2
+    signed = np.concatenate([half, -half[-2:0:-1]])
+    lobe = np.arange(gear.ring_teeth)[:, np.newaxis] + (signed < 0)
+    return _ring_at(gear, lobe.ravel(), np.tile(signed, gear.ring_teeth))
+
+
+def arc_contacts(gear: CycloidGear, crank_angle: float | Array) -> RingContacts:
+    """Contacts of the gear with the N arcs (or pins) at the counter-clockwise `crank_angle` [rad].
+
+    Crank angles of shape (k, 1) give numbers of shape (k, N) and vectors of shape (k, N, 2).
+    """
+    zeta = profile.pin_angles(gear)
+    B = zeta + crank_angle
+    alpha = profile.conjugate_alpha(gear, B)
+    points = gear.pin_circle_radius * unit(zeta) - gear.pin_radius * unit(zeta - alpha)
+    ring_curvature = np.full(gear.ring_teeth, 1 / gear.pin_radius)
+    return _contacts(gear, crank_angle, np.arange(gear.ring_teeth), B, zeta - alpha, points, ring_curvature)
+
+
+def sigma_contacts(gear: CycloidGear, crank_angle: float) -> RingContacts:
+    """Contacts of the gear with Sigma at the counter-clockwise `crank_angle` [rad], in order of lobe.
+
+    Solves N/(N-1) B + A(B) + psi_1 = 0 modulo 2 pi, that is `sigma_crank_angle_cw` = -crank_angle less the lobe's
+    angle, on each stretch of B where that is monotone: one from B0 to 2 pi - B0 if c N / E <= (N-2)/N, else three.
+    """
+    require_envelope(gear)
+    zeta = profile.pin_angles(gear)
+    found = []
+    for low, high in _monotone_stretches(gear):
+        ends = sigma_crank_angle_cw(gear, [low, high])
+        wanted = ends.min() + np.mod(-crank_angle - zeta - ends.min(), 2 * np.pi)
+        lobe = np.flatnonzero(wanted < ends.max())
+        B = profile.solve_monotone(
+            lambda B: sigma_crank_angle_cw(gear, B), lambda B: _sigma_crank_rate(gear, B), wanted[lobe], low, high
+        )
+        found.append((lobe, B))
+    lobe, B = (np.concatenate(column) for column in zip(*found, strict=True))
+    order = np.lexsort((B, lobe))
+    lobe, B = lobe[order], B[order]
+    points = _turned(sigma_points(gear, B), zeta[lobe])
+    angle = zeta[lobe] + sigma_normal_angle(gear, B)
+    return _contacts(gear, crank_angle, lobe, B, angle, points, -1 / sigma_radius(gear, B))
+
+
+def _K(gear: CycloidGear) -> float:
+    N, c, E, _ = gear.symbols
+    return E**2 - (c * N) ** 2
+
+
+def _sigma_turning_rate(gear: CycloidGear, B: npt.ArrayLike) -> Array:
+    """Differentiate `sigma_normal_angle` by B: -[(N+2) l^2 - (N-2) K] / (2 N l^2), negative on Sigma."""
+    N = gear.ring_teeth
+    return -(N + 2 - (N - 2) * _K(gear) / profile.pitch_distance(gear, B) ** 2) / (2 * N)
+
+
+def _sigma_crank_rate(gear: CycloidGear, B: npt.ArrayLike) -> Array:
+    """Differentiate `sigma_crank_angle_cw` by B: [(N-1) K / l^2 - 1] / N."""
+    N = gear.ring_teeth
+    return ((N - 1) * _K(gear) / profile.pitch_distance(gear, B) ** 2 - 1) / N
+
+
+def _monotone_stretches(gear: CycloidGear) -> list[tuple[float, float]]:
+    """Stretches of B between B0 and 2 pi - B0 without a turning point l^2 = (N-1) K of the crank angle."""
+    N, c, E, _ = gear.symbols
+    B0 = profile.best_phase(gear)
+    turning = (E**2 + (c * N) ** 2 - (N - 1) * _K(gear)) / (2 * E * c * N)
+    if turning <= -1:
+        return [(B0, 2 * math.pi - B0)]
+    B1 = math.acos(turning)
+    return [(B0, B1), (B1, 2 * math.pi - B1), (2 * math.pi - B1, 2 * math.pi - B0)]
+
+
+def _turned(points: Array, angle: Array) -> Array:
+    """Turn points (n, 2) clockwise by angles (n,)."""
+    x, y = points.T
+    return np.stack([x * np.cos(angle) + y * np.sin(angle), y * np.cos(angle) - x * np.sin(angle)], axis=1)
+
+
+def _ring_at(gear: CycloidGear, lobe: Integers, signed: Array) -> RingOutline:
+    """Ring points at arc lengths `signed` [m], positive clockwise, from the tips of the lobes `lobe` (0 on +y)."""
+    rho, arc_half = gear.pin_radius, gear.pin_radius * largest_alpha(gear)
+    distance, side = np.abs(signed), np.where(signed < 0, -1.0, 1.0)
+    # Lobes are alike: each distance is solved once.
+    unlike, row = np.unique(distance, return_inverse=True)
+    B = profile.solve_monotone(
+        lambda B: sigma_arc_length(gear, B),
+        lambda B: sigma_arc_rate(gear, B),
+        unlike - arc_half,
+        profile.best_phase(gear),
+        np.pi,
+    )[row]
+    alpha = np.minimum(distance / rho, largest_alpha(gear))
+    on_arc = distance <= arc_half
+    ahead = np.where(on_arc[:, np.newaxis], arc_points(gear, alpha), sigma_points(gear, B) * [-1, 1])
+    angle = np.where(on_arc, -alpha, -sigma_normal_angle(gear, B))
+    zeta = 2 * np.pi * lobe / gear.ring_teeth
+    return RingOutline(
+        points=_turned(ahead * np.stack([side, np.ones_like(side)], axis=1), zeta),
+        normals=-unit(zeta + side * angle),
+        curvature=np.where(on_arc, 1 / rho, -1 / sigma_radius(gear, B)),
+        part=np.where(on_arc, "arc", np.where(side < 0, "sigma1", "sigma2")),
+        arc_length=perimeter(gear) / gear.ring_teeth * lobe + signed,
+    )
+
+
+def _contacts(
+    gear: CycloidGear,
+    crank_angle: float | Array,
+    lobe: Integers,
+    B: Array,
+    angle: Array,
+    points: Array,
+    ring_curvature: Array,
+) -> RingContacts:
+    """Contacts from the phase B and the clockwise `angle` of the gear's outward normal in the ring frame."""
+    t = angle - crank_angle / gear.lobes + profile.conjugate_alpha(gear, B)
+    relative = ring_curvature + profile.curvature(gear, t)
+    return RingContacts(lobe=lobe, B=B, t=t, points=points, normals=-unit(angle), relative_curvature=relative)

@@ -1,0 +1,237 @@
+"""Statics in closed form: ideal load sharing between pins or lobes, Hertz line contact, Palmgren's line stiffness.
+
+Ideal means equally stiff contacts, no clearance and no friction. Angles as in `kinematics`: counter-clockwise crank
+angle, gear centre on +y at 0. A positive load torque acts counter-clockwise on the gear, so it opposes the gear that a
+counter-clockwise crank drives; the contacts that lie up to half a turn ahead of the crank carry it. A negative torque
+loads the other side.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import brentq
+
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.types import Array
+from cycloid_mj.geometry import envelope, profile
+from cycloid_mj.geometry.profile import CycloidGear
+
+SHEAR_DEPTH = math.sqrt((math.sqrt(5) - 1) / 2)
+"""Depth of the largest shear stress below a line contact, over its half width: 0.786."""
+LARGEST_SHEAR = SHEAR_DEPTH - SHEAR_DEPTH**2 / math.sqrt(1 + SHEAR_DEPTH**2)
+"""Largest shear stress below a line contact, over its peak pressure: 0.300."""
+PALMGREN = 3.84e-5 * 1e-3 / 1e3**0.8
+"""Palmgren's 3.84e-5 mm at 1 N on 1 mm, as the deflection [m] at 1 N on 1 m."""
+
+
+@dataclass(frozen=True)
+class LoadSharing:
+    """Forces of an ideal mesh under a load torque; the last axis of arrays (..., n) runs over the contacts.
+
+    `arms` [m] (..., n) about the gear centre, positive where the contact's push turns the gear counter-clockwise;
+    `forces` [N] (..., n), zero on the idle side; and the force of the eccentric on the gear [N] (...), `tangential`
+    counter-clockwise and `radial` outwards along the eccentric. The output's reaction is taken as a pure couple.
+    """
+
+    arms: Array
+    forces: Array
+    eccentric_tangential: Array
+    eccentric_radial: Array
+
+
+@dataclass(frozen=True)
+class HertzContact:
+    """Stresses of a Hertz line contact.
+
+    `half_width` b [m] of the contact strip, `peak_pressure` p0 [Pa], and the `largest_shear` stress [Pa], 0.300 p0,
+    at the depth `shear_depth` [m], 0.786 b, below its middle.
+    """
+
+    half_width: Array
+    peak_pressure: Array
+    largest_shear: Array
+    shear_depth: Array
+
+
+def share_load(arms: npt.ArrayLike, torque: npt.ArrayLike) -> Array:
+    """Share the load torque T: F_i = -T l_i / sum l^2 [N] for the contacts that can push against it, else 0.
+
+    `arms` (..., n) [m] as in `LoadSharing`, `torque` (...) [N m], counter-clockwise on the gear.
+    """
+    arms, torque = np.asarray(arms, float), np.asarray(torque, float)[..., np.newaxis]
+    push = -torque * arms
+    loaded = push > 0
+    squares = np.sum(np.where(loaded, arms**2, 0.0), axis=-1, keepdims=True)
+    return np.divide(push, squares, out=np.zeros(np.broadcast_shapes(push.shape, squares.shape)), where=loaded)
+
+
+def ideal_load_sharing(gear: CycloidGear, torque: npt.ArrayLike, crank_angle: npt.ArrayLike) -> LoadSharing:
+    """Share the load between the N pins, in the order of `profile.pin_angles`, and give the eccentric's reaction.
+
+    `torque` [N m] and `crank_angle` [rad], counter-clockwise, broadcast to the shape (...).
+    """
+    torque, theta = np.broadcast_arrays(torque, crank_angle)
+    zeta = profile.pin_angles(gear)
+    B = zeta + theta[..., np.newaxis]
+    normals = profile.unit(zeta - profile.conjugate_alpha(gear, B))
+    return _sharing(profile.moment_arm(gear, B), normals, torque, theta)
+
+
+def ideal_ring_load_sharing(gear: CycloidGear, torque: float, crank_angle: float) -> LoadSharing:
+    """Share the load between the N arcs of the double-enveloping ring and, after them, its `sigma_contacts`.
+
+    All contacts are equally stiff; `torque` [N m], `crank_angle` [rad], counter-clockwise.
+
+    Raises
+    ------
+    DesignError
+        If the gear is undercut.
+    """
+    contacts = envelope.arc_contacts(gear, crank_angle), envelope.sigma_contacts(gear, crank_angle)
+    arms = profile.moment_arm(gear, np.concatenate([part.B for part in contacts]))
+    gear_normals = -np.concatenate([part.normals for part in contacts])
+    return _sharing(arms, gear_normals, np.asarray(torque, float), np.asarray(crank_angle, float))
+
+
+def ideal_output_forces(
+    gear: CycloidGear,
+    pins: int,
+    pin_circle_radius: float,
+    torque: npt.ArrayLike,
+    crank_angle: npt.ArrayLike,
+    phase: float = 0.0,
+) -> Array:
+    """Share the load between the output pins; each force [N] (..., pins) pushes the gear inwards along the eccentric.
+
+    A pin lies in its hole at -c along the eccentric, so all push the same way, with the arm r sin(angle from the
+    eccentric to the hole) about the gear centre. `pins` on `pin_circle_radius` r [m], the first on +y at crank angle 0,
+    clockwise; `torque` [N m] and `crank_angle` [rad], counter-clockwise, broadcast to the shape (...). The eccentric is
+    ahead of the crank by its `phase` [rad].
+    """
+    torque, theta = np.broadcast_arrays(torque, crank_angle)
+    turned = theta * gear.ring_teeth / gear.lobes + phase
+    clockwise = 2 * np.pi * np.arange(pins) / pins + turned[..., np.newaxis]
+    # The pins hand on the load itself, where the ring holds against it: the other sign than in `share_load`.
+    return share_load(-pin_circle_radius * np.sin(clockwise), -torque)
+
+
+def cam_force(
+    ring: LoadSharing, output_forces: npt.ArrayLike, crank_angle: npt.ArrayLike, body_force: npt.ArrayLike = (0.0, 0.0)
+) -> Array:
+    """Full force of the cam on the gear [N], (..., 2): it holds the ring, the output pins and the gear's own forces.
+
+    `ring` as shared at `crank_angle` [rad] (...), `output_forces` [N] (..., pins) of `ideal_output_forces`, and
+    `body_force` [N] (..., 2) on the gear's centre: its weight and, turned round, its mass times acceleration.
+    """
+    cos, sin = np.cos(crank_angle), np.sin(crank_angle)
+    radial = ring.eccentric_radial + np.sum(output_forces, axis=-1)
+    outward, forward = np.stack([-sin, cos], axis=-1), np.stack([-cos, -sin], axis=-1)
+    held = radial[..., np.newaxis] * outward + ring.eccentric_tangential[..., np.newaxis] * forward
+    return held - np.asarray(body_force, float)
+
+
+def contact_modulus(
+    young: float, poisson: float, young_2: float | None = None, poisson_2: float | None = None
+) -> float:
+    """Modulus E* [Pa] of a pair, 1/E* = (1 - nu_1^2)/E_1 + (1 - nu_2^2)/E_2; the second body defaults to the first."""
+    young_2 = young if young_2 is None else young_2
+    poisson_2 = poisson if poisson_2 is None else poisson_2
+    return 1 / ((1 - poisson**2) / young + (1 - poisson_2**2) / young_2)
+
+
+def hertz_line_contact(
+    force: npt.ArrayLike, length: npt.ArrayLike, relative_curvature: npt.ArrayLike, modulus: float
+) -> HertzContact:
+    """Hertz line contact: b = 2 sqrt(F / (pi L kappa E*)), p0 = sqrt(F kappa E* / (pi L)).
+
+    `force` F >= 0 [N] over the contact `length` L [m], `relative_curvature` kappa [1/m] (the sum of both bodies',
+    convex positive), `modulus` E* [Pa] of `contact_modulus`.
+
+    Raises
+    ------
+    DesignError
+        If a force is negative, or a length, curvature or modulus is not positive.
+    """
+    force, length, kappa = (np.asarray(values, float) for values in (force, length, relative_curvature))
+    if not (np.all(force >= 0) and np.all(length > 0) and np.all(kappa > 0) and modulus > 0):
+        raise DesignError(
+            "a Hertz line contact needs force >= 0 and positive length, relative curvature and modulus;"
+            f" got at least {np.min(force):.6g} N, {np.min(length):.6g} m, {np.min(kappa):.6g} 1/m, {modulus:.6g} Pa:"
+            " leave out contacts that are open or conformal"
+        )
+    half_width = 2 * np.sqrt(force / (np.pi * length * kappa * modulus))
+    peak_pressure = np.sqrt(force * kappa * modulus / (np.pi * length))
+    return HertzContact(half_width, peak_pressure, LARGEST_SHEAR * peak_pressure, SHEAR_DEPTH * half_width)
+
+
+def palmgren_deflection(force: npt.ArrayLike, length: npt.ArrayLike) -> Array:
+    """Approach [m] of two steel bodies in line contact, 3.84e-5 F^0.9 / L^0.8 in mm and N (Palmgren).
+
+    `force` F >= 0 [N], contact `length` L > 0 [m].
+    """
+    return PALMGREN * np.asarray(force, float) ** 0.9 / np.asarray(length, float) ** 0.8
+
+
+def palmgren_stiffness(force: npt.ArrayLike, length: npt.ArrayLike) -> Array:
+    """Secant stiffness F/deflection [N/m] of a steel line contact, proportional to F^0.1 L^0.8; 0 at no force."""
+    return np.asarray(force, float) ** 0.1 * np.asarray(length, float) ** 0.8 / PALMGREN
+
+
+def line_contact_constant(force: float, length: float, modulus: float, depth: float) -> float:
+    """Constant a in the compliance factor a + ln kappa of a line contact, 2 ln(4 D/b) - 1 with Hertz's b.
+
+    Each body's approach, from the contact to a point at the depth D, is F (1 - nu^2)/(pi E L) [2 ln(4 D/b) - 1]
+    (Johnson 1985, Contact Mechanics, section 5.6). `force` F [N] over the `length` L [m], `modulus` E* [Pa], `depth`
+    D [m], the same for both bodies.
+    """
+    b_squared_kappa = 4 * force / (math.pi * length * modulus)
+    return 2 * math.log(4 * depth) - math.log(b_squared_kappa) - 1
+
+
+def line_contact_stiffness(
+    force: float, length: float, modulus: float, depth: float, relative_curvature: npt.ArrayLike
+) -> Array:
+    """Secant stiffness pi E* L / (a + ln kappa) [N/m] of a line contact, a from `line_contact_constant`.
+
+    `relative_curvature` kappa [1/m] as in `hertz_line_contact`; where b would pass 2 D/e, the bodies are conformal and
+    the formula no longer holds: callers keep kappa above that.
+    """
+    constant = line_contact_constant(force, length, modulus, depth)
+    return math.pi * modulus * length / (constant + np.log(np.asarray(relative_curvature, float)))
+
+
+def conformal_stiffness(force: float, length: float, modulus: float, play: float) -> float:
+    """Secant stiffness [N/m] of a plain bearing, a shaft in a bore of nearly its own radius R.
+
+    The bore is an elastic bed as thick as the radius (assumed; Winkler's foundation, Johnson 1985, section 4.3): it
+    presses with E*/R times its depth. A shaft that is displaced by x = `play` + d is x cos(theta) - play deep up to the
+    angle theta_0 = acos(play/x), so F = E* L [x (theta_0 + sin theta_0 cos theta_0) - 2 play sin theta_0], and R is no
+    matter. The stiffness is F/d, at most pi/2 E* L. `force` F > 0 [N], `length` L [m], `modulus` E* [Pa], `play` [m].
+    """
+    bed = modulus * length
+
+    def surplus(depth: float) -> float:
+        x = play + depth
+        end = math.acos(play / x)
+        return bed * (x * (end + math.sin(end) * math.cos(end)) - 2 * play * math.sin(end)) - force
+
+    # The bed is at least as stiff as the last bracket's end: the force grows without bound.
+    most = 2 * force / (math.pi * bed)
+    while surplus(most) < 0:
+        most *= 2
+    return float(force / brentq(surplus, most * 1e-9, most, xtol=1e-18, rtol=1e-12))
+
+
+def _sharing(arms: Array, gear_normals: Array, torque: Array, crank_angle: Array) -> LoadSharing:
+    """Share the torque and balance the gear: the eccentric holds the pushes along minus the gear's normals."""
+    forces = share_load(arms, torque)
+    held = np.sum(forces[..., np.newaxis] * gear_normals, axis=-2)
+    cos, sin = np.cos(crank_angle), np.sin(crank_angle)
+    return LoadSharing(
+        arms=arms,
+        forces=forces,
+        eccentric_tangential=-held[..., 0] * cos - held[..., 1] * sin,
+        eccentric_radial=held[..., 1] * cos - held[..., 0] * sin,
+    )

@@ -1,0 +1,202 @@
+"""Closed-form motion of the ideal reducer (Hsieh 2014, Eqs 12-20, corrected), without clearance or elasticity.
+
+Axes: +x right, +y up; the crank angle theta is counter-clockwise, with the gear centre at (0, +c) for theta = 0.
+The gear turns by -theta/(N-1); zeta = theta/(N-1) is that turn, clockwise. SI units throughout.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.types import Array
+from cycloid_mj.geometry.profile import CycloidGear
+
+
+@dataclass(frozen=True)
+class CrankLaw:
+    """Crank motion: a linear ramp of the speed from rest over `ramp` [s], then the constant `speed` [rad/s].
+
+    `ramp` = 0 means full speed from t = 0; before t = 0 the crank rests at the angle 0.
+
+    Raises
+    ------
+    DesignError
+        If `ramp` is negative, or either value is not finite.
+    """
+
+    speed: float
+    ramp: float
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.speed) and math.isfinite(self.ramp) and self.ramp >= 0):
+            raise DesignError(
+                f"crank law has speed {self.speed} rad/s and ramp {self.ramp} s;"
+                " both must be finite and the ramp not negative: correct the drive"
+            )
+
+    def angle_at(self, time: npt.ArrayLike) -> Array:
+        """Crank angle theta [rad] at `time` [s]."""
+        time = np.maximum(time, 0.0)
+        if self.ramp == 0:
+            return self.speed * time
+        ramped = np.minimum(time, self.ramp)
+        return self.speed * (ramped**2 / (2 * self.ramp) + (time - ramped))
+
+    def speed_at(self, time: npt.ArrayLike) -> Array:
+        """Crank speed omega_i [rad/s] at `time` [s]."""
+        time = np.asarray(time, float)
+        share = np.clip(time / self.ramp, 0.0, 1.0) if self.ramp > 0 else np.where(time >= 0, 1.0, 0.0)
+        return self.speed * share
+
+    def acceleration_at(self, time: npt.ArrayLike) -> Array:
+        """Crank acceleration [rad/s^2] at `time` [s]: speed/ramp for 0 <= time < ramp, else 0."""
+        time = np.asarray(time, float)
+        if self.ramp == 0:
+            return np.zeros_like(time)
+        return np.where((time >= 0) & (time < self.ramp), self.speed / self.ramp, 0.0)
+
+
+@dataclass(frozen=True)
+class PointPath:
+    """Motion of a point of the gear: `position` [m], `velocity` [m/s], `acceleration` [m/s^2], each (..., 2)."""
+
+    position: Array
+    velocity: Array
+    acceleration: Array
+
+
+def gear_speed(omega_i: npt.ArrayLike, lobes: int) -> Array:
+    """Gear speed omega_c = -omega_i/(N-1) [rad/s], counter-clockwise positive (Eq. 12)."""
+    return -np.asarray(omega_i, float) / lobes
+
+
+def gear_rotation(gear: CycloidGear, crank_angle: npt.ArrayLike) -> Array:
+    """Rotation of the gear -theta/(N-1) [rad], counter-clockwise positive."""
+    return -np.asarray(crank_angle, float) / gear.lobes
+
+
+def gear_centre(gear: CycloidGear, crank_angle: npt.ArrayLike) -> Array:
+    """Gear centre c (-sin theta, cos theta) from the reducer's axis, shape (..., 2) [m]."""
+    return gear.eccentricity * _radial(crank_angle)
+
+
+def gear_centre_velocity(gear: CycloidGear, crank_angle: npt.ArrayLike, crank_speed: npt.ArrayLike) -> Array:
+    """Velocity of the gear centre, of size c omega_i along the tangent, shape (..., 2) [m/s] (Eq. 13 corrected)."""
+    return gear.eccentricity * _column(crank_speed) * _tangential(crank_angle)
+
+
+def gear_centre_acceleration(
+    gear: CycloidGear, crank_angle: npt.ArrayLike, crank_speed: npt.ArrayLike, crank_acceleration: npt.ArrayLike = 0.0
+) -> Array:
+    """Acceleration of the gear centre, shape (..., 2) [m/s^2] (Eq. 14 corrected).
+
+    c omega_i^2 towards the axis, and c domega_i/dt along the tangent.
+    """
+    centripetal = -(_column(crank_speed) ** 2) * _radial(crank_angle)
+    tangential = _column(crank_acceleration) * _tangential(crank_angle)
+    return gear.eccentricity * (centripetal + tangential)
+
+
+def point_path(
+    gear: CycloidGear,
+    q: npt.ArrayLike,
+    crank_angle: npt.ArrayLike,
+    crank_speed: npt.ArrayLike = 0.0,
+    crank_acceleration: npt.ArrayLike = 0.0,
+    turning: bool = True,
+) -> PointPath:
+    """Motion of the gear point q = (q_x, q_y) [m], given in the gear frame (Eqs 16, 17, 19 corrected).
+
+    A gear that is not `turning`, as its carrier is held, has all its points on circles of the radius c. The origin is
+    that of Eq. 16, the *initial* gear centre: add (0, c) for positions from the reducer's axis.
+    `crank_angle` [rad], `crank_speed` [rad/s] and `crank_acceleration` [rad/s^2] broadcast to the shape (...).
+    """
+    theta, speed, acceleration = np.broadcast_arrays(crank_angle, crank_speed, crank_acceleration)
+    if not turning:
+        return PointPath(
+            position=gear_centre(gear, theta) - gear_centre(gear, 0.0) + np.asarray(q, float),
+            velocity=gear_centre_velocity(gear, theta, speed),
+            acceleration=gear_centre_acceleration(gear, theta, speed, acceleration),
+        )
+    zeta, zeta_dot, zeta_ddot = theta / gear.lobes, _column(speed) / gear.lobes, _column(acceleration) / gear.lobes
+    q_x, q_y = np.asarray(q, float)
+    turned = np.stack([q_x * np.cos(zeta) + q_y * np.sin(zeta), q_y * np.cos(zeta) - q_x * np.sin(zeta)], axis=-1)
+    turned_by_zeta = np.stack([turned[..., 1], -turned[..., 0]], axis=-1)
+
+    arm = gear.eccentricity * gear.lobes
+    first = arm * _tangential(theta) + turned_by_zeta
+    second = -arm * gear.lobes * _radial(theta) - turned
+    return PointPath(
+        position=gear_centre(gear, theta) - gear_centre(gear, 0.0) + turned,
+        velocity=zeta_dot * first,
+        acceleration=zeta_dot**2 * second + zeta_ddot * first,
+    )
+
+
+def carried_point(q: npt.ArrayLike, pose: Array, motion: Array) -> tuple[Array, Array]:
+    """Compute place [m] and velocity [m/s] of a body's point q = (q_x, q_y) [m], given in its frame, each (n, 2).
+
+    r = p + R q and v = dp/dt + w x R q of a body at `pose` (x, y [m], turn [rad]) in `motion` (their rates), each
+    (n, 3).
+    """
+    (q_x, q_y), cos, sin = np.asarray(q, float), np.cos(pose[:, 2]), np.sin(pose[:, 2])
+    x, y, spin = q_x * cos - q_y * sin, q_x * sin + q_y * cos, motion[:, 2:]
+    return pose[:, :2] + np.stack([x, y], axis=1), motion[:, :2] + spin * np.stack([-y, x], axis=1)
+
+
+def point_speed(gear: CycloidGear, q: npt.ArrayLike, crank_angle: npt.ArrayLike, crank_speed: npt.ArrayLike) -> Array:
+    """Speed of the gear point q, shape (...) [m/s] (Eq. 18).
+
+    |dzeta/dt| sqrt(c^2 (N-1)^2 + q^2 + 2 c (N-1) (q_x sin N zeta - q_y cos N zeta)).
+    """
+    return np.abs(np.asarray(crank_speed, float)) / gear.lobes * np.sqrt(_slope_squared(gear, q, crank_angle))
+
+
+def point_acceleration(
+    gear: CycloidGear,
+    q: npt.ArrayLike,
+    crank_angle: npt.ArrayLike,
+    crank_speed: npt.ArrayLike,
+    crank_acceleration: npt.ArrayLike = 0.0,
+) -> Array:
+    """Size of the acceleration of the gear point q, shape (...) [m/s^2] (Eq. 20 corrected).
+
+    With r the position by zeta: |r'' (dzeta/dt)^2 + r' d2zeta/dt2|, where
+    |r''|^2 = c^2 (N-1)^4 + q^2 + 2 c (N-1)^2 (q_y cos N zeta - q_x sin N zeta), |r'| is that of Eq. 18, and
+    r' . r'' = c N (N-1) (q_x cos N zeta + q_y sin N zeta).
+    """
+    N, c = gear.ring_teeth, gear.eccentricity
+    q_x, q_y = np.asarray(q, float)
+    turn = N * np.asarray(crank_angle, float) / (N - 1)
+    zeta_dot, zeta_ddot = np.asarray(crank_speed, float) / (N - 1), np.asarray(crank_acceleration, float) / (N - 1)
+    second = c**2 * (N - 1) ** 4 + q_x**2 + q_y**2 + 2 * c * (N - 1) ** 2 * (q_y * np.cos(turn) - q_x * np.sin(turn))
+    mixed = c * N * (N - 1) * (q_x * np.cos(turn) + q_y * np.sin(turn))
+    first = _slope_squared(gear, q, crank_angle)
+    return np.sqrt(second * zeta_dot**4 + 2 * mixed * zeta_dot**2 * zeta_ddot + first * zeta_ddot**2)
+
+
+def _slope_squared(gear: CycloidGear, q: npt.ArrayLike, crank_angle: npt.ArrayLike) -> Array:
+    """Square of |dr/dzeta| [m^2]."""
+    N, c = gear.ring_teeth, gear.eccentricity
+    q_x, q_y = np.asarray(q, float)
+    turn = N * np.asarray(crank_angle, float) / (N - 1)
+    square = c**2 * (N - 1) ** 2 + q_x**2 + q_y**2 + 2 * c * (N - 1) * (q_x * np.sin(turn) - q_y * np.cos(turn))
+    return np.maximum(square, 0.0)
+
+
+def _radial(angle: npt.ArrayLike) -> Array:
+    """Return unit vectors at counter-clockwise angles from +y, (..., 2)."""
+    return np.stack([-np.sin(angle), np.cos(angle)], axis=-1)
+
+
+def _tangential(angle: npt.ArrayLike) -> Array:
+    """Differentiate `_radial` by the angle, (..., 2)."""
+    return np.stack([-np.cos(angle), -np.sin(angle)], axis=-1)
+
+
+def _column(values: npt.ArrayLike) -> Array:
+    """Add a last axis, so that the values scale vectors."""
+    return np.asarray(values, float)[..., np.newaxis]

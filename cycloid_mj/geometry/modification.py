@@ -1,0 +1,131 @@
+"""The gear's profile with its clearance and its modification, and where flanks end that are turned.
+
+Flanks turned towards the middle of their lobes: the gear is what two copies of its profile, turned by +- the angle,
+have in common. Each flank keeps its shape and ends at corners in the middle of tip and valley, beyond which its own
+copy is cut away by the other. Equidistant and pin-circle modification need no geometry of their own: they are another
+offset and another pin-circle radius of the profile. Symbols as in ``profile``; angles clockwise.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.types import Array
+from cycloid_mj.design import Design
+from cycloid_mj.geometry import profile
+from cycloid_mj.geometry.profile import CycloidGear, SmoothArc
+
+
+@dataclass(frozen=True)
+class FlankEnds:
+    """Where a turned flank ends.
+
+    Attributes
+    ----------
+    tip
+        How far before the tip's parameter t it ends [rad].
+    tip_radius
+        Distance of the tip's corner from the gear's centre [m].
+    valley
+        How far beyond the valley's parameter t it ends [rad].
+    valley_radius
+        Distance of the valley's corner from the gear's centre [m].
+    """
+
+    tip: float
+    tip_radius: float
+    valley: float
+    valley_radius: float
+
+
+def tooth_profile(design: Design) -> CycloidGear:
+    """Give the ideal mesh of a design, without clearance and modification: its ring, and its motion."""
+    ring = design.ring
+    return CycloidGear(ring.teeth, design.gear.eccentricity, ring.pin_circle_radius, ring.pin_radius)
+
+
+def gear_profile(design: Design) -> CycloidGear:
+    """Give the mesh whose profile the gear has, without clearance: its pin circle is that of the modification."""
+    ring = design.ring
+    generating = ring.pin_circle_radius + design.modification.pin_circle
+    return CycloidGear(ring.teeth, design.gear.eccentricity, generating, ring.pin_radius)
+
+
+def profile_offset(design: Design) -> float:
+    """Give the distance of the gear's profile from its trochoid [m]: pin radius, clearance, equidistant."""
+    clearance = design.clearance.pin_gear if design.ring.kind == "pin" else design.clearance.tooth
+    return design.ring.pin_radius + clearance + design.modification.equidistant
+
+
+def flank_ends(gear: CycloidGear, offset: float, rotation: float) -> FlankEnds:
+    """Give the ends of the flanks of a profile at `offset` [m] from its trochoid, turned by `rotation` >= 0 [rad].
+
+    The point of the unturned flank that comes to lie in the middle is at the polar angle of the middle less `rotation`.
+
+    Raises
+    ------
+    DesignError
+        The turn leaves nothing of the lobes.
+    """
+    half_pitch = np.pi / gear.lobes
+    if rotation >= half_pitch / 2:
+        limit = np.degrees(half_pitch / 2) * 3600
+        raise DesignError(
+            f"modification.rotation_arcsec = {np.degrees(rotation) * 3600:.6g} is not allowed: less than {limit:.6g}, "
+            "or nothing is left of the lobes"
+        )
+    middles = np.array([half_pitch, 0.0])
+    t = profile.solve_monotone(
+        lambda t: _polar_angle(gear, t, offset),
+        lambda t: _polar_rate(gear, t, offset),
+        middles - rotation,
+        middles - half_pitch,
+        middles,
+    )
+    radius = np.linalg.norm(profile.outline(gear, t, offset), axis=1)
+    before = middles - t
+    return FlankEnds(float(before[0]), float(radius[0]), float(before[1]), float(radius[1]))
+
+
+def sample_turned(gear: CycloidGear, chord_error: float, offset: float, rotation: float) -> Array:
+    """Give the outline of the gear with turned flanks, (n, 2) [m], clockwise from the valley on +y.
+
+    Its chords leave the flanks by at most `chord_error` [m]; every lobe is the same, and the corners are points of it.
+
+    Raises
+    ------
+    DesignError
+        The outline is undercut, `chord_error` is below 1e-12 m, or the turn leaves nothing of the lobes.
+    """
+    profile.require_no_undercut(gear, offset)
+    ends, half_pitch = flank_ends(gear, offset, rotation), np.pi / gear.lobes
+    flank = SmoothArc(
+        points=lambda t: profile.outline(gear, t, offset),
+        normal_angle=lambda t: profile.normal_angle(gear, t),
+        turning_rate=lambda t: profile.turning_rate(gear, t),
+        arc_rate=lambda t: profile.arc_rate(gear, t, offset),
+    )
+    low, high = -ends.valley, half_pitch - ends.tip
+    bend = float(np.clip(profile.inflection_phase(gear) / gear.lobes, low, high))
+    concave = profile.sagitta_nodes(flank, low, bend, chord_error)
+    t = np.concatenate([concave[:-1], profile.sagitta_nodes(flank, bend, high, chord_error)])
+    radius = np.linalg.norm(profile.outline(gear, t, offset), axis=1)
+    angle = _polar_angle(gear, t, offset) + rotation
+    angle[0], angle[-1] = 0.0, half_pitch
+    lobe_angle = np.concatenate([angle, 2 * half_pitch - angle[-2:0:-1]])
+    angles = 2 * half_pitch * np.arange(gear.lobes)[:, np.newaxis] + lobe_angle
+    radii = np.tile(np.concatenate([radius, radius[-2:0:-1]]), gear.lobes)
+    return np.asarray(radii[:, np.newaxis] * profile.unit(angles.ravel()))
+
+
+def _polar_angle(gear: CycloidGear, t: Array, offset: float) -> Array:
+    """Clockwise angle of the outline's point from +y [rad], within half a turn of t."""
+    x, y = profile.outline(gear, t, offset).T
+    return np.asarray(t + np.mod(np.arctan2(x, y) - t + np.pi, 2 * np.pi) - np.pi)
+
+
+def _polar_rate(gear: CycloidGear, t: Array, offset: float) -> Array:
+    points = profile.outline(gear, t, offset)
+    across = np.cos(profile.normal_angle(gear, t) - np.arctan2(points[:, 0], points[:, 1]))
+    return np.asarray(profile.arc_rate(gear, t, offset) * across / np.linalg.norm(points, axis=1))

@@ -1,0 +1,413 @@
+"""The cycloid gear: its trochoid, its outline, and every closed form about them (Hsieh 2014, Eqs 2-7, corrected).
+
+Symbols: N ring teeth, c eccentricity, E pin-circle radius, rho pin radius [m]; u(b) = (sin b, cos b), angles
+clockwise from +y. A pin centre traces the trochoid T(t) = E u(t) - c u(N t) in the gear frame; the gear is its
+inward parallel at the distance rho. The phase B of a pin (its angle minus the crank's) at T(t) is B = -(N-1) t,
+modulo 2 pi: valley at B = 0, lobe tip at B = pi. The outline runs clockwise as t grows, from the valley on +y.
+"""
+
+import itertools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy.special import ellipe, ellipeinc
+
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.types import Array
+
+SOLVER_ROUNDS = 200
+SAGITTA_GRID = 2049
+SMALLEST_CHORD_ERROR = 1e-12
+
+
+@dataclass(frozen=True)
+class CycloidGear:
+    """The four numbers that fix the mesh: N ring teeth, and c, E, rho [m].
+
+    Raises
+    ------
+    DesignError
+        If N < 3, if a length is not positive and finite, or if c N >= E (the trochoid would have loops).
+    """
+
+    ring_teeth: int
+    eccentricity: float
+    pin_circle_radius: float
+    pin_radius: float
+
+    def __post_init__(self) -> None:
+        if self.ring_teeth < 3:
+            raise DesignError(f"ring_teeth is {self.ring_teeth}; at least 3 are needed: raise ring_teeth")
+        for name in ("eccentricity", "pin_circle_radius", "pin_radius"):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value > 0):
+                raise DesignError(f"{name} is {value} m; it must be positive and finite: correct {name}")
+        limit = self.pin_circle_radius / self.ring_teeth
+        if self.eccentricity >= limit:
+            raise DesignError(
+                f"eccentricity is {1e3 * self.eccentricity:.6g} mm, but must stay below pin_circle_radius / ring_teeth"
+                f" = {1e3 * limit:.6g} mm, or the outline crosses itself:"
+                " reduce eccentricity or ring_teeth, or enlarge pin_circle_radius"
+            )
+
+    @property
+    def lobes(self) -> int:
+        """Lobes of the gear, N - 1, which is also the reduction ratio."""
+        return self.ring_teeth - 1
+
+    @property
+    def symbols(self) -> tuple[int, float, float, float]:
+        """The same four values as the equations order them: N, c, E, rho."""
+        return self.ring_teeth, self.eccentricity, self.pin_circle_radius, self.pin_radius
+
+
+@dataclass(frozen=True)
+class Outline:
+    """Points of one whole closed gear outline in the gear frame: clockwise, from the valley on +y, none repeated.
+
+    `t` trochoid parameter [rad], `points` [m] and outward unit `normals` (n, 2), `curvature` [1/m] (positive where
+    the gear is convex), `arc_length` from the first point [m].
+    """
+
+    t: Array
+    points: Array
+    normals: Array
+    curvature: Array
+    arc_length: Array
+
+
+class ConjugatePoint(NamedTuple):
+    """Where a pin touches the gear: the same point in the gear frame and in the ring frame, (..., 2) [m]."""
+
+    gear_frame: Array
+    ring_frame: Array
+
+
+def unit(angle: npt.ArrayLike) -> Array:
+    """Return the unit vectors u(b) = (sin b, cos b), shape (..., 2), of angles clockwise from +y [rad]."""
+    angle = np.asarray(angle, float)
+    vectors = np.empty((*angle.shape, 2))  # np.stack takes three times as long for a few
+    vectors[..., 0], vectors[..., 1] = np.sin(angle), np.cos(angle)
+    return vectors
+
+
+def pin_angles(gear: CycloidGear) -> Array:
+    """Angles zeta_i of the N pins (or ring lobes), clockwise from +y, the first on +y, shape (N,) [rad]."""
+    return 2 * np.pi * np.arange(gear.ring_teeth) / gear.ring_teeth
+
+
+def phase(gear: CycloidGear, t: npt.ArrayLike) -> Array:
+    """Phase B = -(N-1) t [rad] of the pin that touches the gear at trochoid parameter t [rad]."""
+    return -gear.lobes * np.asarray(t, float)
+
+
+def trochoid(gear: CycloidGear, t: npt.ArrayLike) -> Array:
+    """Path of a pin centre in the gear frame, T(t) = E u(t) - c u(N t), shape (..., 2) [m]."""
+    N, c, E, _ = gear.symbols
+    t = np.asarray(t, float)
+    return E * unit(t) - c * unit(N * t)
+
+
+def trochoid_derivatives(gear: CycloidGear, t: npt.ArrayLike) -> tuple[Array, Array]:
+    """First and second derivative T', T'' of the trochoid by t, each (..., 2) [m]."""
+    N, c, E, _ = gear.symbols
+    t = np.asarray(t, float)
+    first = E * unit(t + np.pi / 2) - c * N * unit(N * t + np.pi / 2)
+    second = c * N**2 * unit(N * t) - E * unit(t)
+    return first, second
+
+
+def pitch_distance(gear: CycloidGear, B: npt.ArrayLike) -> Array:
+    """Distance l of a pin centre from the pitch point c N u(crank) at phase B, also |T'(t)| [m]."""
+    N, c, E, _ = gear.symbols
+    return np.sqrt(E**2 + (c * N) ** 2 - 2 * E * c * N * np.cos(B))
+
+
+def conjugate_alpha(gear: CycloidGear, B: npt.ArrayLike) -> Array:
+    """Angle alpha [rad] from the common normal to the pin's radius at phase B (Eq. 7, inner branch)."""
+    N, c, E, _ = gear.symbols
+    return np.arctan2(-c * N * np.sin(B), E - c * N * np.cos(B))
+
+
+def conjugate_point(gear: CycloidGear, pin_angle: npt.ArrayLike, crank_angle_cw: npt.ArrayLike) -> ConjugatePoint:
+    """Contact of a pin and the gear (Eq. 2 with alpha - zeta, Eq. 7).
+
+    `pin_angle` zeta and `crank_angle_cw` phi_1 [rad] are both clockwise from +y; a counter-clockwise crank angle
+    theta is phi_1 = -theta.
+    """
+    N, c, E, rho = gear.symbols
+    zeta, phi = np.asarray(pin_angle, float), np.asarray(crank_angle_cw, float)
+    turn = phi / (N - 1)
+    alpha = conjugate_alpha(gear, zeta - phi)
+    return ConjugatePoint(
+        gear_frame=E * unit(zeta + turn) - rho * unit(zeta + turn - alpha) - c * unit(N * turn),
+        ring_frame=E * unit(zeta) - rho * unit(zeta - alpha),
+    )
+
+
+def pressure_angle(gear: CycloidGear, B: npt.ArrayLike) -> Array:
+    """Pressure angle pi/2 - |alpha| [rad] at phase B, smallest at +-`best_phase`."""
+    return np.pi / 2 - np.abs(conjugate_alpha(gear, B))
+
+
+def moment_arm(gear: CycloidGear, B: npt.ArrayLike) -> Array:
+    """Arm c (N-1) E sin B / l [m] about the gear centre of the common normal at phase B.
+
+    Positive where the pin's push on the gear turns it counter-clockwise.
+    """
+    N, c, E, _ = gear.symbols
+    return c * (N - 1) * E * np.sin(B) / pitch_distance(gear, B)
+
+
+def best_phase(gear: CycloidGear) -> float:
+    """Phase B0 = acos(c N / E) [rad] of the largest moment arm, c (N-1), and the smallest pressure angle."""
+    N, c, E, _ = gear.symbols
+    return math.acos(c * N / E)
+
+
+def normal_angle(gear: CycloidGear, t: npt.ArrayLike) -> Array:
+    """Clockwise angle t - alpha [rad] of the outward normal from +y; continuous in t."""
+    return np.asarray(t, float) - conjugate_alpha(gear, phase(gear, t))
+
+
+def normals(gear: CycloidGear, t: npt.ArrayLike) -> Array:
+    """Outward unit normals of the gear (and of its trochoid) at t, shape (..., 2)."""
+    return unit(normal_angle(gear, t))
+
+
+def outline(gear: CycloidGear, t: npt.ArrayLike, offset: float | None = None) -> Array:
+    """Points (..., 2) [m] of the inward parallel of the trochoid at the distance `offset` [m], by default rho."""
+    return trochoid(gear, t) - _offset(gear, offset) * normals(gear, t)
+
+
+def curvature(gear: CycloidGear, t: npt.ArrayLike, offset: float | None = None) -> Array:
+    """Signed curvature of the outline [1/m]: positive on the convex lobe tips, negative in the valleys.
+
+    1/R with R = l^3 / [E^2 + c^2 N^3 - E c N (N+1) cos B] - offset.
+    """
+    B = phase(gear, t)
+    bend = _bend(gear, B)
+    return bend / (pitch_distance(gear, B) ** 3 - _offset(gear, offset) * bend)
+
+
+def turning_rate(gear: CycloidGear, t: npt.ArrayLike) -> Array:
+    """Differentiate `normal_angle` by t: [E^2 + c^2 N^3 - E c N (N+1) cos B] / l^2, shape (...)."""
+    B = phase(gear, t)
+    return _bend(gear, B) / pitch_distance(gear, B) ** 2
+
+
+def arc_rate(gear: CycloidGear, t: npt.ArrayLike, offset: float | None = None) -> Array:
+    """Differentiate `arc_length` by t [m]: l - offset * turning rate, positive on a gear without undercut."""
+    return pitch_distance(gear, phase(gear, t)) - _offset(gear, offset) * turning_rate(gear, t)
+
+
+def arc_length(gear: CycloidGear, t: npt.ArrayLike, offset: float | None = None) -> Array:
+    """Length [m] of the outline from the valley on +y to t: an elliptic integral less offset * normal angle."""
+    scale, m = trochoid_ellipse(gear)
+    half_phase = gear.lobes * np.asarray(t, float) / 2
+    trochoid_length = 2 * scale / gear.lobes * (ellipeinc(half_phase + np.pi / 2, m) - ellipe(m))
+    return trochoid_length - _offset(gear, offset) * normal_angle(gear, t)
+
+
+def trochoid_ellipse(gear: CycloidGear) -> tuple[float, float]:
+    """Scale E + c N [m] and parameter m of l = (E + c N) sqrt(1 - m cos^2(B/2)), the arc element of an ellipse."""
+    N, c, E, _ = gear.symbols
+    scale = E + c * N
+    return scale, 4 * E * c * N / scale**2
+
+
+def length(gear: CycloidGear, offset: float | None = None) -> float:
+    """Length of the closed outline [m]: 4 (E + c N) Ell(m) - 2 pi offset."""
+    scale, m = trochoid_ellipse(gear)
+    return 4 * scale * float(ellipe(m)) - 2 * math.pi * _offset(gear, offset)
+
+
+def area(gear: CycloidGear, offset: float | None = None) -> float:
+    """Area inside the outline [m^2], no bore or holes: pi (E^2 + N c^2) - offset L + pi offset^2, L the trochoid's."""
+    N, c, E, _ = gear.symbols
+    rho = _offset(gear, offset)
+    return math.pi * (E**2 + N * c**2) - rho * length(gear, 0.0) + math.pi * rho**2
+
+
+def radii(gear: CycloidGear) -> tuple[float, float]:
+    """Root and tip radius of the gear, E - c - rho and E + c - rho [m]."""
+    _, c, E, rho = gear.symbols
+    return E - c - rho, E + c - rho
+
+
+def inflection_phase(gear: CycloidGear) -> float:
+    """Phase B in [0, pi) [rad] where the outline's curvature changes sign; 0 if it is convex everywhere."""
+    N, c, E, _ = gear.symbols
+    return math.acos(min(1.0, (E**2 + c**2 * N**3) / (E * c * N * (N + 1))))
+
+
+def undercut_radius(gear: CycloidGear) -> float:
+    """Smallest convex radius of curvature of the trochoid [m], the limit for rho; always finite.
+
+    l^3 / [E^2 + c^2 N^3 - E c N (N+1) cos B] is stationary at B = 0, B = pi and, where that is a cosine, at
+    cos B = 3 (E^2 + c^2 N^3) / [E c N (N+1)] - (E^2 + c^2 N^2) / (E c N).
+    """
+    N, c, E, _ = gear.symbols
+    inner = 3 * (E**2 + c**2 * N**3) / (E * c * N * (N + 1)) - (E**2 + (c * N) ** 2) / (E * c * N)
+    B = np.arccos(np.array([1.0, -1.0, inner] if abs(inner) < 1 else [1.0, -1.0]))
+    bend = _bend(gear, B)
+    convex = bend > 0
+    return float(np.min(pitch_distance(gear, B[convex]) ** 3 / bend[convex]))
+
+
+def require_no_undercut(gear: CycloidGear, offset: float | None = None) -> None:
+    """Raise DesignError unless `offset` (by default rho) is below `undercut_radius`: the outline would have cusps."""
+    limit, rho = undercut_radius(gear), _offset(gear, offset)
+    if rho >= limit:
+        raise DesignError(
+            f"pin_radius is {1e3 * rho:.6g} mm, but the gear is undercut from {1e3 * limit:.6g} mm on:"
+            " reduce pin_radius or eccentricity, or enlarge pin_circle_radius"
+        )
+
+
+def sample(gear: CycloidGear, points: int, offset: float | None = None) -> Outline:
+    """Outline of `points` >= 3 points equally spaced by arc length, from the valley on +y, clockwise.
+
+    Raises
+    ------
+    DesignError
+        If the outline is undercut or fewer than 3 points are asked for.
+    """
+    require_no_undercut(gear, offset)
+    if points < 3:
+        raise DesignError(f"{points} points do not make an outline; ask for at least 3")
+    lobe, remainder = np.divmod(np.arange(points) * gear.lobes, points)
+    lobe_angle = 2 * np.pi / gear.lobes
+    within_lobe = solve_monotone(
+        lambda t: arc_length(gear, t, offset),
+        lambda t: arc_rate(gear, t, offset),
+        length(gear, offset) / gear.lobes * (remainder / points),
+        0.0,
+        lobe_angle,
+    )
+    return _outline_at(gear, lobe_angle * lobe + within_lobe, offset)
+
+
+def sagitta_parameters(gear: CycloidGear, chord_error: float, offset: float | None = None) -> Array:
+    """Parameters t [rad] of an outline whose chords leave the curve by at most `chord_error` [m]; every lobe the same.
+
+    They are few: each half lobe is cut at its inflection, so that each chord spans a purely concave or convex arc.
+
+    Raises
+    ------
+    DesignError
+        If the outline is undercut or `chord_error` is below 1e-12 m.
+    """
+    require_no_undercut(gear, offset)
+    flank = SmoothArc(
+        points=lambda t: outline(gear, t, offset),
+        normal_angle=lambda t: normal_angle(gear, t),
+        turning_rate=lambda t: turning_rate(gear, t),
+        arc_rate=lambda t: arc_rate(gear, t, offset),
+    )
+    ends = np.unique([0.0, inflection_phase(gear) / gear.lobes, np.pi / gear.lobes])
+    pieces = [sagitta_nodes(flank, low, high, chord_error)[:-1] for low, high in itertools.pairwise(ends)]
+    rising = np.concatenate(pieces)
+    lobe_angle = 2 * np.pi / gear.lobes
+    one_lobe = np.concatenate([rising, [lobe_angle / 2], lobe_angle - rising[:0:-1]])
+    return np.asarray((lobe_angle * np.arange(gear.lobes)[:, None] + one_lobe).ravel())
+
+
+@dataclass(frozen=True)
+class SmoothArc:
+    """A curve whose curvature keeps one sign, as vectorised functions of its parameter.
+
+    `points` (n, 2) [m], `normal_angle` [rad] clockwise from +y, and the derivatives of the normal's angle and of the
+    arc length by the parameter.
+    """
+
+    points: Callable[[Array], Array]
+    normal_angle: Callable[[Array], Array]
+    turning_rate: Callable[[Array], Array]
+    arc_rate: Callable[[Array], Array]
+
+
+def sagitta_nodes(arc: SmoothArc, low: float, high: float, chord_error: float) -> Array:
+    """Parameters from `low` to `high` whose chords deviate nearly equally, and at most `chord_error` [m], from `arc`.
+
+    Chords of equal sagitta have equal shares of the integral of sqrt(|curvature|) ds.
+
+    Raises
+    ------
+    DesignError
+        If `chord_error` is below 1e-12 m (there, rounding takes over).
+    """
+    if not chord_error >= SMALLEST_CHORD_ERROR:
+        raise DesignError(f"chord_error is {chord_error} m; it must be at least {SMALLEST_CHORD_ERROR} m: enlarge it")
+    grid = np.linspace(low, high, SAGITTA_GRID)
+    density = np.sqrt(np.abs(arc.turning_rate(grid) * arc.arc_rate(grid)))
+    share = np.concatenate([[0.0], np.cumsum(density[1:] + density[:-1])]) * (high - low) / (2 * (SAGITTA_GRID - 1))
+    chords = max(1, math.ceil(share[-1] / math.sqrt(8 * chord_error)))
+    while True:
+        nodes = np.interp(np.linspace(0.0, share[-1], chords + 1), share, grid)
+        worst = float(np.max(_sagittas(arc, nodes)))
+        if worst <= chord_error:
+            return nodes
+        chords = max(chords + 1, math.floor(chords * math.sqrt(worst / chord_error)))
+
+
+def solve_monotone(
+    function: Callable[[Array], Array],
+    derivative: Callable[[Array], Array],
+    target: npt.ArrayLike,
+    low: npt.ArrayLike,
+    high: npt.ArrayLike,
+) -> Array:
+    """Roots of function(x) = target in [low, high], elementwise, by Newton steps kept inside a shrinking bracket.
+
+    `function` must be monotone between `low` and `high`; a target beyond its range gives the nearer end.
+    """
+    target, low, high = (np.array(a, float) for a in np.broadcast_arrays(target, low, high))
+    tolerance = 2 * np.finfo(float).eps * np.maximum(np.abs(low), np.abs(high))
+    sign = np.where(function(high) >= function(low), 1.0, -1.0)
+    x = (low + high) / 2
+    step = high - low
+    for _ in range(SOLVER_ROUNDS):
+        residual, slope = sign * (function(x) - target), sign * derivative(x)
+        low, high = np.where(residual <= 0, x, low), np.where(residual >= 0, x, high)
+        newton = x - np.divide(residual, slope, out=np.full_like(x, np.inf), where=slope > 0)
+        halving = np.abs(newton - x) <= np.abs(step) / 2
+        following = np.where((low <= newton) & (newton <= high) & halving, newton, (low + high) / 2)
+        x, step = following, following - x
+        if np.all(np.abs(step) <= tolerance):
+            break
+    return x
+
+
+def _offset(gear: CycloidGear, offset: float | None) -> float:
+    return gear.pin_radius if offset is None else offset
+
+
+def _bend(gear: CycloidGear, B: npt.ArrayLike) -> Array:
+    """Bracket E^2 + c^2 N^3 - E c N (N+1) cos B [m^2]: l^2 times the turning rate of the normal."""
+    N, c, E, _ = gear.symbols
+    return E**2 + c**2 * N**3 - E * c * N * (N + 1) * np.cos(B)
+
+
+def _outline_at(gear: CycloidGear, t: Array, offset: float | None) -> Outline:
+    return Outline(
+        t=t,
+        points=outline(gear, t, offset),
+        normals=normals(gear, t),
+        curvature=curvature(gear, t, offset),
+        arc_length=arc_length(gear, t, offset),
+    )
+
+
+def _sagittas(arc: SmoothArc, nodes: Array) -> Array:
+    """Largest distance [m] of each chord from its arc: where the arc's tangent is parallel to the chord."""
+    points, angles = arc.points(nodes), arc.normal_angle(nodes)
+    dx, dy = np.diff(points, axis=0).T
+    middle = (angles[:-1] + angles[1:]) / 2
+    chord_angle = middle + np.mod(np.arctan2(-dy, dx) - middle + np.pi / 2, np.pi) - np.pi / 2
+    farthest = solve_monotone(arc.normal_angle, arc.turning_rate, chord_angle, nodes[:-1], nodes[1:])
+    return np.abs(np.sum((arc.points(farthest) - points[:-1]) * unit(chord_angle), axis=1))

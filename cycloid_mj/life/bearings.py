@@ -1,0 +1,162 @@
+"""The rolling bearings of a reducer: cam, shaft and output rollers, by their life and the largest load they bear."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.base.types import Array
+from cycloid_mj.life import rolling
+from cycloid_mj.life.hours import hours
+from cycloid_mj.life.item import Item
+from cycloid_mj.life.loading import Loading, relative_speed
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.pressure import roller_radius
+from cycloid_mj.stress.shaftgrid import shaft_measures
+
+NEEDLE_FILL = 0.35
+"""Of the wall of an output roller: what its needles are thick, where their rating is not given (assumed)."""
+
+SHAFT_ROLLERS, SHAFT_ROLLER_SHARE = 14, 0.4
+"""Rollers of a shaft bearing, and their diameter over the shaft's radius, where its rating is not given (assumed)."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row of rollers side by side: their number, and diameter, length and pitch diameter [m]."""
+
+    rollers: int
+    diameter: float
+    length: float
+    pitch: float
+
+    def __str__(self) -> str:
+        """Give number and size."""
+        return f"{self.rollers} rollers of {1e3 * self.diameter:.3g} x {1e3 * self.length:.3g} mm"
+
+    @property
+    def dynamic(self) -> float:
+        """Basic dynamic load rating [N]."""
+        return rolling.dynamic_capacity(self.rollers, self.diameter, self.length, self.pitch)
+
+    @property
+    def static(self) -> float:
+        """Basic static load rating [N]."""
+        return rolling.static_capacity(self.rollers, self.diameter, self.length, self.pitch)
+
+
+@dataclass(frozen=True)
+class Seat:
+    """A bearing, or several alike that share a key: its row, its ratings by catalogue [N] (0: none), and what it is."""
+
+    key: str
+    name: str
+    row: Row
+    dynamic: float
+    static: float
+    where: str
+
+
+def bearings(reducer: Reducer, found: Sequence[Loading], peak: float) -> Iterator[Item]:
+    """Rate every bearing at each point of a duty, and at the peak torque [N m] of an emergency stop."""
+    design = reducer.design
+    crank = np.array([abs(one.point.speed) * one.point.share for one in found])
+    relative = np.array([relative_speed(reducer, one.point.speed) * one.point.share for one in found])
+    if design.gear.bearing == "rolling":
+        yield from _rated(reducer, cam_seat(reducer), [one.cam for one in found], relative, found, peak)
+    for place, name in enumerate(("far", "near"), start=-2):
+        force = [rolling.magnitudes(one.shaft[:, place]) for one in found]
+        yield from _rated(reducer, _shaft_seat(reducer, name), force, crank, found, peak)
+    if design.output.rollers:
+        # a roller turns on its pin as often as it rolls round its hole
+        rolls = (
+            reducer.share * crank * (design.output.hole_radius / design.output.pin_radius - 1.0 + 1.0 / design.lobes)
+        )
+        loads = [one.output.reshape(len(one.crank), -1) for one in found]
+        yield from _rated(reducer, _output_seat(reducer), loads, rolls, found, peak)
+
+
+def cam_seat(reducer: Reducer) -> Seat:
+    """Give the bearing of each cam, whose outer ring is the gear's bore."""
+    design = reducer.design
+    gear, bearing = design.gear, design.bearing
+    row = Row(design.contact.cam_rollers, 2.0 * roller_radius(reducer), gear.face_width, 2.0 * gear.bore_radius)
+    where = "side by side on the cam's circle, the gear's bore as outer ring"
+    return Seat("cam_bearing", "cam bearing", row, bearing.dynamic_capacity, bearing.static_capacity, where)
+
+
+def _shaft_seat(reducer: Reducer, name: str) -> Seat:
+    radius, bearing = reducer.design.shaft.radius, reducer.design.bearing
+    size = SHAFT_ROLLER_SHARE * radius
+    low, high = shaft_measures(reducer).bearings[0]
+    row = Row(SHAFT_ROLLERS, size, high - low, 2.0 * radius + size)
+    ratings = bearing.shaft_dynamic_capacity, bearing.shaft_static_capacity
+    return Seat(
+        f"shaft_bearing_{name}",
+        {"near": "shaft bearing next to the gear", "far": "shaft bearing far from the gear"}[name],
+        row,
+        *ratings,
+        "on the shaft",
+    )
+
+
+def _output_seat(reducer: Reducer) -> Seat:
+    design = reducer.design
+    output, bearing = design.output, design.bearing
+    needle = NEEDLE_FILL * (output.pin_radius - output.root_radius) * 2.0
+    pitch = 2.0 * output.root_radius + needle
+    row = Row(max(int(math.pi * pitch / needle), 3), needle, design.gear.face_width, pitch)
+    ratings = bearing.output_dynamic_capacity, bearing.output_static_capacity
+    return Seat("output_rollers", "rollers of the output pins", row, *ratings, "round the core of a pin")
+
+
+def _rated(
+    reducer: Reducer, seat: Seat, force: Sequence[Array], turns: Array, found: Sequence[Loading], peak: float
+) -> Iterator[Item]:
+    """Rate one bearing, the most loaded of those alike.
+
+    `force` (m,) or (m, bearings) [N] at each point; `turns` the relative speeds there times the share of time [rad/s].
+    """
+    bearing = reducer.design.bearing
+    each = [one.reshape(len(one), -1) for one in force]
+    load = bearing_load(reducer, each, turns)
+    capacity = seat.dynamic or seat.row.dynamic
+    life = rolling.life_hours(capacity, load, float(turns.sum()), bearing.reliability)
+    formula = f"L = a1 (C/P)^(10/3), a1 {rolling.reliability_factor(bearing.reliability):.3g}, ISO 281:2007"
+    note = f"C of the design file (bearing.*_capacity_n), service factor {bearing.service_factor:g}"
+    if not seat.dynamic:
+        plain = capacity / rolling.MACHINED
+        less = rolling.life_hours(plain, load, float(turns.sum()), bearing.reliability)
+        note = (
+            f"assumed: {seat.row} {seat.where}, b_m {rolling.MACHINED:g} "
+            f"(b_m 1 leaves C {plain:.0f} N and {hours(less)}), service factor {bearing.service_factor:g}"
+        )
+    yield Item(seat.key, f"{seat.name}, life", load, capacity, "N", None, life, formula, note)
+    worst = max(float(one.max()) * peak / one_at for one, one_at in zip(each, _torques(found), strict=True))
+    standing = seat.static or seat.row.static
+    given = "C0 of the design file" if seat.static else f"assumed: {seat.row} {seat.where}"
+    yield Item(
+        f"{seat.key}_static",
+        f"{seat.name}, static factor",
+        worst,
+        standing,
+        "N",
+        standing / worst if worst else math.inf,
+        None,
+        "s0 = C0/P0, C0 = 44 (1 - D/D_pw) Z L D, ISO 76",
+        f"{given}; at the peak torque, {peak:.4g} N m, forces in proportion",
+    )
+
+
+def bearing_load(reducer: Reducer, force: Sequence[Array], turns: Array) -> float:
+    """Average the forces on bearings alike [N], (m, bearings) for each point of a duty, for the most loaded of them.
+
+    `turns` are the relative speeds at the points times the share of time [rad/s].
+    """
+    means = np.array([max(rolling.mean_load(column) for column in one.T) for one in force])
+    return reducer.design.bearing.service_factor * rolling.mean_load(means, turns)
+
+
+def _torques(found: Sequence[Loading]) -> list[float]:
+    return [abs(one.point.torque) for one in found]

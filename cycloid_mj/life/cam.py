@@ -1,0 +1,54 @@
+"""The cam's load solved over the stiffness of its bearing, which is assumed, with ideal sharing beside it."""
+
+import math
+
+import numpy as np
+
+from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.types import Array
+from cycloid_mj.life.bearings import bearing_load, cam_seat
+from cycloid_mj.life.duty import Duty
+from cycloid_mj.life.give import IDEAL, CamGive, Give
+from cycloid_mj.life.loading import POSES, loading, relative_speed
+from cycloid_mj.life.rolling import life_hours
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.member import turns_of_crank
+from cycloid_mj.statics.ideal import ideal_cam
+from cycloid_mj.statics.law import pair_stiffness
+from cycloid_mj.statics.springs import turn_evenly
+from cycloid_mj.statics.working import at_rated_load
+
+GIVES = (0.1, 0.3, 1.0, 3.0, 10.0, 100.0)
+"""Stiffnesses of the cam over its own: what its seat, its rollers' fit and its rings leave open."""
+
+
+def cam_give(reducer: Reducer, duty: Duty) -> CamGive:
+    """Rate the cam under a duty at each of `GIVES` times its stiffness, and by ideal sharing."""
+    design = reducer.design
+    points = [point for point in duty.points if point.speed]
+    turns = np.array([relative_speed(reducer, point.speed) * point.share for point in points])
+
+    def row(name: str, stiffness: float | None, cams: list[Array]) -> Give:
+        load = bearing_load(reducer, cams, turns)
+        seat, bearing = cam_seat(reducer), design.bearing
+        rolls = design.gear.bearing == "rolling"
+        capacity = seat.dynamic or seat.row.dynamic
+        life = life_hours(capacity, load, float(turns.sum()), bearing.reliability) if rolls else None
+        return Give(name, stiffness, load, life)
+
+    own, rows = pair_stiffness(at_rated_load(reducer.seen_from_ring), "cam"), []
+    for factor in GIVES:
+        name = "as assumed" if factor == 1.0 and not design.stiffness.cam else f"{factor:g} times that"
+        if factor == 1.0 and design.stiffness.cam:
+            name = "of the design file"
+        varied = reducer.but(stiffness={"cam": factor * own})
+        try:
+            rows.append(row(name, factor * own, [loading(varied, point).cam for point in points]))
+        except CycloidError:
+            rows.append(Give(name, factor * own, None, None))
+    crank = turns_of_crank(design, design.lobes * turn_evenly(POSES))
+    ideal = []
+    for point in points:
+        at = {"drive": {"speed": math.copysign(point.speed, design.drive.speed)}, "load": {"torque": point.torque}}
+        ideal.append(ideal_cam(reducer.but(**at), crank))
+    return CamGive((*rows, row(IDEAL, None, ideal)))

@@ -1,0 +1,264 @@
+"""What a maker's data sheet tells of a reducer, each number with the condition under which it holds."""
+
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.names import GEAR, HOUSING, OUTPUT, PIN, SHAFT, family
+from cycloid_mj.base.result import Curve, Quantity
+from cycloid_mj.base.units import ARCMINUTE, RPM
+from cycloid_mj.design import PARTS, Design
+from cycloid_mj.life.duty import steady
+from cycloid_mj.life.item import Item
+from cycloid_mj.life.items import rate
+from cycloid_mj.life.rated import STOPS, is_bearing_life, rated_torque
+from cycloid_mj.parts import body_solids, mass_properties
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics import loads, powers, springs_of
+from cycloid_mj.statics.sheet import Sheet, sheet
+
+LIFE = 6000.0
+"""Hours for which makers of robot reducers state the rated torque."""
+
+SPEEDS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0)
+TORQUES = (0.05, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.25)
+TURNS = (0.01, 0.03, 0.1, 0.25, 0.5, 0.75, 1.0)
+"""Shares of the rated speed and torque at which curves have their points."""
+
+
+@dataclass(frozen=True)
+class Datasheet:
+    """The data sheet of one design.
+
+    Attributes
+    ----------
+    design
+        The design.
+    life
+        Hours that the rated torque is for.
+    groups
+        Heading -> quantities; the note of each is its condition.
+    curves
+        Of the panels, in their order.
+    notes
+        What all of it stands on, a sentence each.
+    """
+
+    design: Design
+    life: float
+    groups: dict[str, tuple[Quantity, ...]]
+    curves: tuple[Curve, ...]
+    notes: tuple[str, ...]
+
+    def as_json(self) -> dict[str, Any]:
+        """Give the sheet for a program."""
+        found = [one for group in self.groups.values() for one in group]
+        return {
+            "design": self.design.name,
+            "life_h": self.life,
+            "quantities": {
+                one.key: {"name": one.name, "value": one.value, "unit": one.unit, "condition": one.note}
+                for one in found
+            },
+            "curves": [curve.as_json() for curve in self.curves],
+            "notes": list(self.notes),
+        }
+
+
+def datasheet(reducer: Reducer, life: float = LIFE) -> Datasheet:
+    """Give the data sheet of a sound design, its rated torque for a life [h] at the rated speed.
+
+    Raises
+    ------
+    DesignError
+        The crank stands still, or nothing bears even the least torque for so long.
+    RunError
+        No static balance was found, as where friction jams the reducer.
+    """
+    design = reducer.design
+    static = sheet(reducer, design.rated_torque)
+    momentary, stop = momentary_torque(reducer)
+    rated, weakest = min(rated_torque(reducer, design.drive.speed, life), (momentary, stop), key=lambda one: one[0])
+    groups = {
+        "Ratings": _ratings(reducer, life, (rated, weakest), (momentary, stop)),
+        "Accuracy and stiffness": _accuracy(reducer, static),
+        "Efficiency and heat": _efficiency(reducer, static),
+        "Mass and size": _mass(reducer),
+    }
+    curves = (life_curve(reducer, life, momentary), _efficiency_curve(reducer), _wind_up_curve(reducer))
+    return Datasheet(design, life, groups, curves, _notes(reducer, life, static))
+
+
+def momentary_torque(reducer: Reducer) -> tuple[float, Item]:
+    """Give the torque [N m] that is held once with a safety of 1, and the item that ends it.
+
+    Forces go with the torque from those at the rated torque of the drive.
+    """
+    design = reducer.design
+    duty = steady(design.rated_torque, design.drive.speed)
+    stops = [item for item in rate(design, duty).items.values() if item.key.startswith(STOPS)]
+    first = min(stops, key=lambda item: item.safety or 0.0)
+    return duty.peak * (first.safety or 0.0), first
+
+
+def _ratings(
+    reducer: Reducer, life: float, lasting: tuple[float, Item], once: tuple[float, Item]
+) -> tuple[Quantity, ...]:
+    design = reducer.design
+    speed, way = design.drive.speed, "forwards" if design.output.turns_ring else "backwards"
+    at = f"{abs(speed) / RPM:.0f} rpm input"
+    by_bearings, bearing = rated_torque(reducer, speed, life, is_bearing_life)
+    (rated, weakest), (momentary, stop) = lasting, once
+    return (
+        Quantity("ratio", "Reduction ratio", design.reduction, "1", note=f"input to output, turning {way}"),
+        Quantity("rated_torque", f"Rated torque, {life:g} h", rated, "N m", note=f"{at}, safety 1; by {weakest.name}"),
+        Quantity(
+            "bearing_torque",
+            "Torque by its bearings alone",
+            by_bearings,
+            "N m",
+            note=f"{life:g} h, {at}; by {bearing.name}",
+        ),
+        Quantity(
+            "momentary_torque",
+            "Momentary torque",
+            momentary,
+            "N m",
+            note=f"once, safety 1; by {stop.name}",
+        ),
+        Quantity(
+            "nominal_torque",
+            "Torque of the drive",
+            design.rated_torque,
+            "N m",
+            note="rated input torque times the ratio",
+        ),
+        Quantity("input_speed", "Rated input speed", abs(speed) / RPM, "rpm", note="of the crank"),
+    )
+
+
+def _accuracy(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
+    found, at = static.quantities, f"{reducer.design.rated_torque:.4g} N m"
+    error = found["output_peak_to_peak_loaded_forward_speed"]
+    return (
+        _told(found["backlash"], "Backlash", "without load, mean of a turn"),
+        _told(found["lost_motion_ideal"], "Lost motion", f"at 3 % of {at}, both ways"),
+        _told(found["stiffness_ideal"], "Torsional stiffness", f"50 to 100 % of {at}, input locked"),
+        _told(error, "Transmission error, peak to peak", f"{at}, forward, slow"),
+    )
+
+
+def _efficiency(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
+    design = reducer.design
+    found = static.quantities
+    at = f"{design.rated_torque:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm"
+    hot = rate(design).items["temperature"]
+    ambient = design.service.ambient_temperature
+    return (
+        _told(found["efficiency"], "Efficiency", at),
+        _told(found["back_driving_torque_rated"], "Back-driving torque", "against the rated input torque"),
+        Quantity("temperature_rise", "Temperature rise", hot.value - ambient, "K", note=f"{at}, still air"),
+    )
+
+
+def _told(found: Quantity, name: str, condition: str) -> Quantity:
+    return Quantity(found.key, name, found.value, found.unit, note=found.note or condition)
+
+
+def _mass(reducer: Reducer) -> tuple[Quantity, ...]:
+    design = reducer.design
+    gear, housing = design.gear, design.housing
+    solids = {name: mass_properties(solid) for name, solid in body_solids(reducer).items()}
+    count = {PIN: design.ring.teeth}
+    mass = sum(one.mass * count.get(name, 1) for name, one in solids.items())
+    length = axial_extent(reducer)
+    return (
+        Quantity("mass", "Mass", mass, "kg", note="parts as drawn: no covers, no bearings' rings"),
+        Quantity("inertia", "Inertia at the input", 1e4 * input_inertia(reducer), "kg cm2", note="without the motor"),
+        Quantity("outer_diameter", "Outer diameter", 2e3 * housing.outer_radius, "mm", note="ring"),
+        Quantity("length", "Length over all", 1e3 * (length[1] - length[0]), "mm", note="input journal to output disc"),
+        Quantity("input_diameter", "Input shaft diameter", 2e3 * design.shaft.radius, "mm", note="journal"),
+        Quantity(
+            "face_width", "Face width", 1e3 * gear.face_width, "mm", note=f"of {gear.discs} disc{'s'[: gear.discs > 1]}"
+        ),
+    )
+
+
+def input_inertia(reducer: Reducer) -> float:
+    """Give the inertia at the input [kg m2]: of crank, discs on their orbit, and what is slow over the ratio squared.
+
+    Ring pins that spin are left out: some 1e-4 of it. Where the ring turns, discs orbit without a turn of their own.
+    """
+    design = reducer.design
+    found, slow, ring_turns = 0.0, float(design.reduction) ** 2, design.output.turns_ring
+    for name, solid in body_solids(reducer).items():
+        own = mass_properties(solid)
+        about_axis = own.inertia[2, 2] + own.mass * float(np.sum(own.centroid[:2] ** 2))
+        kind = family(name)
+        if kind == SHAFT:
+            found += about_axis
+        elif kind == GEAR:
+            found += own.mass * design.gear.eccentricity**2 + (0.0 if ring_turns else own.inertia[2, 2] / slow)
+        elif kind == (HOUSING if ring_turns else OUTPUT):
+            found += about_axis / slow
+        elif kind == PIN and ring_turns:
+            found += design.ring.teeth * own.mass * design.ring.pin_circle_radius**2 / slow
+    return found
+
+
+def axial_extent(reducer: Reducer) -> tuple[float, float]:
+    """Give where the reducer begins and ends along z [m]."""
+    ends = [end for solid in body_solids(reducer).values() for prism in solid.prisms for end in (prism.z0, prism.z1)]
+    return min(ends), max(ends)
+
+
+def life_curve(reducer: Reducer, life: float, momentary: float = np.inf) -> Curve:
+    """Compute the rated torque over the speed, up to what is held once [N m]; where none is borne there is no point."""
+    points: list[tuple[float, float]] = []
+    for share in SPEEDS:
+        speed = share * abs(reducer.design.drive.speed)
+        with suppress(DesignError):
+            torque, _ = rated_torque(reducer, speed, life, guess=points[-1][1] if points else 0.0)
+            points.append((speed / RPM, min(torque, momentary)))
+    x, y = np.array(points).T
+    return Curve(f"Rated torque for {life:g} h", "all items", x, y, "input speed [rpm]", "output torque [N m]")
+
+
+def _efficiency_curve(reducer: Reducer) -> Curve:
+    torques = np.array(TORQUES) * reducer.design.rated_torque
+    values = np.array([100.0 * powers(reducer, float(torque)).efficiency for torque in torques])
+    panel = f"Efficiency at {abs(reducer.design.drive.speed) / RPM:.0f} rpm"
+    return Curve(panel, "efficiency", torques, values, "output torque [N m]", "efficiency [%]")
+
+
+def _wind_up_curve(reducer: Reducer) -> Curve:
+    still = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
+    springs = springs_of(still, friction=False)
+    torques = reducer.design.rated_torque * np.array([*(-np.array(TURNS[::-1])), *TURNS])
+    turns = [float(loads(still, springs, float(torque)).output_turn.mean()) / ARCMINUTE for torque in torques]
+    panel = "Torsion, input locked"
+    return Curve(panel, "mean of a turn", torques, np.array(turns), "output torque [N m]", "output turn [arcmin]")
+
+
+def _notes(reducer: Reducer, life: float, static: Sheet) -> tuple[str, ...]:
+    return (
+        f"Computed by cycloid_mj from the design {reducer.design.name}; nothing here is measured on a built drive.",
+        f"Rated torque: what bearings (ISO 281, 90 %), surfaces (pitting, shakedown), parts (Goodman) and heat "
+        f"bear for {life:g} h, and what is held once; wear is left out. Momentary torque: held once, by first yield, "
+        "dents, bent or sheared pins, or a jumped tooth. Both with a safety of 1.",
+        _made_of(reducer),
+        *(f"{sentence[0].upper()}{sentence[1:]}." for sentence in static.assumptions),
+    )
+
+
+def _made_of(reducer: Reducer) -> str:
+    """Tell materials and clearances."""
+    design = reducer.design
+    materials = ", ".join(f"{part} {design.material_of(part).name or 'of its own numbers'}" for part in PARTS)
+    clearances = ", ".join(
+        f"{kind.replace('_', ' ')} {1e6 * getattr(design.clearance, kind):.4g}" for kind in design.pair_kinds
+    )
+    return f"Materials: {materials}. Clearances [um]: {clearances}."

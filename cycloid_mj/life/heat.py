@@ -1,0 +1,145 @@
+"""Heat: how warm the housing gets, what that does to the clearances, and what the materials bear."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from cycloid_mj.design import PARTNERS, PARTS
+from cycloid_mj.design.materials import MATERIALS
+from cycloid_mj.design.model import Service
+from cycloid_mj.life.item import Item
+from cycloid_mj.life.loading import Loading
+from cycloid_mj.reducer import Reducer
+
+HOTTEST = 120.0
+"""Service temperature [°C] of a material that is not of the library (assumed)."""
+
+GREASE = "service.grease_temperature_c, assumed: from 100 to 120 on greases are made for heat, its maker tells"
+SEALS = "service.seal_temperature_c, assumed: nitrile rubber lasts to some 100, FKM to 200, its maker tells"
+"""Where the limits of what seals and lubricates are from.
+
+"High-Temperature Lubricants", Machinery Lubrication 30674: 100 to 120 °C is where those begin; 10 K halve an oil's
+life. Grundfos, "Shaft Seals", p. 22: nitrile rubber to 100 °C (120 for short), FKM to 200 °C.
+"""
+
+STILL_AIR = 8.0, 15.0
+"""What a housing gives to still air, from least to most [W/(m2 K)]."""
+
+REFERENCE = 20.0
+"""Temperature [°C] at which clearances are as drawn (ISO 1)."""
+
+
+def heat(reducer: Reducer, found: Sequence[Loading]) -> Iterator[Item]:
+    """Rate the housing's temperature in still air, and the clearance that each kind of pair loses by it."""
+    design = reducer.design
+    service = design.service
+    lost = sum(sum(one.losses.values()) * one.point.share for one in found)
+    area = outside(reducer)
+    hot = service.ambient_temperature + lost / (service.film_coefficient * area)
+    limits = sorted(hottest(reducer), key=lambda one: one.hottest)
+    first = limits[0]
+    yield Item(
+        "power_lost",
+        "power lost",
+        lost,
+        math.nan,
+        "W",
+        None,
+        None,
+        "friction of teeth, cam, output pins and seals, mean of the duty",
+        ", ".join(
+            f"{part} {sum(one.losses[part] * one.point.share for one in found):.3g} W" for part in found[0].losses
+        ),
+    )
+    warm, cool = (service.ambient_temperature + lost / (film * area) for film in STILL_AIR)
+    rise, room = hot - service.ambient_temperature, first.hottest - service.ambient_temperature
+    yield Item(
+        "temperature",
+        f"housing temperature, {first.name}",
+        hot,
+        first.hottest,
+        "°C",
+        room / rise if rise else math.inf,
+        None,
+        "dT = losses/(h A); safety of the rise",
+        f"{lost:.3g} W at h {service.film_coefficient:g} W/(m2 K) (assumed; {warm:.3g} to {cool:.3g} °C at 8 to 15) "
+        f"from {1e4 * area:.3g} cm2, the outside of ring and output disc; "
+        f"{service.ambient_temperature:g} °C around it; limits: "
+        f"{', '.join(f'{one.hottest:g} °C {one.name} ({one.source})' for one in limits)}",
+    )
+    for kind in design.pair_kinds:
+        grown = clearance_growth(reducer, kind) * (hot - REFERENCE)
+        clearance = getattr(design.clearance, kind)
+        made = " on ".join(design.material_of(one).name or "unnamed" for one in PARTNERS[kind])
+        yield Item(
+            f"{kind}_hot_clearance",
+            f"clearance of {kind.replace('_', ' ')} lost by heat",
+            0.0 - 1e6 * grown,
+            1e6 * clearance,
+            "um",
+            clearance / -grown if grown < 0.0 else math.inf,
+            None,
+            "both parts' thermal expansion from 20 °C; safety of the clearance",
+            f"all parts at the housing's {hot:.3g} °C (assumed); {made}; less than nothing: it grows",
+        )
+
+
+def outside(reducer: Reducer) -> float:
+    """Give the outside of a cylinder round ring and output disc [m2], both ends included."""
+    design = reducer.design
+    radius = design.housing.outer_radius
+    return 2.0 * math.pi * radius * (radius + design.gear.stack_width + design.output.disc_thickness)
+
+
+def clearance_growth(reducer: Reducer, kind: str) -> float:
+    """Give how much the clearance of a kind of pair grows per kelvin [m/K]; the tightest place counts.
+
+    Pins stand on the housing's circle, output pins on the output disc's, the gear grows from its centre:
+    mesh a_h E - a_p rho - a_g (E - rho), output a_g r_h - a_o r_o - |a_g - a_o| R_o, others a_bore r - a_pin r.
+    """
+    design = reducer.design
+    ring, output = design.ring, design.output
+    alpha = {part: design.material_of(part).expansion for part in PARTS}
+    if kind == "pin_gear":
+        tips = ring.pin_circle_radius - ring.pin_radius
+        return alpha["housing"] * ring.pin_circle_radius - alpha["pin"] * ring.pin_radius - alpha["gear"] * tips
+    if kind == "tooth":
+        return (alpha["housing"] - alpha["gear"]) * (ring.pin_circle_radius - ring.pin_radius)
+    if kind == "output":
+        apart = abs(alpha["gear"] - alpha["output"]) * output.pin_circle_radius
+        return (
+            alpha["gear"] * output.hole_radius
+            - alpha["output"] * (output.pin_radius + design.gear.eccentricity)
+            - apart
+        )
+    inner, outer = {"cam": ("shaft", "gear"), "pin_socket": ("pin", "housing"), "pin_sleeve": ("pin", "pin")}[kind]
+    radius = {"cam": design.gear.bore_radius, "pin_socket": ring.pin_radius, "pin_sleeve": ring.sleeve_bore_radius}[
+        kind
+    ]
+    return (alpha[outer] - alpha[inner]) * radius
+
+
+@dataclass(frozen=True)
+class Limit:
+    """What ends first when a reducer gets hot: its name, the temperature it bears [°C], and where that is from."""
+
+    name: str
+    hottest: float
+    source: str
+
+
+def hottest(reducer: Reducer) -> Iterator[Limit]:
+    """List what bears a temperature: grease, seals and every material of a part; `HOTTEST` where that is unknown."""
+    design = reducer.design
+    for name, given, source in (
+        ("grease", design.service.grease_temperature, GREASE),
+        ("seals", design.service.seal_temperature, SEALS),
+    ):
+        usual = Service.model_fields[f"{name.rstrip('s')}_temperature"].default
+        yield Limit(name, given, source if given == usual else "of the design file")
+    parts: dict[str, list[str]] = {}
+    for part in PARTS:
+        parts.setdefault(design.material_of(part).name, []).append(part)
+    for material, made in parts.items():
+        entry, name = MATERIALS.get(material), f"{' and '.join(made)}, {material or 'a material without a name'}"
+        yield Limit(name, entry.hottest, "library") if entry else Limit(name, HOTTEST, "assumed")

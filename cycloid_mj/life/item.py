@@ -1,0 +1,150 @@
+"""The result of a rating: one item for each thing that can fail, the weakest first."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from cycloid_mj.base.result import Table, plain
+from cycloid_mj.life.give import CamGive
+from cycloid_mj.life.hours import LONGEST, hours, plain_life, written
+
+
+@dataclass(frozen=True)
+class Item:
+    """One thing that can fail, or a figure that a designer asks for beside it.
+
+    Attributes
+    ----------
+    key, name
+        For programs, and in words.
+    value, limit, unit
+        What acts, and what is borne: not a number where there is no standard limit.
+    safety
+        Limit over value as its law counts it; None where a life stands instead.
+    life
+        Hours until it fails, by its law; None where a safety stands instead. Neither stands beside a mere figure.
+    source
+        Formula and where it is from.
+    note
+        What is assumed.
+    """
+
+    key: str
+    name: str
+    value: float
+    limit: float
+    unit: str
+    safety: float | None
+    life: float | None
+    source: str
+    note: str = ""
+
+    def margin(self, life: float) -> float:
+        """Give how far it is from failing: its safety, or its life over a required one [h]; 1 is just enough."""
+        if self.safety is not None:
+            return self.safety
+        return math.inf if self.life is None else self.life / life
+
+    def as_json(self) -> dict[str, Any]:
+        """Give the item for a program, which has its key beside it; what has no limit is None there.
+
+        `unlimited` tells a life of more than `LONGEST` hours, or a safety without end, from what has none.
+        """
+        return {
+            "name": self.name,
+            "value": self.value,
+            "unit": self.unit,
+            "limit": self.limit,
+            "safety": self.safety,
+            "life_h": plain_life(self.life),
+            "unlimited": self.unlimited,
+            "source": self.source,
+            "note": self.note,
+        }
+
+    @property
+    def load(self) -> str:
+        """What acts, with its unit."""
+        return f"{written(self.value)} {self.unit}"
+
+    @property
+    def borne(self) -> str:
+        """What is borne, with its unit; nothing where there is no standard limit."""
+        return "" if math.isnan(self.limit) else f"{written(self.limit)} {self.unit}"
+
+    @property
+    def verdict(self) -> str:
+        """Its safety, or its hours, in words; nothing for a mere figure."""
+        if self.unlimited:
+            return "unlimited"
+        if self.safety is not None:
+            return f"{self.safety:.3g}"
+        return "" if self.life is None else hours(self.life)
+
+    @property
+    def unlimited(self) -> bool:
+        """Whether its safety has no end, or its life more hours than `LONGEST`."""
+        if self.safety is not None:
+            return math.isinf(self.safety)
+        return self.life is not None and self.life > LONGEST
+
+
+@dataclass(frozen=True)
+class Rating:
+    """Items of one design under one duty.
+
+    Attributes
+    ----------
+    design
+        Its name.
+    duty
+        In words.
+    life
+        That is asked for [h].
+    items
+        Key -> item, the weakest first.
+    assumptions
+        What stands behind all of them, a sentence each.
+    cam_give
+        What the cam carries over the give of its bearing, where that was asked for.
+    """
+
+    design: str
+    duty: str
+    life: float
+    items: Mapping[str, Item]
+    assumptions: tuple[str, ...]
+    cam_give: CamGive | None = None
+
+    @property
+    def weakest(self) -> Item:
+        """The item nearest to failing."""
+        return next(iter(self.items.values()))
+
+    def told_weakest(self) -> str:
+        """Give the weakest item in one line."""
+        item = self.weakest
+        what = "safety " + item.verdict if item.safety is not None else f"{item.verdict} of {self.life:g} h asked for"
+        return f"{item.name}: {what} at {self.duty}"
+
+    def table(self) -> Table:
+        """Give the items as a table of text."""
+        header = ("item", "load", "limit", "safety or hours", "formula and source", "assumption")
+        rows = tuple(
+            (item.name, item.load, item.borne, item.verdict, item.source, item.note) for item in self.items.values()
+        )
+        return Table(f"rating: {self.design}, {self.duty}, for {self.life:g} h", header, rows)
+
+    def as_json(self) -> dict[str, Any]:
+        """Give the rating for a program."""
+        found = {
+            "design": self.design,
+            "condition": self.duty,
+            "required_life_h": self.life,
+            "weakest": self.weakest.key,
+            "items": self.items,
+            "assumptions": list(self.assumptions),
+            **({"cam_give": self.cam_give} if self.cam_give else {}),
+        }
+        return dict(plain(found))

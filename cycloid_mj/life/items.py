@@ -1,0 +1,69 @@
+"""The rating of a design under a duty: every item, the weakest first."""
+
+from collections.abc import Iterator
+
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.design import Design, material_limits
+from cycloid_mj.life.bearings import bearings
+from cycloid_mj.life.cam import cam_give
+from cycloid_mj.life.duty import Duty, steady
+from cycloid_mj.life.heat import heat
+from cycloid_mj.life.item import Rating
+from cycloid_mj.life.loading import loading
+from cycloid_mj.life.peak import peaks
+from cycloid_mj.life.ranges import StressRange
+from cycloid_mj.life.strength import strength
+from cycloid_mj.life.surfaces import surfaces
+from cycloid_mj.life.wear import wear
+from cycloid_mj.reducer import Reducer
+
+LIFE = 10_000.0
+"""Hours that are asked for where nothing else is."""
+
+
+def rate(
+    design: Design,
+    duty: Duty | None = None,
+    life: float = LIFE,
+    ranges: dict[str, StressRange] | None = None,
+    give: bool = False,
+) -> Rating:
+    """Rate a sound design under a duty, by default its rated torque and speed, for a life [h].
+
+    `ranges` are the stress ranges of its gear and ring that a study by finite elements found, by part.
+    With `give` the cam is solved over the stiffness that is assumed for it as well, see ``life.cam``.
+
+    Raises
+    ------
+    DesignError
+        The crank does not turn.
+    RunError
+        The drive cannot hold a torque of the duty.
+    """
+    reducer = Reducer(design)
+    duty = duty or steady(reducer.design.rated_torque, reducer.design.drive.speed)
+    turning = [point for point in duty.points if point.speed]
+    if not turning:
+        raise DesignError("drive.speed_rpm is 0, but lives need a crank that turns: give another speed, such as 1640")
+    found = [loading(reducer, point) for point in turning]
+    worst = max(found, key=lambda one: abs(one.point.torque))
+    items = [
+        *bearings(reducer, found, duty.peak),
+        *surfaces(reducer, found),
+        *strength(reducer, worst, ranges),
+        *wear(reducer, found),
+        *heat(reducer, found),
+        *peaks(reducer, duty.peak, worst),
+    ]
+    ordered = sorted(items, key=lambda item: item.margin(life))
+    spread = cam_give(reducer, duty) if give else None
+    assumptions = *_assumptions(reducer, duty), *([spread.words] if spread else [])
+    return Rating(reducer.design.name, duty.words, life, {item.key: item for item in ordered}, assumptions, spread)
+
+
+def _assumptions(reducer: Reducer, duty: Duty) -> Iterator[str]:
+    yield "forces by statics with friction at the clearances of the design, a crank that turns evenly"
+    yield f"reliability {reducer.design.bearing.reliability:.0%} of bearings and of parts (bearing.reliability)"
+    yield f"peak torque {duty.peak:.4g} N m{'' if duty.peak_given else ', twice the largest of the duty (--peak-nm)'}"
+    yield "pitting has a standard curve for steel alone: other metals and plastics are not rated for it"
+    yield from material_limits(reducer.design)

@@ -1,0 +1,179 @@
+"""What a reducer's parts carry over a turn at one point of its duty: statics with friction and the gear's inertia."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.base.errors import RunError
+from cycloid_mj.base.types import Array
+from cycloid_mj.base.units import RPM
+from cycloid_mj.life.duty import DutyPoint
+from cycloid_mj.life.rolling import magnitudes
+from cycloid_mj.parts import crank_solid, mass_properties
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.member import turns_of_crank
+from cycloid_mj.statics import Loads, Springs, loads, peak_pressure, powers, springs_of
+from cycloid_mj.statics.springs import turn_evenly
+from cycloid_mj.stress.shaftgrid import Shaft, shaft_measures
+
+POSES = 181
+"""Crank angles of a loading."""
+
+UNWOUND = 0.01
+"""Torque that takes up the play, as a share of the load: the wind-up is counted from there."""
+
+
+@dataclass(frozen=True)
+class Rub:
+    """How one kind of contact slides: mean of the sum F v [W], largest p v on the projected face [Pa m/s], mean v."""
+
+    power: float
+    pressure_speed: float
+    speed: float
+
+
+@dataclass(frozen=True, eq=False)
+class Loading:
+    """Loads at m crank angles that cover N - 1 turns of the crank evenly: one of the output, after which all repeats.
+
+    Attributes
+    ----------
+    point
+        Torque, speed and share of the time.
+    crank
+        Angles [rad], shape (m,).
+    cam
+        Size of each cam's force on its disc [N], shape (m, discs).
+    shaft
+        Forces on the shaft in its own frame [N], shape (m, places, 2), at `places` along z [m]: cams and counterweight,
+        then what the two bearings answer with, the one far from the gear first.
+    output
+        Force of each disc on each output pin [N], shape (m, discs, pins).
+    teeth
+        Largest force on a tooth [N].
+    pressures
+        Largest Hertz pressure by kind of pair [Pa].
+    rubs
+        How the contacts that slide do so, by kind of pair.
+    losses
+        Friction of teeth, cam, output pins and seals [W].
+    crank_torque
+        On the crank [N m].
+    wind_up
+        Turn of the gear by the load, without the play [rad].
+    """
+
+    point: DutyPoint
+    crank: Array
+    cam: Array
+    shaft: Array
+    places: Array
+    output: Array
+    teeth: float
+    pressures: dict[str, float]
+    rubs: dict[str, Rub]
+    losses: dict[str, float]
+    crank_torque: float
+    wind_up: float
+
+
+def relative_speed(reducer: Reducer, speed: float) -> float:
+    """Give the speed of crank and gear against each other [rad/s]: the gear turns back by one in N - 1, or not."""
+    return abs(speed) * (1.0 if reducer.design.output.turns_ring else 1.0 + 1.0 / reducer.design.lobes)
+
+
+def speed_past_ring(reducer: Reducer, speed: float) -> float:
+    """Give the speed of the crank against the ring [rad/s], whose pins see a lobe each turn of it."""
+    return abs(speed) * (1.0 - 1.0 / reducer.design.reduction if reducer.design.output.turns_ring else 1.0)
+
+
+def loading(reducer: Reducer, point: DutyPoint) -> Loading:
+    """Solve one point of a duty; the signs of torque and speed do not matter: the load brakes.
+
+    Raises
+    ------
+    RunError
+        There is no balance: the drive cannot hold that torque.
+    """
+    design = reducer.design
+    speed = math.copysign(point.speed, design.drive.speed)
+    at = reducer.but(drive={"speed": speed})
+    crank = turns_of_crank(design, design.lobes * turn_evenly(POSES))
+    springs, torque = springs_of(at, crank), math.copysign(abs(point.torque), speed)
+    try:
+        found, power = loads(at, springs, torque), powers(at, abs(point.torque))
+        unwound = loads(at, springs, UNWOUND * torque)
+    except RunError as error:
+        held = f"{abs(point.torque):.4g} N m at {point.speed / RPM:.4g} rpm"
+        raise RunError(f"{design.name} does not hold {held}: {error}; rate it at another torque") from error
+    cam = found.cam.reshape(POSES, -1, 2)
+    shaft = shaft_measures(reducer)
+    places, forces = _shaft_forces(at, shaft, springs.crank, cam)
+    return Loading(
+        point=point,
+        crank=springs.crank,
+        cam=magnitudes(cam),
+        shaft=forces,
+        places=places,
+        output=found.output.reshape(POSES, cam.shape[1], -1),
+        teeth=float(found.teeth.max()),
+        pressures={kind: peak_pressure(at, springs, found, kind) for kind in design.pair_kinds},
+        rubs=_rubs(at, springs, found),
+        losses=power.losses,
+        crank_torque=power.crank / abs(speed),
+        wind_up=abs(float((found.departures - unwound.departures)[:, 2].mean()))
+        / (design.output.pin_circle_radius * (1.0 - UNWOUND)),
+    )
+
+
+def _rubs(reducer: Reducer, springs: Springs, found: Loads) -> dict[str, Rub]:
+    """Give how teeth, output pins without rollers and a plain cam slide; a pin slips where it is the easier."""
+    design = reducer.design
+    slip, count = np.abs(springs.slip), springs.teeth
+    seat = design.seat_pair
+    in_seat = seat and design.mesh_friction < design.friction_of(design.tooth_pair)
+    kind, radius = (seat, design.ring.pin_radius) if in_seat else (design.tooth_pair, design.ring.pin_radius)
+    rubs = {kind: _rub(reducer, found.teeth, slip[:, :count], radius)}
+    if not design.output.rollers:
+        rubs["output"] = _rub(reducer, found.output, slip[:, count:], design.output.pin_radius)
+    if design.gear.bearing == "plain":
+        force = magnitudes(found.cam).reshape(len(slip), -1)
+        speed = np.full_like(force, design.gear.bore_radius * relative_speed(reducer, design.drive.speed))
+        rubs["cam"] = _rub(reducer, force, speed, design.gear.bore_radius)
+    return rubs
+
+
+def _rub(reducer: Reducer, force: Array, speed: Array, radius: float) -> Rub:
+    """Give how contacts under forces [N] slide at speeds [m/s], shapes (m, n), on pins of a radius [m]."""
+    rubbed, carries = force * speed, force > 0.0
+    return Rub(
+        power=float(rubbed.sum(axis=1).mean()),
+        pressure_speed=float(rubbed.max()) / (2.0 * radius * reducer.design.gear.face_width),
+        speed=float(speed[carries].mean()) if carries.any() else 0.0,
+    )
+
+
+def _shaft_forces(reducer: Reducer, shaft: Shaft, crank: Array, cam: Array) -> tuple[Array, Array]:
+    """Give places along the shaft (p,) [m] and the forces there in its frame, shape (m, p, 2) [N].
+
+    The loads are each disc on its cam (m, discs, 2) and the unbalance of the shaft itself; two bearings hold it as a
+    beam.
+    """
+    cosine, sine = np.cos(crank)[:, np.newaxis], np.sin(crank)[:, np.newaxis]
+    x, y = cam[..., 0], cam[..., 1]
+    turned = np.stack([-(cosine * x + sine * y), -(cosine * y - sine * x)], axis=-1)
+    own = mass_properties(crank_solid(reducer))
+    flung = np.broadcast_to(own.mass * own.centroid[:2] * reducer.design.drive.speed**2, (len(crank), 1, 2))
+    far, near = (0.5 * sum(ends) for ends in shaft.bearings)
+    acting = np.array([*reducer.design.gear.disc_planes, 0.5 * sum(shaft.counterweight)])
+    applied = np.concatenate([turned, flung], axis=1)
+    at_near = -np.einsum("p,mpx->mx", (acting - far) / (near - far), applied)
+    at_far = -applied.sum(axis=1) - at_near
+    return np.array([*acting, far, near]), np.concatenate([applied, at_far[:, None], at_near[:, None]], axis=1)
+
+
+def bending(found: Loading, place: float) -> Array:
+    """Give the bending moment [N m] at a place along the shaft [m], in its frame, shape (m, 2)."""
+    arm = np.maximum(found.places - place, 0.0)
+    return np.asarray(np.einsum("p,mpx->mx", arm, found.shaft))

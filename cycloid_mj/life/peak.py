@@ -1,0 +1,73 @@
+"""An emergency stop: the torque that is held once, without yield, dents, sheared or bent pins, or a jumped tooth."""
+
+import math
+from collections.abc import Iterator
+
+from cycloid_mj.life.item import Item
+from cycloid_mj.life.loading import Loading
+from cycloid_mj.life.strength import pin_moment
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.pressure import HARDNESS_PRESSURE, YIELD_PRESSURE
+
+KINDS = {
+    "peak_yield": ("first yield", YIELD_PRESSURE, "yield_strength", "p0 = 1.79 Y, below a line (Johnson 1985, 4.4)")
+}
+KINDS["peak_dents"] = ("lasting dents", HARDNESS_PRESSURE, "tensile_strength", "p0 = 2.84 S, Brinell's (ISO 18265)")
+"""Pressures that are held once: what happens beyond, over which strength, and its source."""
+
+
+def peaks(reducer: Reducer, peak: float, worst: Loading) -> Iterator[Item]:
+    """Rate a peak torque [N m] by what each part holds once; forces go with the torque of the worst loading."""
+    design = reducer.design
+    torque = abs(worst.point.torque)
+    for key, (what, factor, kind_of_strength, source) in KINDS.items():
+        held = {
+            kind: torque
+            * (factor * min(getattr(part, kind_of_strength) for part in design.partners(kind)) / pressure) ** 2
+            for kind, pressure in worst.pressures.items()
+            if pressure > 0.0
+        }
+        if held:
+            kind = min(held, key=lambda one: held[one])
+            note = f"in {kind}; the pressure goes with the root of the torque"
+            yield _torque_item(key, what, peak, held[kind], source, note)
+    output, made = design.output, design.material_of("output")
+    radius, force = output.root_radius, float(worst.output.sum(axis=1).max()) * peak / torque
+    planes = 1 if output.support == "cantilever" else 2
+    shear, strength = force / (planes * math.pi * radius**2), made.yield_strength / math.sqrt(3.0)
+    yield Item(
+        "peak_pin_shear",
+        "emergency stop, shear of an output pin",
+        1e-6 * shear,
+        1e-6 * strength,
+        "MPa",
+        strength / shear if shear else math.inf,
+        None,
+        "F/(n pi r^2) against Y/sqrt(3)",
+        f"{planes} x {1e3 * radius:.3g} mm radius; forces in proportion to the torque",
+    )
+    bent = 4.0 * float(pin_moment(reducer, worst.output).max()) * peak / torque / (math.pi * radius**3)
+    yield Item(
+        "peak_pin_bending",
+        "emergency stop, bending of an output pin",
+        1e-6 * bent,
+        1e-6 * made.yield_strength,
+        "MPa",
+        made.yield_strength / bent if bent else math.inf,
+        None,
+        "4 M/(pi r^3) against Y",
+        "nominal stress: a notch yields, and holds once; forces in proportion to the torque",
+    )
+    jump = torque / (design.lobes * worst.wind_up) if worst.wind_up else math.inf
+    yield _torque_item(
+        "peak_jump",
+        "jump of a tooth",
+        peak,
+        jump,
+        "T = k/z: the top of a sine of one lobe's pitch, z lobes, that starts with the gear's stiffness k",
+        "assumed: the ring does not widen; k of all contacts and the cam at the largest load",
+    )
+
+
+def _torque_item(key: str, what: str, peak: float, held: float, source: str, note: str) -> Item:
+    return Item(key, f"emergency stop, {what}", peak, held, "N m", held / peak, None, source, note)

@@ -1,0 +1,175 @@
+"""Fatigue of parts: roots of output pins, shoulders of the shaft, walls of gear and ring."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from cycloid_mj.base.names import family
+from cycloid_mj.base.types import Array
+from cycloid_mj.checks.strength import Wall, walls
+from cycloid_mj.life.fatigue import Fatigue, endurance_limit, notch_factor
+from cycloid_mj.life.item import Item
+from cycloid_mj.life.loading import Loading, bending
+from cycloid_mj.life.ranges import StressRange
+from cycloid_mj.life.surfaces import SOFTEST_STEEL
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.stress.notch import BENDING, TORSION, root_arms, shoulder_factor
+from cycloid_mj.stress.shaftgrid import shaft_measures
+
+ANGLES = np.linspace(0.0, math.pi, 36, endpoint=False)
+"""Directions around the shaft in which fibres are looked at [rad]."""
+
+STUDIED = {"gear": "gear web", "ring": "ring and its ligaments"}
+"""Parts whose stress range comes from a study by finite elements where there is one: its name there -> in words."""
+
+HOLED = {"gear": "gear", "housing": "ring"}
+MADE = {studied: part for part, studied in HOLED.items()}
+"""Part of a wall -> its name in that study, and the other way round."""
+
+
+def strength(reducer: Reducer, worst: Loading, ranges: dict[str, StressRange] | None = None) -> Iterator[Item]:
+    """Rate every part against endless repetition of the largest load; `ranges` are those of a study, by part."""
+    yield output_pin(reducer, worst.output)
+    yield _shoulder(reducer, worst)
+    torque = abs(worst.point.torque)
+    studied = {part: found for part, found in (ranges or {}).items() if family(part) in STUDIED}
+    for part, found in studied.items():
+        yield _studied(reducer, part, found, torque)
+    for wall in walls(reducer):
+        if HOLED[wall.part] not in map(family, studied):
+            yield _wall(reducer, wall, worst)
+
+
+def output_pin(reducer: Reducer, force: Array) -> Item:
+    """Rate the root of an output pin under the forces of the discs on it [N], shape (..., discs, pins), which pulsate.
+
+    A cantilever of the output disc, or a beam clamped at both ends; under a roller it is the core that bends.
+    """
+    design = reducer.design
+    made, radius, fillet = design.material_of("output"), design.output.root_radius, design.output.root_fillet
+    moment = float(pin_moment(reducer, force).max())
+    nominal = 4.0 * moment / (math.pi * radius**3)
+    shape = shoulder_factor(radius, fillet, math.inf, BENDING)
+    notch = design.service.notch_factor or notch_factor(shape, fillet, made.tensile_strength)
+    half = 0.5 * notch * nominal
+    fatigue = Fatigue(half, half, _endurance(reducer, made.tensile_strength, 2.0 * radius), made.tensile_strength)
+    held = "a cantilever" if design.output.support == "cantilever" else "a beam clamped at both ends"
+    given = "of the design file" if design.service.notch_factor else f"from its fillet of {1e3 * fillet:.3g} mm"
+    return Item(
+        "output_pin_fatigue",
+        "output pin at its root, fatigue",
+        1e-6 * nominal,
+        1e-6 * fatigue.endurance,
+        "MPa",
+        fatigue.safety,
+        None,
+        f"Goodman, pulsating bending of {held}, 4 M/(pi r^3)",
+        f"core of {1e3 * radius:.3g} mm radius, notch factor {notch:.3g} {given}; {_limit_told(reducer, 'output')}",
+    )
+
+
+def pin_moment(reducer: Reducer, force: Array) -> Array:
+    """Give the bending moment at the root of each pin [N m], shape (..., pins), of forces [N] (..., discs, pins).
+
+    Each disc presses in its middle, see ``stress.notch.root_arms``; of two roots the larger moment.
+    """
+    return np.asarray(np.einsum("rd,...dp->...rp", root_arms(reducer), force).max(axis=-2))
+
+
+def _shoulder(reducer: Reducer, worst: Loading) -> Item:
+    """Rate the shaft's weakest shoulder; in its own frame the load stands nearly still: its ripple is the amplitude."""
+    design = reducer.design
+    shaft, made, fillet = shaft_measures(reducer), design.material_of("shaft"), design.shaft.shoulder_fillet
+    around = np.stack([np.cos(ANGLES), np.sin(ANGLES)], axis=1)
+    section = 4.0 / (math.pi * shaft.radius**3)
+    endurance = _endurance(reducer, made.tensile_strength, 2.0 * shaft.radius)
+    found: list[tuple[float, Item]] = []
+    for shoulder in shaft.shoulders:
+        factors = [
+            notch_factor(shoulder_factor(shaft.radius, fillet, shoulder.outer, terms), fillet, made.tensile_strength)
+            for terms in (BENDING, TORSION)
+        ]
+        stress = factors[0] * section * bending(worst, shoulder.z) @ around.T
+        shear = factors[1] * 0.5 * section * worst.crank_torque
+        high, low = stress.max(axis=0), stress.min(axis=0)
+        amplitude = 0.5 * (high - low)
+        mean = np.hypot(0.5 * (high + low), math.sqrt(3.0) * shear)
+        used = int(np.argmax(amplitude / endurance + mean / made.tensile_strength))
+        fatigue = Fatigue(float(amplitude[used]), float(mean[used]), endurance, made.tensile_strength)
+        item = Item(
+            "shaft_fatigue",
+            f"shaft, {shoulder.name}, fatigue",
+            1e-6 * float(mean[used] + amplitude[used]),
+            1e-6 * endurance,
+            "MPa",
+            fatigue.safety,
+            None,
+            "Goodman, notch factors of DIN 743-2, a ripple on a load that turns with the shaft",
+            f"fillet of {1e3 * fillet:.3g} mm, notch factors {factors[0]:.3g} in bending, {factors[1]:.3g} in torsion; "
+            f"{_limit_told(reducer, 'shaft')}",
+        )
+        found.append((fatigue.safety, item))
+    return min(found, key=lambda one: one[0])[1]
+
+
+def _studied(reducer: Reducer, part: str, found: StressRange, torque: float) -> Item:
+    """Rate a part by the range of stress at its worst node, which a study by finite elements found over a turn."""
+    made = reducer.design.material_of(MADE[family(part)])
+    scale = torque / found.load
+    endurance = _endurance(reducer, made.tensile_strength, 0.0)
+    fatigue = Fatigue(scale * found.amplitude, scale * found.mean, endurance, made.tensile_strength)
+    scaled = "" if math.isclose(scale, 1.0, rel_tol=1e-3) else f", times {scale:.3g} for this torque"
+    return Item(
+        f"{part}_fatigue",
+        f"{STUDIED[family(part)]}, fatigue",
+        1e-6 * scale * (found.amplitude + max(found.mean, 0.0)),
+        1e-6 * endurance,
+        "MPa",
+        fatigue.safety,
+        None,
+        "Goodman, range of stress of the worst node over a turn, by finite elements",
+        f"stress study at {found.load:.4g} N m{scaled}; {_limit_told(reducer, MADE[family(part)])}",
+    )
+
+
+def _wall(reducer: Reducer, wall: Wall, worst: Loading) -> Item:
+    """Rate a wall as a beam clamped at both ends of the hole beside it, with the pin's force in the middle."""
+    design = reducer.design
+    made = design.material_of(wall.part)
+    by_tooth = wall.kind == design.tooth_pair
+    force = worst.teeth if by_tooth else float(worst.output.max())
+    span = 2.0 * (design.ring.pin_radius if by_tooth else design.output.hole_radius)
+    width = design.gear.face_width
+    bent = 0.75 * force * span / (width * wall.thickness**2)
+    sheared = math.sqrt(3.0) * 0.75 * force / (width * wall.thickness)
+    half = 0.5 * max(bent, sheared)
+    safety = Fatigue(half, half, _endurance(reducer, made.tensile_strength, wall.thickness), made.tensile_strength)
+    return Item(
+        f"{wall.name}_fatigue",
+        f"wall {wall.where}, fatigue",
+        2e-6 * half,
+        1e-6 * safety.endurance,
+        "MPa",
+        safety.safety,
+        None,
+        "Goodman, pulsating; clamped beam, 6 (F l/8)/(w t^2), or its shear, sqrt(3) 1.5 F/(2 w t)",
+        f"assumed: l {1e3 * span:.3g} mm, the hole, t {1e3 * wall.thickness:.3g} mm; or --stress; "
+        f"{_limit_told(reducer, wall.part)}",
+    )
+
+
+def _endurance(reducer: Reducer, tensile: float, thickness: float) -> float:
+    service, bearing = reducer.design.service, reducer.design.bearing
+    return service.endurance_limit or endurance_limit(tensile, thickness, service.surface, bearing.reliability)
+
+
+def _limit_told(reducer: Reducer, part: str) -> str:
+    """Tell where the endurance limit of a part is from."""
+    design = reducer.design
+    service, made = design.service, design.material_of(part)
+    if service.endurance_limit:
+        return "endurance limit of the design file"
+    if made.youngs_modulus < SOFTEST_STEEL:
+        return f"endurance limit by strength as of steel: a guess for {made.name or 'this material'}"
+    return f"endurance limit by strength, {service.surface}, size, {design.bearing.reliability:.0%} (Shigley 6-7)"

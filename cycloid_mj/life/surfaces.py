@@ -1,0 +1,107 @@
+"""Surfaces under Hertz's pressure: first yield, shakedown, and pitting by hardness and the number of loads."""
+
+import math
+from collections.abc import Iterator, Sequence
+
+from cycloid_mj.life.item import Item
+from cycloid_mj.life.loading import Loading, relative_speed, speed_past_ring
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.pressure import SHAKEDOWN_PRESSURE, YIELD_PRESSURE, pair_strength
+
+SOFTEST_STEEL = 1e11
+"""Young's modulus [Pa] of what counts as steel: curves of pitting and endurance limits are steel's alone."""
+
+PITTING = 2.22e6, 200e6
+"""Allowable pressure at 10^7 loads, S_c = 2.22 HB + 200 MPa: through-hardened steel, grade 1 (AGMA 2001-D04, 10.3)."""
+
+HARDEST = 1240e6
+"""The same of carburised steel, grade 1 [Pa], at 55 to 64 HRC: harder steel is not credited more."""
+
+PITTING_LIFE = 2.466, 0.056
+"""Stress-cycle factor Z_N = 2.466 n^-0.056 (AGMA 2001-D04, Fig. 17), for every number of loads."""
+
+BRINELL = 3.45
+"""Tensile strength of steel per Brinell hardness [MPa] (ISO 18265)."""
+
+FEWEST = 1e4
+"""Loads from which on that curve is drawn."""
+
+NAMES = {
+    "pin_gear": "teeth on pins",
+    "tooth": "gear on internal gear",
+    "pin_socket": "pins in sockets",
+    "pin_sleeve": "sleeves on their pins",
+    "output": "output pins in holes",
+}
+
+
+def surfaces(reducer: Reducer, found: Sequence[Loading]) -> Iterator[Item]:
+    """Rate the pressures of teeth, holes and seats: yield and shakedown by the worst, pitting by Miner's sum."""
+    for kind, name in NAMES.items():
+        pressure = max((one.pressures.get(kind, 0.0) for one in found), default=0.0)
+        if not pressure > 0.0:
+            continue
+        strength = pair_strength(reducer, kind)
+        for key, what, factor, source in (
+            ("yield", "first yield", YIELD_PRESSURE, "p0 = 1.79 Y, below a line (Johnson 1985, 4.4)"),
+            ("shakedown", "shakedown", SHAKEDOWN_PRESSURE, "p0 = 4 k = 2.31 Y, rolling line (Johnson 1985, 9.2)"),
+        ):
+            limit = factor * strength
+            yield Item(
+                f"{kind}_{key}",
+                f"{name}, {what}",
+                1e-6 * pressure,
+                1e-6 * limit,
+                "MPa",
+                limit / pressure,
+                None,
+                source,
+                f"Hertz's p0; Y {1e-6 * strength:.4g} MPa of the weaker partner",
+            )
+        if all(part.youngs_modulus >= SOFTEST_STEEL for part in reducer.design.partners(kind)):
+            yield _pitting(reducer, found, kind, pressure)
+
+
+def _pitting(reducer: Reducer, found: Sequence[Loading], kind: str, pressure: float) -> Item:
+    tensile = min(part.tensile_strength for part in reducer.design.partners(kind))
+    allowed = pitting_pressure(tensile)
+    damage, hourly, on_pins = 0.0, 0.0, 0.0
+    for one in found:
+        loads = _turns_an_hour(relative_speed(reducer, one.point.speed)) * one.point.share
+        hourly += loads
+        on_pins += _turns_an_hour(speed_past_ring(reducer, one.point.speed)) * one.point.share
+        damage += loads / pitting_cycles(one.pressures[kind], allowed) if one.pressures[kind] > 0.0 else 0.0
+    life = 1.0 / damage if damage else math.inf
+    note = (
+        f"{hourly:.0f} loads an hour on each lobe and hole, one a turn of the crank against the gear, {on_pins:.0f} "
+        f"on each place of the ring; {1e-6 * tensile / BRINELL:.0f} HB by the tensile strength (assumed)"
+    )
+    if life * hourly < FEWEST:
+        note += "; below 10^4 loads the curve is drawn on"
+    return Item(
+        f"{kind}_pitting",
+        f"{NAMES[kind]}, pitting",
+        1e-6 * pressure,
+        1e-6 * allowed,
+        "MPa",
+        None,
+        life,
+        "Z_N = 2.466 n^-0.056, S_c = 2.22 HB + 200 MPa, AGMA 2001-D04; Miner",
+        note,
+    )
+
+
+def _turns_an_hour(speed: float) -> float:
+    return speed / (2.0 * math.pi) * 3600.0
+
+
+def pitting_pressure(tensile: float) -> float:
+    """Give the pressure [Pa] that a steel of a tensile strength [Pa] bears 10^7 times without pits."""
+    slope, base = PITTING
+    return min(slope * 1e-6 * tensile / BRINELL + base, HARDEST)
+
+
+def pitting_cycles(pressure: float, allowed: float) -> float:
+    """Give the number of loads until pits at a pressure [Pa], by what is allowed for 10^7 [Pa]."""
+    factor, power = PITTING_LIFE
+    return float((factor * allowed / pressure) ** (1.0 / power))

@@ -1,6 +1,0 @@
-"""The MuJoCo model of a design: its parts, its sensors and its contact physics."""
-
-from cycloid_mj.mjcf.model import ReducerModel, build, xml
-from cycloid_mj.mjcf.sensors import addresses, sensors
-
-__all__ = ["ReducerModel", "addresses", "build", "sensors", "xml"]

@@ -1,0 +1,141 @@
+"""The papers that this project is held against: each a package of its own, found by the entry points of `GROUP`.
+
+Nothing in `cycloid_mj` imports a paper by its name: a second one is a second package, with a `Paper` of its own.
+"""
+
+import re
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache, partial
+from importlib.metadata import EntryPoint, entry_points
+from typing import TYPE_CHECKING, TypeVar
+
+from cycloid_mj.base.errors import warn
+from cycloid_mj.reducer import Reducer
+
+if TYPE_CHECKING:
+    from cycloid_mj.base.result import Claim
+    from cycloid_mj.design import Design
+    from cycloid_mj.measure.published import Published
+    from cycloid_mj.stress.findings import Reference
+    from cycloid_mj.stress.study import StressStudy
+
+Answer = TypeVar("Answer")
+
+GROUP = "cycloid_mj.papers"
+"""Entry points of this group name the `Paper` of a package, as in ``hsieh2014 = "hsieh2014:PAPER"``."""
+
+
+@dataclass(frozen=True)
+class Vibration:
+    """Where a paper finds that a pin design fluctuates more than a nonpin one: its `source`, and quantity -> figure."""
+
+    source: str = "none is installed"
+    figures: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Paper:
+    """What a paper adds to the commands.
+
+    Attributes
+    ----------
+    key
+        Its name for programs, and of its command where there are several papers.
+    source
+        Author and year, as tables name it.
+    command, examples
+        Where the function behind ``cycloid-mj reproduce`` is, as ``module:function``; the examples of its help.
+    torques
+        Gives the output torques that the paper has for a design, if it is one of the paper's.
+    stress_references
+        Gives what the paper has on the stress of a design's parts, by their names.
+    vibration
+        Where it ranks the vibration of pin and nonpin designs, if it does.
+    stress_claims
+        Judges what the paper claims of stress by studies of several designs.
+    """
+
+    key: str
+    source: str
+    command: str
+    examples: str
+    torques: Callable[["Design"], "Sequence[Published]"] = lambda design: ()
+    vibration: Vibration | None = None
+    stress_references: Callable[["Design"], "Mapping[str, Reference]"] = lambda design: {}
+    stress_claims: Callable[["Sequence[StressStudy]"], "Sequence[Claim]"] = lambda studies: ()
+
+
+@cache
+def papers() -> tuple[Paper, ...]:
+    """Load the papers that are installed, by name; one with a fault is left out with a warning."""
+    found: dict[str, Paper] = {}
+    points = {point.name: point for point in entry_points(group=GROUP)}
+    for name in sorted(points):
+        paper = _answer(name, "left out", partial(_checked, points[name], found))
+        found |= {paper.key: paper} if paper else {}
+    return tuple(found.values())
+
+
+def published_torques(reducer: "Reducer") -> "list[Published]":
+    """List the output torques that the papers have for a design."""
+    return [one for _, torques in _answers(lambda paper: paper.torques(reducer.design)) for one in torques]
+
+
+def vibration() -> Vibration:
+    """Find where a paper ranks the vibration of pin and nonpin designs; nothing where none does."""
+    return next((paper.vibration for paper in papers() if paper.vibration), Vibration())
+
+
+def stress_references(reducer: "Reducer") -> "dict[str, Reference]":
+    """Collect what the papers have on the stress of a design's parts, by their names."""
+    return {
+        part: reference
+        for _, references in _answers(lambda paper: paper.stress_references(reducer.design))
+        for part, reference in references.items()
+    }
+
+
+def stress_claims(studies: "Sequence[StressStudy]") -> "dict[str, Sequence[Claim]]":
+    """Judge what each paper claims of stress by studies of several designs: source -> claims."""
+    return {paper.source: claims for paper, claims in _answers(lambda paper: paper.stress_claims(studies))}
+
+
+def _answers(ask: Callable[[Paper], Answer]) -> Iterator[tuple[Paper, Answer]]:
+    """Ask every paper; one that fails is passed over with a warning."""
+    for paper in papers():
+        answer = _answer(paper.key, "passed over", partial(ask, paper))
+        if answer is not None:
+            yield paper, answer
+
+
+def _answer(name: str, instead: str, ask: Callable[[], Answer]) -> Answer | None:
+    """Ask a paper, whose code is not ours: whatever is wrong with it, the commands shall run."""
+    try:
+        return ask()
+    except (Exception, SystemExit) as problem:
+        reason = " ".join(f"{problem}".split()) or type(problem).__name__
+        reason = f"it ends the program ({reason})" if isinstance(problem, SystemExit) else reason
+        warn(f"paper {name}", [f"{instead}, since {reason}"])
+        return None
+
+
+def _checked(point: EntryPoint, taken: Container[str]) -> Paper:
+    """Load a paper and its command; raise any exception where either is not to be used."""
+    try:
+        paper = point.load()
+    except Exception as problem:
+        raise LookupError(f"{point.value} does not load: {problem}") from problem
+    if not isinstance(paper, Paper):
+        raise TypeError(f"{point.value} is no Paper but of type {type(paper).__name__}")
+    if not isinstance(paper.key, str) or not re.fullmatch(r"[A-Za-z0-9][\w.-]*", paper.key):
+        raise ValueError(f"its key {paper.key!r} is no name of a command")
+    if paper.key in taken:
+        raise ValueError(f"its key {paper.key!r} is taken by another paper")
+    try:
+        command = EntryPoint(paper.key, paper.command, GROUP).load()
+    except Exception as problem:
+        raise LookupError(f"its command {paper.command!r} does not load: {problem}") from problem
+    if not callable(command):
+        raise TypeError(f"its command {paper.command!r} is no function")
+    return paper

@@ -1,0 +1,45 @@
+"""Every part of the reducer as exact extruded outlines: its mass properties and its watertight mesh.
+
+The parts follow from a ``Design`` alone; what does not fit together is refused here, in the words of the design file.
+"""
+
+from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR, mass_chord_error
+from cycloid_mj.parts.gear import gear_solid
+from cycloid_mj.parts.housing import housing_solid, pin_solid, sleeve_core_radius
+from cycloid_mj.parts.inertia import MassProperties, mass_properties
+from cycloid_mj.parts.mesh import Mesh, mesh
+from cycloid_mj.parts.moving import moving_masses, output_inertia
+from cycloid_mj.parts.output import output_centres, output_solid, pin_radius
+from cycloid_mj.parts.parts import body_solids, carried, crank_solid, crank_stretches, parts
+from cycloid_mj.parts.polygon import circle
+from cycloid_mj.parts.prism import Prism, Solid
+from cycloid_mj.parts.shaft import shaft_solid, spacer_radius, stretches
+
+__all__ = [
+    "VISUAL_CHORD_ERROR",
+    "MassProperties",
+    "Mesh",
+    "Prism",
+    "Solid",
+    "body_solids",
+    "carried",
+    "circle",
+    "crank_solid",
+    "crank_stretches",
+    "gear_solid",
+    "housing_solid",
+    "mass_chord_error",
+    "mass_properties",
+    "mesh",
+    "moving_masses",
+    "output_centres",
+    "output_inertia",
+    "output_solid",
+    "parts",
+    "pin_radius",
+    "pin_solid",
+    "shaft_solid",
+    "sleeve_core_radius",
+    "spacer_radius",
+    "stretches",
+]

@@ -1,0 +1,35 @@
+"""How finely the parts are drawn: the largest distance of a chord from its curve."""
+
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.reducer import Reducer
+
+VISUAL_CHORD_ERROR = 5e-6
+"""For meshes that are looked at [m]: a few thousand triangles a part."""
+
+MASS_CHORD_ERROR = 5e-7
+"""For mass properties, as a share of the thinnest radius of the design."""
+
+
+def mass_chord_error(reducer: Reducer) -> float:
+    """Give the chord error for mass properties [m].
+
+    A circle of radius r drawn with the chord error s loses the share 4/3 s/r of its area, and no part is slighter than
+    the thinnest of pins and shaft: each volume is right to 1e-6.
+    """
+    design = reducer.design
+    return MASS_CHORD_ERROR * min(design.ring.pin_radius, design.output.pin_radius, design.shaft.radius)
+
+
+def drawing_error(reducer: Reducer, chord_error: float | None) -> float:
+    """Give the chord error that a part is drawn with [m]: the asked one, or that for mass properties if None.
+
+    Raises
+    ------
+    DesignError
+        It is not positive.
+    """
+    if chord_error is None:
+        return mass_chord_error(reducer)
+    if not chord_error > 0.0:
+        raise DesignError(f"the chord error is {chord_error} m; it must be positive, e.g. {VISUAL_CHORD_ERROR} m")
+    return chord_error

@@ -1,0 +1,66 @@
+"""Convex pieces for MuJoCo's collision: sliced working surfaces, CoACD for the rest, and their measured quality.
+
+A concave flank cannot be the union of few convex bodies and be exact. So the working surfaces are cut by curvature
+before CoACD sees them; what is behind them carries no contact between the parts, and is CoACD's.
+"""
+
+from cycloid_mj.parts.convex.bearing import gear_bore, gear_holes, pin_sockets
+from cycloid_mj.parts.convex.decompose import coacd_pieces, require_single
+from cycloid_mj.parts.convex.plain import Plain, plain_gear, plain_ring
+from cycloid_mj.parts.convex.quality import Quality, fill, hull_body, polygon_body, surface_quality
+from cycloid_mj.parts.convex.rest import Rest, Sector, decompose, sectors
+from cycloid_mj.parts.convex.settings import CoacdSettings, ConvexSettings
+from cycloid_mj.parts.convex.surface import Place, Slice, Surface, placed_outline, prism
+from cycloid_mj.parts.convex.teeth import gear_teeth, ring_lobes
+from cycloid_mj.reducer import Reducer
+
+__all__ = [
+    "CoacdSettings",
+    "ConvexSettings",
+    "Place",
+    "Plain",
+    "Quality",
+    "Rest",
+    "Sector",
+    "Slice",
+    "Surface",
+    "coacd_pieces",
+    "decompose",
+    "fill",
+    "gear_bore",
+    "gear_holes",
+    "gear_teeth",
+    "hull_body",
+    "pin_sockets",
+    "placed_outline",
+    "plain_gear",
+    "plain_ring",
+    "polygon_body",
+    "prism",
+    "require_single",
+    "ring_lobes",
+    "sectors",
+    "surface_quality",
+    "surfaces",
+]
+
+
+def surfaces(reducer: Reducer, settings: ConvexSettings) -> tuple[Surface, ...]:
+    """Give every sliced working surface of a design: teeth, bore and holes of the gear, and what they roll in.
+
+    Discs whose size is not the first one's have teeth of their own; all have the first one's holes here, which stand
+    elsewhere on each.
+
+    Raises
+    ------
+    DesignError
+        The gear is undercut, or a slice is not convex.
+    """
+    ring: tuple[Surface, ...] = ()
+    if reducer.design.ring.kind == "nonpin":
+        ring = (ring_lobes(reducer, settings),)
+    elif reducer.design.ring.has_sockets:
+        ring = (pin_sockets(reducer, settings),)
+    sizes = reducer.deviations.disc_radius
+    teeth = [gear_teeth(reducer, settings, disc) for disc, size in enumerate(sizes) if disc == 0 or size != sizes[0]]
+    return (*teeth, gear_bore(reducer, settings), gear_holes(reducer, settings), *ring)

@@ -1,0 +1,106 @@
+"""Round holes around round parts, as flat facets: the gear's bore and holes, and the sockets of free pins.
+
+What the part in the hole feels is its play, R - r to every side. Flat facets at the distance R from the axis leave it
+a polygon of that inner radius to move in, which differs from the circle by (R - r)(1/cos(pi/n) - 1) only: nothing to
+speak of where the play is a clearance, however coarse the facets. The error is balanced to both sides.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.base.types import Array
+from cycloid_mj.geometry.profile import unit
+from cycloid_mj.parts.convex.settings import OVERLAP, TOLERANCE, ConvexSettings
+from cycloid_mj.parts.convex.surface import Place, Surface, convex_slice
+from cycloid_mj.parts.convex.teeth import SAMPLES
+from cycloid_mj.parts.convex.walls import gear_depth, housing_depth
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.sockets import socket_half_angle
+
+
+@dataclass(frozen=True)
+class Hole:
+    """One of some equal holes: radii of the hole and of the part in it [m], half its opening angle [rad].
+
+    `turns` are the clockwise angles [rad] of the holes' middles, and `centres` (n, 2) [m] their axes.
+    """
+
+    name: str
+    radius: float
+    inner_radius: float
+    half_angle: float
+    turns: Array
+    centres: Array
+
+
+def gear_bore(reducer: Reducer, settings: ConvexSettings) -> Surface:
+    """Give the gear's bore, gear frame: `member` is 1."""
+    cam = reducer.design.gear.bore_radius
+    hole = Hole("bore", cam + reducer.design.clearance.cam, cam, math.pi, np.zeros(1), np.zeros((1, 2)))
+    return _facets(hole, gear_depth(reducer, settings), reducer, settings)
+
+
+def gear_holes(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Surface:
+    """Give the holes of a disc, as made, for the output pins, its frame: `member` is the hole, 1 on +y, clockwise."""
+    output = reducer.design.output
+    angles = 2.0 * math.pi * np.arange(output.pins) / output.pins
+    radius = output.hole_radius + reducer.design.clearance.output
+    centres = output.pin_circle_radius * unit(angles) + reducer.deviations.hole_place[disc]
+    hole = Hole("hole", radius, output.pin_radius, math.pi, angles, centres)
+    return _facets(hole, gear_depth(reducer, settings), reducer, settings)
+
+
+def pin_sockets(reducer: Reducer, settings: ConvexSettings) -> Surface:
+    """Give the sockets, as made, of free pins, reducer's frame: `member` is the pin, 1 on +y, clockwise."""
+    design = reducer.design
+    ring = design.ring
+    angles = 2.0 * math.pi * np.arange(ring.teeth) / ring.teeth
+    radius = ring.pin_radius + design.clearance.pin_socket
+    centres = ring.pin_circle_radius * unit(angles) + reducer.deviations.pin_place
+    hole = Hole("socket", radius, ring.pin_radius, socket_half_angle(design), angles, centres)
+    return _facets(hole, housing_depth(reducer, settings), reducer, settings)
+
+
+def facet_count(hole: Hole, settings: ConvexSettings) -> int:
+    """Give the facets of a whole turn that keep the play within the error asked for."""
+    play = hole.radius - hole.inner_radius
+    needed = math.pi / math.acos(1.0 / (1.0 + 2.0 * settings.play_error / play))
+    return max(settings.fewest_facets, math.ceil(needed))
+
+
+def _facets(hole: Hole, depth: float, reducer: Reducer, settings: ConvexSettings) -> Surface:
+    play, whole = hole.radius - hole.inner_radius, hole.half_angle == math.pi
+    count = math.ceil(facet_count(hole, settings) * hole.half_angle / math.pi)
+    step = 2.0 * hole.half_angle / count
+    error = 0.5 * play * (1.0 / math.cos(0.5 * step) - 1.0)
+    near, far = hole.radius - error, hole.radius + depth
+    width = 2.0 * near * math.tan(0.5 * step)
+    edges = np.array([-0.5, 0.5]) * step
+    aside = 0.5 * OVERLAP * settings.chord_error * np.array([[-1.0, 0.0], [1.0, 0.0]])
+    face, base = near / math.cos(0.5 * step) * unit(edges) + aside, far * unit(edges) + aside
+    outline = np.concatenate([face, base[::-1]])
+    curvature = 1.0 / hole.inner_radius - 1.0 / hole.radius
+    facet = convex_slice(hole.name, outline, width, curvature, hole.radius, play)
+    angles = (np.arange(count) + 0.5) * step - hole.half_angle
+    places = [
+        Place(0, member, float(turn + angle), (float(centre[0]), float(centre[1])))
+        for member, (turn, centre) in enumerate(zip(hole.turns, hole.centres, strict=True), start=1)
+        for angle in angles
+    ]
+    seen = unit(hole.turns[0] + np.linspace(-1.0, 1.0, SAMPLES, endpoint=not whole) * hole.half_angle)
+    corner = near / math.cos(0.5 * step) - hole.radius
+    base_area = 0.5 * count * far**2 * math.sin(step)
+    return Surface(
+        name=hole.name,
+        slices=(facet,),
+        places=tuple(places),
+        half_width=0.5 * (reducer.design.gear.stack_width if hole.name == "socket" else reducer.design.gear.face_width),
+        points=hole.centres[0] + hole.radius * seen,
+        normals=-seen,
+        strip_area=len(hole.turns) * (base_area - hole.half_angle * hole.radius**2),
+        depth=depth * math.cos(0.5 * step),
+        overfill_bound=TOLERANCE * max(error, settings.play_error),
+        underfill_bound=TOLERANCE * corner,
+    )

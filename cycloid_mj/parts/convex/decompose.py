@@ -1,0 +1,41 @@
+"""CoACD: the convex pieces of a mesh, and its word on whether a slice is one convex body."""
+
+import numpy as np
+
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.parts import Mesh, mesh
+from cycloid_mj.parts.convex.settings import CoacdSettings
+from cycloid_mj.parts.convex.surface import Surface, prism
+
+
+def coacd_pieces(shape: Mesh, settings: CoacdSettings) -> tuple[Mesh, ...]:
+    """Give the convex hulls that CoACD fills a watertight mesh with, in the order of their centroids.
+
+    CoACD keeps vertices in single precision, on a grid of about 1e-4 of the mesh's size.
+    """
+    import coacd
+
+    coacd.set_log_level("error")
+    found = coacd.run_coacd(
+        coacd.Mesh(shape.vertices, shape.faces),
+        threshold=settings.threshold,
+        preprocess_mode="off",
+        seed=settings.seed,
+        resolution=settings.resolution,
+        mcts_nodes=settings.mcts_nodes,
+        mcts_iterations=settings.mcts_iterations,
+        mcts_max_depth=settings.mcts_max_depth,
+    )
+    pieces = [Mesh(np.asarray(vertices, np.float64), np.asarray(faces, np.int32)) for vertices, faces in found]
+    return tuple(sorted(pieces, key=lambda piece: tuple(piece.vertices.mean(axis=0).round(9))))
+
+
+def require_single(surface: Surface, settings: CoacdSettings) -> None:
+    """Raise DesignError unless CoACD, too, takes every slice of a surface as one convex body."""
+    for number in range(len(surface.slices)):
+        parts = len(coacd_pieces(mesh(prism(surface, number)), settings))
+        if parts != 1:
+            raise DesignError(
+                f"CoACD cuts slice {number + 1} of the {surface.name} into {parts} parts: it is not convex; "
+                "make ConvexSettings.depth smaller"
+            )

@@ -1,0 +1,73 @@
+"""How well free-form pieces, CoACD's, fill a prism: measured in three dimensions along the normals of its walls."""
+
+import math
+
+import numpy as np
+from scipy.spatial import ConvexHull
+
+from cycloid_mj.base.types import Array
+from cycloid_mj.parts import Mesh, Prism
+from cycloid_mj.parts.convex.quality import Quality, fill, hull_body, quality
+from cycloid_mj.parts.inertia import region_moments
+
+SPACING = 1e-4
+"""Distance of the points on the walls of a prism along whose normals it is measured [m]."""
+
+DEPTH, REACH = 1e-4, 5e-2
+"""Where the walk along a normal begins below the wall, and where it ends above it [m]."""
+
+GRID = 1e-4
+"""CoACD's grid as a share of the mesh's size: cracks of that width between its pieces are no gaps."""
+
+
+def pieces_quality(region: Prism, pieces: tuple[Mesh, ...], points: Array, normals: Array) -> Quality:
+    """Measure convex pieces along normals at half the height of the prism that they fill.
+
+    Parameters
+    ----------
+    region
+        The true prism.
+    pieces
+        Its pieces.
+    points, normals
+        Points (k, 2) [m] of its true walls and unit normals out of the material.
+    """
+    middle = 0.5 * (region.z0 + region.z1)
+    at, out = np.insert(points, 2, middle, axis=1), np.insert(normals, 2, 0.0, axis=1)
+    bodies = [hull_body(piece.vertices) for piece in pieces]
+    ends = fill(at, out, bodies, DEPTH, REACH, seam=GRID * float(np.ptp(region.outline)))
+    volume = math.fsum(float(ConvexHull(piece.vertices).volume) for piece in pieces)
+    true_volume = region_moments(region).area * region.height
+    return quality(np.minimum(ends, free_way(region, points, normals)), len(pieces), volume / true_volume - 1.0)
+
+
+def wall_samples(region: Prism) -> tuple[Array, Array]:
+    """Give points (k, 2) [m] along the walls of a prism and the normals (k, 2) out of its material."""
+    points, normals = [], []
+    for ring in (region.outline, *(hole[::-1] for hole in region.holes)):
+        edges = np.roll(ring, -1, axis=0) - ring
+        for corner, edge, size in zip(ring, edges, np.linalg.norm(edges, axis=1), strict=True):
+            count = math.ceil(size / SPACING)
+            points.append(corner + (np.arange(count)[:, np.newaxis] + 0.5) / count * edge)
+            normals.append(np.tile([edge[1] / size, -edge[0] / size], (count, 1)))
+    return np.concatenate(points), np.concatenate(normals)
+
+
+def free_way(region: Prism, points: Array, normals: Array) -> Array:
+    """Give how far each normal runs before it meets the prism's material again, at most ``REACH`` [m], shape (k,)."""
+    rings = (region.outline, *region.holes)
+    starts = np.concatenate(rings)
+    edges = np.concatenate([np.roll(ring, -1, axis=0) - ring for ring in rings])
+    return np.array(
+        [_first_crossing(starts - point, edges, normal) for point, normal in zip(points, normals, strict=True)]
+    )
+
+
+def _first_crossing(starts: Array, edges: Array, normal: Array) -> float:
+    """Solve ``s normal = start + q edge`` for the smallest s above rounding with q in [0, 1]."""
+    turn = normal[0] * edges[:, 1] - normal[1] * edges[:, 0]
+    turn = np.where(turn == 0.0, np.inf, turn)
+    along = (starts[:, 0] * edges[:, 1] - starts[:, 1] * edges[:, 0]) / turn
+    across = (starts[:, 0] * normal[1] - starts[:, 1] * normal[0]) / turn
+    met = (along > DEPTH) & (across >= 0.0) & (across <= 1.0)
+    return float(along[met].min(initial=REACH))

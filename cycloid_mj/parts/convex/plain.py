@@ -1,0 +1,39 @@
+"""Plain CoACD, nothing sliced before: what it makes of the teeth, measured, so that anybody can see why they are."""
+
+from dataclasses import dataclass
+
+from cycloid_mj.geometry import envelope, profile
+from cycloid_mj.parts import VISUAL_CHORD_ERROR, Mesh, Solid, gear_solid, housing_solid, mesh
+from cycloid_mj.parts.convex.decompose import coacd_pieces
+from cycloid_mj.parts.convex.measure import pieces_quality
+from cycloid_mj.parts.convex.quality import Quality
+from cycloid_mj.parts.convex.settings import CoacdSettings
+from cycloid_mj.parts.convex.teeth import SAMPLES
+from cycloid_mj.reducer import Reducer
+
+
+@dataclass(frozen=True)
+class Plain:
+    """CoACD's pieces of a whole part, and their quality along the true normals of its teeth."""
+
+    part: str
+    pieces: tuple[Mesh, ...]
+    quality: Quality
+
+
+def plain_gear(reducer: Reducer, settings: CoacdSettings) -> Plain:
+    """Give the whole cycloid gear as CoACD cuts it; takes about a minute."""
+    seen = profile.sample(reducer.gear_profile, SAMPLES, reducer.profile_offset)
+    return _plain(gear_solid(reducer, VISUAL_CHORD_ERROR), seen, settings)
+
+
+def plain_ring(reducer: Reducer, settings: CoacdSettings) -> Plain:
+    """Give the whole internal gear of a nonpin design as CoACD cuts it; takes about a minute."""
+    seen = envelope.sample_ring(reducer.tooth_profile, SAMPLES)
+    return _plain(housing_solid(reducer, VISUAL_CHORD_ERROR), seen, settings)
+
+
+def _plain(part: Solid, seen: profile.Outline | envelope.RingOutline, settings: CoacdSettings) -> Plain:
+    (region,) = part.prisms
+    pieces = coacd_pieces(mesh(part), settings)
+    return Plain(part.name, pieces, pieces_quality(region, pieces, seen.points, seen.normals))

@@ -1,0 +1,170 @@
+"""How well convex pieces fill a part: measured along the true normals of its surface."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.types import Array
+from cycloid_mj.parts.convex.surface import Surface, placed_outline
+from cycloid_mj.parts.polygon import area_moments
+
+SEAM = 1e-11
+"""Width of a gap that is rounding only [m]."""
+
+_PARALLEL = 1e-12
+
+
+@dataclass(frozen=True)
+class Quality:
+    """How far the union of convex pieces leaves the true surface, along its normals.
+
+    Attributes
+    ----------
+    parts
+        Number of convex pieces.
+    max_overfill, rms_overfill
+        Beyond the surface, out of the material [m].
+    max_underfill, rms_underfill
+        Short of the surface, into the material [m].
+    volume_error
+        Volume of the pieces, each counted, over the true volume, less 1.
+    samples
+        Normals that were measured.
+    """
+
+    parts: int
+    max_overfill: float
+    rms_overfill: float
+    max_underfill: float
+    rms_underfill: float
+    volume_error: float
+    samples: int
+
+
+@dataclass(frozen=True)
+class Body:
+    """A convex region as half spaces, `normals` (m, d) . x <= `offsets` (m,), within the ball `centre`, `radius`."""
+
+    normals: Array
+    offsets: Array
+    centre: Array
+    radius: float
+
+
+def polygon_body(outline: Array) -> Body:
+    """Give the half planes of a counter-clockwise convex polygon (n, 2)."""
+    edges = np.roll(outline, -1, axis=0) - outline
+    normals = np.stack([edges[:, 1], -edges[:, 0]], axis=1) / np.linalg.norm(edges, axis=1)[:, np.newaxis]
+    centre = outline.mean(axis=0)
+    radius = float(np.linalg.norm(outline - centre, axis=1).max())
+    return Body(normals, np.sum(normals * outline, axis=1), centre, radius)
+
+
+def hull_body(vertices: Array) -> Body:
+    """Give the half spaces of the convex hull of points (n, 3)."""
+    from scipy.spatial import ConvexHull
+
+    scale = np.ptp(vertices, axis=0)
+    planes = ConvexHull((vertices - vertices[0]) / scale).equations
+    normals = planes[:, :3] / scale
+    size = np.linalg.norm(normals, axis=1)
+    normals /= size[:, np.newaxis]
+    centre = vertices.mean(axis=0)
+    radius = float(np.linalg.norm(vertices - centre, axis=1).max())
+    return Body(normals, normals @ vertices[0] - planes[:, 3] / size, centre, radius)
+
+
+def fill(
+    points: Array, normals: Array, bodies: Sequence[Body], start: float, reach: float, seam: float = SEAM
+) -> Array:
+    """Give where the union of convex bodies ends along each normal [m], shape (k,).
+
+    Parameters
+    ----------
+    points, normals
+        Points of the true surface (k, d) [m] and unit normals out of the material.
+    bodies
+        Convex bodies, of the same dimension.
+    start
+        Depth below the surface at which the walk outwards begins [m]: a gap between there and the surface is found.
+    reach
+        Where it ends above the surface [m].
+    seam
+        Bodies with less between them are taken as touching [m].
+    """
+    sample, low, high = _intervals(points, normals, bodies, max(start, reach))
+    end = np.full(len(points), -start)
+    while True:
+        joined = low <= end[sample] + seam
+        further = end.copy()
+        np.maximum.at(further, sample[joined], high[joined])
+        if not (further > end).any():
+            return np.minimum(end, reach)
+        end = further
+
+
+def surface_quality(surface: Surface) -> Quality:
+    """Measure a sliced surface along its normals.
+
+    Raises
+    ------
+    DesignError
+        It is worse than its bound.
+    """
+    outlines = [placed_outline(surface, place) for place in surface.places]
+    start, reach = 0.5 * surface.depth, surface.depth
+    ends = fill(surface.points, surface.normals, [polygon_body(outline) for outline in outlines], start, reach)
+    area = math.fsum(area_moments(outline).area for outline in outlines)
+    found = quality(ends, len(outlines), area / surface.strip_area - 1.0)
+    require_within(surface.name, found, surface.overfill_bound, surface.underfill_bound)
+    return found
+
+
+def quality(ends: Array, parts: int, volume_error: float) -> Quality:
+    """Summarise where the pieces end along each normal [m], shape (k,)."""
+    over, under = np.maximum(ends, 0.0), np.maximum(-ends, 0.0)
+    return Quality(
+        parts=parts,
+        max_overfill=float(over.max()),
+        rms_overfill=float(np.sqrt(np.mean(over**2))),
+        max_underfill=float(under.max()),
+        rms_underfill=float(np.sqrt(np.mean(under**2))),
+        volume_error=volume_error,
+        samples=len(ends),
+    )
+
+
+def require_within(name: str, found: Quality, overfill: float, underfill: float) -> None:
+    """Raise DesignError if a decomposition leaves its surface by more than the bounds [m]."""
+    for what, value, bound in (("over", found.max_overfill, overfill), ("under", found.max_underfill, underfill)):
+        if not value <= bound:
+            raise DesignError(
+                f"the convex pieces of the {name} {what}fill it by {1e6 * value:.4g} um, more than the "
+                f"{1e6 * bound:.4g} um allowed: make ConvexSettings.chord_error or its depth smaller"
+            )
+
+
+def _intervals(
+    points: Array, normals: Array, bodies: Sequence[Body], reach: float
+) -> tuple[npt.NDArray[np.intp], Array, Array]:
+    """Give where the lines of the normals run inside the bodies: index of the line, from and to [m]."""
+    found = []
+    for body in bodies:
+        near = np.flatnonzero(np.linalg.norm(points - body.centre, axis=1) <= body.radius + reach)
+        if not len(near):
+            continue
+        slope = normals[near] @ body.normals.T
+        room = body.offsets - points[near] @ body.normals.T
+        with np.errstate(divide="ignore", invalid="ignore"):
+            crossing = room / slope
+        low = np.where(slope < -_PARALLEL, crossing, -np.inf).max(axis=1)
+        high = np.where(slope > _PARALLEL, crossing, np.inf).min(axis=1)
+        outside = ((np.abs(slope) <= _PARALLEL) & (room < -SEAM)).any(axis=1)
+        inside = (low <= high) & ~outside
+        found.append((near[inside], low[inside], high[inside]))
+    sample, low, high = (np.concatenate(column) for column in zip(*found, strict=True))
+    return sample, low, high

@@ -1,0 +1,140 @@
+"""What is left of each part behind its working surfaces, by sectors: CoACD cuts one sector, and it serves for all."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.names import SPACER, family
+from cycloid_mj.base.types import Array
+from cycloid_mj.geometry.profile import unit
+from cycloid_mj.parts import Mesh, Prism, circle, mesh, output_solid, stretches
+from cycloid_mj.parts.convex.decompose import coacd_pieces
+from cycloid_mj.parts.convex.measure import pieces_quality, wall_samples
+from cycloid_mj.parts.convex.quality import Quality, require_within
+from cycloid_mj.parts.convex.settings import ConvexSettings
+from cycloid_mj.parts.convex.teeth import gear_base, ring_base
+from cycloid_mj.parts.convex.walls import gear_depth, housing_depth
+from cycloid_mj.parts.polygon import arc
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.sockets import arc_half_angle, wall_radius
+
+CUTS = 4
+"""How often a sector is cut, each time with half the threshold, until its pieces are within its bound."""
+
+
+@dataclass(frozen=True)
+class Sector:
+    """A part's region, or a `count`-th of it that is turned about z for the others; in the part's frame, on +y.
+
+    Its pieces may leave it by `bound` [m]: the depth of the slices before it, so that they do not come through. All
+    discs have the gear's sectors, those `of_teeth` as their teeth are turned.
+    """
+
+    part: str
+    region: Prism
+    bound: float
+    count: int = 1
+    of_teeth: bool = False
+
+
+@dataclass(frozen=True)
+class Rest:
+    """A sector as convex pieces, with their quality."""
+
+    sector: Sector
+    pieces: tuple[Mesh, ...]
+    quality: Quality
+
+
+def sectors(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, ...]:
+    """Give what is left of gear, housing, shaft and output without their sliced surfaces; a spacer lies within."""
+    error = settings.rest_chord_error
+    bound = settings.depth * reducer.design.ring.pin_radius
+    crank = {name: region for name, region in stretches(reducer, error).items() if family(name) != SPACER}
+    shaft = [Sector("shaft", region, bound) for region in crank.values()]
+    disc, *others = output_solid(reducer, error).prisms
+    output = [Sector("output", disc, bound)]
+    for plate in others[reducer.design.output.pins :]:
+        eye, rim = (float(np.linalg.norm(ring, axis=1).max()) for ring in (plate.holes[0], plate.outline))
+        # so narrow that its inner arc is as good as straight
+        count = math.ceil(math.pi / math.acos(max(1.0 - 0.5 * bound / eye, 0.0)))
+        wedge = Prism(_wedge(eye, rim, math.pi / count, error), (), plate.z0, plate.z1)
+        output.append(Sector("output", wedge, bound, count))
+    return (*_gear(reducer, settings), _housing(reducer, settings), *shaft, *output)
+
+
+def decompose(sector: Sector, settings: ConvexSettings) -> Rest:
+    """Give the convex pieces of a sector by CoACD, and measure them; pieces that leave it too far are cut finer.
+
+    Raises
+    ------
+    DesignError
+        They leave the sector by more than its bound.
+    """
+    shape, walls, coacd = mesh(sector.region), wall_samples(sector.region), settings.coacd
+    for _ in range(CUTS):
+        pieces = coacd_pieces(shape, coacd)
+        found = pieces_quality(sector.region, pieces, *walls)
+        if found.max_overfill <= sector.bound:
+            break
+        coacd = replace(coacd, threshold=0.5 * coacd.threshold)
+    require_within(sector.part, found, sector.bound, sector.bound)
+    return Rest(sector, pieces, found)
+
+
+def _gear(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, Sector]:
+    """Give the hub with one hole, and the band below one valley; raise DesignError where the band has no room."""
+    design = reducer.design
+    depth, error, output = gear_depth(reducer, settings), settings.rest_chord_error, design.output
+    half = design.gear.face_width / 2.0
+    hole = output.hole_radius + design.clearance.output + depth
+    base = gear_base(reducer, depth, error)
+    waist = 0.5 * (output.pin_circle_radius + hole + float(np.linalg.norm(base, axis=1).min()))
+    inner = design.gear.bore_radius + design.clearance.cam + depth
+    eye = circle(hole, error, (0.0, output.pin_circle_radius))
+    hub = Prism(_wedge(inner, waist, math.pi / output.pins, error), (eye,), -half, half)
+    pitch = math.pi / design.lobes
+    edge = float(np.sum(base[-1] * unit(pitch)))
+    if edge <= waist:
+        raise DesignError(
+            f"ring.teeth = {design.ring.teeth} leaves lobes so wide that the straight base of their convex halves, "
+            f"{1e3 * edge:.4g} mm from the axis, lies within the hub of {1e3 * waist:.4g} mm around the holes: "
+            "use more teeth, or smaller output.pin_circle_radius_mm and output.hole_radius_mm"
+        )
+    outer = np.concatenate([edge * unit([-pitch]), base, edge * unit([pitch])])
+    inner_arc = _arc(waist, -pitch, pitch, error)
+    band = Prism(np.concatenate([outer, inner_arc[::-1]])[::-1], (), -half, half)
+    return Sector("gear", hub, depth, output.pins), Sector("gear", band, depth, design.lobes, of_teeth=True)
+
+
+def _housing(reducer: Reducer, settings: ConvexSettings) -> Sector:
+    """Give the housing behind one lobe, or around one pin."""
+    design = reducer.design
+    ring, error, half = design.ring, settings.rest_chord_error, design.gear.stack_width / 2.0
+    pitch = math.pi / ring.teeth
+    depth = housing_depth(reducer, settings)
+    if ring.kind == "nonpin":
+        bore = ring_base(reducer, depth, chord_error=error)
+    else:
+        radius = ring.pin_radius + design.socket_play + (depth if ring.has_sockets else 0.0)
+        opening = arc_half_angle(design, radius)
+        socket = np.array([0.0, ring.pin_circle_radius]) + _arc(radius, -opening, opening, error)
+        edge = math.atan2(socket[-1, 0], socket[-1, 1])
+        land = _arc(wall_radius(design), edge, pitch, error)[1:]
+        bore = np.concatenate([land[::-1] * [-1.0, 1.0], socket, land])
+    outer = _arc(design.housing.outer_radius, -pitch, pitch, error)
+    region = Prism(np.concatenate([outer, bore[::-1]])[::-1], (), -half, half)
+    return Sector("housing", region, depth, ring.teeth)
+
+
+def _wedge(inner: float, outer: float, half_angle: float, chord_error: float) -> Array:
+    """Give a sector of a ring about +y, counter-clockwise."""
+    far, near = (_arc(radius, -half_angle, half_angle, chord_error) for radius in (outer, inner))
+    return np.concatenate([far[::-1], near])
+
+
+def _arc(radius: float, start: float, end: float, chord_error: float) -> Array:
+    """Give points of an arc between clockwise angles from +y."""
+    return arc(radius, math.pi / 2 - start, math.pi / 2 - end, chord_error)

@@ -1,0 +1,234 @@
+"""The flanks of the cycloid gear and of the internal gear, cut by curvature into convex slices.
+
+Where a flank is concave (as seen from the material), each chord is the face of one quadrilateral; its two vertices lie
+below the profile by as much as its middle lies above. Where it is convex, few polygons of many vertices serve. Half a
+pitch is cut, and mirrored and turned for the others.
+"""
+
+import itertools
+import math
+
+import numpy as np
+
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.types import Array
+from cycloid_mj.geometry import envelope, profile
+from cycloid_mj.geometry.profile import CycloidGear, SmoothArc
+from cycloid_mj.parts.convex.settings import OVERLAP, TOLERANCE, ConvexSettings
+from cycloid_mj.parts.convex.surface import Place, Slice, Surface, convex_slice, turned
+from cycloid_mj.parts.convex.walls import gear_depth, housing_depth
+from cycloid_mj.parts.polygon import area_moments
+from cycloid_mj.reducer import Reducer
+
+SAMPLES = 5000
+"""Points of a surface, along whose normals its slices are measured."""
+
+_MESH_GRID = 512
+
+
+def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Surface:
+    """Give the flanks of a disc, as made, its frame, valley 1 on +y; `member` is the valley, with the lobe after it.
+
+    Raises
+    ------
+    DesignError
+        The gear is undercut, its flanks are turned or waved, or a slice is not convex.
+    """
+    if reducer.design.modification.rotation:
+        raise DesignError(
+            "modification.rotation_arcsec has no convex slices: turned flanks meet by their exact profiles only; "
+            "set it to 0, or use the contact profile"
+        )
+    made = reducer.deviations
+    if made.waves.any():
+        raise DesignError(
+            "errors.profile_cos_um and errors.profile_sin_um have no convex slices, which are the same on every lobe: "
+            "waves of the profile meet by its exact form only; set them to 0, or use the contact profile"
+        )
+    gear, depth = reducer.gear_profile, gear_depth(reducer, settings)
+    offset = reducer.profile_offset - float(made.disc_radius[disc])
+    half = _gear_nodes(gear, offset, 2.0 * settings.chord_error)
+    face, base = (profile.outline(gear, half, offset + into) for into in (settings.chord_error, depth))
+    between = profile.curvature(gear, (half[:-1] + half[1:]) / 2.0, offset)
+    quads = _quads("teeth", face, base, between + 1.0 / gear.pin_radius, settings)
+    slices = [*quads, *_gear_tip(gear, offset, settings, depth)]
+    seen = profile.sample(gear, SAMPLES, offset)
+    base_area = -area_moments(_all_round(_symmetric(base), gear.lobes)).area
+    return Surface(
+        name="teeth",
+        slices=tuple(slices),
+        places=_all_places(len(slices), gear.lobes),
+        half_width=0.5 * reducer.design.gear.face_width,
+        points=seen.points,
+        normals=seen.normals,
+        strip_area=profile.area(gear, offset) - base_area,
+        depth=depth,
+        overfill_bound=TOLERANCE * max(settings.chord_error, settings.hull_chord_error),
+        underfill_bound=TOLERANCE * max(settings.chord_error, settings.hull_chord_error),
+        disc=disc,
+    )
+
+
+def ring_lobes(reducer: Reducer, settings: ConvexSettings) -> Surface:
+    """Give the flanks of the internal gear, ring frame, lobe 1 on +y; `member` is the lobe, half a pitch to each side.
+
+    Raises
+    ------
+    DesignError
+        The gear is undercut, or a slice is not convex.
+    """
+    gear, depth = reducer.tooth_profile, housing_depth(reducer, settings)
+    B = _ring_nodes(gear, 2.0 * settings.chord_error)
+    face, base = (_sigma(gear, B, into) for into in (settings.chord_error, depth))
+    middle = (B[:-1] + B[1:]) / 2.0
+    gear_bend = profile.curvature(gear, -middle / gear.lobes, reducer.profile_offset)
+    bends = gear_bend - 1.0 / envelope.sigma_radius(gear, middle)
+    slices = [*_quads("lobe", face, base, bends, settings), _ring_tip(gear, settings, depth)]
+    seen = envelope.sample_ring(gear, SAMPLES)
+    base_area = -area_moments(_all_round(ring_base(reducer, depth, B), gear.ring_teeth)).area
+    return Surface(
+        name="lobe",
+        slices=tuple(slices),
+        places=_all_places(len(slices), gear.ring_teeth),
+        half_width=0.5 * reducer.design.gear.stack_width,
+        points=seen.points,
+        normals=seen.normals,
+        strip_area=base_area - envelope.area(gear),
+        depth=depth,
+        overfill_bound=TOLERANCE * max(settings.chord_error, settings.hull_chord_error),
+        underfill_bound=TOLERANCE * max(settings.chord_error, settings.hull_chord_error),
+    )
+
+
+def gear_base(reducer: Reducer, depth: float, chord_error: float) -> Array:
+    """Give the far ends of the slices of a gear as drawn over one pitch, clockwise, valley 1 in the middle, (n, 2) [m].
+
+    Chords leave them by `chord_error` [m].
+    """
+    gear, offset = reducer.gear_profile, reducer.profile_offset
+    return _symmetric(profile.outline(gear, _gear_nodes(gear, offset, chord_error), offset + depth))
+
+
+def ring_base(reducer: Reducer, depth: float, nodes: Array | None = None, chord_error: float = 1e-5) -> Array:
+    """Give the far ends of the internal gear's slices over one pitch, clockwise, lobe 1 in the middle, (n, 2) [m].
+
+    At the given `nodes` of the phase B (from the junction to pi), or else by `chord_error` [m].
+    """
+    gear = reducer.tooth_profile
+    left = _sigma(gear, _ring_nodes(gear, chord_error) if nodes is None else nodes, depth)
+    return np.concatenate([left[::-1], left * [-1.0, 1.0]])
+
+
+def _gear_nodes(gear: CycloidGear, offset: float, chord_error: float) -> Array:
+    """Parameters t from the middle of valley 1 to the inflection, where chords leave the flank by `chord_error`."""
+    inflection = profile.inflection_phase(gear) / gear.lobes
+    return _sagitta(gear, offset, 0.0, inflection, chord_error) if inflection > 0.0 else np.zeros(1)
+
+
+def _sagitta(gear: CycloidGear, offset: float, low: float, high: float, chord_error: float) -> Array:
+    profile.require_no_undercut(gear, offset)
+    flank = SmoothArc(
+        points=lambda t: profile.outline(gear, t, offset),
+        normal_angle=lambda t: profile.normal_angle(gear, t),
+        turning_rate=lambda t: profile.turning_rate(gear, t),
+        arc_rate=lambda t: profile.arc_rate(gear, t, offset),
+    )
+    return profile.sagitta_nodes(flank, low, high, chord_error)
+
+
+def _ring_nodes(gear: CycloidGear, chord_error: float) -> Array:
+    """Phases B from the junction to the middle of the root, where chords leave Sigma by `chord_error`."""
+    envelope.require_envelope(gear)
+    flank = SmoothArc(
+        points=lambda B: envelope.sigma_points(gear, B),
+        normal_angle=lambda B: envelope.sigma_normal_angle(gear, B),
+        turning_rate=lambda B: -envelope.sigma_arc_rate(gear, B) / envelope.sigma_radius(gear, B),
+        arc_rate=lambda B: envelope.sigma_arc_rate(gear, B),
+    )
+    return profile.sagitta_nodes(flank, profile.best_phase(gear), math.pi, chord_error)
+
+
+def _sigma(gear: CycloidGear, B: Array, into: float) -> Array:
+    """Points (n, 2) [m] at the depth `into` [m] below Sigma."""
+    return envelope.sigma_points(gear, B) + into * profile.unit(envelope.sigma_normal_angle(gear, B))
+
+
+def _quads(name: str, face: Array, base: Array, curvature: Array, settings: ConvexSettings) -> list[Slice]:
+    """Give one quadrilateral for each chord of a concave face."""
+    width = np.linalg.norm(np.diff(face, axis=0), axis=1)
+    overlap = OVERLAP * settings.chord_error
+    outlines = [
+        np.concatenate([_longer(face[i : i + 2], overlap), _longer(base[i : i + 2], overlap)[::-1]])
+        for i in range(len(width))
+    ]
+    return [convex_slice(name, outline, float(width[i]), float(curvature[i])) for i, outline in enumerate(outlines)]
+
+
+def _longer(points: Array, overlap: float) -> Array:
+    """Move the ends of an open polygon outwards along its first and last edge, by half the overlap [m]."""
+    longer = points.copy()
+    for end, next_to in ((0, 1), (-1, -2)):
+        edge = points[end] - points[next_to]
+        longer[end] += 0.5 * overlap * edge / np.linalg.norm(edge)
+    return longer
+
+
+def _gear_tip(gear: CycloidGear, offset: float, settings: ConvexSettings, depth: float) -> list[Slice]:
+    """Give the convex half of the lobe after valley 1, from the inflection to the tip, as polygons on one base."""
+    error = settings.hull_chord_error
+    inflection, tip = profile.inflection_phase(gear) / gear.lobes, math.pi / gear.lobes
+    t = _sagitta(gear, offset, inflection, tip, 2.0 * error)
+    face = profile.outline(gear, t, offset - error)
+    edge = profile.outline(gear, inflection, offset + depth)
+    middle = float(edge @ profile.unit(tip)) * profile.unit(tip)
+    cuts, overlap = np.linspace(0, len(t) - 1, settings.hulls + 1).round().astype(int), OVERLAP * settings.chord_error
+    slices = []
+    for low, high in itertools.pairwise(cuts):
+        base = _longer(edge + np.array([[high], [low]]) / (len(t) - 1) * (middle - edge), overlap)
+        bend = _hull_curvature(gear, offset, gear.lobes * t[[low, high]])
+        outline = np.concatenate([_longer(face[low : high + 1], overlap), base])
+        slices.append(convex_slice("teeth", outline, math.inf, bend))
+    return slices
+
+
+def _hull_curvature(gear: CycloidGear, offset: float, phases: Array) -> float:
+    """Give the relative curvature of pin and lobe [1/m] that stands for a stretch of it, between two phases [rad].
+
+    The mean of ln kappa, which the compliance follows, weighted by the square of the moment arm, with which a contact
+    counts in the stiffness of the mesh.
+    """
+    B = np.linspace(phases[0], phases[1], _MESH_GRID)
+    kappa = profile.curvature(gear, -B / gear.lobes, offset) + 1.0 / gear.pin_radius
+    weight = profile.moment_arm(gear, B) ** 2
+    return float(np.exp(np.sum(weight * np.log(kappa)) / np.sum(weight)))
+
+
+def _ring_tip(gear: CycloidGear, settings: ConvexSettings, depth: float) -> Slice:
+    """Give half the arc of lobe 1 as one polygon; in contact it is a cylinder, which needs no finer chords."""
+    rho, alpha, error = gear.pin_radius, envelope.largest_alpha(gear), settings.chord_error
+    angle = -np.linspace(0.0, alpha, math.ceil(0.5 * alpha / math.acos(1.0 - 2.0 * error / rho)) + 1)
+    centre = gear.pin_circle_radius * profile.unit(0.0)
+    face = centre - (rho + error) * profile.unit(angle)
+    edge = centre - (rho - depth) * profile.unit(angle[-1])
+    overlap = OVERLAP * settings.chord_error
+    base = _longer(np.array([edge, edge * [0.0, 1.0]]), overlap)
+    return convex_slice("lobe", np.concatenate([_longer(face, overlap), base]), math.inf, 1.0 / rho)
+
+
+def _all_places(slices: int, pitches: int) -> tuple[Place, ...]:
+    """Give the places of the slices of half a pitch: each and its mirror image, all round."""
+    pitch = 2.0 * math.pi / pitches
+    return tuple(
+        Place(number, lobe + 1, lobe * pitch, mirrored=mirrored)
+        for lobe, mirrored, number in itertools.product(range(pitches), (False, True), range(slices))
+    )
+
+
+def _symmetric(right: Array) -> Array:
+    """Give the mirror image of points that start at x = 0, backwards, and then the points."""
+    return np.concatenate([right[:0:-1] * [-1.0, 1.0], right])
+
+
+def _all_round(pitch: Array, count: int) -> Array:
+    """Give a whole turn of one pitch, clockwise."""
+    return np.concatenate([turned(pitch, 2.0 * math.pi * i / count) for i in range(count)])

@@ -1,0 +1,47 @@
+"""How deep the slices may reach into a part before they meet the next surface."""
+
+import math
+
+from cycloid_mj.geometry import profile
+from cycloid_mj.parts.convex.settings import ConvexSettings
+from cycloid_mj.reducer import Reducer
+
+SHARE = 0.25
+"""Of the thinnest wall: slices from both sides leave half of it to the rest of the part."""
+
+
+def gear_depth(reducer: Reducer, settings: ConvexSettings) -> float:
+    """Give the thickness of the slices of the gear's teeth, bore and holes [m]."""
+    design = reducer.design
+    output, clearance = design.output, design.clearance
+    hole = output.hole_radius + clearance.output
+    valley = reducer.gear_profile.pin_circle_radius - design.gear.eccentricity - reducer.profile_offset
+    walls = (
+        output.pin_circle_radius - hole - design.gear.bore_radius - clearance.cam,
+        2.0 * (output.pin_circle_radius * math.sin(math.pi / output.pins) - hole),
+        valley - output.pin_circle_radius - hole,
+        _lobe_width(reducer),
+    )
+    return min(settings.depth * design.ring.pin_radius, SHARE * min(walls))
+
+
+def housing_depth(reducer: Reducer, settings: ConvexSettings) -> float:
+    """Give the thickness of the slices of the internal gear's lobes or of the sockets [m]."""
+    design = reducer.design
+    ring = design.ring
+    if ring.kind == "nonpin":
+        root = ring.pin_circle_radius + 2.0 * design.gear.eccentricity - ring.pin_radius
+        walls = [design.housing.outer_radius - root]
+    else:
+        socket = ring.pin_radius + design.socket_play
+        between = 2.0 * (ring.pin_circle_radius * math.sin(math.pi / ring.teeth) - socket)
+        walls = [design.housing.outer_radius - ring.pin_circle_radius - socket, between]
+    return min(settings.depth * ring.pin_radius, SHARE * min(walls))
+
+
+def _lobe_width(reducer: Reducer) -> float:
+    """Give the width of a lobe between its inflections [m]."""
+    gear = reducer.gear_profile
+    middle = math.pi / gear.lobes
+    inflection = profile.outline(gear, profile.inflection_phase(gear) / gear.lobes, reducer.profile_offset)
+    return 2.0 * abs(float(inflection @ profile.unit(middle + math.pi / 2.0)))

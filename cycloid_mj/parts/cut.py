@@ -1,0 +1,31 @@
+"""What the plane x = 0, through the axis, cuts out of a prism: rectangles along z."""
+
+import numpy as np
+
+from cycloid_mj.base.types import Array
+from cycloid_mj.parts.prism import Prism
+
+ASIDE = 1e-9
+"""How far beside x = 0 the plane stands [m]: a vertex or an edge on it then counts once."""
+
+
+def cut(prism: Prism, centre: tuple[float, float] = (0.0, 0.0)) -> list[tuple[float, float]]:
+    """Give from where to where along y [m] a prism reaches in the plane x = 0, whose frame stands at a centre [m].
+
+    Between each two crossings with its outline and holes, in order, there is material or none in turn.
+    """
+    x, y = centre
+    crossings = np.sort(np.concatenate([_crossings(ring + np.array([x - ASIDE, y])) for ring in _rings(prism)]))
+    return [(float(low), float(high)) for low, high in zip(crossings[::2], crossings[1::2], strict=True)]
+
+
+def _rings(prism: Prism) -> tuple[Array, ...]:
+    return (prism.outline, *prism.holes)
+
+
+def _crossings(ring: Array) -> Array:
+    """Give y where the edges of a closed polygon (n, 2) cross x = 0."""
+    begin, end = ring, np.roll(ring, -1, axis=0)
+    across = (begin[:, 0] < 0.0) != (end[:, 0] < 0.0)
+    (x0, y0), (x1, y1) = begin[across].T, end[across].T
+    return np.asarray(y0 - x0 * (y1 - y0) / (x1 - x0))

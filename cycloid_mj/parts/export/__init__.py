@@ -1,0 +1,159 @@
+"""Parts as files for CAD and printing: STL and OBJ meshes, DXF outlines, STEP solids; in millimetres.
+
+Each part lies in its own frame: housing, shaft, cams and output in that of the reducer's axis, others about their own.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.names import gears
+from cycloid_mj.design import Design
+from cycloid_mj.parts import mass_properties, mesh, parts
+from cycloid_mj.parts.export.bill import Item, bill, bill_csv
+from cycloid_mj.parts.export.clearance import Clearance, measure_all
+from cycloid_mj.parts.export.curve import Arc, Circle, Curve, Line, Spline
+from cycloid_mj.parts.export.dxf import dxf_bytes
+from cycloid_mj.parts.export.obj import obj_bytes
+from cycloid_mj.parts.export.plate import Plate, plate
+from cycloid_mj.parts.export.printing import widened
+from cycloid_mj.parts.export.section import Section, part_sections
+from cycloid_mj.parts.export.step import SPLINES, read_volume, step_part
+from cycloid_mj.parts.export.stl import read_stl, stl_bytes
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.sockets import require_drawn
+
+__all__ = [
+    "CHORD_ERROR",
+    "FORMATS",
+    "Arc",
+    "Circle",
+    "Clearance",
+    "Export",
+    "Format",
+    "Item",
+    "Line",
+    "Plate",
+    "Section",
+    "Spline",
+    "bill",
+    "bill_csv",
+    "dxf_bytes",
+    "export",
+    "obj_bytes",
+    "part_sections",
+    "plate",
+    "read_stl",
+    "read_volume",
+    "step_part",
+    "stl_bytes",
+    "widened",
+]
+
+from cycloid_mj.base.types import Array
+from cycloid_mj.base.units import MILLIMETRES
+
+Format = Literal["stl", "obj", "dxf", "step"]
+FORMATS: tuple[Format, ...] = ("stl", "obj", "dxf", "step")
+
+CHORD_ERROR = 1e-6
+"""Chord error of exported meshes [m]."""
+
+VOLUME_TOLERANCE = 1e-3
+"""Relative; OpenCASCADE integrates splines no better, and a lost hole or a filled valley is far more."""
+
+_POINTS_PER_CURVE = 200
+
+
+@dataclass(frozen=True)
+class Export:
+    """Files by name, and the clearances measured on what is in them."""
+
+    files: dict[str, bytes]
+    clearances: tuple[Clearance, ...]
+
+
+def export(design: Design, file_format: Format, chord_error: float = CHORD_ERROR, offset: float = 0.0) -> Export:
+    """Give every part of a design in a format, one file a part.
+
+    Parameters
+    ----------
+    design
+        The design; its clearances are in the outlines.
+    file_format
+        ``stl`` (binary), ``obj``, ``dxf`` (cross-sections: one spline a lobe, arcs, circles) or ``step`` (solids; needs
+        the extra ``cad``).
+    chord_error
+        Largest distance of a mesh's chords from the curve [m]; splines have their own error, 0.01 um.
+    offset
+        What every clearance of the outlines is wider than the design asks for [m], for a printer; see `widened`.
+
+    Raises
+    ------
+    DesignError
+        A part cannot be made, is not watertight, or has not the volume or the clearance that it should have; or the
+        sockets are closed.
+    CycloidError
+        The extra for STEP is not installed.
+    """
+    reducer = Reducer(design)
+    require_drawn(reducer.design, "files of its parts")
+    made = _exported(widened(reducer, offset), file_format, chord_error)
+    return Export(
+        made.files, tuple(replace(one, asked=getattr(reducer.design.clearance, one.pair)) for one in made.clearances)
+    )
+
+
+def _exported(reducer: Reducer, file_format: Format, chord_error: float) -> Export:
+    if file_format in ("stl", "obj"):
+        return _meshes(reducer, file_format, chord_error)
+    sections = part_sections(reducer, SPLINES if file_format == "step" else 1)
+    discs = [[_loop_points(loop) for loop in sections[gear][0].loops] for gear in gears(reducer.design.gear.discs)]
+    clearances = measure_all(reducer, discs, _loop_points(sections["housing"][0].loops[1]))
+    if file_format == "dxf":
+        return Export({f"{name}.dxf": dxf_bytes(stretches) for name, stretches in sections.items()}, clearances)
+    return Export({f"{name}.step": _step(reducer, name, stretches) for name, stretches in sections.items()}, clearances)
+
+
+def _meshes(reducer: Reducer, file_format: Format, chord_error: float) -> Export:
+    solids = parts(reducer, chord_error)
+    discs = [solids[gear].prisms[0] for gear in gears(reducer.design.gear.discs)]
+    loops = [[disc.outline, *disc.holes] for disc in discs]
+    clearances = measure_all(reducer, loops, solids["housing"].prisms[0].holes[0])
+    meshes = {name: mesh(solid) for name, solid in solids.items()}
+    if file_format == "stl":
+        files = {f"{name}.stl": stl_bytes(shape, MILLIMETRES) for name, shape in meshes.items()}
+    else:
+        files = {f"{name}.obj": obj_bytes(shape, name, MILLIMETRES) for name, shape in meshes.items()}
+    return Export(files, clearances)
+
+
+def _step(reducer: Reducer, name: str, stretches: tuple[Section, ...]) -> bytes:
+    """Give a part as STEP if the solid read back from it has the part's volume."""
+    apart = reducer.design.ring.teeth if name == "housing" and reducer.design.ring.has_sleeves else 0
+    content = step_part(name, stretches, 1 + apart)
+    volume, true = read_volume(content), mass_properties(parts(reducer)[name]).volume
+    if not abs(volume / true - 1.0) <= VOLUME_TOLERANCE:
+        raise DesignError(
+            f"the STEP solid of the {name} has the volume {volume:.6g} m3 instead of {true:.6g} m3; "
+            "export stl instead, and please report this design"
+        )
+    return content
+
+
+def _loop_points(loop: tuple[Curve, ...]) -> Array:
+    return np.concatenate([_curve_points(curve) for curve in loop])
+
+
+def _curve_points(curve: Curve) -> Array:
+    match curve:
+        case Spline():
+            return curve.points(_POINTS_PER_CURVE)
+        case Line():
+            return np.array([curve.start, curve.end])
+        case _:
+            start, end = (curve.start, curve.end) if isinstance(curve, Arc) else (0.0, 2.0 * np.pi)
+            angle = np.linspace(start, end, _POINTS_PER_CURVE)
+            return np.array(curve.centre) + curve.radius * np.column_stack([np.cos(angle), np.sin(angle)])

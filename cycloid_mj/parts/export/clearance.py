@@ -1,0 +1,134 @@
+"""The clearance that the outlines of the parts really have, measured on the very points that are written."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.types import Array
+from cycloid_mj.geometry import profile
+from cycloid_mj.parts import output_centres
+from cycloid_mj.reducer import Reducer
+
+TOLERANCE = 2e-8
+"""A clearance that is off by more is an error [m]."""
+
+WALL_ROUNDING = 1e-9
+"""Relative; points of the wall between the sockets are all at its radius, those of a socket are further out."""
+
+_STARTS_PER_LOBE = 200
+_ROUNDS = 20
+
+
+@dataclass(frozen=True)
+class Clearance:
+    """The clearance of one mating pair: `asked` for by the design, and the `least` and `most` of the outline [m]."""
+
+    pair: str
+    asked: float
+    least: float
+    most: float
+
+
+def flank_distance(gear: profile.CycloidGear, points: Array) -> Array:
+    """Give how far points (n, 2) [m] lie inside a gear's trochoid [m], by Newton's method from the nearest sample."""
+    grid = 2.0 * np.pi * np.arange(_STARTS_PER_LOBE * gear.lobes) / (_STARTS_PER_LOBE * gear.lobes)
+    # the outline, not the trochoid: points in a lobe's tip are nearer to other stretches of the trochoid
+    _, nearest = cKDTree(profile.outline(gear, grid)).query(points)
+    t = grid[nearest]
+    for _ in range(_ROUNDS):
+        away = profile.trochoid(gear, t) - points
+        first, second = profile.trochoid_derivatives(gear, t)
+        step = np.sum(away * first, axis=1) / (np.sum(first**2, axis=1) + np.sum(away * second, axis=1))
+        t = t - step
+        if np.abs(step).max() < 1e-14:
+            break
+    return np.asarray(np.sum((profile.trochoid(gear, t) - points) * profile.normals(gear, t), axis=1))
+
+
+def measure_all(reducer: Reducer, discs: Sequence[Sequence[Array]], ring_loop: Array) -> tuple[Clearance, ...]:
+    """Measure the clearances of every disc, each as `measure` does: the least and the most of all.
+
+    Raises
+    ------
+    DesignError
+        A clearance is not what was asked for.
+    """
+    found = [measure(reducer, loops, ring_loop, disc) for disc, loops in enumerate(discs)]
+    return tuple(
+        Clearance(pair[0].pair, pair[0].asked, min(one.least for one in pair), max(one.most for one in pair))
+        for pair in zip(*found, strict=True)
+    )
+
+
+def measure(reducer: Reducer, gear_loops: Sequence[Array], ring_loop: Array, disc: int = 0) -> tuple[Clearance, ...]:
+    """Measure the clearances cut into a disc and the housing.
+
+    Parameters
+    ----------
+    design
+        The design that asks for them.
+    gear_loops
+        Points (n, 2) [m] of the disc's outline, its bore, and its holes in the order of ``output_centres``.
+    ring_loop
+        Points (n, 2) [m] of the housing's inner outline.
+    disc
+        Index of the disc.
+
+    Raises
+    ------
+    DesignError
+        A clearance is not what was asked for.
+    """
+    design = reducer.design
+    outline, bore, *holes = gear_loops
+    asked = design.clearance
+    hole_points = [hole - centre for hole, centre in zip(holes, output_centres(reducer), strict=True)]
+    teeth = "pin_gear" if design.ring.kind == "pin" else "tooth"
+    found: Mapping[str, Array] = {
+        teeth: _flank_clearance(reducer, _turned(outline, -reducer.phases[disc] / design.lobes)),
+        "cam": np.linalg.norm(bore, axis=1) - design.gear.bore_radius,
+        "output": np.linalg.norm(np.concatenate(hole_points), axis=1) - design.output.hole_radius,
+    }
+    if design.ring.has_sockets:
+        found = {**found, "pin_socket": _socket_points(reducer, ring_loop) - design.ring.pin_radius}
+    measured = tuple(Clearance(pair, getattr(asked, pair), *_range(values)) for pair, values in found.items())
+    for one in measured:
+        if max(one.asked - one.least, one.most - one.asked) > TOLERANCE:
+            raise DesignError(
+                f"the clearance {one.pair} of the outline is {1e6 * one.least:.4g} to {1e6 * one.most:.4g} um, not the "
+                f"{1e6 * one.asked:.4g} um asked for; please report this design"
+            )
+    return measured
+
+
+def _flank_clearance(reducer: Reducer, outline: Array) -> Array:
+    """Give the clearance of the gear's points (n, 2) [m] beside its modification, shape (n,).
+
+    With turned flanks the gear is what two copies of its profile have in common.
+    """
+    gear, change = reducer.gear_profile, reducer.design.modification
+    turns = (change.rotation, -change.rotation) if change.rotation else (0.0,)
+    inside = [flank_distance(gear, _turned(outline, turn)) for turn in turns]
+    return np.asarray(np.min(inside, axis=0) - reducer.design.ring.pin_radius - change.equidistant)
+
+
+def _turned(points: Array, angle: float) -> Array:
+    """Turn points (n, 2) clockwise about the origin [rad]."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    return points @ np.array([[cos, -sin], [sin, cos]])
+
+
+def _range(values: Array) -> tuple[float, float]:
+    return float(values.min()), float(values.max())
+
+
+def _socket_points(reducer: Reducer, ring_loop: Array) -> Array:
+    """Distances from the nearest pin's centre [m] of the points that lie in a socket, not on the wall between."""
+    ring = reducer.design.ring
+    centres = ring.pin_circle_radius * profile.unit(2.0 * np.pi * np.arange(ring.teeth) / ring.teeth)
+    found, _ = cKDTree(centres).query(ring_loop)
+    radius = np.linalg.norm(ring_loop, axis=1)
+    return np.asarray(found, dtype=np.float64)[radius > radius.min() * (1.0 + WALL_ROUNDING)]

@@ -1,0 +1,139 @@
+"""Exact plane curves for CAD: circles, arcs, lines, and cubic splines that follow a flank to a stated error."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import BSpline, make_interp_spline
+
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.types import Array
+
+SPLINE_ERROR = 1e-8
+"""How far a spline may leave its flank [m]: a hundredth of a clearance of 1 um."""
+
+_FIRST_SPANS, _MOST_SPANS = 8, 4096
+_CHECKS = 8
+_GRID = 8192
+_LEAST_DENSITY = 1e-3
+
+
+@dataclass(frozen=True)
+class Flank:
+    """A smooth curve by its parameter, as vectorised functions.
+
+    `points` (n, 2) [m], `arc_length` [m] (rising), unit `tangents` (n, 2), and the signed `curvature` [1/m].
+    """
+
+    points: Callable[[Array], Array]
+    arc_length: Callable[[Array], Array]
+    tangents: Callable[[Array], Array]
+    curvature: Callable[[Array], Array]
+
+
+@dataclass(frozen=True)
+class Circle:
+    """A whole circle [m]."""
+
+    centre: tuple[float, float]
+    radius: float
+
+
+@dataclass(frozen=True)
+class Arc:
+    """An arc [m], counter-clockwise from the angle `start` to `end`, both from +x [rad]."""
+
+    centre: tuple[float, float]
+    radius: float
+    start: float
+    end: float
+
+
+@dataclass(frozen=True)
+class Line:
+    """A straight edge [m]."""
+
+    start: tuple[float, float]
+    end: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Spline:
+    """A clamped cubic B-spline: `knots` (n + 4,) and `controls` (n, 2) [m]."""
+
+    knots: Array
+    controls: Array
+
+    def points(self, count: int) -> Array:
+        """Give `count` points along it, both ends included, (count, 2) [m]."""
+        parameter = np.linspace(self.knots[0], self.knots[-1], count)
+        return np.asarray(BSpline(self.knots, self.controls, 3)(parameter), dtype=np.float64)
+
+
+Curve = Circle | Arc | Line | Spline
+
+
+def fit_splines(flank: Flank, low: float, high: float, pieces: int) -> tuple[Spline, ...]:
+    """Give cubic splines, end to end, that keep within ``SPLINE_ERROR`` of a flank from parameter `low` to `high`.
+
+    Raises
+    ------
+    DesignError
+        No spline of a reasonable number of spans follows the flank.
+    """
+    spans = _FIRST_SPANS
+    while pieces * spans <= _MOST_SPANS:
+        nodes = _nodes(flank, low, high, pieces * spans)
+        stretches = [nodes[i * spans : (i + 1) * spans + 1] for i in range(pieces)]
+        fits = [_interpolated(flank, stretch) for stretch in stretches]
+        if max(_deviation(flank, *fit) for fit in zip(fits, stretches, strict=True)) <= SPLINE_ERROR:
+            return tuple(Spline(fit.t, fit.c) for fit in fits)
+        spans *= 2
+    raise DesignError(f"no spline of {_MOST_SPANS} spans follows the flank to {SPLINE_ERROR} m; enlarge the design")
+
+
+def _nodes(flank: Flank, low: float, high: float, spans: int) -> Array:
+    """Give parameters that share the spline's error equally: it goes with h^4 and the fourth derivative by arc length.
+
+    In the moving frame of the curve that derivative is (-3 kappa kappa', kappa'' - kappa^3).
+    """
+    t = np.linspace(low, high, _GRID)
+    s, kappa = flank.arc_length(t), flank.curvature(t)
+    slope = np.gradient(kappa, s)
+    fourth = np.hypot(3.0 * kappa * slope, np.gradient(slope, s) - kappa**3)
+    density = np.maximum(fourth, _LEAST_DENSITY * fourth.max()) ** 0.25
+    share = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) / 2.0 * np.diff(s))])
+    return np.interp(np.linspace(0.0, share[-1], spans + 1), share, t)
+
+
+def _interpolated(flank: Flank, nodes: Array) -> BSpline:
+    ends: Any = tuple([(1, tangent)] for tangent in flank.tangents(nodes[[0, -1]]))
+    return make_interp_spline(flank.arc_length(nodes), flank.points(nodes), k=3, bc_type=ends)
+
+
+def _deviation(flank: Flank, spline: BSpline, nodes: Array) -> float:
+    """Give how far a spline leaves its flank across the tangent [m]."""
+    t = np.interp(np.arange(_CHECKS * (len(nodes) - 1)) / _CHECKS, np.arange(len(nodes)), nodes)
+    away, along = spline(flank.arc_length(t)) - flank.points(t), flank.tangents(t)
+    return float(np.abs(away[:, 0] * along[:, 1] - away[:, 1] * along[:, 0]).max())
+
+
+def turned_curve(curve: Curve, angle: float) -> Curve:
+    """Turn a curve clockwise about the origin by an angle [rad]."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    turn = np.array([[cos, -sin], [sin, cos]])
+
+    def at(point: tuple[float, float]) -> tuple[float, float]:
+        x, y = np.array(point) @ turn
+        return float(x), float(y)
+
+    match curve:
+        case Circle():
+            return Circle(at(curve.centre), curve.radius)
+        case Arc():
+            return Arc(at(curve.centre), curve.radius, curve.start - angle, curve.end - angle)
+        case Line():
+            return Line(at(curve.start), at(curve.end))
+        case Spline():
+            return Spline(curve.knots, curve.controls @ turn)

@@ -1,0 +1,152 @@
+"""A plate of all parts that are made: side by side, flat on z = 0, as one mesh for a printer."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.base.types import Array
+from cycloid_mj.parts import Mesh, Prism, Solid, mesh
+from cycloid_mj.parts.export.printing import made
+from cycloid_mj.parts.inertia import region_moments
+from cycloid_mj.reducer import Reducer
+
+GAP = 5e-3
+"""Between the bounding boxes of neighbouring parts [m]: room for a brim."""
+
+ROUNDING = 1e-9
+"""Relative; a row that is as long as it may be passes."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where one part lies on the plate.
+
+    Attributes
+    ----------
+    part
+        Its name.
+    low, high
+        Corners (x, y, z) of its bounding box on the plate [m].
+    origin
+        Where on the plate the origin of the part's own frame lies (x, y) [m].
+    turned_over
+        Whether it lies on what is its upper face in that frame, turned about the x axis.
+    """
+
+    part: str
+    low: tuple[float, float, float]
+    high: tuple[float, float, float]
+    origin: tuple[float, float]
+    turned_over: bool
+
+
+@dataclass(frozen=True)
+class Plate:
+    """The mesh of all parts [m], and where each of them lies."""
+
+    mesh: Mesh
+    places: tuple[Place, ...]
+
+    @property
+    def size(self) -> tuple[float, float, float]:
+        """Length, width and height of what lies on the plate [m]."""
+        x, y, z = self.mesh.vertices.max(axis=0).tolist()
+        return x, y, z
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many of each part lie on it."""
+        found = [place.part for place in self.places]
+        return {part: found.count(part) for part in dict.fromkeys(found)}
+
+
+def plate(reducer: Reducer, chord_error: float, cam_seat: float = 0.0) -> Plate:
+    """Lay all parts that are made on a plate, each on its end with the larger face.
+
+    Parameters
+    ----------
+    design
+        The design; its clearances are in the outlines.
+    chord_error
+        Largest distance of a chord from its curve [m].
+    cam_seat
+        Radius of cams as they are made, that of their bearing's bore [m]; 0: that of its outside, as drawn.
+
+    Raises
+    ------
+    DesignError
+        A part cannot be made, or its mesh is not watertight.
+    """
+    lying = [(name, part.count, *_lying(part.solid)) for name, part in made(reducer, chord_error, cam_seat).items()]
+    meshes = [(name, shape, over) for name, count, solid, over in lying for shape in [mesh(solid)] * count]
+    boxes = [(shape.vertices.min(axis=0), shape.vertices.max(axis=0)) for _, shape, _ in meshes]
+    spots = shelves([(high[0] - low[0], high[1] - low[1]) for low, high in boxes], GAP)
+    shifts = [np.array([*spot, 0.0]) - low for spot, (low, _) in zip(spots, boxes, strict=True)]
+    places = tuple(
+        Place(name, _corner(low + shift), _corner(high + shift), (float(shift[0]), float(shift[1])), over)
+        for (name, _, over), (low, high), shift in zip(meshes, boxes, shifts, strict=True)
+    )
+    first = np.cumsum([0, *(len(shape.vertices) for _, shape, _ in meshes)])
+    return Plate(
+        Mesh(
+            np.concatenate([shape.vertices + shift for (_, shape, _), shift in zip(meshes, shifts, strict=True)]),
+            np.concatenate([shape.faces + np.int32(at) for (_, shape, _), at in zip(meshes, first, strict=False)]),
+        ),
+        places,
+    )
+
+
+def shelves(sizes: Sequence[tuple[float, float]], gap: float) -> list[tuple[float, float]]:
+    """Give the lower left corner of each rectangle [m], laid in rows, the deepest first, on the smallest square plate.
+
+    Of all lengths that the first row may have, that with the shortest longer side of the plate is taken.
+    """
+    order = sorted(range(len(sizes)), key=lambda i: (-sizes[i][1], -sizes[i][0]))
+    widest = max(width for width, _ in sizes)
+    lengths = np.cumsum([sizes[i][0] + gap for i in order]) - gap
+    tried = [_rows(sizes, order, max(float(length), widest), gap) for length in lengths]
+    return min(tried, key=lambda corners: max(_end(corners, sizes, 0), _end(corners, sizes, 1)))
+
+
+def _rows(
+    sizes: Sequence[tuple[float, float]], order: Sequence[int], limit: float, gap: float
+) -> list[tuple[float, float]]:
+    """Lay rectangles in rows no longer than a limit; a row ends where the next does not fit beside the others."""
+    corners = [(0.0, 0.0)] * len(sizes)
+    x = y = depth = 0.0
+    for i in order:
+        if x > 0.0 and x + sizes[i][0] > limit * (1.0 + ROUNDING):
+            x, y, depth = 0.0, y + depth + gap, 0.0
+        corners[i] = (x, y)
+        x, depth = x + sizes[i][0] + gap, max(depth, sizes[i][1])
+    return corners
+
+
+def _end(corners: Sequence[tuple[float, float]], sizes: Sequence[tuple[float, float]], axis: int) -> float:
+    return max(corner[axis] + size[axis] for corner, size in zip(corners, sizes, strict=True))
+
+
+def _lying(solid: Solid) -> tuple[Solid, bool]:
+    """Give a part on z = 0, on its end with the larger face, and whether it was turned over for that."""
+    low, high = min(one.z0 for one in solid.prisms), max(one.z1 for one in solid.prisms)
+    below = sum(region_moments(one).area for one in solid.prisms if one.z0 == low)
+    above = sum(region_moments(one).area for one in solid.prisms if one.z1 == high)
+    over = above > below
+    prisms = tuple(
+        Prism(_mirrored(one.outline), tuple(_mirrored(hole) for hole in one.holes), high - one.z1, high - one.z0)
+        if over
+        else Prism(one.outline, one.holes, one.z0 - low, one.z1 - low)
+        for one in solid.prisms
+    )
+    return Solid(solid.name, prisms, solid.density), over
+
+
+def _mirrored(polygon: Array) -> Array:
+    """Give a polygon (n, 2) as it is seen from behind: y turned round, counter-clockwise again."""
+    return polygon[::-1] * np.array([1.0, -1.0])
+
+
+def _corner(point: Array) -> tuple[float, float, float]:
+    x, y, z = point.tolist()
+    return x, y, z

@@ -1,0 +1,152 @@
+"""What of a reducer is made and what is bought, and how the parts that are made are drawn for a printer."""
+
+from dataclasses import dataclass
+
+from cycloid_mj.base import names
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.design.materials import SOFTEST_METAL
+from cycloid_mj.parts import Prism, Solid, circle, crank_stretches, output_centres, parts, sleeve_core_radius
+from cycloid_mj.parts.polygon import turned
+from cycloid_mj.reducer import Reducer
+
+SECOND_OUTPUT = "output_2"
+"""The output disc on the motor's side, where both ends of the output pins are held."""
+
+OUTPUT_PIN, PRESSED_PIN = "output_pin", "pressed_pin"
+"""Round parts that the solids of the mechanism have within output and housing."""
+
+
+@dataclass(frozen=True)
+class Made:
+    """A part that is made, as it is printed, and how many there are of it."""
+
+    count: int
+    solid: Solid
+
+
+def widened(reducer: Reducer, offset: float) -> Reducer:
+    """Give a design with every clearance wider by an offset [m]; press fits stay, and so does what is bought.
+
+    The pin in a sleeve keeps its size: the bore of the sleeve takes the offset.
+
+    Raises
+    ------
+    DesignError
+        A clearance would be wider than a design may have it, or no wall is left of the sleeves.
+    """
+    design = reducer.design
+    if not offset:
+        return reducer
+    ring = {"sleeve_thickness": design.ring.sleeve_thickness - offset} if design.ring.has_sleeves else {}
+    clearance = {pair: getattr(design.clearance, pair) + offset for pair in design.pair_kinds}
+    try:
+        return reducer.but(clearance=clearance, ring=ring)
+    except DesignError as error:
+        raise DesignError(
+            f"an offset of {1e6 * offset:g} um is too much for the design: a clearance would be wider than a design "
+            "may have it, or nothing left of the sleeves; give a smaller offset"
+        ) from error
+
+
+def is_printed(reducer: Reducer, part: str) -> bool:
+    """Tell whether plain round parts of this material are printed: of a plastic; of a metal they are bought."""
+    return reducer.design.material_of(part).youngs_modulus < SOFTEST_METAL
+
+
+def in_one_piece(reducer: Reducer) -> bool:
+    """Tell whether the output pins are printed with their disc: of a plastic, without rollers, held at one end."""
+    output = reducer.design.output
+    return is_printed(reducer, names.OUTPUT) and not output.rollers and output.support == "cantilever"
+
+
+def made(reducer: Reducer, chord_error: float, cam_seat: float = 0.0) -> dict[str, Made]:
+    """Give every part that is made, in its own frame, by name.
+
+    Housing, gears and output are made of whatever material; so is the crank of one disc, and cams and spacers on the
+    shaft of several. Plain round parts (ring pins, sleeves, output pins, that shaft) are made if they are of a plastic.
+    Output pins that are parts of their own have bores in their discs, to be pressed in.
+
+    Parameters
+    ----------
+    design
+        The design; its clearances are in the outlines.
+    chord_error
+        Largest distance of a chord from its curve [m].
+    cam_seat
+        Radius of cams as they are made, that of their bearing's bore [m]; 0: that of its outside, as drawn.
+
+    Raises
+    ------
+    DesignError
+        A part cannot be made.
+    """
+    design = reducer.design
+    solids, discs = parts(reducer, chord_error), design.gear.discs
+    if cam_seat:
+        solids |= _seated(reducer, solids, chord_error, cam_seat)
+    housing = solids[names.HOUSING]
+    wheel, *pressed = housing.prisms
+    found = {names.HOUSING: Made(1, Solid(housing.name, (wheel,), housing.density))}
+    found |= {name: Made(1, solids[name]) for name in names.gears(discs)}
+    if discs > 1:
+        found |= {name: Made(1, solids[name]) for name in names.all_numbered(names.CAM, discs)}
+        found[names.SPACER] = Made(discs - 1, solids[names.SPACER])
+    if discs == 1 or is_printed(reducer, names.SHAFT):
+        found[names.SHAFT] = Made(1, solids[names.SHAFT])
+    if names.PIN in solids and is_printed(reducer, names.PIN):
+        found[names.PIN] = Made(design.ring.teeth, solids[names.PIN])
+        if pressed:
+            core, half = circle(sleeve_core_radius(reducer), chord_error), design.gear.stack_width / 2.0
+            solid = Solid(PRESSED_PIN, (Prism(core, (), -half, half),), solids[names.PIN].density)
+            found[PRESSED_PIN] = Made(design.ring.teeth, solid)
+    return found | _output(reducer, solids[names.OUTPUT], chord_error)
+
+
+def output_pin_length(reducer: Reducer) -> float:
+    """Give the length of an output pin through discs and gaps, with what is pressed into each output disc [m]."""
+    output, drawn = reducer.design.output, parts(reducer)[names.OUTPUT].prisms[1]
+    return drawn.height + output.disc_thickness * (2 if output.support == "both_ends" else 1)
+
+
+def _seated(reducer: Reducer, solids: dict[str, Solid], chord_error: float, seat: float) -> dict[str, Solid]:
+    """Give the parts of the crank that have cams, with cams of the radius `seat` [m]."""
+    design = reducer.design
+    gear, discs = design.gear, design.gear.discs
+    least = gear.eccentricity + (design.shaft.radius if discs > 1 else 0.0)
+    if gear.bearing != "rolling":
+        raise DesignError("the cam slides in the gear (gear.bearing = 'plain'): it has no bearing with a bore")
+    if not least < seat < gear.bore_radius:
+        raise DesignError(
+            f"a cam's bearing with a bore of {2e3 * seat:g} mm does not fit: it must be more than {2e3 * least:g} mm, "
+            f"for the eccentric cam, and less than {2e3 * gear.bore_radius:g} mm, its outside (gear.bore_radius_mm)"
+        )
+    cam = circle(seat, chord_error, (0.0, gear.eccentricity))
+    if discs == 1:
+        stretches = zip(crank_stretches(reducer), solids[names.SHAFT].prisms, strict=True)
+        prisms = [Prism(cam, (), one.z0, one.z1) if name == names.CAM else one for name, one in stretches]
+        return {names.SHAFT: Solid(names.SHAFT, tuple(prisms), solids[names.SHAFT].density)}
+    found = {}
+    for name, phase in zip(names.all_numbered(names.CAM, discs), reducer.phases, strict=True):
+        (one,) = solids[name].prisms
+        found[name] = Solid(name, (Prism(turned(cam, phase), one.holes, one.z0, one.z1),), solids[name].density)
+    return found
+
+
+def _output(reducer: Reducer, drawn: Solid, chord_error: float) -> dict[str, Made]:
+    """Give the output as it is printed: in one piece, or its discs with bores, and the pins where they are printed."""
+    if in_one_piece(reducer):
+        return {names.OUTPUT: Made(1, drawn)}
+    output, density = reducer.design.output, drawn.density
+    discs = {names.OUTPUT: drawn.prisms[0]}
+    if output.support == "both_ends":
+        discs[SECOND_OUTPUT] = drawn.prisms[-1]
+    pin = circle(output.root_radius, chord_error)
+    bores = tuple(pin + centre for centre in output_centres(reducer))
+    found = {
+        name: Made(1, Solid(name, (Prism(disc.outline, (*disc.holes, *bores), disc.z0, disc.z1),), density))
+        for name, disc in discs.items()
+    }
+    if is_printed(reducer, names.OUTPUT):
+        solid = Solid(OUTPUT_PIN, (Prism(pin, (), 0.0, output_pin_length(reducer)),), density)
+        found[OUTPUT_PIN] = Made(output.pins, solid)
+    return found

@@ -1,0 +1,141 @@
+"""Parts as STEP: true solids of OpenCASCADE, through the optional package gmsh, in millimetres."""
+
+import os
+import re
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.interrupt import signals_kept
+from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.parts.export.curve import Arc, Circle, Curve, Line, Spline
+from cycloid_mj.parts.export.section import Section
+
+SPLINES = 6
+"""Splines to a lobe or root: OpenCASCADE's integrals are coarse on long splines (0.6 % of the volume at one a lobe)."""
+
+_SESSION = re.compile(rb"FILE_NAME\(.*?\);", re.DOTALL)
+_PRODUCT = re.compile(rb"Open CASCADE STEP translator [\d. ]+")
+
+
+def step_part(name: str, sections: tuple[Section, ...], solids_wanted: int = 1) -> bytes:
+    """Give the sections of a part as one solid in STEP, or as so many; the same sections give the same bytes.
+
+    Raises
+    ------
+    CycloidError
+        The package gmsh is not installed, or OpenCASCADE cannot make the solid.
+    """
+    with _kernel(name) as gmsh:
+        solids = [_extruded(gmsh.model.occ, section) for section in sections]
+        if len(solids) > 1:
+            solids, _ = gmsh.model.occ.fuse(solids[:1], solids[1:])
+        for dimension in (2, 1, 0):  # what bounds no solid: controls of the splines, faces that were joined
+            gmsh.model.occ.remove(gmsh.model.occ.getEntities(dimension))
+        gmsh.model.occ.synchronize()
+        if len(solids) != solids_wanted:
+            raise CycloidError(
+                f"the sections of the {name} make {len(solids)} solids instead of {solids_wanted}; check the design"
+            )
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / f"{name}.step"
+            with _silenced_stdout():
+                gmsh.write(str(path))
+            content = path.read_bytes()
+    return _without_session(content, name)
+
+
+def read_volume(content: bytes) -> float:
+    """Give the volume [m3] of the solids in a STEP file.
+
+    Raises
+    ------
+    CycloidError
+        The package gmsh is not installed.
+    """
+    with _kernel("read") as gmsh, tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "part.step"
+        path.write_bytes(content)
+        solids = gmsh.model.occ.importShapes(str(path))
+        return float(sum(gmsh.model.occ.getMass(*solid) for solid in solids) / MILLIMETRES**3)
+
+
+def _without_session(content: bytes, name: str) -> bytes:
+    """Take time, folder and counters out of a STEP file."""
+    file_name = f"FILE_NAME('{name}.step','',(''),(''),'','cycloid_mj','');"
+    return _PRODUCT.sub(name.encode(), _SESSION.sub(file_name.encode(), content, count=1))
+
+
+@contextmanager
+def _silenced_stdout() -> Iterator[None]:
+    """Keep OpenCASCADE's own messages out of stdout; it writes past Python."""
+    sys.stdout.flush()
+    kept, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nowhere, 1)
+        yield
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
+        os.close(nowhere)
+
+
+@contextmanager
+def _kernel(name: str) -> Iterator[Any]:
+    """Give gmsh with an empty model of its own."""
+    try:
+        import gmsh
+    except (ImportError, OSError) as error:
+        raise CycloidError(
+            f"STEP needs the package gmsh ({error}): install the extra with `pip install 'cycloid-mj[cad]'`, "
+            "or export stl, obj or dxf"
+        ) from error
+    fresh = not gmsh.isInitialized()
+    if fresh:
+        with signals_kept():
+            gmsh.initialize(interruptible=False)
+    gmsh.option.setNumber("General.Terminal", 0)
+    gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
+    gmsh.model.add(name)
+    try:
+        yield gmsh
+    except Exception as error:
+        if isinstance(error, CycloidError):
+            raise
+        raise CycloidError(f"OpenCASCADE cannot make the {name}: {error}; check the design") from error
+    finally:
+        gmsh.model.remove()
+        if fresh:
+            gmsh.finalize()
+
+
+def _extruded(occ: Any, section: Section) -> tuple[int, int]:
+    loops = [occ.addCurveLoop([_edge(occ, curve, section.z0) for curve in loop]) for loop in section.loops]
+    face = occ.addPlaneSurface(loops)
+    height = (section.z1 - section.z0) * MILLIMETRES
+    (solid,) = [entity for entity in occ.extrude([(2, face)], 0.0, 0.0, height) if entity[0] == 3]
+    return int(solid[0]), int(solid[1])
+
+
+def _edge(occ: Any, curve: Curve, z: float) -> int:
+    z *= MILLIMETRES
+    match curve:
+        case Circle():
+            x, y = np.array(curve.centre) * MILLIMETRES
+            return int(occ.addCircle(x, y, z, curve.radius * MILLIMETRES))
+        case Arc():
+            x, y = np.array(curve.centre) * MILLIMETRES
+            return int(occ.addCircle(x, y, z, curve.radius * MILLIMETRES, angle1=curve.start, angle2=curve.end))
+        case Line():
+            ends = [occ.addPoint(*(np.array(end) * MILLIMETRES), z) for end in (curve.start, curve.end)]
+            return int(occ.addLine(*ends))
+        case Spline():
+            controls = [occ.addPoint(*point, z) for point in curve.controls * MILLIMETRES]
+            knots, counts = np.unique(curve.knots * MILLIMETRES, return_counts=True)
+            return int(occ.addBSpline(controls, degree=3, knots=knots.tolist(), multiplicities=counts.tolist()))

@@ -1,0 +1,43 @@
+"""Meshes as binary STL: the same mesh always gives the same bytes."""
+
+import numpy as np
+
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.types import Array
+from cycloid_mj.parts import Mesh
+
+HEADER = b"binary STL by cycloid_mj".ljust(80)
+_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+
+
+def stl_bytes(shape: Mesh, scale: float = 1.0) -> bytes:
+    """Give a mesh as binary STL, its vertices [m] times `scale`, in single precision as the format wants."""
+    corners = shape.vertices[shape.faces] * scale
+    triangles = np.zeros(len(corners), _TRIANGLE)
+    triangles["normal"] = _normals(corners)
+    triangles["corners"] = corners
+    return HEADER + np.uint32(len(triangles)).tobytes() + triangles.tobytes()
+
+
+def read_stl(content: bytes) -> Array:
+    """Give the corners (m, 3, 3) of the triangles of a binary STL, as its length unit has them.
+
+    Raises
+    ------
+    DesignError
+        It is no binary STL.
+    """
+    count = int.from_bytes(content[80:84], "little")
+    if len(content) != 84 + count * _TRIANGLE.itemsize:
+        raise DesignError(
+            f"this is no binary STL: {len(content)} bytes for {count} triangles, expected "
+            f"{84 + count * _TRIANGLE.itemsize}; write it again"
+        )
+    return np.frombuffer(content, _TRIANGLE, offset=84)["corners"].astype(np.float64)
+
+
+def _normals(corners: Array) -> Array:
+    """Give the unit normals (m, 3) of triangles; zero where a triangle has no area."""
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    size = np.linalg.norm(normals, axis=1, keepdims=True)
+    return np.divide(normals, size, out=np.zeros_like(normals), where=size > 0.0)

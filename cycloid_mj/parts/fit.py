@@ -1,0 +1,29 @@
+"""Refuse a design whose parts do not fit into each other, in the words of the design file."""
+
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.design.units import MILLIMETRE
+
+
+def require_above(key: str, value: float, bound: float, otherwise: str) -> None:
+    """Raise DesignError unless the length ``key`` is more than the bound [m], or else ``otherwise``."""
+    if not value > bound:
+        raise too_small(key, value, bound, otherwise)
+
+
+def require_below(key: str, value: float, bound: float, otherwise: str) -> None:
+    """Raise DesignError unless the length ``key`` is less than the bound [m], or else ``otherwise``."""
+    if not value < bound:
+        raise _misfit(key, value, f"less than {_told(bound)}", otherwise)
+
+
+def too_small(key: str, value: float, bound: float, otherwise: str) -> DesignError:
+    """Give the error of a length ``key`` that must be more than the bound [m], or else ``otherwise``."""
+    return _misfit(key, value, f"more than {_told(bound)}", otherwise)
+
+
+def _misfit(key: str, value: float, allowed: str, otherwise: str) -> DesignError:
+    return DesignError(f"{key}_{MILLIMETRE.suffix} = {_told(value)} is not allowed: {allowed}, or {otherwise}")
+
+
+def _told(length: float) -> str:
+    return f"{MILLIMETRE.from_si(length):.9g}"

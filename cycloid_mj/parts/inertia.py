@@ -1,0 +1,58 @@
+"""Mass, centroid and inertia of a solid, exact for its polygons."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from cycloid_mj.base.digits import on_grid, significant, significant_tensor
+from cycloid_mj.base.types import Array
+from cycloid_mj.parts.polygon import AreaMoments, area_moments
+from cycloid_mj.parts.prism import Prism, Solid
+
+
+@dataclass(frozen=True)
+class MassProperties:
+    """Mass [kg], volume [m3], centroid (3,) [m] and inertia (3, 3) about the centroid [kg m2]."""
+
+    mass: float
+    volume: float
+    centroid: Array
+    inertia: Array
+
+
+@lru_cache(maxsize=12)  # the parts of one design: they hold their outlines
+def mass_properties(solid: Solid) -> MassProperties:
+    """Give the mass properties of a solid, rounded to the digits that they mean (``digits``).
+
+    With V, s and S the integrals of 1, r and r r^T over the volume, the centroid is s/V, and the inertia about it is
+    density (tr(C) 1 - C) with C = S - s s^T / V (the parallel-axis theorem).
+    """
+    moments = [_volume_moments(prism) for prism in solid.prisms]
+    volume = sum(part[0] for part in moments)
+    first = np.sum([part[1] for part in moments], axis=0)
+    second = np.sum([part[2] for part in moments], axis=0)
+    central = second - np.outer(first, first) / volume
+    return MassProperties(
+        mass=significant(solid.density * volume),
+        volume=significant(volume),
+        centroid=on_grid(first / volume),
+        inertia=significant_tensor(solid.density * (np.trace(central) * np.eye(3) - central)),
+    )
+
+
+def region_moments(prism: Prism) -> AreaMoments:
+    """Give the area moments of a prism's cross-section: its outline less its holes."""
+    rings = [np.array(area_moments(prism.outline)), *(-np.array(area_moments(hole)) for hole in prism.holes)]
+    return AreaMoments(*map(float, np.sum(rings, axis=0)))
+
+
+def _volume_moments(prism: Prism) -> tuple[float, Array, Array]:
+    """Integrals of 1 [m3], r (3,) [m4] and r r^T (3, 3) [m5] over a prism, about the origin."""
+    area, x, y, xx, yy, xy = region_moments(prism)
+    height, z0, z1 = prism.height, prism.z0, prism.z1
+    middle = (z0 + z1) / 2
+    zz = (z0 * z0 + z0 * z1 + z1 * z1) / 3
+    first = height * np.array([x, y, area * middle])
+    second = height * np.array([[xx, xy, x * middle], [xy, yy, y * middle], [x * middle, y * middle, area * zz]])
+    return area * height, first, second

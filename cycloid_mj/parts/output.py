@@ -1,0 +1,83 @@
+"""The output disc with its pins, the rollers on them, and where they stand."""
+
+import numpy as np
+
+from cycloid_mj.base import names
+from cycloid_mj.base.types import Array
+from cycloid_mj.geometry.profile import unit
+from cycloid_mj.parts.accuracy import drawing_error
+from cycloid_mj.parts.polygon import circle
+from cycloid_mj.parts.prism import Prism, Solid
+from cycloid_mj.reducer import Reducer
+
+AXIAL_GAP = 1e-3
+"""Distance of the output disc and of the counterweight from the gear's faces [m]."""
+
+RIM = 0.5
+"""Width of the disc outside its pins, as a share of their radius."""
+
+
+def near_face(reducer: Reducer) -> float:
+    """Give where along z what lies on the input side of the discs ends, the second output disc counted in [m]."""
+    output, near = reducer.design.output, -reducer.design.gear.stack_width / 2 - AXIAL_GAP
+    return near - output.disc_thickness - AXIAL_GAP if output.support == "both_ends" else near
+
+
+def output_centres(reducer: Reducer) -> Array:
+    """Give the centres of the output pins, and of the gear's holes, (n, 2) [m]: the first on +y, then clockwise."""
+    output = reducer.design.output
+    return output.pin_circle_radius * unit(2 * np.pi * np.arange(output.pins) / output.pins)
+
+
+def output_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
+    """Give the output disc behind the gear (+z) with its pins through all discs, in the frame of the output axis.
+
+    Where both ends of the pins are held, a second disc lies before the gear; the crank with its cams fits through it.
+    Pins under rollers that are parts of their own (`roller_solid`) are as thick as their cores.
+
+    Parameters
+    ----------
+    design
+        The design.
+    chord_error
+        Largest distance of a chord from its circle [m]; right for mass properties when left out.
+    """
+    design = reducer.design
+    chord_error = drawing_error(reducer, chord_error)
+    gear, output, half = design.gear, design.output, design.gear.stack_width / 2
+    face = half + AXIAL_GAP
+    held = output.support == "both_ends"
+    rim = circle(output.pin_circle_radius + (1 + RIM) * output.pin_radius, chord_error)
+    pin = circle(pin_radius(reducer), chord_error)
+    disc = Prism(rim, (), face, face + output.disc_thickness)
+    start = -face if held else -half
+    pins = [Prism(pin + centre, (), start, face) for centre in output_centres(reducer)]
+    eye = circle(gear.bore_radius + gear.eccentricity, chord_error)
+    second = [Prism(rim, (eye,), -face - output.disc_thickness, -face)] if held else []
+    return Solid(names.OUTPUT, (disc, *pins, *second), design.material_of("output").density)
+
+
+def pin_radius(reducer: Reducer) -> float:
+    """Give the radius of an output pin as it is drawn [m]: of its core under a roller that is a part of its own."""
+    design = reducer.design
+    return design.output.core_radius if design.output.has_roller_parts else design.output.pin_radius
+
+
+def roller_solid(reducer: Reducer, chord_error: float | None = None) -> Solid:
+    """Give the roller of one output pin in one disc, in its own frame: a tube of the pins' material.
+
+    It is as wide as the disc, and its bore has the core's radius: needles between the two weigh as if they filled their
+    room.
+
+    Parameters
+    ----------
+    design
+        The design, with rollers that are parts of their own.
+    chord_error
+        Largest distance of a chord from its circle [m]; right for mass properties when left out.
+    """
+    design = reducer.design
+    chord_error = drawing_error(reducer, chord_error)
+    output, half = design.output, design.gear.face_width / 2
+    tube = Prism(circle(output.pin_radius, chord_error), (circle(output.core_radius, chord_error),), -half, half)
+    return Solid(names.ROLLER, (tube,), design.material_of("output").density)

@@ -1,0 +1,148 @@
+"""All parts of a reducer by name."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from cycloid_mj.base import names
+from cycloid_mj.base.types import Array
+from cycloid_mj.design import Design
+from cycloid_mj.parts.gear import gear_solid
+from cycloid_mj.parts.housing import housing_solid, pin_solid
+from cycloid_mj.parts.output import output_centres, output_solid, roller_solid
+from cycloid_mj.parts.prism import Prism, Solid
+from cycloid_mj.parts.shaft import crank_parts, stretches
+from cycloid_mj.reducer import Reducer, once
+
+SHAPING_NOTHING = (
+    *("name", "errors", "friction", "drag", "contact", "stiffness", "damping", "working_force"),
+    *("drive", "load", "environment", "settings"),
+)
+"""What of a design no part depends on: runs at other loads and speeds have the same parts, which are drawn once."""
+
+KEPT = 8
+"""Shapes whose parts are kept, of some 2 MB each: the designs of a comparison, not all that a slider goes through."""
+
+
+def parts(reducer: Reducer, chord_error: float | None = None) -> dict[str, Solid]:
+    """Give housing, shaft, gear, pin (one of N; only where the ring has pins) and output, each in its own frame.
+
+    The pin of a sleeved ring is the sleeve; the pressed-in pins are the housing's. With D discs there are ``gear_1`` to
+    ``gear_D``, each in the frame of its disc, ``cam_1`` to ``cam_D`` in that of the shaft, and one ``spacer`` of D - 1.
+    Rollers that are parts of their own are one ``output_roller`` of D times the output pins.
+
+    Parameters
+    ----------
+    design
+        The design.
+    chord_error
+        Largest distance of a chord from its curve [m]; right for mass properties when left out.
+
+    Raises
+    ------
+    DesignError
+        A part cannot be made, or the parts do not fit into each other.
+    """
+    return dict(_parts(_shape(reducer), chord_error))
+
+
+def body_solids(reducer: Reducer) -> dict[str, Solid]:
+    """Give what moves together as one solid each, by the part that names it: as `parts`, but with what each carries.
+
+    The shaft is the whole crank then, and the output has its rollers, after its own prisms.
+
+    Raises
+    ------
+    DesignError
+        As `parts`.
+    """
+    whole = {
+        by: make(_shape(reducer))
+        for by, make in ((names.SHAFT, _whole_crank), (names.OUTPUT, _whole_output))
+        if carried(reducer, by)
+    }
+    borne = {part for by in whole for part, _ in carried(reducer, by).values()}
+    return {name: whole.get(name, solid) for name, solid in parts(reducer).items() if name not in borne}
+
+
+def carried(reducer: Reducer, by: str) -> dict[str, tuple[str, Array]]:
+    """Give what the shaft or the output carries beside the part of its name: cams and spacers, or rollers.
+
+    Name of each copy -> its part, and its place (x, y, z) in the frame of what carries it, shape (3,) [m].
+    """
+    gear = reducer.design.gear
+    if by == names.SHAFT and gear.discs > 1:
+        cams = {name: (name, np.zeros(3)) for name in names.all_numbered(names.CAM, gear.discs)}
+        middles = [plane + gear.disc_spacing / 2 for plane in gear.disc_planes[:-1]]
+        spacers = zip(names.all_numbered(names.SPACER, len(middles)), middles, strict=True)
+        return cams | {name: (names.SPACER, np.array([0.0, 0.0, middle])) for name, middle in spacers}
+    if by == names.OUTPUT and reducer.design.output.has_roller_parts:
+        places = [np.array([*centre, plane]) for plane in gear.disc_planes for centre in output_centres(reducer)]
+        copies = zip(names.all_numbered(names.ROLLER, len(places)), places, strict=True)
+        return {name: (names.ROLLER, place) for name, place in copies}
+    return {}
+
+
+def _shape(reducer: Reducer) -> Reducer:
+    """Give a design without what no part depends on."""
+    return Reducer(
+        reducer.design.model_copy(update={name: Design.model_fields[name].default for name in SHAPING_NOTHING})
+    )
+
+
+def crank_stretches(reducer: Reducer) -> Mapping[str, Prism]:
+    """Give the stretches of the whole crank by name, as right as for its mass; errors as ``shaft.stretches``."""
+    return _stretches(_shape(reducer), None)
+
+
+def crank_solid(reducer: Reducer) -> Solid:
+    """Give the whole crank as `body_solids` does, without drawing anything else; errors as ``shaft.stretches``."""
+    return _whole_crank(_shape(reducer))
+
+
+@once
+def _whole_crank(reducer: Reducer) -> Solid:
+    return Solid(names.SHAFT, tuple(_stretches(reducer, None).values()), reducer.design.material_of("shaft").density)
+
+
+@once
+def _whole_output(reducer: Reducer) -> Solid:
+    found = _parts(reducer, None)
+    (tube,) = found[names.ROLLER].prisms
+    rollers = [
+        Prism(tube.outline + place[:2], tuple(hole + place[:2] for hole in tube.holes), tube.z0 + z, tube.z1 + z)
+        for _, place in carried(reducer, names.OUTPUT).values()
+        for z in (float(place[2]),)
+    ]
+    own = found[names.OUTPUT]
+    return Solid(names.OUTPUT, (*own.prisms, *rollers), own.density)
+
+
+@once
+def _stretches(reducer: Reducer, chord_error: float | None) -> Mapping[str, Prism]:
+    # several discs balance each other, whatever their weight
+    balanced = _gears(reducer, chord_error)[0] if reducer.design.gear.discs == 1 else None
+    return stretches(reducer, chord_error, balanced)
+
+
+@once
+def _gears(reducer: Reducer, chord_error: float | None) -> tuple[Solid, ...]:
+    return tuple(gear_solid(reducer, chord_error, disc) for disc in range(reducer.design.gear.discs))
+
+
+@once
+def _parts(reducer: Reducer, chord_error: float | None) -> dict[str, Solid]:
+    gears = _gears(reducer, chord_error)
+    crank = crank_parts(reducer, chord_error) if len(gears) > 1 else (_single(reducer, chord_error),)
+    solids = [housing_solid(reducer, chord_error), *crank, *gears]
+    if reducer.design.ring.kind == "pin":
+        solids.append(pin_solid(reducer, chord_error))
+    solids.append(output_solid(reducer, chord_error))
+    if reducer.design.output.has_roller_parts:
+        solids.append(roller_solid(reducer, chord_error))
+    return {solid.name: solid for solid in solids}
+
+
+def _single(reducer: Reducer, chord_error: float | None) -> Solid:
+    prisms = tuple(_stretches(reducer, chord_error).values())
+    return Solid(names.SHAFT, prisms, reducer.design.material_of("shaft").density)

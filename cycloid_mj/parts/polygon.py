@@ -1,0 +1,142 @@
+"""Closed polygons in the plane: arcs and circles as polygons, area moments, edges that cross."""
+
+import math
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.base.types import Array, Mask
+
+
+class AreaMoments(NamedTuple):
+    """Area A [m2] of a region, with the integrals of x, y [m3] and x2, y2, xy [m4] over it."""
+
+    area: float
+    x: float
+    y: float
+    xx: float
+    yy: float
+    xy: float
+
+
+def area_moments(polygon: Array) -> AreaMoments:
+    """Give the area moments about the origin of a polygon (n, 2) [m], exactly.
+
+    Green's theorem turns each integral over the region into a sum over the edges, which is exact in any order. A
+    clockwise polygon has negative moments.
+    """
+    return _moments(np.asarray(polygon, float).tobytes())
+
+
+@lru_cache(maxsize=64)  # designs that differ in a tolerance or a load share most of their outlines, of 0.2 MB each
+def _moments(vertices: bytes) -> AreaMoments:
+    polygon = np.frombuffer(vertices).reshape(-1, 2)
+    x, y = polygon.T
+    u, v = np.roll(polygon, -1, axis=0).T
+    cross = x * v - u * y
+    return AreaMoments(
+        area=_exact_sum(cross) / 2,
+        x=_exact_sum(cross * (x + u)) / 6,
+        y=_exact_sum(cross * (y + v)) / 6,
+        xx=_exact_sum(cross * (x * x + x * u + u * u)) / 12,
+        yy=_exact_sum(cross * (y * y + y * v + v * v)) / 12,
+        xy=_exact_sum(cross * (2 * x * y + x * v + u * y + 2 * u * v)) / 24,
+    )
+
+
+def signed_area(polygon: Array) -> float:
+    """Give the area [m2] of a polygon (n, 2) [m], exactly; it is negative where the polygon runs clockwise."""
+    (x, y), (u, v) = polygon.T, np.roll(polygon, -1, axis=0).T
+    return _exact_sum(x * v - u * y) / 2
+
+
+def arc(radius: float, start: float, end: float, chord_error: float) -> Array:
+    """Give points on an arc about the origin, both ends included.
+
+    Parameters
+    ----------
+    radius
+        Radius of the arc [m].
+    start, end
+        Its polar angles from +x, counter-clockwise [rad].
+    chord_error
+        Largest distance of a chord from the arc (the sagitta) [m].
+    """
+    angle = np.linspace(start, end, _segments(radius, end - start, chord_error) + 1)
+    return radius * np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+def circle(radius: float, chord_error: float, centre: tuple[float, float] = (0.0, 0.0)) -> Array:
+    """Give a circle as a counter-clockwise polygon (n, 2) [m] with its vertices on the circle.
+
+    Its area falls short of the circle's by 4/3 chord_error / radius, relatively (to first order).
+    """
+    return np.array(centre) + arc(radius, 0.0, 2 * math.pi, chord_error)[:-1]
+
+
+def turned(points: Array, angle: float) -> Array:
+    """Turn points (n, 2) counter-clockwise about the origin by an angle [rad]."""
+    if not angle:
+        return points
+    cos, sin = math.cos(angle), math.sin(angle)
+    return points @ np.array([[cos, sin], [-sin, cos]])
+
+
+def crossing(rings: Sequence[Array]) -> Array | None:
+    """Give a point (2,) [m] near which two edges of closed polygons touch or cross, or None.
+
+    Edges that follow each other share a vertex and do not count. The sweep along x tests only pairs of edges whose
+    bounding boxes overlap.
+    """
+    start = np.concatenate(rings)
+    end = np.concatenate([np.roll(ring, -1, axis=0) for ring in rings])
+    following = _following(rings)
+    i, j = _overlapping_pairs(np.minimum(start, end), np.maximum(start, end))
+    apart = (following[i] != j) & (following[j] != i)
+    i, j = i[apart], j[apart]
+    meets = _sides_differ(start[i], end[i], start[j], end[j]) & _sides_differ(start[j], end[j], start[i], end[i])
+    return (start[i[meets][0]] + end[i[meets][0]]) / 2 if meets.any() else None
+
+
+def _exact_sum(values: Array) -> float:
+    # of a list, since fsum would make a numpy number of each element
+    return math.fsum(values.tolist())
+
+
+def _segments(radius: float, span: float, chord_error: float) -> int:
+    """Chords that keep the sagitta radius (1 - cos(step / 2)); at least 8 to a turn."""
+    step = 2 * math.acos(max(1.0 - chord_error / radius, math.cos(math.pi / 8)))
+    return max(1, math.ceil(abs(span) / step))
+
+
+def _following(rings: Sequence[Array]) -> npt.NDArray[np.intp]:
+    """Index of the edge after each edge, in the concatenation of the rings."""
+    first = np.cumsum([0, *(len(ring) for ring in rings)])
+    return np.concatenate(
+        [start + np.roll(np.arange(len(ring)), -1) for start, ring in zip(first, rings, strict=False)]
+    )
+
+
+def _overlapping_pairs(low: Array, high: Array) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+    """Index pairs (i, j), each pair once, of boxes low..high (n, 2) that overlap or touch."""
+    order = np.argsort(low[:, 0])
+    low, high = low[order], high[order]
+    rank = np.arange(len(order))
+    count = np.searchsorted(low[:, 0], high[:, 0], side="right") - rank - 1
+    i = np.repeat(rank, count)
+    j = i + 1 + np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    overlap = (low[i, 1] <= high[j, 1]) & (low[j, 1] <= high[i, 1])
+    return order[i[overlap]], order[j[overlap]]
+
+
+def _sides_differ(a: Array, b: Array, p: Array, q: Array) -> Mask:
+    """Tell for each row whether p and q do not lie strictly on one side of the line a b."""
+    return _side(a, b, p) * _side(a, b, q) <= 0.0
+
+
+def _side(a: Array, b: Array, p: Array) -> Array:
+    along, to = b - a, p - a
+    return np.sign(along[:, 0] * to[:, 1] - along[:, 1] * to[:, 0])

@@ -1,0 +1,66 @@
+"""The two values of the room: a prism of one outline with holes, and a solid that is a stack of prisms."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.types import Array
+from cycloid_mj.parts.polygon import signed_area
+
+
+@dataclass(frozen=True, eq=False)
+class Prism:
+    """A plane region extruded along z.
+
+    Attributes
+    ----------
+    outline
+        Counter-clockwise polygon (n, 2) [m]; the last vertex joins the first.
+    holes
+        Counter-clockwise polygons (m, 2) [m] inside the outline, apart from each other.
+    z0, z1
+        The two faces [m], z0 < z1.
+
+    Raises
+    ------
+    DesignError
+        A polygon is not counter-clockwise, or z0 is not below z1.
+    """
+
+    outline: Array
+    holes: tuple[Array, ...]
+    z0: float
+    z1: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "outline", _locked(self.outline))
+        object.__setattr__(self, "holes", tuple(_locked(hole) for hole in self.holes))
+        if not self.z0 < self.z1:
+            raise DesignError(f"a prism from z0 = {self.z0} m to z1 = {self.z1} m has no height; z0 must be below z1")
+
+    @property
+    def height(self) -> float:
+        """Distance between the faces [m]."""
+        return self.z1 - self.z0
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """One part of the reducer: prisms that share no volume, of one density [kg/m3]."""
+
+    name: str
+    prisms: tuple[Prism, ...]
+    density: float
+
+
+def _locked(polygon: Array) -> Array:
+    """Give a read-only copy of a polygon that is counter-clockwise."""
+    copy = np.array(polygon, dtype=np.float64)
+    if copy.ndim != 2 or copy.shape[1] != 2 or len(copy) < 3:
+        raise DesignError(f"a polygon has shape (n, 2) with n of at least 3, got {copy.shape}")
+    area = signed_area(copy)
+    if not area > 0.0:
+        raise DesignError(f"a polygon of area {area:.6g} m2 does not run counter-clockwise")
+    copy.setflags(write=False)
+    return copy

@@ -1,8 +1,0 @@
-"""Whether a reducer lasts: life of bearings and surfaces, fatigue, wear and heat, by standard formulas with sources."""
-
-from cycloid_mj.rating.duty import Duty, DutyPoint, read_duty
-from cycloid_mj.rating.item import Item, Rating
-from cycloid_mj.rating.items import rate
-from cycloid_mj.rating.ranges import StressRange, read_ranges
-
-__all__ = ["Duty", "DutyPoint", "Item", "Rating", "StressRange", "rate", "read_duty", "read_ranges"]

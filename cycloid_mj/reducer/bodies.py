@@ -1,0 +1,355 @@
+"""The reducer as one value: its bodies with their freedoms, the surfaces on them, and which surfaces mate.
+
+The gaps (``gaps``), the MuJoCo model and the columns of a log follow from it. Manufacturing errors and clearances are
+in the places and radii of its surfaces, nowhere else; the modification is in the profile of the teeth. Masses and
+contact laws stand on solids and are attached above. Written for D discs at phases on the one crank.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from enum import IntEnum
+
+import numpy as np
+
+from cycloid_mj.base import names
+from cycloid_mj.base.types import Array
+from cycloid_mj.design import Design
+from cycloid_mj.geometry import profile
+from cycloid_mj.geometry.deviations import Deviations, deviations
+from cycloid_mj.geometry.kinematics import gear_centre
+from cycloid_mj.geometry.modification import tooth_profile
+from cycloid_mj.reducer.sockets import socket_half_angle
+
+
+class Role(IntEnum):
+    """How a surface meets others; as the priority of a geom, a number that is unlikely in anybody else's model."""
+
+    PIN = 0x63796D01
+    TEETH = 0x63796D02
+    INNER = 0x63796D03
+    OUTER = 0x63796D04
+    LOBE = 0x63796D05
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A rigid part.
+
+    Attributes
+    ----------
+    name
+        Its own.
+    part
+        The solid that it is, a key of ``parts.body_solids``.
+    joints
+        Its degrees of freedom by name: none, its turn about the reducer's axis, or x, y and turn in the plane.
+    place
+        Of its frame at the crank angle 0 [m], shape (2,).
+    origin
+        What x and y of its joints read there [m], shape (2,).
+    plane
+        Of its frame along z [m]: a disc's is in its middle, 0 in the middle of all discs.
+    carrier
+        Name of the body that carries it along, from which its joints read: of the pins of a ring that turns, the
+        housing; empty: none.
+    """
+
+    name: str
+    part: str
+    joints: tuple[str, ...]
+    place: Array
+    origin: Array
+    plane: float = 0.0
+    carrier: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Surfaces:
+    """Like surfaces, n of them: the pins of a ring, the holes of a disc, one cam.
+
+    Attributes
+    ----------
+    names, bodies
+        Of each, and of the body that carries it.
+    role
+        Of all.
+    angle
+        Clockwise angle from +y [rad], shape (n,): of its ideal place, or by which the teeth are turned on their disc.
+    place
+        In the body's frame, with manufacturing errors [m], shape (n, 2).
+    radius
+        As made, clearance counted in [m], shape (n,); of teeth, how far the ring reaches out: no mate is farther.
+    play
+        How far each gives way before it carries [m], shape (n,): of massless pins; else 0.
+    disc
+        Index of the disc that is as wide as they are; None: they span all discs.
+    half_angle
+        Of the arc on which sockets hold their pins, about the direction `angle` [rad], massless pins counted as their
+        sockets; pi: all round.
+    """
+
+    names: tuple[str, ...]
+    bodies: tuple[str, ...]
+    role: Role
+    angle: Array
+    place: Array
+    radius: Array
+    play: Array
+    disc: int | None = None
+    half_angle: float = math.pi
+
+
+@dataclass(frozen=True)
+class Pair:
+    """One mating pair.
+
+    Attributes
+    ----------
+    name
+        Its own, and the stem of its columns in the log.
+    kind
+        ``pin_gear``, ``pin_socket``, ``pin_sleeve``, ``tooth``, ``cam`` or ``output``: the key of its clearance,
+        friction, stiffness, damping and working force.
+    on
+        Surface whose body feels the logged force: the gear, the pin in its socket, or the sleeve on its pin.
+    by
+        Surface that exerts it.
+    owner
+        Index of the pin, lobe or output pin, 0 on +y, clockwise.
+    disc
+        Index of the disc; 0 where none takes part.
+    """
+
+    name: str
+    kind: str
+    on: str
+    by: str
+    owner: int
+    disc: int
+
+
+@dataclass(frozen=True, eq=False)
+class Mating:
+    """Like pairs: each surface of `on` meets that of `by` with the same index, or the one there is all of them."""
+
+    kind: str
+    names: tuple[str, ...]
+    on: Surfaces
+    by: Surfaces
+    disc: int = 0
+
+    @property
+    def pairs(self) -> Iterator[Pair]:
+        """Its pairs, one by one."""
+        lonely = len(self.on.names) == 1
+        for owner, (name, by) in enumerate(zip(self.names, self.by.names, strict=True)):
+            yield Pair(name, self.kind, self.on.names[0 if lonely else owner], by, owner, self.disc)
+
+
+@dataclass(frozen=True, eq=False)
+class Mechanism:
+    """A reducer.
+
+    Attributes
+    ----------
+    design
+        What it was made from.
+    phases
+        Of each disc on the crank [rad], counter-clockwise.
+    bodies
+        What is held (the housing, or the output where the ring turns), shaft, discs, what the load is on, and pins or
+        sleeves that move.
+    matings
+        Teeth of every disc, then what carries the pins, then cams, then output pins.
+    """
+
+    design: Design
+    phases: tuple[float, ...]
+    bodies: tuple[Body, ...]
+    matings: tuple[Mating, ...]
+
+    @property
+    def pairs(self) -> tuple[Pair, ...]:
+        """Every mating pair."""
+        return tuple(pair for mating in self.matings for pair in mating.pairs)
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """Kinds of mating pairs, in their order."""
+        return tuple(dict.fromkeys(mating.kind for mating in self.matings))
+
+    @property
+    def surfaces(self) -> tuple[Surfaces, ...]:
+        """All surfaces, each once."""
+        return tuple(dict.fromkeys(side for mating in self.matings for side in (mating.on, mating.by)))
+
+    @property
+    def discs(self) -> tuple[Body, ...]:
+        """The bodies of the discs."""
+        return tuple(body for body in self.bodies if names.family(body.part) == names.GEAR)
+
+    @property
+    def pins(self) -> tuple[Body, ...]:
+        """The bodies of pins or sleeves, in the order of the ring; none where they do not move."""
+        return tuple(body for body in self.bodies if body.part == names.PIN)
+
+    @property
+    def carriers(self) -> dict[str, str]:
+        """Name of each surface -> that of the body that carries it."""
+        return {name: body for of in self.surfaces for name, body in zip(of.names, of.bodies, strict=True)}
+
+    def against(self, body: str) -> list[str]:
+        """Name the pairs in which a body takes the force that discs, pins or sleeves feel."""
+        carriers = self.carriers
+        return [pair.name for pair in self.pairs if carriers[pair.by] == body]
+
+    def mating(self, kind: str, disc: int = 0) -> Mating:
+        """Give the pairs of a kind on a disc."""
+        return next(mating for mating in self.matings if (mating.kind, mating.disc) == (kind, disc))
+
+
+def phases(design: Design) -> tuple[float, ...]:
+    """Give the phase of each disc on the crank [rad], counter-clockwise: evenly spaced, the first with the crank."""
+    discs = design.gear.discs
+    return tuple(2.0 * math.pi * disc / discs for disc in range(discs))
+
+
+def are_one_part(discs: int, output_pins: int, lobes: int) -> bool:
+    """Tell whether all discs are one and the same part: one needs only be turned on its holes to be any other.
+
+    The teeth of disc d stand d/D of a pitch further on its holes. A turn by k hole pitches brings them there where
+    k lobes/pins - d/D is whole, and multiples of lobes/pins leave as fractions those of 1/(pins/gcd(pins, lobes)). For
+    a prime D that is: D is contained more often in the number of output pins than in that of the lobes.
+    """
+    return output_pins // math.gcd(output_pins, lobes) % discs == 0
+
+
+def mechanism(design: Design) -> Mechanism:
+    """Give the reducer of a design."""
+    made, discs = deviations(design), range(len(phases(design)))
+    pins, seats = _ring(design, made)
+    output = design.output
+    studs = names.all_numbered(names.OUTPUT_PIN, output.pins)
+    fixed = _around(studs, names.OUTPUT, Role.INNER, output.pin_circle_radius, output.pin_radius)
+    return Mechanism(
+        design=design,
+        phases=phases(design),
+        bodies=tuple(_bodies(design, made)),
+        matings=(
+            *(_mesh(design, disc, pins) for disc in discs),
+            *seats,
+            *(_cam(design, made, disc) for disc in discs),
+            *(_holes(design, made, disc, fixed) for disc in discs),
+        ),
+    )
+
+
+def _bodies(design: Design, made: Deviations) -> Iterator[Body]:
+    axis, gear, ring = np.zeros(2), tooth_profile(design), design.ring
+    held, turning, carrier = names.HOUSING, names.OUTPUT, ""
+    if design.output.turns_ring:
+        held, turning, carrier = names.OUTPUT, names.HOUSING, names.HOUSING
+    yield Body(held, held, (), axis, axis)
+    yield Body(names.SHAFT, names.SHAFT, (names.CRANK_JOINT,), axis, axis)
+    for disc, phase in enumerate(phases(design)):
+        name, place = _of_disc(design, names.GEAR, disc), gear_centre(gear, phase)
+        yield Body(name, name, names.planar_joints(name), place, place, design.gear.disc_planes[disc])
+    yield Body(turning, turning, (names.OUTPUT_JOINT,), axis, axis)
+    if ring.has_pin_bodies:
+        places = ring.pin_circle_radius * profile.unit(_angles(ring.teeth)) + made.pin_place
+        for name, place in zip(names.all_numbered(names.PIN, ring.teeth), places, strict=True):
+            yield Body(name, names.PIN, names.planar_joints(name), place, axis, carrier=carrier)
+
+
+def _ring(design: Design, made: Deviations) -> tuple[Surfaces, list[Mating]]:
+    """Give what meets the teeth, and how it is carried where it moves."""
+    ring, clearance, radius = design.ring, design.clearance, design.ring.pin_radius + made.pin_radius
+    half = socket_half_angle(design) if ring.has_sockets else math.pi
+
+    def on_housing(stem: str, role: Role, radius: float | Array, play: float | Array = 0.0) -> Surfaces:
+        numbered = names.all_numbered(stem, ring.teeth)
+        return _around(numbered, names.HOUSING, role, ring.pin_circle_radius, radius, made.pin_place, play=play)
+
+    def on_pins(stem: str, role: Role, radius: float | Array) -> Surfaces:
+        numbered = names.all_numbered(stem, ring.teeth)
+        return _around(numbered, names.all_numbered(names.PIN, ring.teeth), role, 0.0, radius)
+
+    if not ring.has_pin_bodies:
+        stem, role = (names.LOBE, Role.LOBE) if ring.kind == "nonpin" else (names.PIN, Role.PIN)
+        # What is larger fills a socket; a sleeve's play is in its bore.
+        play = design.pin_play - made.pin_radius * ring.has_sockets if ring.has_massless_pins else 0.0
+        held = on_housing(stem, role, radius, play)
+        return (replace(held, half_angle=half) if ring.has_massless_pins else held), []
+    pins = on_pins(names.PIN, Role.PIN, radius)
+    if ring.has_sockets:
+        sockets = on_housing(names.SOCKET, Role.OUTER, ring.pin_radius + clearance.pin_socket)
+        sockets = replace(sockets, half_angle=half)
+        return pins, [Mating("pin_socket", sockets.names, pins, sockets)]
+    bores = on_pins(names.SLEEVE, Role.OUTER, ring.sleeve_bore_radius)
+    cores = on_housing(names.CORE, Role.INNER, ring.pin_radius - clearance.pin_sleeve - ring.sleeve_thickness)
+    return pins, [Mating("pin_sleeve", bores.names, bores, cores)]
+
+
+def _mesh(design: Design, disc: int, ring: Surfaces) -> Mating:
+    """Give the teeth of a disc on the ring: on a disc ahead on the crank they are turned back on it."""
+    teeth = Surfaces(
+        names=(_of_disc(design, names.TEETH, disc),),
+        bodies=(_of_disc(design, names.GEAR, disc),),
+        role=Role.TEETH,
+        angle=np.array([phases(design)[disc] / design.lobes]),
+        place=np.zeros((1, 2)),
+        radius=np.array([design.ring_root_radius]),
+        play=np.zeros(1),
+        disc=disc,
+    )
+    pairs = tuple(_of_disc(design, name, disc) for name in ring.names)
+    return Mating(design.tooth_pair, pairs, teeth, ring, disc)
+
+
+def _cam(design: Design, made: Deviations, disc: int) -> Mating:
+    gear, radius = _of_disc(design, names.GEAR, disc), design.gear.bore_radius
+    bore, cam = (_of_disc(design, name, disc) for name in (names.BORE, names.CAM))
+    ahead, orbit = phases(design)[disc], design.gear.eccentricity + made.eccentricity
+    return Mating(
+        "cam",
+        (cam,),
+        _around((bore,), gear, Role.OUTER, 0.0, radius + design.clearance.cam, disc=disc),
+        _around((cam,), names.SHAFT, Role.INNER, orbit, radius, made.cam_place[disc], first=-ahead, disc=disc),
+        disc,
+    )
+
+
+def _holes(design: Design, made: Deviations, disc: int, pins: Surfaces) -> Mating:
+    output = design.output
+    numbered = tuple(_of_disc(design, name, disc) for name in names.all_numbered(names.HOLE, output.pins))
+    radius, gear = output.hole_radius + design.clearance.output, _of_disc(design, names.GEAR, disc)
+    holes = _around(numbered, gear, Role.OUTER, output.pin_circle_radius, radius, made.hole_place[disc], disc=disc)
+    return Mating("output", tuple(_of_disc(design, name, disc) for name in pins.names), holes, pins, disc)
+
+
+def _of_disc(design: Design, name: str, disc: int) -> str:
+    return names.of_disc(name, disc, len(phases(design)))
+
+
+def _around(
+    numbered: tuple[str, ...],
+    body: str | tuple[str, ...],
+    role: Role,
+    circle: float,
+    radius: float | Array,
+    departure: Array | float = 0.0,
+    first: float = 0.0,
+    play: float | Array = 0.0,
+    disc: int | None = None,
+) -> Surfaces:
+    """Give like surfaces around the axis on a `circle` [m], beside their places by a `departure` [m], shape (n, 2)."""
+    angle, count = first + _angles(len(numbered)), len(numbered)
+    bodies = (body,) * count if isinstance(body, str) else body
+    place = circle * profile.unit(angle) + departure
+    return Surfaces(numbered, bodies, role, angle, place, np.zeros(count) + radius, np.zeros(count) + play, disc)
+
+
+def _angles(count: int) -> Array:
+    """Angles of like things around the axis, clockwise from +y [rad], shape (count,)."""
+    return np.asarray(2.0 * np.pi * np.arange(count) / count)

@@ -1,0 +1,255 @@
+"""The gaps of all mating pairs at a crank angle, as functions of small motions of the discs and the output.
+
+The unknowns z [m], shape (3 D + 1,), are departures from the ideal pose: x, y and R phi of each of the D discs, and
+R psi of the output; R is the radius of the circle of output pins, phi and psi are counter-clockwise. A gap is the
+normal distance of two surfaces, positive where they are apart. At the ideal pose it is what clearances, manufacturing
+errors and profile modification leave; its gradient is the direction of the force that the contact puts on the parts.
+
+Along the surface a contact moves too: a balance (`kernel.gap`) counts each curve as its circle of curvature with the
+rate at which that changes, and turns to the second order. What it leaves out is of fourth order in displacements, of
+third in turns. In the valleys of the paper's gear, where the circle has a radius of 18 um, and
+farther along it looks for the foot point.
+
+Angles as in ``kinematics``, tooth geometry as in ``envelope``. A disc at the phase beta on the crank meshes as the gear
+of a crank at theta + beta (Hsieh 2014, Eqs 7 and 11, for one disc); its holes turn with the output.
+"""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.base.types import Array, Integers, Mask
+from cycloid_mj.geometry import envelope, profile
+from cycloid_mj.geometry.deviations import profile_error
+from cycloid_mj.geometry.kinematics import gear_centre
+from cycloid_mj.reducer import Reducer
+
+_STEP = 1e-6
+"""Step of a difference along the trochoid [rad]."""
+
+
+@dataclass(frozen=True)
+class Gaps:
+    """Gaps at one crank angle, n of them, or at k of them: then arrays of numbers have k in front.
+
+    Attributes
+    ----------
+    kind
+        Kind of the mating pair: ``pin_gear``, ``tooth`` or ``output``, shape (n,).
+    owner
+        Index of the pin, lobe or output pin, 0 on +y, clockwise, shape (n,).
+    disc
+        Index of the disc, shape (n,).
+    room
+        What the gap is wider by than the distance, wherever the parts are [m], shape (n,): clearances, errors of radii.
+    play
+        Of the ring's pin in its socket, or of its sleeve [m], shape (n,); 0 where none moves. It is not in `room`: a
+        pin that is pressed gives way by it first.
+    distance
+        Normal distance of the two curves at z = 0 [m], shape (n,): 0 for ideal parts.
+    slope
+        Its gradient [1], shape (n, 3 D + 1).
+    shift, shift_slope
+        How far the parts are displaced along the surface at z = 0 [m], shape (n,), and the gradient of that.
+    bend
+        Relative curvature [1/m] of the two curves, shape (n,): of the gear's trochoid, on which ideal pins have their
+        centres; of the circle about the middle of a hole on which those of output pins are. Convex positive.
+    twist
+        Rate of `bend` along the surface [1/m2], shape (n,), towards the force turned counter-clockwise; of circles 0.
+    phase
+        N - 1 times the parameter of the gear's trochoid at the contact [rad], shape (n,); of round holes 0.
+    relative_curvature
+        Of the line contact [1/m]: gear's plus mate's surface, shape (n,).
+    slip_slope
+        Gradient of how far the disc's surface slides over its mate [1], shape (n, 3 D + 1), towards the normal force
+        turned counter-clockwise by a right angle; the mate does not turn about itself.
+    """
+
+    kind: npt.NDArray[np.str_]
+    owner: Integers
+    disc: Integers
+    room: Array
+    play: Array
+    distance: Array
+    slope: Array
+    shift: Array
+    shift_slope: Array
+    bend: Array
+    twist: Array
+    phase: Array
+    relative_curvature: Array
+    slip_slope: Array
+
+    def select(self, rows: Mask) -> "Gaps":
+        """Give some of the gaps at one crank angle, by a mask of shape (n,)."""
+        return Gaps(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
+
+    @property
+    def width(self) -> Array:
+        """Gaps at z = 0, to first order [m], shape (n,)."""
+        return np.asarray(self.room + self.distance)
+
+
+def unknowns(reducer: Reducer) -> int:
+    """Give the number of unknowns: three for each disc, one for the output."""
+    return 3 * len(reducer.phases) + 1
+
+
+def gaps(reducer: Reducer, crank: float) -> Gaps:
+    """Give the gaps of teeth and output pins of all discs at a crank angle [rad].
+
+    An internal gear has those of its flanks as well, after those of its arcs: 4 or 5 a disc. The cam is not among them:
+    its gap is round, see `cam_places`.
+    """
+    discs = range(len(reducer.phases))
+    flanks = [flank_gaps(reducer, crank, disc) for disc in discs] if reducer.design.ring.kind == "nonpin" else []
+    return _joined([arc_gaps(reducer, crank), *flanks])
+
+
+def arc_gaps(reducer: Reducer, crank: npt.ArrayLike) -> Gaps:
+    """Give the gaps at crank angles [rad] of shape (k,), or at one, without those of an internal gear's flanks.
+
+    The same pairs in the same order at every crank angle: the teeth of all discs, then their output pins.
+    """
+    angles = np.asarray(crank, dtype=np.float64)
+    discs = range(len(reducer.phases))
+    return _joined([side(reducer, angles, disc) for side in (_arc_gaps, _output_gaps) for disc in discs])
+
+
+def _arc_gaps(reducer: Reducer, crank: Array, disc: int) -> Gaps:
+    gear, turned = reducer.tooth_profile, crank[..., np.newaxis] + reducer.phases[disc]
+    lines = envelope.arc_contacts(gear, turned)
+    return _tooth_gaps(reducer, disc, lines, gear_centre(gear, turned))
+
+
+def flank_gaps(reducer: Reducer, crank: float, disc: int = 0) -> Gaps:
+    """Give the gaps of the flanks of an internal gear at a crank angle [rad], to first order: 4 or 5 a disc."""
+    gear, turned = reducer.tooth_profile, crank + reducer.phases[disc]
+    lines = envelope.sigma_contacts(gear, turned)
+    return _tooth_gaps(reducer, disc, lines, gear_centre(gear, turned))
+
+
+def _tooth_gaps(reducer: Reducer, disc: int, lines: envelope.RingContacts, middle: Array) -> Gaps:
+    """Give the gaps between a disc and the ring, pins in their places.
+
+    A pin displaced by d opens its gap by d . n, n the gear's outward normal. A radius larger by r closes it by r, as
+    flanks do that stand out by r, and a socket leaves the pin so much less play. To a gear whose pin circle is larger
+    by x a pin is x nearer to the middle; flanks turned by a retreat by a times the arm of their normal, as those of a
+    gear that has turned. The gear's curve is its trochoid, its mate a pin's centre; the disc's `middle` [m] is where
+    the ideal one is.
+    """
+    design = reducer.design
+    gear, made, change = reducer.tooth_profile, reducer.deviations, design.modification
+    push, arm = lines.normals, profile.moment_arm(gear, lines.B)
+    place = made.pin_place[lines.lobe] - change.pin_circle * profile.unit(profile.pin_angles(gear)[lines.lobe])
+    room = reducer.profile_offset - made.disc_radius[disc] - gear.pin_radius - made.pin_radius[lines.lobe]
+    play = design.pin_play - (made.pin_radius[lines.lobe] if design.ring.has_sockets else 0.0)
+    turned = change.rotation * np.sign(arm)
+    side = _quarter_turned(push)
+    rubbed = np.sum(side * _quarter_turned(lines.points - middle), axis=-1)
+    lever = rubbed - gear.pin_radius
+    ahead, behind = (profile.curvature(gear, lines.t + step, 0.0) for step in (_STEP, -_STEP))
+    return Gaps(
+        kind=np.full(lines.lobe.size, design.tooth_pair),
+        owner=lines.lobe,
+        disc=np.full(lines.lobe.size, disc),
+        room=np.broadcast_to(room, arm.shape),
+        play=np.broadcast_to(play, arm.shape),
+        distance=turned * arm - np.sum(place * push, axis=-1) + profile_error(made.waves, lines.t),
+        slope=_by_unknown(reducer, disc, push, arm, np.zeros(arm.shape)),
+        shift=np.sum(place * side, axis=-1) - turned * lever,
+        shift_slope=_by_unknown(reducer, disc, -side, -lever, np.zeros(arm.shape)),
+        bend=profile.curvature(gear, lines.t, 0.0),
+        twist=np.asarray((ahead - behind) / (2.0 * _STEP * profile.arc_rate(gear, lines.t, 0.0))),
+        phase=gear.lobes * lines.t,
+        relative_curvature=lines.relative_curvature,
+        slip_slope=_by_unknown(reducer, disc, side, rubbed, np.zeros(arm.shape)),
+    )
+
+
+def _output_gaps(reducer: Reducer, crank: Array, disc: int) -> Gaps:
+    """Give the gaps between the holes of a disc and the output pins.
+
+    Every pin lies in its hole on the side towards the reducer's axis, and pushes the disc inwards along the eccentric.
+    A hole displaced by d in the disc opens its gap by d along that push. Holes and pins turn together: the same arm,
+    about the disc's centre and about the output's.
+    """
+    gear, made, output = reducer.tooth_profile, reducer.deviations, reducer.design.output
+    turned = crank[..., np.newaxis] / gear.lobes
+    middle = gear_centre(gear, crank[..., np.newaxis] + reducer.phases[disc])
+    push = -middle / gear.eccentricity
+    place = profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins + turned) * output.pin_circle_radius
+    side, hole = _quarter_turned(push), _turned(made.hole_place[disc], -turned)
+    arm, lever = np.sum(place * -_quarter_turned(push), axis=-1), np.sum(place * push, axis=-1)
+    room = reducer.design.clearance.output + output.hole_radius - output.pin_radius - gear.eccentricity
+    return Gaps(
+        kind=np.full(output.pins, "output"),
+        owner=np.arange(output.pins),
+        disc=np.full(output.pins, disc),
+        room=np.full(arm.shape, room),
+        play=np.zeros(arm.shape),
+        distance=np.sum(hole * push, axis=-1),
+        slope=_by_unknown(reducer, disc, push, arm, -arm),
+        shift=-np.sum(hole * side, axis=-1),
+        shift_slope=_by_unknown(reducer, disc, -side, -lever, lever),
+        bend=np.full(arm.shape, -1.0 / gear.eccentricity),
+        twist=np.zeros(arm.shape),
+        phase=np.zeros(arm.shape),
+        relative_curvature=np.full(arm.shape, 1.0 / output.pin_radius - 1.0 / output.hole_radius),
+        slip_slope=_by_unknown(reducer, disc, side, lever + output.hole_radius, -(lever + output.pin_radius)),
+    )
+
+
+def ideal_motion(reducer: Reducer, crank: npt.ArrayLike) -> Array:
+    """Give how the parts move with the crank, by the unknowns [m/rad], shape (..., 3 D + 1), at angles (...) [rad].
+
+    Disc centres run on circles, discs and output turn by -1/(N-1) (Hsieh 2014, Eqs 12 and 13, corrected). Times
+    `Gaps.slip_slope` it is the sliding of every contact; times `Gaps.slope` it is 0.
+    """
+    gear, angles = reducer.tooth_profile, np.asarray(crank, dtype=np.float64)
+    motion = np.full((*angles.shape, unknowns(reducer)), -reducer.design.output.pin_circle_radius / gear.lobes)
+    for disc, phase in enumerate(reducer.phases):
+        motion[..., 3 * disc : 3 * disc + 2] = _quarter_turned(gear_centre(gear, angles + phase))
+    return motion
+
+
+def cam_places(reducer: Reducer, crank: npt.ArrayLike) -> Array:
+    """Give where each disc's cam is, from where its teeth would have it [m], shape (..., D, 2), at angles (...) [rad].
+
+    The disc's own centre departs from there by the cam's clearance at most; errors of the crank carry it along.
+    """
+    gear, made = reducer.tooth_profile, reducer.deviations
+    turned = np.asarray(crank, dtype=np.float64)[..., np.newaxis]
+    angles = turned + np.array(reducer.phases)
+    return np.asarray(
+        made.eccentricity * gear_centre(gear, angles) / gear.eccentricity + _turned(made.cam_place, turned)
+    )
+
+
+def _by_unknown(reducer: Reducer, disc: int, by_place: Array, by_turn: Array, by_output: Array) -> Array:
+    """Give a gradient by z (..., n, 3 D + 1) from that by a disc's place (..., n, 2), its turn and the output's [m]."""
+    slope = np.zeros((*by_turn.shape, unknowns(reducer)))
+    slope[..., 3 * disc : 3 * disc + 2] = by_place
+    slope[..., 3 * disc + 2] = by_turn / reducer.design.output.pin_circle_radius
+    slope[..., -1] = by_output / reducer.design.output.pin_circle_radius
+    return slope
+
+
+def _joined(parts: list[Gaps]) -> Gaps:
+    """Put gaps one after the other along n."""
+    along = {field.name: -2 if field.name.endswith("slope") else -1 for field in fields(Gaps)}
+    joined = {name: [getattr(part, name) for part in parts] for name in along}
+    return Gaps(**{name: np.concatenate(arrays, axis=along[name]) for name, arrays in joined.items()})
+
+
+def _quarter_turned(vectors: Array) -> Array:
+    """Turn vectors (..., 2) counter-clockwise by a right angle."""
+    return np.stack([-vectors[..., 1], vectors[..., 0]], axis=-1)
+
+
+def _turned(vectors: Array, angle: Array) -> Array:
+    """Turn vectors (n, 2) counter-clockwise by angles (...) [rad], shape (..., n, 2)."""
+    x, y = vectors[:, 0], vectors[:, 1]
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)

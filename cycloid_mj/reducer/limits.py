@@ -1,0 +1,142 @@
+"""How far rigid parts can move at a locked crank, as linear programmes: the pose with the most room, and the stops.
+
+Rigid contacts only push, so every gap is a limit on the unknowns of ``gaps``. A cam's play is a circle: a polygon
+around it stands for it, larger than the circle by 1 - cos(pi/sides).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.base.errors import RunError
+from cycloid_mj.base.types import Array
+from cycloid_mj.geometry import profile
+from cycloid_mj.reducer import Reducer, member
+from cycloid_mj.reducer.gaps import Gaps, cam_places, gaps, unknowns
+
+_SCALE = 1e-6
+"""Unit of length of the programmes [m]."""
+
+CAM_SIDES = 720
+"""Sides of the polygon around a cam's play: it is larger than the circle by 1e-5 of the play."""
+
+_FIT_SIDES = 16
+"""The same where only a place to start from is looked for."""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """The pose at one crank angle that leaves the most room.
+
+    Attributes
+    ----------
+    room
+        Smallest gap of any pair in this pose [m]; negative where the parts only go together pressed into each other.
+    shift
+        Of each disc's centre from the ideal one, seen from the ring [m], shape (D, 2).
+    gear_turn
+        Angle of each disc less the ideal one [rad], shape (D,).
+    output_turn
+        Angle of the output less the ideal one [rad].
+    pin_shift
+        Of each pin or sleeve that moves, out of the gear's way [m], shape (N, 2); zero for pins that do not.
+    """
+
+    room: float
+    shift: Array
+    gear_turn: Array
+    output_turn: float
+    pin_shift: Array
+
+
+def best_fit(reducer: Reducer, crank: float) -> Fit:
+    """Find the pose at a crank angle [rad] that leaves the most room in all pairs."""
+    design = reducer.design
+    found, pose, least, _ = _most_room(reducer, crank)
+    radius, discs = design.output.pin_circle_radius, pose[:-1].reshape(-1, 3)
+    turned, carrier = discs[:, 2] / radius, float(pose[-1]) / radius
+    if design.output.turns_ring:
+        turned = turned - carrier
+    output = member.sense(design) * reducer.share * carrier
+    return Fit(least, discs[:, :2], turned, output, _aside(reducer, found, pose))
+
+
+def tightest(reducer: Reducer, crank: float) -> tuple[float, dict[str, float]]:
+    """Find the room of `best_fit` at a crank angle [rad], and which pairs leave no more.
+
+    Clearances may be negative here, as in no design file.
+
+    Returns
+    -------
+    The room [m], and the share of each kind of pair, ``cam`` among them, in the forces that would press the parts into
+    this pose (the programme's dual values): together 1.
+    """
+    found, _, least, forces = _most_room(reducer, crank)
+    kinds = np.concatenate([found.kind, np.full(len(forces) - len(found.kind), "cam")])
+    return least, {str(kind): float(forces[kinds == kind].sum()) for kind in np.unique(kinds)}
+
+
+def _most_room(reducer: Reducer, crank: float) -> tuple[Gaps, Array, float, Array]:
+    """Give the gaps at a crank angle [rad], the pose (u,) [m] with the most room, that room [m], and dual values."""
+    from scipy.optimize import linprog
+
+    crank = float(member.against_ring(reducer.design, crank))
+    found = gaps(reducer, crank)
+    slope, room = _limits(reducer, crank, found, _FIT_SIDES)
+    count = unknowns(reducer)
+    matrix = np.concatenate([-slope, np.ones((len(room), 1))], axis=1)
+    best = linprog([0.0] * count + [-1.0], A_ub=matrix, b_ub=room / _SCALE, bounds=[(None, None)] * (count + 1))
+    *free, least = np.asarray(best.x, dtype=np.float64)
+    return found, _SCALE * np.array(free), _SCALE * float(least), -np.asarray(best.ineqlin.marginals)
+
+
+def stops(reducer: Reducer, crank: float, sides: int = CAM_SIDES) -> tuple[float, float]:
+    """Give the output's stops [rad], clockwise and counter-clockwise of the ideal angle, at a crank angle [rad].
+
+    All clearances, errors and modifications are in it; `sides` are those of the polygon around a cam's play.
+
+    Raises
+    ------
+    RunError
+        The errors leave no place for the gear: it jams.
+    """
+    design = reducer.design
+    from scipy.optimize import linprog
+
+    seen = float(member.against_ring(design, crank))
+    slope, room = _limits(reducer, seen, gaps(reducer, seen), sides)
+    found = []
+    for least in (1.0, -1.0):
+        goal = np.zeros(unknowns(reducer))
+        goal[-1] = least
+        ends = linprog(goal, -slope, room / _SCALE, bounds=(None, None))
+        if ends.x is None:
+            raise RunError(f"the gear jams at crank angle {crank:.4f} rad: its errors are larger than its clearances")
+        found.append(float(ends.x[-1]) * _SCALE / design.output.pin_circle_radius)
+    low, high = sorted(member.sense(design) * reducer.share * turn for turn in found)
+    return low, high
+
+
+def _limits(reducer: Reducer, crank: float, found: Gaps, sides: int) -> tuple[Array, Array]:
+    """Give gradients (m, u) [1] and rooms (m,) [m] of slope . z + room >= 0: contacts, then cams' polygons."""
+    slopes, rooms = [found.slope], [found.width + found.play]
+    around = profile.unit(np.linspace(0.0, 2.0 * np.pi, sides, endpoint=False))
+    for disc, place in enumerate(cam_places(reducer, crank)):
+        slope = np.zeros((sides, unknowns(reducer)))
+        slope[:, 3 * disc : 3 * disc + 2] = -around
+        slopes.append(slope)
+        rooms.append(reducer.design.clearance.cam + around @ place)
+    return np.concatenate(slopes), np.concatenate(rooms)
+
+
+def _aside(reducer: Reducer, found: Gaps, pose: Array) -> Array:
+    """Put each pin that discs would cut half-way between the one that cuts deepest and the far side of its play."""
+    design = reducer.design
+    if not design.ring.has_moving_pins:
+        return np.zeros((design.ring.teeth, 2))
+    teeth = found.select(found.kind == design.tooth_pair)
+    gap = teeth.width + teeth.slope @ pose
+    outwards = -teeth.slope[:, :-1].reshape(len(gap), -1, 3)[np.arange(len(gap)), teeth.disc, :2]
+    deepest = np.lexsort((gap, teeth.owner))[:: design.gear.discs]
+    aside = ((teeth.play - gap) / 2.0)[:, np.newaxis] * outwards
+    return np.asarray(np.where(gap[:, np.newaxis] < 0.0, aside, 0.0)[deepest])

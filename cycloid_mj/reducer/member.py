@@ -1,0 +1,121 @@
+"""Which member gives the turn out, and how its angles and torques follow from those of the drive seen from its ring.
+
+Either the ring is held and the carrier of the output pins turns, against the crank, by a turn in N - 1; or the carrier
+is held and the ring turns, with the crank, by a turn in N. The mesh knows no difference: seen from the ring, the second
+is the first with its crank slower by (N-1)/N (Willis). Statics is solved there, once for both. With the crank locked, a
+carrier that could turn by psi against the ring lets the ring turn by -psi (N-1)/N; without losses a torque T on the
+ring is held by (N-1)/N of it on the carrier, and by T/N on the crank.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.base import names
+from cycloid_mj.base.types import Array
+from cycloid_mj.design import Design
+
+
+def gear_angle(design: Design, crank: npt.ArrayLike) -> Array:
+    """Give the angle of gear and carrier [rad], at crank angles [rad]: -theta/(N-1), or 0 of a carrier that is held.
+
+    Of speeds it gives speeds.
+    """
+    crank = np.asarray(crank, dtype=np.float64)
+    return np.zeros_like(crank) if design.output.turns_ring else -crank / design.lobes
+
+
+def ring_angle(design: Design, crank: npt.ArrayLike) -> Array:
+    """Give the angle of the ring [rad], at crank angles [rad]: 0, or theta/N where it turns. Of speeds, speeds."""
+    crank = np.asarray(crank, dtype=np.float64)
+    return crank / design.ring.teeth if design.output.turns_ring else np.zeros_like(crank)
+
+
+def output_angle(design: Design, crank: npt.ArrayLike) -> Array:
+    """Give the angle of the output [rad], at crank angles [rad]; of speeds, its speed."""
+    return np.asarray(crank, dtype=np.float64) / design.ratio
+
+
+def against_ring(design: Design, crank: npt.ArrayLike) -> Array:
+    """Give the crank's angle from the ring [rad], on which the mesh depends. Of speeds, speeds."""
+    return np.asarray(np.asarray(crank, dtype=np.float64) - ring_angle(design, crank))
+
+
+def turns_of_crank(design: Design, seen: npt.ArrayLike) -> Array:
+    """Give the crank's angles [rad] for those from the ring: the inverse of `against_ring`."""
+    return np.asarray(seen, dtype=np.float64) / share(design)
+
+
+def share(design: Design) -> float:
+    """Give the torque on the carrier over that on the output, without losses: 1, or (N-1)/N where the ring turns.
+
+    And, at a locked crank, the output's turn over that of the carrier seen from the ring. Torques and turns of statics
+    are positive as they brake a crank that turns counter-clockwise: counter-clockwise of the carrier, clockwise of the
+    ring; see `sense`.
+    """
+    return design.lobes / design.ring.teeth if design.output.turns_ring else 1.0
+
+
+def sense(design: Design) -> int:
+    """Give 1 where the output's torques and turns of statics are counter-clockwise, -1 where they are clockwise."""
+    return -1 if design.output.turns_ring else 1
+
+
+def seen_from_ring(design: Design) -> Design:
+    """Give the drive as an observer on its ring has it: the carrier turns, at that speed and under those torques.
+
+    What its environment and its inertia forces are there, is for the caller to tell.
+    """
+    if not design.output.turns_ring:
+        return design
+    of = share(design)
+    return design.model_copy(
+        update={
+            "output": design.output.model_copy(update={"member": "carrier"}),
+            "drive": design.drive.model_copy(update={"speed": design.drive.speed * of}),
+            "load": design.load.model_copy(update={"torque": design.load.torque * of}),
+            "contact": design.contact.model_copy(update={"working_load": design.contact.working_load * of}),
+        }
+    )
+
+
+def columns_from_ring(design: Design, columns: Mapping[str, Array]) -> dict[str, Array]:
+    """Give the columns of a run as an observer on its ring has them: those of `seen_from_ring`.
+
+    Angles, places, speeds and forces are turned back with the ring; pins are logged from there as it is. The torque of
+    the load becomes what holds the carrier, at rest: what crank and ring leave.
+
+    Parameters
+    ----------
+    design
+        The design that ran.
+    columns
+        Name -> values, shape (n,), in SI units; any of a run's.
+    """
+    found = dict(columns)
+    if not design.output.turns_ring:
+        return found
+    angle, speed = columns["output_angle"], columns.get("output_speed", np.zeros_like(columns["output_angle"]))
+    slower = {"output_angle": 2.0 * angle, "output_speed": 2.0 * speed, "crank_angle": angle, "crank_speed": speed}
+    for gear in names.gears(design.gear.discs):
+        x, y, turn, vx, vy, spin = (*names.planar_joints(gear), *names.planar_speeds(gear))
+        slower |= {turn: angle, spin: speed}
+        _turn_back(found, x, y, angle)
+        _turn_back(found, vx, vy, angle)
+        if vx in found:
+            found[vx], found[vy] = found[vx] + speed * found[y], found[vy] - speed * found[x]
+    for name in columns:
+        if name.endswith(names.FORCE_X):
+            _turn_back(found, name, f"{name.removesuffix(names.FORCE_X)}{names.FORCE_Y}", angle)
+    found |= {name: found[name] - less for name, less in slower.items() if name in found}
+    if {"load_torque", "crank_torque"} <= found.keys():
+        found["load_torque"] = -(columns["load_torque"] + columns["crank_torque"])
+    return found
+
+
+def _turn_back(columns: dict[str, Array], x: str, y: str, angle: Array) -> None:
+    """Turn vectors of two columns clockwise by angles [rad], where there are such columns."""
+    if x in columns and y in columns:
+        cos, sin, along, up = np.cos(angle), np.sin(angle), columns[x], columns[y]
+        columns[x], columns[y] = cos * along + sin * up, cos * up - sin * along

@@ -1,0 +1,134 @@
+"""The reducer that a design describes: what follows from the design, computed when first asked for, and kept.
+
+A ``Design`` is what a person writes; a ``Reducer`` is what it is. It is made where a design comes in, and is what every
+room above hands on. What computes a property is imported with its first use: a command line names reducers and loads no
+numpy for its help.
+"""
+
+from collections.abc import Callable, Hashable, Mapping
+from functools import lru_cache, wraps
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
+
+from cycloid_mj.design import Design
+
+if TYPE_CHECKING:
+    from cycloid_mj.geometry.deviations import Deviations
+    from cycloid_mj.geometry.profile import CycloidGear
+    from cycloid_mj.reducer.bodies import Mechanism
+
+Given = ParamSpec("Given")
+Value = TypeVar("Value")
+
+KEPT = 8
+"""Designs whose reducers' values are kept at a time: as many as a study goes back and forth between."""
+
+
+@lru_cache(maxsize=KEPT)
+def _drawer(design: Design) -> dict[Hashable, Any]:
+    """Make the place for what is computed of the reducers of a design."""
+    return {}
+
+
+class Reducer:
+    """The reducer of a `design`.
+
+    Reducers of equal designs are equal, and share what was computed of them.
+    """
+
+    def __init__(self, design: Design) -> None:
+        self.design = design
+        self._kept = _drawer(design)
+
+    def but(self, **changes: Any) -> "Reducer":
+        """Make the reducer of the design with other values, in SI, as ``Design.but`` does; errors as there."""
+        return Reducer(self.design.but(**changes))
+
+    def steady(self, settled: float, turns: float, samples: float = 0.0, **changes: Mapping[str, Any]) -> "Reducer":
+        """Make the reducer for a run at full speed from its start, as ``Design.steady`` does; errors as there."""
+        return Reducer(self.design.steady(settled, turns, samples, **changes))
+
+    def kept(self, key: Hashable, compute: Callable[[], Value]) -> Value:
+        """Look up what was computed under a key, or compute it and keep it."""
+        if key not in self._kept:
+            self._kept[key] = compute()
+        value: Value = self._kept[key]
+        return value
+
+    def __eq__(self, other: object) -> bool:
+        return self.design == other.design if isinstance(other, Reducer) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self.design)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Reducer, (self.design,)
+
+    def __repr__(self) -> str:
+        return f"Reducer({self.design!r})"
+
+    @property
+    def phases(self) -> tuple[float, ...]:
+        """Phase of each disc on the crank [rad], counter-clockwise: evenly spaced, the first with the crank."""
+        from cycloid_mj.reducer.bodies import phases
+
+        return self.kept("phases", lambda: phases(self.design))
+
+    @property
+    def tooth_profile(self) -> "CycloidGear":
+        """The ideal mesh, without clearance and modification: the ring, and the gear's motion."""
+        from cycloid_mj.geometry.modification import tooth_profile
+
+        return self.kept("tooth_profile", lambda: tooth_profile(self.design))
+
+    @property
+    def gear_profile(self) -> "CycloidGear":
+        """The mesh whose profile the gear has, without clearance: its pin circle is that of the modification."""
+        from cycloid_mj.geometry.modification import gear_profile
+
+        return self.kept("gear_profile", lambda: gear_profile(self.design))
+
+    @property
+    def profile_offset(self) -> float:
+        """Distance of the gear's profile from its trochoid [m]: pin radius, clearance, equidistant."""
+        from cycloid_mj.geometry.modification import profile_offset
+
+        return self.kept("profile_offset", lambda: profile_offset(self.design))
+
+    @property
+    def deviations(self) -> "Deviations":
+        """Manufacturing errors of the parts, listed or drawn."""
+        from cycloid_mj.geometry.deviations import deviations
+
+        return self.kept("deviations", lambda: deviations(self.design))
+
+    @property
+    def mechanism(self) -> "Mechanism":
+        """Bodies, surfaces and mating pairs."""
+        from cycloid_mj.reducer.bodies import mechanism
+
+        return self.kept("mechanism", lambda: mechanism(self.design))
+
+    @property
+    def share(self) -> float:
+        """Torque on the carrier over that on the output, without losses: 1, or (N-1)/N where the ring turns [1]."""
+        from cycloid_mj.reducer.member import share
+
+        return self.kept("share", lambda: share(self.design))
+
+    @property
+    def seen_from_ring(self) -> "Reducer":
+        """The reducer as an observer on its ring has it: itself, where the carrier turns; see ``member``."""
+        from cycloid_mj.reducer.member import seen_from_ring
+
+        return self.kept("seen_from_ring", lambda: Reducer(seen_from_ring(self.design)))
+
+
+def once(function: Callable[Concatenate[Reducer, Given], Value]) -> Callable[Concatenate[Reducer, Given], Value]:
+    """Keep on the reducer what a function of it returns, for each of the further arguments; it must not be changed."""
+
+    @wraps(function)
+    def kept(reducer: Reducer, /, *given: Given.args, **named: Given.kwargs) -> Value:
+        key = (function, given, *sorted(named.items()))
+        return reducer.kept(key, lambda: function(reducer, *given, **named))
+
+    return kept

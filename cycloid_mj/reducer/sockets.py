@@ -1,0 +1,56 @@
+"""Opening of the sockets that the pinwheel's pins lie in, from one function for parts, contact, meshes and drawings.
+
+The wall between neighbouring sockets is a circle about the reducer's axis. Where a socket meets it, the socket ends: in
+an edge, beyond which the pin meets nothing but the gear.
+"""
+
+import math
+
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.design import Design
+
+WALL_GAP = 0.1
+"""Least gap between the gear's tips and the wall, as a share of rho - c."""
+
+
+def wall_radius(design: Design) -> float:
+    """Compute the radius of the wall between the sockets [m]: that of the pins' centres, unless the gear needs more.
+
+    The gear's tips reach E - rho + 2c from the reducer's axis, and the bottoms of the sockets are at E + rho: where c
+    is less than rho, there is room for a wall in between.
+    """
+    centre, pin, eccentricity = design.ring.pin_circle_radius, design.ring.pin_radius, design.gear.eccentricity
+    return max(centre, centre - pin + 2.0 * eccentricity + WALL_GAP * (pin - eccentricity))
+
+
+def arc_half_angle(design: Design, radius: float) -> float:
+    """Compute half the angle [rad] that a circle of `radius` [m] about a pin's centre runs within the pinwheel.
+
+    It is counted from the direction away from the reducer's axis; 0 where the wall lies outside the circle.
+    """
+    centre, wall = design.ring.pin_circle_radius, wall_radius(design)
+    cosine = (wall**2 - centre**2 - radius**2) / (2.0 * centre * radius)
+    return math.acos(min(1.0, max(-1.0, cosine)))
+
+
+def socket_half_angle(design: Design) -> float:
+    """Compute half the angle [rad] on which the socket of a free pin holds it: pi for closed ones."""
+    if design.ring.socket == "closed":
+        return math.pi
+    return arc_half_angle(design, design.ring.pin_radius + design.clearance.pin_socket)
+
+
+def require_drawn(design: Design, what: str) -> None:
+    """Refuse closed sockets for what is made of the parts as they are drawn: a ring that the gear passes cannot close.
+
+    Raises
+    ------
+    DesignError
+        The design has closed sockets.
+    """
+    if design.ring.has_sockets and design.ring.socket == "closed":
+        raise DesignError(
+            f'{design.name}: ring.socket = "closed" has no {what}: round the whole of its pins the ring would be in '
+            "the gear's way, so closed sockets stand for bores of end plates, which are not drawn; "
+            'set ring.socket = "half_open"'
+        )

@@ -1,0 +1,190 @@
+"""The balance of a reducer's springs under a load, and the powers of a crank that turns slowly through it."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.base.compiling import announced
+from cycloid_mj.base.errors import RunError
+from cycloid_mj.base.types import Array
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.kernel import BALANCED, Left, balance
+from cycloid_mj.statics.springs import Springs, springs_of
+from cycloid_mj.statics.structure import wind_up
+
+REPEATS = 2
+"""Corrections of the carrier's torque for the losses: each leaves the share 1/N of the error before."""
+
+
+@dataclass(frozen=True)
+class Loads:
+    """Forces at m crank angles under one load, and motions, seen from the ring; those of each contact disc after disc.
+
+    Attributes
+    ----------
+    teeth, output
+        On each contact line with the ring, shape (m, D lines), and of each disc on each output pin [N], (m, D pins).
+    cam
+        Of each cam on its disc [N], shape (m, D, 2).
+    departures
+        Of discs and output from their ideal places, as in ``reducer.gaps``, shape (m, 3 D + 1) [m].
+    gear_turn, output_turn
+        Of the discs, in the mean, and of the output from their ideal angles, shape (m,) [rad], in the sense of
+        `member.share`; the output's with the twist of carrier, shaft and housing.
+    share
+        Of each disc in the torque on the output, shape (m, D) [1].
+    """
+
+    teeth: Array
+    output: Array
+    cam: Array
+    departures: Array
+    gear_turn: Array
+    output_turn: Array
+    share: Array
+
+    @property
+    def discs(self) -> int:
+        """Number of discs."""
+        return self.cam.shape[1]
+
+    def by_disc(self, forces: Array) -> Array:
+        """Give forces on teeth or output pins with an axis for the discs, shape (m, D, n)."""
+        return forces.reshape(len(forces), self.discs, -1)
+
+
+def loads(reducer: Reducer, springs: Springs, torque: float, follow: bool = False) -> Loads:
+    """Give what the contacts carry under a torque on the output [N m], not 0; its sense is that of `member.share`.
+
+    A ring that turns under friction leaves the carrier its torque less the crank's, which the losses raise. `follow`
+    tells that the crank angles follow each other closely: each search then starts from the balances before.
+
+    Raises
+    ------
+    RunError
+        No balance was found.
+    """
+    if not reducer.design.output.turns_ring:
+        return _balanced(reducer, springs, torque, follow)
+    seen, of = reducer.seen_from_ring, reducer.share
+    carried, speed = of * torque, seen.design.drive.speed
+    found = _balanced(seen, springs, carried, follow)
+    for _ in range(REPEATS if springs.contacts.rubbing.size and speed else 0):
+        lost = sum(float(np.mean(power)) for power in _friction_losses(seen, springs, found).values())
+        carried *= torque / (carried + carried / reducer.design.lobes + lost / speed)
+        found = _balanced(seen, springs, carried, follow)
+    # what twists is beyond the contacts: the gear has no share in it, whichever member turns
+    gear_turn = found.output_turn - wind_up(seen) * carried - found.gear_turn
+    return replace(found, gear_turn=gear_turn, output_turn=of * found.output_turn)
+
+
+def _balanced(reducer: Reducer, springs: Springs, torque: float, follow: bool) -> Loads:
+    """Give what the contacts carry under a torque on the carrier [N m], all seen from the ring."""
+    contacts, lever = springs.contacts, reducer.design.output.pin_circle_radius
+    load = springs.load(torque)
+    z, force = np.zeros(load.shape), np.zeros(contacts.distance.shape)
+    of_discs = z[:, :-1].reshape(len(z), -1, 3)
+    of_discs[..., :2] = contacts.cam_place
+    with announced():
+        search = balance(contacts, load, z, force, follow)
+    require_balance(search)
+    away = of_discs[..., :2] - contacts.cam_place
+    distance = np.maximum(np.linalg.norm(away, axis=-1), np.finfo(float).tiny)
+    pressed = contacts.cam_stiffness * np.maximum(distance - contacts.cam_clearance, 0.0)
+    output = force[:, springs.teeth :]
+    moments = (-output * contacts.slope[:, springs.teeth :, -1]).reshape(len(z), of_discs.shape[1], -1).sum(axis=-1)
+    return Loads(
+        teeth=force[:, : springs.teeth],
+        output=output,
+        cam=-(pressed / distance)[..., np.newaxis] * away,
+        departures=z,
+        gear_turn=of_discs[..., 2].mean(axis=1) / lever,
+        output_turn=z[:, -1] / lever + wind_up(reducer) * torque,
+        share=moments / moments.sum(axis=1, keepdims=True),
+    )
+
+
+def require_balance(left: Left) -> None:
+    """Raise RunError unless a balance was found."""
+    if left.force <= BALANCED:
+        return
+    if left.friction < 1.0:
+        raise RunError(
+            "no static balance: the friction is too large for the crank to turn under this load, whatever the torque "
+            f"on the crank (a balance was found under at most {left.friction:.0%} of the friction)"
+        )
+    raise RunError(f"no static balance under the load: {left.force:.3g} of it is left over")
+
+
+def transmission_error(reducer: Reducer, crank: npt.ArrayLike, torque: float) -> Array:
+    """Give the turn of gear and output from the ideal one [rad], shape (k, 2), at crank angles [rad], shape (k,).
+
+    Without friction, and without inertia but the gear's centrifugal force at the speed of the design; the angles follow
+    each other. The `torque` [N m] is on the output, in the sense of `member.share`.
+
+    Raises
+    ------
+    RunError
+        No balance was found.
+    """
+    found = loads(reducer, springs_of(reducer, crank, friction=False), torque, follow=True)
+    return np.stack([found.gear_turn, found.output_turn], axis=1)
+
+
+@dataclass(frozen=True)
+class Powers:
+    """Mean powers of a slow turn [W]: into the reducer through each shaft, negative where it gives power out.
+
+    `losses` are those of teeth (pins that move: in their seats too), cam, output pins and seals.
+    """
+
+    crank: float
+    output: float
+    losses: dict[str, float]
+
+    @property
+    def supplied(self) -> float:
+        """Power of the shafts that drive [W]: of both where the reducer is self-locking."""
+        return max(self.crank, 0.0) + max(self.output, 0.0)
+
+    @property
+    def efficiency(self) -> float:
+        """Power given out as a share of that supplied, whichever shaft drives; 0 where none is given out."""
+        return -min(self.crank, self.output, 0.0) / self.supplied
+
+
+def powers(reducer: Reducer, torque: float, crank: npt.ArrayLike | None = None) -> Powers:
+    """Give the mean powers under a torque on the output [N m] that brakes, or drives where it is negative.
+
+    The mean is over crank angles [rad], shape (m,); by default all round.
+
+    The crank turns at the design's speed, not 0; its torque is what the losses leave over of the load's. Seals on the
+    output are carried by the contacts.
+
+    Raises
+    ------
+    RunError
+        No balance was found, as where the friction jams the reducer.
+    """
+    design = reducer.design
+    springs, way, speed = springs_of(reducer, crank), np.sign(design.drive.speed), abs(design.drive.speed)
+    found = loads(reducer, springs, float(way) * (torque + design.drag.output))
+    losses = _friction_losses(reducer.seen_from_ring, springs, found)
+    seals = np.array(design.drag.crank * speed + design.drag.output * speed / design.reduction)
+    mean = {part: float(np.mean(lost)) for part, lost in {**losses, "seals": seals}.items()}
+    given = torque * speed / design.reduction
+    return Powers(given + sum(mean.values()), -given, mean)
+
+
+def _friction_losses(reducer: Reducer, springs: Springs, found: Loads) -> dict[str, Array]:
+    """Give the powers that friction takes at each crank angle [W], shape (m,), of a drive seen from its ring."""
+    design = reducer.design
+    slip, count = np.abs(springs.slip), springs.teeth
+    turning = abs(design.drive.speed) * design.ring.teeth / design.lobes
+    pressed = np.linalg.norm(found.cam, axis=-1).sum(axis=1)
+    return {
+        "teeth": design.mesh_friction * np.sum(found.teeth * slip[:, :count], axis=1),
+        "cam": design.friction_of("cam") * design.gear.bore_radius * turning * pressed,
+        "output": design.friction_of("output") * np.sum(found.output * slip[:, count:], axis=1),
+    }

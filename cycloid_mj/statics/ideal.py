@@ -1,0 +1,46 @@
+"""Ideal sharing of a design's own load: contacts alike, without clearance or friction, and every disc its share."""
+
+import math
+
+import numpy as np
+
+from cycloid_mj.base.types import Array
+from cycloid_mj.geometry import ideal_loads
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.member import against_ring
+from cycloid_mj.statics.springs import body_force
+
+
+def ideal_peak(reducer: Reducer, kind: str, crank_angle: Array) -> float:
+    """Give the largest force [N] that ideal sharing of ``load.torque`` puts on a contact of a kind."""
+    return max(_peak(reducer, kind, crank_angle, phase) for phase in reducer.phases)
+
+
+def ideal_cam(reducer: Reducer, crank_angle: Array) -> Array:
+    """Compute the force of each cam [N] by ideal sharing of ``load.torque``, shape (m, discs), at crank angles (m,)."""
+    return np.stack([_cam(reducer, crank_angle, phase) for phase in reducer.phases], axis=-1)
+
+
+def _cam(reducer: Reducer, crank: Array, phase: float) -> Array:
+    ring, pins, turned = _shared(reducer, crank, phase)
+    held = ideal_loads.cam_force(ring, pins, turned + phase, body_force(reducer, crank, phase))
+    return np.asarray(np.hypot(*held.T))
+
+
+def _peak(reducer: Reducer, kind: str, crank: Array, phase: float) -> float:
+    """Give the largest force of a kind on the disc at a `phase` on the crank [N], as seen from the ring."""
+    if kind == "cam":
+        return float(_cam(reducer, crank, phase).max())
+    ring, pins, _ = _shared(reducer, crank, phase)
+    return float((pins if kind == "output" else ring.forces).max())
+
+
+def _shared(reducer: Reducer, crank: Array, phase: float) -> tuple[ideal_loads.LoadSharing, Array, Array]:
+    """Share the load of the disc at a `phase`: the ring, the output pins, and the crank's angles against the ring."""
+    design = reducer.design
+    seen, turned = reducer.seen_from_ring, against_ring(design, crank)
+    gear, output = reducer.tooth_profile, design.output
+    torque = seen.design.load.torque * math.copysign(1.0, seen.design.drive.speed) / design.gear.discs
+    ring = ideal_loads.ideal_load_sharing(gear, torque, turned + phase)
+    pins = ideal_loads.ideal_output_forces(gear, output.pins, output.pin_circle_radius, torque, turned, phase)
+    return ring, pins, turned

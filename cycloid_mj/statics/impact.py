@@ -1,0 +1,74 @@
+"""The contact law IMPACT of motion solvers (ADAMS, SolidWorks Motion): a spring F = k d^e, and damping by depth.
+
+The force is k d^e + c step(d/D) v, never negative, with the depth d [m], the closing speed v [m/s], and the cubic
+step(s) = s^2 (3 - 2 s) from nothing at the surface to the whole damping c at the depth D.
+"""
+
+import math
+from dataclasses import dataclass
+
+from cycloid_mj.base.units import MILLIMETRE
+from cycloid_mj.reducer import Reducer
+
+
+@dataclass(frozen=True)
+class Impact:
+    """Parameters of the law.
+
+    Attributes
+    ----------
+    stiffness, exponent
+        k [N/m^e] and e [1] of the spring.
+    damping, depth
+        Whole damping c [N s/m], and the depth D from which on it acts [m].
+    """
+
+    stiffness: float
+    exponent: float
+    damping: float
+    depth: float
+
+    def depth_under(self, force: float) -> float:
+        """Compute the depth [m] at which the spring bears a force [N]."""
+        return float((force / self.stiffness) ** (1.0 / self.exponent))
+
+    def secant(self, force: float) -> float:
+        """Compute the secant stiffness [N/m] of the spring at a force [N]."""
+        return force / self.depth_under(force)
+
+    def damping_ratio(self, force: float, mass: float) -> float:
+        """Compute damping under a force [N] as a share of critical [1], of a mass [kg] on the secant stiffness."""
+        acting = damper(self.depth_under(force), self.damping, self.depth)
+        return float(acting / (2.0 * math.sqrt(self.secant(force) * mass)))
+
+    def in_series(self) -> "Impact":
+        """Give the law of two such contacts in series, which share the depth and bear the same force."""
+        return Impact(self.stiffness / 2.0**self.exponent, self.exponent, self.damping / 2.0, 2.0 * self.depth)
+
+
+def impact_of(reducer: Reducer, kind: str = "") -> Impact | None:
+    """Give the law of a kind of pair if `contact.law` is "impact", else None; through a massless pin act two in series.
+
+    Of a design's file k is in N/mm^e, the force at a depth of 1 mm.
+    """
+    design = reducer.design
+    contact = design.contact
+    if contact.law != "impact":
+        return None
+    stiffness = contact.impact_stiffness / MILLIMETRE**contact.impact_exponent
+    own = Impact(stiffness, contact.impact_exponent, contact.impact_damping, contact.impact_depth)
+    through = design.ring.has_massless_pins and kind == design.tooth_pair
+    return own.in_series() if through else own
+
+
+def spring(depth: float, stiffness: float, exponent: float) -> float:
+    """Compute the force of the spring [N] at a depth [m]."""
+    return stiffness * depth**exponent if depth > 0.0 else 0.0
+
+
+def damper(depth: float, damping: float, whole: float) -> float:
+    """Compute the damping [N s/m] at a depth [m]; it is whole from the depth `whole` on."""
+    if depth <= 0.0:
+        return 0.0
+    share = min(depth / whole, 1.0)
+    return damping * share * share * (3.0 - 2.0 * share)

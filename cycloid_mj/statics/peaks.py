@@ -1,0 +1,76 @@
+"""The largest force and pressure on each kind of contact, and the torque at which one first yields."""
+
+import numpy as np
+
+from cycloid_mj.base.types import Array
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.balance import Loads, loads
+from cycloid_mj.statics.pressure import (
+    YIELD_PRESSURE,
+    hertz_holds,
+    hertz_pressure,
+    line_curvature,
+    line_share,
+    pair_strength,
+)
+from cycloid_mj.statics.springs import Springs
+
+GUESSES, TOLERANCE = 12, 1e-3
+
+
+def peak_force(found: Loads, kind: str) -> float:
+    """Give the largest force on a contact of a kind [N]."""
+    return float(forces(found, kind).max())
+
+
+def peak_pressure(reducer: Reducer, springs: Springs, found: Loads, kind: str) -> float:
+    """Give the largest Hertz pressure on a kind of contact [Pa]."""
+    curvature = springs.curvature if kind == reducer.design.tooth_pair else line_curvature(reducer, kind)
+    return float(hertz_pressure(reducer, kind, forces(found, kind) * line_share(reducer, kind), curvature).max())
+
+
+def torque_at_pressure(
+    reducer: Reducer,
+    springs: Springs,
+    kind: str,
+    pressure: float,
+    torque: float,
+    found: Loads | None = None,
+    follow: bool = False,
+) -> float:
+    """Give the torque on the output at which a kind of contact has a peak pressure [Pa], to a thousandth [N m].
+
+    `torque` [N m] is the first guess, not 0, and `found` what it loads, if that is known; better guesses follow, as if
+    the pressure rose with the square root of the torque. `follow` is that of `loads`.
+
+    Raises
+    ------
+    RunError
+        No balance was found at a guess.
+    """
+    for _ in range(GUESSES):
+        found = found or loads(reducer, springs, torque, follow)
+        factor = (pressure / peak_pressure(reducer, springs, found, kind)) ** 2
+        torque, found = factor * torque, None
+        if abs(factor - 1.0) < TOLERANCE:
+            break
+    return torque
+
+
+def yield_torque(reducer: Reducer, springs: Springs, kind: str, torque: float) -> float:
+    """Give the torque on the output at which a kind of contact first yields, as `torque_at_pressure` [N m]."""
+    return torque_at_pressure(reducer, springs, kind, YIELD_PRESSURE * pair_strength(reducer, kind), torque)
+
+
+def is_narrow(reducer: Reducer, springs: Springs, found: Loads, kind: str) -> bool:
+    """Tell whether the most pressed contact of a kind is a narrow strip, for which Hertz holds, and pressed at all."""
+    curvature = springs.curvature if kind == reducer.design.tooth_pair else np.array(line_curvature(reducer, kind))
+    force = forces(found, kind) * line_share(reducer, kind)
+    worst = np.argmax(hertz_pressure(reducer, kind, force, curvature))
+    return bool(force.flat[worst] > 0.0 and hertz_holds(reducer, kind, force, curvature).flat[worst])
+
+
+def forces(found: Loads, kind: str) -> Array:
+    """Give the forces on the contacts of a kind [N], shape (m, contacts): of cams one a disc."""
+    other = {"cam": np.linalg.norm(found.cam, axis=-1), "output": found.output}
+    return other.get(kind, found.teeth)

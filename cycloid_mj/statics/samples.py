@@ -1,0 +1,271 @@
+"""Statics of many samples of one design, each with clearances, manufacturing errors and modification of its own.
+
+Gaps are linear in what a sample departs by, so the springs of all samples follow from those of ideal parts, which are
+made once. A pin that is displaced moves its contact as its disc does when displaced the other way; a hole, as its
+disc; flanks that are turned, as a disc that has turned.
+"""
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, fields, replace
+from itertools import pairwise
+
+import numpy as np
+
+from cycloid_mj.base.compiling import announced
+from cycloid_mj.base.interrupt import give_way
+from cycloid_mj.base.types import Array, Integers
+from cycloid_mj.design import Errors, Modification
+from cycloid_mj.geometry import profile
+from cycloid_mj.geometry.kinematics import gear_rotation
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.gaps import cam_places
+from cycloid_mj.reducer.member import turns_of_crank
+from cycloid_mj.statics import kernel
+from cycloid_mj.statics.kernel import BALANCED, FIGURES, Effects, Made, balance_samples
+from cycloid_mj.statics.springs import Springs, springs_of
+from cycloid_mj.statics.structure import wind_up
+
+ANGLES = 360
+"""Crank angles in a turn."""
+
+CHUNKS = 8
+"""Pieces of work for each thread: samples do not all take as long, and between them it gives way."""
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """How s samples of a design were made; lengths in metres, pins (or lobes) and holes counted as in ``deviations``.
+
+    Attributes
+    ----------
+    pin_place, pin_radius
+        Departures of each ring pin's (or lobe's) place, shape (s, N, 2), and radius, shape (s, N).
+    hole_place
+        Of each hole's place in its disc, shape (s, D, output pins, 2).
+    disc_radius
+        How far each disc's flanks stand out, shape (s, D).
+    cam_place
+        Of each cam's place on the crank, at the crank angle 0, shape (s, D, 2).
+    eccentricity
+        Of all cams', shape (s,).
+    waves
+        Of the gear's profile, shape (s, N, 2).
+    mesh, seat, cam, output
+        Clearances, shape (s,): of the gear on its ring, of pins or sleeves that move in their seats (0 where none
+        does), of the cam and of the output pins.
+    equidistant, pin_circle, rotation
+        Modification of the gear, shape (s,); the last in rad.
+    """
+
+    pin_place: Array
+    pin_radius: Array
+    hole_place: Array
+    disc_radius: Array
+    cam_place: Array
+    eccentricity: Array
+    waves: Array
+    mesh: Array
+    seat: Array
+    cam: Array
+    output: Array
+    equidistant: Array
+    pin_circle: Array
+    rotation: Array
+
+    def __len__(self) -> int:
+        """Count the samples."""
+        return len(self.cam)
+
+
+def alike(reducer: Reducer, count: int) -> Samples:
+    """Give samples that are all made as the design is, with its own errors; `replace` what they differ in."""
+    design = reducer.design
+    made, clearance, change = reducer.deviations, design.clearance, design.modification
+    one = {
+        **{field.name: getattr(made, field.name) for field in fields(made)},
+        **{name: getattr(change, name) for name in ("equidistant", "pin_circle", "rotation")},
+        "mesh": getattr(clearance, design.tooth_pair),
+        "seat": design.pin_play,
+        "cam": clearance.cam,
+        "output": clearance.output,
+    }
+    return Samples(**{name: np.broadcast_to(value, (count, *np.shape(value))) for name, value in one.items()})
+
+
+def drawn(reducer: Reducer, count: int, seed: int) -> Samples:
+    """Draw samples by the standard deviations of the design's `errors`: normal, each kind from a stream of its own.
+
+    What the design lists, part by part, and its eccentricity are the same in all samples.
+    """
+    errors, same = reducer.design.errors, alike(reducer, count)
+
+    def normal(stream: int, sigma: float, listed: Sequence[float], own: Array) -> Array:
+        draws = np.random.default_rng([seed, stream]).standard_normal(own.shape)
+        return own if listed else sigma * draws
+
+    def places(stream: int, sigma: float, lists: Sequence[Sequence[float]], own: Array) -> Array:
+        axes = [normal(stream + axis, sigma, lists[axis], own[..., axis]) for axis in (0, 1)]
+        return np.stack(axes, axis=-1)
+
+    return replace(
+        same,
+        pin_place=places(0, errors.pin_position, (errors.pin_x, errors.pin_y), same.pin_place),
+        pin_radius=normal(2, errors.pin_radius, errors.pin_dr, same.pin_radius),
+        hole_place=places(3, errors.hole_position, (errors.hole_x, errors.hole_y), same.hole_place),
+        disc_radius=normal(5, errors.disc_size, errors.disc_dr, same.disc_radius),
+        cam_place=places(6, errors.cam_position, (errors.cam_x, errors.cam_y), same.cam_place),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Figures:
+    """What s samples do under one torque, over the crank angles of a turn; arrays of shape (s,).
+
+    Attributes
+    ----------
+    gear_mean, gear_range, output_mean, output_range
+        Turn of the gear, seen from the ring, and of the output from the ideal one [rad]: its mean, and from its least
+        to its largest, the peak to peak of the transmission error.
+    tooth, output_pin, cam
+        Largest forces [N].
+    carrying
+        Teeth that carry at least 1 % of the largest force, on average.
+
+    A sample without a balance has no numbers: NaN in all of them.
+    """
+
+    gear_mean: Array
+    gear_range: Array
+    output_mean: Array
+    output_range: Array
+    tooth: Array
+    output_pin: Array
+    cam: Array
+    carrying: Array
+
+
+def solve_samples(
+    reducer: Reducer,
+    samples: Samples,
+    torques: Sequence[float],
+    angles: int = ANGLES,
+    threads: int = 1,
+    friction: bool = False,
+) -> list[Figures]:
+    """Balance every sample under each torque on the output, at crank angles all over a turn.
+
+    The result does not depend on the number of threads, to the last bit. Springs are as stiff as those of the design.
+
+    Parameters
+    ----------
+    design
+        What the samples are samples of; its own errors, clearances and modification do not matter.
+    samples
+        How they were made.
+    torques
+        On the output [N m], in the sense of `member.share`, not 0. Between a small one and its opposite lies the
+        backlash.
+    angles
+        Crank angles, evenly in a turn from the ring.
+    threads
+        To share the work.
+    friction
+        Whether the crank turns at the design's speed, with the friction of all contacts.
+
+    Returns
+    -------
+    The figures under each torque. A sample without a balance, as where errors jam the parts, has none.
+    """
+    design = reducer.design
+    bare = design.model_copy(update={"errors": Errors(), "modification": Modification()})
+    crank = turns_of_crank(design, np.linspace(0.0, 2.0 * np.pi, angles, endpoint=False))
+    springs = springs_of(Reducer(bare), crank, friction)
+    orders = np.flatnonzero(np.any(samples.waves != 0.0, axis=(0, 2))) + 1
+    effects, made, of = (
+        _effects(Reducer(bare), springs, orders),
+        _made(Reducer(bare), springs, samples, orders),
+        reducer.share,
+    )
+    bounds = np.linspace(0, len(samples), min(CHUNKS * threads, len(samples)) + 1).astype(int).tolist()
+    found, twist = [], wind_up(reducer)
+    for torque in torques:
+        load = springs.load(of * torque)
+        out = np.zeros((len(samples), FIGURES))
+
+        def balanced(first: int, last: int, load: Array = load, out: Array = out) -> None:
+            balance_samples(springs.contacts, effects, made, load, first, last, out)
+
+        if threads == 1:
+            for first, last in pairwise(bounds):
+                give_way()
+                with announced():
+                    balanced(first, last)
+        else:
+            with announced(), ThreadPoolExecutor(threads) as pool:
+                list(pool.map(balanced, bounds[:-1], bounds[1:]))
+        out[~(out[:, -1] <= BALANCED)] = np.nan
+        seen = Figures(*out[:, :-1].T.copy())
+        turned = {"output_mean": of * seen.output_mean + twist * torque, "output_range": of * seen.output_range}
+        found.append(replace(seen, **turned))
+    return found
+
+
+def backlash(counter_clockwise: Figures, clockwise: Figures) -> Array:
+    """Give the mean backlash of samples [rad], shape (s,), between a small torque and its opposite."""
+    return counter_clockwise.output_mean - clockwise.output_mean
+
+
+def _effects(reducer: Reducer, springs: Springs, orders: Integers) -> Effects:
+    """Give the effects of errors on the contacts of ideal parts: they move as their disc's place or turn moves them."""
+    contacts, teeth, gear, discs = springs.contacts, springs.teeth, reducer.tooth_profile, reducer.design.gear.discs
+    turned = gear_rotation(gear, springs.crank)
+    along = np.stack([np.cos(turned), np.sin(turned)], axis=-1), np.stack([-np.sin(turned), np.cos(turned)], axis=-1)
+    outwards = np.tile(profile.unit(profile.pin_angles(gear)), (discs, 1))
+    side = np.sign(_of_own_disc(contacts, contacts.slope)[:, :teeth, 2])
+
+    def effect(slopes: Array) -> Array:
+        slope = _of_own_disc(contacts, slopes)
+        moved = np.zeros((*slope.shape[:2], 4))
+        moved[:, :teeth, :2] = -slope[:, :teeth, :2]
+        for axis in (0, 1):
+            moved[:, teeth:, axis] = np.einsum("kni,ki->kn", slope[:, teeth:, :2], along[axis])
+        moved[:, :teeth, 2] = np.einsum("kni,ni->kn", slope[:, :teeth, :2], outwards)
+        moved[:, :teeth, 3] = slope[:, :teeth, 2] * side * contacts.radius
+        return moved
+
+    turns = contacts.phase[:, :teeth, np.newaxis] / gear.lobes * orders
+    waves = np.zeros((*contacts.phase.shape, 2 * orders.size))
+    waves[:, :teeth] = np.concatenate([np.cos(turns), np.sin(turns)], axis=2)
+    unit = reducer.but(errors={"eccentricity": 1e-6})
+    return Effects(
+        effect(contacts.slope),
+        effect(contacts.shift_slope),
+        cam_places(unit, springs.crank) / 1e-6,
+        np.stack([np.cos(springs.crank), np.sin(springs.crank)], axis=-1),
+        waves,
+    )
+
+
+def _of_own_disc(contacts: kernel.Springs, slopes: Array) -> Array:
+    """Give the gradients of contacts by place and turn of their own disc, shape (k, n, 3), of those by all unknowns."""
+    return np.stack([slopes[:, np.arange(contacts.disc.size), 3 * contacts.disc + way] for way in range(3)], axis=-1)
+
+
+def _made(reducer: Reducer, springs: Springs, samples: Samples, orders: Integers) -> Made:
+    """Give what the samples put into the contacts; the springs are those of the design's own clearances."""
+    design = reducer.design
+    discs, count = design.gear.discs, len(samples)
+    wider = samples.mesh - getattr(design.clearance, design.tooth_pair) + samples.seat - design.pin_play
+    radii = (2.0 if design.ring.has_sockets else 1.0) * samples.pin_radius
+    teeth = (wider + samples.equidistant)[:, np.newaxis] - radii
+    on_discs = (teeth[:, np.newaxis] - samples.disc_radius[..., np.newaxis]).reshape(count, -1)
+    holes = samples.hole_place.reshape(count, -1, 2)
+    output = np.broadcast_to((samples.output - design.clearance.output)[:, np.newaxis], holes.shape[:2])
+    return Made(
+        room=springs.contacts.room + np.concatenate([on_discs, output], axis=1),
+        place=np.concatenate([np.tile(samples.pin_place, (1, discs, 1)), holes], axis=1),
+        waves=np.concatenate([samples.waves[:, orders - 1, 0], samples.waves[:, orders - 1, 1]], axis=1),
+        # copies: of arrays that may not be written numba makes another type, and compiles all once more
+        **{name: np.array(getattr(samples, name)) for name in Made._fields[3:]},
+    )

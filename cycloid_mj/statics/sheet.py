@@ -1,0 +1,421 @@
+"""What a maker's data sheet has of a reducer, by statics alone, under the keys of the measures."""
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from cycloid_mj.base.errors import DesignError, UsageError
+from cycloid_mj.base.result import Quantity, keyed
+from cycloid_mj.base.types import Array
+from cycloid_mj.base.units import ARCMINUTE, ARCSECOND, RPM
+from cycloid_mj.design import material_limits
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.member import turns_of_crank
+from cycloid_mj.statics.balance import Loads, Powers, loads, powers
+from cycloid_mj.statics.bearings import reaction_quantities, reactions
+from cycloid_mj.statics.ideal import ideal_peak
+from cycloid_mj.statics.kernel import CARRIES
+from cycloid_mj.statics.peaks import forces, is_narrow, peak_force, peak_pressure, torque_at_pressure
+from cycloid_mj.statics.pressure import SHAKEDOWN_PRESSURE, YIELD_PRESSURE, pair_strength
+from cycloid_mj.statics.springs import POSES, Springs, springs_of, turn_evenly
+from cycloid_mj.statics.structure import structure_told, twisting_compliance
+from cycloid_mj.statics.windup import SERIES, Windup, windups
+from cycloid_mj.statics.working import working_at, working_forces_told
+
+Part = Callable[[Reducer, float], Iterator[Quantity]]
+"""What makes some figures of a design under a load [N m]."""
+
+SMALL = 1e-4
+"""Torque that presses the parts to their stops, as a share of the load; a line through twice that leads to zero."""
+
+DRAG = 0.01
+"""Torque of the unloaded transmission error as a share of the rated one, as in `measure te`."""
+
+CASES = {"unloaded": DRAG, "loaded": 1.0}
+"""Shares of the load under which the transmission error is solved."""
+
+WAYS = {"forward": 1.0, "reverse": -1.0}
+
+PER_MESH_PERIOD = 8
+"""Crank angles in a mesh period over which the transmission error is solved."""
+
+SEVERAL = (
+    "each disc pulls in its own plane and does not tilt; a ring's pin that moves gives way to each disc as if it "
+    "carried that one alone; bearings hold the discs' forces, without weight and unbalance of their parts"
+)
+
+IDEAL_SHARING = "ideal sharing"
+
+LoadSource = Literal["given", "load.torque_nm", "rated torque"]
+"""Where the load of a sheet is from."""
+
+CONFORMAL = "none: the bodies fit so closely that the contact is no narrow strip"
+
+PARTS = {
+    "output": "output pins",
+    "cam": "cam",
+    "mesh": "teeth, pins and sockets",
+    "bending": "bent output pins",
+    "carrier": "the twisted carrier",
+    "shaft": "the twisted crank",
+    "housing": "the twisted housing",
+}
+
+LIMITS = (
+    ("capacity", "capacity: torque at which a contact first yields, below its surface", YIELD_PRESSURE),
+    ("capacity_shakedown", "shakedown: torque up to which rolling turns elastic again", SHAKEDOWN_PRESSURE),
+)
+"""Key and name of torques that bring a contact to a pressure, over its strength in tension."""
+
+POSES_OF_SEVERAL = 241
+"""Crank angles for the forces of several discs: of few output pins, too, peaks are within 0.1 % of the turn's."""
+
+KNOWN = {
+    "backlash": 0.001,
+    "lost_motion_ideal": 0.002,
+    "stiffness_ideal": 0.002,
+    "output_peak_to_peak_loaded_forward_speed": 0.04,
+    "efficiency": 0.001,
+    "back_driving_efficiency": 0.0015,
+    "capacity": 0.01,
+    "capacity_shakedown": 0.015,
+}
+KNOWN_OF_KINDS = {"peak_force": 0.01, "pressure": 0.005}
+"""Largest relative differences from the dynamic run, by key, and by the end of the key of each kind of pair.
+
+They are those of pin and nonpin in ``tests/data/measured.json``, rounded up; a test holds this table against them.
+"""
+
+COMPARED = "the dynamic runs of the presets pin and nonpin at 36.68 N m and 1640 rpm"
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """The static figures of one design.
+
+    Attributes
+    ----------
+    design
+        Its name.
+    condition
+        Load and speed.
+    load_source
+        Where the load is from.
+    quantities
+        Key -> number, the keys being those of the measures.
+    assumptions
+        What the numbers stand on, a sentence each.
+    """
+
+    design: str
+    condition: str
+    load_source: LoadSource
+    quantities: dict[str, Quantity]
+    assumptions: tuple[str, ...]
+
+    def as_json(self) -> dict[str, Any]:
+        """Give the sheet for a program."""
+        return {
+            "design": self.design,
+            "condition": self.condition,
+            "load_source": self.load_source,
+            "quantities": {
+                key: {**one.as_json(), "known_difference": known_difference(one)}
+                for key, one in self.quantities.items()
+            },
+            "known_difference_from": COMPARED,
+            "assumptions": list(self.assumptions),
+        }
+
+
+def sheet(reducer: Reducer, load: float | None = None) -> Sheet:
+    """Give the static figures of a sound design under an output torque [N m]; by default `load_of` the design.
+
+    Raises
+    ------
+    UsageError
+        The torque is not positive.
+    DesignError
+        The crank does not turn.
+    ContactError
+        The load flattens a pin beyond a line contact.
+    RunError
+        No static balance was found, as where friction jams the reducer.
+    """
+    return _sheet(reducer, load, PARTS_OF_SHEET.values())
+
+
+def glance(reducer: Reducer, load: float | None = None) -> Sheet:
+    """Give the figures of `sheet` that a designer watches, in less than half of the time; errors as there.
+
+    They are the motions, the transmission error forward under the load, the loads up to first yield, and the
+    efficiency.
+    """
+    return _sheet(reducer, load, (_motions, _loaded_error, _loads_and_yield, _efficiency))
+
+
+def _sheet(reducer: Reducer, load: float | None, parts: Iterable[Part]) -> Sheet:
+    _, source = load_of(reducer, load)
+    reducer, load = _under(reducer, load)
+    design, quantities = reducer.design, keyed(*(part(reducer, load) for part in parts))
+    return Sheet(
+        design=design.name,
+        condition=f"{load:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm, at rest but for the gear's own force",
+        load_source=source,
+        quantities=quantities,
+        assumptions=_assumptions(reducer),
+    )
+
+
+def sheet_part(reducer: Reducer, part: str, load: float | None = None) -> dict[str, Quantity]:
+    """Give some of the figures of `sheet`: one of `PARTS_OF_SHEET`, in a fraction of the time; errors as there."""
+    return keyed(PARTS_OF_SHEET[part](*_under(reducer, load)))
+
+
+def load_of(reducer: Reducer, given: float | None = None) -> tuple[float, LoadSource]:
+    """Tell the torque on the output [N m]: the one given, else the size of the design's load, else the rated one."""
+    design = reducer.design
+    if given is not None:
+        return given, "given"
+    if design.load.torque:
+        return abs(design.load.torque), "load.torque_nm"
+    return design.rated_torque, "rated torque"
+
+
+def _under(reducer: Reducer, load: float | None) -> tuple[Reducer, float]:
+    """Give a design under a load, by default `load_of` it, and that load."""
+    load, _ = load_of(reducer, load)
+    if not load > 0.0:
+        raise UsageError(f"cannot load the output by {load:g} N m: the torque must be more than 0")
+    if reducer.design.drive.speed == 0.0:
+        raise DesignError("drive.speed_rpm is 0, but losses need a crank that turns: give another speed, such as 1640")
+    return working_at(reducer.but(load={"torque": load}), load), load
+
+
+def known_difference(one: Quantity) -> float | None:
+    """Give the largest relative difference of a quantity from the runs `COMPARED`; None where it is not known."""
+    if math.isnan(one.value) or one.key in KNOWN:
+        return KNOWN.get(one.key)
+    return next((share for end, share in KNOWN_OF_KINDS.items() if one.key.endswith(f"_{end}")), None)
+
+
+def _motions(reducer: Reducer, load: float) -> Iterator[Quantity]:
+    """Give backlash, lost motion and stiffness at a locked crank, without friction and weight."""
+    still = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
+    evenly = np.sort(turn_evenly())
+    springs = springs_of(still, turns_of_crank(reducer.design, evenly), friction=False)
+    ends = []
+    for way in (-1.0, 1.0):
+        near, far = (loads(still, springs, way * times * SMALL * load, follow=True).output_turn for times in (1.0, 2.0))
+        ends.append(2.0 * near - far)
+    width = (ends[1] - ends[0]) / ARCMINUTE
+    yield Quantity("backlash", "backlash of the output, mean", float(width.mean()), "arcmin")
+    yield Quantity("backlash_min", "backlash, least over the crank angle", float(width.min()), "arcmin")
+    yield Quantity("backlash_max", "backlash, largest over the crank angle", float(width.max()), "arcmin")
+    found = windups(reducer, evenly, load, follow=True)
+    ideal = "without friction and weight"
+    lost = float(np.mean([one.lost_motion for one in found])) / ARCMINUTE
+    yield Quantity("lost_motion_ideal", f"lost motion at +-3 % of the load, {ideal}", lost, "arcmin")
+    stiffness, name = _stiffness(found), f"torsional stiffness, 50 to 100 % of the load, {ideal}"
+    yield Quantity("stiffness_ideal", name, stiffness, "N m/arcmin")
+    give = {part: float(np.mean([one.series(reducer)[part] for one in found])) / ARCMINUTE for part in SERIES}
+    if reducer.design.structure == "springs":
+        rigid = reducer.but(structure="rigid")
+        bare = windups(rigid, evenly, load, follow=True)
+        name = f"torsional stiffness of the contacts alone, 50 to 100 % of the load, {ideal}"
+        yield Quantity("stiffness_contacts", name, _stiffness(bare), "N m/arcmin")
+        twisted = {part: one / ARCMINUTE for part, one in twisting_compliance(reducer).items()}
+        alone = float(np.mean([one.series(rigid)["output"] for one in bare])) / ARCMINUTE
+        bent = give["output"] - alone - sum(twisted.values())
+        give = {**give, "output": alone, "bending": bent, **twisted}
+    for part, one in give.items():
+        yield Quantity(f"compliance_{part}", f"compliance of {PARTS[part]}, in series, {ideal}", one, "arcmin/(N m)")
+
+
+def _stiffness(found: Sequence[Windup]) -> float:
+    """Give the mean stiffness [N m/arcmin]."""
+    return float(np.mean([ARCMINUTE / one.compliance(one.turn) for one in found]))
+
+
+def _errors(reducer: Reducer, load: float) -> Iterator[Quantity]:
+    """Give the transmission errors, loaded and unloaded, both ways, with friction."""
+    mean: dict[tuple[str, str, str], float] = {}
+    for case in CASES:
+        for way in WAYS:
+            turns = _turns(reducer, load, case, way)
+            mean |= {(shaft, case, way): float(turn.mean()) / ARCSECOND for shaft, turn in turns.items()}
+            yield from _widths(turns, case, way)
+    for shaft in ("gear", "output"):
+        reversal = mean[shaft, "unloaded", "forward"] - mean[shaft, "unloaded", "reverse"]
+        yield Quantity(f"{shaft}_reversal", f"mean of the {shaft}, forward less reverse, unloaded", reversal, "arcsec")
+        wound = mean[shaft, "loaded", "forward"] - mean[shaft, "unloaded", "forward"]
+        yield Quantity(f"{shaft}_wind_up", f"mean of the {shaft}, loaded less unloaded, forward", wound, "arcsec")
+
+
+def _loaded_error(reducer: Reducer, load: float) -> Iterator[Quantity]:
+    """Give the transmission error forward under the load alone."""
+    return _widths(_turns(reducer, load, "loaded", "forward"), "loaded", "forward")
+
+
+def _turns(reducer: Reducer, load: float, case: str, way: str) -> dict[str, Array]:
+    """Give the turns of gear and output from their ideal angles [rad] in one of `CASES` and one of `WAYS`."""
+    crank, sign = np.linspace(0.0, 2.0 * np.pi, PER_MESH_PERIOD * reducer.design.mesh_periods + 1), WAYS[way]
+    turning = reducer.but(drive={"speed": sign * abs(reducer.design.drive.speed)})
+    found = loads(turning, springs_of(turning, crank), sign * CASES[case] * load, follow=True)
+    return {"gear": found.gear_turn, "output": found.output_turn}
+
+
+def _widths(turns: Mapping[str, Array], case: str, way: str) -> Iterator[Quantity]:
+    """Give how far turns spread."""
+    for shaft, turn in turns.items():
+        for key, words, value in (
+            ("peak_to_peak", "peak to peak", np.ptp(turn)),
+            ("rms", "rms about its mean", turn.std()),
+        ):
+            name = f"transmission error, {words}, {shaft}, {case}, {way}"
+            yield Quantity(f"{shaft}_{key}_{case}_{way}_speed", name, float(value) / ARCSECOND, "arcsec")
+
+
+def _loads(reducer: Reducer, load: float, limits: int = len(LIMITS)) -> Iterator[Quantity]:
+    """Give forces, pressures and margins by kind, and the torques at the first of `LIMITS`."""
+    design = reducer.design
+    torque = math.copysign(load, design.drive.speed)
+    springs = springs_of(reducer, _angles(reducer))
+    found = loads(reducer, springs, torque, follow=True)
+    spare = {
+        kind: pair_strength(reducer, kind) / peak_pressure(reducer, springs, found, kind)
+        for kind in design.pair_kinds
+        if is_narrow(reducer, springs, found, kind)
+    }
+    yield from disc_shares(found.share)
+    for kind in design.pair_kinds:
+        yield from _of_kind(springs, found, kind, reducer, spare.get(kind, math.nan))
+    if found.discs > 1:
+        yield from reaction_quantities(reactions(reducer, springs, found))
+    for key, name, allowed in LIMITS[:limits]:
+        if not spare:
+            yield Quantity(key, name, math.nan, "N m", note="none: no contact is narrow enough for Hertz")
+            continue
+        weakest = min(spare, key=lambda kind: spare[kind])
+        pressure = allowed * pair_strength(reducer, weakest)
+        reached = abs(torque_at_pressure(reducer, springs, weakest, pressure, torque, found, follow=True))
+        yield Quantity(key, name, reached, "N m", note=f"{weakest} decides")
+
+
+def _loads_and_yield(reducer: Reducer, load: float) -> Iterator[Quantity]:
+    """Give the loads, and the torque at the first of `LIMITS` alone."""
+    return _loads(reducer, load, limits=1)
+
+
+def _angles(reducer: Reducer) -> Array:
+    """Give the crank angles for forces [rad], which follow each other."""
+    design = reducer.design
+    return turns_of_crank(design, np.sort(turn_evenly(POSES if design.gear.discs == 1 else POSES_OF_SEVERAL)))
+
+
+def disc_shares(share: Array) -> Iterator[Quantity]:
+    """Give the share of each of several discs in the torque on the output, from those at crank angles, shape (m, D)."""
+    for number, one in enumerate(share.T if share.shape[1] > 1 else (), start=1):
+        note = f"from {one.min():.4g} to {one.max():.4g} over the crank angle"
+        yield Quantity(
+            f"disc_{number}_share", f"share of disc {number} in the torque", float(one.mean()), "1", note=note
+        )
+
+
+def _of_kind(springs: Springs, found: Loads, kind: str, reducer: Reducer, spare: float) -> Iterator[Quantity]:
+    """Give the numbers of a kind; `spare` is its strength over its pressure, no number where Hertz does not hold."""
+    peak, force = peak_force(found, kind), forces(found, kind).reshape(springs.crank.size, -1)
+    carries, note = force > CARRIES * peak, CONFORMAL if math.isnan(spare) else ""
+    carrying = float(carries.sum(axis=1).mean())
+    pressure = 1e-6 * pair_strength(reducer, kind) / spare
+    ideal = ideal_peak(reducer, kind, np.linspace(0.0, 2.0 * np.pi, PER_MESH_PERIOD * reducer.design.ring.teeth + 1))
+    yield Quantity(f"{kind}_peak_force", f"{kind}: largest force", peak, "N", reference=ideal, source=IDEAL_SHARING)
+    yield Quantity(f"{kind}_mean_force", f"{kind}: mean force of the contacts that carry", _mean(force[carries]), "N")
+    yield Quantity(f"{kind}_carrying", f"{kind}: contacts that carry, on average", carrying, "1")
+    yield Quantity(f"{kind}_pressure", f"{kind}: largest Hertz pressure", pressure, "MPa", note=note)
+    yield Quantity(f"{kind}_margin", f"{kind}: margin against first yield", YIELD_PRESSURE * spare, "1", note=note)
+
+
+def _mean(values: Array) -> float:
+    return float(values.mean()) if values.size else 0.0
+
+
+def _losses(reducer: Reducer, load: float) -> Iterator[Quantity]:
+    """Give efficiency and losses, and those of the reducer driven by its output."""
+    yield from _efficiency(reducer, load)
+    back, held = driven(reducer, load)
+    against = f"against {load / reducer.design.reduction:.4g} N m on the crank"
+    locked = self_locking(reducer, load) if math.isnan(held) else ""
+    yield Quantity("back_driving_torque_rated", f"output torque that drives {against}", held, "N m", note=locked)
+    yield Quantity(
+        "back_driving_efficiency", f"efficiency of back-driving, {against}", 100.0 * back.efficiency, "%", note=locked
+    )
+
+
+def _efficiency(reducer: Reducer, load: float) -> Iterator[Quantity]:
+    """Give efficiency and losses of the reducer driven by its crank."""
+    design = reducer.design
+    found = powers(reducer, load)
+    yield Quantity("efficiency", f"efficiency at {load:.4g} N m", 100.0 * found.efficiency, "%")
+    for kind, part in {design.tooth_pair: "teeth", "cam": "cam", "output": "output"}.items():
+        note = f"with that of {design.seat_pair}" if part == "teeth" and design.seat_pair else ""
+        yield Quantity(f"{kind}_friction_power", f"friction of {kind}", found.losses[part], "W", note=note)
+    yield Quantity("seals_power", "drag of seals and lubricant", found.losses["seals"], "W")
+    yield Quantity("input_power", "input power", found.supplied, "W")
+    yield Quantity("output_power", "output power", found.supplied * found.efficiency, "W")
+
+
+def driven(reducer: Reducer, load: float) -> tuple[Powers, float]:
+    """Give the powers of a reducer whose output drives against the crank's share of a load [N m], and what it takes.
+
+    The latter is a torque on the output [N m]; not a number where the reducer locks itself.
+    """
+    torque = load
+    found = powers(reducer, -torque)
+    for _ in range(3):
+        if not found.efficiency > 0.0:
+            return found, math.nan
+        torque = load / found.efficiency
+        found = powers(reducer, -torque)
+    return found, torque
+
+
+def self_locking(reducer: Reducer, load: float) -> str:
+    """Say that an output cannot drive the crank's share of a load [N m], and whether it drives a crank without load."""
+    drives, share = powers(reducer, -load).crank < 0.0, load / reducer.design.reduction
+    return (
+        f"self-locking against {share:.4g} N m on the crank: friction takes all that the output "
+        f"gives; a crank without load is {'driven' if drives else 'not driven either'} by {load:.4g} N m on the output"
+    )
+
+
+PARTS_OF_SHEET: Mapping[str, Part] = {"motions": _motions, "errors": _errors, "loads": _loads, "losses": _losses}
+"""What makes the figures of a sheet, by name."""
+
+
+def _bodies(reducer: Reducer) -> str:
+    """Say what carries the contacts."""
+    if reducer.design.structure == "springs":
+        return "output pins, carrier, shaft and housing give as springs do, other parts are rigid"
+    return "parts are rigid"
+
+
+def _assumptions(reducer: Reducer) -> tuple[str, ...]:
+    design = reducer.design
+    return (
+        f"statics: {_bodies(reducer)}, contacts are springs that only push, with all clearances, manufacturing errors "
+        "and modification; of inertia the gear's centrifugal force alone",
+        f"friction of a crank that turns, whole at any sliding speed, but none in backlash, lost motion and stiffness: "
+        f"{', '.join(f'{kind} {design.friction_of(kind):g}' for kind in design.pair_kinds)}",
+        f"contacts have the secant stiffness of the load: {working_forces_told(reducer, design.pair_kinds)}",
+        "flanks of an internal gear carry as one patch with the arc beside them",
+        *([SEVERAL] if design.gear.discs > 1 else []),
+        *([structure_told(reducer)] if design.structure == "springs" else []),
+        f"forces and losses are over {_angles(reducer).size} crank angles, the transmission error over "
+        f"{PER_MESH_PERIOD} in a mesh period, unloaded under {DRAG:.0%} of the load; the shafts' own bearings are left "
+        "out",
+        *material_limits(design),
+    )

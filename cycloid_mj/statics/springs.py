@@ -1,0 +1,167 @@
+"""The springs of a reducer: gaps, slopes, stiffness and friction of every contact at many crank angles."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.base.types import Array
+from cycloid_mj.geometry import kinematics, profile
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.gaps import arc_gaps, cam_places, ideal_motion
+from cycloid_mj.reducer.member import against_ring, ring_angle, turns_of_crank
+from cycloid_mj.statics import kernel
+from cycloid_mj.statics.friction import rubbing
+from cycloid_mj.statics.law import contact_stiffness, curvature_law, pair_stiffness
+from cycloid_mj.statics.structure import pin_flexibility
+from cycloid_mj.statics.working import at_rated_load
+
+POSES = 61
+GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
+"""Share of a turn between crank angles: multiples of it fill the mesh period and the turn evenly, whatever N."""
+
+
+@dataclass(frozen=True)
+class Springs:
+    """The springs of a reducer at m crank angles, on the unknowns of ``reducer.gaps``.
+
+    The flanks of an internal gear close only beside an arc, as one patch with it, and are left out: they turn the
+    output by less than a part in 10^5 of what the load does.
+
+    Attributes
+    ----------
+    crank
+        Angles from the ring [rad], shape (m,).
+    teeth
+        Contact lines with the ring; those after the first are output pins.
+    contacts
+        The springs of the lines and then the output pins, n at each angle, and of the cam.
+    curvature
+        Relative curvature of the contact lines with the ring [1/m], shape (m, teeth).
+    body_force
+        Weight and centrifugal force of each disc [N], shape (m, D, 2).
+    slip
+        Speed at which the gear slides on each contact line and output pin [m/s], shape (m, n), and in the cam [m/s].
+    """
+
+    crank: Array
+    teeth: int
+    contacts: kernel.Springs
+    curvature: Array
+    body_force: Array
+    slip: Array
+
+    def load(self, torque: float) -> Array:
+        """Give the generalised force on each unknown [N], shape (m, 3 D + 1), of a torque on the carrier [N m]."""
+        load = np.zeros((self.crank.size, self.contacts.slope.shape[2]))
+        for disc in range(self.body_force.shape[1]):
+            load[:, 3 * disc : 3 * disc + 2] = self.body_force[:, disc]
+        load[:, -1] = torque / self.contacts.radius
+        return load
+
+
+def turn_evenly(poses: int = POSES) -> Array:
+    """Give crank angles [rad], shape (poses,), that lie evenly in the turn and, taken modulo it, in the mesh period."""
+    return np.asarray(2.0 * math.pi * np.mod(GOLDEN * np.arange(poses), 1.0))
+
+
+def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: bool = True) -> Springs:
+    """Give the springs of a design, which must be sound, at crank angles [rad], shape (m,); by default all round.
+
+    Their stiffness is that `at_rated_load`; without `friction` the crank need not turn.
+
+    Raises
+    ------
+    ContactError
+        The working force flattens a pin beyond a line contact.
+    """
+    if crank is None:
+        crank = turns_of_crank(reducer.design, turn_evenly())
+    crank = np.ravel(np.asarray(crank, dtype=np.float64))
+    own_force = np.stack([body_force(reducer, crank, phase) for phase in reducer.phases], axis=1)
+    crank = against_ring(reducer.design, crank)
+    reducer = at_rated_load(reducer.seen_from_ring)
+    found = arc_gaps(reducer, crank)
+    teeth = int(np.sum(found.kind == reducer.design.tooth_pair))
+    curvature = found.relative_curvature[:, :teeth]
+    discs = range(reducer.design.gear.discs)
+    holding = np.array([contact_stiffness(reducer, "output", disc) for disc in discs])
+    output = np.broadcast_to(np.repeat(holding, reducer.design.output.pins), (crank.size, found.kind.size - teeth))
+    motion = ideal_motion(reducer, crank) * reducer.design.drive.speed
+    radius = reducer.design.output.pin_circle_radius
+    drag = (
+        math.copysign(reducer.design.friction_of("cam"), reducer.design.drive.speed)
+        * reducer.design.gear.bore_radius
+        / radius
+    )
+    return Springs(
+        crank=crank,
+        teeth=teeth,
+        contacts=kernel.Springs(
+            radius=radius,
+            disc=found.disc,
+            turning=found.kind == reducer.design.tooth_pair,
+            room=(found.room + found.play)[0],
+            distance=found.distance,
+            slope=found.slope,
+            shift=found.shift,
+            shift_slope=found.shift_slope,
+            bend=found.bend,
+            twist=found.twist,
+            phase=found.phase,
+            trochoid=(
+                reducer.design.ring.pin_circle_radius,
+                reducer.design.gear.eccentricity,
+                float(reducer.design.ring.teeth),
+            ),
+            stiffness=np.concatenate([tooth_stiffness(reducer, curvature), output], axis=1),
+            cam_place=cam_places(reducer, crank),
+            cam_clearance=reducer.design.clearance.cam,
+            cam_stiffness=pair_stiffness(reducer, "cam"),
+            rubbing=rubbing(reducer, found, motion) if friction else np.zeros((0, *found.slope.shape[1:])),
+            cam_rubbing=drag if friction else 0.0,
+            bending=_bending(reducer),
+            pins=reducer.design.output.pins,
+        ),
+        curvature=curvature,
+        body_force=own_force,
+        slip=np.einsum("mnu,mu->mn", found.slip_slope, motion),
+    )
+
+
+def tooth_stiffness(reducer: Reducer, curvature: Array) -> Array:
+    """Give the stiffness of contact lines with the ring by relative curvature [N/m], sockets or sleeves in series."""
+    law = curvature_law(reducer)
+    own = law.stiffness * law.factors(curvature)
+    kind = reducer.design.seat_pair
+    return np.asarray(1.0 / (1.0 / own + 1.0 / pair_stiffness(reducer, kind)) if kind else own)
+
+
+def _bending(reducer: Reducer) -> Array:
+    """Give by how much a disc's force on an output pin opens the other discs' contacts with it [m/N], (D, D) or none.
+
+    At phases b and b' their pushes have the angle b - b' between them: of the pin's deflection cos(b - b') is along a
+    push, and what is across it moves the contact along its circle alone.
+    """
+    at, flexibility = np.array(reducer.phases), pin_flexibility(reducer)
+    np.fill_diagonal(flexibility, 0.0)
+    return flexibility * np.cos(np.subtract.outer(at, at)) if flexibility.any() else np.zeros((0, 0))
+
+
+def body_force(reducer: Reducer, crank: Array, phase: float = 0.0) -> Array:
+    """Give weight and centrifugal force of a disc [N], shape (m, 2), seen from the ring, at crank angles [rad] (m,).
+
+    The disc is ahead of the crank by its `phase` [rad].
+
+    Its mass is that of its outline less bore and holes, each with its clearance; of turned flanks not the corners.
+    """
+    design = reducer.design
+    gear, output, clearance = design.gear, design.output, design.clearance
+    holes = output.pins * (output.hole_radius + clearance.output) ** 2
+    bored = math.pi * ((gear.bore_radius + clearance.cam) ** 2 + holes)
+    area = profile.area(reducer.gear_profile, reducer.profile_offset) - bored
+    x, y, turned = design.environment.gravity_x, design.environment.gravity_y, ring_angle(design, crank)
+    gravity = np.stack([x * np.cos(turned) + y * np.sin(turned), y * np.cos(turned) - x * np.sin(turned)], axis=-1)
+    flung = design.drive.speed**2 * kinematics.gear_centre(reducer.tooth_profile, against_ring(design, crank) + phase)
+    return np.asarray(design.material_of("gear").density * gear.face_width * area * (gravity + flung))

@@ -1,0 +1,156 @@
+"""What gives between contacts and foundation: output pins that bend, and carrier, shaft and housing that twist.
+
+Only where ``structure`` is ``springs``; in a rigid one all of it is 0. The shaft's bearings and the discs' own give are
+left out; the shaft's bending is told, and counted nowhere.
+"""
+
+import math
+
+import numpy as np
+
+from cycloid_mj.base.types import Array
+from cycloid_mj.base.units import ARCMINUTE
+from cycloid_mj.design.model import Material
+from cycloid_mj.parts.output import AXIAL_GAP
+from cycloid_mj.parts.parts import crank_stretches
+from cycloid_mj.parts.shaft import bearing_seats
+from cycloid_mj.reducer import Reducer
+
+HUB = 0.5
+"""Assumed: radius at which the output disc hands on its torque, as a share of the circle of its pins."""
+
+TWISTING = ("carrier", "shaft", "housing")
+"""What twists, in series with all contacts: keys of the table ``springs``."""
+
+
+def pin_flexibility(reducer: Reducer) -> Array:
+    """Give by how much an output pin bends at each disc's plane, for a force at each plane [m/N], shape (D, D).
+
+    The pin is a round beam with its root, or both of its ends, built in at the faces of the plates that hold it, its
+    load acts in the middle of each disc, and shear adds to bending: Timoshenko's beam with Cowper's coefficient
+    6 (1 + nu)/(7 + 6 nu) (Cowper 1966, J. Appl. Mech. 33, 335-340, Table 1). Of a roller the core bends.
+    """
+    design = reducer.design
+    planes, gear = np.array(design.gear.disc_planes), design.gear
+    if design.structure == "rigid":
+        return np.zeros((planes.size, planes.size))
+    made, radius = design.material_of("output"), design.output.root_radius
+    arms = gear.stack_width / 2.0 + AXIAL_GAP - planes
+    length = gear.stack_width + 2.0 * AXIAL_GAP
+    return beam_flexibility(made, radius, arms, length if design.output.support == "both_ends" else None)
+
+
+def beam_flexibility(made: Material, radius: float, arms: Array, length: float | None = None) -> Array:
+    """Give the flexibility of a round cantilever [m/N], shape (n, n), at n distances from its root [m].
+
+    With a `length` [m] its far end is built in, too: then force and moment there are what keeps that end where it is.
+    """
+    bending = made.youngs_modulus * math.pi * radius**4 / 4.0
+    coefficient = 6.0 * (1.0 + made.poisson) / (7.0 + 6.0 * made.poisson)
+    shearing = coefficient * shear_modulus(made) * math.pi * radius**2
+
+    def free(one: Array, other: Array) -> Array:
+        near, far = np.minimum.outer(one, other), np.maximum.outer(one, other)
+        return np.asarray(near**2 * (3.0 * far - near) / (6.0 * bending) + near / shearing)
+
+    found = free(arms, arms)
+    if length is None:
+        return found
+    end = np.array([length])
+    by_end = np.stack([free(arms, end)[:, 0], arms**2 / (2.0 * bending)], axis=1)
+    turned = length**2 / (2.0 * bending)
+    of_end = np.array([[free(end, end)[0, 0], turned], [turned, length / bending]])
+    return np.asarray(found - by_end @ np.linalg.solve(of_end, by_end.T))
+
+
+def twisting_stiffness(reducer: Reducer) -> dict[str, float]:
+    """Give the torsional stiffness of each of `TWISTING` about its own axis [N m/rad]; inf in a rigid structure.
+
+    What is not given follows from the shape: of the shaft G pi r^4/(2 L), of rings G 4 pi t/(1/r^2 - 1/R^2) from the
+    inner radius r to the outer R at the thickness t (in-plane shear): the output disc from its hub to its pins, the
+    housing from the ring's pins or lobes out to its bolts or its rim.
+    """
+    design = reducer.design
+    if design.structure == "rigid":
+        return dict.fromkeys(TWISTING, math.inf)
+    output, shaft, housing = design.output, design.shaft, design.housing
+    outside = design.bolt_circle_radius if housing.support == "bolts" else housing.outer_radius
+    circle = output.pin_circle_radius
+    shapes = {
+        "carrier": _ring(design.material_of("output"), output.disc_thickness, HUB * circle, circle),
+        "shaft": shear_modulus(design.material_of("shaft")) * math.pi * shaft.radius**4 / (2.0 * shaft.length),
+        "housing": _ring(
+            design.material_of("housing"), design.gear.stack_width, design.ring.pin_circle_radius, outside
+        ),
+    }
+    return {part: getattr(design.springs, part) or shapes[part] for part in TWISTING}
+
+
+def twisting_compliance(reducer: Reducer) -> dict[str, float]:
+    """Give by how much the output turns at a locked crank, by what twists, per torque on it [rad/(N m)].
+
+    The crank's twist reaches the output divided by the ratio N - 1, as the torque on it is; the ring's, under the
+    torque N/(N - 1), times N/(N - 1); where the ring is the output, `member.share` squared of all that. The forces of
+    the contacts stay: all of them turn alike.
+    """
+    design = reducer.design
+    stiffness, teeth, seen = twisting_stiffness(reducer), design.ring.teeth, reducer.share**2
+    return {
+        "carrier": seen / stiffness["carrier"],
+        "shaft": seen / (stiffness["shaft"] * design.lobes**2),
+        "housing": seen * (teeth / design.lobes) ** 2 / stiffness["housing"],
+    }
+
+
+def wind_up(reducer: Reducer) -> float:
+    """Give the sum of `twisting_compliance` [rad/(N m)]."""
+    return sum(twisting_compliance(reducer).values())
+
+
+def crank_flexibility(reducer: Reducer) -> Array:
+    """Give by how much the shaft bends at each cam per force on each [m/N], shape (D, D).
+
+    An Euler beam of the shaft's radius on two bearings that do not give and let it tilt: the integral of M_d M_d'/(E I)
+    along it, exact for moments that are linear from place to place. No figure counts it: `structure_told` states it.
+
+    Raises
+    ------
+    DesignError
+        The crank cannot be made.
+    """
+    design = reducer.design
+    far, near = (0.5 * sum(seat) for seat in bearing_seats(reducer, crank_stretches(reducer)))
+    planes, radius = np.array(design.gear.disc_planes), design.shaft.radius
+    ends = np.unique([far, near, *planes])
+    places = np.stack([ends[:-1], 0.5 * (ends[:-1] + ends[1:]), ends[1:]])
+    on_near = -(planes - far) / (near - far)
+    moments = sum(
+        force[:, np.newaxis, np.newaxis] * np.maximum(places - np.reshape(at, (-1, 1, 1)), 0.0)
+        for force, at in ((np.ones_like(planes), planes), (on_near, near), (-1.0 - on_near, far))
+    )
+    weights = np.array([1.0, 4.0, 1.0])[:, np.newaxis] / 6.0 * np.diff(ends)
+    bending = design.material_of("shaft").youngs_modulus * math.pi * radius**4 / 4.0
+    return np.asarray(np.einsum("dps,eps,ps->de", moments, moments, weights) / bending)
+
+
+def structure_told(reducer: Reducer) -> str:
+    """Tell what the structure is taken as."""
+    if reducer.design.structure == "rigid":
+        return "shafts, discs, output and housing are rigid: only contacts give"
+    twisting = ", ".join(f"{part} {ARCMINUTE * one:.3g}" for part, one in twisting_stiffness(reducer).items())
+    held = {"cantilever": "at one end", "both_ends": "at both ends"}[reducer.design.output.support]
+    return (
+        f"output pins bend as beams held {held}, {twisting} N m/arcmin twist, each about its own axis, which adds "
+        "to the output's turn and not to the gear's; left out are the discs' own give, that of all bearings but the "
+        f"cams', and the shaft's bending: {1e9 * crank_flexibility(reducer).max():.3g} um at a cam under 1 kN there, "
+        "which a softer stiffness.cam_n_m can stand for"
+    )
+
+
+def shear_modulus(made: Material) -> float:
+    """Give the shear modulus E/(2 (1 + nu)) [Pa]."""
+    return made.youngs_modulus / (2.0 * (1.0 + made.poisson))
+
+
+def _ring(made: Material, thickness: float, inner: float, outer: float) -> float:
+    return 4.0 * math.pi * shear_modulus(made) * thickness / (inner**-2 - outer**-2)

@@ -1,0 +1,102 @@
+"""Lost motion and stiffness by statics: the balance of contact springs, without friction, weight or time.
+
+The compliance of the whole is that of three parts in series, told apart by how the parts move, in simulation and
+statics alike: the output against the gear (output pins); the gear's turn about the pitch point that goes with its
+centre's way s along the eccentric's circle, -s/(c (N-1)) (cam); and the rest of the gear's turn (teeth, pins, sockets).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.base.types import Array
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.balance import loads
+from cycloid_mj.statics.springs import springs_of
+from cycloid_mj.statics.structure import wind_up
+
+LOST_MOTION_SHARE = 0.03
+"""Torque at which lost motion is read, as a share of the rated torque: the industry's definition."""
+
+STRAIGHT = (0.5, 1.0)
+"""Ends of the straight part of the curve, as shares of the rated torque."""
+
+SERIES = ("output", "cam", "mesh")
+SHARES = (*sorted(STRAIGHT, reverse=True), LOST_MOTION_SHARE)
+
+
+@dataclass(frozen=True, eq=False)
+class Windup:
+    """Static solutions at one crank angle, at the shares (+-1, +-0.5, +-0.03) of the rated torque.
+
+    Attributes
+    ----------
+    rated
+        [N m].
+    turn, gear_turn, centre_lead
+        Share -> turn of output and gear, from the ideal pose [rad], and way of the gear's centre along the eccentric's
+        circle [m].
+    """
+
+    rated: float
+    turn: dict[float, float]
+    gear_turn: dict[float, float]
+    centre_lead: dict[float, float]
+
+    @property
+    def lost_motion(self) -> float:
+        """Turn between +3 % and -3 % of the rated torque [rad]."""
+        return self.turn[LOST_MOTION_SHARE] - self.turn[-LOST_MOTION_SHARE]
+
+    def compliance(self, values: dict[float, float]) -> float:
+        """Slope of the turn, or of other values, over the straight part [rad/(N m)]; mean of both sides."""
+        low, high = STRAIGHT
+        rise = [side * (values[side * high] - values[side * low]) for side in (-1, 1)]
+        return float(np.mean(rise)) / ((high - low) * self.rated)
+
+    def series(self, reducer: Reducer) -> dict[str, float]:
+        """Give the compliance of each part in series [rad/(N m)], keyed by `SERIES`."""
+        return in_series(reducer, *(self.compliance(at) for at in (self.turn, self.gear_turn, self.centre_lead)))
+
+
+def in_series(reducer: Reducer, turn: float, gear_turn: float, centre_lead: float) -> dict[str, float]:
+    """Tell the parts of a compliance [rad/(N m)] from those of turn, gear and gear's centre [m/(N m)].
+
+    What twists counts with the output's contacts. Where the ring turns, the gear turns against a carrier that is held.
+    """
+    design = reducer.design
+    cam, of = -centre_lead / (design.gear.eccentricity * design.lobes), reducer.share
+    carrier = turn / of
+    gear = carrier - wind_up(reducer) / of - gear_turn if design.output.turns_ring else gear_turn
+    return {part: of * seen for part, seen in (("output", carrier - gear), ("cam", cam), ("mesh", gear - cam))}
+
+
+def windups(reducer: Reducer, cranks: Sequence[float] | Array, rated: float, follow: bool = False) -> list[Windup]:
+    """Solve for the static poses at crank angles [rad] under shares of a rated torque [N m] on the output.
+
+    `follow` is that of `loads`: angles that follow each other take half of the time.
+
+    Raises
+    ------
+    RunError
+        No balance was found.
+    """
+    still = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
+    springs = springs_of(still, cranks, friction=False)
+    found = {side * share: loads(still, springs, side * share * rated, follow) for side in (-1, 1) for share in SHARES}
+    ahead = springs.crank[:, np.newaxis] + np.array(reducer.phases)
+    along = -np.stack([np.cos(ahead), np.sin(ahead)], axis=-1)
+
+    def lead(departures: Array, along: Array) -> float:
+        return float(np.mean([departures[3 * disc : 3 * disc + 2] @ way for disc, way in enumerate(along)]))
+
+    def at(place: int) -> Windup:
+        return Windup(
+            rated,
+            {share: float(one.output_turn[place]) for share, one in found.items()},
+            {share: float(one.gear_turn[place]) for share, one in found.items()},
+            {share: lead(one.departures[place], along[place]) for share, one in found.items()},
+        )
+
+    return [at(place) for place in range(len(cranks))]

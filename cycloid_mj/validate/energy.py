@@ -1,0 +1,84 @@
+"""Rung 7, energy: what goes in comes out, is lost in contacts, or is stored; over ramp and hold, at every step.
+
+    input work = output work + friction + normal forces (damping, and elastic energy) + change of kinetic and
+    potential energy
+
+The last row has no friction and a load that comes on with a jolt: there damping is the only loss.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.base.names import FRICTION_POWER, NORMAL_POWER
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.types import Array
+from cycloid_mj.dynamics.run import simulate
+from cycloid_mj.dynamics.timestep import timestep
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.validate import rig
+from cycloid_mj.validate.rig import FIXED, FREE, RATED_LOAD, reducer_of
+from cycloid_mj.validate.row import Row, relative
+
+
+@dataclass(frozen=True)
+class Balance:
+    """Works over a run [J]: `supplied` to the crank, `delivered` to the load, `friction`, `normal`, `stored`."""
+
+    supplied: float
+    delivered: float
+    friction: float
+    normal: float
+    stored: float
+
+    @property
+    def accounted(self) -> float:
+        """Everything that the input work went to [J]."""
+        return self.delivered + self.friction + self.normal + self.stored
+
+
+def rows(kind: str, quick: bool) -> list[Row]:
+    """Give the row of one kind of ring."""
+    course = "drive.ramp_s=0.012", "drive.hold_s=0.012", f"load.torque_nm={RATED_LOAD}"
+    found = balance(_logged_at_every_step(kind, *course))
+    source = "output + friction + normal + stored"
+    return [relative(f"input work, {kind}", found.supplied, found.accounted, "J", source, 1e-5)]
+
+
+def idle_rows(quick: bool) -> list[Row]:
+    """Give the row of free pins without a load, which leave the walls of their sockets and meet the edges."""
+    found = balance(_logged_at_every_step(FREE, "drive.hold_s=0.012"))
+    source = "friction + normal + stored"
+    return [relative(f"input work, idle {FREE}", 1e3 * found.supplied, 1e3 * found.accounted, "mJ", source, 1e-3)]
+
+
+def jolt_rows(quick: bool) -> list[Row]:
+    """Give the row of a load with a jolt: the work of the normal forces."""
+    jolt = "drive.hold_s=0.005", "load.rise_s=0.00001", f"load.torque_nm={RATED_LOAD}"
+    found = balance(_logged_at_every_step(FIXED, *rig.without_friction(), *jolt))
+    missing = found.supplied - found.delivered - found.stored
+    source = "input - output - stored"
+    return [relative("work of the normal forces in a jolt", 1e3 * found.normal, 1e3 * missing, "mJ", source, 1e-4)]
+
+
+def _logged_at_every_step(kind: str, *changes: str) -> Run:
+    """Run at the step that is chosen, and log each."""
+    design = reducer_of(kind, *changes)
+    reducer = Reducer(design)
+    return simulate(rig.changed(reducer, f"settings.log_rate_hz={1.0 / timestep(reducer)!r}").design)
+
+
+def balance(run: Run) -> Balance:
+    """Integrate the logged powers."""
+    energy = run["kinetic_energy"] + run["potential_energy"]
+    return Balance(
+        supplied=_work(run, run["crank_torque"] * run["crank_speed"]),
+        delivered=-_work(run, run["load_torque"] * run["output_speed"]),
+        friction=sum(_work(run, power) for power in run.by_stem(FRICTION_POWER).values()),
+        normal=sum(_work(run, power) for power in run.by_stem(NORMAL_POWER).values()),
+        stored=float(energy[-1] - energy[0]),
+    )
+
+
+def _work(run: Run, power: Array) -> float:
+    return float(np.trapezoid(power, run.time))

@@ -1,0 +1,269 @@
+"""Gaps of the mesh in any pose near the ideal one, by search over points of the curves; nothing is from `contact`.
+
+The gear is the inward parallel of its trochoid, so the gap of a point of the ring, offset outwards by the pin radius,
+is its signed distance from the trochoid and the clearance. Where its flanks are modified, they have a trochoid of their
+own, which waves may move, and may be turned. Lengths [m], angles [rad]; rotations counter-clockwise.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+import numpy.typing as npt
+from scipy.spatial import cKDTree
+
+from cycloid_mj.base.types import Array, Integers, Mask
+from cycloid_mj.geometry import envelope, profile
+from cycloid_mj.geometry.modification import FlankEnds, flank_ends
+from cycloid_mj.geometry.profile import CycloidGear, unit
+from cycloid_mj.reducer import Reducer
+
+Indices = Integers
+
+_SAMPLES_PER_LOBE = 200
+_SAMPLES_PER_ROOT = 400
+_NEWTON_ROUNDS, _NEWTON_STEP = 8, 1e-10
+"""Most rounds, and the step [rad] after which the next would be lost in rounding: convergence is quadratic."""
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Pose of the gear: `centre` from the reducer's axis [m], shape (2,), and `angle` [rad]."""
+
+    centre: Array
+    angle: float
+
+    def to_gear(self, points: Array) -> Array:
+        """Give points (n, 2) of the ring's frame in the gear's."""
+        return rotate(points - self.centre, -self.angle)
+
+
+@dataclass(frozen=True)
+class Flanks:
+    """Flanks as made: those of the `gear` that they are generated for, at `offset` [m] from its trochoid.
+
+    They are turned by `rotation` [rad] towards the middle of their lobes, >= 0. Their trochoid stands back by `waves`:
+    orders k, cycles in a turn, with the amplitudes [m] of cos(k t) and sin(k t).
+    """
+
+    gear: CycloidGear
+    offset: float
+    rotation: float
+    waves: tuple[tuple[int, float, float], ...] = ()
+
+
+def flanks_of(reducer: Reducer) -> Flanks:
+    """Give the flanks of a design."""
+    amplitudes = enumerate(reducer.deviations.waves.tolist(), start=1)
+    waves = tuple((order, cosine, sine) for order, (cosine, sine) in amplitudes if cosine or sine)
+    return Flanks(reducer.gear_profile, reducer.profile_offset, reducer.design.modification.rotation, waves)
+
+
+@dataclass(frozen=True)
+class Gaps:
+    """Where gear and ring are nearest; n places.
+
+    Attributes
+    ----------
+    distance
+        Signed distance of the offset ring from the trochoid [m]; the gap is this plus the clearance. Shape (n,).
+    normals
+        Outward unit normals of the gear, ring frame, shape (n, 2).
+    places
+        Points on these normals [m], ring frame, shape (n, 2).
+    t
+        Trochoid parameter of the gear's point [rad], shape (n,).
+    owner
+        Index of the pin or lobe, 0 on +y, clockwise.
+    B
+        Phase on the root [rad]; not a number on an arc or pin.
+    ring_curvature
+        Of the ring's surface [1/m], positive where convex.
+    """
+
+    distance: Array
+    normals: Array
+    places: Array
+    t: Array
+    owner: Indices
+    B: Array
+    ring_curvature: Array
+
+
+def rotate(points: Array, angle: npt.ArrayLike) -> Array:
+    """Turn points (..., 2) counter-clockwise about the origin by `angle` [rad], shape (...)."""
+    cos, sin, x, y = np.cos(angle), np.sin(angle), points[..., 0], points[..., 1]
+    return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
+
+
+def trochoid_distance(gear: CycloidGear, points: Array) -> tuple[Array, Array, Array]:
+    """Give the signed distance [m], the outward normal and the parameter t of the nearest point of the trochoid.
+
+    `points` (n, 2) [m] in the gear's frame. Newton's method on (T - p) . T' = 0 from the nearest of many samples.
+    """
+    tree, samples = _samples(gear)
+    t = samples[tree.query(points)[1]]
+    for _ in range(_NEWTON_ROUNDS):
+        first, second = profile.trochoid_derivatives(gear, t)
+        lead = profile.trochoid(gear, t) - points
+        step = _dot(lead, first) / (_dot(first, first) + _dot(lead, second))
+        t = t - step
+        if np.abs(step).max(initial=0.0) < _NEWTON_STEP:
+            break
+    normals = profile.normals(gear, t)
+    return _dot(points - profile.trochoid(gear, t), normals), normals, t
+
+
+def flank_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
+    """Give the distance from the flanks less their offset [m], the outward normal and the parameter t of the foot.
+
+    `points` (n, 2) [m] in the gear's frame, outside the gear. Turned flanks: the nearer of the two families, where a
+    foot beyond the end of its flank is moved to that end.
+    """
+    if not flanks.rotation:
+        return _path_distance(flanks, points)
+    families = [_family_distance(flanks, points, side) for side in (1, -1)]
+    first = (families[0][0] <= families[1][0])[:, np.newaxis]
+    distance, normals, t = (
+        np.where(first if one.ndim == 2 else first[:, 0], one, other) for one, other in zip(*families, strict=True)
+    )
+    return distance, normals, t
+
+
+def _path_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
+    """Give what `trochoid_distance` gives, of the trochoid that stands back by the flanks' waves."""
+    distance, normals, t = trochoid_distance(flanks.gear, points)
+    if not flanks.waves:
+        return distance, normals, t
+    for _ in range(_NEWTON_ROUNDS):
+        path, first = _path(flanks, t)
+        lead, second = path - points, profile.trochoid_derivatives(flanks.gear, t)[1]
+        t = t - _dot(lead, first) / (_dot(first, first) + _dot(lead, second))
+    path, first = _path(flanks, t)
+    normals = _outwards(first)
+    return _dot(points - path, normals), normals, t
+
+
+def _path(flanks: Flanks, t: Array) -> tuple[Array, Array]:
+    """Give the points [m] of the trochoid that stands back by w(t), T - w n, and its derivative, (n, 2) each."""
+    gear = flanks.gear
+    back, slope = np.zeros(t.shape), np.zeros(t.shape)
+    for order, cosine, sine in flanks.waves:
+        back += cosine * np.cos(order * t) + sine * np.sin(order * t)
+        slope += order * (sine * np.cos(order * t) - cosine * np.sin(order * t))
+    normals = profile.normals(gear, t)
+    turning = profile.turning_rate(gear, t)[:, np.newaxis] * rotate(normals, -np.pi / 2)
+    moved = profile.trochoid(gear, t) - back[:, np.newaxis] * normals
+    first = profile.trochoid_derivatives(gear, t)[0] - slope[:, np.newaxis] * normals - back[:, np.newaxis] * turning
+    return moved, first
+
+
+def _outwards(along: Array) -> Array:
+    """Give the outward unit normals (n, 2) of a clockwise curve from its derivative."""
+    return rotate(along / np.linalg.norm(along, axis=1, keepdims=True), np.pi / 2)
+
+
+def _family_distance(flanks: Flanks, points: Array, side: int) -> tuple[Array, Array, Array]:
+    """Give the distance from the flanks before (1) or after (-1) the tips, clockwise."""
+    gear, ends = flanks.gear, _ends(flanks)
+    turned = rotate(points, side * flanks.rotation)
+    t = _path_distance(flanks, turned)[2]
+    pitch = 2 * np.pi / gear.lobes
+    # From the valley of its lobe half; feet beyond the middle between tip and valley belong to the next valley.
+    lobe = np.floor(side * t / pitch + 1 / 4)
+    within = np.clip(side * t - lobe * pitch, -ends.valley, pitch / 2 - ends.tip)
+    t = side * (within + lobe * pitch)
+    path, first = _path(flanks, t)
+    away = turned - path + flanks.offset * _outwards(first)
+    size = np.linalg.norm(away, axis=1)
+    return size - flanks.offset, rotate(away / size[:, np.newaxis], -side * flanks.rotation), t
+
+
+def pin_gaps(gear: CycloidGear, pose: Pose, centres: Array, flanks: Flanks | None = None) -> Gaps:
+    """Give the gap of every pin, wherever it is; `centres` (N, 2) [m]; `flanks` if they are modified."""
+    distance, normals, t = flank_distance(flanks or _ideal(gear), pose.to_gear(centres))
+    number = gear.ring_teeth
+    return Gaps(
+        distance=distance,
+        normals=rotate(normals, pose.angle),
+        places=centres,
+        t=t,
+        owner=np.arange(number),
+        B=np.full(number, np.nan),
+        ring_curvature=np.full(number, 1 / gear.pin_radius),
+    )
+
+
+def ring_gaps(gear: CycloidGear, pose: Pose, roots: Indices, flanks: Flanks | None = None) -> Gaps:
+    """Give the gap of every arc of the internal gear, and every smallest gap inside the `roots` given.
+
+    Root k lies counter-clockwise of lobe k; its half beyond B = pi belongs to the next lobe. An arc touches only
+    within the fan of its normals, |alpha| <= asin(c N / E). `flanks` if they are modified.
+    """
+    flanks = flanks or _ideal(gear)
+    arcs = pin_gaps(gear, pose, gear.pin_circle_radius * unit(profile.pin_angles(gear)), flanks)
+    radial = unit(profile.pin_angles(gear))
+    across = arcs.normals[:, 0] * radial[:, 1] - arcs.normals[:, 1] * radial[:, 0]
+    fan = np.abs(across) <= np.sin(envelope.largest_alpha(gear))
+    return _join(_at(arcs, fan), _root_gaps(gear, pose, roots, flanks))
+
+
+def offset_root(gear: CycloidGear, root: int | Indices, B: Array) -> Array:
+    """Points [m] of Sigma in roots `root` at phases B, offset outwards by the pin radius, ring frame: (..., 2)."""
+    surface = envelope.sigma_points(gear, B) + gear.pin_radius * unit(envelope.sigma_normal_angle(gear, B))
+    return rotate(surface, -profile.pin_angles(gear)[root])
+
+
+def _root_gaps(gear: CycloidGear, pose: Pose, roots: Indices, flanks: Flanks) -> Gaps:
+    """Find the inner minima of the distance along roots: the lowest of three samples, refined by their parabola."""
+    low = profile.best_phase(gear)
+    B = np.pi - (np.pi - low) * np.cos(np.linspace(0, np.pi, _SAMPLES_PER_ROOT))
+    sampled_places = pose.to_gear(offset_root(gear, roots[:, np.newaxis], B))
+    sampled = flank_distance(flanks, sampled_places.reshape(-1, 2))[0].reshape(roots.size, B.size)
+    row, inner = np.nonzero((sampled[:, 1:-1] < sampled[:, :-2]) & (sampled[:, 1:-1] <= sampled[:, 2:]))
+    columns = [inner, inner + 1, inner + 2]
+    found = _parabola(*(B[column] for column in columns), *(sampled[row, column] for column in columns))
+    places = offset_root(gear, roots[row], found)
+    distance, normals, t = flank_distance(flanks, pose.to_gear(places))
+    return Gaps(
+        distance=distance,
+        normals=rotate(normals, pose.angle),
+        places=places,
+        t=t,
+        owner=(roots[row] - (found > np.pi)) % gear.ring_teeth,
+        B=found,
+        ring_curvature=-1 / envelope.sigma_radius(gear, found),
+    )
+
+
+def _parabola(x0: Array, x1: Array, x2: Array, y0: Array, y1: Array, y2: Array) -> Array:
+    """Where the parabolas through three points each have their minimum."""
+    left, right = (y1 - y0) / (x1 - x0), (y2 - y1) / (x2 - x1)
+    return (x0 + x1) / 2 - left * (x2 - x0) / (2 * (right - left))
+
+
+def _ideal(gear: CycloidGear) -> Flanks:
+    return Flanks(gear, gear.pin_radius, 0.0)
+
+
+@cache
+def _ends(flanks: Flanks) -> FlankEnds:
+    return flank_ends(flanks.gear, flanks.offset, flanks.rotation)
+
+
+@cache
+def _samples(gear: CycloidGear) -> tuple[cKDTree, Array]:
+    t = np.linspace(0, 2 * np.pi, _SAMPLES_PER_LOBE * gear.lobes, endpoint=False)
+    return cKDTree(profile.trochoid(gear, t)), t
+
+
+def _at(gaps: Gaps, rows: Mask) -> Gaps:
+    return Gaps(**{name: values[rows] for name, values in vars(gaps).items()})
+
+
+def _join(*parts: Gaps) -> Gaps:
+    return Gaps(**{name: np.concatenate([vars(part)[name] for part in parts]) for name in vars(parts[0])})
+
+
+def _dot(a: Array, b: Array) -> Array:
+    return np.sum(a * b, axis=-1)

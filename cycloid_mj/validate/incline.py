@@ -1,0 +1,141 @@
+"""Rung 2, friction: a block and a cylinder on an incline, with the parameters of a pin on the gear.
+
+The incline is made by tilting gravity; both bodies touch the plane at one point. The block cannot turn. Below
+Coulomb's limit friction is proportional to the sliding speed (creep), so that what sticks moves by that speed.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+
+from cycloid_mj.design import PRESETS
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.law import IMPRATIO, ContactLaw, contact_law, curvature_law, solver_parameters
+from cycloid_mj.statics.working import at_rated_load, working_force
+from cycloid_mj.validate.row import Row, relative
+
+MASS, RADIUS, GRAVITY = 0.25, 0.02, 9.8
+TIMESTEP = 2e-6
+_BODY = """<mujoco>
+  <option timestep="{timestep!r}" gravity="{along!r} {down!r} 0" impratio="{impratio!r}"
+    tolerance="1e-12" cone="elliptic"/>
+  <worldbody>
+    <geom name="plane" type="plane" size="1 1 1" zaxis="0 1 0"/>
+    <body pos="0 {radius!r} 0">
+      <joint name="x" type="slide" axis="1 0 0"/><joint name="y" type="slide" axis="0 1 0"/>{turn}
+      <inertial pos="0 0 0" mass="{mass!r}" diaginertia="{inertia!r} {inertia!r} {inertia!r}"/>
+      <geom name="foot" type="sphere" size="{radius!r}"/></body>
+  </worldbody>
+  <contact>{pair}</contact>
+</mujoco>"""
+_PAIR = (
+    '<pair geom1="plane" geom2="foot" condim="{condim}" friction="{friction}" solref="{solref}" '
+    'solreffriction="{solreffriction}" solimp="{solimp}"/>'
+)
+_TURN = '<joint name="turn" type="hinge" axis="0 0 1"/>'
+
+
+@dataclass(frozen=True)
+class Descent:
+    """Motion down the incline at its end: `acceleration` [m/s2], `speed` and `slip` speed in the contact [m/s]."""
+
+    acceleration: float
+    speed: float
+    slip: float
+
+
+def rows(quick: bool) -> list[Row]:
+    """Give the rows of this rung."""
+    law = pair_law()
+    low, high = math.atan(0.5 * law.friction), math.atan(3.0 * law.friction)
+    stuck, sliding = descent(law, low, False), descent(law, high, False)
+    rolling = descent(law, math.atan(2.0 * law.friction), True)
+    slope = GRAVITY * math.sin(math.atan(2.0 * law.friction))
+    creeping = MASS * GRAVITY * math.sin(low) / law.creep
+    return [
+        relative(
+            "creep of a block below the friction angle",
+            1e6 * stuck.speed,
+            1e6 * creeping,
+            "um/s",
+            "m g sin/creep",
+            5e-6,
+        ),
+        relative(
+            "acceleration of a block above it",
+            sliding.acceleration,
+            GRAVITY * (math.sin(high) - law.friction * math.cos(high)),
+            "m/s2",
+            "g (sin - mu cos)",
+            1e-6,
+        ),
+        relative(
+            "acceleration of a rolling cylinder", rolling.acceleration, 2.0 * slope / 3.0, "m/s2", "2/3 g sin", 5e-5
+        ),
+        relative(
+            "slip of the rolling cylinder",
+            1e6 * rolling.slip,
+            1e6 * MASS * slope / 3.0 / law.creep,
+            "um/s",
+            "m g sin/(3 creep)",
+            2.5e-3,
+        ),
+    ]
+
+
+def pair_law() -> ContactLaw:
+    """Give the law of a pin on the gear for a body of `MASS`."""
+    design = at_rated_load(Reducer(PRESETS["pin"]))
+    friction = design.design.friction.pin_gear
+    creep = friction * working_force(design, "pin_gear") / design.design.contact.creep_speed
+    stiffness = curvature_law(design).stiffness
+    return contact_law(stiffness, design.design.contact.damping_ratio, MASS, friction, creep, TIMESTEP)
+
+
+def descent(law: ContactLaw, angle: float, turns: bool) -> Descent:
+    """Let a block, or a cylinder that `turns`, go down an incline of `angle` [rad] from rest for 20 ms."""
+    model = incline(law, angle, turns)
+    data = mujoco.MjData(model)
+    data.joint("y").qpos[0] = -MASS * GRAVITY * math.cos(angle) / law.stiffness
+    mujoco.mj_step(model, data, 5000)
+    before = float(data.joint("x").qvel[0])
+    mujoco.mj_step(model, data, 5000)
+    speed = float(data.joint("x").qvel[0])
+    spin = float(data.joint("turn").qvel[0]) if turns else 0.0
+    return Descent((speed - before) / (5000 * TIMESTEP), speed, speed + RADIUS * spin)
+
+
+def incline(law: ContactLaw, angle: float, turns: bool) -> Any:
+    """Give the model of a body on an incline of `angle` [rad]; a cylinder has the inertia m r^2/2."""
+    model = _compiled("", angle, turns)
+    bodies = [model.geom(name).bodyid[0] for name in ("plane", "foot")]
+    parameters = solver_parameters(law, float(sum(model.body_invweight0[body, 0] for body in bodies)))
+    pair = _PAIR.format(
+        condim=parameters.condim,
+        friction=_words(parameters.friction),
+        solref=_words(parameters.solref),
+        solreffriction=_words(parameters.solreffriction),
+        solimp=_words(parameters.solimp),
+    )
+    return _compiled(pair, angle, turns)
+
+
+def _compiled(pair: str, angle: float, turns: bool) -> Any:
+    text = _BODY.format(
+        timestep=TIMESTEP,
+        along=GRAVITY * math.sin(angle),
+        down=-GRAVITY * math.cos(angle),
+        impratio=IMPRATIO,
+        radius=RADIUS,
+        mass=MASS,
+        inertia=0.5 * MASS * RADIUS**2,
+        turn=_TURN if turns else "",
+        pair=pair,
+    )
+    return mujoco.MjModel.from_xml_string(text)
+
+
+def _words(values: tuple[float, ...]) -> str:
+    return " ".join(map(repr, values))

@@ -1,0 +1,133 @@
+"""The ladder: every rung's parts, and how they are run, two at a time in processes of their own."""
+
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+from cycloid_mj.base.engine import Engine
+from cycloid_mj.base.errors import CycloidError, CycloidWarning, UsageError
+from cycloid_mj.validate import (
+    backlash,
+    balance,
+    cam_load,
+    energy,
+    incline,
+    lasting,
+    mechanism,
+    published,
+    sharing,
+    steps,
+    symmetry,
+    two_bodies,
+    witness,
+)
+from cycloid_mj.validate.rig import FIXED, FREE, KINDS, NONPIN, SLEEVED
+from cycloid_mj.validate.row import Row, broken
+
+RUNGS = (
+    *("two-body", "friction", "mechanism", "backlash", "sharing", "cam"),
+    *("published", "energy", "steps", "mirror", "gravity"),
+    "witness",
+)
+"""Name of every rung, from the ground up."""
+
+WORKERS = 2
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of a rung that runs on its own.
+
+    Attributes
+    ----------
+    rung
+        Name of its rung.
+    rows
+        Gives its rows; takes whether to be quick.
+    cost
+        Seconds that it takes, quick and in full, on one core of 2026: the longest parts start first.
+    """
+
+    rung: str
+    rows: Callable[[bool], list[Row]]
+    cost: tuple[float, float]
+
+
+def _parts() -> Iterator[Part]:
+    yield Part("two-body", two_bodies.rows, (1.0, 1.0))
+    yield Part("friction", incline.rows, (0.2, 0.2))
+    yield Part("mechanism", mechanism.rows, (9.0, 9.0))
+    yield Part("mechanism", balance.rows, (9.0, 9.0))
+    yield Part("backlash", backlash.rows, (4.0, 4.0))
+    for kind in KINDS:
+        yield Part("sharing", partial(sharing.ideal_rows, kind), (1.0, 2.0))
+    yield Part("sharing", sharing.patch_rows, (1.5, 2.5))
+    for kind, cost in ((FIXED, (1.0, 2.0)), (FREE, (2.0, 4.0)), (NONPIN, (7.0, 15.0))):
+        yield Part("sharing", partial(sharing.clearance_rows, kind), cost)
+    yield Part("cam", cam_load.rows, (6.0, 7.0))
+    yield Part("published", published.hertz_rows, (0.1, 0.1))
+    yield Part("published", published.efficiency_rows, (1.0, 2.0))
+    yield Part("published", published.printed_rows, (3.0, 3.0))
+    yield Part("published", published.two_disc_rows, (0.2, 0.5))
+    for rows in (lasting.bearing_rows, lasting.fatigue_rows, lasting.shakedown_rows):
+        yield Part("published", rows, (0.1, 0.1))
+    for kind, cost in ((FIXED, (0.7, 2.0)), (FREE, (2.0, 4.0)), (NONPIN, (1.0, 3.0))):
+        yield Part("energy", partial(energy.rows, kind), cost)
+    yield Part("energy", energy.idle_rows, (1.0, 1.0))
+    yield Part("energy", energy.jolt_rows, (2.0, 2.0))
+    for kind, cost in ((FIXED, (0.4, 2.0)), (FREE, (2.5, 7.0)), (SLEEVED, (2.0, 6.0)), (NONPIN, (0.5, 2.5))):
+        yield Part("steps", partial(steps.rows, kind), cost)
+    for kind, cost in ((FIXED, (1.0, 1.2)), (FREE, (2.5, 4.0)), (NONPIN, (1.3, 2.0))):
+        yield Part("mirror", partial(symmetry.mirror_rows, kind), cost)
+    yield Part("gravity", partial(symmetry.gravity_rows, FIXED), (4.0, 4.0))
+    yield Part("gravity", partial(symmetry.gravity_rows, FREE), (12.0, 12.0))
+    yield Part("witness", witness.rows, (6.0, 6.0))
+
+
+PARTS = tuple(_parts())
+
+
+def chosen(only: Sequence[str] = ()) -> tuple[Part, ...]:
+    """Give the parts of some rungs, or of all.
+
+    Raises
+    ------
+    UsageError
+        There is no rung of a name.
+    """
+    unknown = [name for name in only if name not in RUNGS]
+    if unknown:
+        raise UsageError(f"there is no rung {unknown[0]!r} to validate; choose from: {', '.join(RUNGS)}")
+    return tuple(part for part in PARTS if not only or part.rung in only)
+
+
+def climb(parts: Sequence[Part], quick: bool = False, workers: int = WORKERS) -> Iterator[tuple[int, list[Row]]]:
+    """Run parts and give the number and the rows of each as it ends, the longest first.
+
+    A part that cannot be run gives one row, which fails and says why.
+    """
+    order = sorted(range(len(parts)), key=lambda number: parts[number].cost[not quick], reverse=True)
+    work = [(parts[number], quick) for number in order]
+    # a single part needs no process of its own
+    for place, (rows, issued) in Engine(workers if len(work) > 1 else 1).stream(_run, work):
+        for text in issued:
+            warnings.warn(text, CycloidWarning, stacklevel=2)
+        yield order[place], rows
+
+
+def in_order(found: Iterable[tuple[int, list[Row]]]) -> list[Row]:
+    """Give all rows in the order of the ladder."""
+    return [row for _, rows in sorted(found, key=lambda one: one[0]) for row in rows]
+
+
+def _run(work: tuple[Part, bool]) -> tuple[list[Row], list[str]]:
+    """Run a part; give also what it was warned of, which would not leave a process of its own."""
+    part, quick = work
+    with warnings.catch_warnings(record=True) as issued:
+        warnings.simplefilter("always")
+        try:
+            rows = part.rows(quick)
+        except CycloidError as error:
+            rows = [broken(str(error))]
+    return [replace(row, rung=part.rung) for row in rows], [str(one.message) for one in issued]

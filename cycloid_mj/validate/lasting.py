@@ -1,0 +1,126 @@
+"""Rung 6, published cases of how long parts last: bearings, a shaft in fatigue, shakedown of a rolling line.
+
+Catalogues print no number of rollers, but two ratings of each bearing: C0 of ISO 76 gives Z L, and with that ISO 281
+gives C, which the split of Z L changes by its 36th root alone. Roller and pitch diameter follow from the circles that
+the needles touch.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import minimize
+
+from cycloid_mj.base.types import Array
+from cycloid_mj.base.units import RPM
+from cycloid_mj.geometry import ideal_loads
+from cycloid_mj.geometry.profile import CycloidGear
+from cycloid_mj.life import rolling
+from cycloid_mj.life.fatigue import Fatigue, endurance_limit
+from cycloid_mj.statics.pressure import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
+from cycloid_mj.validate.row import Row, relative
+
+NEEDLE_SHARE = 0.78
+"""Length of the needles of a cage over its width, assumed; 0.65 and 0.9 change C by 0.5 %."""
+
+
+@dataclass(frozen=True)
+class Cage:
+    """A needle cage of a catalogue: circles inside and outside its needles and width [mm], C and C0 [N]."""
+
+    inside: int
+    outside: int
+    width: int
+    dynamic: float
+    static: float
+
+    def __str__(self) -> str:
+        """Give its designation."""
+        return f"K{self.inside}x{self.outside}x{self.width}"
+
+    def rating(self) -> float:
+        """Give C by ISO 281 [N], with Z L from the catalogue's C0."""
+        roller, pitch = 5e-4 * (self.outside - self.inside), 5e-4 * (self.outside + self.inside)
+        length = 1e-3 * NEEDLE_SHARE * self.width
+        return rolling.dynamic_capacity(
+            self.static / rolling.static_capacity(1, roller, length, pitch), roller, length, pitch
+        )
+
+
+CATALOGUE = "NTN, Needle Roller Bearings, Cat. No. 2300/E, p. B-9 ff."
+CAGES = (
+    Cage(20, 24, 11, 9_500.0, 13_400.0),
+    Cage(20, 26, 12, 12_900.0, 15_100.0),
+    Cage(20, 28, 25, 27_100.0, 32_500.0),
+    Cage(35, 40, 17, 20_000.0, 36_000.0),
+    Cage(40, 48, 20, 33_000.0, 51_000.0),
+    Cage(50, 58, 25, 48_500.0, 90_000.0),
+    Cage(80, 86, 20, 39_000.0, 98_000.0),
+)
+
+INCH, POUND = 0.0254, 4.4482216
+KPSI = 1e3 * POUND / INCH**2
+
+
+def bearing_rows(quick: bool) -> list[Row]:
+    """Hold the ratings of needle cages, and the cam bearing of a published two-disc drive."""
+    rows = [relative(f"C of {one}", one.rating(), one.dynamic, "N", CATALOGUE, 5.0) for one in CAGES]
+    crank = np.linspace(0.0, 29 * 2.0 * np.pi, 29 * 360, endpoint=False)
+    gear, source = CycloidGear(30, 1.250025e-3, 52.5e-3, 3.5e-3), "kubakos/cycloid-drive-generator, recomputed"
+    ring = ideal_loads.ideal_load_sharing(gear, 58.0, crank)
+    cam = ideal_loads.cam_force(ring, ideal_loads.ideal_output_forces(gear, 4, 34e-3, 58.0, crank), crank)
+    mean = rolling.mean_load(rolling.magnitudes(cam))
+    rows.append(relative("cam force, 10/3-power mean of a turn", mean, 2294.0, "N", source, 0.5))
+    for what, speed, hours in (("crank's", 600.0, 126_953.0), ("relative", 600.0 * (1 + 1 / 29), 122_721.0)):
+        life = rolling.life_hours(34_500.0, 1.2 * mean, speed * RPM)
+        rows.append(relative(f"life of the cam bearing, {what} speed", life, hours, "h", source, 0.5))
+    return rows
+
+
+def fatigue_rows(quick: bool) -> list[Row]:
+    """Hold Goodman's line and the endurance limit against worked problems of Shigley, 8th edition.
+
+    7-1: bending 600 +- 500 lbf in (amplitude and mean), torsion 400 and 300, K_f 2.2, K_fs 1.8, S_e 30, S_ut 100 kpsi,
+    safety 2. 7-2: SAE 2340, 1226 MPa, machined, 22 mm, turning.
+    """
+    source = "Shigley 8th ed., Problem {} (Solutions Manual, p. {})"
+    diameter = 1.073 * INCH
+    per_moment = 32.0 / (math.pi * diameter**3) * POUND * INCH
+
+    def mises(bent: float, twisted: float) -> float:
+        return per_moment * math.hypot(2.2 * bent, math.sqrt(3.0) * 0.5 * 1.8 * twisted)
+
+    found = Fatigue(mises(600.0, 400.0), mises(500.0, 300.0), 30.0 * KPSI, 100.0 * KPSI)
+    limit = endurance_limit(1226e6, 22e-3, "machined", reliability=0.5, turns=True)
+    return [
+        relative("Goodman, a shaft of 1.073 in", found.safety, 2.0, "1", source.format("7-1 (d)", 178), 1.0),
+        relative("endurance limit, SAE 2340", limit / 1e6, 375.0, "MPa", source.format("7-2", 179), 1.0),
+    ]
+
+
+def shakedown_rows(quick: bool) -> list[Row]:
+    """Hold first yield and shakedown under a rolling line contact against its elastic field, worked out below it.
+
+    Residual stresses take away all but the orthogonal shear, which changes its sign as the load passes (Melan): its
+    largest value is k at shakedown. Johnson finds it 0.25 p0 at (0.87, 0.50) half widths, and the load 1.66 times that
+    of first yield (Contact Mechanics, 1985, 9.2, Eqs 9.5 and 9.6); yield by von Mises with Poisson's ratio 0.3.
+    """
+    largest = minimize(_minus_shear, np.array([0.8, 0.5]), method="Nelder-Mead", tol=1e-10)
+    source = "Johnson, Contact Mechanics (1985), 9.2"
+    limit = 1.0 / -largest.fun
+    ratio = (SHAKEDOWN_PRESSURE / YIELD_PRESSURE) ** 2
+    return [
+        relative("shakedown of a rolling line, p0/k, from the field", limit, 4.0, "1", source, 1.0),
+        relative("place of the largest orthogonal shear, x/a", abs(largest.x[0]), 0.87, "1", source, 1.0),
+        relative("shakedown, p0/k, in use", SHAKEDOWN_PRESSURE * math.sqrt(3.0), limit, "1", "the field above", 1.0),
+        relative("load at shakedown over that at first yield", ratio, 1.66, "1", source, 1.0),
+    ]
+
+
+def _minus_shear(at: Array) -> float:
+    """Give -|tau_xz|/p0 below a line contact at (x, z) half widths (McEwen; Johnson 1985, Eq. 4.49)."""
+    x, z = float(at[0]), abs(float(at[1])) + 1e-12
+    base = 1.0 - x**2 + z**2
+    root = math.sqrt(base**2 + 4.0 * x**2 * z**2)
+    m, n = math.sqrt(0.5 * (root + base)), math.copysign(math.sqrt(max(0.5 * (root - base), 0.0)), x)
+    return -abs(n * (m**2 - z**2) / (m**2 + n**2))

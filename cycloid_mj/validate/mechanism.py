@@ -1,0 +1,377 @@
+"""Rung 3 also: what ``reducer`` states of gaps, sliding, stops and balance, against exact curves and a search.
+
+Without a simulation. The designs have every clearance, manufacturing error and modification, so that no sign is idle.
+"""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from operator import itemgetter
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.base import names
+from cycloid_mj.base.types import Array, Mask
+from cycloid_mj.design import Design
+from cycloid_mj.dynamics.contact.collider import installed
+from cycloid_mj.dynamics.mjcf import build
+from cycloid_mj.geometry import kinematics, profile
+from cycloid_mj.geometry.deviations import deviations
+from cycloid_mj.geometry.modification import profile_offset, tooth_profile
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.bodies import mechanism, phases
+from cycloid_mj.reducer.gaps import gaps, ideal_motion
+from cycloid_mj.reducer.limits import best_fit, stops
+from cycloid_mj.statics import loads, springs_of
+from cycloid_mj.statics.kernel import gap
+from cycloid_mj.statics.law import pair_stiffness
+from cycloid_mj.statics.working import at_rated_load
+from cycloid_mj.validate import equilibrium, rig
+from cycloid_mj.validate.balance import NEAR, way
+from cycloid_mj.validate.displaced import cam_ways, exact_gaps, in_workshop, pose_of
+from cycloid_mj.validate.gaps import pin_gaps, ring_gaps, rotate
+from cycloid_mj.validate.rig import FIXED, FREE, NONPIN, SLEEVED, reducer_of
+from cycloid_mj.validate.row import Row, deviation
+
+CRANK = 1.9
+"""A crank angle with no symmetry [rad]."""
+
+TURN = (1.9, 3.1, 5.2)
+"""Crank angles of the balances [rad]."""
+
+MADE = (
+    "errors.hole_position_um=1.0",
+    "errors.eccentricity_um=1.5",
+    "errors.seed=4",
+    "modification.equidistant_um=0.4",
+    "modification.pin_circle_um=-0.7",
+    "modification.rotation_arcsec=4.0",
+    "drive.speed_rpm=1.0",
+)
+PINS = ("errors.pin_position_um=1.0", "errors.pin_radius_um=0.5")
+ROOM = ("clearance.pin_gear_um=4.0", "clearance.tooth_um=4.0", "clearance.cam_um=3.0", "clearance.output_um=5.0")
+UNIFORM = 'contact.stiffness_law="uniform"'
+
+THREE_DISCS = ("gear.discs=3",)
+"""Unlike two they are no half turn apart: a disc ahead on the crank is not where one behind would be."""
+
+WAY = np.array([0.7e-6, -0.4e-6, 0.5e-6, -0.6e-6])
+"""A pose that the parts are displaced to: the unknowns of ``reducer.gaps`` [m]."""
+
+FAR_WAY = np.array([20e-6, -12e-6, 100e-6, -80e-6])
+"""A pose farther away, with turns that count to the second order [m]."""
+
+ASIDE = np.array([2e-6, 1e-6])
+"""By how much pins are displaced [m]."""
+
+FRICTION = 0.1
+"""Coefficient of friction where there is any: of all pairs."""
+
+_STEP, _TURN = 1e-8, 1e-6
+"""Of parts [m], and of the crank [rad], in differences."""
+
+SEARCH = "static solution by scipy"
+
+
+def made(kind: str, *changes: str) -> Design:
+    """Give a design with errors and modification, without friction and gravity."""
+    free = (*rig.without_friction(), *rig.without_gravity(), f"load.torque_nm={rig.RATED_LOAD}")
+    return reducer_of(kind, *MADE, *(() if kind == NONPIN else PINS), *free, *changes)
+
+
+def gap_rows(kind: str) -> list[Row]:
+    """Hold the gaps of displaced parts, and their gradient, against exact curves."""
+    design = made(kind, *ROOM, "modification.rotation_arcsec=0.0")  # its corners have no second order
+    reducer = Reducer(design)
+    springs = springs_of(reducer, CRANK, friction=False).contacts
+    found = [gap(springs, 0, i, WAY) for i in range(springs.disc.size)]
+    sides = [[exact_gaps(reducer, CRANK, WAY + sign * _STEP * way) for way in np.eye(4)] for sign in (1.0, -1.0)]
+    slope = (np.array(sides[0]) - np.array(sides[1])).T / (2.0 * _STEP)
+    width, ours = np.array([one.width for one in found]), np.array([one.ahead for one in found])
+    exact, source = exact_gaps(reducer, CRANK, WAY), "exact curves"
+    return [
+        deviation(f"gaps of displaced parts, {kind}", 1e6 * width, 1e6 * exact, "um", source, 0.08),
+        deviation(f"gradient of these gaps, {kind}", ours.ravel(), slope.ravel(), "", source, 1.3),
+    ]
+
+
+def hole_rows() -> list[Row]:
+    """Hold the gaps of output pins in holes, far displaced, against exact circles: finite turns show there."""
+    design = made(FIXED)
+    reducer = Reducer(design)
+    springs = springs_of(reducer, CRANK, friction=False).contacts
+    holes = range(design.ring.teeth, springs.disc.size)
+    found, z = [gap(springs, 0, i, FAR_WAY) for i in holes], FAR_WAY
+    sides = [[exact_gaps(reducer, CRANK, z + sign * _STEP * way) for way in np.eye(4)] for sign in (1.0, -1.0)]
+    slope = ((np.array(sides[0]) - np.array(sides[1])).T / (2.0 * _STEP))[design.ring.teeth :]
+    exact, source = exact_gaps(reducer, CRANK, z)[design.ring.teeth :], "exact circles"
+    width, ours = np.array([one.width for one in found]), np.array([one.ahead for one in found])
+    return [
+        deviation("gaps of far displaced output pins", 1e6 * width, 1e6 * exact, "um", source, 1e-3),
+        deviation("gradient of these gaps, output pins", ours.ravel(), slope.ravel(), "", source, 2.5e-3),
+    ]
+
+
+def curvature_rows(kind: str) -> list[Row]:
+    """Hold the relative curvature of ideal contacts, and how it changes along a pin's path, against both surfaces."""
+    design = reducer_of(kind)
+    reducer = Reducer(design)
+    found, gear, output = gaps(reducer, CRANK), tooth_profile(design), design.output
+    mesh = pin_gaps(
+        gear, pose_of(reducer, CRANK, np.zeros(4)), gear.pin_circle_radius * profile.unit(profile.pin_angles(gear))
+    )
+    teeth = 1.0 / gear.pin_radius + profile.curvature(gear, mesh.t)
+    holes = np.full(output.pins, 1.0 / output.pin_radius - 1.0 / output.hole_radius)
+    ours = found.relative_curvature[_arcs_and_output(reducer, found.kind)]
+    exact = np.concatenate([teeth, holes])
+    (before, _), (_, rate), (after, _) = (_bend(gear, mesh.t + step) for step in (-_TURN, 0.0, _TURN))
+    twist = (after - before) / (2.0 * _TURN * rate)
+    return [
+        deviation(f"relative curvature, {kind}", 1e-3 * ours, 1e-3 * exact, "1/mm", "both surfaces", 1e-3),
+        deviation(
+            f"rate of curvature, {kind}",
+            1e-6 * found.twist[: twist.size],
+            1e-6 * twist,
+            "1/mm2",
+            "a pin's path",
+            1e-3,
+        ),
+    ]
+
+
+def _bend(gear: profile.CycloidGear, t: Array) -> tuple[Array, Array]:
+    """Give the curvature of a pin's path on the gear [1/m], convex positive, and its speed [m/rad], shape (n,) each."""
+    (dx, dy), (ddx, ddy) = (one.T for one in profile.trochoid_derivatives(gear, t))
+    speed = np.hypot(dx, dy)
+    return (dy * ddx - dx * ddy) / speed**3, speed
+
+
+def flank_rows(*changes: str) -> list[Row]:
+    """Hold the gaps of an internal gear's flanks, parts displaced a little, against a search along every root."""
+    design = reducer_of(NONPIN, *changes)
+    reducer = Reducer(design)
+    gear, found = tooth_profile(design), gaps(reducer, CRANK)
+    z = 1e-1 * np.append(np.tile(WAY[:3], design.gear.discs), WAY[3])
+    flank = np.logical_not(_arcs_and_output(reducer, found.kind))
+    widths, exact = found.width + found.slope @ z, []
+    for disc, root, width in zip(found.disc[flank], found.owner[flank], widths[flank], strict=True):
+        mesh = ring_gaps(gear, pose_of(reducer, CRANK, z, disc), np.array([root]))
+        inside = mesh.distance[np.isfinite(mesh.B)] + profile_offset(design) - gear.pin_radius
+        exact.append(inside[np.abs(inside - width).argmin()])
+    name = ", ".join(("gaps of flanks", NONPIN, *changes))
+    return [deviation(name, 1e6 * widths[flank], 1e6 * np.array(exact), "um", "exact curves", 0.1)]
+
+
+def _arcs_and_output(reducer: Reducer, kinds: npt.NDArray[np.str_]) -> Mask:
+    design = reducer.design
+    arcs = (kinds == design.tooth_pair) & (np.arange(kinds.size) < design.gear.discs * design.ring.teeth)
+    return np.asarray(arcs | (kinds == "output"))
+
+
+def sliding_rows(kind: str, *changes: str) -> list[Row]:
+    """Hold the sliding of an ideal mesh against points fixed to both parts, over a small turn of the crank."""
+    design = reducer_of(kind, *changes)
+    reducer = Reducer(design)
+    found = gaps(reducer, CRANK)
+    ours = (found.slip_slope @ ideal_motion(reducer, CRANK))[_arcs_and_output(reducer, found.kind)]
+    slid = [_slid(reducer, disc) for disc in range(design.gear.discs)]
+    exact = np.concatenate([of_disc[part] for part in (0, 1) for of_disc in slid])
+    name = ", ".join(("sliding of the contacts", kind, *changes))
+    return [deviation(name, 1e3 * ours, 1e3 * exact, "mm/rad", "points on both parts", 1e-5)]
+
+
+def _slid(reducer: Reducer, disc: int) -> tuple[Array, Array]:
+    """Give how far a disc's teeth (N,) and holes (P,) slide on their mates with the crank [m/rad]."""
+    after, before = (_points(reducer, CRANK + turn, disc) for turn in (_TURN, -_TURN))
+    along = _points(reducer, CRANK, disc)[2]
+    slid = np.sum((after[0] - after[1] - before[0] + before[1]) * along, axis=1) / (2.0 * _TURN)
+    return slid[: reducer.design.ring.teeth], slid[reducer.design.ring.teeth :]
+
+
+def _points(reducer: Reducer, crank: float, disc: int) -> tuple[Array, Array, Array]:
+    """Give where points are that touch at ``CRANK`` in the ideal mesh, on a disc and on its mates [m], (n, 2) each.
+
+    And the unit vectors along which they slide there, (n, 2).
+    """
+    gear, output, ideal = reducer.tooth_profile, reducer.design.output, np.zeros(3 * reducer.design.gear.discs + 1)
+    pins = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear))
+    touching, pose = (pose_of(reducer, at, ideal, disc) for at in (CRANK, crank))
+    out, turned = (pose_of(reducer, at, ideal).angle for at in (CRANK, crank))
+    inwards = -pin_gaps(gear, touching, pins).normals
+    on_ring = pins + gear.pin_radius * inwards
+    studs = rotate(output.pin_circle_radius * profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins), out)
+    push = np.broadcast_to(-touching.centre / gear.eccentricity, studs.shape)
+    on_stud = studs + output.pin_radius * push
+    on_gear = np.concatenate([on_ring, on_stud])
+    moved = rotate(touching.to_gear(on_gear), pose.angle) + pose.centre
+    mates = np.concatenate([on_ring, rotate(on_stud, turned - out)])
+    return moved, mates, rotate(np.concatenate([inwards, push]), np.pi / 2)
+
+
+def model_rows(pins: str) -> list[Row]:
+    """Hold the distances that the collider finds in the model against exact gaps of the same pose.
+
+    Three discs and the output are displaced, and pins and sleeves by ``ASIDE``.
+    """
+    tight = [f"clearance.{pair}_um=0.01" for pair in ("pin_gear", "pin_socket", "pin_sleeve", "cam", "output")]
+    errors = ("errors.cam_position_um=0.8", "errors.disc_size_um=0.7")
+    design = made(FIXED, UNIFORM, *tight, *errors, *THREE_DISCS, f"ring.pins={pins}")
+    reducer = Reducer(design)
+    compiled, moving, larger = build(design), design.ring.has_pin_bodies, deviations(design).pin_radius
+    data, z = mujoco.MjData(compiled.model), way(3 * design.gear.discs + 1, NEAR)
+    for joint, value in _joints(reducer, z).items():
+        data.joint(joint).qpos[0] = value
+    for pin in mechanism(design).pins:
+        data.joint(pin.joints[0]).qpos[0], data.joint(pin.joints[1]).qpos[0] = ASIDE
+    with installed():
+        mujoco.mj_forward(compiled.model, data)
+    number = {frozenset(compiled.model.geom(one).id for one in (pair.on, pair.by)): pair for pair in compiled.pairs}
+    mating = [number[frozenset(geoms)].name for geoms in data.contact.geom.tolist()]
+    # a pin may lie between both edges of its socket: the deeper one is its distance
+    found = dict(sorted(zip(mating, data.contact.dist, strict=True), key=itemgetter(1), reverse=True))
+    ours = np.array([found.get(pair.name, 0.0) for pair in compiled.pairs])
+    exact, teeth = exact_gaps(reducer, CRANK, z, ASIDE if moving else 0.0), design.gear.discs * larger.size
+    if design.ring.has_massless_pins:
+        exact[:teeth] += np.tile(design.clearance.pin_socket - larger, design.gear.discs)
+    seat = equilibrium.seats(reducer, np.tile(ASIDE, (larger.size, 1)))[0]
+    seat -= larger if design.ring.has_sockets else 0.0
+    cams = design.clearance.cam - np.linalg.norm(cam_ways(reducer, CRANK, z), axis=1)
+    depths = np.minimum(np.concatenate([exact[:teeth], *([seat] if moving else []), cams, exact[teeth:]]), 0.0)
+    return [deviation(f"depths in the model, {pins} pins", 1e6 * ours, 1e6 * depths, "um", "exact curves", 1e-3)]
+
+
+def _joints(reducer: Reducer, z: Array) -> dict[str, float]:
+    """Give what the joints of crank, discs and output read at the unknowns z [m]: a disc's turn is its holes'."""
+    turned = float(kinematics.gear_rotation(reducer.tooth_profile, CRANK)) + z / reducer.design.output.pin_circle_radius
+    read = {names.CRANK_JOINT: CRANK, names.OUTPUT_JOINT: float(turned[-1])}
+    for disc, gear in enumerate(names.gears(reducer.design.gear.discs)):
+        x, y = pose_of(reducer, CRANK, z, disc).centre
+        read |= dict(zip(names.planar_joints(gear), (x, y, turned[3 * disc + 2]), strict=True))
+    return read
+
+
+def balance_rows(kind: str, turn: Sequence[float]) -> list[Row]:
+    """Hold the balance of springs at crank angles [rad] against the independent static solution."""
+    design = made(kind, UNIFORM)
+    reducer = Reducer(design)
+    rated = at_rated_load(reducer)
+    stiffness = {pair: pair_stiffness(rated, pair) for pair in rated.design.pair_kinds}
+    found = loads(reducer, springs_of(reducer, turn, friction=False), rig.RATED_LOAD)
+    solved = [equilibrium.solve(reducer, stiffness, crank) for crank in turn]
+    cam, output = (np.array([getattr(one, name) for one in solved]) for name in ("cam_force", "output_turn"))
+    # An arc and a flank that close as one patch are one spring here, and up to two in the search.
+    bounds = (3.0, 0.05) if kind == NONPIN else (0.01, 0.01)
+    forces = []
+    if kind != NONPIN:
+        exact = np.array([rig.sizes(one.ring_forces) for one in solved]).ravel()
+        forces = [deviation(f"teeth in statics, {kind}", found.teeth.ravel(), exact, "N", SEARCH, 0.08)]
+    return [
+        *forces,
+        deviation(f"cam in statics, {kind}", found.cam[:, 0], cam, "N", SEARCH, bounds[0]),
+        deviation(f"turn of the output, {kind}", 1e6 * found.output_turn, 1e6 * output, "urad", SEARCH, bounds[1]),
+    ]
+
+
+def friction_rows(name: str, *changes: str) -> list[Row]:
+    """Hold the work of the cams over a small turn, with friction, against that of the load and of all sliding."""
+    rubs = [f"friction.{kind}={FRICTION}" for kind in (*rig.MATING, "cam_rolling", "output_rolling")]
+    load = f"load.torque_nm={rig.RATED_LOAD}"
+    design = reducer_of(FIXED, *rubs, *rig.without_gravity(), load, "drive.speed_rpm=1.0", *changes)
+    reducer = Reducer(design)
+    gear, springs = tooth_profile(design), springs_of(reducer, TURN)
+    found, speed = loads(reducer, springs, rig.RATED_LOAD), design.drive.speed
+    turned = np.add.outer(TURN, phases(design))
+    going = speed * rotate(kinematics.gear_centre(gear, turned), np.pi / 2)
+    slow, pressed = speed / gear.lobes, np.linalg.norm(found.cam, axis=2)
+    driven = np.sum(found.cam * going, axis=(1, 2)) - FRICTION * design.gear.bore_radius * pressed.sum(axis=1) * slow
+    rubbed = FRICTION * np.sum(np.concatenate([found.teeth, found.output], axis=1) * np.abs(springs.slip), axis=1)
+    return [
+        deviation(
+            f"power through friction, {name}",
+            1e3 * driven,
+            1e3 * (rig.RATED_LOAD * slow + rubbed),
+            "mW",
+            "load and sliding",
+            0.1,
+        )
+    ]
+
+
+def fit_rows(bound: float, *changes: str) -> list[Row]:
+    """Hold the room of the best fit against the least exact gap of parts that stand in the workshop as it tells."""
+    design = made(FIXED, *ROOM, *changes)
+    reducer = Reducer(design)
+    fit = best_fit(reducer, CRANK)
+    seen, z = in_workshop(reducer, CRANK, fit.shift, fit.gear_turn, fit.output_turn)
+    cams = design.clearance.cam - np.linalg.norm(cam_ways(reducer, seen, z), axis=1)
+    least = np.array([min(*cams, *exact_gaps(reducer, seen, z))])
+    name = ", ".join(("least gap of the best fit", FIXED, *changes))
+    return [deviation(name, 1e6 * np.array([fit.room]), 1e6 * least, "um", "exact curves", bound)]
+
+
+def aside_rows(bound: float, *changes: str) -> list[Row]:
+    """Hold the exact gaps of pins that give way against each other: to the nearest disc, and to their sockets."""
+    design = made(FREE, "clearance.pin_gear_um=0.5", "clearance.pin_socket_um=4.0", *changes)
+    reducer = Reducer(design)
+    found, teeth = best_fit(reducer, CRANK), design.ring.teeth
+    seen, z = in_workshop(reducer, CRANK, found.shift, found.gear_turn, found.output_turn)
+    moved = np.any(found.pin_shift, axis=1)
+    of_discs = exact_gaps(reducer, seen, z, found.pin_shift)[: design.gear.discs * teeth].reshape(-1, teeth)
+    ahead = of_discs.min(axis=0)[moved]
+    behind = (design.pin_play - deviations(design).pin_radius - np.linalg.norm(found.pin_shift, axis=1))[moved]
+    name = ", ".join(("pins that give way, both sides", *changes))
+    return [deviation(name, 1e6 * ahead, 1e6 * behind, "um", "exact curves", bound)]
+
+
+def stop_rows(kind: str) -> list[Row]:
+    """Hold the stops of rigid parts against the turn of very stiff ones under a small torque, both ways.
+
+    Pins that move count as fixed ones with the play of both: to rigid parts they are the same.
+    """
+    design = made(kind, *ROOM)
+    held = design
+    if kind == FREE:
+        design = rig.changed(Reducer(design), "errors.pin_radius_um=0.0").design
+        play = design.clearance.pin_gear + design.clearance.pin_socket
+        held = rig.changed(Reducer(design), 'ring.pins="fixed"', f"clearance.pin_gear_um={1e6 * play!r}").design
+    ours = 1e6 * np.array(stops(Reducer(design), CRANK))
+    stiffness = dict.fromkeys(design.pair_kinds, 1e11)
+    ways = [rig.changed(Reducer(held), f"load.torque_nm={torque}") for torque in (-1.0, 1.0)]
+    solved = 1e6 * np.array([equilibrium.solve(way, stiffness, CRANK).output_turn for way in ways])
+    return [deviation(f"stops of the output, {kind}", ours, solved, "urad", SEARCH, 0.35)]
+
+
+RUBBED: tuple[Callable[[], list[Row]], ...] = (
+    partial(friction_rows, FIXED),
+    partial(friction_rows, "two discs", "gear.discs=2"),
+)
+"""Give those of a balance with friction."""
+
+STATICS: tuple[Callable[[], list[Row]], ...] = (
+    *(partial(gap_rows, kind) for kind in (FIXED, NONPIN)),
+    *(partial(sliding_rows, kind) for kind in (FIXED, NONPIN)),
+    *(partial(curvature_rows, kind) for kind in (FIXED, NONPIN)),
+    hole_rows,
+    flank_rows,
+    partial(flank_rows, *THREE_DISCS),
+    partial(sliding_rows, FIXED, *THREE_DISCS),
+    *(partial(balance_rows, kind, turn) for kind, turn in ((FREE, TURN), (SLEEVED, TURN), (NONPIN, TURN[:1]))),
+    *RUBBED,
+    partial(fit_rows, 0.1),
+    partial(fit_rows, 1.0, *THREE_DISCS, "output.member=ring"),
+    partial(aside_rows, 1.0),
+    partial(aside_rows, 5.0, "gear.discs=2"),
+    *(partial(stop_rows, kind) for kind in (FIXED, FREE)),
+)
+"""Give the rows that need no model, the quick ones first."""
+
+MODELS: tuple[Callable[[], list[Row]], ...] = tuple(
+    partial(model_rows, pins) for pins in ("fixed", "free", "sleeved", "massless")
+)
+"""Give those of the compiled model."""
+
+
+def rows(quick: bool) -> list[Row]:
+    """Give the rows of this rung."""
+    return [row for part in (*STATICS, *MODELS) for row in part()]

@@ -1,0 +1,111 @@
+"""Designs and runs of the ladder: the three kinds of ring, idealised where a closed form asks for it."""
+
+from typing import Any
+
+import numpy as np
+
+from cycloid_mj.base.names import TEETH
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.types import Array
+from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.dynamics.contact.teeth import DEFLECTION
+from cycloid_mj.dynamics.mjcf import ReducerModel
+from cycloid_mj.dynamics.run import simulate
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.law import contact_law, solver_parameters
+
+FIXED, FREE, SLEEVED, NONPIN = "fixed pins", "free pins", "sleeved pins", "nonpin"
+KINDS = (FIXED, FREE, NONPIN)
+RATED_LOAD = 36.0
+"""Load torque [N m]: the paper's 36.68 N m, rounded."""
+
+SETTLED = 0.01
+"""Start of the samples that count [s]: the load's rise, and the time that `analysis` allows it to ring out."""
+
+PERIODS = 36
+"""Mesh periods in a turn of the crank: the ring teeth of the paper's designs."""
+
+MATING = ("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output")
+_RING = {
+    FIXED: ("pin", 'ring.pins="fixed"'),
+    FREE: ("pin", 'ring.pins="free"'),
+    SLEEVED: ("pin", 'ring.pins="sleeved"'),
+    NONPIN: ("nonpin", "ring.teeth=36"),
+}
+
+
+def reducer_of(kind: str, *changes: str) -> Design:
+    """Give the paper's design with one kind of ring and ``table.key=value`` changes; it starts at full speed."""
+    preset, ring = _RING[kind]
+    return override(PRESETS[preset], [ring, "drive.ramp_s=0.0", *changes])
+
+
+def changed(reducer: Reducer, *changes: str) -> Reducer:
+    """Give the design with ``table.key=value`` changes."""
+    return Reducer(override(reducer.design, changes))
+
+
+def without_friction() -> list[str]:
+    """Give the changes that switch friction off."""
+    return [f"friction.{kind}=0.0" for kind in (*MATING, "cam_rolling", "output_rolling")]
+
+
+def without_gravity() -> list[str]:
+    """Give the change that switches gravity off."""
+    return ["environment.gravity_y_m_s2=0.0"]
+
+
+def clearances(value_um: float) -> list[str]:
+    """Give the changes that make every clearance the same [um]."""
+    return [f"clearance.{kind}_um={value_um!r}" for kind in MATING]
+
+
+def stiffen_cam(compiled: ReducerModel, stiffness: float) -> None:
+    """Give a compiled model's cam another stiffness [N/m], with the damping and added mass that go with it."""
+    model = compiled.model
+    gear = float(model.body("gear").mass[0])
+    law = contact_law(stiffness, 0.5, gear, 0.0, 0.0, float(model.opt.timestep))
+    pair = next(pair for pair in compiled.pairs if pair.kind == "cam")
+    parameters = solver_parameters(law, inverse_weight(model, pair.on, pair.by))
+    number = model.pair(pair.name).id
+    model.pair_solref[number], model.pair_solimp[number] = parameters.solref, parameters.solimp
+
+
+def part_patches(compiled: ReducerModel) -> None:
+    """Keep the lines of an arc and a root apart in a compiled model, each a whole spring, however near they are."""
+    compiled.model.geom(TEETH).user[DEFLECTION] = 0.0
+
+
+def inverse_weight(model: Any, *geoms: str) -> float:
+    """Give the sum of the ``body_invweight0`` of the bodies of two geoms [1/kg]."""
+    return float(sum(model.body_invweight0[model.geom(name).bodyid[0], 0] for name in geoms))
+
+
+def rated_design(kind: str, *changes: str) -> Design:
+    """Give a kind of reducer at rated load."""
+    return reducer_of(kind, f"load.torque_nm={RATED_LOAD}", *changes)
+
+
+def rated_run(kind: str, rpm: float, periods: int, *changes: str) -> tuple[Run, Design]:
+    """Run at rated load; give the settled samples over whole mesh periods, and the design.
+
+    Raises
+    ------
+    RunError
+        The run went wrong.
+    """
+    design = reducer_of(
+        kind,
+        f"drive.speed_rpm={rpm!r}",
+        f"load.torque_nm={RATED_LOAD}",
+        f"drive.hold_s={SETTLED + periods * 60.0 / (abs(rpm) * PERIODS)!r}",
+        "settings.log_rate_hz=20000.0",
+        *changes,
+    )
+    run = simulate(design)
+    return run.select(run.time >= SETTLED), design
+
+
+def sizes(vectors: Array) -> Array:
+    """Give the lengths of vectors (..., 2), shape (...)."""
+    return np.hypot(vectors[..., 0], vectors[..., 1])

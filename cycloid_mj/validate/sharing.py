@@ -1,0 +1,187 @@
+"""Rung 4, load sharing at a standstill's pace: against the ideal closed form, and against `equilibrium`.
+
+Ideal: next to no clearance, no friction, teeth of one soft stiffness and a cam so stiff that the gear only turns; the
+load is so small that contacts stay where the ideal mesh has them. The second comparison is the design as it is, with
+its clearances, its cam and its stiffness by curvature; only friction and gravity are left out.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.types import Array, Integers
+from cycloid_mj.dynamics.mjcf import build
+from cycloid_mj.dynamics.run import simulate
+from cycloid_mj.geometry import envelope, ideal_loads, profile
+from cycloid_mj.geometry.profile import CycloidGear
+from cycloid_mj.parts.gear import tooth_profile
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.validate import equilibrium, rig
+from cycloid_mj.validate.gaps import Pose, offset_root, trochoid_distance
+from cycloid_mj.validate.rig import NONPIN, RATED_LOAD, reducer_of
+from cycloid_mj.validate.row import Row, deviation
+
+IDEAL = [
+    *rig.without_friction(),
+    *rig.without_gravity(),
+    *rig.clearances(1e-5),
+    'contact.stiffness_law="uniform"',
+    "contact.stiffness_n_m=1e7",
+    "contact.working_force_n=3.2",
+    "load.torque_nm=0.1",
+    "settings.timestep_us=2.0",
+]
+STIFF_CAM = 2e11
+"""Stiffness of an ideal cam [N/m], 20 000 times that of a tooth; a stiffer one would need a shorter step."""
+
+SMALL_CLEARANCE = 0.2
+"""Clearance [um] at which a nonpin gear on a stiff cam carries on its roots too."""
+
+PACE_BOUND = 1.0
+"""Percent; what inertia at the pace of the run leaves: 0.12 to 0.54 quick, 0.14 to 0.37 at the slower full pace."""
+FORCE_BOUND, TURN_BOUND, CAM_BOUND = 0.23, 0.04, 0.05
+"""Percent, three times the largest error of all kinds: 0.075, 0.013 and 0.016, quick and on a stiff cam."""
+
+SETTLED = 0.008
+"""Time at which the load is on and has rung out [s]."""
+
+
+def ideal_rows(kind: str, quick: bool) -> list[Row]:
+    """Hold the forces of one kind of ring against F_i = T l_i / sum l^2."""
+    whole = kind == NONPIN
+    source = "T l/sum l^2 over arcs and Sigma" if whole else "T l/sum l^2"
+    note = "with each line a whole spring, as the formula has it" if whole else ""
+    return [_ideal_row(kind, ideal_forces, whole, f"ideal forces of the teeth, {kind}", source, note, quick)]
+
+
+def patch_rows(quick: bool) -> list[Row]:
+    """Hold the nonpin ring as it is built, with near lines sharing one patch, against the same with shared springs."""
+    note = "an arc and a root line with less than a deflection of gap between them share one spring"
+    source = "T w l/sum w l^2, w = 1/2..1"
+    return [_ideal_row(NONPIN, patch_forces, False, "ideal forces of the teeth, nonpin patches", source, note, quick)]
+
+
+def _ideal_row(
+    kind: str,
+    reference: Callable[[Reducer, float], Array],
+    apart: bool,
+    quantity: str,
+    source: str,
+    note: str,
+    quick: bool,
+) -> Row:
+    design = _slow(Reducer(reducer_of(kind, *IDEAL)), 100.0 if quick else 40.0)
+    run = settled_run(design, STIFF_CAM, apart)
+    ideal = np.stack([reference(design, crank) for crank in run["crank_angle"]])
+    return deviation(quantity, run.forces(design.design.tooth_pair), ideal, "N", source, PACE_BOUND, note)
+
+
+def ideal_forces(reducer: Reducer, crank: float) -> Array:
+    """Give the ideal forces of the ring's pins or lobes on the gear [N], shape (N, 2)."""
+    design = reducer.design
+    gear, torque = tooth_profile(design), design.load.torque
+    lobes, normals, _ = _ideal_contacts(reducer, crank)
+    share = ideal_loads.ideal_ring_load_sharing if design.ring.kind == "nonpin" else ideal_loads.ideal_load_sharing
+    return _by_lobe(gear, lobes, share(gear, torque, crank).forces, normals)
+
+
+def patch_forces(reducer: Reducer, crank: float) -> Array:
+    """Give the forces [N], shape (N, 2), of an ideal nonpin mesh whose near lines share their springs."""
+    gear = tooth_profile(reducer.design)
+    lobes, normals, B = _ideal_contacts(reducer, crank)
+    root = np.sqrt(_patch_weights(reducer, crank))
+    # w l / sum w l^2 is root(w) times the share of an arm root(w) l.
+    sizes = root * ideal_loads.share_load(root * profile.moment_arm(gear, B), reducer.design.load.torque)
+    return _by_lobe(gear, lobes, sizes, normals)
+
+
+def clearance_rows(kind: str, quick: bool) -> list[Row]:
+    """Hold the design with its clearances against the independent static solution."""
+    free = [*rig.without_friction(), *rig.without_gravity(), f"load.torque_nm={RATED_LOAD}", "settings.timestep_us=2.0"]
+    rows = _solved_rows(Reducer(reducer_of(kind, *free)), kind, None, quick)
+    if kind == NONPIN:
+        close = reducer_of(kind, *free, *rig.clearances(SMALL_CLEARANCE))
+        rows += _solved_rows(Reducer(close), f"{kind}, {SMALL_CLEARANCE:g} um, stiff cam", STIFF_CAM / 2, quick)
+    return rows
+
+
+def _solved_rows(reducer: Reducer, name: str, cam: float | None, quick: bool) -> list[Row]:
+    slow = _slow(reducer, 200.0 if quick else 100.0)
+    run = settled_run(slow, cam, False)
+    stiffness = {kind: law.stiffness for kind, law in build(slow.design).laws.items()}
+    stiffness["cam"] = cam or stiffness["cam"]
+    samples = np.linspace(0, len(run) - 1, 2 if quick else 5).astype(int)
+    solved: list[equilibrium.Equilibrium] = []
+    for crank in run["crank_angle"][samples]:
+        solved.append(equilibrium.solve(slow, stiffness, float(crank), solved[-1] if solved else None))
+    ring, ideal_ring = run.forces(slow.design.tooth_pair)[samples], np.stack([one.ring_forces for one in solved])
+    cam_load, ideal_cam = run.forces("cam")[samples, 0], np.stack([one.cam_force for one in solved])
+    turn = (run["gear_angle"] + run["crank_angle"] / slow.design.lobes)[samples]
+    ideal_turn = np.array([one.gear_turn for one in solved])
+    source = "static solution by scipy"
+    return [
+        deviation(f"forces of the teeth, {name}", ring, ideal_ring, "N", source, FORCE_BOUND),
+        deviation(f"turn of the gear, {name}", 1e6 * turn, 1e6 * ideal_turn, "urad", source, TURN_BOUND),
+        deviation(f"load of the cam, {name}", cam_load, ideal_cam, "N", source, CAM_BOUND),
+    ]
+
+
+def settled_run(reducer: Reducer, cam: float | None, apart: bool) -> Run:
+    """Run a design and give the samples after the load's rise; `cam` [N/m], if given, is its cam's stiffness."""
+    compiled = build(reducer.design)
+    if cam is not None:
+        rig.stiffen_cam(compiled, cam)
+    if apart:
+        rig.part_patches(compiled)
+    run = simulate(reducer.design, compiled)
+    return run.select(run.time > SETTLED)
+
+
+def _slow(reducer: Reducer, rpm: float) -> Reducer:
+    """Give the design at a crank speed [rpm] that takes it through one mesh period after it has settled."""
+    hold = SETTLED + 60.0 / (rpm * reducer.design.ring.teeth)
+    changes = [f"drive.speed_rpm={rpm!r}", f"drive.hold_s={hold!r}", "load.rise_s=0.004", "settings.log_rate_hz=2500.0"]
+    return rig.changed(reducer, *changes)
+
+
+def _ideal_contacts(reducer: Reducer, crank: float) -> tuple[Integers, Array, Array]:
+    """Give the ideal mesh's contacts: the lobe that each is logged with, the ring's normal and the phase B."""
+    gear = tooth_profile(reducer.design)
+    arcs = envelope.arc_contacts(gear, crank)
+    if reducer.design.ring.kind == "pin":
+        return arcs.lobe, arcs.normals, arcs.B
+    roots = envelope.sigma_contacts(gear, crank)
+    lobes = np.concatenate([arcs.lobe, _owner(gear, roots)])
+    return lobes, np.concatenate([arcs.normals, roots.normals]), np.concatenate([arcs.B, roots.B])
+
+
+def _owner(gear: CycloidGear, roots: envelope.RingContacts) -> Integers:
+    """Give the lobe of each root contact: the half of a root beyond B = pi belongs to the next, counter-clockwise."""
+    return (roots.lobe - np.greater(roots.B, np.pi)) % gear.ring_teeth
+
+
+def _patch_weights(reducer: Reducer, crank: float) -> Array:
+    """Give the share of a whole spring that each contact of the ideal nonpin mesh has, arcs first.
+
+    A root's line and its lobe's arc are apart as the gap half-way between them is in deflections at working force.
+    """
+    design = reducer.design
+    gear = tooth_profile(design)
+    roots, low = envelope.sigma_contacts(gear, crank), profile.best_phase(gear)
+    pose = Pose(gear.eccentricity * profile.unit(-crank), -crank / gear.lobes)
+    deflection = design.contact.working_force / design.contact.stiffness
+    middle = (roots.B + np.where(np.greater(roots.B, np.pi), 2 * np.pi - low, low)) / 2
+    arcs, own = np.ones(gear.ring_teeth), np.empty(roots.B.size)
+    for place, (root, owner) in enumerate(zip(roots.lobe, _owner(gear, roots), strict=True)):
+        half_way = offset_root(gear, int(root), middle[place : place + 1])
+        rise = trochoid_distance(gear, pose.to_gear(half_way))[0][0]
+        own[place] = (1.0 + min(1.0, rise / deflection)) / 2.0
+        arcs[owner] *= own[place]
+    return np.concatenate([arcs, own])
+
+
+def _by_lobe(gear: CycloidGear, lobes: Integers, sizes: Array, normals: Array) -> Array:
+    forces = np.zeros((gear.ring_teeth, 2))
+    np.add.at(forces, lobes, sizes[:, np.newaxis] * normals)
+    return forces

@@ -1,0 +1,54 @@
+"""The stiffness of tooth contacts by their curvature, from `statics` and `profile` alone."""
+
+import numpy as np
+
+from cycloid_mj.base.types import Array
+from cycloid_mj.geometry import ideal_loads, profile
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.working import working_force
+from cycloid_mj.validate.gaps import Flanks, Gaps, Pose, flank_distance, offset_root
+
+
+def tooth_stiffness(reducer: Reducer, flat: float, mesh: Gaps, pose: Pose, flanks: Flanks) -> Array:
+    """Give the stiffness [N/m] of each place of the mesh, (n,); `flat` is that of a pin on a flat [N/m].
+
+    That of a line contact at the local relative curvature, at most twice that of a pin on a flat; lines of an arc and a
+    root with less than a deflection of gap between them are one patch and share its stiffness.
+    """
+    stiffness = np.full(mesh.distance.size, flat)
+    if reducer.design.contact.stiffness_law == "local":
+        relative = profile.curvature(flanks.gear, mesh.t, flanks.offset) + mesh.ring_curvature
+        stiffness = flat * _factor(reducer, relative)
+    return _shared(reducer, flat, mesh, pose, flanks, stiffness)
+
+
+def _factor(reducer: Reducer, curvature: Array) -> Array:
+    """Stiffness at a relative curvature [1/m] over that of a pin on a flat."""
+    design = reducer.design
+    depth = design.ring.pin_radius
+    modulus = ideal_loads.contact_modulus(design.material.youngs_modulus, design.material.poisson)
+    working = (working_force(reducer, design.tooth_pair), design.gear.face_width, modulus, depth)
+    flat = ideal_loads.line_contact_stiffness(*working, 1 / depth)
+    # Twice as stiff as a pin on a flat where a + ln kappa has half of its value there.
+    least = np.exp(-(ideal_loads.line_contact_constant(*working) + np.log(depth)) / 2)
+    return ideal_loads.line_contact_stiffness(*working, np.maximum(curvature, least)) / flat
+
+
+def _shared(reducer: Reducer, flat: float, mesh: Gaps, pose: Pose, flanks: Flanks, stiffness: Array) -> Array:
+    gear, deflection = reducer.tooth_profile, working_force(reducer, reducer.design.tooth_pair) / flat
+    low, stiffness = profile.best_phase(gear), stiffness.copy()
+    arcs = {int(lobe): row for row, lobe in enumerate(mesh.owner) if np.isnan(mesh.B[row])}
+    for row in np.flatnonzero(~np.isnan(mesh.B) & (mesh.distance < gear.pin_radius - flanks.offset)):
+        arc = arcs.get(int(mesh.owner[row]))
+        if arc is None:
+            continue
+        own = mesh.B[row] <= np.pi
+        number = mesh.owner[row] if own else (mesh.owner[row] + 1) % gear.ring_teeth
+        middle = np.array([(mesh.B[row] + (low if own else 2 * np.pi - low)) / 2])
+        between = flank_distance(flanks, pose.to_gear(offset_root(gear, int(number), middle)))[0][0]
+        rise = between - max(mesh.distance[row], mesh.distance[arc])
+        apart = float(np.clip(rise / deflection, 0.0, 1.0))
+        share = (1 + apart) / 2
+        stiffness[row] = share * (stiffness[arc] + apart * (stiffness[row] - stiffness[arc]))
+        stiffness[arc] *= share
+    return stiffness

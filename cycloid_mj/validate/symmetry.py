@@ -1,0 +1,138 @@
+"""Rungs 9 and 10: the reversed drive mirrors the motion, and gravity adds its own share and nothing else."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.types import Array
+from cycloid_mj.base.units import ARCSECONDS
+from cycloid_mj.parts import gear_solid, mass_properties
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.validate import rig
+from cycloid_mj.validate.published import efficiency
+from cycloid_mj.validate.rig import FREE, PERIODS, rated_run
+from cycloid_mj.validate.row import Row, absolute, deviation, relative
+
+SPEED, GRAVITY = 1640.0, 9.8
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Bounds of a kind of ring, about three times what is observed; percent but for the efficiencies' points.
+
+    Free pins chatter, so that rounding in the last digit grows to a small part of their motion; the others repeat but
+    for rounding. Free pins that nothing presses come out of their open sockets by their weight, lie on the gear, and
+    turn it by 0.0025 %, eight times what it does with closed ones. `still` is a share of the gear's weight.
+    """
+
+    mirrored_ripple: float
+    mirrored_forces: float
+    mirrored_efficiency: float
+    upward: float
+    sideward: float
+    still: float
+    ripple: float
+    turn: float
+    efficiency: float
+
+
+CHATTERING = Bounds(5.0, 2.3, 4.1e-3, 4.0, 1.9, 0.05, 2.4, 7.5e-3, 5.1e-3)
+REPEATING = Bounds(1e-5, 1e-6, 1e-9, 0.4, 1.1, 0.01, 0.22, 1e-4, 3e-5)
+
+BINS = 16
+"""Parts of the mesh period over which the ripple is averaged: chatter that rounding has set off has no mean there."""
+
+
+def mirror_rows(kind: str, quick: bool) -> list[Row]:
+    """Hold the reversed drive of one kind of ring against the mirror image of the other; gravity is off."""
+    periods = 4 if quick else 12
+    forward, design = rated_run(kind, SPEED, periods, *rig.without_gravity())
+    reducer = Reducer(design)
+    backward, _ = rated_run(kind, -SPEED, periods, *rig.without_gravity())
+    bounds, source = _bounds(kind), "mirror image"
+    curve, mirrored_curve = ripple(forward, reducer, 1.0), -ripple(backward, reducer, -1.0)
+    middle = float(np.mean(curve))
+    ring = forward.forces(design.tooth_pair)
+    opposite = -np.arange(design.ring.teeth) % design.ring.teeth
+    mirrored_ring = backward.forces(design.tooth_pair)[:, opposite] * [-1.0, 1.0]
+    shares = 100.0 * efficiency(backward), 100.0 * efficiency(forward)
+    return [
+        deviation(
+            f"reversed: ripple of the gear, {kind}",
+            mirrored_curve - middle,
+            curve - middle,
+            "arcsec",
+            source,
+            bounds.mirrored_ripple,
+        ),
+        deviation(f"reversed: forces of the teeth, {kind}", mirrored_ring, ring, "N", source, bounds.mirrored_forces),
+        absolute(f"reversed: efficiency, {kind}", *shares, "%", source, bounds.mirrored_efficiency),
+    ]
+
+
+def gravity_rows(kind: str, quick: bool) -> list[Row]:
+    """Hold gravity off, down and turned by a right angle against each other, over one crank turn.
+
+    The turned mechanism is the same one a quarter of a crank turn later, but for the place of its output pins.
+    """
+    # what gravity adds to the efficiency of pins that do not chatter is no more than steps of 10 us take away
+    step = [] if kind == FREE else ["settings.timestep_us=5.0"]
+    off, design = rated_run(kind, SPEED, PERIODS, *step, *rig.without_gravity())
+    reducer = Reducer(design)
+    down, _ = rated_run(kind, SPEED, PERIODS, *step, f"environment.gravity_y_m_s2={-GRAVITY}")
+    sideways = [*rig.without_gravity(), f"environment.gravity_x_m_s2={GRAVITY}"]
+    turned, _ = rated_run(kind, SPEED, PERIODS, *step, *sideways)
+    bounds = _bounds(kind)
+    weight = mass_properties(gear_solid(reducer)).mass * GRAVITY
+    held = {name: mean_force(run, reducer) for name, run in (("off", off), ("down", down), ("turned", turned))}
+    added = once_per_turn(down, off, reducer) * -1j, once_per_turn(turned, off, reducer)
+    vectors = [np.array([[one.real, one.imag]]) for one in added]
+    means = [float(np.mean(transmission_error(run, reducer))) for run in (down, off)]
+    shares = 100.0 * efficiency(down), 100.0 * efficiency(off)
+    return [
+        relative(f"gravity: upward force on the gear, {kind}", held["down"][1], weight, "N", "m g", bounds.upward),
+        relative(f"gravity turned: sideward force, {kind}", -held["turned"][0], weight, "N", "m g", bounds.sideward),
+        absolute(
+            f"gravity off: force, {kind}", float(np.hypot(*held["off"])), 0.0, "N", "nothing", bounds.still * weight
+        ),
+        deviation(
+            f"gravity turned: its ripple, {kind}",
+            vectors[1],
+            vectors[0],
+            "arcsec",
+            "a quarter turn later",
+            bounds.ripple,
+        ),
+        relative(f"gravity: mean turn of the gear, {kind}", means[0], means[1], "arcsec", "gravity off", bounds.turn),
+        absolute(f"gravity: efficiency, {kind}", *shares, "%", "gravity off", bounds.efficiency),
+    ]
+
+
+def _bounds(kind: str) -> Bounds:
+    return CHATTERING if kind == FREE else REPEATING
+
+
+def transmission_error(run: Run, reducer: Reducer) -> Array:
+    """Give the gear's angle less the ideal one [arcsec], shape (n,)."""
+    return ARCSECONDS * (run["gear_angle"] + run["crank_angle"] / reducer.design.lobes)
+
+
+def ripple(run: Run, reducer: Reducer, way: float) -> Array:
+    """Give the transmission error [arcsec] over the mesh period, its phase counted the `way` of the crank (BINS,)."""
+    phase = np.mod(way * run["crank_angle"] * reducer.design.ring.teeth / (2.0 * np.pi), 1.0)
+    bins = np.minimum((BINS * phase).astype(int), BINS - 1)
+    error = transmission_error(run, reducer)
+    return np.asarray(np.bincount(bins, error, BINS) / np.bincount(bins, minlength=BINS))
+
+
+def mean_force(run: Run, reducer: Reducer) -> Array:
+    """Give the mean force of all contacts on the gear [N], shape (2,)."""
+    parts = [run.forces(kind) for kind in (reducer.design.tooth_pair, "output", "cam")]
+    return np.asarray(np.mean(sum(part.sum(axis=1) for part in parts), axis=0))
+
+
+def once_per_turn(run: Run, without: Run, reducer: Reducer) -> complex:
+    """Give the first harmonic, over the crank's turn, of what gravity adds to the transmission error [arcsec]."""
+    added = transmission_error(run, reducer) - transmission_error(without, reducer)
+    return complex(2.0 * np.mean(added * np.exp(-1j * run["crank_angle"])))

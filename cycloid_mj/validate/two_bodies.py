@@ -1,0 +1,171 @@
+"""Rung 1, two bodies and one contact: a static force, the frequency, an impact; and what a secant stiffness leaves out.
+
+A disc on a slide lies in a fixed circle; the gap is minus its height. The contact's numbers are those of a pin on the
+gear, its parameters come the way the model gets them, through ``solver_parameters``.
+"""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from cycloid_mj.design import PRESETS
+from cycloid_mj.dynamics.contact.collider import installed
+from cycloid_mj.dynamics.timestep import timestep
+from cycloid_mj.geometry import ideal_loads
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.bodies import Role
+from cycloid_mj.statics.law import ContactLaw, contact_law, curvature_law, solver_parameters
+from cycloid_mj.statics.working import at_rated_load, working_force
+from cycloid_mj.validate.row import Row, relative
+
+RATED = at_rated_load(Reducer(PRESETS["pin"]))
+MASS = 0.05
+"""Mass of the moving disc [kg]."""
+FORCE = 400.0
+"""Static force [N]."""
+IMPACT = 0.01
+"""Speed of the impact [m/s]."""
+FINE = 1e-6
+"""Step [s] at which a contact's own motion is followed as if it were continuous."""
+AT_REST = 1e-6
+"""Percent; the solver's tolerance is all that a body at rest may be off by."""
+_XML = """<mujoco>
+  <option timestep="{timestep!r}" gravity="0 {gravity!r} 0" tolerance="1e-14" cone="elliptic"/>
+  <worldbody>
+    <geom name="outer" type="cylinder" size="0.0151 0.01" priority="{outer}"/>
+    <body pos="0 0.0001 0"><joint name="y" type="slide" axis="0 1 0"/>
+      <inertial pos="0 0 0" mass="{mass!r}" diaginertia="1 1 1"/>
+      <geom name="inner" type="cylinder" size="0.015 0.01" priority="{inner}"/></body>
+  </worldbody>
+  <contact><pair geom1="outer" geom2="inner" condim="1" solref="{solref}" solimp="{solimp}"/></contact>
+</mujoco>"""
+
+
+def rows(quick: bool) -> list[Row]:
+    """Give the rows of this rung."""
+    stiffness, ratio = curvature_law(RATED).stiffness, RATED.design.contact.damping_ratio
+    step = timestep(RATED)
+    law = contact_law(stiffness, ratio, MASS, 0.0, 0.0, step)
+    swinging = replace(law, damping=0.0, added_mass=0.3 * MASS)
+    depth, force = pressed(law, step)
+    return [
+        relative("penetration under a static force", 1e6 * depth, 1e6 * FORCE / stiffness, "um", "F/K", AT_REST),
+        relative("static contact force", force, FORCE, "N", "equilibrium", AT_REST),
+        relative(
+            "frequency with an added mass of 0.3 m",
+            frequency(swinging, FINE) / (2 * math.pi),
+            math.sqrt(stiffness / (MASS + swinging.added_mass)) / (2 * math.pi),
+            "Hz",
+            "sqrt(K/(m + 1/R))",
+            0.06,
+        ),
+        relative(
+            "frequency at the default step",
+            frequency(contact_law(stiffness, 0.0, MASS, 0.0, 0.0, step), step) / (2 * math.pi),
+            math.sqrt(stiffness / MASS) / (2 * math.pi),
+            "Hz",
+            "sqrt(K/m)",
+            0.01,
+        ),
+        relative(
+            f"restitution at {ratio:g} of critical damping",
+            restitution(contact_law(stiffness, ratio, MASS, 0.0, 0.0, 2e-7), 2e-7),
+            linear_restitution(ratio),
+            "",
+            "Nagurka and Huang 2004",
+            0.3,
+        ),
+        *_secant_rows(stiffness),
+    ]
+
+
+def pressed(law: ContactLaw, timestep: float) -> tuple[float, float]:
+    """Give depth [m] and contact force [N] when `FORCE` has come to rest."""
+    model = two_bodies(law, timestep, FORCE / MASS)
+    data = mujoco.MjData(model)
+    with installed():
+        mujoco.mj_step(model, data, math.ceil(4e-3 / timestep))
+    return float(data.qpos[0]), float(data.efc_force[0])
+
+
+def frequency(law: ContactLaw, timestep: float) -> float:
+    """Give the angular frequency [rad/s] about the loaded equilibrium, from the zero crossings of the velocity."""
+    model = two_bodies(law, timestep, FORCE / MASS)
+    data = mujoco.MjData(model)
+    data.qpos[0] = 0.5 * FORCE / law.stiffness
+    period = 2.0 * math.pi * math.sqrt((MASS + law.added_mass) / law.stiffness)
+    speeds = np.empty(math.ceil(20 * period / timestep))
+    with installed():
+        for step in range(speeds.size):
+            mujoco.mj_step(model, data)
+            speeds[step] = data.qvel[0]
+    rising = np.flatnonzero((speeds[:-1] < 0.0) & (speeds[1:] >= 0.0))
+    crossings = rising + speeds[rising] / (speeds[rising] - speeds[rising + 1])
+    return float(2.0 * math.pi / (np.mean(np.diff(crossings)) * timestep))
+
+
+def restitution(law: ContactLaw, timestep: float) -> float:
+    """Give the share of the speed with which the disc leaves the contact."""
+    model = two_bodies(law, timestep, 0.0)
+    data = mujoco.MjData(model)
+    start = -1e-9
+    data.qpos[0], data.qvel[0] = start, IMPACT
+    with installed():
+        while data.qpos[0] >= start:
+            mujoco.mj_step(model, data)
+    return float(-data.qvel[0] / IMPACT)
+
+
+def linear_restitution(ratio: float) -> float:
+    """Give the restitution of a linear contact that cannot pull, damped by `ratio` < 1 of critical.
+
+    The force -(K r + C v) of the damped half wave vanishes before the gap opens (Nagurka and Huang 2004).
+    """
+    damped = math.sqrt(1.0 - ratio**2)
+    return math.exp(-ratio / damped * math.atan2(2.0 * ratio * damped, 2.0 * ratio**2 - 1.0))
+
+
+def two_bodies(law: ContactLaw, timestep: float, gravity: float) -> Any:
+    """Give the model; `gravity` [m/s2] presses the disc into the circle."""
+    parameters = solver_parameters(law, 1.0 / MASS)
+    text = _XML.format(
+        timestep=timestep,
+        gravity=gravity,
+        mass=MASS,
+        outer=int(Role.OUTER),
+        inner=int(Role.INNER),
+        solref=" ".join(map(repr, parameters.solref)),
+        solimp=" ".join(map(repr, parameters.solimp)),
+    )
+    return mujoco.MjModel.from_xml_string(text)
+
+
+def _secant_rows(stiffness: float) -> list[Row]:
+    """Tell what the one stiffness at the working force leaves out, and what Palmgren's empirical formula gives."""
+    design = RATED
+    working, length, radius = (
+        working_force(design, "pin_gear"),
+        design.design.gear.face_width,
+        design.design.ring.pin_radius,
+    )
+    modulus = ideal_loads.contact_modulus(design.design.material.youngs_modulus, design.design.material.poisson)
+
+    def hertz(force: float) -> float:
+        return float(ideal_loads.line_contact_stiffness(force, length, modulus, radius, 1.0 / radius))
+
+    palmgren = float(ideal_loads.palmgren_stiffness(working, length))
+    secant = "the model keeps the secant stiffness at the working force, ideal sharing of the load"
+
+    def told(force: float, reference: float, source: str, note: str) -> Row:
+        return relative(
+            f"stiffness used, at {force:g} N", 1e-6 * stiffness, 1e-6 * reference, "N/um", source, None, note
+        )
+
+    return [
+        told(0.2 * working, hertz(0.2 * working), "Johnson 1985, 5.6", secant),
+        told(1.5 * working, hertz(1.5 * working), "Johnson 1985, 5.6", secant),
+        told(working, palmgren, "Palmgren", "Palmgren measured rollers on rings, approached from farther away"),
+    ]

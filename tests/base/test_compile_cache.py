@@ -1,0 +1,144 @@
+"""A damaged file of the compile cache, or a full disk, costs the time to compile, and one line."""
+
+import importlib.util
+import logging
+import pickle
+import resource
+import sys
+from pathlib import Path
+
+import pytest
+from test_compiling import RUN, ran
+
+from cycloid_mj.base import compile_cache
+
+CODE = """
+from numba import types
+from cycloid_mj.base.compiling import cfunc, njit
+
+@njit(cache=True)
+def twice(x):
+    return 2 * x
+
+@cfunc(types.int64(types.int64), cache=True)
+def thrice(x):
+    return 3 * x
+"""
+
+
+def flipped(place):
+    """Spoil one byte at a share of the content."""
+
+    def spoiled(content):
+        at = int(place * (len(content) - 1))
+        return content[:at] + bytes([content[at] ^ 0x10]) + content[at + 1 :]
+
+    return spoiled
+
+
+DAMAGES = {
+    "empty": lambda content: b"",
+    "cut": lambda content: content[: len(content) // 2],
+    "short": lambda content: content[:5],
+    "longer": lambda content: content + b"x",
+    **{f"flipped {place}": flipped(place) for place in (0, 0.1, 0.5, 0.9, 1)},
+}
+
+
+@pytest.fixture
+def kernels(tmp_path, monkeypatch, caplog):
+    """Load two kernels as a process does that has just started; how often each was compiled, and what was said."""
+    (tmp_path / "kernels.py").write_text(CODE)
+    caplog.set_level(logging.INFO, logger="cycloid_mj")
+
+    def used():
+        monkeypatch.setattr(compile_cache, "_said", set())
+        caplog.clear()
+        spec = importlib.util.spec_from_file_location("kernels", tmp_path / "kernels.py")
+        module = importlib.util.module_from_spec(spec)
+        monkeypatch.setitem(sys.modules, "kernels", module)
+        spec.loader.exec_module(module)
+        assert (module.twice(4), module.thrice.ctypes(5)) == (8, 15)
+        loaded = sum(module.twice.stats.cache_hits.values()), module.thrice.cache_hits
+        return loaded, [record.getMessage() for record in caplog.records]
+
+    return used
+
+
+def kept(folder: Path) -> list[Path]:
+    return sorted(path for path in folder.rglob("*") if path.suffix in (".nbi", ".nbc"))
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_damaged_file_is_passed_over_said_once_and_replaced(damage, kernels, tmp_path):
+    assert kernels() == ((0, 0), [])
+    assert kernels() == ((1, 1), [])
+    files = kept(tmp_path)
+    assert len(files) == 4
+    for path in files:
+        path.write_bytes(DAMAGES[damage](path.read_bytes()))
+    hits, said = kernels()
+    assert hits == (0, 0)
+    assert said == [
+        f"the compile cache in {files[0].parent} is damaged: compiling anew what it held; this takes some seconds"
+    ]
+    assert kernels() == ((1, 1), [])
+
+
+def test_only_what_is_damaged_is_compiled_anew(kernels, tmp_path):
+    kernels()
+    data = next(path for path in kept(tmp_path) if "twice" in path.name and path.suffix == ".nbc")
+    data.write_bytes(b"")
+    hits, said = kernels()
+    assert (hits, len(said)) == ((0, 1), 1)
+
+
+def test_whole_file_that_numba_cannot_rebuild_is_passed_over(kernels, tmp_path):
+    kernels()
+    twice, thrice = sorted(path for path in kept(tmp_path) if path.suffix == ".nbc")
+    nonsense = pickle.dumps(("nonsense",))
+    for path in (twice, thrice):
+        path.write_bytes(nonsense + compile_cache._digest(nonsense))
+    hits, said = kernels()
+    assert (hits, len(said)) == ((0, 0), 1)
+
+
+def test_full_disk_is_said_once_and_the_code_runs(kernels, tmp_path):
+    limit, most = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, most))
+    try:
+        hits, said = kernels()
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, most))
+    assert hits == (0, 0)
+    assert len(said) == 1
+    assert "cannot be kept" in said[0]
+    assert "File too large" in said[0]
+    assert kept(tmp_path) == []
+
+
+def test_folder_in_the_place_of_a_file_is_passed_over(kernels, tmp_path):
+    kernels()
+    for path in kept(tmp_path):
+        path.unlink()
+        path.mkdir()
+    hits, said = kernels()
+    assert hits == (0, 0)
+    assert len(said) == 2
+
+
+@pytest.mark.slow
+def test_run_on_a_damaged_cache_says_one_line(tmp_path):
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    first = ran(tmp_path, *RUN, **cache)
+    assert first.returncode == 0, first.stderr
+    files = kept(tmp_path / "cache")
+    assert files
+    for path, damage in zip(files, [*DAMAGES.values()] * len(files), strict=False):
+        path.write_bytes(damage(path.read_bytes()))
+    second, third = (ran(tmp_path, *RUN, "--force", **cache) for _ in range(2))
+    assert (second.returncode, third.returncode) == (0, 0), second.stderr
+    said = [line for line in second.stderr.splitlines() if "compil" in line]
+    assert len(said) == 1, said
+    assert "is damaged" in said[0]
+    assert "compil" not in third.stderr

@@ -1,0 +1,104 @@
+"""Many pieces of work: in threads, processes and on a Dask cluster, with workers that die or are of another kind."""
+
+import os
+import signal
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+from cycloid_mj.base.engine import Engine, versions
+from cycloid_mj.base.engine.packages import require_same
+from cycloid_mj.base.errors import DesignError, RunError, UsageError
+
+
+def square(number: int) -> int:
+    return number**2
+
+
+def fail(number: int) -> int:
+    if number == 3:
+        raise DesignError("spoiled")
+    return number
+
+
+def inner_workers(_: int) -> int:
+    return Engine(8, "threads").local_workers
+
+
+def die_once(place: Path, number: int) -> int:
+    """Kill the process that works on 5, the first time."""
+    if number == 5 and not place.exists():
+        place.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return number**2
+
+
+def die_always(number: int) -> int:
+    if number == 5:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return number**2
+
+
+LOCAL = [Engine(1), Engine(2), Engine(2, "threads")]
+
+
+@pytest.mark.parametrize("engine", LOCAL, ids=["here", "processes", "threads"])
+def test_results_come_with_their_places(engine: Engine) -> None:
+    assert dict(engine.stream(square, range(20))) == {n: n**2 for n in range(20)}
+    told: list[tuple[int, int]] = []
+    assert engine.each(square, [3, 1, 2], lambda *one: told.append(one)) == [9, 1, 4]
+    assert told == [(1, 3), (2, 3), (3, 3)]
+    assert engine.each(square, []) == []
+
+
+@pytest.mark.parametrize("engine", LOCAL, ids=["here", "processes", "threads"])
+def test_an_error_of_the_work_ends_it(engine: Engine) -> None:
+    with pytest.raises(DesignError, match="spoiled"):
+        engine.each(fail, range(100))
+
+
+@pytest.mark.parametrize("engine", LOCAL, ids=["here", "processes", "threads"])
+def test_a_loop_that_is_left_early_warns_of_nothing(engine: Engine) -> None:
+    results = engine.stream(square, range(100))
+    next(results)
+    results.close()
+
+
+@pytest.mark.parametrize("engine", LOCAL, ids=["here", "processes", "threads"])
+def test_a_piece_of_work_takes_one_core(engine: Engine) -> None:
+    assert inner_workers(0) == 8
+    assert engine.each(inner_workers, range(3)) == [1, 1, 1]
+
+
+@pytest.mark.slow
+def test_a_process_that_dies_is_replaced(tmp_path: Path) -> None:
+    work = partial(die_once, tmp_path / "died")
+    assert Engine(2).each(work, range(12)) == [n**2 for n in range(12)]
+    assert (tmp_path / "died").exists()
+
+
+@pytest.mark.slow
+def test_what_kills_its_process_each_time_is_given_up_alone() -> None:
+    found = dict(Engine(2).stream(die_always, range(12), lost=lambda place, why: -place))
+    assert found == {n: n**2 for n in range(12)} | {5: -5}
+    with pytest.raises(RunError, match=r"item 6: the process .* died"):
+        Engine(2).each(die_always, range(12))
+
+
+def test_other_versions_are_refused() -> None:
+    require_same(versions(), "a worker")
+    other = tuple((name, "0.0.1" if name == "numpy" else version) for name, version in versions())
+    with pytest.raises(RunError, match=r"a worker: numpy is 0\.0\.1 there and .* here; install the same versions"):
+        require_same(other, "a worker")
+
+
+@pytest.mark.slow
+def test_a_scheduler_that_is_none_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    from cycloid_mj.base.engine import cluster as module
+
+    monkeypatch.setattr(module, "SECONDS_TO_CONNECT", 0.5)
+    with pytest.raises(UsageError, match="expected HOST:PORT"):
+        Engine(scheduler="somewhere").each(square, [1])
+    with pytest.raises(RunError, match="no Dask scheduler answers at 127"):
+        Engine(scheduler="127.0.0.1:9").each(square, [1])

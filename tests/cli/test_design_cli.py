@@ -1,0 +1,115 @@
+"""`cycloid-mj design`: a new file of one's own, and what a check sums up."""
+
+import json
+from contextlib import redirect_stderr, redirect_stdout
+from io import StringIO
+from pathlib import Path
+
+import pytest
+from designs import UNLIKE, design_file
+
+from cycloid_mj.base.result import plain
+from cycloid_mj.checks import summary
+from cycloid_mj.cli import main
+from cycloid_mj.design import PRESETS, load, override
+from cycloid_mj.life import rate
+from cycloid_mj.reducer import Reducer
+
+# `measure backlash` over a turn by its closed form [arcmin], and `measure loads`: the torque of first yield [N m].
+MEASURED = {"pin": (0.9678, 28.1), "nonpin": (0.7471, 34.55)}
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def told(*argv: str) -> tuple[int, str, str]:
+    """Exit code, stdout and stderr of a command."""
+    out, err = StringIO(), StringIO()
+    with redirect_stdout(out), redirect_stderr(err):
+        code = main(list(argv))
+    return code, out.getvalue(), err.getvalue()
+
+
+@pytest.mark.parametrize("name", ["my", "my.toml"])
+def test_new_writes_a_commented_file_that_carries_its_own_name(here, name):
+    assert told("design", "new", name) == (0, "my.toml\n", "")
+    assert load(Path("my.toml")) == override(PRESETS["pin"], {"name": "my"})
+    assert "(assumed)" in Path("my.toml").read_text()
+    assert [path.name for path in here.iterdir()] == ["my.toml"]
+
+
+def test_new_starts_from_a_design_with_changes(here):
+    assert told("design", "new", "wide", "--from", "nonpin", "--set", "gear.face_width_mm=12")[0] == 0
+    assert told("design", "new", "wider", "--from", "wide.toml", "--set", "gear.face_width_mm=15")[0] == 0
+    assert load(Path("wider.toml")) == override(PRESETS["nonpin"], {"name": "wider", "gear.face_width_mm": 15.0})
+
+
+def test_new_leaves_an_existing_file_alone(here):
+    Path("my.toml").write_text("mine")
+    code, out, err = told("design", "new", "my")
+    assert (code, out) == (1, "")
+    assert err.startswith("error: my.toml exists already (a design file of ")
+    assert err.endswith("): give another name or --out, or replace it with --force\n")
+    assert Path("my.toml").read_text() == "mine"
+
+
+@pytest.mark.parametrize(
+    ("argv", "words"),
+    [
+        (("pin",), "is a preset"),
+        (("a/b",), "expected letters"),
+        (("",), "expected letters"),
+        (("x" * 65,), "at most 64"),
+        (("my", "--from", "pon"), "did you mean pin"),
+        (("my", "--set", "ring.teeth=1"), "ring.teeth"),
+    ],
+)
+def test_new_refuses_what_is_no_name_or_no_design(here, argv, words):
+    code, out, err = told("design", "new", *argv)
+    assert (code, out) == (2, "")
+    assert words in err
+    assert list(here.iterdir()) == []
+
+
+def test_check_takes_changes():
+    code, out, _ = told("design", "check", "pin", "--set", "ring.pin_radius_mm=2.7")
+    assert code == 1
+    assert "FAIL  undercut" in out
+    code, _, err = told("design", "check", "pin", "--set", "ring.pin_radius=2.7")
+    assert code == 2
+    assert "ring.pin_radius_mm" in err
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", MEASURED)
+def test_summary_agrees_with_the_measures(name):
+    play, capacity = MEASURED[name]
+    code, out, _ = told("design", "check", name, "--json")
+    found = json.loads(out)["summary"]
+    assert code == 0
+    assert (found["ratio"], found["outer_diameter_mm"], found["rated_torque_nm"]) == (35, 100.0, pytest.approx(36.68))
+    assert found["backlash_arcmin"] == pytest.approx(play, rel=5e-3)
+    assert found["capacity_nm"] == pytest.approx(capacity, rel=0.02)
+    assert 10 < found["loaded_teeth"] < 18
+    assert 40 < found["pressure_angle_deg"] < 60
+    assert found["weakest"] == PRESETS[name].tooth_pair
+    rating = rate(PRESETS[name])
+    assert found["weakest_item"] == {"key": rating.weakest.key, **plain(rating.weakest)}
+    text = told("design", "check", name)[1]
+    assert f"backlash {found['backlash_arcmin']:.3g} arcmin" in text
+    assert "ratio 35:1, outer diameter 100 mm, mass 0.8" in text
+    assert f"weakest: {rating.weakest.name}: " in text
+
+
+@pytest.mark.parametrize("name", UNLIKE)
+def test_every_design_can_be_summed_up(name):
+    design = load(design_file(name))
+    found = summary(Reducer(design))
+    assert found.ratio == design.ring.teeth - 1
+    assert 1 <= found.loaded_teeth < design.ring.teeth
+    assert found.capacity > found.rated_torque  # they are sized with room to spare
+    steel = design.material.density * 3.14 * design.housing.outer_radius**2 * design.gear.face_width
+    assert 0.3 * steel < found.mass < 3.0 * steel

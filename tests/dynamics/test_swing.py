@@ -1,0 +1,96 @@
+"""What settles and how deep contacts go, by stiffness and mass: as ever for the paper's, more for what is softer."""
+
+import math
+
+import numpy as np
+import pytest
+
+from cycloid_mj.analysis import window
+from cycloid_mj.base.errors import RunError
+from cycloid_mj.design import PRESETS, Design
+from cycloid_mj.dynamics.course import locked_crank, rising
+from cycloid_mj.dynamics.mjcf import build
+from cycloid_mj.dynamics.run import simulate
+from cycloid_mj.dynamics.swing import (
+    DEEPEST,
+    SETTLING,
+    closed_stiffness,
+    deepest,
+    moving_inertia,
+    slowness,
+    swing_period,
+)
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.law import contact_stiffness
+from cycloid_mj.statics.working import working_force
+
+PIN, PRINTED = PRESETS["pin"], PRESETS["printed"]
+SOFT = PRINTED.but(output_material={"name": "", "density": 20000.0}, output={"disc_thickness": 0.2})
+"""The printed drive under a disc that is 200 mm of a heavy metal."""
+
+
+@pytest.mark.parametrize("name", ["pin", "nonpin"])
+def test_the_papers_designs_have_the_papers_times_and_depths(name: str) -> None:
+    design = PRESETS[name].but(load={"torque": 36.68})
+    assert slowness(Reducer(design)) == 1.0
+    assert window.settling(Reducer(design)) == SETTLING == 0.005
+    assert deepest(Reducer(design)) == DEEPEST == 50e-6
+
+
+def test_a_soft_and_heavy_drive_swings_as_its_estimate_says() -> None:
+    """Its output, let go of under a locked crank, by zero crossings about where it comes to rest."""
+    level = SOFT.but(
+        ring={"pins": "fixed"},
+        drive={"ramp": 0.0, "hold": 0.05},
+        load={"torque": 0.0},
+        contact={"damping_ratio": 0.02},
+        friction=dict.fromkeys(type(SOFT.friction).model_fields, 0.0),
+    )
+    level = level.but(contact={"working_load": 10.0})
+    compiled = build(level)
+    # half of the load held on: contacts stay closed while the other half is let go
+    run = simulate(level, compiled, locked_crank(compiled, 0.3, lambda t: rising(10.0, 0.02)(t) - 3.0 * (t > 0.025)))
+    swing = run["output_angle"][run.time > 0.026]
+    swing = swing - 0.5 * (swing.max() + swing.min())
+    times = run.time[run.time > 0.026][:-1][np.diff(np.signbit(swing).astype(int)) != 0]
+    period = 2.0 * float(np.mean(np.diff(times)))
+    # half of the teeth are reckoned with, and three of fourteen carry
+    assert 1.0 < period / swing_period(Reducer(level)) < 1.6
+    assert swing_period(Reducer(level)) > 3.0 * swing_period(Reducer(PRINTED))
+    assert slowness(Reducer(level)) == pytest.approx(6.0 * swing_period(Reducer(level)) / 0.005)
+    slower = level.but(drive={"speed": 1e4})
+    assert window.settling(Reducer(slower)) == pytest.approx(0.005 * slowness(Reducer(slower)))
+
+
+def test_the_period_is_that_of_inertia_on_stiffness() -> None:
+    loaded = PRINTED.but(load={"torque": 10.0})
+    known = 2.0 * math.pi * math.sqrt(moving_inertia(Reducer(loaded)) / closed_stiffness(Reducer(loaded)))
+    assert swing_period(Reducer(loaded)) == pytest.approx(known)
+    ring = PRINTED.but(output={"member": "ring"})
+    assert moving_inertia(Reducer(ring)) > 1.3 * moving_inertia(Reducer(PRINTED))
+    assert closed_stiffness(Reducer(ring)) == pytest.approx(
+        (14 / 13) ** 2 * closed_stiffness(Reducer(PRINTED)), rel=0.05
+    )
+
+
+def test_the_depth_allowed_follows_the_load_and_stays_below_the_teeth() -> None:
+    heavy = PRINTED.but(load={"torque": 20.0})
+    pressed = [
+        working_force(Reducer(heavy), kind) / contact_stiffness(Reducer(heavy), kind) for kind in heavy.pair_kinds
+    ]
+    assert deepest(Reducer(heavy)) == pytest.approx(10.0 * max(pressed))
+    assert deepest(Reducer(heavy)) > 2.0 * DEEPEST
+    crushed = PRINTED.but(load={"torque": 45.0}, material={"youngs_modulus": 4e8, "name": ""})
+    assert deepest(Reducer(crushed)) == pytest.approx(0.25 * crushed.gear.eccentricity)
+    assert deepest(Reducer(heavy.but(contact={"max_penetration": 7e-6}))) == 7e-6
+
+
+def test_a_load_beyond_the_papers_depth_runs_and_a_limit_that_is_given_still_ends_it() -> None:
+    heavy = _short(PRINTED.but(load={"torque": 45.0, "rise": 0.02}))
+    assert simulate(heavy)["penetration"].max() > DEEPEST
+    with pytest.raises(RunError, match=r"beyond contact\.max_penetration_um = 50"):
+        simulate(heavy.but(contact={"max_penetration": DEEPEST}))
+
+
+def _short(design: Design) -> Design:
+    return design.but(drive={"ramp": 0.0, "hold": 0.06})

@@ -1,0 +1,525 @@
+"""Tolerances: zones, draws, yield and budget, against the linear programme of rigid parts and the tables of ISO 286."""
+
+import json
+from dataclasses import astuple
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from designs import UNLIKE, unlike
+from scipy.stats import qmc, sobol_indices, uniform
+
+from cycloid_mj.base.engine import Engine
+from cycloid_mj.base.errors import DesignError, UsageError
+from cycloid_mj.cli import main
+from cycloid_mj.cli.terminal import finite
+from cycloid_mj.design import PRESETS, Design, load, override
+from cycloid_mj.explore import budget, draw, figures, tolerance, tolerances
+from cycloid_mj.explore.figures import FIGURES
+from cycloid_mj.explore.limit import limit
+from cycloid_mj.explore.verify import Verified, verified
+from cycloid_mj.explore.zone import Zone, zone
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.limits import best_fit, stops, tightest
+from cycloid_mj.statics.samples import Figures, solve_samples
+from cycloid_mj.statics.springs import springs_of
+
+PIN, NONPIN = PRESETS["pin"], PRESETS["nonpin"]
+ANGLES = 6
+
+
+@pytest.fixture(autouse=True)
+def few_angles(monkeypatch):
+    monkeypatch.setattr(tolerances, "ANGLES", ANGLES)
+    monkeypatch.setattr(tolerances, "BUDGET_SAMPLES", 64)
+
+
+def play(design: Design) -> float:
+    """Mean play of the output by the linear programme [arcmin], at the crank angles of the samples."""
+    ends = [stops(Reducer(design), 2.0 * np.pi * i / ANGLES) for i in range(ANGLES)]
+    return float(60.0 * np.degrees(np.mean([high - low for low, high in ends])))
+
+
+def test_zones_are_read() -> None:
+    assert zone("", "cam", 0.03) is None
+    assert zone("0", "cam", 0.03) is None
+    assert zone("normal 2", "cam", 0.03) == Zone("normal", 0.0, 2e-6)
+    assert zone("Uniform 5", "cam", 0.03).width == pytest.approx(5e-6)
+    between = zone("between -1 4", "cam", 0.03)
+    assert (between.middle, between.width) == pytest.approx((1.5e-6, 2.5e-6))
+
+
+@pytest.mark.parametrize(
+    ("size", "fit", "least", "most"), [(25e-3, "H7/g6", 7, 41), (40e-3, "H8/f7", 25, 89), (10e-3, "H7/h6", 0, 24)]
+)
+def test_fits_are_those_of_the_standard(size: float, fit: str, least: int, most: int) -> None:
+    """ISO 286-1: limits of the clearance on the diameter [um], here half of it, 3 standard deviations to each side."""
+    found = zone(fit, "cam", size, 5e-6)
+    low, high = (5e-6 + found.middle + sign * 3.0 * found.width for sign in (-1.0, 1.0))
+    assert (low, high) == pytest.approx((0.5e-6 * least, 0.5e-6 * most), abs=1e-12)
+
+
+@pytest.mark.parametrize(("size", "grade", "width"), [(25e-3, "IT6", 13), (81.5e-3, "IT7", 35), (4.5e-3, "IT5", 5)])
+def test_grades_are_those_of_the_standard(size: float, grade: str, width: int) -> None:
+    assert 6.0 * zone(grade, "pin_radius", size).width == pytest.approx(0.5e-6 * width)
+
+
+@pytest.mark.parametrize(
+    "text", ["normal", "normal x", "normal -1", "between 2 1", "IT99", "H7/z99", "H7/g6 about", "five", "normal 1 2"]
+)
+def test_other_words_are_no_tolerance(text: str) -> None:
+    with pytest.raises(DesignError, match=r"tolerance\.cam = "):
+        zone(text, "cam", 0.03, 1e-6)
+
+
+def test_a_fit_is_for_a_clearance_alone() -> None:
+    with pytest.raises(DesignError, match=r"tolerance\.pin_radius"):
+        zone("H7/g6", "pin_radius", 0.0045)
+
+
+def drawn(design: Design, samples: int, seed: int) -> dict[str, np.ndarray]:
+    """How far samples that depart in single numbers alone do so [m], by tolerance."""
+    zones = draw.tolerances(Reducer(design))
+    made = [draw.departures(Reducer(design), zones, seed, block) for block in draw.blocks(samples)]
+    return {key: np.concatenate([one[key] for one in made]) for key in zones}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("design", [PIN, pytest.param(NONPIN, marks=pytest.mark.slow)], ids=["pin", "nonpin"])
+def test_small_tolerances_add_up_as_their_gradients(design: Design, monkeypatch) -> None:
+    """Mean, standard deviation and shares of the backlash of what was drawn, by the slopes of the rigid play."""
+    monkeypatch.setattr(tolerances, "BUDGET_SAMPLES", 512)
+    sigma = {"cam": 0.02e-6, "mesh": 0.01e-6, "output": 0.03e-6}
+    slopes = {}
+    for key in sigma:
+        kind = design.tooth_pair if key == "mesh" else key
+        step = 0.01e-6
+        ends = [
+            play(design.but(clearance={kind: getattr(design.clearance, kind) + side * step})) for side in (-1.0, 1.0)
+        ]
+        slopes[key] = (ends[1] - ends[0]) / (2.0 * step)
+    expected = {key: (slopes[key] * sigma[key]) ** 2 for key in sigma}
+    toleranced = override(design, [f'tolerance.{key}="normal {1e6 * value!r}"' for key, value in sigma.items()])
+    found = tolerance(toleranced, 512, 3)
+    figures = found.distributions["backlash_arcmin"]
+    linear = sum(slopes[key] * values for key, values in drawn(toleranced, 512, 3).items())
+    assert figures.mean == pytest.approx(play(design) + np.mean(linear), rel=2e-3)
+    assert figures.std == pytest.approx(np.std(linear, ddof=1), rel=5e-3)
+    # the draws themselves: four standard errors of a standard deviation
+    assert np.std(linear) == pytest.approx(np.sqrt(sum(expected.values())), rel=4.0 / np.sqrt(2.0 * 512.0))
+    for share in found.budget:
+        exact = expected[share.source] / sum(expected.values())
+        assert (share.first_order, share.total) == pytest.approx((exact, exact), abs=0.02)
+        assert share.ci95[0] - 0.01 <= exact <= share.ci95[1] + 0.01
+
+
+@pytest.mark.parametrize("design", [PIN, NONPIN], ids=["pin", "nonpin"])
+def test_the_cam_alone_gives_the_closed_form(design: Design) -> None:
+    """Its play delta turns the output by 2 delta/(c (N - 1)), where no other pair has any."""
+    none = dict.fromkeys((kind for kind in design.pair_kinds if kind != "cam"), 1e-12)
+    alone = override(design.but(clearance=none), {"tolerance.cam": "normal 0.05"})
+    figures = tolerance(alone, 200, 2).distributions["backlash_arcmin"]
+    turn = 60.0 * np.degrees(2.0 / (design.gear.eccentricity * design.lobes))
+    cam = drawn(alone, 200, 2)["cam"]
+    assert figures.mean == pytest.approx(turn * (design.clearance.cam + np.mean(cam)), rel=0.005)
+    assert figures.std == pytest.approx(turn * np.std(cam, ddof=1), rel=0.005)
+
+
+@pytest.mark.slow
+def test_the_same_seed_gives_the_same_bits_whatever_the_workers() -> None:
+    design = override(PIN, ['tolerance.pin_position="normal 0.2"', 'tolerance.cam="uniform 0.3"'])
+    cases = ((1, Engine(1)), (1, Engine(2, "threads")), (1, Engine(2)), (2, Engine(1)))
+    one, two, apart, other = (tolerance(design, 40, seed, engine=engine) for seed, engine in cases)
+    for key, values in one.figures.items():
+        assert np.array_equal(values, two.figures[key])
+        assert np.array_equal(values, apart.figures[key])
+        assert not np.array_equal(values, other.figures[key])
+    assert one.budget == two.budget == apart.budget
+
+
+def test_the_samples_are_a_table() -> None:
+    found = tolerance(override(PIN, {"tolerance.cam": "uniform 0.3"}), 4, 0)
+    assert found["sample"].tolist() == [1, 2, 3, 4]
+    assert np.array_equal(found["backlash_arcmin"], found.figures["backlash_arcmin"])
+    assert (np.abs(found["drawn_cam_um"]) <= 0.3).all()
+    assert found.frame.units["drawn_cam_um"] == "um"
+    assert found.frame.units["cam_force_n"] == "N"
+    assert "loaded_teeth" not in found.frame.units
+
+
+def test_what_was_drawn_stands_beside_the_figures() -> None:
+    words = {"cam": "between -0.3 -0.1", "pin_position": "normal 0.01", "hole_position": "normal 0.01"}
+    words |= {"disc_size": "uniform 0.01", "profile": "2: normal 0.01"}
+    design = override(PRESETS["twodisc"], {f"tolerance.{key}": text for key, text in words.items()})
+    zones, block = draw.tolerances(Reducer(design)), draw.Block(0, 3)
+    found, made = (
+        draw.drawn_columns(draw.departures(Reducer(design), zones, 0, block)),
+        draw.drawn(Reducer(design), zones, 0, block),
+    )
+    assert ((found["drawn_cam_um"] >= -0.3) & (found["drawn_cam_um"] <= -0.1)).all()
+    for column, values in (
+        ("cam", made.cam - design.clearance.cam),
+        ("pin_position_2_y", made.pin_place[:, 1, 1]),
+        ("hole_position_2_3_x", made.hole_place[:, 1, 2, 0]),
+        ("disc_size_2", made.disc_radius[:, 1]),
+        ("profile_2_sin", made.waves[:, 1, 1]),
+    ):
+        assert 1e-6 * found[f"drawn_{column}_um"] == pytest.approx(values, abs=1e-15)
+    assert len(found) == 1 + 2 * design.ring.teeth + 4 * design.output.pins + 2 + 2
+
+
+def test_the_first_samples_are_the_same_however_many_there_are(monkeypatch) -> None:
+    monkeypatch.setattr(draw, "BLOCK", 8)
+    monkeypatch.setattr(draw, "BEGINNING", 3)
+    design = override(PIN, ['tolerance.cam="uniform 0.3"'])
+    few, many = (tolerance(design, count, 1).figures["backlash_arcmin"] for count in (16, 30))
+    assert np.array_equal(few, many[:16])
+    assert len(np.unique(many)) == 30
+
+
+def stopping_after(count: int):
+    """Give a progress that Ctrl-C comes in as soon as so many samples are balanced."""
+
+    def progress(done: int, _: int) -> None:
+        if done >= count:
+            raise KeyboardInterrupt
+
+    return progress
+
+
+@pytest.mark.parametrize("engine", [Engine(1), Engine(2, "threads")], ids=["alone", "threads"])
+def test_ctrl_c_leaves_the_figures_of_a_shorter_study(monkeypatch, engine: Engine) -> None:
+    monkeypatch.setattr(draw, "BLOCK", 8)
+    design = override(PIN, ['tolerance.cam="uniform 0.3"', 'tolerance.mesh="uniform 0.1"'])
+    with pytest.raises(tolerances.Unfinished) as stopped:
+        tolerance(design, 40, 1, ["backlash_arcmin<=1"], stopping_after(17), engine)
+    found = stopped.value.found
+    shorter = tolerance(design, found.samples, 1, ["backlash_arcmin<=1"])
+    assert found.samples in (8, 16, 24)
+    assert found.asked == 40
+    for key, values in shorter.figures.items():
+        assert np.array_equal(found.figures[key], values)
+    assert found.worst == shorter.worst
+    assert found.budget == ()
+    assert "no error budget" in found.notes[0]
+    assert f"{found.samples} of 40 samples" in found.words
+
+
+def test_ctrl_c_before_the_first_block_is_no_study(monkeypatch) -> None:
+    def pressed(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(tolerances, "balanced", pressed)
+    with pytest.raises(KeyboardInterrupt) as stopped:
+        tolerance(override(PIN, {"tolerance.cam": "uniform 0.3"}), 8, 1, engine=Engine(1))
+    assert not isinstance(stopped.value, tolerances.Unfinished)
+
+
+def test_ctrl_c_among_the_runs_of_the_worst_keeps_those_that_are_done(monkeypatch) -> None:
+    whole = Verified("done", {"cam_force_n": 2.0}, {"cam_force_n": 3.0})
+    runs = iter([whole])
+
+    def run(_: Design) -> Verified:
+        try:
+            return next(runs)
+        except StopIteration:
+            raise KeyboardInterrupt from None
+
+    monkeypatch.setattr(tolerances, "verified", run)
+    design = override(PIN, ['tolerance.cam="uniform 0.3"', 'tolerance.mesh="uniform 0.1"'])
+    with pytest.raises(tolerances.Unfinished) as stopped:
+        tolerance(design, 8, 1, engine=Engine(1), verify=3)
+    assert stopped.value.found.verified == (whole,)
+    assert stopped.value.found.budget == tolerance(design, 8, 1).budget
+
+
+@pytest.mark.slow
+def test_the_worst_samples_are_designs_that_have_that_play() -> None:
+    words = {
+        "pin_position": "normal 0.1",
+        "pin_radius": "normal 0.1",
+        "hole_position": "normal 0.1",
+        "cam": "uniform 0.4",
+    }
+    found = tolerance(override(PIN, {f"tolerance.{key}": text for key, text in words.items()}), 60, 5)
+    worst = np.sort(found.figures["backlash_arcmin"])[::-1][: len(found.worst)]
+    for design, value in zip(found.worst, worst, strict=True):
+        assert play(design) == pytest.approx(value, rel=5e-3)
+
+
+@pytest.mark.slow
+def test_errors_of_each_disc_are_drawn_and_budgeted() -> None:
+    """Sizes and cams of two discs depart each by itself; the play is that of the rigid drive made so."""
+    zones = {
+        "tolerance.disc_size": "normal 0.4",
+        "tolerance.cam_position": "normal 0.4",
+        "tolerance.cam": "uniform 0.1",
+    }
+    found = tolerance(override(PRESETS["twodisc"], zones), 40, 5)
+    widest = np.sort(found.figures["backlash_arcmin"])[-1]
+    made = found.worst[0]
+    assert made.errors.disc_dr[0] != made.errors.disc_dr[1]
+    assert made.errors.cam_x[0] != made.errors.cam_x[1]
+    assert play(made) == pytest.approx(widest, rel=5e-3)
+    shares = {share.source: share.total for share in found.budget}
+    assert set(shares) == {"disc_size", "cam_position", "cam"}
+    assert min(shares["disc_size"], shares["cam_position"]) > shares["cam"]
+
+
+def test_parts_larger_than_their_clearances_jam() -> None:
+    jammed = tolerance(override(PIN, {"tolerance.mesh": "between -6 -5"}), 20, 0)
+    assert jammed.jams.all()
+    assert jammed.as_json()["yield"] == 0.0
+    assert not tolerance(override(PIN, {"tolerance.mesh": "between 0 1"}), 20, 0).jams.any()
+
+
+@pytest.mark.parametrize("pair", ["mesh", "seat", "cam", "output"])
+def test_every_pair_that_interferes_is_a_jam_by_name(pair: str) -> None:
+    """Clearances of 1 um (a pin's play of 1 more) drawn at 5 to 7 um less."""
+    jammed = tolerance(override(PIN, {f"tolerance.{pair}": "between -8 -6"}), 8, 0)
+    assert jammed.jams.all()
+    assert (jammed.as_json()["yield"], jammed.worst, jammed.budget) == (0.0, (), ())
+    assert f"without tolerance.{pair} alone they go together" in jammed.jammed_by
+    assert f"all samples jam: {jammed.jammed_by}" in jammed.notes
+    assert ("pin_gear interferes" if pair in ("mesh", "seat") else pair) in jammed.jammed_by
+
+
+def test_a_cam_larger_than_its_bore_presses_as_its_spring_does() -> None:
+    """Both sides press with stiffness times interference; a fit jams in as many samples as lie below zero."""
+    stiffness = springs_of(Reducer(PIN), friction=False).contacts.cam_stiffness
+    found = tolerance(override(PIN, {"tolerance.cam": "H7/k6"}), 150, 0)
+    interference = -1e-6 - 1e-6 * found.drawn["drawn_cam_um"]
+    pressed = interference > 0.0
+    assert found.figures["cam_preload_n"][pressed] == pytest.approx(stiffness * interference[pressed], rel=0.01)
+    surely = stiffness * interference > 0.011 * found.figures["cam_force_n"]
+    assert 0.2 < surely.mean() < 0.6
+    assert found.jams[surely].all()
+    assert not found.jams[~pressed].any()
+    assert found["jams"].tolist() == found.jams.astype(int).tolist()
+    assert all(design.clearance.cam > 0.0 for design in found.worst)
+    assert "the cam in" in found.notes[0]
+
+
+def test_jams_are_not_in_the_budget(monkeypatch) -> None:
+    """Its variance is that of the samples that go together."""
+    words = {"tolerance.cam": "between -4 -0.5", "tolerance.mesh": "uniform 0.01"}
+    seen = {}
+    monkeypatch.setattr(tolerances, "shares", lambda zones, sets, values, _: seen.update(values) or ())
+    design = override(PIN, words)
+    tolerance(design, 12, 0)
+    cam = draw.departures(
+        Reducer(design),
+        draw.tolerances(Reducer(design)),
+        0,
+        budget.budget_blocks(draw.tolerances(Reducer(design)), 64)["A"],
+    )
+    assert np.isnan(seen["A"][cam["cam"] < -1.1e-6]).all()
+    assert np.isfinite(seen["A"][cam["cam"] > -1e-6]).all()
+
+
+@pytest.mark.parametrize("engine", [Engine(1), Engine(2, "threads")], ids=["alone", "threads"])
+def test_a_study_whose_beginning_jams_ends_with_the_cause(monkeypatch, engine: Engine) -> None:
+    monkeypatch.setattr(draw, "BEGINNING", 6)
+    monkeypatch.setattr(tolerances, "BEGINNING", 6)
+    design = override(PIN, {"tolerance.cam": "H7/g6", "tolerance.pin_position": "normal 2"})
+    with pytest.raises(
+        tolerances.AllJam, match=r"^all of the first 6 samples jam: .*pin_gear interferes by"
+    ) as stopped:
+        tolerance(design, 300, 0, engine=engine)
+    assert stopped.value.found.samples == 6
+    assert "without tolerance.pin_position alone" in str(stopped.value)
+
+
+def test_interference_of_rigid_parts_is_that_of_their_radii() -> None:
+    """A cam or flanks that are too large by so much: the most room is that, and the pair is named."""
+    for changed, pair, depth in (
+        ({"cam": -3e-6}, "cam", 3e-6),
+        ({"pin_gear": -2e-6, "pin_socket": 1e-9}, "pin_gear", 2e-6),
+    ):
+        tight = PIN.model_copy(update={"clearance": PIN.clearance.model_copy(update=changed)})
+        room, shares = tightest(Reducer(tight), 0.3)
+        assert room == pytest.approx(-depth, abs=2e-9)
+        assert shares[pair] == pytest.approx(1.0)
+    room, shares = tightest(Reducer(PIN), 0.3)
+    assert room == pytest.approx(best_fit(Reducer(PIN), 0.3).room)
+    assert sum(shares.values()) == pytest.approx(1.0)
+
+
+@pytest.mark.slow
+def test_samples_without_a_balance_jam_and_the_others_keep_their_figures(monkeypatch) -> None:
+    def without_the_eighth(*given: Any) -> list[Figures]:
+        one = solve_samples(*given)
+        return [Figures(*(np.where(np.arange(value.size) == 7, np.nan, value) for value in astuple(of))) for of in one]
+
+    monkeypatch.setattr(figures, "solve_samples", without_the_eighth)
+    words = {"pin_position": "normal 0.1", "hole_position": "normal 0.1", "eccentricity": "normal 0.1", "cam": "H7/g6"}
+    found = tolerance(override(NONPIN, {f"tolerance.{key}": text for key, text in words.items()}), 60, 0)
+    lost = np.isnan(found.figures["backlash_arcmin"])
+    assert np.flatnonzero(lost).tolist() == [7]
+    assert found.jams[lost].all()
+    assert not found.jams.all()
+    assert np.isfinite([share.total for share in found.budget]).all()
+    assert found.notes[0] == "pressed without a load: no balance in 1.67%"
+    assert "lack pin_position" in found.notes[1]
+    json.dumps(finite(found.as_json()), allow_nan=False)
+
+
+@pytest.mark.slow
+def test_dynamics_of_a_sample_stand_beside_its_statics() -> None:
+    """Without friction a slow run is the statics, waves included; a load that nothing bears is told, and no error."""
+    design = override(
+        unlike("light"),
+        {"drive.speed_rpm": 900, "errors.hole_x_um": {"1": 2.0}, "errors.profile_sin_um": {"2": 0.5}},
+    )
+    smooth = design.but(friction=dict.fromkeys(type(design.friction).model_fields, 0.0))
+    found = verified(Reducer(smooth))
+    assert set(found.dynamics) == {"te_loaded_arcsec", "tooth_force_n", "output_pin_force_n", "cam_force_n"}
+    for key, difference in found.differences.items():
+        assert abs(difference) < (0.2 if key == "te_loaded_arcsec" else 0.03), (key, difference)
+    assert found.statics["tooth_force_n"] > 10.0
+    torn = verified(Reducer(design.but(contact={"max_penetration": 1e-9})))
+    assert not torn.dynamics
+    assert "max_penetration_um" in torn.note
+
+
+# --- the error budget
+
+
+def ishigami(x: np.ndarray) -> np.ndarray:
+    return np.sin(x[:, 0]) + 7.0 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
+
+
+def sets_of(function, zones: dict[str, Zone], count: int) -> tuple[list[dict], dict[str, np.ndarray]]:
+    """Departures in the sets A and B, and what a function of one number for each zone gives in all sets."""
+    width = len(zones)
+    shares_of = qmc.Sobol(2 * width, rng=np.random.default_rng(1)).random(count)
+    a, b = (
+        np.stack([zone.quantiles(half[:, i]) for i, zone in enumerate(zones.values())], axis=1)
+        for half in (shares_of[:, :width], shares_of[:, width:])
+    )
+    mixed = {key: np.where(np.arange(width) == i, b, a) for i, key in enumerate(zones)}
+    values = {name: function(x) for name, x in {"A": a, "B": b, **mixed}.items()}
+    return [dict(zip(zones, x.T, strict=True)) for x in (a, b)], values
+
+
+def test_shares_are_those_of_the_closed_form_and_of_scipy() -> None:
+    """Ishigami's function: first order 0.314, 0.442, 0, total 0.558, 0.442, 0.244 (Saltelli 2008, p. 179)."""
+    zones = {key: Zone("uniform", 0.0, np.pi) for key in "xyz"}
+    found = {one.source: one for one in budget.shares(zones, *sets_of(ishigami, zones, 4096), np.random.default_rng(0))}
+    for key, first, total in (("x", 0.3139, 0.5576), ("y", 0.4424, 0.4424), ("z", 0.0, 0.2437)):
+        assert (found[key].first_order, found[key].total) == pytest.approx((first, total), abs=0.02)
+        assert found[key].ci95[0] <= total <= found[key].ci95[1]
+    dists = [uniform(loc=-np.pi, scale=2.0 * np.pi)] * 3
+    theirs = sobol_indices(func=lambda x: ishigami(x.T)[np.newaxis], n=4096, dists=dists, rng=np.random.default_rng(3))
+    ours = np.array([[found[key].first_order, found[key].total] for key in "xyz"]).T
+    np.testing.assert_allclose(ours, [theirs.first_order.ravel(), theirs.total_order.ravel()], atol=0.03)
+
+
+def test_a_linear_figure_has_exact_shares_and_what_is_idle_none() -> None:
+    zones = {"a": Zone("normal", 1.0, 2.0), "b": Zone("uniform", 0.0, 3.0), "idle": Zone("normal", 0.0, 5.0)}
+    sets, values = sets_of(lambda x: 3.0 + 1.5 * x[:, 0] - x[:, 1], zones, 64)
+    values = {name: np.where(np.arange(64) == 7, np.nan, of) for name, of in values.items()}  # a sample that jams
+    a, b, idle = budget.shares(zones, sets, values, np.random.default_rng(0))
+    assert (a.source, b.source, idle.source) == tuple(zones)
+    assert (a.first_order, a.total, b.total) == pytest.approx((0.75, 0.75, 0.25), abs=1e-9)
+    assert (idle.first_order, idle.total, *idle.ci95) == (0.0, 0.0, 0.0, 0.0)
+
+
+def test_waves_have_the_amplitudes_of_their_zones_and_begin_anywhere() -> None:
+    design = override(PIN, {"tolerance.profile": "2: normal 0.01, 35: uniform 0.02"})
+    zones = draw.tolerances(Reducer(design))
+    assert list(zones) == ["profile_2", "profile_35"]
+    waves = draw.departures(Reducer(design), zones, 0, draw.Block(0, 512, compared=True))
+    for order, square in (("profile_2", 0.01e-6**2), ("profile_35", 0.02e-6**2 / 3.0)):
+        assert np.mean(waves[order] ** 2, axis=0) == pytest.approx([square / 2.0] * 2, rel=0.05)
+        assert np.abs(waves[order].mean(axis=0)).max() < 0.05 * np.sqrt(square)
+    made = draw.drawn(Reducer(design), zones, 0, draw.Block(0, 4))
+    assert np.flatnonzero(np.any(made.waves != 0.0, axis=(0, 2))).tolist() == [1, 34]
+
+
+@pytest.mark.parametrize("text", ["normal 1", "0: normal 1", "37: normal 1", "2: normal", "2: IT99", "1: IT5, 1: IT5"])
+def test_other_words_are_no_waves(text: str) -> None:
+    with pytest.raises(DesignError, match=r"tolerance\.profile"):
+        draw.tolerances(Reducer(override(PIN, {"tolerance.profile": text})))
+
+
+def test_yield_counts_what_keeps_the_limits() -> None:
+    design = override(PIN, {"tolerance.cam": "uniform 0.5"})
+    asked = [limit("backlash_arcmin<=0.98", FIGURES), limit("backlash_arcmin >= 0.9", FIGURES)]
+    found = tolerance(design, 300, 1, asked)
+    values = found.figures["backlash_arcmin"]
+    assert found.good.mean() == np.mean((values <= 0.98) & (values >= 0.9))
+    low, high = found.yield_interval
+    assert 0.0 < low < found.good.mean() < high < 1.0
+
+
+@pytest.mark.parametrize("text", ["backlash<=1", "backlash_arcmin<1", "backlash_arcmin<=x", "backlash_arcmin<=nan", ""])
+def test_wrong_limits_are_refused(text: str) -> None:
+    with pytest.raises(UsageError, match="--limit"):
+        limit(text, FIGURES)
+
+
+@pytest.mark.parametrize("name", UNLIKE)
+def test_other_designs(name: str) -> None:
+    design = override(unlike(name), {"tolerance.cam": "uniform 1", "tolerance.hole_position": "normal 0.5"})
+    found = tolerance(design, 10, 0)
+    assert all(np.isfinite(values).all() for values in found.figures.values())
+
+
+def test_the_command(tmp_path: Path, capsys) -> None:
+    flags = ["--samples", "50", "--seed", "4", "--out", str(tmp_path), "--limit", "backlash_arcmin<=1"]
+    assert main(["tolerance", "--design", "pin", "--set", 'tolerance.cam="normal 0.2"', *flags, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert {"samples", "seed", "yield", "yield_ci95", "jam_probability", "quantities", "budget"} <= set(found)
+    assert set(found["quantities"]["backlash_arcmin"]) == {"mean", "std", "p05", "p50", "p95", "unit"}
+    assert set(found["budget"][0]) == {"source", "first_order", "total", "ci95"}
+    page = (tmp_path / "pin-tolerance.html").read_text()
+    assert page.count("data:image/svg+xml") == 2
+    assert 'src="http' not in page
+    header, *rows = (tmp_path / "pin-samples.csv").read_text().splitlines()
+    assert header.startswith("sample,drawn_cam_um,backlash_arcmin,")
+    assert len(rows) == 50
+    assert load(tmp_path / "pin-worst-1.toml").clearance.cam > PIN.clearance.cam
+
+
+def test_the_command_keeps_what_jammed_and_fails(tmp_path: Path, capsys, monkeypatch) -> None:
+    monkeypatch.setattr(draw, "BEGINNING", 6)
+    monkeypatch.setattr(tolerances, "BEGINNING", 6)
+    flags = ["--samples", "50", "--out", str(tmp_path), "--set", 'tolerance.cam="between -8 -6"', "--json"]
+    assert main(["tolerance", "--design", "pin", *flags]) == 1
+    said = capsys.readouterr()
+    last = said.err.splitlines()[-1]
+    assert last.startswith("error: all of the first 6 samples jam: in the first 6 of them cam interferes by ")
+    assert json.loads(said.out)["jammed_by"] in last
+    assert len((tmp_path / "pin-samples.csv").read_text().splitlines()) == 7
+
+
+def test_the_command_writes_what_is_done_at_ctrl_c(tmp_path: Path, capsys, monkeypatch) -> None:
+    monkeypatch.setattr(draw, "BLOCK", 8)
+    monkeypatch.setattr("cycloid_mj.cli.progress.counted", lambda *_: stopping_after(16))
+    zones = ["--set", 'tolerance.cam="normal 0.2"', "--set", 'tolerance.mesh="normal 0.1"']
+    flags = [*zones, "--samples", "50", "--workers", "1", "--out", str(tmp_path), "--json"]
+    assert main(["tolerance", "--design", "pin", *flags]) == 1
+    said = capsys.readouterr()
+    found = json.loads(said.out)
+    assert (found["samples"], found["asked"], found["budget"]) == (16, 50, [])
+    assert said.err.splitlines()[-1] == f"error: stopped by Ctrl-C; 16 of 50 samples are in {tmp_path}"
+    assert len((tmp_path / "pin-samples.csv").read_text().splitlines()) == 17
+    page = (tmp_path / "pin-tolerance.html").read_text()
+    assert "16 of 50 samples" in page
+    assert "Tighten this first" not in page
+
+
+@pytest.mark.parametrize(
+    ("flags", "message"),
+    [
+        ([], "has no tolerances"),
+        (["--set", 'tolerance.cam="normal 1"', "--samples", "1"], "--samples 1"),
+        (["--set", 'tolerance.cam="normal 1"', "--seed", "-1"], "--seed -1"),
+        (["--set", 'tolerance.cam="normal 1"', "--limit", "play<=1"], "there is no figure play"),
+    ],
+)
+def test_wrong_wishes_are_refused(tmp_path: Path, capsys, flags: list[str], message: str) -> None:
+    assert main(["tolerance", "--design", "pin", *flags, "--out", str(tmp_path)]) == 2
+    assert message in capsys.readouterr().err

@@ -1,0 +1,234 @@
+"""The data sheet: its numbers hold under their conditions, its pages are whole, nothing on them is clipped."""
+
+import json
+import math
+import re
+from dataclasses import replace
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+import pytest
+from designs import UNLIKE, unlike
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.text import Text
+
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.result import Quantity
+from cycloid_mj.cli import main
+from cycloid_mj.design import PRESETS
+from cycloid_mj.life import rate
+from cycloid_mj.life.datasheet import Datasheet, axial_extent, datasheet, input_inertia, life_curve
+from cycloid_mj.life.duty import steady
+from cycloid_mj.life.rated import rated_torque
+from cycloid_mj.parts import mass_properties, parts
+from cycloid_mj.parts.cut import cut
+from cycloid_mj.parts.prism import Prism
+from cycloid_mj.plots.datasheet import datasheet_pages, datasheet_pictures, written
+from cycloid_mj.plots.save import document
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.report.datasheet import datasheet_page
+from cycloid_mj.statics.sheet import sheet as static
+
+PIN = PRESETS["pin"]
+SQUARE = np.array([[-3.0, -2.0], [3.0, -2.0], [3.0, 2.0], [-3.0, 2.0]])
+
+
+@pytest.fixture(scope="module")
+def sheet() -> Datasheet:
+    return datasheet(Reducer(PIN))
+
+
+def told(sheet: Datasheet) -> dict[str, Quantity]:
+    return {one.key: one for group in sheet.groups.values() for one in group}
+
+
+@pytest.mark.slow
+def test_the_rated_torque_is_just_borne(sheet) -> None:
+    """At that torque what decides it lasts as long as asked, and nothing but wear and stops is weaker."""
+    torque = told(sheet)["rated_torque"].value
+    found = rate(PIN, steady(torque, PIN.drive.speed), sheet.life)
+    steadily = {key: item for key, item in found.items.items() if not key.startswith("peak_")}
+    deciding = next(item for key, item in steadily.items() if not key.endswith(("_wear", "_pv", "_static")))
+    assert deciding.key == "pin_gear_pitting"
+    assert deciding.name in told(sheet)["rated_torque"].note
+    # nine times the accuracy of the torque, which is what pitting makes of it
+    assert deciding.life == pytest.approx(6000.0, rel=0.01)
+
+
+@pytest.mark.slow
+def test_the_torque_of_the_bearings_goes_by_their_law(sheet) -> None:
+    near = rate(PIN).items["shaft_bearing_near"]
+    by_law = PIN.rated_torque * (near.life / 6000.0) ** 0.3
+    assert told(sheet)["bearing_torque"].value == pytest.approx(by_law, rel=0.03)
+
+
+@pytest.mark.slow
+def test_a_longer_life_is_asked_of_a_smaller_torque() -> None:
+    torques = [rated_torque(Reducer(PIN), PIN.drive.speed, life)[0] for life in (1000.0, 6000.0)]
+    assert torques[0] / torques[1] > 1.15
+    assert rated_torque(Reducer(PIN), PIN.drive.speed, 6000.0, guess=50.0)[0] == pytest.approx(torques[1], rel=2e-3)
+
+
+def test_what_bears_nothing_for_so_long_says_so() -> None:
+    with pytest.raises(DesignError, match=r"no torque down to .* is borne for 1e\+20 h"):
+        rated_torque(Reducer(PIN), PIN.drive.speed, 1e20)
+
+
+def test_the_momentary_torque_is_that_of_the_weakest_stop(sheet) -> None:
+    stops = [item for item in rate(PIN).items.values() if item.key.startswith("peak_")]
+    assert len(stops) == 5
+    assert told(sheet)["momentary_torque"].value == pytest.approx(2.0 * 36.68 * min(item.safety for item in stops))
+
+
+def test_the_rated_torque_is_held_once_as_well() -> None:
+    """Where first yield comes before what lasts, it governs: no sheet has a momentary torque below its rated one."""
+    soft = PIN.but(material={"name": "", "youngs_modulus": 2.1e11, "tensile_strength": 2e9, "yield_strength": 2e8})
+    for design in (soft, PIN):
+        rated, momentary = (told(datasheet(Reducer(design), 10.0))[key] for key in ("rated_torque", "momentary_torque"))
+        assert rated.value <= momentary.value
+        assert "safety 1" in rated.note
+        assert "safety 1" in momentary.note
+
+
+def test_figures_are_those_of_statics_and_solids(sheet) -> None:
+    found, expected = told(sheet), static(Reducer(PIN)).quantities
+    for key in ("backlash", "lost_motion_ideal", "stiffness_ideal", "efficiency", "back_driving_torque_rated"):
+        assert found[key].value == expected[key].value
+    low, high = axial_extent(Reducer(PIN))
+    assert found["length"].value == pytest.approx(1e3 * (high - low)) == pytest.approx(50.0)
+    solids = {name: mass_properties(solid) for name, solid in parts(Reducer(PIN)).items()}
+    assert found["mass"].value == pytest.approx(
+        sum(one.mass * (36 if name == "pin" else 1) for name, one in solids.items())
+    )
+    assert all(one.note for one in found.values())
+
+
+def test_the_inertia_at_the_input_is_that_of_the_energy() -> None:
+    """Twice the kinetic energy over the square of the crank's speed, part by part from their motion."""
+    solids, speed = {name: mass_properties(solid) for name, solid in parts(Reducer(PIN)).items()}, 7.0
+    slow = speed / PIN.lobes
+    shaft, gear, output = solids["shaft"], solids["gear"], solids["output"]
+    spun = shaft.inertia[2, 2] * speed**2 + shaft.mass * (speed * np.hypot(*shaft.centroid[:2])) ** 2
+    rolled = gear.mass * (PIN.gear.eccentricity * speed) ** 2 + gear.inertia[2, 2] * slow**2
+    assert input_inertia(Reducer(PIN)) == pytest.approx(
+        (spun + rolled + output.inertia[2, 2] * slow**2) / speed**2, rel=1e-9
+    )
+
+
+def test_a_ring_that_turns_counts_in_the_place_of_the_output() -> None:
+    """The discs then orbit without turning, and housing and pins turn by one in N."""
+    turned = PIN.but(output={"member": "ring"})
+    solids = {name: mass_properties(solid) for name, solid in parts(Reducer(turned)).items()}
+    ring = solids["housing"].inertia[2, 2] + 36 * solids["pin"].mass * PIN.ring.pin_circle_radius**2
+    crank = solids["shaft"].inertia[2, 2] + solids["shaft"].mass * np.sum(solids["shaft"].centroid[:2] ** 2)
+    orbit = solids["gear"].mass * PIN.gear.eccentricity**2
+    assert input_inertia(Reducer(turned)) == pytest.approx(crank + orbit + ring / 36.0**2, rel=1e-9)
+
+
+def test_a_cut_is_what_the_plane_meets() -> None:
+    hole = np.array([[-1.0, -0.5], [1.0, -0.5], [1.0, 0.5], [-1.0, 0.5]])
+    assert cut(Prism(SQUARE, (hole,), 0.0, 1.0)) == [(-2.0, -0.5), (0.5, 2.0)]
+    assert cut(Prism(SQUARE, (hole,), 0.0, 1.0), (0.0, 5.0)) == [(3.0, 4.5), (5.5, 7.0)]
+    assert cut(Prism(SQUARE, (hole,), 0.0, 1.0), (2.0, 0.0)) == [(-2.0, 2.0)]
+    assert cut(Prism(SQUARE, (), 0.0, 1.0), (9.0, 0.0)) == []
+    # edges that lie in the plane itself count once
+    assert cut(Prism(SQUARE + np.array([3.0, 0.0]), (), 0.0, 1.0)) in ([], [(-2.0, 2.0)])
+
+
+def test_the_section_of_the_gear_has_its_holes_and_bore() -> None:
+    found = cut(parts(Reducer(PIN))["gear"].prisms[0])
+    edges = 1e3 * np.array(found).ravel()
+    hole = 5.001
+    assert edges[1:-1] == pytest.approx([-26 - hole, -26 + hole, -15.001, 15.001, 26 - hole, 26 + hole], abs=1e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["twodisc", "large"])
+def test_nothing_is_clipped_and_no_text_lies_on_another(sheet, name: str) -> None:
+    design = unlike(name) if name in UNLIKE else PRESETS[name]
+    pages = datasheet_pages(replace(sheet, design=design))
+    for page in pages if name == "twodisc" else pages[1:]:
+        canvas = FigureCanvasAgg(page)
+        canvas.draw()
+        # labels of ticks beyond an axis are there, but not drawn
+        ruled = [axis for axes in page.axes for axis in (axes.xaxis, axes.yaxis)]
+        ticks = {text for axis in ruled for text in axis.findobj(Text) if text is not axis.label}
+        boxes = {
+            (text.get_text(), text): text.get_window_extent(canvas.get_renderer())
+            for text in page.findobj(Text)
+            if text.get_text().strip() and text not in ticks
+        }
+        assert len(boxes) > 15
+        for (words, _), box in boxes.items():
+            assert 0 <= box.x0 < box.x1 <= page.bbox.x1, words
+            assert 0 <= box.y0 < box.y1 <= page.bbox.y1, words
+        for (one, first), (other, second) in combinations(boxes.items(), 2):
+            assert not first.padded(-0.5).overlaps(second.padded(-0.5)), (one[0], other[0])
+
+
+@pytest.mark.slow
+def test_the_pdf_has_two_pages_and_is_the_same_each_time(sheet) -> None:
+    first, second = (document(datasheet_pages(sheet)) for _ in range(2))
+    assert first == second
+    assert first.startswith(b"%PDF")
+    assert len(re.findall(rb"/Type /Page\b", first)) == 2
+
+
+@pytest.mark.slow
+def test_the_page_stands_alone_and_has_every_number(sheet) -> None:
+    page = datasheet_page(sheet)
+    assert not re.search(r'(?:src|href)="(?!#)', page)
+    assert page.count("<svg") == len(datasheet_pictures(sheet)) == 2
+    assert "prefers-color-scheme: dark" in page
+    for one in told(sheet).values():
+        assert f'<td class="value">{written(one)}</td>' in page, one
+
+
+def test_values_are_written_without_powers_of_ten() -> None:
+    def of(value: float) -> str:
+        return written(Quantity("", "", value, ""))
+
+    assert [of(value) for value in (0.01234, 3.0, 123.4, 999.9, 12345.0, math.nan)] == [
+        *("0.0123", "3", "123", "1000", "12340"),
+        "\N{EN DASH}",
+    ]
+
+
+@pytest.mark.slow
+def test_the_command_writes_both_files(sheet, tmp_path: Path, capsys, monkeypatch) -> None:
+    monkeypatch.setattr("cycloid_mj.life.datasheet.datasheet", lambda design, life: replace(sheet, life=life))
+    assert main(["datasheet", "--design", "pin", "--out", str(tmp_path / "new"), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert {Path(file).name for file in found["files"]} == {"pin-datasheet.pdf", "pin-datasheet.html"}
+    assert all(Path(file).stat().st_size > 10_000 for file in found["files"])
+    keys = {"rated_torque", "momentary_torque", "lost_motion_ideal", "stiffness_ideal", "efficiency", "backlash"}
+    assert keys | {"mass", "inertia"} <= set(found["quantities"])
+    assert found["quantities"]["rated_torque"]["condition"]
+    monkeypatch.chdir(tmp_path)
+    assert main(["datasheet"]) == 0
+    assert (tmp_path / "runs" / "pin-datasheet.pdf").exists()
+
+
+def test_what_cannot_be_written_or_asked_is_told(tmp_path: Path, capsys) -> None:
+    file = tmp_path / "file"
+    file.write_text("")
+    assert main(["datasheet", "--design", "pin", "--out", str(file)]) == 1
+    assert "it is a file" in capsys.readouterr().err
+    assert main(["datasheet", "--design", "pin", "--life-h", "-1"]) == 2
+    assert "--life-h -1" in capsys.readouterr().err
+    assert main(["datasheet", "--design", "pin", "--set", "drive.speed_rpm=0", "--out", str(tmp_path)]) == 1
+    assert "drive.speed_rpm is 0" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == [file]
+
+
+def test_a_curve_leaves_out_speeds_at_which_nothing_is_borne(monkeypatch) -> None:
+    def borne(reducer, speed, life, guess=0.0):
+        if speed > reducer.design.drive.speed:
+            raise DesignError("too fast")
+        return 100.0 / speed, None
+
+    monkeypatch.setattr("cycloid_mj.life.datasheet.rated_torque", borne)
+    found = life_curve(Reducer(PIN), 6000.0)
+    assert found.x == pytest.approx([410.0, 820.0, 1230.0, 1640.0])
+    assert np.all(np.diff(found.y) < 0.0)

@@ -1,0 +1,63 @@
+"""The step of the static measures: chosen from mass and force of the pins, halved where a run goes wrong, and named."""
+
+import numpy as np
+import pytest
+from designs import unlike
+
+from cycloid_mj.base.errors import ContactError, RunError
+from cycloid_mj.base.record import Run
+from cycloid_mj.design import PRESETS, override
+from cycloid_mj.measure import bench, hysteresis
+from cycloid_mj.reducer import Reducer
+
+TEETH21 = unlike("teeth21")
+CRANK = float(bench.crank_angles(Reducer(TEETH21), 2)[1])
+
+
+def test_held_pins_take_a_longer_step_than_sliding_ones_but_not_any_step():
+    rated = TEETH21.rated_torque
+    held, sliding = bench.step(Reducer(TEETH21), rated), bench.step(bench.ideal(Reducer(TEETH21)), rated)
+    # the least force that friction holds is none: no limit but the longest
+    assert sliding < held < bench.LONGEST_STEP
+    assert bench.step(Reducer(TEETH21), 4.0 * rated) < held
+    heavier = override(TEETH21, ["material.density_kg_m3=15700"])
+    # the weight adds its own to what the pins bear
+    assert bench.step(Reducer(heavier), rated) == pytest.approx(np.sqrt(2.0) * held, rel=0.01)
+
+
+@pytest.mark.slow
+def test_a_run_that_goes_wrong_is_made_again_at_half_the_step_and_names_it():
+    # 21 free pins of 0.55 g at their rated load: 16 us ends with a contact more than 50 um deep
+    rated = TEETH21.rated_torque
+    period = hysteresis.slow_period(Reducer(TEETH21), rated)
+    finer = bench.step(Reducer(TEETH21), rated) / 16e-6
+    torque, duration = hysteresis.signal(rated, period), 0.3 * period
+    too_long = bench.benched(Reducer(TEETH21), rated, duration, 100, finer)
+    with pytest.raises(RunError, match="um deep"):
+        bench.locked_run(too_long, CRANK, torque)
+    run = bench.run_to_the_end(Reducer(TEETH21), CRANK, torque, rated, duration, 100, finer)
+    halvings = np.log2(16e-6 / bench.step_of(run))
+    assert halvings == pytest.approx(round(halvings), abs=1e-9)
+    assert 1 <= round(halvings) <= bench.MOST_HALVINGS
+    assert run["penetration"].max() < 10e-6
+
+
+@pytest.mark.parametrize("problem", [RunError, ContactError])
+def test_the_step_is_halved_so_often_and_then_the_cause_is_named(problem, monkeypatch):
+    steps = []
+
+    def failing(benched, crank, torque):
+        steps.append(benched.design.settings.timestep)
+        raise problem("a contact is deep")
+
+    monkeypatch.setattr(bench, "locked_run", failing)
+    with pytest.raises(RunError, match=r"57\.3 deg and up to 5 N m .*: a contact is deep .*halved 3 times, to 0\.5 us"):
+        bench.run_to_the_end(
+            Reducer(override(PRESETS["pin"], ["settings.timestep_us=4"])), 1.0, np.zeros_like, 5.0, 0.01, 10
+        )
+    assert steps == pytest.approx([4e-6, 2e-6, 1e-6, 0.5e-6])
+
+
+def test_steps_are_named_longest_first():
+    runs = [Run(np.zeros(1), {}, {}, {"timestep_s": step}) for step in ("5e-06", "1e-05", "5e-06")]
+    assert bench.steps_told(runs) == "10 us and 5 us"

@@ -1,0 +1,85 @@
+"""The paper as its authors may have run it: which of the two changes brings which feature."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hsieh2014 import authors, command
+from hsieh2014.authors import BOTH, FACETS, OURS, SOFT, brought_by
+from hsieh2014.peaks import BINS, maxima, middle
+from hsieh2014.run import AUTHORS, STEPS
+from hsieh2014.soft_contact import GENERIC, soft_idle
+
+from cycloid_mj.comparison import gravity_turn, settled
+from cycloid_mj.design import PRESETS
+from cycloid_mj.dynamics.run import simulate
+from cycloid_mj.reducer import Reducer
+
+
+@pytest.mark.parametrize(
+    ("holding", "words"),
+    [
+        ((OURS, SOFT, FACETS, BOTH), "neither: ours has it"),
+        ((OURS,), "both together take it away"),
+        ((SOFT, BOTH), SOFT),
+        ((FACETS, BOTH), FACETS),
+        ((SOFT, FACETS, BOTH), f"{SOFT} or {FACETS}"),
+        ((BOTH,), "neither alone"),
+        ((SOFT,), "the other takes it away"),
+        ((), "neither, nor both"),
+    ],
+)
+def test_what_brings_a_feature_is_told_by_taking_each_change_away(holding, words):
+    assert words in brought_by({name: name in holding for name in authors.CHANGES})
+
+
+def test_maxima_of_a_turn_are_counted_without_ripple():
+    angle = np.radians([middle(place) for place in range(BINS)])
+    two = 3.0 + np.cos(2.0 * (angle - np.radians(75.0))) + 0.3 * np.cos(12.0 * angle)
+    assert maxima(two) == (75.0, 255.0)
+    assert len(maxima(3.0 + np.cos(4.0 * angle))) == 4
+    assert maxima(np.ones(BINS)) == ()
+
+
+def test_a_feature_is_looked_for_in_both_designs():
+    angle = np.radians([middle(place) for place in range(BINS)])
+    two, four = (3.0 + size * np.cos(order * (angle - np.radians(75.0))) for size, order in ((1.0, 2), (0.5, 4)))
+    forces = {
+        "pin": [SimpleNamespace(curve=tuple(two), rms=0.05, cam=4.0, seat=1.0)],
+        "nonpin": [SimpleNamespace(curve=tuple(four), rms=0.04, cam=4.0, seat=1.0)],
+    }
+    found = authors._features({name: dict.fromkeys(("shaft", "ring", "gear"), 40.0) for name in forces})
+    told = {one.words: one.holds(forces) for one in found}
+    assert [told[one.words] for one in found[:3]] == [True, True, True]
+    # 4 N at 40 MPa a newton are 160 MPa at the shaft: the paper's of pin, beyond that of nonpin
+    assert told["pin: the shaft stressed as high as in the paper"]
+    assert not told["nonpin: the shaft stressed as high as in the paper"]
+    assert "75, 255 deg" in found[0].tell(forces)
+
+
+def test_the_stage_stands_apart_and_the_flag_runs_it(tmp_path, monkeypatch):
+    assert AUTHORS.key == "authors"
+    assert AUTHORS not in STEPS
+    chosen = []
+    monkeypatch.setattr("hsieh2014.run.run_steps", lambda plan, runs, report, only: chosen.extend(only) or [])
+    command.reproduce(quick=True, as_the_authors=True, out=str(tmp_path), quiet=True)
+    assert chosen == ["authors"]
+
+
+@pytest.mark.slow
+def test_two_solvers_find_the_papers_two_peaks_with_the_soft_contact():
+    design = PRESETS["pin"]
+    planar = authors.mean_curve([soft_idle(design, GENERIC, 0.0, 1, 0, phase) for phase in authors.PHASES])
+    assert len(maxima(planar)) == 2
+    assert maxima(planar) == pytest.approx((75.0, 255.0), abs=10.0)
+    from hsieh2014.peaks import by_angle
+    from hsieh2014.plan import IMPACT, at_speed
+
+    run = simulate(
+        at_speed(IMPACT.of(Reducer(design)).but(friction=dict.fromkeys(("pin_gear", "pin_socket"), 0.0)), 0.0, 1)
+    )
+    assert gravity_turn(Reducer(settled(run).design)) == 0.0
+    curve = by_angle(run, ["cam"])
+    assert len(maxima(curve)) == 2
+    assert maxima(curve) == pytest.approx((75.0, 255.0), abs=25.0)
+    assert curve.max() == pytest.approx(planar.max(), rel=0.2)

@@ -1,0 +1,336 @@
+"""The stages, claims and page of `reproduce` on runs with known waves; README and JSON; both designs alike."""
+
+import importlib.util
+import json
+import math
+import re
+import tomllib
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hsieh2014 import command, cycle, motion, plan
+from hsieh2014 import run as stages
+from hsieh2014.errata import errata
+from hsieh2014.logs import Logs, fits, log_name
+from hsieh2014.page import TALLY as PAGE_TALLY
+from hsieh2014.plan import FULL, QUICK, at_speed, idle_runs, main_runs, ramped, rated_runs
+from hsieh2014.plan import varied_idle_runs as varied_idle
+from hsieh2014.plan import varied_rated_runs as varied_rated
+from hsieh2014.stage import Found, silent
+from ideal import ideal_run, ideal_runs
+
+from cycloid_mj.base.errors import RunError, UsageError
+from cycloid_mj.comparison import STARTS, gravity_turn, settled, settling, started
+from cycloid_mj.comparison.conditions import differences
+from cycloid_mj.design import PRESETS, dump, override
+from cycloid_mj.dynamics.run import schedule
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.law import series_stiffness
+
+ROOT = Path(__file__).parents[2]
+# --- the two designs under one rule
+
+
+def test_the_presets_differ_in_name_and_ring_kind_alone():
+    pin, nonpin = (tomllib.loads(dump(PRESETS[name])) for name in ("pin", "nonpin"))
+    assert (pin.pop("name"), nonpin.pop("name")) == ("pin", "nonpin")
+    assert (pin["ring"].pop("kind"), nonpin["ring"].pop("kind")) == ("pin", "nonpin")
+    assert pin == nonpin
+
+
+def test_what_the_ring_implies_is_equal_as_well():
+    # pairs that stand for each other have the same friction, clearance, stiffness, damping and working force
+    design = PRESETS["pin"]
+    for table in ("friction", "clearance", "stiffness", "damping", "working_force"):
+        values = getattr(design, table)
+        assert values.pin_gear == values.tooth, table
+        assert values.pin_socket == values.tooth, table
+
+
+@pytest.mark.parametrize("which", [QUICK, FULL])
+def test_no_run_differs_between_the_designs_but_in_the_ring(which):
+    pin, nonpin = plan.designs()
+    pairs = list(zip(main_runs(which)[::2], main_runs(which)[1::2], strict=True))
+    pairs += list(zip(idle_runs(which, pin), idle_runs(which, nonpin), strict=True))
+    pairs += [tuple(rated_runs(which)[:2]), tuple(ramped(design) for design in plan.designs())]
+    for each in plan.variations(which):
+        if not each.pins_only:
+            pairs += zip(varied_idle(which, each, pin), varied_idle(which, each, nonpin), strict=True)
+            pairs.append(tuple(varied_rated(which, each)))
+    for one, other in pairs:
+        assert list(differences([one, other])) == ["ring.kind"]
+        assert one.load == other.load
+    spoiled = override(PRESETS["nonpin"], ["friction.tooth=0.04"])
+    assert "friction.tooth" in differences([PRESETS["pin"], spoiled])
+
+
+def test_the_third_rated_design_is_as_loose_and_as_soft_as_the_pin_design():
+    pin, nonpin, third = rated_runs(QUICK)
+    assert third.ring.kind == "nonpin"
+    assert set(differences([nonpin, third])) == {"clearance.tooth_um", "stiffness.tooth_n_m"}
+    assert third.clearance.tooth == pytest.approx(pin.clearance.pin_gear + pin.clearance.pin_socket)
+    # At the load of these runs; at none the springs are 0.7 times as stiff.
+    assert third.stiffness.tooth == pytest.approx(series_stiffness(Reducer(pin)), rel=1e-9)
+
+
+# --- independent starts
+
+
+def test_starts_turn_gravity_by_whole_tooth_pitches():
+    design = at_speed(PRESETS["pin"], 0.0, 1)
+    found = [started(Reducer(design), number) for number in range(STARTS)]
+    assert found[0] == design
+    assert len(set(found)) == STARTS >= 8
+    pitches = [gravity_turn(Reducer(each)) / (2 * np.pi / 36) for each in found]
+    assert pitches == pytest.approx(np.round(pitches), abs=1e-9)
+    assert np.diff(pitches) == pytest.approx(4.5, abs=0.5 + 1e-9)
+    for each in found:
+        pull = each.environment
+        assert math.hypot(pull.gravity_x, pull.gravity_y) == pytest.approx(9.8)
+        assert differences([design, each]).keys() <= {"environment.gravity_x_m_s2", "environment.gravity_y_m_s2"}
+
+
+# --- the paper's sampling
+
+
+@pytest.mark.parametrize("design", plan.designs(), ids=["pin", "nonpin"])
+def test_samples_fall_on_whole_degrees(design):
+    run = schedule(Reducer(at_speed(design, 0.0, 4)))
+    assert run.stride == plan.STEPS
+    sample = plan.LOGGED * run.stride * run.timestep
+    assert sample == pytest.approx(0.000101626, abs=5e-10)
+    assert np.degrees(design.drive.speed * sample) == pytest.approx(1.0, rel=1e-12)
+    assert run.timestep < 1e-6
+
+
+def test_half_the_step_keeps_the_samples():
+    coarse, fine = (schedule(Reducer(at_speed(PRESETS["pin"], 0.0, 4, finer))) for finer in (1, 2))
+    assert fine.stride * fine.timestep == pytest.approx(coarse.stride * coarse.timestep, rel=1e-12)
+    assert fine.timestep == pytest.approx(coarse.timestep / 2, rel=1e-12)
+
+
+def test_figures_show_one_turn_of_360_samples():
+    found = motion.motions(replace(QUICK, turns=2), ideal_runs)[0]
+    shown = motion.at_degrees(found)
+    turn = shown.one_turn
+    assert turn.stop - turn.start in (360, 361)
+    degrees = np.degrees(shown.crank_angle[turn])
+    assert degrees == pytest.approx(np.round(degrees), abs=1e-6)
+
+
+def test_the_ramp_is_the_papers():
+    design = ramped(PRESETS["pin"])
+    assert (design.drive.ramp, design.load.torque) == (1.0, 0.0)
+    assert design.drive.hold > settling(Reducer(design))
+
+
+# --- stages
+
+
+def test_pin_1s_cycle_is_where_its_force_says():
+    design = at_speed(PRESETS["pin"], 36.0, 2)
+    run = ideal_run(design)
+    # from 300 deg over 0 to 60 deg, and a touch at 180 deg, which is not the cycle
+    turned = np.degrees(run["crank_angle"]) % 360.0
+    force = np.where((turned > 299.8) | (turned < 59.8), 50.0, 0.0) + np.where(np.abs(turned - 180.0) < 2.0, 20.0, 0.0)
+    pressed = replace(run, columns={**run.columns, "pin_1_force_x": force})
+    start, end, share, count = cycle.cycle(settled(pressed))
+    assert (start, end) == (pytest.approx(300.0), pytest.approx(60.0))
+    assert share == pytest.approx(100.0 * 123.5 / 360, abs=0.3)
+    assert count == pytest.approx(123.5 / 360, abs=0.003)
+    table = cycle.cycle_table({"as it is": [pressed, ideal_run(at_speed(PRESETS["nonpin"], 36.0, 2))]})
+    assert [row[0] for row in table.rows] == ["as it is"]
+
+
+# --- stages, one of which may break
+
+
+def test_a_broken_stage_is_told_and_the_others_are_there(tmp_path, monkeypatch, capsys):
+    def breaks(which, runs, told):
+        raise ZeroDivisionError("nothing to divide by <here>")
+
+    steps = [replace(step, work=breaks) if step.key == "geometry" else step for step in stages.STEPS]
+    monkeypatch.setattr(stages, "STEPS", tuple(steps))
+    assert command.reproduce(quick=True, only=("geometry", "equal"), out=str(tmp_path), quiet=True) == 1
+    page = (tmp_path / command.PAGE).read_text(encoding="utf-8")
+    assert "ZeroDivisionError: nothing to divide by &lt;here&gt;" in page
+    assert "ring.kind" in page
+    assert "geometry (Figs 1-4) broke" in capsys.readouterr().err
+    told = json.loads((tmp_path / command.RESULT).read_text(encoding="utf-8"))
+    assert [stage["error"] != "" for stage in told["stages"]] == [True, False]
+
+
+class Sources(HTMLParser):
+    """What a page would load."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.found: list[str] = []
+
+    def handle_starttag(self, tag, attrs):
+        self.found += [value for name, value in attrs if name in ("src", "href") and value]
+
+
+@pytest.mark.slow
+def test_the_page_needs_nothing_but_itself(tmp_path, capsys):
+    assert command.reproduce(quick=True, only=("geometry", "equal"), out=str(tmp_path), json=True) == 0
+    printed = capsys.readouterr()
+    told = json.loads(printed.out)
+    assert [stage["key"] for stage in told["stages"]] == ["geometry", "equal"]
+    assert told["stages"][1]["findings"]["differences"] == {"ring.kind": ["pin", "nonpin"]}
+    assert [one["equation"] for one in told["errata"]] == [one["equation"] for one in errata()]
+    assert "left in all" in printed.err
+    page = Path(told["page"]).read_text(encoding="utf-8")
+    sources = Sources()
+    sources.feed(page)
+    assert all(source.startswith(("data:image/", "#")) for source in sources.found)
+    assert sum(source.startswith("data:image/") for source in sources.found) == 4
+    assert {path.name for path in (tmp_path / "figures").glob("*.svg")} == {
+        f"{name}.svg" for name in ("fig1_rolling", "fig2_gear", "fig3_meshing", "fig4_ring")
+    }
+
+
+def test_an_unknown_stage_is_a_usage_error(tmp_path):
+    with pytest.raises(UsageError, match=r"no stage 'stres'; there are geometry, .*torque"):
+        command.reproduce(only=("stres",), out=str(tmp_path))
+
+
+def test_the_time_left_follows_the_pace(monkeypatch):
+    assert stages.pace(0.0, 0.0, 100.0) == 1.0
+    assert stages.pace(50.0, 50.0, 100.0) == 1.0
+    assert 1.0 < stages.pace(100.0, 50.0, 100.0) < 2.0
+    clock, told = [0.0], []
+
+    def slow(plan, runs, progress):
+        clock[0] += 100.0
+        progress("late")
+        return Found()
+
+    monkeypatch.setattr(stages, "monotonic", lambda: clock[0])
+    monkeypatch.setattr(stages, "STEPS", (replace(stages.STEPS[0], work=slow), stages.STEPS[1]))
+    stages.run_steps(QUICK, ideal_runs, lambda step, text, left: told.append(left))
+    # a stage that takes longer than its share leaves the later ones to do, which may take longer, too
+    assert told[:2] == pytest.approx([4.1, 0.1])
+    assert 0.1 < told[2] < 100.0
+
+
+# --- logs that fit
+
+
+def test_a_log_fits_its_own_design_and_versions_only(monkeypatch):
+    design, told = at_speed(PRESETS["pin"], 0.0, 1), {"mujoco": "1", "timestep_s": "1e-06"}
+    run = replace(ideal_run(design), provenance=told | {"steps": "7"})
+    assert fits(run, design, told)
+    assert not fits(replace(run, complete=False), design, told)
+    assert not fits(run, design, told | {"mujoco": "2"})
+    assert not fits(run, at_speed(PRESETS["pin"], 1.0, 1), told)
+    assert log_name(design, told) != log_name(design, told | {"mujoco": "2"})
+    assert re.fullmatch(r"pin-no-load-[0-9a-f]{12}\.mcap", log_name(design, told))
+
+
+def test_runs_are_read_again_where_their_logs_fit(tmp_path, monkeypatch):
+    design = override(PRESETS["nonpin"], ["drive.ramp_s=0.0", "drive.hold_s=0.0004", "settings.log_rate_hz=20000.0"])
+    first = Logs(tmp_path, fresh=False, quiet=True)([design])[0]
+    monkeypatch.setattr("hsieh2014.logs.run_all", lambda *_, **__: pytest.fail("run again"))
+    second = Logs(tmp_path, fresh=False, quiet=True)([design])[0]
+    assert np.array_equal(first["gear_angle"], second["gear_angle"])
+    with pytest.raises(pytest.fail.Exception, match="run again"):
+        Logs(tmp_path, fresh=True, quiet=True)([design])
+
+
+def test_ctrl_c_ends_the_command_and_a_run_that_fails_its_stage(tmp_path, monkeypatch):
+    def stopped(*_, **__):
+        try:
+            raise KeyboardInterrupt
+        except KeyboardInterrupt as stop:
+            raise RunError("stopped by Ctrl-C") from stop
+
+    def failed(*_, **__):
+        raise RunError("it jumped")
+
+    logs = Logs(tmp_path, fresh=False, quiet=True)
+    monkeypatch.setattr("hsieh2014.logs.run_all", stopped)
+    step = next(step for step in stages.STEPS if step.key == "gear_speed")
+    with pytest.raises(KeyboardInterrupt):
+        stages.run_step(step, QUICK, logs, silent)
+    monkeypatch.setattr("hsieh2014.logs.run_all", failed)
+    assert stages.run_step(step, QUICK, logs, silent).error == "RunError: it jumped"
+
+
+def test_every_stage_has_a_name_and_a_time():
+    assert len({step.key for step in stages.STEPS}) == len(stages.STEPS)
+    # on two free cores: quick under 3 minutes, full under 25
+    assert sum(step.quick for step in stages.STEPS) < 180
+    assert sum(step.full for step in stages.STEPS) < 1500
+    assert isinstance(stages.run_step(stages.STEPS[1], QUICK, ideal_runs, silent).found, Found)
+
+
+# --- the page of the documentation
+
+
+@pytest.fixture(scope="module")
+def script():
+    spec = importlib.util.spec_from_file_location("docs_results", ROOT / "scripts" / "docs_results.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_the_page_says_what_the_json_says(script):
+    found = json.loads(script.KEPT.read_text(encoding="utf-8"))
+    page = script.PAGE.read_text(encoding="utf-8")
+    assert script.written(page, script.sections(found)) == page
+    readme = script.README.read_text(encoding="utf-8")
+    assert script.written(readme, {"tally": script.tally(found)}) == readme
+    assert script.tally(found) in page
+    assert all(f"| {script.load(claim['condition'])} |" in page for claim in found["claims"])
+    found["claims"][0]["verdict"] = "disagrees" if found["claims"][0]["verdict"] == "agrees" else "agrees"
+    assert script.written(page, script.sections(found)) != page
+    assert script.written(readme, {"tally": script.tally(found)}) != readme
+
+
+def test_the_reproduced_page_sums_up_as_the_readme_does(script):
+    assert {str(verdict): words.partition(" on what")[0] for verdict, words in PAGE_TALLY.items()} == script.TALLY
+
+
+def test_a_row_of_the_page_names_its_load(script):
+    claim = {
+        **{"figure": "Fig. 6", "design": "both", "condition": {"load_nm": 0.0, "speed_rpm": 1640.0}},
+        "paper": {"claim": "more with pins", "text": "pin > nonpin"},
+        **{"ours": {"text": "0.4 to 1"}, "verdict": "not determined"},
+        "numerical_error": {"value": 0.125, "unit": "pin / nonpin", "source": "spread of 8 starts"},
+        **{"at_rated_load": {"text": "2.3 to 1"}, "decided_by": "friction"},
+    }
+    loaded = claim | {"condition": {"load_nm": 36.68, "input_torque_nm": 1.048}, "at_rated_load": None}
+    told = script.results({"quick": True, "claims": [claim, loaded]})
+    assert "`cycloid-mj reproduce --quick` holds 2 claims" in told
+    assert "0 agree, 0 depend, 0 disagree, 2 are not determined" in told
+    rows = told.splitlines()[-2:]
+    assert rows[0].startswith("| Fig. 6 | both | none | more with pins | pin > nonpin | 0.4 to 1 | 0.12 pin / nonpin (")
+    assert rows[0].endswith("| not determined | friction | 2.3 to 1 |")
+    assert "| 1.048 N m in |" in rows[1]
+
+
+def test_the_errata_of_the_json_are_those_of_the_code(script):
+    found = json.loads(script.KEPT.read_text(encoding="utf-8"))
+    # rounding differs between machines; the page rounds
+    assert script.errata(found["errata"]) == script.errata(errata())
+
+
+def test_a_run_with_a_broken_or_missing_stage_is_refused(script):
+    assert list(script.STAGES) == [step.key for step in stages.STEPS]
+    whole = [{"key": key, "error": ""} for key in script.STAGES]
+    found = {"quick": True, "claims": [], "errata": [], "stages": whole}
+    assert set(script.kept(found)) == {"quick", "claims", "errata"}
+    with pytest.raises(ValueError, match="missing: torque"):
+        script.kept(found | {"stages": whole[:-1]})
+    with pytest.raises(ValueError, match="broken stage: torque"):
+        script.kept(found | {"stages": [*whole[:-1], {"key": "torque", "error": "RunError: it jumped"}]})
+
+
+def test_a_page_without_marks_is_refused(script):
+    with pytest.raises(ValueError, match="lacks"):
+        script.written("# empty", {"results": "none"})

@@ -1,0 +1,379 @@
+"""Exported parts read back by independent tools: watertight, exact in area and volume, with the clearance asked for."""
+
+import builtins
+import importlib
+import io
+import itertools
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import ezdxf
+import numpy as np
+import pytest
+import trimesh
+
+from cycloid_mj.base.errors import CycloidError, DesignError
+from cycloid_mj.base.names import gears
+from cycloid_mj.cli import main
+from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.geometry import envelope, profile
+from cycloid_mj.parts import mass_properties, mesh, parts
+from cycloid_mj.parts.export import Spline, export, part_sections, read_stl, read_volume, step_part, stl_bytes
+from cycloid_mj.parts.export import clearance as measured
+from cycloid_mj.parts.export.curve import SPLINE_ERROR, Arc, Circle, Flank, Line, fit_splines, turned_curve
+from cycloid_mj.parts.gear import gear_outline, profile_offset, tooth_profile
+from cycloid_mj.parts.mesh import _walls
+from cycloid_mj.parts.polygon import area_moments
+from cycloid_mj.reducer import Reducer
+
+PIN, NONPIN = PRESETS["pin"], PRESETS["nonpin"]
+LOOSE = override(NONPIN, ["clearance.tooth_um=20.0", "clearance.cam_um=7.0", "clearance.output_um=3.0"])
+SEVERAL = ["gear.discs=3", "gear.disc_gap_mm=1.5", "output.support=both_ends", "shaft.mounting=straddle"]
+THREE = override(LOOSE, SEVERAL)
+DESIGNS = {"pin": PIN, "nonpin": NONPIN, "loose": LOOSE, "three": THREE}
+CHORD_ERROR = 5e-6
+
+
+@pytest.fixture(params=DESIGNS.values(), ids=DESIGNS.keys())
+def design(request: pytest.FixtureRequest) -> Design:
+    return request.param
+
+
+@pytest.mark.parametrize("file_format", ["stl", "obj"])
+def test_meshes_read_back_by_trimesh(design: Design, file_format: str) -> None:
+    """Watertight, in millimetres, and of the volume that the solid has at this chord error."""
+    found = export(design, file_format, CHORD_ERROR)  # type: ignore[arg-type]
+    solids = parts(Reducer(design), CHORD_ERROR)
+    assert {name.partition(".")[0] for name in found.files} == set(solids)
+    for name, content in found.files.items():
+        part = trimesh.load(io.BytesIO(content), file_type=file_format, process=file_format == "stl")
+        volume = mass_properties(solids[name.partition(".")[0]]).volume
+        assert part.is_watertight
+        assert part.volume * 1e-9 == pytest.approx(volume, rel=1e-6)
+
+
+def test_stl_is_single_precision_of_the_mesh() -> None:
+    shape = mesh(parts(Reducer(PIN), CHORD_ERROR)["shaft"])
+    corners = read_stl(stl_bytes(shape, 1e3))
+    np.testing.assert_allclose(corners, 1e3 * shape.vertices[shape.faces], rtol=0.0, atol=2e-6)
+    with pytest.raises(DesignError, match="no binary STL"):
+        read_stl(stl_bytes(shape)[:-1])
+
+
+@pytest.mark.parametrize("file_format", ["stl", "obj", "dxf"])
+def test_the_same_design_gives_the_same_bytes(file_format: str) -> None:
+    first, second = (export(NONPIN, file_format, CHORD_ERROR) for _ in range(2))  # type: ignore[arg-type]
+    assert first == second
+
+
+@pytest.mark.slow
+def test_the_clearance_is_what_was_asked_for(design: Design) -> None:
+    for file_format in ("stl", "dxf"):
+        for one in export(design, file_format, CHORD_ERROR).clearances:  # type: ignore[arg-type]
+            assert one.asked == getattr(design.clearance, one.pair)
+            assert one.least == pytest.approx(one.asked, abs=measured.TOLERANCE)
+            assert one.most == pytest.approx(one.asked, abs=measured.TOLERANCE)
+    pairs = {one.pair for one in export(design, "dxf").clearances}
+    assert pairs == ({"pin_gear", "cam", "output", "pin_socket"} if design is PIN else {"tooth", "cam", "output"})
+
+
+def test_a_wrong_clearance_is_an_error() -> None:
+    """The outline of a design with another clearance, measured against this one."""
+    (gear,), (housing,) = parts(Reducer(LOOSE))["gear"].prisms, parts(Reducer(LOOSE))["housing"].prisms
+    with pytest.raises(DesignError, match=r"tooth of the outline is 20 to 20 um, not the 1 um"):
+        measured.measure(Reducer(NONPIN), [gear.outline, *gear.holes], housing.holes[0])
+
+
+def test_flank_distance_is_that_of_the_parallel_curve() -> None:
+    gear = tooth_profile(PIN)
+    for offset in (gear.pin_radius, gear.pin_radius + 5e-6):
+        points = profile.sample(gear, 3000, offset).points
+        np.testing.assert_allclose(measured.flank_distance(gear, points), offset, rtol=0.0, atol=1e-15)
+
+
+def curve_points(entity: Any, count: int = 400) -> np.ndarray:
+    """Points of a DXF entity, both ends included, by ezdxf's own evaluation [mm]."""
+    if entity.dxftype() == "SPLINE":
+        tool = entity.construction_tool()
+        return np.array([(point.x, point.y) for point in tool.points(np.linspace(0.0, tool.max_t, count))])
+    if entity.dxftype() == "LINE":
+        return np.array([(point.x, point.y) for point in (entity.dxf.start, entity.dxf.end)])
+    angles = np.linspace(0.0, 360.0, count)
+    if entity.dxftype() == "ARC":
+        start, end = entity.dxf.start_angle, entity.dxf.end_angle
+        angles = np.linspace(start, end + 360.0 * (end < start), count)
+    centre = np.array([entity.dxf.center.x, entity.dxf.center.y])
+    return centre + entity.dxf.radius * np.column_stack([np.cos(np.radians(angles)), np.sin(np.radians(angles))])
+
+
+def read_dxf(content: bytes) -> Any:
+    document = ezdxf.read(io.StringIO(content.decode()))
+    assert not document.audit().has_errors
+    assert document.units == ezdxf.units.MM
+    return document.modelspace()
+
+
+@pytest.mark.slow
+def test_dxf_gear_has_one_spline_a_lobe_and_the_exact_area(design: Design) -> None:
+    space = read_dxf(export(design, "dxf").files[f"{gears(design.gear.discs)[0]}.dxf"])
+    splines, circles = space.query("SPLINE"), space.query("CIRCLE")
+    assert (len(splines), len(circles), len(space)) == (35, 9, 44)
+    outline = np.concatenate([curve_points(spline)[:-1] for spline in splines])
+    true = profile.area(tooth_profile(design), profile_offset(design))
+    assert area_moments(outline).area * 1e-6 == pytest.approx(true, rel=2e-6)
+    distance = measured.flank_distance(tooth_profile(design), outline * 1e-3) - profile_offset(design)
+    assert np.abs(distance).max() < 1.1 * SPLINE_ERROR
+
+
+def test_dxf_ring_is_the_double_envelope() -> None:
+    """36 arcs and 36 splines, end to end, around the area of the closed form."""
+    space = read_dxf(export(NONPIN, "dxf").files["housing.dxf"])
+    loop = [entity for entity in space if entity.dxftype() != "CIRCLE"]
+    assert [entity.dxftype() for entity in loop] == ["SPLINE", "ARC"] * 36
+    stretches = []
+    for entity in loop:
+        points = curve_points(entity)
+        # an arc of the ring runs against the loop
+        stretches.append(points[::-1] if entity.dxftype() == "ARC" else points)
+    ends = np.array([stretch[-1] for stretch in stretches])
+    starts = np.array([stretch[0] for stretch in stretches])
+    assert np.abs(ends - np.roll(starts, -1, axis=0)).max() < 1e-9
+    outline = np.concatenate([stretch[:-1] for stretch in stretches])
+    assert area_moments(outline).area * 1e-6 == pytest.approx(envelope.area(tooth_profile(NONPIN)), rel=2e-6)
+
+
+def test_dxf_sockets_and_shaft_are_arcs_and_lines() -> None:
+    files = export(PIN, "dxf").files
+    housing, shaft = read_dxf(files["housing.dxf"]), read_dxf(files["shaft.dxf"])
+    arcs = list(housing.query("ARC"))
+    assert len(arcs) == 72
+    outline = np.concatenate([curve_points(arc)[:-1] for arc in arcs])
+    (body,) = parts(Reducer(PIN), 1e-8)["housing"].prisms
+    assert area_moments(outline).area * 1e-6 == pytest.approx(area_moments(body.holes[0]).area, rel=2e-6)
+    assert {entity.dxf.layer for entity in shaft} == {"journal", "counterweight", "inner_journal", "cam"}
+    half_disc = np.concatenate([curve_points(entity)[:-1] for entity in shaft.query('*[layer=="counterweight"]')])
+    assert area_moments(half_disc).area == pytest.approx(np.pi / 2.0 * (30.0**2 + 8.0**2), rel=1e-4)
+
+
+def test_splines_converge_with_the_fourth_power() -> None:
+    """Twice the spans, a sixteenth of the deviation: measured where the fit would stop, on a wave."""
+    from cycloid_mj.parts.export import curve
+
+    wave = Flank(
+        points=lambda t: np.column_stack([t, np.zeros_like(t)]) + 1e-3 * np.column_stack([np.zeros_like(t), np.sin(t)]),
+        arc_length=lambda t: np.asarray(t, float),
+        tangents=lambda t: np.column_stack([np.ones_like(t), 1e-3 * np.cos(t)]),
+        curvature=lambda t: -1e-3 * np.sin(t),
+    )
+    deviations = []
+    for spans in (16, 32):
+        nodes = np.linspace(0.0, 6.0, spans + 1)
+        deviations.append(curve._deviation(wave, curve._interpolated(wave, nodes), nodes))
+    assert deviations[0] / deviations[1] == pytest.approx(16.0, rel=0.15)
+    pieces = fit_splines(wave, 0.0, 6.0, 3)
+    assert len(pieces) == 3
+    for before, after in itertools.pairwise(pieces):
+        np.testing.assert_allclose(before.points(2)[-1], after.points(2)[0], atol=1e-15)
+
+
+def test_curves_turn_clockwise() -> None:
+    quarter = np.pi / 2.0
+    assert turned_curve(Circle((0.0, 1.0), 0.5), quarter).centre == pytest.approx((1.0, 0.0))  # type: ignore[union-attr]
+    line = turned_curve(Line((0.0, 1.0), (0.0, 2.0)), quarter)
+    assert isinstance(line, Line)
+    assert line.end == pytest.approx((2.0, 0.0))
+    arc = turned_curve(Arc((0.0, 0.0), 1.0, 0.0, 1.0), quarter)
+    assert isinstance(arc, Arc)
+    assert (arc.start, arc.end) == pytest.approx((-quarter, 1.0 - quarter))
+
+
+@pytest.mark.slow
+def test_modified_flanks_are_cut_as_the_solid_is() -> None:
+    """Two splines a lobe where flanks are turned, closed at corners; the solid's area, the clearance asked for."""
+    changes = ["modification.equidistant_um=4", "modification.pin_circle_um=-6", "modification.rotation_arcsec=40"]
+    changed = override(NONPIN, changes)
+    outline = part_sections(Reducer(changed))["gear"][0].loops[0]
+    assert len(outline) == 70
+    points = [curve.points(400) for curve in outline if isinstance(curve, Spline)]
+    for before, after in zip(points, [*points[1:], points[0]], strict=True):
+        np.testing.assert_allclose(before[-1], after[0], rtol=0.0, atol=1e-12)
+    area = area_moments(np.concatenate([stretch[:-1] for stretch in points])).area
+    (solid,) = parts(Reducer(changed), 1e-8)["gear"].prisms
+    assert area == pytest.approx(area_moments(solid.outline).area, rel=1e-6)
+    assert area < area_moments(parts(Reducer(NONPIN), 1e-8)["gear"].prisms[0].outline).area
+    for file_format in ("stl", "dxf"):
+        teeth = export(changed, file_format, CHORD_ERROR).clearances[0]  # type: ignore[arg-type]
+        assert (teeth.least, teeth.most) == pytest.approx((1e-6, 1e-6), abs=measured.TOLERANCE)
+
+
+@pytest.mark.parametrize("file_format", ["stl", "obj"])
+def test_a_mesh_that_is_not_watertight_is_an_error_and_no_file(
+    file_format: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A wall triangle is lost."""
+    monkeypatch.setattr(importlib.import_module("cycloid_mj.parts.mesh"), "_walls", lambda rings: _walls(rings)[:-1])
+    out = tmp_path / "parts"
+    arguments = ["export", "--design", "pin", "--format", file_format, "--chord-error-um", "20", "--out", str(out)]
+    assert main(arguments) == 1
+    assert "not watertight" in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_an_outline_that_crosses_itself_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two neighbouring vertices of the gear change places."""
+
+    def crossed(reducer: Reducer, chord_error: float) -> np.ndarray:
+        outline = gear_outline(reducer, chord_error).copy()
+        outline[[10, 12]] = outline[[12, 10]]
+        return outline
+
+    monkeypatch.setattr("cycloid_mj.parts.gear.gear_outline", crossed)
+    with pytest.raises(DesignError, match="gear: its outline or its holes cross near"):
+        export(PIN, "stl", 2e-5)
+
+
+def test_sections_have_the_solids_heights(design: Design) -> None:
+    solids = parts(Reducer(design))
+    for name, sections in part_sections(Reducer(design)).items():
+        assert [(one.z0, one.z1) for one in sections] == [(one.z0, one.z1) for one in solids[name].prisms]
+
+
+def test_gear_splines_start_and_end_in_the_valleys() -> None:
+    outline = part_sections(Reducer(PIN))["gear"][0].loops[0]
+    assert len(outline) == PIN.lobes
+    root, _ = profile.radii(tooth_profile(PIN))
+    for spline in outline:
+        assert isinstance(spline, Spline)
+        ends = np.linalg.norm(spline.points(2), axis=1)
+        np.testing.assert_allclose(ends, root - PIN.clearance.pin_gear, atol=1e-15)
+
+
+@pytest.mark.slow
+def test_step_solids_have_the_parts_volumes() -> None:
+    pytest.importorskip("gmsh")
+    solids = parts(Reducer(NONPIN))
+    for name, content in export(NONPIN, "step").files.items():
+        true = mass_properties(solids[name.partition(".")[0]]).volume
+        # OpenCASCADE's integral over splines is right to some 1e-5, the reference polygons to 1e-6
+        assert read_volume(content) == pytest.approx(true, rel=5e-5)
+
+
+def test_the_crank_of_several_discs_comes_apart_in_named_parts() -> None:
+    """Its cams and its spacer fit on the shaft; in STEP they have the volumes of their solids."""
+    pytest.importorskip("gmsh")
+    sections, solids = part_sections(Reducer(THREE)), parts(Reducer(THREE))
+    gears, cams = {"gear_1", "gear_2", "gear_3"}, {"cam_1", "cam_2", "cam_3"}
+    assert set(sections) == set(solids) == {"housing", "shaft", "spacer", "output"} | gears | cams
+    for name in ("shaft", "spacer", "cam_2", "output"):
+        true = mass_properties(solids[name]).volume
+        assert read_volume(step_part(name, sections[name])) == pytest.approx(true, rel=5e-6)
+    for name in ("spacer", "cam_2"):
+        hole = sections[name][0].loops[1][0]
+        assert hole == Circle((0.0, 0.0), THREE.shaft.radius)
+
+
+def test_rollers_of_output_pins_are_tubes_in_every_format() -> None:
+    """Where their cores are given; the pins of the output that they turn on are as thick as those."""
+    pytest.importorskip("gmsh")
+    design = PRESETS["printed"]
+    sections, true = part_sections(Reducer(design)), mass_properties(parts(Reducer(design))["output_roller"]).volume
+    (tube,) = sections["output_roller"]
+    assert [loop[0] for loop in tube.loops] == [Circle((0.0, 0.0), 4.5e-3), Circle((0.0, 0.0), 2.5e-3)]
+    assert (tube.z0, tube.z1) == (-12.5e-3, 12.5e-3)
+    assert {section.loops[0][0].radius for section in sections["output"] if section.name == "pins"} == {2.5e-3}
+    assert read_volume(step_part("output_roller", (tube,))) == pytest.approx(true, rel=1e-6)
+    assert true == pytest.approx(math.pi * (4.5**2 - 2.5**2) * 25.0 * 1e-9, rel=1e-6)
+    assert "output_roller.stl" in export(design, "stl", 1e-5).files
+    assert "output_roller.dxf" in export(design, "dxf").files
+
+
+def test_step_of_a_sleeved_pinwheel_holds_its_pins() -> None:
+    """The pins inside the sleeves touch nothing that is drawn: solids of their own."""
+    pytest.importorskip("gmsh")
+    sleeved = override(PIN, ["ring.pins=sleeved"])
+    content = step_part("housing", part_sections(Reducer(sleeved))["housing"], 37)
+    assert content.count(b"MANIFOLD_SOLID_BREP") == 37
+    assert read_volume(content) == pytest.approx(mass_properties(parts(Reducer(sleeved))["housing"]).volume, rel=1e-6)
+    with pytest.raises(CycloidError, match="37 solids instead of 1"):
+        step_part("housing", part_sections(Reducer(sleeved))["housing"])
+
+
+def test_step_is_one_solid_and_the_same_every_time() -> None:
+    """The shaft, joined of four prisms, and the pinwheel; nothing else in the file, no time, no counter."""
+    pytest.importorskip("gmsh")
+    sections = part_sections(Reducer(PIN))
+    for part in ("shaft", "housing"):
+        first, second = (step_part(part, sections[part]) for _ in range(2))
+        assert first == second
+        assert first.startswith(b"ISO-10303-21;")
+        assert first.count(b"MANIFOLD_SOLID_BREP") == 1
+        assert read_volume(first) == pytest.approx(mass_properties(parts(Reducer(PIN))[part]).volume, rel=1e-6)
+
+
+@pytest.mark.parametrize("file_format", ["stl", "dxf"])
+def test_the_command_writes_the_parts(file_format: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "parts"
+    arguments = ["export", "--design", "pin", "--format", file_format, "--chord-error-um", "5", "--out", str(out)]
+    assert main([*arguments, "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert sorted(told["files"]) == sorted(
+        str(out / f"{part}.{file_format}") for part in parts(Reducer(PIN), CHORD_ERROR)
+    )
+    assert {path.name: path.read_bytes() for path in out.iterdir()} == export(PIN, file_format, CHORD_ERROR).files  # type: ignore[arg-type]
+    assert told["clearances"][0] == pytest.approx(
+        {"pair": "pin_gear", "asked": 1e-6, "least": 1e-6, "most": 1e-6}, abs=2e-8
+    )
+    assert main([*arguments, "--force"]) == 0
+    assert "clearance in the outlines" in capsys.readouterr().out
+
+
+def test_the_command_refuses_what_cannot_be_made(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "parts"
+    assert main(["export", "--design", "pin", "--format", "iges", "--out", str(out)]) == 2
+    undercut = ["--set", "ring.pin_radius_mm=2.9", "--format", "stl", "--out", str(out)]
+    assert main(["export", "--design", "pin", *undercut]) == 1
+    assert "undercut" in capsys.readouterr().err
+    assert not out.exists()
+
+
+SIGTERM_AFTER_STEP = """
+import os, signal, threading
+from cycloid_mj.design import PRESETS
+from cycloid_mj.parts.export import part_sections, step_part
+from cycloid_mj.base.interrupt import Stopped, raise_on_signals
+from cycloid_mj.reducer import Reducer
+
+raise_on_signals()
+worker = threading.Thread(target=step_part, args=("pin", part_sections(Reducer(PRESETS["pin"]))["pin"]))
+worker.start()
+worker.join()
+try:
+    os.kill(os.getpid(), signal.SIGTERM)
+except Stopped as stop:
+    print(stop)
+"""
+
+
+@pytest.mark.slow
+def test_sigterm_is_heard_after_step_was_made() -> None:
+    """Gmsh resets what it does: a page that has given STEP files, or a log beside a stress study, would end at once."""
+    pytest.importorskip("gmsh")
+    ended = subprocess.run([sys.executable, "-c", SIGTERM_AFTER_STEP], capture_output=True, text=True, timeout=300)
+    assert (ended.returncode, ended.stdout) == (0, "SIGTERM\n"), ended.stderr
+
+
+def test_step_without_gmsh_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    real = builtins.__import__
+
+    def without(name: str, *others: Any, **more: Any) -> Any:
+        if name == "gmsh":
+            raise ImportError("No module named 'gmsh'")
+        return real(name, *others, **more)
+
+    monkeypatch.setattr(builtins, "__import__", without)
+    with pytest.raises(CycloidError, match=r"cycloid-mj\[cad\]"):
+        export(PIN, "step")

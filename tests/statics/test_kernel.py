@@ -1,0 +1,452 @@
+"""The compiled balance of springs: energy, forces and stiffness belong together, and few steps lead to the balance.
+
+All of it runs in a second without compiling, so that `scripts/flip_signs.py` can try every sign.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from designs import UNLIKE, unlike
+
+from cycloid_mj import statics
+from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics import loads, springs_of
+from cycloid_mj.statics.kernel import (
+    BALANCED,
+    CARRIES,
+    FLOATING,
+    FOLLOWED,
+    Left,
+    Rubbing,
+    Springs,
+    State,
+    balance,
+    balance_along,
+    follow_path,
+    gap,
+    is_open,
+    state,
+    state_after,
+)
+from cycloid_mj.statics.samples import alike, solve_samples
+from cycloid_mj.statics.sliding import Held, Losses, rubbing_of
+from cycloid_mj.validate.displaced import exact_gaps, held_back
+
+CRANK = 1.9
+HELD: tuple[Held, ...] = ("crank", "output")
+
+
+def design_of(name: str) -> Design:
+    """Give a preset, one of `UNLIKE`, or the paper's gear with several discs on pins that bend."""
+    if name in UNLIKE:
+        return unlike(name)
+    if name in PRESETS:
+        return PRESETS[name]
+    return override(PRESETS["pin"], [f"gear.discs={name}", "structure=springs", "ring.pins=fixed"])
+
+
+def springs(name: str, *changes: str, crank: tuple[float, ...] = (CRANK,), friction: bool = False) -> Springs:
+    """Give the springs of a design with errors in all parts."""
+    made = ("errors.seed=4", "errors.hole_position_um=1.0", "errors.eccentricity_um=1.5", "errors.cam_position_um=0.7")
+    design = override(design_of(name), [*made, *changes])
+    return springs_of(Reducer(design.but(clearance=dict.fromkeys(design.pair_kinds, 1e-6))), crank, friction).contacts
+
+
+def rubbed(name: str, held: Held) -> tuple[statics.Springs, Rubbing]:
+    """Give the springs of a design with friction of all kinds, and that friction."""
+    design = design_of(name)
+    pairs = design.pair_kinds
+    design = design.but(clearance=dict.fromkeys(pairs, 1e-6), friction=dict.fromkeys(pairs, 0.15), drive={"speed": 0.0})
+    found = springs_of(Reducer(design), [CRANK], friction=False)
+    return found, rubbing_of(Reducer(design), found.contacts, CRANK, Losses(drag=1.0, travel=1e-4, material=0.1), held)
+
+
+def pose(contacts: Springs, size: float) -> np.ndarray:
+    """Give departures up to some size [m], turns three times as far."""
+    drawn = np.random.default_rng(5).uniform(-size, size, contacts.slope.shape[2])
+    drawn[[*range(2, drawn.size, 3), -1]] *= 3.0
+    return drawn
+
+
+@pytest.mark.parametrize("name", ["pin", "twodisc", "light"])
+def test_no_contact_that_is_closed_is_passed_over(name: str) -> None:
+    """The energy is that of all gaps, with curves apart and displaced along each other at random."""
+    contacts = springs(name, "structure=rigid")
+    rest, shape = np.zeros(contacts.slope.shape[2]), contacts.distance.shape
+    away = np.linalg.norm(contacts.cam_place[0], axis=1)
+    deep = np.maximum(away - contacts.cam_clearance, 0.0)
+    draw = np.random.default_rng(3).uniform
+    for size in np.outer(np.repeat((1e-6, 5e-6), 20), np.where(contacts.turning, 1.0, 200.0)):  # holes are circles
+        apart = contacts._replace(distance=draw(-size, size, shape), shift=draw(-size, size, shape))
+        widths = np.array([gap(apart, 0, i, rest).width for i in range(contacts.disc.size)])
+        stored = contacts.stiffness[0] @ np.minimum(widths, 0.0) ** 2 + contacts.cam_stiffness * deep @ deep
+        assert state(apart, 0, rest, rest).energy == pytest.approx(0.5 * stored, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", ["pin", "nonpin", "twodisc", "light"])
+@pytest.mark.parametrize("size", [2e-5, 5e-5])
+def test_far_from_their_places_teeth_press_by_exact_gaps(name: str, size: float) -> None:
+    """Discs that are displaced as far as wide clearances let them, and the output turned against them."""
+    design = override(design_of(name), ["structure=rigid"])
+    design = design.but(clearance=dict.fromkeys(design.pair_kinds, 0.9 * size))
+    contacts = springs_of(Reducer(design), [CRANK], friction=False).contacts
+    teeth = contacts.turning.sum()
+    for angle in np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False):
+        z = np.zeros(contacts.slope.shape[2])
+        z[:-1:3], z[1:-1:3] = size * np.cos(angle), size * np.sin(angle)
+        z[2:-1:3] = 0.7 * size
+        exact = exact_gaps(Reducer(design), CRANK, z)[:teeth] + design.pin_play
+        found = np.array([gap(contacts, 0, i, z).width for i in range(teeth)])
+        np.testing.assert_allclose(np.minimum(found, 0.0), np.minimum(exact, 0.0), rtol=0.0, atol=2e-9)
+        holes = np.array([gap(contacts, 0, i, z).width for i in range(teeth, contacts.disc.size)])
+        stored = contacts.stiffness[0] @ np.minimum(np.concatenate([exact, holes]), 0.0) ** 2
+        energy = state(contacts._replace(cam_clearance=np.inf), 0, 0.0 * z, z).energy
+        assert energy == pytest.approx(0.5 * stored, rel=1e-3)
+
+
+def differences(at: Callable[[np.ndarray], State], z: np.ndarray, what: str, step: float = 1e-9) -> np.ndarray:
+    """Give by how much energy or forces fall with each departure [m]; that of forces is a stiffness."""
+    sides = [[getattr(at(z + s * step * axis), what) for axis in np.eye(z.size)] for s in (-1, 1)]
+    return (np.array(sides[0]) - np.array(sides[1])).T / (2.0 * step)
+
+
+@pytest.mark.parametrize("size", [2e-6, 1e-5])
+@pytest.mark.parametrize("name", ["pin", "3", "light", "printed", "few"])
+def test_forces_are_the_descent_of_the_energy_and_stiffness_that_of_the_forces(name: str, size: float) -> None:
+    contacts = springs(name)
+    z = pose(contacts, size)
+    load = pose(contacts, 100.0)
+    found = state(contacts, 0, load, z)
+    assert np.abs(found.residual - load).max() > 10.0, "something presses"
+
+    def at(z: np.ndarray) -> State:
+        return state(contacts, 0, load, z)
+
+    bound = 2e-7 * np.abs(found.residual).max()
+    np.testing.assert_allclose(differences(at, z, "energy"), found.residual, rtol=0.0, atol=bound)
+    if size < 1e-5:  # farther away a curve that turns counts as its circle: its stiffness as a way to the balance
+        stiffness = differences(at, z, "residual", 3e-10)
+        np.testing.assert_allclose(stiffness, found.stiffness, rtol=0.0, atol=1e-7 * np.abs(stiffness).max())
+        assert stiffness[-1, -1] > 0.0, "output pins press"
+
+
+@pytest.mark.parametrize("name", ["pin", "light"])
+def test_what_is_well_open_is_seen_at_once(name: str) -> None:
+    """Of concave curves as soon as the gap is wider than the third order may make it; their roots cost the most."""
+    contacts, draw = springs(name, "structure=rigid"), np.random.default_rng(8).uniform
+    rest, shape, hollow = np.zeros(contacts.slope.shape[2]), contacts.distance.shape, contacts.bend[0] <= 0.0
+    for room in (1e-6, 1e-4):
+        wide = np.full(contacts.room.shape, room)
+        apart = contacts._replace(room=wide, distance=draw(-room, 0.0, shape), shift=draw(-1e-6, 1e-6, shape))
+        well = [gap(apart, 0, i, rest).width > 1e-8 and hollow[i] for i in range(hollow.size)]
+        assert sum(well) > 0.5 * hollow.sum()
+        assert all(is_open(apart, 0, i, rest) for i in np.flatnonzero(well))
+
+
+def test_figures_of_a_sample_are_those_of_its_balances() -> None:
+    sizes = ("pin_position", "hole_position", "eccentricity", "disc_size", "cam_position")
+    made = ["errors.seed=4", "errors.profile_cos_um={1=0.5}", *(f"errors.{name}_um=0.5" for name in sizes)]
+    design = override(design_of("2"), made)
+    design = design.but(stiffness=dict.fromkeys(design.pair_kinds, 3e8))
+    cranks = np.linspace(0.0, 2.0 * np.pi, 4, endpoint=False)
+    found = solve_samples(Reducer(design), alike(Reducer(design), 1), [36.0], cranks.size)[0]
+    alone = loads(Reducer(design), springs_of(Reducer(design), cranks, friction=False), 36.0)
+    for name, exact in (
+        ("gear_mean", alone.gear_turn.mean()),
+        ("gear_range", np.ptp(alone.gear_turn)),
+        ("output_mean", alone.output_turn.mean()),
+        ("output_range", np.ptp(alone.output_turn)),
+        ("tooth", alone.teeth.max()),
+        ("output_pin", alone.output.max()),
+        ("cam", np.linalg.norm(alone.cam, axis=-1).max()),
+        ("carrying", np.sum(alone.teeth > CARRIES * alone.teeth.max()) / cranks.size),
+    ):
+        assert getattr(found, name)[0] == pytest.approx(exact, rel=1e-6), name
+
+
+TURN = (0.3, 0.375, 0.45)
+STEPS = {
+    "pin": (64, 23, 22),
+    "twodisc": (33, 21, 21),
+    "2": (36, 22, 21),
+    "light": (30, 18, 17),
+    "printed": (21, 14, 14),
+    "few": (34, 20, 20),
+    "teeth21": (28, 16, 16),
+}
+"""How often the system is put together at three crank angles: each by itself, following each other, and with friction.
+
+Observed. A sign that turns a Newton step into a worse one makes it more.
+"""
+
+
+def test_the_forces_of_a_balance_turn_no_part() -> None:
+    """Of discs on pins that bend: those of all contacts, along their gaps, hold each disc and the output."""
+    contacts, load, z = springs("2"), np.zeros((1, 7)), np.zeros((1, 7))
+    load[:, -1] = design_of("2").rated_torque / contacts.radius
+    force = np.zeros(contacts.distance.shape)
+    assert balance_along(contacts, load, z, force).force <= BALANCED
+    push = force[0] @ np.array([gap(contacts, 0, i, z[0]).ahead for i in range(contacts.disc.size)])
+    assert push[3] == pytest.approx(-load[0, -1], rel=1e-6)
+    for disc in range(2):
+        of_disc = contacts.disc == disc
+        turn = force[0, of_disc] @ np.array([gap(contacts, 0, i, z[0]).ahead[2] for i in np.flatnonzero(of_disc)])
+        assert abs(turn) < 1e-6 * load.max()
+
+
+def test_the_friction_of_a_cam_turns_its_own_disc() -> None:
+    contacts, load, z = springs("2")._replace(cam_rubbing=0.01), np.zeros((1, 7)), np.zeros((1, 7))
+    contacts = contacts._replace(rubbing=np.zeros((1, *contacts.slope.shape[1:])))
+    load[:, -1] = design_of("2").rated_torque / contacts.radius
+    force = np.zeros(contacts.distance.shape)
+    left = balance(contacts, load, z, force, False)
+    assert left.force <= BALANCED
+    for disc, place in enumerate(contacts.cam_place[0]):
+        of_disc = np.flatnonzero(contacts.disc == disc)
+        turn = force[0, of_disc] @ np.array([gap(contacts, 0, i, z[0]).ahead[2] for i in of_disc])
+        depth = np.linalg.norm(z[0, 3 * disc : 3 * disc + 2] - place) - contacts.cam_clearance
+        assert -turn == pytest.approx(0.01 * contacts.cam_stiffness * depth, rel=1e-6)
+
+
+def balanced(name: str, follow: bool, friction: bool) -> Left:
+    """Balance the rated torque at three crank angles, from where the cams are."""
+    contacts = springs(name, crank=TURN, friction=friction)
+    load = np.zeros((len(TURN), contacts.slope.shape[2]))
+    load[:, -1] = design_of(name).rated_torque / contacts.radius
+    z, force = np.zeros_like(load), np.zeros(contacts.distance.shape)
+    for disc, place in enumerate(contacts.cam_place.swapaxes(0, 1)):
+        z[:, 3 * disc : 3 * disc + 2] = place
+    return balance_along(contacts, load, z, force) if follow else balance(contacts, load, z, force, False)
+
+
+@pytest.mark.parametrize("name", STEPS)
+def test_a_balance_takes_few_steps(name: str) -> None:
+    found = [balanced(name, follow, friction) for follow, friction in ((False, False), (True, False), (True, True))]
+    assert all(left.force <= BALANCED for left in found)
+    for left, most in zip(found, STEPS[name], strict=True):
+        assert 0.8 * most < left.work <= 1.02 * most + 1
+
+
+def followed(contacts: Springs, torque: float) -> Left:
+    """Balance crank angles that follow each other under a torque on the output."""
+    load = np.zeros((len(contacts.distance), contacts.slope.shape[2]))
+    load[:, -1] = torque / contacts.radius
+    return balance_along(contacts, load, np.zeros_like(load), np.zeros(contacts.distance.shape))
+
+
+@pytest.mark.parametrize(("share", "most"), [(1.0, 32), (1e-3, 44)])
+def test_balances_lead_to_those_a_degree_on(share: float, most: int) -> None:
+    """Ten angles, observed; with a start of the first order, or without the contacts of the angle before, it is more.
+
+    Under a small load parts are held by few contacts, which must not be lost.
+    """
+    contacts = springs("pin", crank=tuple(1.0 + 0.0175 * np.arange(10)))
+    left = followed(contacts, share * design_of("pin").rated_torque)
+    assert left.force <= BALANCED
+    assert 0.8 * most < left.work <= most
+
+
+@pytest.mark.parametrize("reach", [0.0, 1e-8, 0.9e-6, 1.1e-6, 3e-6])
+def test_a_tight_cam_presses_on_both_sides_until_the_far_one_is_free(reach: float) -> None:
+    tight, way = 1e-6, np.array([0.6, -0.8])
+    contacts = untouched(springs("pin"))._replace(cam_clearance=-tight)
+    z = np.zeros(4)
+    z[:2] = contacts.cam_place[0, 0] + reach * way
+
+    def at(z: np.ndarray) -> State:
+        return state(contacts, 0, np.zeros(4), z)
+
+    found, stiffness = at(z), contacts.cam_stiffness
+    sides = np.maximum([tight + reach, tight - reach], 0.0)
+    assert found.energy == pytest.approx(0.5 * stiffness * sides @ sides, rel=1e-9)
+    np.testing.assert_allclose(found.residual[:2], -stiffness * (sides[0] - sides[1]) * way, rtol=1e-9, atol=1e-6)
+    apart = differences(at, z, "residual")
+    np.testing.assert_allclose(found.stiffness, apart, rtol=0.0, atol=1e-6 * stiffness)
+
+
+def test_a_tight_cam_takes_no_more_steps_than_one_with_play() -> None:
+    """From the second angle on: at the first, without angles before it, a cam that presses anywhere is no help."""
+    turn, torque = tuple(1.0 + 0.0175 * np.arange(10)), 1e-4 * design_of("pin").rated_torque
+    work = []
+    for width in (1e-7, -5e-7):
+        ways = [springs("pin", crank=angles)._replace(cam_clearance=width) for angles in (turn[:1], turn)]
+        first, whole = (followed(contacts, torque) for contacts in ways)
+        assert max(first.force, whole.force) <= BALANCED
+        work.append(whole.work - first.work)
+    loose, tight = work
+    assert tight <= 1.2 * loose
+
+
+LOOP = np.array([0.2, 1.0, -1.0, 1.0])
+LOOPS = {
+    "pin": (37, 38),
+    "twodisc": (115, 39),
+    "printed": (102, 179),
+    "few": (252, 230),
+}
+"""The same for four large steps of a loop with friction that remembers, crank or output held."""
+
+
+def looped(name: str, held: Held, course: np.ndarray = LOOP) -> Left:
+    """Follow a loop of torque in large steps."""
+    found, rubs = rubbed(name, held)
+    load = np.concatenate([found.load(share * design_of(name).rated_torque) for share in course])
+    return follow_path(found.contacts, rubs, load, np.inf, np.zeros(len(load)), np.zeros_like(load))[0]
+
+
+@pytest.mark.parametrize("name", LOOPS)
+def test_a_loop_takes_few_steps(name: str) -> None:
+    found = [looped(name, held) for held in HELD]
+    for left, most in zip(found, LOOPS[name], strict=True):
+        assert left.force == 0.0
+        assert 0.8 * most < left.work <= 1.02 * most + 1
+
+
+@pytest.mark.parametrize(
+    ("name", "held"), [("pin", "crank"), ("printed", "crank"), ("few", "output"), ("twodisc", "output")]
+)
+def test_forces_after_a_step_with_friction_are_the_descent_of_the_energy(name: str, held: Held) -> None:
+    """With friction's limits given; where they follow from the normal forces, there is a stiffness, but no energy."""
+    loose, rubs = rubbed(name, held)
+    contacts = loose.contacts
+    before, load = pose(contacts, 2e-6), pose(contacts, 100.0)
+    z = before + pose(contacts, 1e-7)[::-1]
+    for given in (True, False):
+
+        def at(z: np.ndarray, given: bool = given) -> State:
+            return state_after(contacts, rubs, before, load, z, given)
+
+        found, stiffness = at(z), differences(at, z, "residual", 1e-10)
+        np.testing.assert_allclose(stiffness, found.stiffness, rtol=0.0, atol=4e-8 * np.abs(stiffness).max())
+        if given:
+            bound = 2e-7 * np.abs(found.residual).max()
+            np.testing.assert_allclose(differences(at, z, "energy", 1e-10), found.residual, rtol=0.0, atol=bound)
+
+
+def test_what_was_searched_before_leaves_a_slow_search_its_time() -> None:
+    still = np.zeros(1010)
+    found = looped("few", "crank", np.concatenate([still, LOOP[1:]]))
+    assert found.force == 0.0
+    assert found.work < still.size + 255
+
+
+def test_a_tooth_that_rests_where_its_foot_point_begins_to_be_looked_for_is_searched_again() -> None:
+    """At this torque its force is too small on one side of the step of its width and too large beyond it."""
+    design = PRESETS["pin"].but(clearance=dict.fromkeys(PRESETS["pin"].pair_kinds, 4e-6))
+    found = springs_of(Reducer(design), [3.37], friction=False)
+    load = found.load(11.288784096638361)
+    z, force = np.zeros_like(load), np.zeros(found.contacts.distance.shape)
+    z[:, :2] = found.contacts.cam_place[:, 0]
+    left = balance(found.contacts, load, z, force, False)
+    assert left.force <= BALANCED
+    assert left.work > 200, "the first searches must have failed"
+
+
+def rubbing(contacts: Springs, **given: float) -> Rubbing:
+    """Give friction that remembers of nothing, or the same of all."""
+    count = contacts.disc.size + contacts.cam_place.shape[1]
+    none = {name: np.zeros(count) for name in ("coefficient", "stick", "loss", "backing")}
+    values = {name: none[name] + given.get(name, 0.0) for name in none}
+    return Rubbing(slip=np.zeros((count, contacts.slope.shape[2])), drag=np.zeros(0), **values)
+
+
+def untouched(contacts: Springs) -> Springs:
+    """Give springs whose contacts are all open: what is left are the cams."""
+    return contacts._replace(distance=np.ones(contacts.distance.shape), shift=np.zeros(contacts.shift.shape))
+
+
+def test_a_long_way_is_gone_in_parts_while_there_are_rows_for_them() -> None:
+    """Without friction every pose is the balance of the load there."""
+    contacts = springs("few")
+    path = np.zeros((4, contacts.slope.shape[2]))
+    path[:, -1] = np.array([0.02, 1.0, 0.04, 0.6]) * design_of("few").rated_torque / contacts.radius
+    reach, most = 7e-7, np.abs(path).max()
+    steps = []
+    for spare in (20, 3):
+        when = np.full(len(path) + spare, np.nan)
+        z = np.zeros((when.size, path.shape[1]))
+        left, rows = follow_path(contacts, rubbing(contacts), path, reach, when, z)
+        assert left.force == 0.0
+        when, z = when[:rows], z[:rows]
+        assert np.all(np.diff(when) > 0.0)
+        assert set(when) >= set(range(len(path)))
+        for at, pose in zip(when, z, strict=True):
+            load = np.array([np.interp(at, range(len(path)), course) for course in path.T])
+            assert np.abs(state(contacts, 0, load, pose).residual).max() < 2.0 * FOLLOWED * most
+        steps.append((rows, np.abs(np.diff(z[:, -1])).max()))
+    (parted, longest), (spent, _) = steps
+    assert 7 < parted < 24
+    assert longest <= reach
+    assert spent == 7
+
+
+def test_what_nothing_holds_floats() -> None:
+    contacts = untouched(springs("twodisc"))._replace(cam_clearance=1.0)
+    path = np.outer([0.0, 1.0, 0.5], pose(contacts, 1e-6))
+    z = np.zeros_like(path)
+    follow_path(contacts, rubbing(contacts), path, np.inf, np.zeros(len(path)), z)
+    np.testing.assert_allclose(z, np.cumsum(path, axis=0) / (FLOATING * contacts.cam_stiffness), rtol=1e-6)
+
+
+def test_a_disc_rubs_its_cam_across_its_way() -> None:
+    """It sticks, then slips, on both discs: against the law of a circle in a circle."""
+    contacts = untouched(springs("twodisc"))._replace(cam_clearance=1e-6)
+    number, discs, stick, coefficient = contacts.disc.size, contacts.cam_place.shape[1], 1e9, 0.2
+    path = np.zeros((4, contacts.slope.shape[2]))
+    path[:, :2] = [[100.0, 40.0], [95.0, 50.0], [60.0, 90.0], [80.0, 80.0]]
+    path[:, 3:5] = [[-80.0, 150.0], [-85.0, 145.0], [-150.0, 90.0], [-140.0, 95.0]]
+    rubs = rubbing(contacts, stick=stick, coefficient=coefficient)
+    rubs.coefficient[:number] = 0.0
+    z = np.zeros_like(path)
+    left = follow_path(contacts, rubs, path, np.inf, np.zeros(len(path)), z)[0]
+    assert left.force == 0.0
+    for disc in range(discs):
+        way = z[:, 3 * disc : 3 * disc + 2] - contacts.cam_place[0, disc]
+        side, before, slipped = 0.0, -contacts.cam_place[0, disc], 0
+        for here, load in zip(way, path[:, 3 * disc : 3 * disc + 2], strict=True):
+            across = np.array([-before[1], before[0]]) / np.linalg.norm(before)
+            out = np.linalg.norm(here)
+            normal = contacts.cam_stiffness * (out - contacts.cam_clearance)
+            side = float(held_back(side, across @ (here - before), coefficient * normal, stick))
+            slipped += abs(side) == pytest.approx(coefficient * normal)
+            np.testing.assert_allclose(normal * here / out + side * across, load, rtol=0.0, atol=2e-4)
+            before = here
+        assert 0 < slipped < len(path)
+
+
+@pytest.mark.parametrize("across", [-2e-5, -1e-6, 1e-6, 2e-5])
+@pytest.mark.parametrize("name", ["pin", "light", "few"])
+def test_gaps_fall_with_their_gradient_and_normals_turn_at_their_rate(name: str, across: float) -> None:
+    """Of curves far apart, too: the exact foot of a normal in a valley is found there, the rate where it has one."""
+    contacts, step = springs(name), 1e-9
+    rest = np.zeros(contacts.slope.shape[2])
+    for along in np.array([-3.5e-4, -1e-4, 8e-5, 3e-4]) * contacts.trochoid[0]:
+        moved = contacts._replace(
+            distance=np.full(contacts.distance.shape, across), shift=np.full(contacts.shift.shape, along)
+        )
+        gradient, rate = [], []
+        for i in np.flatnonzero(contacts.turning):
+            here, ways = gap(moved, 0, i, rest), step * np.eye(rest.size)[:2]
+            sides = [[gap(moved, 0, i, s * way) for way in ways] for s in (1, -1)]
+            widths, normals = ([[getattr(one, what) for one in side] for side in sides] for what in ("width", "ahead"))
+            aside = np.array(here.aside[:2])
+            gradient.append([here.ahead[:2], np.subtract(*widths) / (2.0 * step)])
+            rate.append([here.rate * np.outer(aside, aside), np.subtract(*normals)[:, :2] / (2.0 * step)])
+        np.testing.assert_allclose(*np.swapaxes(gradient, 0, 1), rtol=0.0, atol=1e-7)
+        if abs(across) < 1e-5:
+            ours, exact = np.swapaxes(rate, 0, 1)
+            np.testing.assert_allclose(ours, exact, rtol=0.0, atol=6e-6 * np.abs(exact).max())
+
+
+def test_the_width_goes_on_without_a_step_where_foot_points_begin_to_be_looked_for() -> None:
+    """On a convex flank the third order hands over smoothly: a step would be a leap of the second difference."""
+    contacts = springs("2")
+    rest, size = np.zeros(contacts.slope.shape[2]), contacts.trochoid[0]
+    step = 2e-6 * size
+    cut = np.flatnonzero(contacts.turning & (contacts.bend[0] > 0.0) & (contacts.twist[0] != 0.0))
+    for i in cut[:: cut.size // 4]:
+        moved = (contacts._replace(shift=np.full(contacts.shift.shape, p)) for p in np.arange(-1e-3, 1e-3, 2e-6) * size)
+        width = np.array([gap(one, 0, i, rest).width for one in moved])
+        assert np.abs(np.diff(width, 2)).max() < 1.05 * step**2 * contacts.bend[0, i]

@@ -1,0 +1,273 @@
+"""The mapping of stiffness, damping and added mass to MuJoCo, on two bodies and one contact."""
+
+import math
+
+import mujoco
+import numpy as np
+import pytest
+
+from cycloid_mj.base.errors import ContactError
+from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.dynamics import timestep as steps
+from cycloid_mj.dynamics.contact.collider import installed
+from cycloid_mj.dynamics.mjcf import build
+from cycloid_mj.dynamics.mjcf.laws import contact_laws
+from cycloid_mj.geometry import ideal_loads
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.bodies import Role
+from cycloid_mj.statics.law import (
+    COUPLED,
+    IMPRATIO,
+    ContactLaw,
+    contact_law,
+    curvature_law,
+    damping_ratio,
+    leads,
+    pair_stiffness,
+    solver_parameters,
+    stock_impratio,
+)
+from cycloid_mj.statics.working import STRIBECK, working_force
+
+STIFFNESS, MASS = 2.6e8, 0.05
+
+
+def two_bodies(law: ContactLaw, timestep: float, mass: float = MASS, gravity: float = 0.0):
+    """A disc on a slide inside a fixed circle; the gap is minus its height above y = 0."""
+    parameters = solver_parameters(law, 1.0 / mass)
+    solref = " ".join(map(repr, parameters.solref))
+    solimp = " ".join(map(repr, parameters.solimp))
+    return mujoco.MjModel.from_xml_string(f"""<mujoco>
+      <option timestep="{timestep!r}" gravity="0 {gravity!r} 0" tolerance="1e-14" cone="elliptic"/>
+      <worldbody>
+        <geom name="outer" type="cylinder" size="0.0151 0.01" priority="{int(Role.OUTER)}"/>
+        <body pos="0 0.0001 0"><joint name="y" type="slide" axis="0 1 0"/>
+          <inertial pos="0 0 0" mass="{mass!r}" diaginertia="1 1 1"/>
+          <geom name="inner" type="cylinder" size="0.015 0.01" priority="{int(Role.INNER)}"/></body>
+      </worldbody>
+      <contact><pair geom1="outer" geom2="inner" condim="1" solref="{solref}" solimp="{solimp}"/></contact>
+    </mujoco>""")
+
+
+@pytest.mark.parametrize("added", [1e-3, 1e-2, 1.0])
+def test_a_static_force_goes_in_by_force_over_stiffness(added: float) -> None:
+    law = ContactLaw(STIFFNESS, 2.0 * 0.7 * math.sqrt(STIFFNESS * MASS), added * MASS, 0.0)
+    force = 400.0
+    model = two_bodies(law, 1e-6, gravity=force / MASS)
+    data = mujoco.MjData(model)
+    with installed():
+        mujoco.mj_step(model, data, 4000)
+    assert data.qpos[0] == pytest.approx(force / STIFFNESS, rel=1e-9)
+    assert data.efc_force[0] == pytest.approx(force, rel=1e-9)
+
+
+def frequency(law: ContactLaw, timestep: float) -> float:
+    """Angular frequency about the loaded equilibrium, from the zero crossings of the velocity."""
+    force = 400.0
+    model = two_bodies(law, timestep, gravity=force / MASS)
+    data = mujoco.MjData(model)
+    data.qpos[0] = 0.5 * force / STIFFNESS
+    speeds = []
+    with installed():
+        for _ in range(round(40 * 2.0 * math.pi / math.sqrt(STIFFNESS / MASS) / timestep)):
+            mujoco.mj_step(model, data)
+            speeds.append(data.qvel[0])
+    v = np.array(speeds)
+    k = np.flatnonzero((v[:-1] < 0.0) & (v[1:] >= 0.0))
+    crossings = k + v[k] / (v[k] - v[k + 1])
+    return 2.0 * math.pi / (float(np.mean(np.diff(crossings))) * timestep)
+
+
+@pytest.mark.parametrize("share", [0.01, 0.3, 1.0])
+def test_the_added_mass_swings_along(share: float) -> None:
+    law = ContactLaw(STIFFNESS, 0.0, share * MASS, 0.0)
+    assert frequency(law, 1e-6) == pytest.approx(math.sqrt(STIFFNESS / (MASS + share * MASS)), rel=7e-4)
+
+
+def test_where_the_step_allows_the_frequency_is_physical() -> None:
+    """The law of Fox and Goodwin is of fourth order: at K dt^2/m = 0.5 the frequency is right to a thousandth."""
+    timestep = math.sqrt(0.5 * MASS / STIFFNESS)
+    law = contact_law(STIFFNESS, 1e-9, MASS, 0.0, 0.0, timestep)
+    assert frequency(law, timestep) == pytest.approx(math.sqrt(STIFFNESS / MASS), rel=1e-3)
+    without = ContactLaw(STIFFNESS, 0.0, 0.01 * MASS, 0.0)
+    assert frequency(without, timestep) != pytest.approx(math.sqrt(STIFFNESS / MASS), rel=1e-2)
+
+
+@pytest.mark.parametrize("ratio", [0.05, 0.2, 0.5])
+def test_an_impact_returns_as_the_damping_ratio_says(ratio: float) -> None:
+    """The force may not pull: the impact ends when it reaches zero, which shortens the damped half wave."""
+    law = contact_law(STIFFNESS, ratio, MASS, 0.0, 0.0, timestep=2e-7)
+    model = two_bodies(law, 2e-7)
+    data = mujoco.MjData(model)
+    data.qpos[0], data.qvel[0] = -1e-9, 0.01
+    with installed():
+        while data.qpos[0] >= -1e-9:
+            mujoco.mj_step(model, data)
+    damped = math.sqrt(1.0 - ratio**2)
+    # Force -(K r + C v) of a linear half wave vanishes at this phase (Nagurka and Huang 2004).
+    expected = math.exp(-ratio / damped * math.atan2(2.0 * ratio * damped, 2.0 * ratio**2 - 1.0))
+    assert -data.qvel[0] / 0.01 == pytest.approx(expected, rel=0.005)  # 0.18 % at the strongest damping
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.5, 2.0])
+def test_the_added_mass_keeps_a_body_on_a_contact_stable_at_any_step(ratio: float) -> None:
+    """The step v' = v - dt (K r + C v)/(m + 1/R), r' = r + dt v' has no eigenvalue outside the unit circle."""
+    pin = 1.25e-3
+    for timestep in (1e-6, 2e-6, 5e-6, 1e-5, 1e-4):
+        law = contact_law(STIFFNESS, ratio, pin, 0.05, 1e3, timestep)
+        moved = pin + law.added_mass
+        speed = np.array([-timestep * law.stiffness, moved - timestep * law.damping]) / moved
+        step = np.array([[1.0 + timestep * speed[0], timestep * speed[1]], speed])
+        assert np.abs(np.linalg.eigvals(step)).max() <= 1.0 + 1e-9
+
+
+def test_an_impossible_impedance_is_refused() -> None:
+    with pytest.raises(ContactError, match="timestep_us"):
+        solver_parameters(ContactLaw(1e14, 0.0, 1e9, 0.0), 1.0)
+
+
+@pytest.mark.parametrize("name", ["pin", "nonpin"])
+@pytest.mark.parametrize("torque", [1.0, 36.68])
+def test_friction_is_centred_in_the_step_or_more_and_leads_its_sliding_by_little(name: str, torque: float) -> None:
+    design = PRESETS[name].but(load={"torque": torque})
+    laws, ratio, step = contact_laws(Reducer(design)), build(design).model.opt.impratio, steps.timestep(Reducer(design))
+    rubbing = [law for law in laws.values() if law.friction]
+    assert all(ratio * law.added_mass >= 0.4999 * law.creep * step for law in rubbing)
+    assert all(law.friction**2 / ratio <= 1.0001 * COUPLED for law in rubbing)
+    assert 0.0 < max(leads(Reducer(design), laws, ratio).values()) < 0.02
+
+
+@pytest.mark.parametrize(("name", "first", "most"), [("nonpin", "tooth", 0.15), ("pin", "pin_socket", 0.05)])
+def test_stock_friction_leads_its_sliding_no_more_than_allowed(name: str, first: str, most: float) -> None:
+    light, rated = (PRESETS[name].but(load={"torque": torque}) for torque in (1.0, 36.68))
+    laws = contact_laws(Reducer(light))
+    found = leads(Reducer(light), laws, stock_impratio(Reducer(light), [laws]))
+    assert found[first] == pytest.approx(most, rel=1e-9)
+    assert max(found.values()) < 0.151
+    assert stock_impratio(Reducer(rated), [contact_laws(Reducer(rated))]) == IMPRATIO
+
+
+def test_a_crank_that_stands_has_friction_as_firm_as_can_be() -> None:
+    assert build(PRESETS["pin"].but(drive={"speed": 0.0})).model.opt.impratio == IMPRATIO
+
+
+def test_friction_takes_its_creep_at_every_impratio() -> None:
+    law = ContactLaw(STIFFNESS, 100.0, 0.1, 0.05, creep=8.0)
+    for ratio in (0.2, IMPRATIO):
+        parameters = solver_parameters(law, 1.0 / MASS, ratio)
+        impedance = parameters.solimp[0]
+        regularisation = (1.0 - impedance) / (impedance * MASS) / ratio
+        # b/R, with b = -solreffriction[1]/d (MuJoCo, "Computation": direct format)
+        assert -parameters.solreffriction[1] / impedance / regularisation == pytest.approx(law.creep, rel=1e-9)
+
+
+def test_frictionless_contacts_have_one_dimension() -> None:
+    assert solver_parameters(ContactLaw(1e8, 0.0, 0.1, 0.0), 1.0).condim == 1
+    assert solver_parameters(ContactLaw(1e8, 0.0, 0.1, 0.05), 1.0).condim == 3
+
+
+KINDS = ("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output")
+RING = {"pin_sleeve": "ring.pins=sleeved", "tooth": "ring.kind=nonpin"}
+
+
+def with_pair(kind: str, *changes: str) -> Design:
+    """Give the paper's design with the ring that has a kind of pair, and ``table.key=value`` changes."""
+    return override(PRESETS["pin"], [RING.get(kind, "ring.pins=free"), "settings.timestep_us=1", *changes])
+
+
+def laws_of(design: Design) -> dict[str, ContactLaw]:
+    return contact_laws(Reducer(design))
+
+
+def others(kind: str, before: Design, after: Design) -> None:
+    """Check that no other pair of two designs has another law."""
+    old, new = laws_of(before), laws_of(after)
+    assert {name for name in old if old[name] != new[name]} == {kind}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_each_pair_has_a_stiffness_of_its_own(kind: str) -> None:
+    before, after = with_pair(kind), with_pair(kind, f"stiffness.{kind}_n_m=1.5e8")
+    assert pair_stiffness(Reducer(before), kind) != 1.5e8
+    assert laws_of(after)[kind].stiffness == 1.5e8
+    others(kind, before, after)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_each_pair_has_a_damping_of_its_own(kind: str) -> None:
+    before, after = with_pair(kind), with_pair(kind, f"damping.{kind}=0.1")
+    assert (damping_ratio(Reducer(before), kind), damping_ratio(Reducer(after), kind)) == (0.5, 0.1)
+    assert laws_of(after)[kind].damping == pytest.approx(0.2 * laws_of(before)[kind].damping, rel=1e-12)
+    others(kind, before, after)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_each_pair_has_a_working_force_of_its_own(kind: str) -> None:
+    before, after = (
+        with_pair(kind, "contact.working_force_n=100", *own) for own in ([], [f"working_force.{kind}_n=400"])
+    )
+    assert working_force(Reducer(after), kind) == 400.0
+    others(kind, before, after)
+    # The secant stiffness pi E* L / (a + ln kappa) falls by the logarithm of the force in a.
+    modulus = ideal_loads.contact_modulus(210e9, 0.28)
+    compliance = [math.pi * modulus * 10e-3 / curvature_law(Reducer(d), kind).stiffness for d in (before, after)]
+    roller = 400.0 * STRIBECK / 20 if kind == "cam" else 400.0
+    assert compliance[0] - compliance[1] == pytest.approx(math.log(roller / 100.0), rel=1e-9)
+
+
+def test_teeth_follow_their_own_stiffness_and_force() -> None:
+    """The collider's law of the teeth, and the gap below which lines are one patch, follow the tooth pair's keys."""
+    law = curvature_law(Reducer(with_pair("tooth", "stiffness.tooth_n_m=2e8", "working_force.tooth_n=50")))
+    assert (law.stiffness, law.deflection) == (2e8, 50.0 / 2e8)
+    # Those of the pins do not reach an internal gear.
+    assert curvature_law(Reducer(with_pair("tooth", "stiffness.pin_gear_n_m=2e8"))) == curvature_law(
+        Reducer(with_pair("tooth"))
+    )
+
+
+def test_a_stiffness_for_all_is_that_of_a_pin_on_a_flat() -> None:
+    design = with_pair("pin_gear", "contact.stiffness_n_m=1e8", "contact.working_force_n=100")
+    assert pair_stiffness(Reducer(design), "pin_gear") == 1e8
+    assert pair_stiffness(Reducer(design), "cam") == pytest.approx(1e8 * 20 / (2 * STRIBECK), rel=1e-12)
+    assert pair_stiffness(Reducer(design), "pin_socket") == pytest.approx(2e8, rel=1e-12)
+
+
+def test_one_working_force_may_be_given_for_all_pairs() -> None:
+    design = with_pair("pin_gear", "contact.working_force_n=70")
+    assert {working_force(Reducer(design), kind) for kind in KINDS if kind != "cam"} == {70.0}
+    # Its most loaded roller bears 70 N, or ideal load sharing asks N/4 of it of a plain cam.
+    assert working_force(Reducer(design), "cam") == pytest.approx(70.0 * 20 / STRIBECK, rel=1e-12)
+    assert working_force(Reducer(override(design, ["gear.bearing=plain"])), "cam") == 70.0 * 36 / 4
+
+
+def test_rollers_have_a_friction_of_their_own() -> None:
+    sliding = ["friction.cam=0.03", "friction.output=0.04"]
+    sliding += ["friction.cam_rolling=0.001", "friction.output_rolling=0.002"]
+    for cam, rollers in (("rolling", "true"), ("plain", "false")):
+        laws = laws_of(with_pair("tooth", *sliding, f"gear.bearing={cam}", f"output.rollers={rollers}"))
+        rolls = cam == "rolling"
+        assert (laws["cam"].friction, laws["output"].friction) == ((0.001, 0.002) if rolls else (0.03, 0.04))
+    laws = laws_of(with_pair("tooth"))
+    # needle rollers with a cage, by the makers' catalogues
+    assert laws["cam"].friction == laws["output"].friction == 0.002
+    laws = laws_of(with_pair("tooth", "gear.bearing=plain", "output.rollers=false"))
+    assert laws["cam"].friction == laws["output"].friction == 0.05
+
+
+def test_a_plain_cam_is_a_conformal_bearing() -> None:
+    design = with_pair("cam", "gear.bearing=plain", "contact.working_force_n=100")
+    modulus = ideal_loads.contact_modulus(210e9, 0.28)
+    assert pair_stiffness(Reducer(design), "cam") == ideal_loads.conformal_stiffness(900.0, 10e-3, modulus, 1e-6)
+    # It is stiffer than the rollers, and no stiffer than a bearing without play.
+    assert (
+        pair_stiffness(Reducer(with_pair("cam")), "cam")
+        < pair_stiffness(Reducer(design), "cam")
+        < math.pi / 2 * modulus * 10e-3
+    )
+
+
+def test_a_working_force_beyond_a_line_contact_is_told_by_its_key() -> None:
+    with pytest.raises(ContactError, match=r"^working_force\.output_n "):
+        curvature_law(Reducer(with_pair("output", "working_force.output_n=1e6", "gear.face_width_mm=0.1")), "output")
+    with pytest.raises(ContactError, match=r"^contact\.working_force_n "):
+        curvature_law(Reducer(with_pair("output", "contact.working_force_n=1e6", "gear.face_width_mm=0.1")), "output")

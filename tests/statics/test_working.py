@@ -1,0 +1,105 @@
+"""The force at which contacts have their secant stiffness follows from the load, and every measure states one law."""
+
+import math
+
+import numpy as np
+import pytest
+
+from cycloid_mj.base.errors import ContactError
+from cycloid_mj.design import PRESETS, override
+from cycloid_mj.dynamics.mjcf import build
+from cycloid_mj.dynamics.run import provenance
+from cycloid_mj.geometry import ideal_loads
+from cycloid_mj.geometry.modification import tooth_profile
+from cycloid_mj.parts import gear_solid, mass_properties
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.law import pair_stiffness
+from cycloid_mj.statics.working import (
+    at_rated_load,
+    own_load,
+    working_at,
+    working_force,
+    working_forces_told,
+    working_load,
+    working_source,
+)
+
+PIN, NONPIN = PRESETS["pin"], PRESETS["nonpin"]
+RATED = 36.68
+
+
+def loaded(torque, *changes):
+    return override(PIN, [f"load.torque_nm={torque!r}", *changes])
+
+
+def test_teeth_output_and_cam_each_work_at_their_share_of_the_load():
+    design = loaded(RATED)
+    gear, crank = tooth_profile(design), np.linspace(0.0, 2 * np.pi, 720, endpoint=False)
+    ring = ideal_loads.ideal_load_sharing(gear, RATED, crank)
+    output = ideal_loads.ideal_output_forces(gear, 8, 26e-3, RATED, crank)
+    cam = np.linalg.norm(ideal_loads.cam_force(ring, output, crank), axis=1)
+    for kind in ("pin_gear", "pin_socket"):
+        assert working_force(Reducer(design), kind) == pytest.approx(ring.forces.max(axis=1).mean(), rel=0.01)
+    # the most loaded of eight output pins bears 4 T/(n R) where it stands across the eccentric
+    assert working_force(Reducer(design), "output") == pytest.approx(output.max(), rel=0.01)
+    assert working_force(Reducer(design), "cam") == pytest.approx(cam.mean(), rel=2e-3)
+    # far from the 100 N that all pairs had: the drive is stiffer by the logarithm of that
+    assert working_force(Reducer(design), "output") > 600.0
+    assert working_force(Reducer(design), "cam") > 1300.0
+
+
+def test_contacts_stiffen_with_the_load():
+    at = {torque: pair_stiffness(Reducer(loaded(torque)), "output") for torque in (9.17, RATED)}
+    before = pair_stiffness(Reducer(loaded(RATED, "contact.working_force_n=100")), "output")
+    assert at[9.17] < at[RATED]
+    assert before < at[RATED]
+    # the compliance falls by the logarithm of the force: E* L pi (1/K1 - 1/K2) = ln 4, but for the doubled limit
+    modulus = ideal_loads.contact_modulus(210e9, 0.28)
+    flat = {torque: pair_stiffness(Reducer(loaded(torque)), "pin_gear") for torque in at}
+    assert math.pi * modulus * 10e-3 * (1 / flat[9.17] - 1 / flat[RATED]) == pytest.approx(math.log(4.0), rel=1e-9)
+
+
+def test_without_load_the_gears_own_forces_work():
+    mass = mass_properties(gear_solid(Reducer(PIN))).mass
+    force = mass * (9.8 + 1e-3 * PIN.drive.speed**2)
+    assert own_load(Reducer(PIN)) == pytest.approx(force * 35e-3, rel=0.01)
+    assert working_load(Reducer(PIN)) == own_load(Reducer(PIN))
+    assert {working_source(Reducer(PIN), kind) for kind in ("pin_gear", "cam")} == {"weight and inertia"}
+    # a load below that does not soften the contacts further, whatever its sign
+    assert working_load(Reducer(loaded(0.1))) == own_load(Reducer(PIN))
+    assert working_load(Reducer(loaded(-RATED))) == RATED
+
+
+def test_what_is_given_comes_first():
+    given = loaded(RATED, "contact.working_force_n=100", "working_force.output_n=300", "contact.working_load_nm=5")
+    assert (working_force(Reducer(given), "pin_gear"), working_force(Reducer(given), "output")) == (100.0, 300.0)
+    assert working_source(Reducer(given), "output") == "given"
+    one = loaded(RATED, "contact.working_load_nm=5")
+    assert working_load(Reducer(one)) == 5.0
+    assert working_source(Reducer(one), "cam") == "working load"
+    assert working_at(Reducer(given), 20.0) == Reducer(given)
+    assert working_load(working_at(Reducer(loaded(RATED)), 20.0)) == 20.0
+
+
+def test_what_is_made_for_any_load_is_made_for_the_rated_one():
+    assert working_load(at_rated_load(Reducer(PIN))) == pytest.approx(RATED)
+    assert working_load(at_rated_load(Reducer(loaded(10.0)))) == 10.0
+
+
+@pytest.mark.parametrize("design", [PIN, NONPIN, loaded(RATED), override(NONPIN, ["working_force.cam_n=900"])])
+def test_a_run_tells_its_working_forces(design):
+    told = provenance(Reducer(design))["working_forces"]
+    kinds = ("tooth",) if design.ring.kind == "nonpin" else ("pin_gear", "pin_socket")
+    assert told == working_forces_told(Reducer(design), [*kinds, "cam", "output"])
+    assert ("weight and inertia" in told) == (design.load.torque == 0.0)
+    assert ("given" in told) == bool(design.working_force.cam)
+
+
+def test_the_model_has_the_stiffness_of_its_load():
+    idle, busy = (build(loaded(torque)).laws for torque in (0.0, RATED))
+    assert all(busy[kind].stiffness > idle[kind].stiffness for kind in busy)
+
+
+def test_a_load_beyond_a_line_contact_is_told_by_its_key():
+    with pytest.raises(ContactError, match=r"^load\.torque_nm \(a working load of 1e\+05 N m\) flattens"):
+        pair_stiffness(Reducer(loaded(1e5, "gear.face_width_mm=0.1")), "output")
