@@ -22,7 +22,7 @@ from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.analysis import Findings
-    from cycloid_mj.dynamics.run import Block, Contact, Schedule
+    from cycloid_mj.dynamics.run import Block, Contact, Schedule, Solver
     from cycloid_mj.log import LogWriter
 
 EXAMPLES = """Examples:
@@ -42,6 +42,13 @@ ContactFlag = Annotated[
         help="profile: the exact profiles meet; mesh: convex slices of them meet in MuJoCo's own collision, as in the "
         "folders of `cycloid-mj build`. A step takes 10 to 70 times as long by mesh. Its means are "
         "within 3 % of the profiles', its rms of speeds up to ten times theirs. Default: profile."
+    ),
+]
+SolverFlag = Annotated[
+    Literal["mujoco", "planar"],
+    Parameter(
+        help="mujoco: MuJoCo takes the steps. planar: a compiled solver of the planar equations of motion, apart from "
+        "MuJoCo, with the same contacts, course and log, many times cheaper. Default: mujoco."
     ),
 ]
 OutFlag = Annotated[
@@ -65,6 +72,7 @@ def simulate(
     *,
     chosen: Annotated[DesignOptions, FLAT],
     contact: ContactFlag = "profile",
+    solver: SolverFlag = "mujoco",
     out: OutFlag = None,
     timestep_us: Annotated[float | None, TIMESTEP.flag("Time step")] = None,
     speed_rpm: Annotated[float | None, SPEED.flag("Crank speed after the ramp; negative turns the other way")] = None,
@@ -75,7 +83,7 @@ def simulate(
     json: JsonFlag = False,
     quiet: QuietFlag = False,
 ) -> int:
-    """Run a design in MuJoCo, log it, and compare the run with the closed form.
+    """Run a design in MuJoCo or by the planar solver, log it, and compare the run with the closed form.
 
     The crank speeds up linearly from rest, then keeps its speed. Over that
     hold phase the table (or, with --json, one JSON object) compares with
@@ -91,7 +99,7 @@ def simulate(
     """
     values = [(TIMESTEP, timestep_us), (SPEED, speed_rpm), (RAMP, ramp_s), (HOLD, hold_s), (LOAD, load_nm)]
     design = chosen.resolved(values)
-    require_possible(design)
+    require_possible(design, solver)
     into = folder(RUNS if out is None else out, "the log", (), force)
     names: Iterable[Path] = [into / f"{design.name}.mcap"]
     if out is None and not force:
@@ -99,7 +107,7 @@ def simulate(
     elif not force:
         claim(*names, force=False)
     with Progress(design.drive.ramp + design.drive.hold, quiet) as progress:
-        ran = run_into_log(design, names, force, progress, contact)
+        ran = run_into_log(design, names, force, progress, contact, solver)
     report(ran.judged(), json)
     return 0
 
@@ -134,17 +142,16 @@ class Ran:
         return replace(self.findings, steps=self.steps, wall_s=self.wall)
 
 
-def require_possible(design: Design) -> None:
+def require_possible(design: Design, solver: "Solver" = "mujoco") -> None:
     """Raise UsageError for a run that is too long or stands still, DesignError for an unsound design."""
     reducer = Reducer(design)
     if design.drive.speed == 0.0:
         raise UsageError("drive.speed_rpm is 0: the crank would stand still; give --speed-rpm")
     from cycloid_mj.checks import require_sound
-    from cycloid_mj.dynamics.run import MOST_STEPS
-    from cycloid_mj.dynamics.timestep import timestep
+    from cycloid_mj.dynamics.run import MOST_STEPS, STEPS
 
     require_sound(reducer)
-    step = timestep(reducer)
+    step = STEPS[solver].chosen(reducer).seconds
     steps = (design.drive.ramp + design.drive.hold) / step
     if steps > MOST_STEPS:
         raise UsageError(
@@ -178,7 +185,12 @@ def _free_names(into: Path, name: str) -> Iterator[Path]:
 
 
 def run_into_log(
-    design: Design, names: Iterable[Path], force: bool, progress: Progress, contact: "Contact" = "profile"
+    design: Design,
+    names: Iterable[Path],
+    force: bool,
+    progress: Progress,
+    contact: "Contact" = "profile",
+    solver: "Solver" = "mujoco",
 ) -> Ran:
     """Run a design into the first log of `names` that no other run has taken meanwhile."""
     reducer = Reducer(design)
@@ -187,8 +199,8 @@ def run_into_log(
         attachments,
         blocks,
         columns,
+        model_for,
         provenance,
-        reducer_model,
         schedule,
         warned,
         warnings,
@@ -196,13 +208,12 @@ def run_into_log(
     from cycloid_mj.log import LogWriter
     from cycloid_mj.scene import Scene, frame_rate
 
-    compiled = reducer_model(reducer, contact)
-    plan = schedule(reducer, compiled.model.opt.timestep)
+    compiled = model_for(solver, reducer, contact)
+    plan = schedule(reducer, compiled.timestep)
     _require_held_samples(design, plan)
     groups = {topic: list(units.items()) for topic, units in columns(compiled, reducer).items()}
-    told = (
-        provenance(reducer, contact, plan.timestep) | {"steps": str(plan.steps)} | warned(warnings(compiled, reducer))
-    )
+    told = provenance(reducer, contact, plan.timestep, solver) | {"steps": str(plan.steps)}
+    told |= warned(warnings(compiled, reducer))
     progress.tell(f"time step {told['timestep']}, for {told['timestep_for']}")
     start = time.perf_counter()
     scene = Scene(design, frame_rate(reducer))

@@ -6,7 +6,7 @@ A shaft that is *held* follows a position command by its servo; the other one fe
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import mujoco
 import numpy as np
@@ -20,6 +20,18 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import sense
 
 Signal = Callable[[Array], Array]
+
+
+class Held(Protocol):
+    """What a course must know of a model with a shaft that a servo holds."""
+
+    @property
+    def servo_gains(self) -> tuple[float, float]:
+        """Gains kp [N m/rad] and kv [N m s/rad]."""
+
+    @property
+    def crank_inertia(self) -> float:
+        """Inertia of shaft and rotor about the crank axis [kg m2]."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +57,7 @@ class Course:
         return np.stack([self.drive(time), self.load(time)], axis=1)
 
 
-def ramp_and_hold(compiled: ReducerModel, reducer: Reducer) -> Course:
+def ramp_and_hold(compiled: Held, reducer: Reducer) -> Course:
     """Give a design's own course: crank speed ramps up and holds; the load rises to its constant torque."""
     design = reducer.design
     law = CrankLaw(design.drive.speed, design.drive.ramp)
@@ -57,13 +69,13 @@ def ramp_and_hold(compiled: ReducerModel, reducer: Reducer) -> Course:
     )
 
 
-def locked_crank(compiled: ReducerModel, angle: float, torque: Signal) -> Course:
+def locked_crank(compiled: Held, angle: float, torque: Signal) -> Course:
     """Hold the crank still at an angle [rad] under a torque on the output [N m] over time [s]."""
     law = CrankLaw(0.0, 0.0)
     return Course(angle, 0.0, lambda time: angle + servo_target(compiled, law, time), torque)
 
 
-def braked_output(compiled: ReducerModel, reducer: Reducer, torque: Signal, angle: float = 0.0) -> Course:
+def braked_output(compiled: Held, reducer: Reducer, torque: Signal, angle: float = 0.0) -> Course:
     """Hold the output at the speed that the design's crank speed gives it, under a torque on the crank [N m].
 
     The model holds the output: ``build(design, held="output")``. The crank starts at `angle` [rad], at full speed.
@@ -102,7 +114,7 @@ def braking(reducer: Reducer) -> float:
     return math.copysign(1.0, reducer.design.drive.speed) * sense(reducer.design)
 
 
-def servo_target(compiled: ReducerModel, law: CrankLaw, time: Array) -> Array:
+def servo_target(compiled: Held, law: CrankLaw, time: Array) -> Array:
     """Position command [rad] with which the servo follows a law without lag in speed or acceleration."""
     kp, kv = compiled.servo_gains
     torque = compiled.crank_inertia * law.acceleration_at(time)

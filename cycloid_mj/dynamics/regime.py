@@ -63,7 +63,7 @@ def warnings(reducer: Reducer, compiled: Compiled) -> tuple[str, ...]:
         *resolved,
         *_leading(reducer, compiled),
         *_clamped(compiled),
-        *_bent(reducer),
+        *bent_pins(reducer),
         *at_rest(reducer, compiled.laws),
     )
 
@@ -168,7 +168,7 @@ def _clamped(compiled: Compiled) -> Iterator[str]:
             )
 
 
-def _bent(reducer: Reducer) -> Iterator[str]:
+def bent_pins(reducer: Reducer) -> Iterator[str]:
     """Tell of output pins that a disc which bears all bends so far that they meet another disc's hole from behind.
 
     They do where they bend there by more than the contact of that disc gives way with both clearances; up to that the

@@ -1,12 +1,12 @@
 """The step loop: ``Design`` -> blocks of samples, or a whole ``Run``.
 
-The loop is ``mj_step``, some samples in one call. Every sample is checked, and a run that went wrong ends with a
-``RunError`` that says how; the samples up to then have been given out already.
+The loop is ``mj_step``, or that of the planar solver, some samples in one call. Every sample is checked, and a run that
+went wrong ends with a ``RunError`` that says how; the samples up to then have been given out already.
 """
 
 import math
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
-from contextlib import nullcontext
+from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
 from itertools import chain
@@ -16,7 +16,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.base.errors import RunError, warn
+from cycloid_mj.base.errors import RunError, UsageError, warn
 from cycloid_mj.base.interrupt import give_way
 from cycloid_mj.base.names import (
     DRAGS,
@@ -38,6 +38,7 @@ from cycloid_mj.base.names import (
 from cycloid_mj.base.record import Deferred, Run
 from cycloid_mj.base.types import Array
 from cycloid_mj.design import Design, dump
+from cycloid_mj.dynamics import timestep as mujoco_steps
 from cycloid_mj.dynamics.contact import collider, each_step
 from cycloid_mj.dynamics.contact.drag import drag_rows
 from cycloid_mj.dynamics.contact.each_step import EachStep
@@ -47,9 +48,12 @@ from cycloid_mj.dynamics.course import Course, initial_state, ramp_and_hold
 from cycloid_mj.dynamics.jam import jamming_power, means_of_last
 from cycloid_mj.dynamics.massless import idle
 from cycloid_mj.dynamics.mjcf import ReducerModel, addresses, build, sensors, unused, xml
+from cycloid_mj.dynamics.planar import timestep as planar_steps
+from cycloid_mj.dynamics.planar.model import PlanarModel, planar_model
+from cycloid_mj.dynamics.planar.stepper import Stepper
 from cycloid_mj.dynamics.regime import pace
 from cycloid_mj.dynamics.swing import deepest
-from cycloid_mj.dynamics.timestep import Step, chosen, held_figures, timestep
+from cycloid_mj.dynamics.timestep import Step, timestep
 from cycloid_mj.geometry.kinematics import carried_point
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.impact import impact_of
@@ -59,6 +63,15 @@ Groups = dict[str, dict[str, str]]
 
 Contact = Literal["profile", "mesh"]
 """How parts meet: by their exact profiles, or as convex meshes in MuJoCo's own collision."""
+
+Solver = Literal["mujoco", "planar"]
+"""What takes the steps: MuJoCo, or the solver of the planar equations of motion."""
+
+STEPS = {"mujoco": mujoco_steps, "planar": planar_steps}
+"""What chooses the time step for each, and tells for which figures."""
+
+Model = ReducerModel | PlanarModel
+"""A reducer made ready for a solver."""
 
 MOST_STEPS = 10**9
 """A run of more steps would take a day and more; it is a slip of a value."""
@@ -127,7 +140,7 @@ def schedule(reducer: Reducer, step: float = 0.0) -> Schedule:
     return Schedule(step, steps, min(stride, steps))
 
 
-def columns(compiled: ReducerModel, reducer: Reducer) -> Groups:
+def columns(compiled: Model, reducer: Reducer) -> Groups:
     """Give the log's columns with their units, by topic."""
     kinds = sorted(compiled.laws)
     groups = {topic: dict(names) for topic, names in sensors(reducer).items()}
@@ -140,11 +153,28 @@ def columns(compiled: ReducerModel, reducer: Reducer) -> Groups:
         "kinetic_energy": "J",
     }
     groups[REDUCER] |= {column(kind, power): "W" for kind in kinds for power in (FRICTION_POWER, NORMAL_POWER)}
-    groups[REDUCER] |= {column(name, FRICTION_POWER): "W" for name in drag_rows(compiled.model, DRAGS)}
+    groups[REDUCER] |= {column(name, FRICTION_POWER): "W" for name in compiled.drags}
     groups[REDUCER] |= POINT_Q
     acting = {FORCE_X: "N", FORCE_Y: "N", MOMENT: "N m", PEAK_FORCE: "N"}
     groups[FORCES] = {column(pair.name, part): unit for pair in compiled.pairs for part, unit in acting.items()}
     return groups
+
+
+def model_for(solver: Solver, reducer: Reducer, contact: Contact = "profile") -> Model:
+    """Make a reducer ready for a solver, and a kind of contact.
+
+    Raises
+    ------
+    UsageError
+        The planar solver knows exact profiles alone.
+    CycloidError
+        As `reducer_model`.
+    """
+    if solver == "mujoco":
+        return reducer_model(reducer, contact)
+    if contact == "mesh":
+        raise UsageError("the planar solver takes exact profiles alone: leave out --contact mesh, or --solver planar")
+    return planar_model(reducer)
 
 
 def reducer_model(reducer: Reducer, contact: Contact = "profile") -> ReducerModel:
@@ -164,14 +194,19 @@ def reducer_model(reducer: Reducer, contact: Contact = "profile") -> ReducerMode
     return build_mesh(reducer)
 
 
-def contact_of(compiled: ReducerModel) -> Contact:
+def contact_of(compiled: Model) -> Contact:
     """Tell the kind of contact of a model: what the collider needs to know of the exact profiles is user data."""
-    return "profile" if compiled.model.nuser_geom else "mesh"
+    return "profile" if isinstance(compiled, PlanarModel) or compiled.model.nuser_geom else "mesh"
+
+
+def solver_of(compiled: Model) -> Solver:
+    """Tell which solver a model is for."""
+    return "planar" if isinstance(compiled, PlanarModel) else "mujoco"
 
 
 def simulate(
     design: Design,
-    compiled: ReducerModel | None = None,
+    compiled: Model | None = None,
     course: Course | None = None,
     progress: Callable[[int, int], None] = lambda done, whole: None,
 ) -> Run:
@@ -192,7 +227,7 @@ def simulate(
     reducer = Reducer(design)
     compiled = compiled or build(reducer.design)
     groups = columns(compiled, reducer)
-    samples, run = schedule(reducer, compiled.model.opt.timestep).samples, list[Block]()
+    samples, run = schedule(reducer, compiled.timestep).samples, list[Block]()
     for block in blocks(compiled, reducer, course):
         run.append(block)
         progress(sum(len(one.time) for one in run), samples)
@@ -206,29 +241,33 @@ def simulate(
         time=time,
         columns=values,
         units=units,
-        provenance=provenance(reducer, contact_of(compiled), compiled.model.opt.timestep)
+        provenance=provenance(reducer, contact_of(compiled), compiled.timestep, solver_of(compiled))
         | warned(warnings(compiled, reducer, course)),
         attachments=attachments(compiled, reducer),
         topics={topic: tuple(names) for topic, names in groups.items()},
     )
 
 
-def provenance(reducer: Reducer, contact: Contact = "profile", step: float = 0.0) -> dict[str, str]:
-    """Give what a run stands on: contact method, time step, the forces that stiffness is the secant of, versions.
+def provenance(
+    reducer: Reducer, contact: Contact = "profile", step: float = 0.0, solver: Solver = "mujoco"
+) -> dict[str, str]:
+    """Give what a run stands on: solver, contact, time step, the forces that stiffness is the secant of, versions.
 
     `step` is as in `schedule`.
     """
     from cycloid_mj import __version__
 
     made = for_slices(reducer) if contact == "mesh" else reducer
-    own = chosen(made)
+    steps = STEPS[solver]
+    own = steps.chosen(made)
     step = step or own.seconds
     return {
         "design": reducer.design.name,
+        "solver": solver,
         "contact": contact,
         "timestep_s": repr(step),
         "timestep": str(own if own.seconds == step else Step(step, "the model's")),
-        "timestep_for": held_figures(made if own.seconds == step else made.but(settings={"timestep": step})),
+        "timestep_for": steps.held_figures(made if own.seconds == step else made.but(settings={"timestep": step})),
         "working_forces": working_forces_told(made, reducer.mechanism.kinds),
         "cycloid_mj": __version__,
         "mujoco": mujoco.__version__,
@@ -236,7 +275,7 @@ def provenance(reducer: Reducer, contact: Contact = "profile", step: float = 0.0
     }
 
 
-def warnings(compiled: ReducerModel, reducer: Reducer, course: Course | None = None) -> tuple[str, ...]:
+def warnings(compiled: Model, reducer: Reducer, course: Course | None = None) -> tuple[str, ...]:
     """Tell why the figures of a run may not be those of its design; a course that starts at rest does not hurry."""
     hurries = course is None or course.speed != 0.0
     sways = (MESH_SWAYS,) if contact_of(compiled) == "mesh" and hurries else ()
@@ -248,14 +287,18 @@ def warned(texts: Sequence[str]) -> dict[str, str]:
     return {"warnings": "\n".join(texts)} if texts else {}
 
 
-def attachments(compiled: ReducerModel, reducer: Reducer) -> Mapping[str, bytes]:
+def attachments(compiled: Model, reducer: Reducer) -> Mapping[str, bytes]:
     """Give the files that make a log complete: the design file and the model, with the meshes that it refers to."""
-    assets = {name: partial(bytes, content) for name, content in compiled.spec.assets.items()}
-    own = {"design.toml": lambda: dump(reducer.design).encode(), "model.xml": lambda: xml(compiled.spec).encode()}
-    return Deferred(own | assets)
+    assets = {} if isinstance(compiled, PlanarModel) else compiled.spec.assets
+
+    def model() -> bytes:
+        return xml((build(reducer.design) if isinstance(compiled, PlanarModel) else compiled).spec).encode()
+
+    own = {"design.toml": lambda: dump(reducer.design).encode(), "model.xml": model}
+    return Deferred(own | {name: partial(bytes, content) for name, content in assets.items()})
 
 
-def blocks(compiled: ReducerModel, reducer: Reducer, course: Course | None = None) -> Generator[Block, None, None]:
+def blocks(compiled: Model, reducer: Reducer, course: Course | None = None) -> Generator[Block, None, None]:
     """Run a model over a course, by default the design's own, and give its samples block by block.
 
     Raises
@@ -270,14 +313,21 @@ def blocks(compiled: ReducerModel, reducer: Reducer, course: Course | None = Non
         As `simulate`.
     """
     warn(reducer.design.name, warnings(compiled, reducer, course))
-    plan = schedule(reducer, compiled.model.opt.timestep)
+    plan = schedule(reducer, compiled.timestep)
     driven, course = course is None, course or ramp_and_hold(compiled, reducer)
-    data = initial_state(compiled, reducer, course)
-    recorder = _Recorder(compiled, reducer, data, plan, driven)
     profile = contact_of(compiled) == "profile"
-    exact = collider.installed(reducer.design.ring.kind == "nonpin") if profile else nullcontext()
     at_once = max(1, _STEPS_AT_ONCE // plan.stride) if profile else 1
-    with exact, each_step.installed(), unused.left_out(compiled.model), _no_log_file.made():
+    with ExitStack() as stack:
+        if isinstance(compiled, PlanarModel):
+            stepping = _Stepping(compiled.stepper(course, plan.stride))
+        else:
+            stepping = _by_mujoco(compiled, reducer, initial_state(compiled, reducer, course), plan)
+            if profile:
+                stack.enter_context(collider.installed(reducer.design.ring.kind == "nonpin"))
+            stack.enter_context(each_step.installed())
+            stack.enter_context(unused.left_out(compiled.model))
+            stack.enter_context(_no_log_file.made())
+        recorder = _Recorder(compiled, reducer, stepping, plan, driven)
         size = max(_BLOCK, at_once)
         for first in range(0, plan.samples, size):
             samples = range(first, min(first + size, plan.samples))
@@ -292,7 +342,7 @@ def _advance(plan: Schedule, course: Course, samples: range, recorder: "_Recorde
     """Take the steps up to some samples; a sample is what the solver found at the start of its last step."""
     begin = (samples.start - 1) * plan.stride + 1 if samples.start else 0
     time = plan.timestep * np.arange(begin, (samples.stop - 1) * plan.stride + 1, dtype=np.float64)
-    recorder.each_step.command(course.commands(time))
+    recorder.steps.command(course.commands(time))
     taken, problem = list[Array](), ""
     for first in samples[::at_once]:
         give_way()
@@ -306,24 +356,42 @@ def _advance(plan: Schedule, course: Course, samples: range, recorder: "_Recorde
     return Block(time[: len(rows)], recorder.tables(rows)), problem
 
 
+@dataclass(frozen=True)
+class _Stepping:
+    """What takes a run's steps; how a warning of it is told, and the iterations that it must stay below."""
+
+    steps: EachStep | Stepper
+    warning: Callable[[], str] = str
+    most_iterations: float = math.inf
+
+
+def _by_mujoco(compiled: ReducerModel, reducer: Reducer, data: Any, plan: Schedule) -> _Stepping:
+    """Let MuJoCo take the steps."""
+    index, drags = pair_index(compiled.model, compiled.pairs), drag_rows(compiled.model, DRAGS)
+    laws = [impact_of(reducer, pair.kind) for pair in compiled.pairs]
+    impacts = [law for law in laws if law]
+    steps = EachStep(compiled.model, data, index, plan.stride, addresses(data, reducer), [*drags.values()], impacts)
+
+    def warning() -> str:
+        first = int(np.argmax(data.warning.number > 0))
+        return f"MuJoCo warned: {mujoco.mju_warningText(first, data.warning[first].lastinfo)}"
+
+    return _Stepping(steps, warning, compiled.model.opt.iterations)
+
+
 class _Recorder:
     """Takes samples, judges them, and makes tables of them."""
 
-    def __init__(self, compiled: ReducerModel, reducer: Reducer, data: Any, plan: Schedule, driven: bool) -> None:
+    def __init__(self, compiled: Model, reducer: Reducer, stepping: _Stepping, plan: Schedule, driven: bool) -> None:
         design = reducer.design
         groups = sensors(reducer)
         names = list(chain.from_iterable(groups.values()))
-        index, drags = pair_index(compiled.model, compiled.pairs), drag_rows(compiled.model, DRAGS)
-        laws = [impact_of(reducer, pair.kind) for pair in compiled.pairs]
-        impacts = [law for law in laws if law]
-        self.each_step = EachStep(
-            compiled.model, data, index, plan.stride, addresses(data, reducer), [*drags.values()], impacts
-        )
+        self.steps, self._warning = stepping.steps, stepping.warning
         self._read, self._first_pin = len(names), len(groups[REDUCER])
         self._has_pins = PINS in groups
         self._kinds = [np.array([pair.kind == kind for pair in compiled.pairs]) for kind in sorted(compiled.laws)]
-        self._deepest, self._most_iterations = deepest(reducer), compiled.model.opt.iterations
-        self._design, self._data = design, data
+        self._deepest, self._most_iterations = deepest(reducer), stepping.most_iterations
+        self._design = design
         self._jamming = jamming_power(reducer) if driven else math.inf
         mesh = 2.0 * math.pi / (design.ring.teeth * abs(design.drive.speed)) if design.drive.speed else math.inf
         of_mesh = min(mesh / (plan.stride * plan.timestep), plan.samples)
@@ -338,7 +406,7 @@ class _Recorder:
 
     def advance(self, samples: int) -> tuple[Array, str]:
         """Give the rows of the next samples, up to the first with which something is wrong, and what that is."""
-        rows = self.each_step.advance(samples)
+        rows = self.steps.advance(samples)
         checks = list(self._checks(rows))
         wrong = np.any([failed for failed, _ in checks], axis=0)
         if not wrong.any():
@@ -348,10 +416,8 @@ class _Recorder:
 
     def tables(self, rows: Array) -> dict[str, Array]:
         """Give the values of samples by topic, one row for each."""
-        seen, solver, drags = (
-            rows[:, part] for part in (self.each_step.copied, self.each_step.solver, self.each_step.drags)
-        )
-        pairs = rows[:, self.each_step.pairs].reshape(len(rows), -1, OF_PAIR)
+        seen, solver, drags = (rows[:, part] for part in (self.steps.copied, self.steps.solver, self.steps.drags))
+        pairs = rows[:, self.steps.pairs].reshape(len(rows), -1, OF_PAIR)
         powers = np.stack([pairs[:, of_kind, 4:].sum(axis=1) for of_kind in self._kinds], axis=1)
         energies = seen[:, self._read :]
         q = carried_point((0.0, self._design.output.pin_circle_radius), seen[:, self._pose], seen[:, self._motion])
@@ -363,13 +429,13 @@ class _Recorder:
 
     def _checks(self, rows: Array) -> Iterator[tuple[Marks, Callable[[int], str]]]:
         """Give what can be wrong: of which samples it is, and how it is told of one."""
-        seen = rows[:, self.each_step.copied]
-        _, depth, _, iterations, moving, warnings = rows[:, self.each_step.solver].T
+        seen = rows[:, self.steps.copied]
+        _, depth, _, iterations, moving, warnings = rows[:, self.steps.solver].T
         sound = np.isfinite(seen).all(axis=1) & np.isfinite(moving)
         unsound = "the state is not a number; shorten settings.timestep_us or lower the contact stiffness"
         yield ~sound, lambda sample: unsound
         yield warnings > 0.0, lambda sample: self._warning()
-        lost = rows[:, self.each_step.pairs].reshape(len(rows), -1, OF_PAIR)[:, :, 4].sum(axis=1)
+        lost = rows[:, self.steps.pairs].reshape(len(rows), -1, OF_PAIR)[:, :, 4].sum(axis=1)
         taken = means_of_last(lost, self._lost)
         self._lost = np.concatenate([self._lost, lost])[len(lost) :]
         yield taken > self._jamming, partial(self._jam, taken)
@@ -415,11 +481,6 @@ class _Recorder:
             f"crank rated at {drive.torque:.3g} N m; teeth with this friction lock themselves, or parts interfere: "
             "lower friction.*, or check clearances and errors"
         )
-
-    def _warning(self) -> str:
-        warnings = self._data.warning
-        first = int(np.argmax(warnings.number > 0))
-        return f"MuJoCo warned: {mujoco.mju_warningText(first, warnings[first].lastinfo)}"
 
 
 def _jumped(which: str, error: Array, sample: int) -> str:

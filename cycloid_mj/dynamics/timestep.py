@@ -7,6 +7,7 @@ added mass acts there, so the step must follow it. And the teeth must not pass t
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from cycloid_mj.base import names
@@ -74,11 +75,15 @@ def chosen(reducer: Reducer) -> Step:
 
     A chosen step is at most `LONGEST`, and a whole number of them lies between two samples of the log.
     """
-    given = reducer.design.settings.timestep
+    given, rate = reducer.design.settings.timestep, reducer.design.settings.log_rate
     if given:
         return Step(given, "given")
-    rate = reducer.design.settings.log_rate
-    allowed = {"the longest that is taken": LONGEST, "a sample at every step": 1.0 / rate} | limits(reducer)
+    allowed = {"the longest that is taken": LONGEST, "a sample at every step": 1.0 / rate}
+    return whole_in_samples(rate, allowed | limits(reducer))
+
+
+def whole_in_samples(rate: float, allowed: Mapping[str, float]) -> Step:
+    """Choose the longest step that is `allowed` by reason [s], and whole times between samples at a `rate` [Hz]."""
     reason, longest = min(allowed.items(), key=lambda item: item[1])
     return Step(1.0 / (rate * math.ceil(1.0 / (rate * longest) - 1e-9)), f"chosen by the design: {reason}")
 

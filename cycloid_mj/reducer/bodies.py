@@ -195,6 +195,11 @@ class Mechanism:
         return tuple(body for body in self.bodies if body.part == names.PIN)
 
     @property
+    def turning(self) -> str:
+        """Name of the body that the load is on."""
+        return next(body.name for body in self.bodies if names.OUTPUT_JOINT in body.joints)
+
+    @property
     def carriers(self) -> dict[str, str]:
         """Name of each surface -> that of the body that carries it."""
         return {name: body for of in self.surfaces for name, body in zip(of.names, of.bodies, strict=True)}

@@ -1,26 +1,27 @@
-"""Rung friction at speed: what a run says where friction is high or the crank fast, against `planar`.
+"""Rung friction at speed: what a run says where friction is high or the crank fast, against the planar solver.
 
-Half the step cannot show what a solver of constraints does to friction at every step. The witness has no such solver:
-its own equations of motion, explicit steps, friction from the contact's own force.
+Half the step cannot show what a solver of constraints does to friction at every step. The witness (``dynamics.planar``)
+has no such solver: its own equations of motion, friction from the contact's own force.
 """
 
 import numpy as np
 
 from cycloid_mj.base import names
+from cycloid_mj.base.record import Run
 from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCSECONDS
 from cycloid_mj.design import PRESETS, Design, override
+from cycloid_mj.dynamics.planar.model import planar_model
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.validate import planar
 from cycloid_mj.validate.rig import FIXED, RATED_LOAD, SETTLED, clearances, reducer_of, without_gravity
 from cycloid_mj.validate.row import Row, absolute, relative
 
-STEP, EVERY = 1e-6, 20
-"""Step of the witness [s], half of which changes its figures by less than 0.2 %, and steps to a sample."""
+STEP = 2e-6
+"""Step of the witness [s], half of which changes its figures by less than 0.2 %."""
 
 HELD = ["drive.ramp_s=0.0", "drive.rotor_inertia_kg_m2=1.0", "settings.log_rate_hz=50000.0", *without_gravity()]
-"""The witness's crank is given: here it does not yield, nor weigh."""
+"""The crank does not yield, nor do parts weigh."""
 
 
 def high_friction() -> Design:
@@ -62,33 +63,25 @@ def rows_of(which: str, reducer: Reducer) -> list[Row]:
         "rms gear speed error",
     )
     judge = (relative, relative, relative, absolute, relative)
-    pairs = zip(of_run(reducer), of_witness(reducer), strict=True)
+    pairs = zip(figures(reducer, simulate(reducer.design)), of_witness(reducer), strict=True)
     return [
         one(f"{name}, {which}", ours, theirs, unit, "planar witness", bound)
         for (ours, theirs), name, unit, bound, one in zip(pairs, called, units, BOUNDS, judge, strict=True)
     ]
 
 
-def of_run(reducer: Reducer) -> tuple[float, ...]:
-    """Give the figures of a run: those of `BOUNDS`."""
-    design = reducer.design
-    run = simulate(design)
-    late = run.select(run.time >= SETTLED)
+def of_witness(reducer: Reducer, step: float = STEP) -> tuple[float, ...]:
+    """Give those of the witness."""
+    return figures(reducer, simulate(reducer.design, planar_model(reducer, step=step)))
+
+
+def figures(reducer: Reducer, run: Run) -> tuple[float, ...]:
+    """Compute the figures of a run: those of `BOUNDS`."""
+    late, design = run.select(run.time >= SETTLED), reducer.design
     gear = names.of_disc(names.GEAR, 0, design.gear.discs)
     powers = late["crank_torque"] * late["crank_speed"], late["load_torque"] * late["output_speed"]
     speed = late[f"{gear}_speed"] + late["crank_speed"] / design.lobes
     return _figures(late["output_angle"] + late["crank_angle"] / design.lobes, late.forces("cam")[:, 0], powers, speed)
-
-
-def of_witness(reducer: Reducer, step: float = STEP) -> tuple[float, ...]:
-    """Give those of the witness."""
-    design = reducer.design
-    history = planar.run(design, design.drive.hold, step, round(EVERY * STEP / step))
-    late = planar.History(history.values[history["time"] >= SETTLED])
-    powers = late["crank_torque"] * design.drive.speed, late["load"] * late["output_speed"]
-    speed = late["gear_speed"] + design.drive.speed / design.lobes
-    cam = np.stack([late["cam_x"], late["cam_y"]], axis=1)
-    return _figures(late["output"] + late["crank"] / design.lobes, cam, powers, speed)
 
 
 def _figures(error: Array, cam: Array, powers: tuple[Array, Array], speed: Array) -> tuple[float, ...]:

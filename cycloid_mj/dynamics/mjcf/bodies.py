@@ -79,7 +79,7 @@ def add_shapes(spec: Any, mechanism: Mechanism) -> None:
                 conaffinity=0,
                 mass=0.0,
                 rgba=[0.9, 0.4, 0.2, 0.3],
-                **_attributes(Reducer(mechanism.design), surfaces, i),
+                **attributes(Reducer(mechanism.design), surfaces, i),
             )
 
 
@@ -146,12 +146,12 @@ def _drag(reducer: Reducer, joint: str) -> dict[str, Any]:
     return rotor | (sealed if drag > 0.0 else {})
 
 
-def _attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[str, Any]:
+def attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[str, Any]:
     """Give what the collider must know of a surface besides its place and its radius."""
     design = reducer.design
     angle = float(surfaces.angle[i])
     if surfaces.role == Role.TEETH:
-        teeth = _teeth(reducer, surfaces.disc or 0)
+        teeth = teeth_of_disc(reducer, surfaces.disc or 0)
         return {"quat": turn(angle), "userdata": [significant(one) for one in user_data(teeth)]}
     if surfaces.role == Role.LOBE:
         return {"quat": turn(angle)}
@@ -169,7 +169,8 @@ def _attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[str, Any]:
     return {"userdata": [*home, *map(significant, (float(surfaces.play[i]), softness, held))]}
 
 
-def _teeth(reducer: Reducer, disc: int) -> Teeth:
+def teeth_of_disc(reducer: Reducer, disc: int) -> Teeth:
+    """Compute what the collider must know of a disc's teeth."""
     law, gear, made = curvature_law(reducer), reducer.gear_profile, reducer.deviations
     offset = reducer.profile_offset - float(made.disc_radius[disc])
     rotation = reducer.design.modification.rotation

@@ -14,6 +14,7 @@ from cycloid_mj.base import names
 from cycloid_mj.base.digits import significant
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.contact import each_step
+from cycloid_mj.dynamics.contact.drag import drag_rows
 from cycloid_mj.dynamics.contact.library import exact_xml
 from cycloid_mj.dynamics.contact.teeth import USER_DATA
 from cycloid_mj.dynamics.mjcf.bodies import add_bodies, add_shapes, crank_inertia
@@ -61,6 +62,16 @@ class ReducerModel:
     servo_gains: tuple[float, float]
     crank_inertia: float
     warnings: tuple[str, ...] = ()
+
+    @property
+    def timestep(self) -> float:
+        """Time step [s]."""
+        return float(self.model.opt.timestep)
+
+    @property
+    def drags(self) -> tuple[str, ...]:
+        """Names of the losses of seals and lubricant that it has."""
+        return tuple(drag_rows(self.model, names.DRAGS))
 
 
 def build(design: Design, held: Held = "crank") -> ReducerModel:
@@ -145,7 +156,7 @@ def empty_spec(reducer: Reducer, impratio: float) -> Any:
 
 def add_actuators(spec: Any, inertia: float, held: Held = "crank") -> tuple[float, float]:
     """Add the actuators of crank and output, a servo on the held shaft of this inertia; give the servo's gains."""
-    kp, kv = significant(inertia * SERVO_BANDWIDTH**2), significant(2.0 * inertia * SERVO_BANDWIDTH)
+    kp, kv = servo_gains(inertia)
     for shaft, name, joint in (("crank", names.DRIVE, names.CRANK_JOINT), ("output", names.LOAD, names.OUTPUT_JOINT)):
         actuator = spec.add_actuator(name=name, target=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT)
         if shaft == held:
@@ -153,6 +164,11 @@ def add_actuators(spec: Any, inertia: float, held: Held = "crank") -> tuple[floa
         else:
             actuator.set_to_motor()
     return kp, kv
+
+
+def servo_gains(inertia: float) -> tuple[float, float]:
+    """Compute the gains [N m/rad], [N m s/rad] of a servo that holds a shaft of this inertia [kg m2]."""
+    return significant(inertia * SERVO_BANDWIDTH**2), significant(2.0 * inertia * SERVO_BANDWIDTH)
 
 
 def _add_pairs(spec: Any, mating: tuple[Pair, ...], laws: Sequence[Laws]) -> Any:

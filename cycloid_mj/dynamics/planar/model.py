@@ -1,0 +1,85 @@
+"""A design made ready for planar steps: what ``mjcf.ReducerModel`` is for MuJoCo's."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from cycloid_mj.base import names
+from cycloid_mj.dynamics.course import Course
+from cycloid_mj.dynamics.mjcf import Held
+from cycloid_mj.dynamics.mjcf.laws import laws_of_discs, stiffest
+from cycloid_mj.dynamics.planar.state import start
+from cycloid_mj.dynamics.planar.stepper import Stepper
+from cycloid_mj.dynamics.planar.system import System, planar_system
+from cycloid_mj.dynamics.planar.timestep import chosen
+from cycloid_mj.dynamics.regime import at_rest, bent_pins
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.bodies import Pair
+from cycloid_mj.statics.law import ContactLaw
+
+
+@dataclass(frozen=True, eq=False)
+class PlanarModel:
+    """A reducer for the planar solver.
+
+    Attributes
+    ----------
+    reducer
+        What it is of.
+    system
+        It in the plane.
+    timestep
+        Time step [s].
+    laws
+        The contact law of each kind of pair, on the disc where it is stiffest.
+    servo_gains
+        kp [N m/rad] and kv [N m s/rad] of the servo on the shaft that is held.
+    crank_inertia
+        Inertia of shaft and rotor about the crank axis [kg m2].
+    drags
+        Names of the losses of seals and lubricant that it has.
+    warnings
+        Why its figures may not be those of its design.
+    """
+
+    reducer: Reducer
+    system: System
+    timestep: float
+    laws: Mapping[str, ContactLaw]
+    servo_gains: tuple[float, float]
+    crank_inertia: float
+    drags: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+    @property
+    def pairs(self) -> tuple[Pair, ...]:
+        """Every mating pair, in the order of the log's force columns."""
+        return self.reducer.mechanism.pairs
+
+    def stepper(self, course: Course, every: int) -> Stepper:
+        """Start steps of a course, with a sample at one in `every`."""
+        places, speeds = start(self.reducer, self.system, course.angle, course.speed)
+        return Stepper(self.system, self.timestep, places, speeds, every)
+
+
+def planar_model(reducer: Reducer, held: Held = "crank", step: float = 0.0) -> PlanarModel:
+    """Make a reducer ready for planar steps [s], by default those that are `chosen`; `held` is as of ``mjcf.build``.
+
+    Raises
+    ------
+    DesignError
+        A part of the design cannot be made.
+    """
+    design, laws = reducer.design, stiffest(laws_of_discs(reducer))
+    system = planar_system(reducer, held)
+    shaft = ("output", "crank").index(held) if held else 0
+    losses = {"crank_drag": design.drag.crank, "output_drag": design.drag.output}
+    return PlanarModel(
+        reducer=reducer,
+        system=system,
+        timestep=step or chosen(reducer).seconds,
+        laws=laws,
+        servo_gains=(float(system.servo[shaft, 0]), float(system.servo[shaft, 1])),
+        crank_inertia=float(system.inertia[-1]),
+        drags=tuple(name for name in names.DRAGS if losses[name]),
+        warnings=(*bent_pins(reducer), *at_rest(reducer, laws)),
+    )

@@ -1,0 +1,311 @@
+"""The steps of a run: samples of the same numbers, in the same order, as ``contact.each_step`` takes of MuJoCo.
+
+Steps end half a step before and after the times of samples, so that a sample is what a step knows in its middle, where
+places, speeds and forces are of one time.
+"""
+
+import math
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from cycloid_mj.base import compiling
+from cycloid_mj.base.compiling import announced, cacheable, digest
+from cycloid_mj.base.types import Array
+from cycloid_mj.dynamics.contact import gap, memory, near, ring, teeth, touch
+from cycloid_mj.dynamics.contact.each_step import OF_SOLVER
+from cycloid_mj.dynamics.contact.forces import OF_PAIR
+from cycloid_mj.dynamics.contact.touch import STRIDE
+from cycloid_mj.dynamics.planar import contacts as touching
+from cycloid_mj.dynamics.planar import equations as solving
+from cycloid_mj.dynamics.planar import system as describing
+from cycloid_mj.dynamics.planar.contacts import MOST_TOUCHES, OPEN, Contacts, find, njit, room_for_contacts
+from cycloid_mj.dynamics.planar.equations import Equations, room_for_equations, solve
+from cycloid_mj.dynamics.planar.system import System
+from cycloid_mj.statics import impact
+
+MOST_LOOKS = 4
+"""Times that contacts are looked for in a step."""
+
+FAR = 2e-2
+"""Way of a moving pin from where its contacts were looked for, as a share of its play, from which on they are looked
+for again: of a circle that rolls up in another, what is left out is half the square of it."""
+
+_OF_SHAFT, _OF_DISC, _OF_PIN = 3, 6, 4
+"""Numbers of a sample: angle, speed and torque of a shaft; places and speeds of a disc; of a pin only its spin."""
+
+
+class Motion(NamedTuple):
+    """Where a run stands.
+
+    Attributes
+    ----------
+    q, v
+        Places and speeds at the end of the last step.
+    middle, before
+        Speeds in the middle of the last step, and of the one before it.
+    peak
+        Largest normal force of each pair since the last sample [N].
+    """
+
+    q: Array
+    v: Array
+    middle: Array
+    before: Array
+    peak: Array
+
+
+class Stepper:
+    """What a run keeps for its steps; as ``contact.each_step.EachStep``, whose samples its own are like.
+
+    Parameters
+    ----------
+    system
+        What moves.
+    step
+        Time step [s].
+    places, speeds
+        Of all unknowns at the time 0.
+    every
+        Steps from one sample to the next.
+    """
+
+    def __init__(self, system: System, step: float, places: Array, speeds: Array, every: int = 1) -> None:
+        self._system, self._step, self._every = system, step, every
+        self._contacts, self._equations = room_for_contacts(system), room_for_equations(system)
+        discs, teeth = len(system.cams), len(system.place)
+        pairs = teeth * (discs + system.free) + discs * (1 + len(system.studs))
+        self._motion = Motion(
+            q=places - 0.5 * step * speeds,
+            v=speeds.copy(),
+            middle=speeds.copy(),
+            before=speeds.copy(),
+            peak=np.zeros(pairs),
+        )
+        self._commands = np.zeros((1, 2))
+        self._taken, self._due = 0, 1
+        copied = 2 * _OF_SHAFT + _OF_DISC * discs + _OF_PIN * teeth * system.free + 2
+        sizes = [copied, OF_SOLVER, OF_PAIR * pairs, int((system.drag[:, 0] > 0.0).sum())]
+        ends = np.cumsum([0, *sizes]).tolist()
+        self.copied, self.solver, self.pairs, self.drags = map(slice, ends[:-1], ends[1:])
+        self._width = ends[-1]
+
+    def command(self, commands: Array) -> None:
+        """Set the commands of crank and output in the next steps, shape (steps, 2); after them the last one stays."""
+        self._commands, self._taken = np.ascontiguousarray(commands[:, ::-1]), 0
+
+    def advance(self, samples: int) -> Array:
+        """Take the steps up to so many samples, the last of them included; return a row for each sample."""
+        rows = np.zeros((samples, self._width))
+        steps = self._due + (samples - 1) * self._every
+        commands = self._commands[np.minimum(np.arange(self._taken, self._taken + steps), len(self._commands) - 1)]
+        system = self._system
+        lobes = np.ascontiguousarray(system.ring[:, 0]) if system.lobes else None
+        _compiled()(
+            system,
+            lobes,
+            self._contacts,
+            self._equations,
+            self._motion,
+            commands,
+            self._step,
+            self._due,
+            self._every,
+            rows,
+        )
+        self._taken, self._due = self._taken + steps, self._every
+        return rows
+
+
+@cache
+def _compiled() -> Any:
+    """Compile the steps up to the last of some samples, or load them; for lobes and for pins each apart."""
+    sources = digest(gap, impact, memory, near, ring, teeth, touch, touching, solving, describing)
+
+    @compiling.njit(cache=cacheable(), error_model="numpy")
+    def advance(
+        system: System,
+        lobes: Array | None,
+        contacts: Contacts,
+        equations: Equations,
+        motion: Motion,
+        commands: Array,
+        step: float,
+        due: int,
+        every: int,
+        rows: Array,
+    ) -> None:
+        assert sources
+        size, half = len(equations.right), 0.5 * step
+        middle, near, q = np.empty_like(motion.v), np.empty_like(motion.v), np.empty_like(motion.q)
+        sums, scratch = np.zeros_like(motion.peak), np.zeros((MOST_TOUCHES, STRIDE // 8))
+        sample = 0
+        for taken in range(len(commands)):
+            _foresee(motion, size, near)
+            rounds, count = 0, 0
+            for _ in range(MOST_LOOKS):
+                _go(motion.q, half, near, q)
+                count = find(system, lobes, q, near, half, scratch, contacts)
+                rounds += solve(
+                    system, contacts, count, equations, motion.q, motion.v, near, commands[taken], step, middle
+                )
+                if not _is_far(system, half, near, middle, size):
+                    break
+                _go(middle, 0.0, middle, near)
+            _note(contacts, count, sums, motion.peak)
+            due -= 1
+            if due == 0:
+                due = every
+                _go(motion.q, half, middle, q)
+                _write_sample(system, contacts, count, motion, q, middle, commands[taken], rounds, rows[sample])
+                sample += 1
+            _end(motion, size, step, middle)
+
+    with announced():
+        return advance
+
+
+@njit
+def _foresee(motion: Motion, size: int, near: Array) -> None:
+    """Foresee the speeds in the middle of the next step: those of pins, which are light, as they were."""
+    for i in range(len(near)):
+        near[i] = motion.middle[i]
+        if i < size:
+            near[i] += motion.middle[i] - motion.before[i]
+
+
+@njit
+def _go(start: Array, time: float, speeds: Array, end: Array) -> None:
+    """Compute where speeds lead from a start in some time [s]."""
+    for i in range(len(end)):
+        end[i] = start[i] + time * speeds[i]
+
+
+@njit
+def _end(motion: Motion, size: int, step: float, middle: Array) -> None:
+    """Go on to the end of a step."""
+    for i in range(len(middle)):
+        motion.before[i], motion.middle[i] = motion.middle[i], middle[i]
+        motion.q[i] += step * middle[i]
+        motion.v[i] = 2.0 * middle[i] - motion.v[i] if i < size else middle[i]
+
+
+@njit
+def _is_far(system: System, half: float, near: Array, middle: Array, size: int) -> bool:
+    """Tell whether a pin has gone far from where its contacts were looked for."""
+    for i in range(len(system.inner)):
+        own = size + 3 * i
+        x, y = middle[own] - near[own], middle[own + 1] - near[own + 1]
+        far = FAR * (system.outer[i] - system.inner[i])
+        if half * half * (x * x + y * y) > far * far:
+            return True
+    return False
+
+
+@njit
+def _note(contacts: Contacts, count: int, sums: Array, peak: Array) -> None:
+    """Note the normal forces of the pairs in this step."""
+    for k in range(count):
+        sums[contacts[k].pair] += contacts[k].pressing
+    for k in range(count):
+        pair = contacts[k].pair
+        peak[pair] = max(peak[pair], sums[pair])
+        sums[pair] = 0.0
+
+
+@njit
+def _write_sample(
+    system: System,
+    contacts: Contacts,
+    count: int,
+    motion: Motion,
+    q: Array,
+    v: Array,
+    command: Array,
+    rounds: int,
+    row: Array,
+) -> None:
+    """Write the sample of a step: what moves, energies, what the solver did, pairs and drags."""
+    discs, size = len(system.cams), len(system.inertia)
+    output, crank = size - 2, size - 1
+    at = _write_shaft(system, 1, crank, q, v, command, row, 0)
+    for body in range(0, 3 * discs, 3):
+        for m in range(3):
+            row[at + m], row[at + 3 + m] = q[body + m], v[body + m]
+        at += _OF_DISC
+    at = _write_shaft(system, 0, output, q, v, command, row, at)
+    turn, speed = (q[output], v[output]) if system.ring_turns else (0.0, 0.0)
+    s, c = math.sin(turn), math.cos(turn)
+    for own in range(size, len(q), 3):
+        pin = (own - size) // 3
+        row[at] = c * q[own] + s * q[own + 1] - system.seated[pin, 0]
+        row[at + 1] = c * q[own + 1] - s * q[own] - system.seated[pin, 1]
+        row[at + 2], row[at + 3] = q[own + 2] - turn, v[own + 2] - speed
+        at += _OF_PIN
+    row[at], row[at + 1] = _energies(system, q, v, size)
+    at += 2
+    pairs = at + OF_SOLVER
+    active, deepest, largest = 0, 0.0, 0.0
+    for pair in range(len(motion.peak)):
+        row[pairs + OF_PAIR * pair + 3] = motion.peak[pair]
+        motion.peak[pair] = 0.0
+    for k in range(count):
+        contact = contacts[k]
+        deepest = max(deepest, -contact.gap)
+        if contact.state == OPEN:
+            continue
+        pressing, rubbing = contact.pressing, contact.rubbing
+        active += 1
+        largest = max(largest, math.hypot(pressing, rubbing))
+        place = pairs + OF_PAIR * contact.pair
+        arms = contact.disc_normal, contact.disc_tangent
+        if contact.disc < 0:
+            arms = contact.pin_normal, contact.pin_tangent
+        row[place] += pressing * contact.nx - rubbing * contact.ny
+        row[place + 1] += pressing * contact.ny + rubbing * contact.nx
+        row[place + 2] += pressing * arms[0] + rubbing * arms[1]
+        row[place + 4] -= rubbing * contact.slip
+        row[place + 5] -= pressing * contact.speed
+    row[at], row[at + 1], row[at + 2], row[at + 3] = active, deepest, largest, rounds
+    for i in range(len(v)):
+        row[at + 4] += v[i]
+    at = pairs + OF_PAIR * len(motion.peak)
+    for shaft in (1, 0):
+        limit = system.drag[shaft, 0]
+        if limit > 0.0:
+            speed = v[size - 2 + shaft]
+            row[at] = min(limit, system.drag[shaft, 1] * abs(speed)) * abs(speed)
+            at += 1
+
+
+@njit
+def _write_shaft(
+    system: System, shaft: int, unknown: int, q: Array, v: Array, command: Array, row: Array, at: int
+) -> int:
+    """Write angle, speed and the torque of its actuator; return where the next number stands."""
+    stiffness, damping = system.servo[shaft, 0], system.servo[shaft, 1]
+    torque = command[shaft]
+    if stiffness != 0.0:
+        torque = stiffness * (command[shaft] - q[unknown]) - damping * v[unknown]
+    row[at], row[at + 1], row[at + 2] = q[unknown], v[unknown], torque
+    return at + _OF_SHAFT
+
+
+@njit
+def _energies(system: System, q: Array, v: Array, size: int) -> tuple[float, float]:
+    """Compute potential and kinetic energy [J]."""
+    gx, gy = system.gravity[0], system.gravity[1]
+    potential, kinetic = 0.0, 0.0
+    for i in range(size):
+        kinetic += 0.5 * system.inertia[i] * v[i] * v[i]
+    for body in range(0, size - 2, 3):
+        potential -= system.inertia[body] * (gx * q[body] + gy * q[body + 1])
+    for shaft in range(2):
+        s, c = math.sin(q[size - 2 + shaft]), math.cos(q[size - 2 + shaft])
+        mx, my = system.unbalance[shaft, 0], system.unbalance[shaft, 1]
+        potential -= gx * (c * mx - s * my) + gy * (s * mx + c * my)
+    for own in range(size, len(q), 3):
+        potential -= system.pin[0] * (gx * q[own] + gy * q[own + 1])
+        kinetic += 0.5 * system.pin[0] * (v[own] ** 2 + v[own + 1] ** 2) + 0.5 * system.pin[1] * v[own + 2] ** 2
+    return potential, kinetic

@@ -1,0 +1,200 @@
+"""A reducer in the plane as arrays: all that the compiled steps know of a design.
+
+Unknowns are x, y and turn of each disc, the turns of output and crank, and x, y and turn of each moving pin, in this
+order, all in the frame of the foundation. Whatever else there is, is at rest or turns with the output.
+"""
+
+from dataclasses import astuple
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.base import names
+from cycloid_mj.base.types import Array
+from cycloid_mj.dynamics.contact.teeth import Teeth
+from cycloid_mj.dynamics.contact.touch import RingPin
+from cycloid_mj.dynamics.mjcf import Held
+from cycloid_mj.dynamics.mjcf.bodies import attributes, crank_inertia, teeth_of_disc
+from cycloid_mj.dynamics.mjcf.laws import laws_of_discs
+from cycloid_mj.dynamics.mjcf.model import servo_gains
+from cycloid_mj.parts import MassProperties, moving_masses
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.bodies import Role, Surfaces
+from cycloid_mj.statics.impact import impact_of
+
+TEETH, SEAT, CAM, OUTPUT = range(4)
+"""Kinds of mating pairs, by what they are for."""
+
+LAW = np.dtype(
+    [(name, np.float64) for name in ("stiffness", "damping", "friction", "creep")]
+    + [(name, np.float64) for name in ("impact", "exponent", "impact_damping", "impact_depth")]
+)
+"""A law: of line contacts [N/m], [N s/m], [1], [N s/m], and of the law IMPACT as `impact.Impact`, else 0."""
+
+SEAL_CREEP = 2e6
+"""Torque of a drag per speed and inertia below its limit [1/s]: what MuJoCo's constraint of joint friction has."""
+
+
+class System(NamedTuple):
+    """A reducer in the plane with D discs, N ring pins or lobes and n output pins.
+
+    Attributes
+    ----------
+    teeth
+        Of every disc, but for their offset.
+    offset, turned
+        How far each disc's flanks are from the trochoid [m]; angle by which its teeth are turned, clockwise; (D,).
+    ring
+        Of pins or lobes: the numbers of `touch.RingPin`, shape (N, 6).
+    place, angle
+        Of them, or of what carries them, on the ring [m], shape (N, 2), and clockwise angles, shape (N,).
+    seated
+        Places on the ring of the frames of moving pins, from which their joints read [m], shape (N, 2).
+    lobes, free, sleeved, ring_turns
+        Whether there are lobes, pins that move, sleeves among these; and whether the load is on the ring.
+    inner, outer
+        Radii in the seats of moving pins [m], shape (N,).
+    arc
+        Cosine and sine of half the arc on which sockets hold their pins; of whole ones (-1, 0).
+    holes, studs, cams
+        Places in their bodies [m], shapes (D, n, 2), (n, 2), (D, 2).
+    hole, stud, bore, cam
+        Radii [m].
+    laws
+        Of discs and kinds: records of `LAW`, shape (D, 4).
+    inertia
+        Mass or inertia of discs, output and crank [kg], [kg m2], shape (3 D + 2,).
+    pin
+        Mass [kg] and inertia [kg m2] of a moving pin.
+    gravity
+        Acceleration [m/s2], shape (2,).
+    unbalance
+        Mass times centroid of output and crank in their frames [kg m], shape (2, 2).
+    drag
+        Limit [N m] of the drag on output and crank, and its torque per speed below [N m s], shape (2, 2).
+    servo
+        Gains [N m/rad], [N m s/rad] on output and crank, shape (2, 2): 0 where the command is a torque.
+    """
+
+    teeth: Teeth
+    offset: Array
+    turned: Array
+    ring: Array
+    place: Array
+    angle: Array
+    seated: Array
+    lobes: bool
+    free: bool
+    sleeved: bool
+    ring_turns: bool
+    inner: Array
+    outer: Array
+    arc: Array
+    holes: Array
+    studs: Array
+    cams: Array
+    hole: float
+    stud: float
+    bore: float
+    cam: float
+    laws: npt.NDArray[np.void]
+    inertia: Array
+    pin: Array
+    gravity: Array
+    unbalance: Array
+    drag: Array
+    servo: Array
+
+
+def planar_system(reducer: Reducer, held: Held = "crank") -> System:
+    """Describe a reducer in the plane; a servo holds one of its shafts, the other one feels a torque.
+
+    Raises
+    ------
+    DesignError
+        A part of the design cannot be made.
+    """
+    design, mechanism, masses = reducer.design, reducer.mechanism, moving_masses(reducer)
+    discs = range(design.gear.discs)
+    mesh = [mechanism.mating(design.tooth_pair, disc) for disc in discs]
+    cams = [mechanism.mating("cam", disc) for disc in discs]
+    output = [mechanism.mating("output", disc) for disc in discs]
+    seats = mechanism.mating(design.seat_pair) if design.ring.has_pin_bodies else None
+    teeth = [teeth_of_disc(reducer, disc) for disc in discs]
+    ring = mesh[0].by
+    carried = ring
+    inner, outer, arc = np.zeros(0), np.zeros(0), (-1.0, 0.0)
+    if seats:
+        carried = seats.by
+        within, around = (seats.on, seats.by) if design.ring.has_sockets else (seats.by, seats.on)
+        inner, outer = within.radius, around.radius
+        arc = (np.cos(around.half_angle), np.sin(around.half_angle) if around.half_angle < np.pi else 0.0)
+    shafts = {"output": masses[mechanism.turning], "crank": masses[names.SHAFT]}
+    shaft_inertia = {
+        "output": float(shafts["output"].inertia[2, 2]),
+        "crank": crank_inertia(reducer, masses[names.SHAFT]),
+    }
+    pin = masses[names.PIN] if design.ring.has_pin_bodies else None
+    losses = {"output": design.drag.output, "crank": design.drag.crank}
+    return System(
+        teeth=teeth[0],
+        offset=np.array([one.flank.offset for one in teeth]),
+        turned=np.array([one.on.angle[0] for one in mesh]),
+        ring=_ring(reducer, ring),
+        place=carried.place,
+        angle=carried.angle,
+        seated=np.array([body.place for body in mechanism.pins]).reshape(-1, 2),
+        lobes=ring.role == Role.LOBE,
+        free=seats is not None,
+        sleeved=seats is not None and design.ring.has_sleeves,
+        ring_turns=mechanism.turning == names.HOUSING,
+        inner=inner,
+        outer=outer,
+        arc=np.array(arc),
+        holes=np.array([one.on.place for one in output]),
+        studs=output[0].by.place,
+        cams=np.array([one.by.place[0] for one in cams]),
+        hole=float(output[0].on.radius[0]),
+        stud=float(output[0].by.radius[0]),
+        bore=float(cams[0].on.radius[0]),
+        cam=float(cams[0].by.radius[0]),
+        laws=_laws(reducer),
+        inertia=np.array(
+            [value for disc in mechanism.discs for value in _of_planar(masses[disc.part])] + [*shaft_inertia.values()]
+        ),
+        pin=np.array([pin.mass, pin.inertia[2, 2]]) if pin else np.zeros(2),
+        gravity=np.array([design.environment.gravity_x, design.environment.gravity_y]),
+        unbalance=np.array([shaft.mass * shaft.centroid[:2] for shaft in shafts.values()]),
+        drag=np.array([[losses[name], SEAL_CREEP * shaft_inertia[name]] for name in shafts]),
+        servo=np.array([servo_gains(shaft_inertia[name]) if name == held else (0.0, 0.0) for name in shafts]),
+    )
+
+
+def _of_planar(mass: MassProperties) -> tuple[float, float, float]:
+    return mass.mass, mass.mass, float(mass.inertia[2, 2])
+
+
+def _ring(reducer: Reducer, ring: Surfaces) -> Array:
+    """List the numbers of each pin's `touch.RingPin`; of lobes their radii alone."""
+    numbers = np.zeros((len(ring.names), len(RingPin._fields)))
+    numbers[:, 0] = ring.radius
+    for i in range(len(ring.names) if ring.role == Role.PIN else 0):
+        of_pin = attributes(reducer, ring, i)["userdata"]
+        numbers[i, 1 : 1 + len(of_pin)] = of_pin
+    return numbers
+
+
+def _laws(reducer: Reducer) -> npt.NDArray[np.void]:
+    """List the laws of all discs by what they are for."""
+    design = reducer.design
+    kinds = {TEETH: design.tooth_pair, SEAT: design.seat_pair, CAM: "cam", OUTPUT: "output"}
+    listed = np.zeros((design.gear.discs, len(kinds)), dtype=LAW)
+    for disc, laws in enumerate(laws_of_discs(reducer)):
+        for place, kind in kinds.items():
+            if kind not in laws:
+                continue
+            law, impact = laws[kind], impact_of(reducer, kind)
+            of_impact = astuple(impact) if impact else (0.0,) * 4
+            listed[disc, place] = (law.stiffness, law.damping, law.friction, law.creep, *of_impact)
+    return listed
