@@ -5,7 +5,7 @@ python scripts/docs_figures.py                  # all that is stale, the cheapes
 python scripts/docs_figures.py measured paper   # these alone; --all: every one, fresh or not
 
 Ctrl-C keeps what is done: each artefact has its stamp in docs/figures.json as soon as it is written, and the output of
-each step of one that is not is kept in runs/docs_figures till then.
+each step of one that is not is kept in runs/docs_figures till then. An artefact that fails does not stop the others.
 
 A stamp holds what the model said when the artefact was made: some figures that take a second (statics, the first
 milliseconds of runs, the words on a page), and the digest of what was written. An artefact is stale where the same
@@ -129,7 +129,7 @@ ARTEFACTS: Mapping[str, Artefact] = {
     ),
     "compared": Artefact(
         ("tests/data/compared.json",),
-        {"compare": Step((*CLI, "compare", *PRESETS, "--json", "--out", "{out}.figures"), stdout=True)},
+        {"compare": Step((*CLI, "compare", *PRESETS, "--json", "--out", "{out}.figures", "--force"), stdout=True)},
         ((PYTHON, "scripts/docs_measured.py", "--compared", "{compare}"),),
         ("run free", "run nonpin"),
         25.0,
@@ -300,7 +300,7 @@ def write(name: str, artefact: Artefact) -> None:
         out = scratch / key
         if not out.exists():
             _do(step, out)
-    places = {key: str(scratch / key) for key in artefact.steps}
+    places = {key: str((scratch / key).relative_to(ROOT)) for key in artefact.steps}  # as pages print them
     for command in artefact.last:
         subprocess.run([word.format(scratch, **places) for word in command], cwd=ROOT, check=True)
     kept = {**stamps(), name: stamp(artefact)}
@@ -345,6 +345,7 @@ def main() -> int:
         return 0
     wanted = {name: artefact for name, artefact in chosen.items() if options.all or options.names or reasons[name]}
     left = sum(artefact.minutes for artefact in wanted.values())
+    failed = []
     for number, (name, artefact) in enumerate(wanted.items(), 1):
         print(f"{number} of {len(wanted)}: {name}; some {left:g} min of CPU left", file=sys.stderr, flush=True)
         try:
@@ -354,13 +355,14 @@ def main() -> int:
                 f"error: {name}: {' '.join(error.cmd)} ended with {error.returncode}; steps that are done are kept",
                 file=sys.stderr,
             )
-            return 1
+            failed.append(name)
         except KeyboardInterrupt:
             print(f"stopped in {name}; the same command goes on from there", file=sys.stderr)
             return 1
         left -= artefact.minutes
-    print(f"{len(wanted)} written, {cpu():.1f} min of CPU", file=sys.stderr)
-    return 0
+    told = f", {len(failed)} failed ({', '.join(failed)})" if failed else ""
+    print(f"{len(wanted) - len(failed)} written{told}, {cpu():.1f} min of CPU", file=sys.stderr)
+    return 1 if failed else 0
 
 
 if __name__ == "__main__":

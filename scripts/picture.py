@@ -19,7 +19,7 @@ MODELS = Path(__file__).parent.parent / "models"
 RUN = ("simulate", "--design", "pin", "--set", 'ring.pins="massless"', "--load-nm", "36", "--ramp-s", "0")
 LENGTH = ("--hold-s", "0.06")
 LOOK = ("--magnify", "200", "--frames", "36", "--width", "520")
-WIDTH, HEIGHT = 1265, 1440
+WIDTH, HEIGHT = 1265, 1780
 """Of the picture of a report [px]."""
 
 COLOURS = 256
@@ -30,7 +30,7 @@ def animation(path: Path = MODELS / "mechanism.gif") -> int:
     path.parent.mkdir(parents=True, exist_ok=True)
     with TemporaryDirectory() as folder:
         code = cycloid_mj([*RUN, *LENGTH, "--out", folder, "--quiet"])
-        return code or cycloid_mj(["animate", str(Path(folder) / "pin.mcap"), str(path), *LOOK])
+        return code or cycloid_mj(["animate", str(Path(folder) / "pin.mcap"), str(path), *LOOK, "--force"])
 
 
 def report(logs: Sequence[str], path: Path = MODELS / "report.png") -> int:

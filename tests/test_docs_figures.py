@@ -112,3 +112,35 @@ def test_what_is_done_is_not_done_again_unless_the_model_has_moved(
     assert made.main() == 0
     assert (tmp_path / "runs").read_text() == "12112"
     assert json.loads(made.STAMPS.read_text())["one"]["probes"]["probe"] == {"force": 300.0}
+
+
+def test_an_artefact_that_fails_stops_no_other(made: ModuleType, tmp_path: Path, capsys) -> None:
+    broken = made.Artefact(("none",), {"a": made.Step((sys.executable, "-c", "exit(3)"))}, (), ("probe",), 0.1)
+    made.ARTEFACTS.update({"one": broken, "two": made.ARTEFACTS["one"]})
+    assert made.main() == 1
+    assert list(made.stamps()) == ["two"]
+    told = capsys.readouterr().err
+    assert "error: one: " in told
+    assert "1 written, 1 failed (one)" in told
+
+
+def test_pages_print_no_place_of_this_machine(made: ModuleType, tmp_path: Path) -> None:
+    """A report names its logs: the last commands are handed paths from the root of the repository."""
+    one = made.ARTEFACTS["one"]
+    write = (sys.executable, "-c", "import sys, pathlib; pathlib.Path('out').write_text(sys.argv[1])", "{a}/pin.mcap")
+    made.ARTEFACTS["one"] = made.Artefact(one.files, one.steps, (write,), one.probes, one.minutes)
+    assert made.main() == 0
+    assert (tmp_path / "out").read_text() == "scratch/one/a/pin.mcap"
+
+
+@pytest.mark.slow
+def test_the_moving_picture_is_replaced(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
+    import picture
+
+    monkeypatch.setattr(picture, "LENGTH", ("--hold-s", "0.012"))
+    monkeypatch.setattr(picture, "LOOK", ("--frames", "2", "--width", "200"))
+    path = tmp_path / "mechanism.gif"
+    path.write_bytes(b"GIF89a of an earlier one")
+    assert picture.animation(path) == 0
+    assert path.stat().st_size > 1000
