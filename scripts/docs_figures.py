@@ -189,7 +189,7 @@ def run_of(kind: str) -> dict[str, Value]:
 
 
 def words_of_the_report() -> dict[str, Value]:
-    """Give the titles, and the heads of the tables, on the page of two short runs."""
+    """Give the titles and the heads of tables, down to the mechanism that ends the picture, for two short runs."""
     from cycloid_mj.base.errors import CycloidWarning
     from cycloid_mj.report import report
 
@@ -197,7 +197,8 @@ def words_of_the_report() -> dict[str, Value]:
         warnings.simplefilter("ignore", CycloidWarning)
         page = report({"pin": short_run("free"), "nonpin": short_run("nonpin")})
     found = re.findall(r"<(?:h1|h2|h3|th|summary)[^>]*>(.*?)</", page, flags=re.DOTALL)
-    return {"words": " | ".join(re.sub(r"<[^>]+>", "", one).strip() for one in found)}
+    words = [re.sub(r"<[^>]+>", "", one).strip() for one in found]
+    return {"words": " | ".join(words[: words.index("The mechanism") + 1])}
 
 
 def look_of_the_animation() -> dict[str, Value]:
