@@ -1,5 +1,6 @@
 """How the output rate answers to the friction of each pair, with pins free, fixed and sleeved."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -110,7 +111,7 @@ def table(reducer: Reducer, found: Mapping[Variation, float]) -> Table:
 
 
 def curves(found: Mapping[Variation, float], published: Sequence[Published]) -> list[Curve]:
-    """Give the rate over the common friction, and where the published rates lie on it."""
+    """Compute the rate over the common friction, with the published rates that lie on it."""
     panel, x, y = "output rate by the friction of all sliding pairs", "friction coefficient", "rate [%]"
     drawn = []
     for pins in dict.fromkeys(row.pins for row in found):
@@ -118,7 +119,7 @@ def curves(found: Mapping[Variation, float], published: Sequence[Published]) -> 
         friction = np.array(sorted(rates))
         name = "internal gear" if pins == NONE else f"{pins} pins"
         drawn.append(Curve(panel, name, friction, 1e2 * np.array([rates[key] for key in friction]), x, y))
-    for one in published:
+    for one in (each for each in published if math.isfinite(each.friction)):
         place = (np.array([one.friction]), np.array([1e2 * one.rate]))
         drawn.append(Curve(panel, f"the paper, {one.way}", *place, x, y, "points"))
     return drawn

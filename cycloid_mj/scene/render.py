@@ -1,5 +1,6 @@
 """A picture of a logged run by MuJoCo's own renderer, without a display."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import mujoco
@@ -18,6 +19,10 @@ Image = npt.NDArray[np.uint8]
 WIDTH, HEIGHT = 1280, 960
 LEAST, LARGEST = 64, 8192
 MOST_GEOMS = 5000
+PART_DISTANCE = 2.6
+"""Of the camera from a part by itself, in radii of the sphere round it."""
+VISUAL_GROUP = 2
+"""Of the geoms that are drawn, not touched."""
 SAMPLES = 8
 """Samples of a pixel, so that edges are smooth."""
 
@@ -51,31 +56,53 @@ def render(
     UsageError
         The size is not possible.
     """
-    width, height = size
-    if not (LEAST <= width <= LARGEST and LEAST <= height <= LARGEST):
-        raise UsageError(f"a picture of {width} x {height} pixels: give {LEAST} to {LARGEST} each")
     model = replay_model(run)
     data = mujoco.MjData(model)
     set_sample(model, data, run, sample)
+    camera = mujoco.MjvCamera()
+    aim(camera, model, *view)
+    return _drawn(model, data, camera, size, _arrows(run, reducer, sample))
+
+
+def render_part(
+    run: Run,
+    bodies: Sequence[str],
+    size: tuple[int, int] = (WIDTH, HEIGHT),
+    view: tuple[float, float] = (AZIMUTH, ELEVATION),
+) -> Image:
+    """Render some bodies of a run's model alone, as they stand at its start; parameters and errors as of `render`."""
+    model = replay_model(run)
+    data = mujoco.MjData(model)
+    set_sample(model, data, run, 0)
+    shown = np.isin([model.body(body).name for body in model.geom_bodyid], bodies)
+    if not shown.any():
+        raise UsageError(f"the model has no body of {', '.join(bodies)}")
+    model.geom_rgba[:, 3] = np.where(shown, 1.0, 0.0)
+    camera = mujoco.MjvCamera()
+    aim(camera, model, *view)
+    seen = shown & (model.geom_group == VISUAL_GROUP)
+    camera.lookat[:] = data.geom_xpos[seen].mean(axis=0)
+    away = np.linalg.norm(data.geom_xpos[seen] - camera.lookat, axis=1)
+    camera.distance = PART_DISTANCE * float((away + model.geom_rbound[seen]).max())
+    return _drawn(model, data, camera, size, [])
+
+
+def _drawn(model: Any, data: Any, camera: Any, size: tuple[int, int], arrows: list[dict[str, Any]]) -> Image:
+    width, height = size
+    if not (LEAST <= width <= LARGEST and LEAST <= height <= LARGEST):
+        raise UsageError(f"a picture of {width} x {height} pixels: give {LEAST} to {LARGEST} each")
     model.vis.global_.offwidth, model.vis.global_.offheight = width, height
     model.vis.quality.offsamples = SAMPLES
-    scene = _scene(model, data, _arrows(run, reducer, sample), view)
+    scene = mujoco.MjvScene(model, MOST_GEOMS)
+    mujoco.mjv_updateScene(model, data, mujoco.MjvOption(), None, camera, mujoco.mjtCatBit.mjCAT_ALL, scene)
+    for arrow in arrows:
+        _add_arrow(scene, **arrow)
     with opengl(model, width, height) as context:
         frame = mujoco.MjrRect(0, 0, width, height)
         picture = np.empty((height, width, 3), dtype=np.uint8)
         mujoco.mjr_render(frame, scene, context)
         mujoco.mjr_readPixels(picture, None, frame, context)
     return picture[::-1].copy()
-
-
-def _scene(model: Any, data: Any, arrows: list[dict[str, Any]], view: tuple[float, float]) -> Any:
-    scene, camera = mujoco.MjvScene(model, MOST_GEOMS), mujoco.MjvCamera()
-    aim(camera, model, *view)
-    everything = mujoco.mjtCatBit.mjCAT_ALL
-    mujoco.mjv_updateScene(model, data, mujoco.MjvOption(), None, camera, everything, scene)
-    for arrow in arrows:
-        _add_arrow(scene, **arrow)
-    return scene
 
 
 def _arrows(run: Run, reducer: Reducer, sample: int) -> list[dict[str, Any]]:

@@ -3,9 +3,7 @@
 Displacements are ordered node by node: unknown d i + a is the displacement of node i along axis a.
 """
 
-import ctypes
 import importlib
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -16,6 +14,7 @@ from scipy.sparse import csgraph
 from scipy.sparse.linalg import splu
 
 from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.memory import give_back
 from cycloid_mj.base.types import Array, Integers
 from cycloid_mj.design.model import Material
 from cycloid_mj.stress.grid import Grid
@@ -286,7 +285,7 @@ def _require_hold(grid: Grid, motions: Array, fixed: Integers, springs: Any) -> 
 
 def _factor(lower: Any, part: str) -> Callable[[Array], Array]:
     """Factorise a symmetric matrix of this lower triangle: by rslab where it is installed (far faster), or SuperLU."""
-    _trim()
+    give_back()  # a factor needs its memory in one piece
     try:
         rslab = importlib.import_module("rslab")
     except (ImportError, OSError):
@@ -296,13 +295,6 @@ def _factor(lower: Any, part: str) -> Callable[[Array], Array]:
     except (RuntimeError, ValueError, MemoryError) as error:
         raise _not_factorised(part, error) from error
     return lambda loads: np.asarray(solver.solve_many(loads))
-
-
-def _trim() -> None:
-    """Give memory that is free back to the system, where the C library can: a factor needs it in one piece."""
-    trim = getattr(ctypes.CDLL(None), "malloc_trim", None) if sys.platform != "win32" else None
-    if trim:
-        trim(0)
 
 
 def _superlu(lower: Any, part: str) -> Callable[[Array], Array]:

@@ -70,7 +70,7 @@ def authors(plan: Plan, runs: Runs, progress: Progress) -> Found:
     for design in designs():
         progress(f"stress, {design.name}")
         one, impact = idle_runs(plan, design)[:1], varied_idle_runs(plan, IMPACT, design)[:1]
-        stresses[design.name] = idle_stress(runs(one), rated[design.name], one[0], settings(plan), runs(impact)[0])
+        stresses[design.name] = idle_stress(runs(one), rated[design.name], settings(plan), runs(impact)[0])
     features = _features({name: per_newton(one, rated[name]) for name, one in stresses.items()})
     return Found(
         (*_plates(ours, soft, cases), *height_plates(stresses)),

@@ -15,6 +15,7 @@ from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import finite, say, say_json, say_table, tell, with_warnings
 
 if TYPE_CHECKING:
+    from hsieh2014.plan import Plan
     from hsieh2014.run import Report
     from hsieh2014.stage import Stage, Step
 
@@ -100,7 +101,8 @@ def reproduce(
     logs = Logs(folder(str(into / "logs"), "the logs", (), force), fresh, quiet)
     folder(str(into / "figures"), "the figures", (), force)
     start = monotonic()
-    stages = run_steps(QUICK if quick else FULL, logs, _reporter(quiet), only)
+    plan = QUICK if quick else FULL
+    stages = run_steps(plan, logs, _reporter(quiet), only)
     found = with_warnings(
         {
             "quick": quick,
@@ -109,7 +111,7 @@ def reproduce(
             "errata": errata(),
         }
     )
-    page = _written(stages, found, into, quick, monotonic() - start)
+    page = _written(stages, found, into, plan, monotonic() - start)
     _report(stages, found, page, json)
     return FAILURE if any(stage.error for stage in stages) else 0
 
@@ -128,10 +130,11 @@ def _reporter(quiet: bool) -> "Report":
     return report
 
 
-def _written(stages: "Sequence[Stage]", found: dict[str, Any], into: Path, quick: bool, seconds: float) -> Path:
+def _written(stages: "Sequence[Stage]", found: dict[str, Any], into: Path, plan: "Plan", seconds: float) -> Path:
     """Write the figures, the JSON file and the page; give the page's path."""
     from cycloid_mj.plots.save import pictures
     from hsieh2014.page import reproduction_page
+    from hsieh2014.plan import LOGGED, main_runs
 
     drawings = {plate.name: plate.drawing for stage in stages for plate in stage.found.plates}
     figures = pictures(drawings, into / "figures", FORMATS)
@@ -139,11 +142,13 @@ def _written(stages: "Sequence[Stage]", found: dict[str, Any], into: Path, quick
         name: min((figures[into / "figures" / f"{name}.{form}"] for form in FORMATS), key=len) for name in drawings
     }
     result = js.dumps(finite(found), indent=1, ensure_ascii=False) + "\n"
+    sample = 1.0 / main_runs(plan)[0].settings.log_rate
     about = (
         "Hsieh, Dynamics Analysis of Cycloidal Speed Reducers With Pinwheel and Nonpinwheel Designs (J. Mech. Des., "
         "2014). Captions are in our own words; the paper's plots are not shown, its stated values are.",
-        f"cycloid-mj reproduce{' --quick' if quick else ''}, {seconds:.0f} s. Crank at 1640 rpm, every figure one "
-        "settled turn at one degree (0.000101626 s), from runs at a step of 0.9963 us.",
+        f"cycloid-mj reproduce{' --quick' if plan.quick else ''}, {seconds:.0f} s. Crank at 1640 rpm, every figure one "
+        f"settled turn at one degree ({sample * LOGGED:.6g} s), from runs at a step of {1e6 * sample / plan.steps:.4g} "
+        "us.",
     )
     page = reproduction_page(stages, found["errata"], smaller, about)
     write_whole({**figures, into / RESULT: result.encode(), into / PAGE: page.encode()})

@@ -1,6 +1,6 @@
 """Before anything runs: Figs 1-4, how the profiles come about; and all in which the two designs differ."""
 
-from cycloid_mj.base.result import Claim, Removal, Table, Value, Verdict
+from cycloid_mj.base.result import Claim, Range, Removal, Table, Value, Verdict
 from cycloid_mj.comparison import conditions, differences
 from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.geometry.modification import tooth_profile
@@ -76,10 +76,11 @@ def _poisson() -> Claim:
         found=Value(
             f"E {1e-6 * steel.youngs_modulus:.0f} N/mm2, {steel.poisson:g}: G {1e-6 * shear:.0f}", steel.poisson, "1"
         ),
-        error=Value("none: as given"),
+        error=Value("none: as given", 0.0, "1"),
         verdict=Verdict.AGREES if same else Verdict.DEPENDS,
         decided_by="which two of E, G and Poisson's ratio the authors' program took, which the paper leaves open: its "
         "library's steel has 0.28, and a program for isotropic materials does not use G",
+        searched=(Range("material.poisson", steel.poisson, stated, "1", "of the program's steel, to that of E and G"),),
         removals=[
             Removal(
                 "0.28, for that of E and G", f"{stated:.3f}; contacts {100 * stiffer:.1f} % stiffer", Verdict.AGREES

@@ -39,11 +39,16 @@ def swept(plan: Plan, runs: Runs) -> dict[Variation, Levels]:
 
 def levels_of(starts: Mapping[str, Sequence[Run]]) -> Levels:
     """Measure runs: name of a design -> its runs."""
-    measured = {name: [measure(settled(run)) for run in found] for name, found in starts.items()}
+    measured = {name: [_levels(run) for run in found] for name, found in starts.items()}
     return {
-        each.key: {name: Spread.of(each.level(one).rms for one in found) for name, found in measured.items()}
+        each.key: {name: Spread.of(one[each.key] for one in found) for name, found in measured.items()}
         for each in RANKED
     }
+
+
+def _levels(run: Run) -> dict[str, float]:
+    measures = measure(settled(run))
+    return {each.key: each.level(measures).rms for each in RANKED}
 
 
 NUDGE = 1e-9

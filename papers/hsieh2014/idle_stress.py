@@ -6,25 +6,42 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cycloid_mj.analysis.series import design_of
+from cycloid_mj.analysis.series import DESIGN_FILE, design_of
 from cycloid_mj.base.names import OUTPUT
 from cycloid_mj.base.record import Run
+from cycloid_mj.base.result import Value
 from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import MEGAPASCAL
 from cycloid_mj.comparison import Spread
-from cycloid_mj.design import Design
+from cycloid_mj.design import Design, dump
 from cycloid_mj.reducer import Reducer
 from hsieh2014.peaks import at_peaks
 from hsieh2014.plan import LOGGED, SAMPLING
 from hsieh2014.stated import stress_references
 
 if TYPE_CHECKING:
+    from cycloid_mj.stress.field import PartStress
+    from cycloid_mj.stress.grid import Grid
     from cycloid_mj.stress.loads import PartLoads
     from cycloid_mj.stress.study import StressStudy, StudySettings
 
 
+ERROR = "one more refinement, or where bulk begins"
+"""Source of a stress's numerical error."""
+
 HEAVIEST = 4
 """Crank angles of each further start whose stress is solved for: two of the largest force, two of the largest sum."""
+
+OutputPins = Mapping[str, Any]
+"""Values of the design's output, where they differ."""
+
+NO_OTHERS: OutputPins = {}
+
+OTHER_PINS: Mapping[str, OutputPins] = {
+    "output pins of 4 mm radius, for 5 mm": {"pin_radius": 5e-3, "hole_radius": 6e-3},
+    "output pins as cantilevers, for held at both ends": {"support": "both_ends"},
+}
+"""What is assumed of the output pins, which the paper leaves open, and what stands for it."""
 
 RATED_ANGLES = 23
 """Crank angles under the rated load: no divisor of the mesh periods in a turn, so that they fall on all its phases."""
@@ -45,12 +62,15 @@ class IdleStress:
         pins, nominal stress times notch factor, since its bulk is the edge of what is left out there.
     soft
         Part -> bulk stress over the crank angles of the study with the contact law IMPACT [MPa], of the first start.
+    outputs
+        What is assumed of the output pins and taken away -> largest bulk stress of the output in each start [MPa].
     """
 
     study: "StressStudy"
     starts: Mapping[str, Spread]
     rated: Mapping[str, Spread]
     soft: Mapping[str, Array]
+    outputs: Mapping[str, Spread]
 
     def curve(self, part: str) -> tuple[Array, Array] | None:
         """Give crank angles [deg] and bulk stress [MPa] of a part in the first start; None where there is no part."""
@@ -72,7 +92,6 @@ class IdleStress:
 def idle_stress(
     starts: Sequence[Run],
     rated: Run,
-    design: Design,
     settings: "StudySettings",
     soft: Run | None = None,
     progress: Any = lambda *_: None,
@@ -83,8 +102,6 @@ def idle_stress(
     ----------
     starts, rated
         Runs at no load, with the peaks of their forces, and one under the rated load.
-    design
-        The design that ran.
     settings
         How much is computed.
     soft
@@ -92,36 +109,84 @@ def idle_stress(
     progress
         Called with each part before it begins; see `stress.study.stress_study`.
     """
-    reducer = Reducer(design)
     from cycloid_mj.stress.field import solve
     from cycloid_mj.stress.loads import part_loads
-    from cycloid_mj.stress.study import notches_of, stress_study
+    from cycloid_mj.stress.study import stress_study
 
-    window = LOGGED * SAMPLING // settings.angles + 1
-    peaks = [at_peaks(run, window) for run in starts]
+    design, window = design_of(starts[0]), LOGGED * SAMPLING // settings.angles + 1
+    reducer = Reducer(design)
     softly = at_peaks(soft, window) if soft else None
-    study = stress_study(peaks[0], reducer, (), settings, told=progress, references=stress_references(design))
+    study = stress_study(
+        at_peaks(starts[0], window), reducer, (), settings, told=progress, references=stress_references(design)
+    )
+    grids = {one.findings.part: one.grid for one in study.parts}
     turn = 2 * np.pi * np.arange(settings.angles) / settings.angles
-    under_load = 2 * np.pi * np.arange(RATED_ANGLES) / RATED_ANGLES
+    parts = [*((part, NO_OTHERS) for part in grids), *((OUTPUT, pins) for pins in OTHER_PINS.values())]
+    heavy = _heavy(starts, parts, turn, window)
     largest, loaded, curves = {}, {}, {}
-    for one in study.parts:
-        part, grid = one.findings.part, one.grid
-        rated_loads = part_loads(rated, reducer, part, under_load)
-        under = solve(design, grid, rated_loads)
-        governing = under.bulk_stress / MEGAPASCAL
-        if part == OUTPUT:
-            fillet = max(notch.stress for notch in notches_of(reducer, rated_loads, under)) / MEGAPASCAL
-            governing = np.append(governing, fillet)
-        loaded[part] = Spread.of(governing)
-        heavy = [heaviest(part_loads(run, reducer, part, turn), HEAVIEST) for run in peaks]
+    for (part, grid), of_starts in zip(grids.items(), heavy, strict=False):
+        under, loaded[part] = _under_load(rated, part, grid)
         # a single touch has no plateau of its own: bulk begins where it does under the rated load, in every start
-        cases = [*heavy, *([part_loads(softly, Reducer(design_of(softly)), part, turn)] if softly else [])]
+        cases = [*of_starts, *([part_loads(softly, Reducer(design_of(softly)), part, turn)] if softly else [])]
         stress = solve(design, grid, joined(cases), distance=under.bulk_distance).bulk_stress / MEGAPASCAL
-        parts = np.split(stress, np.cumsum([len(each.angle) for each in cases])[:-1])
-        largest[part] = Spread.of(each.max() for each in parts[: len(heavy)])
+        split = np.split(stress, np.cumsum([len(each.angle) for each in cases])[:-1])
+        largest[part] = Spread.of(each.max() for each in split[: len(of_starts)])
         if softly:
-            curves[part] = parts[-1]
-    return IdleStress(study, largest, loaded, curves)
+            curves[part] = split[-1]
+    outputs = {
+        words: _with_pins(design.but(output=pins), settings, of_starts)
+        for (words, pins), of_starts in zip(OTHER_PINS.items(), heavy[len(grids) :], strict=True)
+    }
+    return IdleStress(study, largest, loaded, curves, outputs)
+
+
+def _heavy(
+    starts: Sequence[Run], parts: Sequence[tuple[str, OutputPins]], turn: Array, window: int
+) -> "list[list[PartLoads]]":
+    """Give the heaviest loads of each start on several parts, each with other output pins or none; run by run."""
+    from cycloid_mj.stress.loads import part_loads
+
+    found: list[list[PartLoads]] = [[] for _ in parts]
+    for run in starts:
+        peaks = at_peaks(run, window)
+        for loads, (part, pins) in zip(found, parts, strict=True):
+            ran = with_output(peaks, pins)
+            loads.append(heaviest(part_loads(ran, Reducer(design_of(ran)), part, turn), HEAVIEST))
+    return found
+
+
+def with_output(run: Run, pins: OutputPins) -> Run:
+    """Put the forces of a run on other output pins, or on its own for none."""
+    if not pins:
+        return run
+    design = design_of(run).but(output=pins)
+    return replace(run, attachments={**run.attachments, DESIGN_FILE: dump(design).encode()})
+
+
+def _under_load(rated: Run, part: str, grid: "Grid") -> "tuple[PartStress, Spread]":
+    """Solve a part at some crank angles under the rated load; give its largest stress at each of them as well [MPa]."""
+    from cycloid_mj.stress.field import solve
+    from cycloid_mj.stress.loads import part_loads
+    from cycloid_mj.stress.study import notches_of
+
+    reducer = Reducer(design_of(rated))
+    loads = part_loads(rated, reducer, part, 2 * np.pi * np.arange(RATED_ANGLES) / RATED_ANGLES)
+    under = solve(reducer.design, grid, loads)
+    governing = under.bulk_stress / MEGAPASCAL
+    if part == OUTPUT:
+        fillet = max(notch.stress for notch in notches_of(reducer, loads, under)) / MEGAPASCAL
+        governing = np.append(governing, fillet)
+    return under, Spread.of(governing)
+
+
+def _with_pins(other: Design, settings: "StudySettings", of_starts: "Sequence[PartLoads]") -> Spread:
+    """Compute the output's largest stress in each start [MPa] in a design with other output pins."""
+    from cycloid_mj.stress.field import solve
+    from cycloid_mj.stress.part import part_grid
+
+    grid = part_grid(other, OUTPUT, settings.grid(OUTPUT))
+    stress = solve(other, grid, joined(of_starts)).bulk_stress / MEGAPASCAL
+    return Spread.of(each.max() for each in np.split(stress, len(of_starts)))
 
 
 def heaviest(loads: "PartLoads", count: int) -> "PartLoads":
@@ -145,3 +210,15 @@ def joined(several: Sequence["PartLoads"]) -> "PartLoads":
         if isinstance(getattr(first, field.name), np.ndarray)
     }
     return replace(first, **together)
+
+
+def rated_value(one: IdleStress, part: str) -> Value:
+    """Give a part's largest stress under the rated load."""
+    at = " at the fillet of a pin" if part == OUTPUT else ""
+    return Value(f"{one.rated[part].high:.3g} MPa{at}", one.rated[part].high, "MPa")
+
+
+def stress_error(one: IdleStress, parts: Sequence[str]) -> Value:
+    """Give the largest numerical error of some parts' stress at no load."""
+    share, part = max((one.error(part), part) for part in parts)
+    return Value(f"{part}: {ERROR}", share * one.starts[part].mean, "MPa")

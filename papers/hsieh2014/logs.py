@@ -1,9 +1,11 @@
-"""The runs of designs, each read from a log that fits it, else run into one."""
+"""The runs of designs, each read from a log that fits it, else run into one; a few at a time are in memory."""
 
 import hashlib
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from pathlib import Path
+from typing import overload
 
 from cycloid_mj.base.errors import LogError, RunError, warn
 from cycloid_mj.base.record import Run
@@ -15,6 +17,9 @@ from cycloid_mj.log import read
 from cycloid_mj.reducer import Reducer
 
 DIGITS = 12
+
+KEPT = 8
+"""Runs in memory: reading one takes some hundredths of a second, holding all of them some hundred megabytes."""
 
 
 def log_name(design: Design, stands_on: Mapping[str, str]) -> str:
@@ -30,14 +35,36 @@ def fits(run: Run, design: Design, stands_on: Mapping[str, str]) -> bool:
     return run.complete and same and run.attachments.get("design.toml") == dump(design).encode()
 
 
+class LoggedRuns(Sequence[Run]):
+    """The runs of some logs in their order, each read when it is asked for."""
+
+    def __init__(self, logs: Sequence[Path], read_log: Callable[[Path], Run]) -> None:
+        self._logs, self._read_log = tuple(logs), read_log
+
+    @overload
+    def __getitem__(self, number: int) -> Run: ...
+    @overload
+    def __getitem__(self, number: slice) -> Sequence[Run]: ...
+    def __getitem__(self, number: int | slice) -> Run | Sequence[Run]:
+        """Read one run, or choose several."""
+        if isinstance(number, slice):
+            return LoggedRuns(self._logs[number], self._read_log)
+        return self._read_log(self._logs[number])
+
+    def __len__(self) -> int:
+        """Count the runs."""
+        return len(self._logs)
+
+
 class Logs:
     """Gives the runs of designs, several run at a time: `into` a folder, all of them anew where `fresh`."""
 
     def __init__(self, into: Path, fresh: bool, quiet: bool) -> None:
         self._into, self._fresh, self._quiet = into, fresh, quiet
-        self._known: dict[Design, Run] = {}
+        self._known: dict[Design, Path] = {}
+        self._read = lru_cache(KEPT)(read)
 
-    def __call__(self, designs: Sequence[Design]) -> list[Run]:
+    def __call__(self, designs: Sequence[Design]) -> LoggedRuns:
         """Give the run of each design.
 
         Raises
@@ -52,25 +79,25 @@ class Logs:
             for design in designs
             if design not in self._known
         }
-        missing = {design: path for design, path in paths.items() if self._fresh or not _is_there(design, path)}
+        missing = {design: path for design, path in paths.items() if self._fresh or not self._is_there(design, path)}
         if missing:
             for path in missing.values():
                 # one that was read did not fit
                 as_own(path)
+            self._read.cache_clear()
             try:
                 run_all(missing, min(os.cpu_count() or 1, len(missing)), force=True, quiet=self._quiet)
             except RunError as error:
                 if isinstance(error.__cause__, KeyboardInterrupt):
                     raise error.__cause__ from None
                 raise
-        self._known |= {design: read(path) for design, path in paths.items()}
-        for design in paths:
-            warn(design.name, self._known[design].warnings)
-        return [self._known[design] for design in designs]
+        self._known |= paths
+        for design, path in paths.items():
+            warn(design.name, self._read(path).warnings)
+        return LoggedRuns([self._known[design] for design in designs], self._read)
 
-
-def _is_there(design: Design, path: Path) -> bool:
-    try:
-        return path.exists() and fits(read(path), design, provenance(Reducer(design)))
-    except LogError:
-        return False
+    def _is_there(self, design: Design, path: Path) -> bool:
+        try:
+            return path.exists() and fits(self._read(path), design, provenance(Reducer(design)))
+        except LogError:
+            return False

@@ -21,7 +21,7 @@ from hsieh2014.statements import (
     stress_of_parts,
     stress_peaks,
 )
-from hsieh2014.verdicts import share_verdict
+from hsieh2014.verdicts import most
 
 ALSO = {
     "ring": "; and that a pin hands its force on to a socket which it fits closely, where a lobe takes it on a line",
@@ -65,7 +65,7 @@ def _alone(findings: StressFindings) -> Iterator[Claim]:
 def _judged(statement: Statement, name: str, found: str, holds: bool, decided_by: str) -> Claim:
     """Judge what the paper states of a design of some name; the tables of the study have the numerical errors."""
     own = replace(statement, claim=f"{name}: {statement.claim}")
-    return own.judged(Value(found), Value("one more refinement"), share_verdict([holds]), decided_by)
+    return own.judged(Value(found), Value("one more refinement"), most([holds]), decided_by)
 
 
 def _height(findings: StressFindings, part: PartFindings) -> Claim:

@@ -1,5 +1,6 @@
 """Figures to lay beside the paper's: its axes and units, theory, pin and nonpin in one plot (Figs 6-9, 12-16)."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -11,12 +12,15 @@ from matplotlib.patches import Circle
 from cycloid_mj.analysis import Series
 from cycloid_mj.base.types import Array
 from cycloid_mj.plots.comparison import COLORS
-from cycloid_mj.plots.style import BLACK, GREY, THEORY, crank_axis, keys, sheet, styled, turn_degrees
+from cycloid_mj.plots.style import BLACK, GREY, THEORY, WIDTH, crank_axis, keys, sheet, styled, turn_degrees
 from hsieh2014.peaks import middle
 from hsieh2014.stated import SHOWN
 
 FARTHEST = 0.35
 """Farthest way of a pin, as drawn, in radii of the pin."""
+
+MOST_BESIDE = 3
+"""Pictures side by side."""
 
 LINES = ("-", (0, (3, 1.5)))
 """Of the two contact laws."""
@@ -137,17 +141,20 @@ def heights_figure(
     for label, (degrees, stress) in curves.items():
         name, _, law = label.partition(", ")
         looks[label] = {"color": COLORS[names.index(name)], "linestyle": LINES[laws.index(law)], "linewidth": 1.0}
-        axes.plot(degrees, np.where(stress > DECADES * top, stress, np.nan), **looks[label])
+        # a whole turn: it ends where it began
+        around, closed = np.append(degrees, degrees[0] + 360.0), np.append(stress, stress[0])
+        axes.plot(around, np.where(closed > DECADES * top, closed, np.nan), **looks[label])
     for name, height in heights.items():
         axes.axhline(height, color=COLORS[names.index(name)], **HEIGHT)
         looks[f"{name}, the paper"] = {"color": COLORS[names.index(name)], **HEIGHT}
     for mark in marks:
         axes.axvline(mark, color=GREY, linewidth=0.7, linestyle=":")
     axes.set_yscale("log")
-    axes.set_ylim(top=1.6 * top)
+    axes.set_ylim(axes.get_ylim()[0] / 1.3, 1.6 * top)
     axes.set_ylabel("von Mises stress, largest in bulk [MPa]")
     crank_axis(axes, np.array([0.0, 360.0]))
-    figure.legend(handles=keys(*looks.items()), loc="outside lower center", ncols=3)
+    # two rows: a column for each design, one for the paper
+    figure.legend(handles=keys(*looks.items()), loc="outside lower center", ncols=math.ceil(len(looks) / 2))
     return figure
 
 
@@ -178,12 +185,15 @@ def cam_figure(curves: Mapping[str, Array], marks: Sequence[float]) -> Figure:
 
 @styled
 def picture_figure(pictures: Mapping[str, Any]) -> Figure:
-    """Show rendered pictures, shape (height, width, 3) each, side by side under their names."""
-    figure = sheet(3.4)
-    panels = figure.subplots(1, len(pictures), squeeze=False)[0]
-    for panel, (name, picture) in zip(panels, pictures.items(), strict=True):
+    """Show rendered pictures, shape (height, width, 3) each, under their names: up to three side by side."""
+    columns = min(len(pictures), MOST_BESIDE)
+    rows = math.ceil(len(pictures) / columns)
+    figure = sheet((WIDTH / columns + 0.25) * rows)
+    panels = figure.subplots(rows, columns, squeeze=False).flat
+    for panel, (name, picture) in zip(panels, pictures.items(), strict=False):
         panel.imshow(picture)
         panel.set_title(name)
+    for panel in figure.axes:
         panel.set_axis_off()
     return figure
 
@@ -197,6 +207,8 @@ def _pin(axes: Axes, way: Array, turned: float, socket: float) -> None:
     axes.plot([way[0], end[0]], [way[1], end[1]], color=BLACK, linewidth=1.1)
     axes.set(xlim=(-1.45, 1.45), ylim=(-1.45, 1.45), aspect="equal", xticks=[], yticks=[])
     axes.grid(False)
+    for spine in axes.spines.values():
+        spine.set_visible(False)
 
 
 def _look(number: int) -> dict[str, Any]:

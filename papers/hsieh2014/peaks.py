@@ -8,6 +8,7 @@ import numpy.typing as npt
 from scipy.ndimage import maximum_filter1d
 from scipy.signal import find_peaks
 
+from cycloid_mj.analysis.series import design_of
 from cycloid_mj.base.names import (
     CAM,
     FORCE_X,
@@ -15,6 +16,7 @@ from cycloid_mj.base.names import (
     KINDS,
     LOBE,
     MOMENT,
+    OUTPUT,
     OUTPUT_PIN,
     PEAK_FORCE,
     PIN,
@@ -27,6 +29,8 @@ from cycloid_mj.base.types import Array
 from cycloid_mj.comparison import gravity_turn, settled
 from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
+
+PIN_1 = "pin_1"
 
 BINS = 36
 """Parts of a crank turn: ten degrees each, a mesh period of the paper's ring."""
@@ -43,9 +47,11 @@ def peak(run: Run, pair: str, window: int = 1) -> Array:
 
 
 def pairs_on(run: Run, part: str) -> list[str]:
-    """Give the mating pairs of a run that press on a part: the shaft, the gear or the ring."""
+    """Give the mating pairs of a run that press on a part; on pin 1, or what stands for it, the gear alone."""
     ring = next(stem for stem in (SOCKET, LOBE, PIN) if run.pairs(KINDS[stem]))
-    stems = {SHAFT: (CAM,), "ring": (ring,), "gear": (CAM, PIN, LOBE, OUTPUT_PIN)}[part]
+    if part == PIN_1:
+        return [f"{LOBE if ring == LOBE else PIN}_{standing_for_pin_1(design_of(run))}"]
+    stems = {SHAFT: (CAM,), "ring": (ring,), "gear": (CAM, PIN, LOBE, OUTPUT_PIN), OUTPUT: (OUTPUT_PIN,)}[part]
     return [name for stem in stems for name in run.pairs(KINDS[stem])]
 
 

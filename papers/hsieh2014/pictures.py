@@ -1,32 +1,42 @@
-"""Pictures of both reducers as they run, where there is OpenGL: the paper's Figs 3, 4 and 17."""
+"""Pictures of both reducers as they run, and of their parts, where there is OpenGL: the paper's Figs 3, 4 and 17."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from cycloid_mj.analysis.series import design_of
 from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.names import GEAR, HOUSING, OUTPUT, PIN, SHAFT, all_numbered
 from cycloid_mj.base.record import Run
 from cycloid_mj.reducer import Reducer
 from hsieh2014.stage import Plate
 
+VIEWS = {"front": (90.0, -89.9), "aslant": (60.0, -35.0)}
+"""Azimuth and elevation of the camera [deg]."""
+PART_VIEWS = {"shaft": (60.0, -15.0), "output": (60.0, 40.0)}
+"""The same of a part, if it is not aslant: the shaft from the side, the output from where its pins are."""
+SIZE = (700, 700)
+"""[pixels]"""
+
 
 def pictures(rated: Sequence[Run]) -> tuple[tuple[Plate, ...], tuple[str, ...]]:
-    """Render both reducers under the rated load; without OpenGL give the reason in place of the pictures."""
-    from cycloid_mj.scene.render import render
-    from hsieh2014.paper_figures import picture_figure
-
-    views = {"front": (90.0, -89.9), "aslant": (60.0, -35.0)}
+    """Render both reducers under the rated load, and their parts; without OpenGL the reason stands for them."""
     try:
-        drawn = {
-            run.provenance["design"]: {
-                name: render(run, Reducer(design_of(run)), len(run) - 1, (700, 700), view)
-                for name, view in views.items()
-            }
-            for run in rated
-        }
+        return tuple(plate for run in rated for plate in _plates(run)), ()
     except CycloidError as error:
         return (), (f"No pictures of the reducers (Figs 3, 4, 17): {error}",)
+
+
+def _plates(run: Run) -> Iterator[Plate]:
+    from cycloid_mj.scene.render import render, render_part
+    from hsieh2014.paper_figures import picture_figure
+
+    design = design_of(run)
+    views = {name: render(run, Reducer(design), len(run) - 1, SIZE, view) for name, view in VIEWS.items()}
     words = "the reducer as it runs here under the rated load, with the forces on the gear; the output is see-through."
-    return tuple(
-        Plate(f"fig17_reducer_{name}", "Figs 3, 4, 17", f"{name}: {words}", picture_figure(pictures))
-        for name, pictures in drawn.items()
-    ), ()
+    yield Plate(f"fig17_reducer_{design.name}", "Fig. 17", f"{design.name}: {words}", picture_figure(views))
+    pins = {"pins": all_numbered(PIN, design.ring.teeth)} if design.ring.has_moving_pins else {}
+    bodies = {"shaft": [SHAFT], "gear": [GEAR], "ring": [HOUSING]} | pins | {"output": [OUTPUT]}
+    parts = {
+        name: render_part(run, names, SIZE, PART_VIEWS.get(name, VIEWS["aslant"])) for name, names in bodies.items()
+    }
+    words = f"{design.name}: its parts one by one, each as large as fits: {', '.join(parts)}."
+    yield Plate(f"fig3_4_parts_{design.name}", "Figs 3, 4", words, picture_figure(parts))

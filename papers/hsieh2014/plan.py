@@ -14,8 +14,10 @@ SAMPLING = 360
 LOGGED = 2
 """Samples logged for each one in the figures: vibration and stress take more."""
 
-STEPS = 51
-"""Time steps from one logged sample to the next: 0.9963 us each, so that samples fall on whole and half degrees."""
+STEPS = 17
+"""Time steps from one logged sample to the next, 2.989 us each: samples fall on whole and half degrees, and no longer
+step do both designs allow in every run (`contact.timestep.limits`).
+"""
 
 STARTS = 12
 """Independent starts of each design at no load, three tooth pitches apart: one more than the rank test of the orders
@@ -34,15 +36,19 @@ class Plan:
     ----------
     quick
         Whether stress and torque take coarser grids and shorter averages.
+    steps
+        Time steps from one logged sample to the next.
     turns, varied_turns, finer_turns
         Settled crank turns of the main runs, of each run of the sweep, and of the runs with half the step (0: none).
     varied_starts
         Independent starts of each idle run of the sweep, and of those with half the step; the main ones have `STARTS`.
+        With fewer than 6 the rank test finds no order unless the starts do not overlap at all, with 3 none.
     ramp
         Whether the real ramp of 1 s is run for Fig. 5.
     """
 
     quick: bool
+    steps: int
     turns: int
     varied_turns: int
     finer_turns: int
@@ -54,6 +60,9 @@ PAIRS = ("pin_gear", "pin_socket", "tooth", "cam", "output")
 IMPACT = Variation("contact law", "IMPACT", ('contact.law="impact"',))
 """The default contact of motion solvers, with which the authors may have run."""
 
+TIGHT = Variation("clearance", "0.1 um", tuple(f"clearance.{pair}_um=0.1" for pair in PAIRS))
+"""A tenth of the clearance: what is left where it is taken away."""
+
 MORE = (
     Variation("creep speed", "1 mm/s", ("contact.creep_speed_mm_s=1.0",)),
     Variation("stiffness", "half", ("material.youngs_modulus_mpa=105000.0",)),
@@ -64,7 +73,7 @@ so that Young's modulus is the stiffness of these.
 """
 
 QUICK_SWEEP = (("friction", "0.0"), ("pins", "fixed"))
-"""What a quick sweep varies beside the contact law."""
+"""What a quick sweep varies beside the contact law and the clearance."""
 
 LEFT_OPEN = ("damping", "friction", "creep speed", "stiffness", "contact law")
 """Parameters of the sweep that the paper leaves open: it gives the clearance, and that its pins are free."""
@@ -89,8 +98,8 @@ MORE_RANGES = (
 )
 """What the full sweep searches besides, or farther."""
 
-QUICK = Plan(quick=True, turns=1, varied_turns=1, finer_turns=0, varied_starts=4, ramp=False)
-FULL = Plan(quick=False, turns=4, varied_turns=2, finer_turns=2, varied_starts=4, ramp=True)
+QUICK = Plan(quick=True, steps=STEPS, turns=1, varied_turns=1, finer_turns=0, varied_starts=STARTS, ramp=False)
+FULL = Plan(quick=False, steps=2 * STEPS, turns=4, varied_turns=2, finer_turns=2, varied_starts=STARTS, ramp=True)
 
 
 def designs() -> tuple[Design, Design]:
@@ -115,33 +124,33 @@ def torque_test() -> Condition:
     return Condition(loads()[1], first.drive.speed, first.drive.torque)
 
 
-def at_speed(design: Design, load: float, turns: int, finer: int = 1) -> Design:
-    """Give a design that runs from full speed until so many turns have settled, its step divided by `finer`.
+def at_speed(design: Design, load: float, turns: int, steps: int = STEPS) -> Design:
+    """Give a design that runs from full speed until so many turns have settled, at `steps` from sample to sample.
 
     Both kinds of ring run as long: until that which settles more slowly has settled.
     """
     sample = 2 * math.pi / abs(design.drive.speed) / (SAMPLING * LOGGED)
-    sampling = {"timestep": sample / (STEPS * finer), "log_rate": 1.0 / sample}
+    sampling = {"timestep": sample / steps, "log_rate": 1.0 / sample}
     design = design.but(drive={"ramp": 0.0}, load={"torque": load}, settings=sampling)
     slower = max(settling(Reducer(design.but(ring={"kind": kind}))) for kind in ("pin", "nonpin"))
     return design.steady(slower, turns, samples=SPARE)
 
 
-def ramped(design: Design) -> Design:
+def ramped(plan: Plan, design: Design) -> Design:
     """Give a design with the paper's ramp and a settled turn after it, without load, at the paper's sampling."""
-    short = at_speed(design, 0.0, 1)
+    short = at_speed(design, 0.0, 1, plan.steps)
     rate = short.settings.log_rate / LOGGED
     return short.but(drive={"ramp": design.drive.ramp}, settings={"log_rate": rate})
 
 
 def main_runs(plan: Plan) -> list[Design]:
     """Give the designs of the main runs: load by load, pin and nonpin."""
-    return [at_speed(design, load, plan.turns) for load in loads() for design in designs()]
+    return [at_speed(design, load, plan.turns, plan.steps) for load in loads() for design in designs()]
 
 
 def idle_runs(plan: Plan, design: Design) -> list[Design]:
     """Give the independent starts of a design at no load; the first is its main run."""
-    return list(all_started(Reducer(at_speed(design, 0.0, plan.turns)), STARTS))
+    return list(all_started(Reducer(at_speed(design, 0.0, plan.turns, plan.steps)), STARTS))
 
 
 def equalised() -> Design:
@@ -152,25 +161,26 @@ def equalised() -> Design:
 
 def rated_runs(plan: Plan) -> list[Design]:
     """Give the main runs under the rated load: pin, nonpin, and nonpin as loose and as soft as pin."""
-    return [at_speed(design, loads()[1], plan.turns) for design in (*designs(), equalised())]
+    return [at_speed(design, loads()[1], plan.turns, plan.steps) for design in (*designs(), equalised())]
 
 
 def finer_idle_runs(plan: Plan, design: Design) -> list[Design]:
     """Give some idle starts with half the step, or none."""
     turns, count = plan.finer_turns, plan.varied_starts
-    return list(all_started(Reducer(at_speed(design, 0.0, turns, 2)), count)) if turns else []
+    return list(all_started(Reducer(at_speed(design, 0.0, turns, 2 * plan.steps)), count)) if turns else []
 
 
 def finer_rated_runs(plan: Plan) -> list[Design]:
     """Give the rated runs with half the step, or none."""
-    return [at_speed(design, loads()[1], plan.finer_turns, 2) for design in designs()] if plan.finer_turns else []
+    turns, steps = plan.finer_turns, 2 * plan.steps
+    return [at_speed(design, loads()[1], turns, steps) for design in designs()] if turns else []
 
 
 def variations(plan: Plan) -> tuple[Variation, ...]:
     """Give what the sweep varies, one at a time."""
     if not plan.quick:
-        return (*SWEEP, IMPACT, *MORE)
-    return (*(one for one in SWEEP if (one.parameter, one.value) in QUICK_SWEEP), IMPACT)
+        return (*SWEEP, IMPACT, TIGHT, *MORE)
+    return (*(one for one in SWEEP if (one.parameter, one.value) in QUICK_SWEEP), IMPACT, TIGHT)
 
 
 def ranges(plan: Plan) -> tuple[Range, ...]:
@@ -183,7 +193,7 @@ def varied_idle_runs(plan: Plan, variation: Variation, design: Design) -> list[D
     changed, count = variation.of(Reducer(design)), plan.varied_starts
     if changed == design:
         return idle_runs(plan, design)
-    return list(all_started(Reducer(at_speed(changed, 0.0, plan.varied_turns)), count))
+    return list(all_started(Reducer(at_speed(changed, 0.0, plan.varied_turns, plan.steps)), count))
 
 
 def varied_rated_runs(plan: Plan, variation: Variation) -> list[Design]:
@@ -191,5 +201,6 @@ def varied_rated_runs(plan: Plan, variation: Variation) -> list[Design]:
     found = []
     for design in designs():
         changed = variation.of(Reducer(design))
-        found.append(at_speed(changed, loads()[1], plan.turns if changed == design else plan.varied_turns))
+        turns = plan.turns if changed == design else plan.varied_turns
+        found.append(at_speed(changed, loads()[1], turns, plan.steps))
     return found

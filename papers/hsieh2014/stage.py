@@ -9,8 +9,10 @@ from cycloid_mj.base.result import Claim, Table
 from cycloid_mj.design import Design
 from hsieh2014.plan import Plan
 
-Runs = Callable[[Sequence[Design]], list[Run]]
-"""Gives the run of each design: from a log that fits, or by running it."""
+Runs = Callable[[Sequence[Design]], Sequence[Run]]
+"""Gives the run of each design: from a log that fits, or by running it. A run is read whenever it is asked for: what
+takes figures of many runs goes through them one by one.
+"""
 
 Progress = Callable[[str], None]
 """Called with what a stage does next."""

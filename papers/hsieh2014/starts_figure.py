@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullLocator
 
 from cycloid_mj.comparison import Ranked, Spread
 from cycloid_mj.plots.comparison import COLORS
@@ -10,6 +11,8 @@ from cycloid_mj.plots.style import WIDTH, keys, styled
 
 ROW, HEAD = 1.3, 1.4
 """Height of a panel, and of what stands above and below them [in]."""
+TICKS = 6
+"""Most numbers on an axis."""
 BESIDE = 0.15
 """From the middle of a case to the marks of a design."""
 
@@ -37,6 +40,9 @@ def starts_figure(cases: Mapping[str, Mapping[str, Mapping[str, Spread]]], quant
                 panel.plot([x] * len(values), values, marker="o", **look)
         if any(value > 0.0 for found in cases.values() for one in found[quantity.key].values() for value in one.values):
             panel.set_yscale("log")
+            panel.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=TICKS))
+            panel.yaxis.set_minor_locator(NullLocator())
+            panel.yaxis.set_major_formatter("{x:g}")
         panel.set_title(quantity.name)
         panel.set_ylabel(f"rms [{quantity.unit}]")
     panels[-1].set_xlim(-0.5, len(cases) - 0.5)

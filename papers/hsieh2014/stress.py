@@ -16,7 +16,8 @@ from hsieh2014.peaks import largest_force, pairs_on
 from hsieh2014.plan import IMPACT, STARTS, Plan, designs, idle_runs, ranges, rated_runs, variations, varied_idle_runs
 from hsieh2014.stage import Found, Plate, Progress, Runs
 from hsieh2014.stated import FIGURES, HEIGHTS, ORDER, SHAFT_PEAKS
-from hsieh2014.stress_claims import Searched, stress_claims
+from hsieh2014.stress_claims import stress_claims
+from hsieh2014.stress_evidence import Searched
 
 if TYPE_CHECKING:
     from cycloid_mj.stress.study import StudySettings
@@ -37,7 +38,7 @@ def stress(plan: Plan, runs: Runs, progress: Progress) -> Found:
         name = design.name
         begins = partial(_part_begins, progress, name)
         impact = runs(varied_idle_runs(plan, IMPACT, design))[0]
-        found[name] = idle_stress(starts[name], rated[name], idle_runs(plan, design)[0], settings(plan), impact, begins)
+        found[name] = idle_stress(starts[name], rated[name], settings(plan), impact, begins)
     varied = {
         one: {design.name: runs(varied_idle_runs(plan, one, design)) for design in designs()}
         for one in variations(plan)
@@ -129,13 +130,17 @@ def _force_table(starts: Mapping[str, Sequence[Run]], rated: Mapping[str, Run]) 
     """Give the largest force of each kind of pair, in a sample and between samples."""
     rows = []
     for name, runs in starts.items():
-        for stem, among in ((stem, runs[0].pairs(kind)) for stem, kind in KINDS.items()):
-            if among:
-                between = [largest_force(run, among) for run in runs]
-                loaded = largest_force(rated[name], among)
-                rows.append((f"{name}, {stem}", f"{min(between):.3g} to {max(between):.3g}", f"{loaded:.3g}"))
+        between, loaded = [_largest_forces(run) for run in runs], _largest_forces(rated[name])
+        for stem in loaded:
+            sizes = [forces[stem] for forces in between]
+            rows.append((f"{name}, {stem}", f"{min(sizes):.3g} to {max(sizes):.3g}", f"{loaded[stem]:.3g}"))
     head = ("largest force of one contact pair [N]", f"no load, impact peaks of {STARTS} starts", "rated load")
     return Table("forces behind the stress", head, tuple(rows))
+
+
+def _largest_forces(run: Run) -> dict[str, float]:
+    """Find the largest force of each kind of pair that a run has [N]."""
+    return {stem: largest_force(run, among) for stem, kind in KINDS.items() if (among := run.pairs(kind))}
 
 
 def _numbers(one: IdleStress) -> dict[str, dict[str, object]]:

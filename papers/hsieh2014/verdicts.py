@@ -1,7 +1,7 @@
 """How a claim of the paper is judged: by comparing numbers, never by reading a sentence."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from statistics import NormalDist, median
 
 from cycloid_mj.base.result import Value, Verdict
@@ -65,38 +65,70 @@ def order_verdict(found: int, varied: Mapping[str, int]) -> tuple[Verdict, tuple
     verdict
         It depends where a change turns the order round, and is not determined where the other order is found and a
         change leaves none.
-    turned
-        The names of what turns it round.
+    deciding
+        The names of what turns it round, or leaves none.
     """
     if found == 0:
         return Verdict.NOT_DETERMINED, ()
-    turned = tuple(name for name, each in varied.items() if each == -found)
+    turned, none = (tuple(name for name, each in varied.items() if each == wanted) for wanted in (-found, 0))
     if turned:
         return Verdict.DEPENDS, turned
-    if found < 0 and 0 in varied.values():
-        return Verdict.NOT_DETERMINED, ()
+    if found < 0 and none:
+        return Verdict.NOT_DETERMINED, none
     return (Verdict.AGREES if found > 0 else Verdict.DISAGREES), ()
 
 
-def share_verdict(holds: Iterable[bool]) -> Verdict:
-    """Judge something that each start shows or does not: it is determined where all of them do, or none."""
+def order_decided(verdict: Verdict, deciding: Sequence[str], else_by: str) -> str:
+    """Tell what decides an order: what the paper leaves open and turns it or leaves none, or something else."""
+    if not deciding:
+        return else_by
+    return f"left open by the paper: {', '.join(deciding)}{'' if verdict == Verdict.DEPENDS else ' leaves no order'}"
+
+
+def most_chance(holds: Iterable[bool]) -> float | None:
+    """Compute p of the sign test (two-sided): of as many starts on one side if half of all starts showed it.
+
+    None of a single figure, which has no spread.
+    """
+    from scipy.stats import binomtest
+
     seen = list(holds)
-    if all(seen):
-        return Verdict.AGREES
-    return Verdict.NOT_DETERMINED if any(seen) else Verdict.DISAGREES
+    return float(binomtest(sum(seen), len(seen)).pvalue) if len(seen) > 1 else None
+
+
+def most(holds: Iterable[bool]) -> Verdict:
+    """Judge something that each start shows or does not: whether most starts do, or most do not, by the sign test.
+
+    Of 12 starts that takes 10: a single one that strays decides nothing. A single figure is as it is.
+    """
+    seen = list(holds)
+    p = most_chance(seen)
+    if p is not None and p >= SIGNIFICANCE:
+        return Verdict.NOT_DETERMINED
+    return Verdict.AGREES if 2 * sum(seen) > len(seen) else Verdict.DISAGREES
+
+
+def within(ours: Spread, low: float, high: float) -> list[bool]:
+    """Tell of each start whether it lies in a range."""
+    return [low <= value <= high for value in ours.values]
 
 
 def range_verdict(ours: Spread, low: float, high: float) -> Verdict:
-    """Judge whether a quantity lies in a range: all of its starts, none of them, or some."""
-    return share_verdict(low <= value <= high for value in ours.values)
+    """Judge whether a quantity lies in a range, in most of its starts."""
+    return most(within(ours, low, high))
 
 
-def joint_verdict(verdicts: Iterable[Verdict]) -> Verdict:
-    """Judge a claim of several parts: it fails with any of them, and agrees with all."""
-    parts = set(verdicts)
-    if Verdict.DISAGREES in parts:
-        return Verdict.DISAGREES
-    return Verdict.AGREES if parts == {Verdict.AGREES} else Verdict.NOT_DETERMINED
+Part = tuple[Verdict, float | None]
+"""Part of a claim: its verdict and its p."""
+
+
+def jointly(parts: Sequence[Part]) -> Part:
+    """Judge a claim of several parts: it fails with any of them, and agrees with all; p is of the part that decides."""
+    verdicts = {verdict for verdict, _ in parts}
+    together = Verdict.AGREES if verdicts == {Verdict.AGREES} else Verdict.NOT_DETERMINED
+    together = Verdict.DISAGREES if Verdict.DISAGREES in verdicts else together
+    deciding = [p for verdict, p in parts if verdict == together and p is not None]
+    return together, (min if together == Verdict.DISAGREES else max)(deciding, default=None)
 
 
 def spread_value(text: str, ours: Spread, unit: str) -> Value:

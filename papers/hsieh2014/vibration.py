@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.result import Claim, Removal, Table, Value
+from cycloid_mj.base.result import Claim, Removal, Table, Value, Verdict
 from cycloid_mj.comparison import RANKED, Ranked, Spread, Variation, settled
 from cycloid_mj.reducer import Reducer
 from hsieh2014.cycle import cycle_table
@@ -21,12 +21,11 @@ from hsieh2014.idle import (
     pin_over_nonpin,
     swept,
 )
-from hsieh2014.motion import mean_spin
+from hsieh2014.pin_claims import pin_motion
 from hsieh2014.plan import (
     LEFT_OPEN,
     STARTS,
     Plan,
-    at_speed,
     designs,
     equalised,
     finer_idle_runs,
@@ -41,7 +40,7 @@ from hsieh2014.plan import (
 )
 from hsieh2014.stage import Found, Plate, Progress, Runs
 from hsieh2014.statements import fluctuation
-from hsieh2014.verdicts import POWER, SIGNIFICANCE, SUPERIORITY, chance, order_verdict, rank_order
+from hsieh2014.verdicts import POWER, SIGNIFICANCE, SUPERIORITY, chance, order_decided, order_verdict, rank_order
 
 RATIO = "pin / nonpin"
 
@@ -60,7 +59,8 @@ CAPTIONS = {
 def vibration(plan: Plan, runs: Runs, progress: Progress) -> Found:
     """Rank the idle fluctuations of both designs over independent starts, and vary what the paper leaves open."""
     # asked for together, so that the runs fill every core
-    pairs = [(at_speed(design, 0.0, plan.turns), nudged(at_speed(design, 0.0, plan.turns))) for design in designs()]
+    mains = main_runs(plan)[:2]
+    pairs = [(design, nudged(design)) for design in mains]
     runs([*(run for design in designs() for run in idle_runs(plan, design)), *rated_runs(plan), *(b for _, b in pairs)])
     base, sweep = idle(plan, runs), swept(plan, runs)
     chaos = {one.name: divergence(*runs([one, other])) for one, other in pairs}
@@ -111,7 +111,7 @@ def _claim(plan: Plan, quantity: Ranked, base: Levels, sweep: Mapping[Variation,
     """Judge which design fluctuates more at no load: by its starts, and by what the paper leaves open."""
     key = quantity.key
     turned_by = {one.words: pin_over_nonpin(found, key) for one, found in sweep.items() if one.parameter in LEFT_OPEN}
-    verdict, turned = order_verdict(pin_over_nonpin(base, key), turned_by)
+    verdict, deciding = order_verdict(pin_over_nonpin(base, key), turned_by)
     pin, nonpin = base[key]["pin"], base[key]["nonpin"]
     ratio = pin.over(nonpin)
     return fluctuation(key, quantity.name).judged(
@@ -124,7 +124,7 @@ def _claim(plan: Plan, quantity: Ranked, base: Levels, sweep: Mapping[Variation,
         ),
         error=Value(f"spread of {len(pin.values)} starts", ratio.half, RATIO),
         verdict=verdict,
-        decided_by=_decided(key, base, sweep, turned),
+        decided_by=_decided(key, base, sweep, verdict, deciding),
         rated=_beside(quantity, rated[key]),
         searched=ranges(plan),
         removals=[_varied(one, found[key], quantity.unit) for one, found in sweep.items()],
@@ -139,14 +139,16 @@ def _varied(variation: Variation, found: Mapping[str, Spread], unit: str) -> Rem
     return Removal(variation.words, words, order_verdict(rank_order(pin, nonpin), {})[0])
 
 
-def _decided(key: str, base: Levels, sweep: Mapping[Variation, Levels], turned: Sequence[str]) -> str:
+def _decided(
+    key: str, base: Levels, sweep: Mapping[Variation, Levels], verdict: Verdict, deciding: Sequence[str]
+) -> str:
     """Tell what turns the order round among all that is varied, and what of that the paper leaves open."""
     given = [
         one.words
         for one, found in sweep.items()
         if one.parameter not in LEFT_OPEN and pin_over_nonpin(found, key) not in (0, pin_over_nonpin(base, key))
     ]
-    words = f"left open by the paper: {', '.join(turned)}" if turned else "nothing varied that the paper leaves open"
+    words = order_decided(verdict, deciding, "nothing varied that the paper leaves open")
     return f"{words}; given by the paper: {', '.join(given)}" if given else words
 
 
@@ -193,7 +195,7 @@ def _spin_table(plan: Plan, runs: Runs) -> Table:
 
 
 def _spins(found: Sequence[Run]) -> str:
-    means = Spread.of(mean_spin(settled(run)) for run in found) if found else None
+    means = Spread.of(pin_motion(settled(run)).mean_spin for run in found) if found else None
     return "" if means is None else means.words if len(means.values) > 1 else f"{means.mean:.3g}"
 
 

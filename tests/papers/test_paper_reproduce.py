@@ -1,20 +1,23 @@
 """The stages, claims and page of `reproduce` on runs with known waves; README and JSON; both designs alike."""
 
+import gc
 import importlib.util
 import json
 import math
 import re
 import tomllib
+import weakref
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from hsieh2014 import command, cycle, motion, plan
 from hsieh2014 import run as stages
 from hsieh2014.errata import errata
-from hsieh2014.logs import Logs, fits, log_name
+from hsieh2014.logs import KEPT, Logs, fits, log_name
 from hsieh2014.page import TALLY as PAGE_TALLY
 from hsieh2014.plan import FULL, QUICK, at_speed, idle_runs, main_runs, ramped, rated_runs
 from hsieh2014.plan import varied_idle_runs as varied_idle
@@ -27,6 +30,7 @@ from cycloid_mj.comparison import STARTS, gravity_turn, settled, settling, start
 from cycloid_mj.comparison.conditions import differences
 from cycloid_mj.design import PRESETS, dump, override
 from cycloid_mj.dynamics.run import schedule
+from cycloid_mj.dynamics.timestep import limits
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.law import series_stiffness
 
@@ -55,7 +59,7 @@ def test_no_run_differs_between_the_designs_but_in_the_ring(which):
     pin, nonpin = plan.designs()
     pairs = list(zip(main_runs(which)[::2], main_runs(which)[1::2], strict=True))
     pairs += list(zip(idle_runs(which, pin), idle_runs(which, nonpin), strict=True))
-    pairs += [tuple(rated_runs(which)[:2]), tuple(ramped(design) for design in plan.designs())]
+    pairs += [tuple(rated_runs(which)[:2]), tuple(ramped(which, design) for design in plan.designs())]
     for each in plan.variations(which):
         if not each.pins_only:
             pairs += zip(varied_idle(which, each, pin), varied_idle(which, each, nonpin), strict=True)
@@ -99,15 +103,22 @@ def test_starts_turn_gravity_by_whole_tooth_pitches():
 @pytest.mark.parametrize("design", plan.designs(), ids=["pin", "nonpin"])
 def test_samples_fall_on_whole_degrees(design):
     run = schedule(Reducer(at_speed(design, 0.0, 4)))
-    assert run.stride == plan.STEPS
+    assert run.stride == QUICK.steps
     sample = plan.LOGGED * run.stride * run.timestep
     assert sample == pytest.approx(0.000101626, abs=5e-10)
     assert np.degrees(design.drive.speed * sample) == pytest.approx(1.0, rel=1e-12)
-    assert run.timestep < 1e-6
+
+
+@pytest.mark.parametrize("which", [QUICK, FULL])
+def test_no_step_is_longer_than_its_design_states(which):
+    runs = [*main_runs(which), *rated_runs(which), *(ramped(which, design) for design in plan.designs())]
+    runs += [run for one in plan.variations(which) for of in plan.designs() for run in varied_idle(which, one, of)]
+    for run in dict.fromkeys(runs):
+        assert schedule(Reducer(run)).timestep <= min(limits(Reducer(run)).values()), run.name
 
 
 def test_half_the_step_keeps_the_samples():
-    coarse, fine = (schedule(Reducer(at_speed(PRESETS["pin"], 0.0, 4, finer))) for finer in (1, 2))
+    coarse, fine = (schedule(Reducer(at_speed(PRESETS["pin"], 0.0, 4, finer * QUICK.steps))) for finer in (1, 2))
     assert fine.stride * fine.timestep == pytest.approx(coarse.stride * coarse.timestep, rel=1e-12)
     assert fine.timestep == pytest.approx(coarse.timestep / 2, rel=1e-12)
 
@@ -122,7 +133,7 @@ def test_figures_show_one_turn_of_360_samples():
 
 
 def test_the_ramp_is_the_papers():
-    design = ramped(PRESETS["pin"])
+    design = ramped(FULL, PRESETS["pin"])
     assert (design.drive.ramp, design.load.torque) == (1.0, 0.0)
     assert design.drive.hold > settling(Reducer(design))
 
@@ -239,6 +250,27 @@ def test_runs_are_read_again_where_their_logs_fit(tmp_path, monkeypatch):
     assert np.array_equal(first["gear_angle"], second["gear_angle"])
     with pytest.raises(pytest.fail.Exception, match="run again"):
         Logs(tmp_path, fresh=True, quiet=True)([design])
+
+
+def test_only_a_few_runs_are_in_memory(tmp_path, monkeypatch):
+    class Logged(SimpleNamespace):
+        """A run that can be referred to weakly."""
+
+    read = []
+
+    def reading(path):
+        run = Logged(warnings=(), path=path)
+        read.append(weakref.ref(run))
+        return run
+
+    monkeypatch.setattr("hsieh2014.logs.read", reading)
+    monkeypatch.setattr("hsieh2014.logs.run_all", lambda *_, **__: None)
+    designs = idle_runs(QUICK, PRESETS["pin"])
+    found = Logs(tmp_path, fresh=True, quiet=True)(designs)
+    assert len({run.path for run in found}) == len(found) == len(designs) > KEPT
+    assert [run.path for run in found[2:4]] == [found[2].path, found[3].path]
+    gc.collect()
+    assert sum(run() is not None for run in read) == KEPT
 
 
 def test_ctrl_c_ends_the_command_and_a_run_that_fails_its_stage(tmp_path, monkeypatch):

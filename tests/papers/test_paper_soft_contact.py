@@ -145,7 +145,12 @@ def test_bulk_begins_where_it_does_under_the_rated_load_in_every_start(monkeypat
     monkeypatch.setattr("cycloid_mj.stress.field.solve", solve)
     monkeypatch.setattr("cycloid_mj.stress.loads.part_loads", lambda run, design, part, angles: many)
     monkeypatch.setattr("cycloid_mj.stress.study.stress_study", lambda *_, **__: SimpleNamespace(parts=(part,)))
-    found = idle_stress([run] * 3, rated, PIN, StudySettings(angles=36))
-    assert asked == [(6, None), (12, 0.007)]
+    monkeypatch.setattr("hsieh2014.idle_stress.design_of", lambda run: PIN)
+    monkeypatch.setattr("hsieh2014.idle_stress.with_output", lambda run, pins: run)
+    monkeypatch.setattr("cycloid_mj.stress.part.part_grid", lambda design, part, settings: None)
+    found = idle_stress([run] * 3, rated, StudySettings(angles=36))
+    # with the output pins held otherwise, bulk begins where that stands on its own plateau
+    assert asked == [(6, None), (12, 0.007), (12, None), (12, None)]
+    assert [one.values for one in found.outputs.values()] == [(5.0, 5.0, 5.0)] * 2
     assert found.starts["gear"].values == (5.0, 5.0, 5.0)
     assert found.rated["gear"].high == 5.0

@@ -11,6 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
 from cycloid_mj.base.errors import CycloidError, LogError, UsageError
+from cycloid_mj.base.names import all_numbered
 from cycloid_mj.base.whole import whole_file
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.contact.gap import Trochoid, trochoid_distance
@@ -360,6 +361,24 @@ def test_picture_has_the_parts_and_arrows_that_reach_the_contacts(modelled, monk
     scale = 200 / (height * np.tan(np.radians(0.5 * model.vis.global_.fovy)))
     assert columns.min() == pytest.approx(200, abs=3)
     assert columns.max() == pytest.approx(200 + scale * end[0], abs=4)
+
+
+@pytest.mark.slow
+def test_a_part_is_shown_alone_and_whole(modelled):
+    from cycloid_mj.scene import render
+
+    size = (200, 200)
+    try:
+        gear, pins = (render.render_part(modelled, names, size) for names in (["gear"], all_numbered("pin", 36)))
+    except CycloidError as missing:
+        pytest.skip(f"no OpenGL here: {missing}")
+    blue = gear[..., 2] > gear[..., 0].astype(int) + 60
+    assert 0.1 < blue.mean() < 0.6
+    # nothing of it touches the frame, and no pin is blue
+    assert not np.concatenate([blue[0], blue[-1], blue[:, 0], blue[:, -1]]).any()
+    assert not (pins[..., 2] > pins[..., 0].astype(int) + 60).any()
+    with pytest.raises(UsageError, match="no body of wheel"):
+        render.render_part(modelled, ["wheel"], size)
 
 
 def test_pictures_that_are_refused(modelled, monkeypatch):

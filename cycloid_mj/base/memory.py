@@ -1,0 +1,11 @@
+"""Memory that is free but still the process's: given back to the system."""
+
+import ctypes
+import sys
+
+
+def give_back() -> None:
+    """Give memory that is free back to the system, where the C library can."""
+    trim = getattr(ctypes.CDLL(None), "malloc_trim", None) if sys.platform != "win32" else None
+    if trim:
+        trim(0)

@@ -1,0 +1,107 @@
+"""Figures of idle starts, as the design is and with one thing changed alone; and what a claim on them comes to."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+from cycloid_mj.analysis import Series
+from cycloid_mj.base.result import Range, Removal, Verdict
+from cycloid_mj.comparison import Variation, settled
+from cycloid_mj.design import Design
+from cycloid_mj.reducer import Reducer
+from hsieh2014.plan import LEFT_OPEN, Plan, idle_runs, ranges, variations, varied_idle_runs
+from hsieh2014.stage import Runs
+from hsieh2014.verdicts import most, most_chance
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, eq=False)
+class OverStarts(Generic[T]):
+    """One figure of every idle start of a design.
+
+    Attributes
+    ----------
+    base
+        As the design is, start by start.
+    varied
+        What was changed alone -> the same.
+    ranges
+        How far that searched what the paper leaves open.
+    """
+
+    base: Sequence[T]
+    varied: Mapping[Variation, Sequence[T]]
+    ranges: tuple[Range, ...]
+
+    @property
+    def searched(self) -> dict[Variation, Sequence[T]]:
+        """What was changed of all that the paper leaves open."""
+        return {one: found for one, found in self.varied.items() if one.parameter in LEFT_OPEN}
+
+
+@dataclass(frozen=True)
+class Ruling:
+    """What a claim comes to: the verdict, its p, what decides it in words, and what proves that."""
+
+    verdict: Verdict
+    p: float | None
+    decided_by: str
+    removals: tuple[Removal, ...]
+
+
+def over_starts(
+    plan: Plan,
+    runs: Runs,
+    design: Design,
+    figure: Callable[[Series], T],
+    has: Callable[[Design], bool] = lambda changed: True,
+) -> OverStarts[T]:
+    """Take a figure of each idle start, and of each with one thing changed that concerns a design and that `has` it."""
+
+    def of(starts: Sequence[Design]) -> list[T]:
+        return [figure(settled(run)) for run in runs(starts)]
+
+    changed = [one for one in variations(plan) if one.of(Reducer(design)) != design and has(one.of(Reducer(design)))]
+    base, varied = idle_runs(plan, design), {one: varied_idle_runs(plan, one, design) for one in changed}
+    # asked for together, so that the runs fill every core
+    runs([*base, *(start for starts in varied.values() for start in starts)])
+    return OverStarts(of(base), {one: of(starts) for one, starts in varied.items()}, ranges(plan))
+
+
+def ruling(
+    found: OverStarts[T],
+    holds: Callable[[T], bool],
+    words: Callable[[Sequence[T]], str],
+    decisive: str = "",
+    judged: Callable[[Sequence[bool]], Verdict] = most,
+) -> Ruling:
+    """Judge something that each start shows or does not, and what of all that was changed alone turns it.
+
+    Parameters
+    ----------
+    found
+        The figure of every start.
+    holds
+        Whether a start shows it.
+    words
+        What is found, of some starts.
+    decisive
+        What decides it whatever is varied, in words.
+    judged
+        How starts are judged together.
+    """
+
+    def of(starts: Sequence[T]) -> Verdict:
+        return judged([holds(one) for one in starts])
+
+    own = of(found.base)
+    others = {one: of(starts) for one, starts in found.varied.items()}
+    given = any(others[one] == Verdict.AGREES for one in found.searched)
+    turned = ", ".join(f"{one.words} ({verdict})" for one, verdict in others.items() if verdict != own)
+    return Ruling(
+        Verdict.DEPENDS if own == Verdict.DISAGREES and given else own,
+        most_chance([holds(one) for one in found.base]),
+        "; ".join(filter(None, (decisive, turned or "nothing that was varied alone changes it"))),
+        tuple(Removal(one.words, words(starts), others[one]) for one, starts in found.varied.items()),
+    )

@@ -1,0 +1,207 @@
+"""Claims on pin 1 at no load: how far it moves, whether it turns, and whether it slides on the gear (Figs 9 and 16)."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.analysis import Series
+from cycloid_mj.base.result import Claim, Value, Verdict
+from cycloid_mj.base.types import Array
+from cycloid_mj.comparison import Spread
+from hsieh2014 import statements
+from hsieh2014.over_starts import OverStarts, ruling
+from hsieh2014.stated import PIN_1_LOADED, SHOWN
+from hsieh2014.verdicts import most, spread_error, spread_value
+
+SEEN_TURN, ROLLS = 1.0, 0.5
+"""A pin is seen turned from this angle on [deg], and rolls if its surface goes along with this share of the gear's."""
+
+SWAYS, GIVE = 0.1, 0.05
+"""Shares of the clearance: a pin sways if it moves farther than the one; the give of its socket is within the other."""
+
+
+@dataclass(frozen=True)
+class PinMotion:
+    """How pin 1 moves in one run.
+
+    Attributes
+    ----------
+    clearance
+        Of its socket [m].
+    span, reach
+        Width that its centre moves in, and how far it gets from the middle of its socket [m].
+    mean_spin, rms_spin
+        Over whole crank turns [rad/s].
+    turned
+        How far it has turned since the turn began, at the crank angles of Fig. 9(a) [deg].
+    rolling
+        Speed of its surface as a share of the gear's where that passes, from 10 to 350 deg [1].
+    """
+
+    clearance: float
+    span: float
+    reach: float
+    mean_spin: float
+    rms_spin: float
+    turned: tuple[float, ...]
+    rolling: float
+
+    @property
+    def seen_turned(self) -> float:
+        """How far it turns between the crank angles of Fig. 9(a) [deg]."""
+        return max(self.turned) - min(self.turned)
+
+
+def pin_motion(motion: Series) -> PinMotion:
+    """Measure the motion of pin 1 in a settled run of free or fixed pins."""
+    pin = motion.pin_1
+    assert pin is not None
+    spin = pin.spin[motion.whole_periods]
+    return PinMotion(
+        clearance=pin.clearance,
+        span=float(np.ptp(pin.position[motion.hold], axis=0).max()),
+        reach=float(pin.radial[motion.hold].max()),
+        mean_spin=float(np.mean(spin)),
+        rms_spin=math.sqrt(float(np.mean(spin**2))),
+        turned=_turned(motion),
+        rolling=_rolling(motion, spin),
+    )
+
+
+def _turned(motion: Series) -> tuple[float, ...]:
+    rows = motion.one_turn
+    crank = np.abs(np.degrees(motion.crank_angle[rows]))
+    angle = np.degrees(motion.run["pin_1_angle"][rows])
+    shown = np.interp(crank[0] + np.array(SHOWN), crank, angle)
+    return tuple(float(each - angle[0]) for each in shown)
+
+
+def _rolling(motion: Series, spin: Array) -> float:
+    """Compute the speed of pin 1's surface as a share of the gear's where that passes.
+
+    Where gear and pin touch, the gear's speed is along both. The crank angle is counted from gravity's direction in the
+    first start, where pin 1 is at 0 deg.
+    """
+    gear, rows = motion.design.gear, motion.whole_periods
+    crank = motion.crank_angle[rows]
+    away = np.abs((np.degrees(crank) + 180.0) % 360.0 - 180.0) >= PIN_1_LOADED[1]
+    centre = gear.eccentricity * np.stack([-np.sin(crank), np.cos(crank)], axis=1)
+    arm = np.array([0.0, motion.design.ring.pin_circle_radius]) - centre
+    speed, turning = motion.design.drive.speed, motion.gear_speed.theory[rows]
+    passing = speed * np.stack([-centre[:, 1], centre[:, 0]], axis=1)
+    passing += turning[:, np.newaxis] * np.stack([-arm[:, 1], arm[:, 0]], axis=1)
+    surface = motion.design.ring.pin_radius * np.abs(spin)
+    return float(np.mean(surface[away]) / np.mean(np.linalg.norm(passing[away], axis=1)))
+
+
+Motions = OverStarts[PinMotion]
+
+
+def pin_claims(found: Motions, rated: PinMotion) -> tuple[Claim, ...]:
+    """Judge every claim on pin 1, by its motion in the idle starts; that under the rated load stands beside."""
+    return tuple(judged(found, rated) for judged in (sway, spin, turns, slides))
+
+
+def sway(found: Motions, rated: PinMotion) -> Claim:
+    """Judge whether pin 1 moves about in its clearance, and does not leave it but by the give of the contact."""
+    starts, clearance = found.base, found.base[0].clearance
+    reach, span = _spread(starts, lambda one: one.reach), _spread(starts, lambda one: one.span)
+    judged = ruling(
+        found,
+        lambda one: one.span > SWAYS * one.clearance and one.reach <= (1.0 + GIVE) * one.clearance,
+        lambda some: f"{_um(_spread(some, lambda one: one.reach))} um from the middle",
+    )
+    return statements.pin_1_sway(clearance).judged(
+        found=Value(
+            f"{_um(span)} um across, {_um(reach)} um from the middle; clearance {1e6 * clearance:g} um",
+            1e3 * reach.mean,
+            "mm",
+            (1e3 * reach.low, 1e3 * reach.high),
+        ),
+        error=Value(f"spread of {len(starts)} starts", 1e6 * reach.half, "um"),
+        searched=found.ranges,
+        rated=Value(
+            f"{1e6 * rated.span:.3g} um across, {1e6 * rated.reach:.3g} um from the middle, by the give of the socket",
+            1e3 * rated.reach,
+            "mm",
+        ),
+        **vars(judged),
+    )
+
+
+def _one_way(ahead: Sequence[bool]) -> Verdict:
+    """Judge a turning on: it agrees where most starts turn one way, whichever that is."""
+    return Verdict.AGREES if most(ahead) != Verdict.NOT_DETERMINED else Verdict.NOT_DETERMINED
+
+
+def spin(found: Motions, rated: PinMotion) -> Claim:
+    """Judge whether pin 1 turns on: whether its mean spin has one sign in most starts."""
+    means = _spread(found.base, lambda one: one.mean_spin)
+    rocking = _spread(found.base, lambda one: one.rms_spin)
+    judged = ruling(
+        found,
+        lambda one: one.mean_spin > 0.0,
+        lambda some: f"mean {_spread(some, lambda one: one.mean_spin).words} rad/s",
+        judged=_one_way,
+    )
+    return statements.PIN_1_SPIN.judged(
+        found=spread_value(f"mean {means.words} rad/s, rms {rocking.words} rad/s", means, "rad/s"),
+        error=spread_error(means, "rad/s"),
+        searched=found.ranges,
+        rated=Value(
+            f"mean {rated.mean_spin:.3g} rad/s, which the creep speed of the friction law alone sets (a factor of 5 "
+            "between 20 and 1 mm/s): not determined",
+            rated.mean_spin,
+            "rad/s",
+        ),
+        **vars(judged),
+    )
+
+
+def turns(found: Motions, rated: PinMotion) -> Claim:
+    """Judge whether pin 1 is seen turned at the crank angles of Fig. 9(a)."""
+    widest = _spread(found.base, lambda one: one.seen_turned)
+    first = ", ".join(f"{angle:.2g}" for angle in found.base[0].turned)
+    judged = ruling(
+        found,
+        lambda one: one.seen_turned >= SEEN_TURN,
+        lambda some: f"{_spread(some, lambda one: one.seen_turned).words} deg",
+    )
+    return statements.PIN_1_TURNS.judged(
+        found=spread_value(f"{first} deg in the first start; {widest.words} deg between them", widest, "deg"),
+        error=spread_error(widest, "deg"),
+        searched=found.ranges,
+        rated=Value(", ".join(f"{angle:.3g}" for angle in rated.turned) + " deg"),
+        **vars(judged),
+    )
+
+
+def slides(found: Motions, rated: PinMotion) -> Claim:
+    """Judge whether pin 1 slides on the gear away from crank angle 0: one that rolls would turn as the gear passes."""
+    shares = _spread(found.base, lambda one: one.rolling)
+    judged = ruling(
+        found,
+        lambda one: one.rolling < ROLLS,
+        lambda some: f"{100 * _spread(some, lambda one: one.rolling).high:.2g} % of the gear's at most",
+    )
+    return statements.PIN_1_SLIDES.judged(
+        found=spread_value(
+            f"its surface goes along with {100 * shares.low:.2g} to {100 * shares.high:.2g} % of the gear's",
+            shares,
+            "1",
+        ),
+        error=spread_error(shares, "1"),
+        searched=found.ranges,
+        rated=Value(f"{100 * rated.rolling:.3g} %", rated.rolling, "1"),
+        **vars(judged),
+    )
+
+
+def _spread(starts: Sequence[PinMotion], figure: Callable[[PinMotion], float]) -> Spread:
+    return Spread.of(map(figure, starts))
+
+
+def _um(lengths: Spread) -> str:
+    return Spread.of(1e6 * each for each in lengths.values).words

@@ -1,0 +1,74 @@
+"""What the claims on stress stand on: the stress solved for, the forces of every start, and all that was searched."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from cycloid_mj.base.names import OUTPUT
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.result import Range
+from cycloid_mj.base.types import Array
+from cycloid_mj.comparison import Spread, Variation
+from hsieh2014.idle_stress import IdleStress
+from hsieh2014.peaks import PIN_1, curves_by_angle, pairs_on
+from hsieh2014.stated import ORDER
+
+PRESSED = (*ORDER, OUTPUT, PIN_1)
+"""Parts whose forces are judged."""
+
+Forces = Mapping[str, Sequence[Mapping[str, Array]]]
+"""Design name -> start by start, part -> the largest force on it in each part of a crank turn [N]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Searched:
+    """What the claims on stress were searched over.
+
+    Attributes
+    ----------
+    ranges
+        Of what the paper leaves open.
+    varied
+        What was changed alone -> design name -> its idle runs.
+    reached
+        Part and design -> treatment of contact -> the stress [MPa] that its forces make.
+    """
+
+    ranges: tuple[Range, ...] = ()
+    varied: Mapping[Variation, Mapping[str, Sequence[Run]]] = field(default_factory=dict)
+    reached: Mapping[tuple[str, str], Mapping[str, float]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """Stress of both designs with the forces of all runs: a stress goes with the largest force on its part."""
+
+    stress: Mapping[str, IdleStress]
+    forces: Forces
+    varied: Mapping[Variation, Forces]
+
+    def curves(self, design: str, part: str, changed: Variation | None = None) -> list[Array]:
+        """Give the largest force on a design's part in each part of a crank turn, start by start [N]."""
+        runs = self.forces if changed is None else self.varied[changed]
+        return [one[part] for one in runs[design]]
+
+    def sizes(self, design: str, part: str, of: Callable[[Array], float], changed: Variation | None = None) -> Spread:
+        """Give the stress [MPa] of a design's part that a property `of` the force's curve makes, start by start."""
+        largest = float(np.mean([curve.max() for curve in self.curves(design, part)]))
+        base = self.stress[design].starts[part].mean / largest if largest else 0.0
+        return Spread.of(base * of(curve) for curve in self.curves(design, part, changed))
+
+    def peaks(self, design: str, part: str, changed: Variation | None = None) -> Spread:
+        """Give the largest stress [MPa] of a design's part in each start: as solved for, or by the forces."""
+        if changed is None:
+            return self.stress[design].starts[part]
+        return self.sizes(design, part, np.max, changed)
+
+
+def forces_of(runs: Mapping[str, Sequence[Run]]) -> Forces:
+    """Give the force on every part over a crank turn, in every run."""
+    return {
+        name: [curves_by_angle(run, {part: pairs_on(run, part) for part in PRESSED}) for run in each]
+        for name, each in runs.items()
+    }

@@ -1,0 +1,170 @@
+"""Claims on how stress runs over a crank turn at no load: the shaft's peaks, the output, pin 1 (Figs 12, 15, 16)."""
+
+from collections.abc import Sequence
+from statistics import median
+
+import numpy as np
+
+from cycloid_mj.base.names import OUTPUT
+from cycloid_mj.base.record import Run
+from cycloid_mj.base.result import Claim, Range, Removal, Value, Verdict
+from cycloid_mj.comparison import Spread, Variation, settled
+from hsieh2014.cycle import cycle
+from hsieh2014.idle_stress import IdleStress, rated_value, stress_error
+from hsieh2014.over_starts import OverStarts, ruling
+from hsieh2014.peaks import PIN_1, largest_of_halves, likeness, share_near
+from hsieh2014.plan import LEFT_OPEN
+from hsieh2014.stated import NEAR, ORDER, PIN_1_LOADED, SHAFT_PEAKS
+from hsieh2014.statements import PIN_1_CYCLE, stress_of_output, stress_peaks
+from hsieh2014.stress_evidence import Evidence
+from hsieh2014.verdicts import (
+    Part,
+    chance,
+    jointly,
+    most,
+    most_chance,
+    order_verdict,
+    rank_order,
+    spread_error,
+    spread_value,
+)
+
+REGULAR = 0.5
+"""A curve counts as regular if each start's correlates by this with the mean of the others."""
+
+MOSTLY = 0.5
+"""Pin 1 is loaded about crank angle 0 if this share of what presses it over a turn falls there."""
+
+OF_THE_PEAKS = "share of the turn's peaks"
+
+OUTPUT_RANGES = (
+    Range("output.pin_radius_mm", 4.0, 5.0, "mm", "as assumed, to holes that leave the gear's web as wide as they are"),
+    Range("output.support", 0.0, 1.0, "cantilever or both_ends", "one disc, or a second one beyond the gear"),
+)
+"""What the paper leaves open of the output pins, and how far it was searched."""
+
+
+def shaft_peaks(one: IdleStress, evidence: Evidence, ranges: Sequence[Range]) -> Claim:
+    """Judge where the shaft's two peaks a turn are: those of the cam's force, which alone loads it."""
+    curves = [forces["shaft"] for forces in evidence.forces["pin"]]
+    each = [largest_of_halves(curve) for curve in curves]
+    others = {
+        changed: [largest_of_halves(forces["shaft"]) for forces in varied["pin"]]
+        for changed, varied in evidence.varied.items()
+    }
+    verdict = most(_near_the_papers(each))
+    # some starts are enough to say that the paper's angles can come out
+    by = [changed.words for changed, angles in others.items() if any(_near_the_papers(angles))]
+    verdict = Verdict.DEPENDS if by and verdict == Verdict.DISAGREES else verdict
+    mean = largest_of_halves(np.mean(curves, axis=0))
+    at = [Spread.of(angles) for angles in zip(*each, strict=True)]
+    return stress_peaks("pin").judged(
+        found=Value(
+            f"the cam's force peaks at {at[0].words} and {at[1].words} deg; over all starts at {mean[0]:g} and "
+            f"{mean[1]:g} deg",
+            mean[0],
+            "deg",
+            (at[0].low, at[0].high),
+        ),
+        error=spread_error(at[0], "deg"),
+        verdict=verdict,
+        decided_by=f"left open by the paper: {', '.join(by)}"
+        if by
+        else "gravity; nothing varied gives the paper's angles",
+        searched=ranges,
+        removals=[
+            Removal(changed.words, _angles(angles), most(_near_the_papers(angles)))
+            for changed, angles in others.items()
+        ],
+        p=most_chance(_near_the_papers(each)),
+        rated=Value(f"{one.rated['shaft'].words} MPa over the turn, in whose frame the cam's force all but stands"),
+    )
+
+
+def _near_the_papers(pairs: Sequence[tuple[float, float]]) -> list[bool]:
+    """Tell of each start whether both of its peaks are near the paper's."""
+    return [all(abs(angle - wanted) <= NEAR for angle, wanted in zip(pair, SHAFT_PEAKS, strict=True)) for pair in pairs]
+
+
+def _angles(pairs: Sequence[tuple[float, float]]) -> str:
+    """Tell peaks over starts: their range, the median, and how many starts have both near the paper's."""
+    first, second = (Spread.of(angles) for angles in zip(*pairs, strict=True))
+    near = sum(_near_the_papers(pairs))
+    return (
+        f"{first.words} and {second.words} deg, in the median {median(first.values):g} and "
+        f"{median(second.values):g}; {near} of {len(pairs)} starts near the paper's"
+    )
+
+
+def output(design: str, evidence: Evidence, ranges: Sequence[Range]) -> Claim:
+    """Judge whether the output is stressed less than the most stressed other part, and alike in every start."""
+    one, ours = evidence.stress[design], evidence.peaks(design, OUTPUT)
+
+    def regular(changed: Variation | None) -> Part:
+        alike = [each >= REGULAR for each in likeness(evidence.curves(design, OUTPUT, changed))]
+        return most(alike), most_chance(alike)
+
+    def others(changed: Variation | None) -> Spread:
+        sizes = [evidence.peaks(design, part, changed).values for part in ORDER]
+        return Spread.of(max(each) for each in zip(*sizes, strict=True))
+
+    def low(sizes: Spread, changed: Variation | None) -> Part:
+        return order_verdict(rank_order(others(changed), sizes), {})[0], chance(others(changed), sizes)
+
+    def words(sizes: Spread, changed: Variation | None) -> str:
+        alike = Spread.of(likeness(evidence.curves(design, OUTPUT, changed)))
+        return (
+            f"{sizes.words} MPa, the most stressed other part {others(changed).words} MPa; its force over the turn "
+            f"correlates between starts by {alike.words}"
+        )
+
+    def removed(what: str, sizes: Spread, changed: Variation | None) -> Removal:
+        return Removal(what, words(sizes, changed), jointly([low(sizes, changed), regular(changed)])[0])
+
+    verdict, p = jointly([low(ours, None), regular(None)])
+    of_pins = [removed(what, sizes, None) for what, sizes in one.outputs.items()]
+    of_runs = {each: removed(each.words, evidence.peaks(design, OUTPUT, each), each) for each in evidence.varied}
+    left_open = [*of_pins, *(removal for each, removal in of_runs.items() if each.parameter in LEFT_OPEN)]
+    given = [each.what for each in left_open if each.verdict == Verdict.AGREES]
+    return stress_of_output(design).judged(
+        found=spread_value(words(ours, None), ours, "MPa"),
+        error=stress_error(one, [OUTPUT]),
+        verdict=Verdict.DEPENDS if given and verdict == Verdict.DISAGREES else verdict,
+        decided_by=f"left open by the paper: {', '.join(given)}" if given else "nothing that was varied gives it",
+        rated=rated_value(one, OUTPUT),
+        searched=(*ranges, *OUTPUT_RANGES),
+        removals=[*of_pins, *of_runs.values()],
+        p=p,
+    )
+
+
+def pin_1_cycle(evidence: Evidence, rated: Run, ranges: Sequence[Range]) -> Claim:
+    """Judge whether pin 1 is loaded from 350 to 10 deg alone; lobe 1 of the nonpin design stands beside."""
+    reach = PIN_1_LOADED[1] + NEAR
+
+    def shares(design: str, changed: Variation | None) -> Spread:
+        return Spread.of(share_near(curve, reach) for curve in evidence.curves(design, PIN_1, changed))
+
+    pin, lobe = shares("pin", None), shares("nonpin", None)
+    begins, ends, turn, _ = cycle(settled(rated))
+    judged = ruling(
+        OverStarts(pin.values, {changed: shares("pin", changed).values for changed in evidence.varied}, tuple(ranges)),
+        lambda share: share >= MOSTLY,
+        lambda some: f"{_percent(Spread.of(some))} within {reach:g} deg of 0",
+    )
+    return PIN_1_CYCLE.judged(
+        found=spread_value(
+            f"of what presses it over a turn, {_percent(pin)} comes within {reach:g} deg of 0, a ninth of the turn; of "
+            f"lobe 1 without pins {_percent(lobe)}",
+            pin,
+            OF_THE_PEAKS,
+        ),
+        error=spread_error(pin, OF_THE_PEAKS),
+        searched=ranges,
+        rated=Value(f"loaded from {begins:.0f} to {ends:.0f} deg, {turn:.0f} % of the turn"),
+        **vars(judged),
+    )
+
+
+def _percent(shares: Spread) -> str:
+    return f"{100 * shares.low:.0f} to {100 * shares.high:.0f} %"

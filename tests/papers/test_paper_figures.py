@@ -1,0 +1,60 @@
+"""Figures to lay beside the paper's: nothing is cut at a frame, axes can be read, parts stand one by one."""
+
+import numpy as np
+import pytest
+from hsieh2014.paper_figures import heights_figure, picture_figure
+from hsieh2014.starts_figure import TICKS, starts_figure
+
+from cycloid_mj.comparison import RANKED, Spread
+
+
+def drawn(figure):
+    """The figure as it is saved: its layout and ticks are done."""
+    figure.canvas.draw()
+    return figure
+
+
+def test_a_stress_goes_all_round_a_turn_within_its_frame():
+    degrees = np.arange(0.0, 360.0, 9.0)
+    curves = {
+        f"{design}, {law}": (degrees, size * (2.0 + np.cos(np.radians(degrees))))
+        for design, size in (("pin", 0.1), ("nonpin", 0.05))
+        for law in ("line contacts", "IMPACT")
+    }
+    figure = drawn(heights_figure(curves, {"pin": 160.0, "nonpin": 60.0}, (75.0, 255.0)))
+    (axes,) = figure.axes
+    low, high = axes.get_ylim()
+    assert axes.get_xlim() == (0.0, 360.0)
+    for line in axes.lines[: len(curves)]:
+        x, y = line.get_data()
+        assert (x[0], x[-1], y[0]) == (0.0, 360.0, y[-1])
+        assert low < y.min() < y.max() < high
+    # a column for each design, with both laws, and one for the paper
+    (legend,) = figure.legends
+    assert legend._ncols == 3
+
+
+@pytest.mark.parametrize("size", [1e-3, 70.0])
+def test_starts_stand_whole_on_axes_with_few_numbers(size):
+    values = Spread.of(size * np.geomspace(1.0, 30.0, 12))
+    cases = {
+        name: {one.key: {"pin": values, "nonpin": values} for one in RANKED} for name in ("as it is", "pins fixed")
+    }
+    figure = drawn(starts_figure(cases, RANKED))
+    for panel in figure.axes:
+        low, high = panel.get_ylim()
+        numbers = [tick.get_text() for tick in panel.get_yticklabels() if low <= tick.get_position()[1] <= high]
+        assert 2 <= len(numbers) <= TICKS
+        assert len(set(numbers)) == len(numbers)
+        assert not [tick.get_text() for tick in panel.get_yticklabels(minor=True) if tick.get_text()]
+        for line in panel.lines:
+            assert all(low < value < high for value in line.get_ydata())
+
+
+def test_pictures_stand_three_beside_each_other_under_their_names():
+    picture = np.zeros((8, 8, 3), dtype=np.uint8)
+    names = ("shaft", "gear", "ring", "pins", "output")
+    figure = drawn(picture_figure(dict.fromkeys(names, picture)))
+    shown = [panel for panel in figure.axes if panel.images]
+    assert [panel.get_title(loc="left") or panel.get_title() for panel in shown] == list(names)
+    assert len({round(panel.get_position().y0, 3) for panel in shown}) == 2
