@@ -13,7 +13,7 @@ from cycloid_mj.base.result import Value
 from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import MEGAPASCAL
 from cycloid_mj.comparison import Spread
-from cycloid_mj.design import Design, dump
+from cycloid_mj.design import dump
 from cycloid_mj.reducer import Reducer
 from hsieh2014.peaks import at_peaks
 from hsieh2014.plan import LOGGED, SAMPLING
@@ -134,7 +134,7 @@ def idle_stress(
         if softly:
             curves[part] = split[-1]
     outputs = {
-        words: _with_pins(design.but(output=pins), settings, of_starts)
+        words: _with_pins(Reducer(design.but(output=pins)), settings, of_starts)
         for (words, pins), of_starts in zip(OTHER_PINS.items(), heavy[len(grids) :], strict=True)
     }
     return IdleStress(study, largest, loaded, curves, outputs)
@@ -179,13 +179,13 @@ def _under_load(rated: Run, part: str, grid: "Grid") -> "tuple[PartStress, Sprea
     return under, Spread.of(governing)
 
 
-def _with_pins(other: Design, settings: "StudySettings", of_starts: "Sequence[PartLoads]") -> Spread:
+def _with_pins(other: Reducer, settings: "StudySettings", of_starts: "Sequence[PartLoads]") -> Spread:
     """Compute the output's largest stress in each start [MPa] in a design with other output pins."""
     from cycloid_mj.stress.field import solve
     from cycloid_mj.stress.part import part_grid
 
-    grid = part_grid(other, OUTPUT, settings.grid(OUTPUT))
-    stress = solve(other, grid, joined(of_starts)).bulk_stress / MEGAPASCAL
+    grid = part_grid(other.design, OUTPUT, settings.grid(OUTPUT))
+    stress = solve(other.design, grid, joined(of_starts)).bulk_stress / MEGAPASCAL
     return Spread.of(each.max() for each in np.split(stress, len(of_starts)))
 
 
