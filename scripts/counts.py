@@ -20,7 +20,7 @@ PACKAGES = ("cycloid_mj", "papers/hsieh2014")
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
-TURNING_RING = frozenset({"turns_ring", "seen_from_ring", "turns_of_crank", "columns_from_ring"})
+TURNING_RING = frozenset({"turns_ring", "seen_from_ring", "columns_from_ring"})
 """Names whose use tells that the output is the ring; the module that defines them does not count."""
 
 RING_MODULE = "cycloid_mj/reducer/member.py"

@@ -98,7 +98,7 @@ def summary(reducer: Reducer) -> Summary:
 
 def _backlash(reducer: Reducer) -> float:
     """Play of the output from stop to stop [rad], mean over a turn."""
-    ends = [stops(reducer, float(crank), SIDES) for crank in turn_evenly(POSES)]
+    ends = [stops(reducer, float(crank), SIDES) for crank in turn_evenly(reducer, POSES)]
     return sum(high - low for low, high in ends) / len(ends)
 
 

@@ -12,7 +12,6 @@ from cycloid_mj.life.give import IDEAL, CamGive, Give
 from cycloid_mj.life.loading import POSES, loading, relative_speed
 from cycloid_mj.life.rolling import life_hours
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import turns_of_crank
 from cycloid_mj.statics.ideal import ideal_cam
 from cycloid_mj.statics.law import pair_stiffness
 from cycloid_mj.statics.springs import turn_evenly
@@ -46,7 +45,7 @@ def cam_give(reducer: Reducer, duty: Duty) -> CamGive:
             rows.append(row(name, factor * own, [loading(varied, point).cam for point in points]))
         except CycloidError:
             rows.append(Give(name, factor * own, None, None))
-    crank = turns_of_crank(design, design.lobes * turn_evenly(POSES))
+    crank = design.lobes * turn_evenly(reducer, POSES)
     ideal = []
     for point in points:
         at = {"drive": {"speed": math.copysign(point.speed, design.drive.speed)}, "load": {"torque": point.torque}}

@@ -12,7 +12,6 @@ from cycloid_mj.life.duty import DutyPoint
 from cycloid_mj.life.rolling import magnitudes
 from cycloid_mj.parts import crank_solid, mass_properties
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import turns_of_crank
 from cycloid_mj.statics import Loads, Springs, loads, peak_pressure, powers, springs_of
 from cycloid_mj.statics.springs import turn_evenly
 from cycloid_mj.stress.shaftgrid import Shaft, shaft_measures
@@ -99,7 +98,7 @@ def loading(reducer: Reducer, point: DutyPoint) -> Loading:
     design = reducer.design
     speed = math.copysign(point.speed, design.drive.speed)
     at = reducer.but(drive={"speed": speed})
-    crank = turns_of_crank(design, design.lobes * turn_evenly(POSES))
+    crank = design.lobes * turn_evenly(reducer, POSES)
     springs, torque = springs_of(at, crank), math.copysign(abs(point.torque), speed)
     try:
         found, power = loads(at, springs, torque), powers(at, abs(point.torque))

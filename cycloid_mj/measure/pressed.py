@@ -8,7 +8,6 @@ import numpy as np
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.geometry import envelope
-from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import against_ring
 from cycloid_mj.statics.pressure import hertz_holds, hertz_pressure, line_curvature, line_share
@@ -109,7 +108,7 @@ def relative_curvature(reducer: Reducer, kind: str, crank_angle: Array) -> Array
     `crank_angle` [rad], shape (n,), is that from the ring.
     """
     if kind == reducer.design.tooth_pair:
-        gear = tooth_profile(reducer.design)
+        gear = reducer.tooth_profile
         lines = [
             [envelope.arc_contacts(gear, float(angle)).relative_curvature for angle in crank_angle + phase]
             for phase in reducer.phases

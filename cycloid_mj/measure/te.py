@@ -20,7 +20,7 @@ from cycloid_mj.measure.orders import causes
 from cycloid_mj.measure.pool import Progress, each, silent
 from cycloid_mj.measure.trace import Case, Errors, Trace, own, trace
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import sense, turns_of_crank
+from cycloid_mj.reducer.member import sense
 from cycloid_mj.statics import transmission_error
 from cycloid_mj.statics.structure import structure_told
 from cycloid_mj.statics.working import working_at, working_forces_told
@@ -79,7 +79,7 @@ def te(
         Case(one, way, pace, torques[one], ways[way] * paces[pace]) for pace, one, way in product(paces, torques, ways)
     ]
     reducer = working_at(reducer, torques["loaded"])
-    runs = _traces(reducer, cases, turns / reducer.share, progress, not quick)
+    runs = _traces(reducer, cases, turns * reducer.mesh_turn / (2.0 * np.pi), progress, not quick)
     found = {case: runs[case, 1.0] for case in cases}
     finer = {(case.load, case.pace): one for (case, share), one in runs.items() if share == 0.5}
     statics = {case: _statics(reducer, case, turns) for case in cases}
@@ -116,7 +116,7 @@ def _statics(reducer: Reducer, case: Case, turns: int) -> Errors:
     """Solve a case in statics."""
     design = reducer.design
     points = SOLVED * design.ring.teeth * turns + 1
-    crank = turns_of_crank(design, np.linspace(0.0, 2.0 * np.pi * turns, points))
+    crank = np.linspace(0.0, turns * reducer.mesh_turn, points)
     turning = reducer.but(drive={"speed": case.speed})
     found = ARCSECONDS * sense(design) * transmission_error(turning, crank, float(np.sign(case.speed)) * case.torque)
     return Errors(crank, found[:, 0], found[:, 1])

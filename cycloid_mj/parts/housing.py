@@ -9,7 +9,6 @@ from cycloid_mj.geometry import envelope
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts.accuracy import drawing_error
 from cycloid_mj.parts.fit import require_above, require_below
-from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.parts.polygon import arc, circle, turned
 from cycloid_mj.parts.prism import Prism, Solid
 from cycloid_mj.reducer import Reducer
@@ -106,7 +105,7 @@ def _pinwheel(reducer: Reducer, chord_error: float) -> Array:
 
 def _internal_gear(reducer: Reducer, chord_error: float) -> Array:
     """Give the double-enveloping internal gear; the clearance is the cycloid gear's."""
-    teeth = tooth_profile(reducer.design)
+    teeth = reducer.tooth_profile
     root, _ = envelope.radii(teeth)
     require_above("housing.outer_radius", reducer.design.housing.outer_radius, root, "the ring's roots cut through it")
     return envelope.sample_ring_by_sagitta(teeth, chord_error).points[::-1]

@@ -6,19 +6,12 @@ import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.base.types import Array
-from cycloid_mj.design import Design
 from cycloid_mj.parts.gear import gear_solid
 from cycloid_mj.parts.housing import housing_solid, pin_solid
 from cycloid_mj.parts.output import output_centres, output_solid, roller_solid
 from cycloid_mj.parts.prism import Prism, Solid
 from cycloid_mj.parts.shaft import crank_parts, stretches
 from cycloid_mj.reducer import Reducer, once
-
-SHAPING_NOTHING = (
-    *("name", "errors", "friction", "drag", "contact", "stiffness", "damping", "working_force"),
-    *("drive", "load", "environment", "settings"),
-)
-"""What of a design no part depends on: runs at other loads and speeds have the same parts, which are drawn once."""
 
 KEPT = 8
 """Shapes whose parts are kept, of some 2 MB each: the designs of a comparison, not all that a slider goes through."""
@@ -43,7 +36,7 @@ def parts(reducer: Reducer, chord_error: float | None = None) -> dict[str, Solid
     DesignError
         A part cannot be made, or the parts do not fit into each other.
     """
-    return dict(_parts(_shape(reducer), chord_error))
+    return dict(_parts(reducer.shape, chord_error))
 
 
 def body_solids(reducer: Reducer) -> dict[str, Solid]:
@@ -57,7 +50,7 @@ def body_solids(reducer: Reducer) -> dict[str, Solid]:
         As `parts`.
     """
     whole = {
-        by: make(_shape(reducer))
+        by: make(reducer.shape)
         for by, make in ((names.SHAFT, _whole_crank), (names.OUTPUT, _whole_output))
         if carried(reducer, by)
     }
@@ -83,21 +76,14 @@ def carried(reducer: Reducer, by: str) -> dict[str, tuple[str, Array]]:
     return {}
 
 
-def _shape(reducer: Reducer) -> Reducer:
-    """Give a design without what no part depends on."""
-    return Reducer(
-        reducer.design.model_copy(update={name: Design.model_fields[name].default for name in SHAPING_NOTHING})
-    )
-
-
 def crank_stretches(reducer: Reducer) -> Mapping[str, Prism]:
     """Give the stretches of the whole crank by name, as right as for its mass; errors as ``shaft.stretches``."""
-    return _stretches(_shape(reducer), None)
+    return _stretches(reducer.shape, None)
 
 
 def crank_solid(reducer: Reducer) -> Solid:
     """Give the whole crank as `body_solids` does, without drawing anything else; errors as ``shaft.stretches``."""
-    return _whole_crank(_shape(reducer))
+    return _whole_crank(reducer.shape)
 
 
 @once

@@ -160,7 +160,7 @@ def _other_discs(reducer: Reducer, disc: int) -> list[int]:
 
 def _others(script: Script, row: int) -> list[Array]:
     """Give the ideal poses of the discs that are not followed, shape (3,) each."""
-    gaps, mesh, ahead = script.drawn.gaps, tooth_profile(script.reducer.design), script.reducer.phases
+    gaps, mesh, ahead = script.drawn.gaps, script.reducer.tooth_profile, script.reducer.phases
     crank, turn = gaps.crank_angle[row], gaps.gear[row, 2]
     return [
         np.array([*gear_centre(mesh, crank + ahead[other]), turn]) for other in _other_discs(script.reducer, gaps.disc)
@@ -177,7 +177,7 @@ def _wall(axes: Axes, reducer: Reducer) -> Any:
 
 
 def _set_ring(wall: Any, script: Script, row: int) -> None:
-    ring = sample_ring_by_sagitta(tooth_profile(script.reducer.design), CHORD_ERROR)
+    ring = sample_ring_by_sagitta(script.reducer.tooth_profile, CHORD_ERROR)
     hole = ring_outline(script.reducer, ring.points, ring.normals, script.drawn, row)
     outline = circle(script.reducer.design.housing.outer_radius, CHORD_ERROR)
     wall.set_path(_path([outline, hole]))

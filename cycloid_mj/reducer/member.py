@@ -42,11 +42,6 @@ def against_ring(design: Design, crank: npt.ArrayLike) -> Array:
     return np.asarray(np.asarray(crank, dtype=np.float64) - ring_angle(design, crank))
 
 
-def turns_of_crank(design: Design, seen: npt.ArrayLike) -> Array:
-    """Give the crank's angles [rad] for those from the ring: the inverse of `against_ring`."""
-    return np.asarray(seen, dtype=np.float64) / share(design)
-
-
 def share(design: Design) -> float:
     """Give the torque on the carrier over that on the output, without losses: 1, or (N-1)/N where the ring turns.
 

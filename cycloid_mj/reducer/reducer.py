@@ -5,6 +5,7 @@ room above hands on. What computes a property is imported with its first use: a 
 numpy for its help.
 """
 
+import math
 from collections.abc import Callable, Hashable, Mapping
 from functools import lru_cache, wraps
 from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
@@ -21,6 +22,13 @@ Value = TypeVar("Value")
 
 KEPT = 8
 """Designs whose reducers' values are kept at a time: as many as a study goes back and forth between."""
+
+
+SHAPING_NOTHING = (
+    *("name", "errors", "friction", "drag", "contact", "stiffness", "damping", "working_force"),
+    *("drive", "load", "environment", "settings"),
+)
+"""What of a design no part depends on: runs at other loads and speeds have the same parts, which are drawn once."""
 
 
 @lru_cache(maxsize=KEPT)
@@ -67,32 +75,37 @@ class Reducer:
         return f"Reducer({self.design!r})"
 
     @property
+    def shape(self) -> "Reducer":
+        """The reducer as far as its parts are drawn: one and the same at all loads, speeds and contact laws."""
+        return self.kept("shape", lambda: Reducer(_shape(self.design)))
+
+    @property
     def phases(self) -> tuple[float, ...]:
         """Phase of each disc on the crank [rad], counter-clockwise: evenly spaced, the first with the crank."""
         from cycloid_mj.reducer.bodies import phases
 
-        return self.kept("phases", lambda: phases(self.design))
+        return self.shape.kept("phases", lambda: phases(self.design))
 
     @property
     def tooth_profile(self) -> "CycloidGear":
         """The ideal mesh, without clearance and modification: the ring, and the gear's motion."""
         from cycloid_mj.geometry.modification import tooth_profile
 
-        return self.kept("tooth_profile", lambda: tooth_profile(self.design))
+        return self.shape.kept("tooth_profile", lambda: tooth_profile(self.design))
 
     @property
     def gear_profile(self) -> "CycloidGear":
         """The mesh whose profile the gear has, without clearance: its pin circle is that of the modification."""
         from cycloid_mj.geometry.modification import gear_profile
 
-        return self.kept("gear_profile", lambda: gear_profile(self.design))
+        return self.shape.kept("gear_profile", lambda: gear_profile(self.design))
 
     @property
     def profile_offset(self) -> float:
         """Distance of the gear's profile from its trochoid [m]: pin radius, clearance, equidistant."""
         from cycloid_mj.geometry.modification import profile_offset
 
-        return self.kept("profile_offset", lambda: profile_offset(self.design))
+        return self.shape.kept("profile_offset", lambda: profile_offset(self.design))
 
     @property
     def deviations(self) -> "Deviations":
@@ -113,7 +126,12 @@ class Reducer:
         """Torque on the carrier over that on the output, without losses: 1, or (N-1)/N where the ring turns [1]."""
         from cycloid_mj.reducer.member import share
 
-        return self.kept("share", lambda: share(self.design))
+        return self.shape.kept("share", lambda: share(self.design))
+
+    @property
+    def mesh_turn(self) -> float:
+        """Turn of the crank after which it has passed the whole ring [rad]: 2 pi, or 2 pi N/(N-1) where that turns."""
+        return 2.0 * math.pi / self.share
 
     @property
     def seen_from_ring(self) -> "Reducer":
@@ -121,6 +139,11 @@ class Reducer:
         from cycloid_mj.reducer.member import seen_from_ring
 
         return self.kept("seen_from_ring", lambda: Reducer(seen_from_ring(self.design)))
+
+
+def _shape(design: Design) -> Design:
+    """Leave out of a design what no part depends on."""
+    return design.model_copy(update={name: Design.model_fields[name].default for name in SHAPING_NOTHING})
 
 
 def once(function: Callable[Concatenate[Reducer, Given], Value]) -> Callable[Concatenate[Reducer, Given], Value]:

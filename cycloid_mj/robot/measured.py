@@ -182,7 +182,7 @@ def play_of(reducer: Reducer, poses: int) -> Play:
     """
     rated = reducer.design.rated_torque
     still = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
-    springs = springs_of(still, turn_evenly(poses), friction=False)
+    springs = springs_of(still, turn_evenly(reducer, poses), friction=False)
 
     def turn(share: float) -> float:
         return float(loads(still, springs, share * rated).output_turn.mean())
@@ -261,7 +261,7 @@ def _damping(reducer: Reducer) -> float:
     """
     of, reducer = reducer.share, reducer.seen_from_ring
     laws = contact_laws(reducer)
-    found = [one.series(reducer) for one in windups(reducer, turn_evenly(), reducer.design.rated_torque)]
+    found = [one.series(reducer) for one in windups(reducer, turn_evenly(reducer), reducer.design.rated_torque)]
     series = {part: float(np.mean([one[part] for one in found])) for part in found[0]}
     mesh = [laws[kind] for kind in (reducer.design.tooth_pair, reducer.design.seat_pair) if kind in laws]
     times = {kind: laws[kind].damping / laws[kind].stiffness for kind in ("cam", "output")}
@@ -347,7 +347,9 @@ def _by_assumed_inputs(reducer: Reducer) -> str:
 def _angles_leave_out(reducer: Reducer, share: float) -> float:
     """Give by how much more crank angles change the efficiency under a share of the rated torque; negative drives."""
     torque = share * reducer.design.rated_torque
-    return abs(powers(reducer, torque).efficiency - powers(reducer, torque, turn_evenly(FINER * POSES)).efficiency)
+    return abs(
+        powers(reducer, torque).efficiency - powers(reducer, torque, turn_evenly(reducer, FINER * POSES)).efficiency
+    )
 
 
 def _in(values: Sequence[float], unit: float, name: str) -> tuple[float, str, float]:

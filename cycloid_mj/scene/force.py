@@ -222,7 +222,7 @@ def _drawn(reducer: Reducer, drawn: Drawing) -> _Inner:
 
 def cams(reducer: Reducer, shaft: Array) -> Array:
     """Give the centres of all cams [m], shape (n, D, 2), of a crank in the poses (n, 3)."""
-    return moved(shaft[:, np.newaxis], gear_centre(tooth_profile(reducer.design), np.array(reducer.phases)))
+    return moved(shaft[:, np.newaxis], gear_centre(reducer.tooth_profile, np.array(reducer.phases)))
 
 
 def _direction(force: Array) -> Array:

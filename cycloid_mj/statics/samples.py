@@ -20,7 +20,6 @@ from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.kinematics import gear_rotation
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import cam_places
-from cycloid_mj.reducer.member import turns_of_crank
 from cycloid_mj.statics import kernel
 from cycloid_mj.statics.kernel import BALANCED, FIGURES, Effects, Made, balance_samples
 from cycloid_mj.statics.springs import Springs, springs_of
@@ -179,7 +178,7 @@ def solve_samples(
     """
     design = reducer.design
     bare = design.model_copy(update={"errors": Errors(), "modification": Modification()})
-    crank = turns_of_crank(design, np.linspace(0.0, 2.0 * np.pi, angles, endpoint=False))
+    crank = np.linspace(0.0, reducer.mesh_turn, angles, endpoint=False)
     springs = springs_of(Reducer(bare), crank, friction)
     orders = np.flatnonzero(np.any(samples.waves != 0.0, axis=(0, 2))) + 1
     effects, made, of = (

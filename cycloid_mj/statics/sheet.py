@@ -13,7 +13,6 @@ from cycloid_mj.base.types import Array
 from cycloid_mj.base.units import ARCMINUTE, ARCSECOND, RPM
 from cycloid_mj.design import material_limits
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.member import turns_of_crank
 from cycloid_mj.statics.balance import Loads, Powers, loads, powers
 from cycloid_mj.statics.bearings import reaction_quantities, reactions
 from cycloid_mj.statics.ideal import ideal_peak
@@ -205,8 +204,8 @@ def known_difference(one: Quantity) -> float | None:
 def _motions(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Give backlash, lost motion and stiffness at a locked crank, without friction and weight."""
     still = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
-    evenly = np.sort(turn_evenly())
-    springs = springs_of(still, turns_of_crank(reducer.design, evenly), friction=False)
+    evenly = np.sort(turn_evenly(reducer))
+    springs = springs_of(still, evenly, friction=False)
     ends = []
     for way in (-1.0, 1.0):
         near, far = (loads(still, springs, way * times * SMALL * load, follow=True).output_turn for times in (1.0, 2.0))
@@ -312,8 +311,7 @@ def _loads_and_yield(reducer: Reducer, load: float) -> Iterator[Quantity]:
 
 def _angles(reducer: Reducer) -> Array:
     """Give the crank angles for forces [rad], which follow each other."""
-    design = reducer.design
-    return turns_of_crank(design, np.sort(turn_evenly(POSES if design.gear.discs == 1 else POSES_OF_SEVERAL)))
+    return np.sort(turn_evenly(reducer, POSES if reducer.design.gear.discs == 1 else POSES_OF_SEVERAL))
 
 
 def disc_shares(share: Array) -> Iterator[Quantity]:

@@ -10,7 +10,7 @@ from cycloid_mj.base.types import Array
 from cycloid_mj.geometry import kinematics, profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import arc_gaps, cam_places, ideal_motion
-from cycloid_mj.reducer.member import against_ring, ring_angle, turns_of_crank
+from cycloid_mj.reducer.member import against_ring, ring_angle
 from cycloid_mj.statics import kernel
 from cycloid_mj.statics.friction import rubbing
 from cycloid_mj.statics.law import contact_stiffness, curvature_law, pair_stiffness
@@ -61,9 +61,9 @@ class Springs:
         return load
 
 
-def turn_evenly(poses: int = POSES) -> Array:
-    """Give crank angles [rad], shape (poses,), that lie evenly in the turn and, taken modulo it, in the mesh period."""
-    return np.asarray(2.0 * math.pi * np.mod(GOLDEN * np.arange(poses), 1.0))
+def turn_evenly(reducer: Reducer, poses: int = POSES) -> Array:
+    """Spread crank angles [rad], shape (poses,), evenly over the turn past the ring and, modulo it, the mesh period."""
+    return np.asarray(reducer.mesh_turn * np.mod(GOLDEN * np.arange(poses), 1.0))
 
 
 def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: bool = True) -> Springs:
@@ -77,7 +77,7 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
         The working force flattens a pin beyond a line contact.
     """
     if crank is None:
-        crank = turns_of_crank(reducer.design, turn_evenly())
+        crank = turn_evenly(reducer)
     crank = np.ravel(np.asarray(crank, dtype=np.float64))
     own_force = np.stack([body_force(reducer, crank, phase) for phase in reducer.phases], axis=1)
     crank = against_ring(reducer.design, crank)

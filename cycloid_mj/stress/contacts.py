@@ -25,7 +25,6 @@ from cycloid_mj.base.types import Array, Mask
 from cycloid_mj.geometry.ideal_loads import hertz_line_contact
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import output_centres
-from cycloid_mj.parts.gear import gear_profile, profile_offset, tooth_profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import wall_radius
 from cycloid_mj.statics.pressure import hertz_holds, hertz_pressure, line_curvature, line_share, pair_modulus
@@ -203,9 +202,9 @@ def _teeth(turn: Turn, part: str, disc: int) -> list[Contact]:
     if turn.reducer.design.ring.kind == "pin":
         return [_pin_on_gear(turn, pin, disc) for pin in range(turn.reducer.design.ring.teeth)]
     gear, flank, offset = (
-        tooth_profile(turn.reducer.design),
-        gear_profile(turn.reducer.design),
-        profile_offset(turn.reducer.design),
+        turn.reducer.tooth_profile,
+        turn.reducer.gear_profile,
+        turn.reducer.profile_offset,
     )
     on_teeth, seat, phase = _tooth_frame(turn, disc), frame(turn, part), turn.reducer.phases[disc]
     lines, curvatures = lobe_lines(gear, turn["crank_angle"] + phase)
@@ -225,10 +224,10 @@ def _teeth(turn: Turn, part: str, disc: int) -> list[Contact]:
 
 
 def _pin_on_gear(turn: Turn, pin: int, disc: int) -> Contact:
-    gear, seat, name = gear_profile(turn.reducer.design), _disc(turn, disc), numbered(PIN, pin + 1)
+    gear, seat, name = turn.reducer.gear_profile, _disc(turn, disc), numbered(PIN, pin + 1)
     action = _in(seat, _on_gear(turn, name, disc))
     place = action.on_hole(seat.sees(pin_centre(turn, pin)), gear.pin_radius + turn.reducer.deviations.pin_radius[pin])
-    curvature = pin_curvature(gear, pin, _tooth_frame(turn, disc).angle, profile_offset(turn.reducer.design))
+    curvature = pin_curvature(gear, pin, _tooth_frame(turn, disc).angle, turn.reducer.profile_offset)
     width = half_width(turn.reducer, "pin_gear", action.size, curvature, gear.pin_radius)
     pressed = line(turn.reducer, "pin_gear", action.size, curvature)
     return Contact(_called(turn, name, disc), action, place, width, pressed)
@@ -285,11 +284,11 @@ def _of_shaft(turn: Turn) -> list[Contact]:
 
 def _of_pin(turn: Turn) -> list[Contact]:
     """Give the contacts of pin 1: each disc, and its socket, which carries all of them where the pin is pressed in."""
-    gear, seat, centre = gear_profile(turn.reducer.design), frame(turn, "pin_1"), np.zeros(2)
+    gear, seat, centre = turn.reducer.gear_profile, frame(turn, "pin_1"), np.zeros(2)
     radius, found, sockets = gear.pin_radius, [], []
     for disc, name in enumerate(gears(turn.reducer.design.gear.discs)):
         pushed = _in(seat, _on_gear(turn, "pin_1", disc).reaction())
-        curvature = pin_curvature(gear, 0, _tooth_frame(turn, disc).angle, profile_offset(turn.reducer.design))
+        curvature = pin_curvature(gear, 0, _tooth_frame(turn, disc).angle, turn.reducer.profile_offset)
         narrow = half_width(turn.reducer, "pin_gear", pushed.size, curvature, radius)
         pressed = line(turn.reducer, "pin_gear", pushed.size, curvature)
         found.append(Contact(name, pushed, pushed.on_disc(centre, radius, narrow), narrow, pressed))

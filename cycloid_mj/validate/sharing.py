@@ -88,7 +88,7 @@ def ideal_forces(reducer: Reducer, crank: float) -> Array:
 
 def patch_forces(reducer: Reducer, crank: float) -> Array:
     """Give the forces [N], shape (N, 2), of an ideal nonpin mesh whose near lines share their springs."""
-    gear = tooth_profile(reducer.design)
+    gear = reducer.tooth_profile
     lobes, normals, B = _ideal_contacts(reducer, crank)
     root = np.sqrt(_patch_weights(reducer, crank))
     # w l / sum w l^2 is root(w) times the share of an arm root(w) l.
@@ -147,7 +147,7 @@ def _slow(reducer: Reducer, rpm: float) -> Reducer:
 
 def _ideal_contacts(reducer: Reducer, crank: float) -> tuple[Integers, Array, Array]:
     """Give the ideal mesh's contacts: the lobe that each is logged with, the ring's normal and the phase B."""
-    gear = tooth_profile(reducer.design)
+    gear = reducer.tooth_profile
     arcs = envelope.arc_contacts(gear, crank)
     if reducer.design.ring.kind == "pin":
         return arcs.lobe, arcs.normals, arcs.B

@@ -13,7 +13,7 @@ from cycloid_mj.dynamics.contact.collider import installed
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.mjcf.keyframe import joint_state
 from cycloid_mj.geometry.deviations import deviations
-from cycloid_mj.reducer import Reducer, bodies, gaps, reducer
+from cycloid_mj.reducer import Reducer, bodies, gaps, member, reducer
 from cycloid_mj.reducer.bodies import mechanism
 
 VARIANTS = {
@@ -147,3 +147,21 @@ def test_clearances_and_errors_are_in_places_and_radii(pins: str) -> None:
     np.testing.assert_allclose(holes.on.place, circle + wrong.hole_place[0], rtol=0.0, atol=1e-17)
     np.testing.assert_allclose(holes.by.place, circle, rtol=0.0, atol=1e-17)
     np.testing.assert_allclose([holes.on.radius[0], holes.by.radius[0]], [5.003e-3, 4e-3], rtol=1e-14)
+
+
+@pytest.mark.parametrize("name", UNLIKE)
+def test_what_parts_are_drawn_from_is_computed_once_for_all_loads_and_speeds(name: str) -> None:
+    design = Reducer(unlike(name))
+    other = design.but(load={"torque": 3.0}, drive={"speed": 7.0}, environment={"gravity_y": 0.0})
+    assert other != design
+    for key in ("phases", "tooth_profile", "gear_profile", "profile_offset", "share", "mesh_turn"):
+        assert getattr(other, key) == getattr(design, key)
+    assert other.tooth_profile is design.tooth_profile
+    wider = design.but(gear={"eccentricity": 1.01 * design.design.gear.eccentricity})
+    assert wider.tooth_profile.eccentricity == 1.01 * design.tooth_profile.eccentricity
+
+
+@pytest.mark.parametrize("name", UNLIKE)
+def test_in_a_turn_of_the_mesh_the_crank_passes_the_ring_once(name: str) -> None:
+    design = unlike(name)
+    assert float(member.against_ring(design, Reducer(design).mesh_turn)) == pytest.approx(2.0 * math.pi, rel=1e-15)

@@ -96,7 +96,7 @@ def test_a_larger_free_pin_closes_its_gap_and_its_socket() -> None:
 @pytest.mark.parametrize("name", DESIGNS)
 def test_under_next_to_no_load_the_output_turns_by_its_backlash(name):
     design = override(DESIGNS[name], [*STILL, *SMOOTH])
-    springs = statics.springs_of(Reducer(design), turn_evenly(7))
+    springs = statics.springs_of(Reducer(design), turn_evenly(Reducer(design), 7))
     small = 1e-5 * design.rated_torque
     width = (
         statics.loads(Reducer(design), springs, small).output_turn
