@@ -14,7 +14,7 @@ from cycloid_mj.checks.margin import margin_checks
 from cycloid_mj.checks.mechanics import OVERLOAD, PLAUSIBLE, PLAY_SHARE, mechanical_checks
 from cycloid_mj.checks.several import disc_checks
 from cycloid_mj.checks.strength import strength_checks
-from cycloid_mj.checks.summary import Summary, masses, summary
+from cycloid_mj.checks.summary import Summary, summary
 from cycloid_mj.checks.teeth import WALL_SHARE, WALLS, tooth_checks
 from cycloid_mj.checks.tolerance import tolerance_checks
 from cycloid_mj.design import Design
@@ -30,7 +30,6 @@ __all__ = [
     "Limit",
     "Summary",
     "check",
-    "masses",
     "require_sound",
     "soundness",
     "summary",

@@ -84,3 +84,13 @@ def rated(reducer: Reducer) -> Rated:
     torque = math.copysign(reducer.design.rated_torque, reducer.design.drive.speed)
     springs = springs_of(reducer)
     return Rated(reducer, torque, springs, loads(reducer, springs, torque))
+
+
+def loaded_teeth(reducer: Reducer) -> float:
+    """Compute how many teeth of a disc carry at the rated torque, on average [1]."""
+    return rated(reducer).loaded_teeth
+
+
+def pressure_angle(reducer: Reducer) -> float:
+    """Compute the pressure angle at the rated torque, averaged by force [deg]."""
+    return math.degrees(rated(reducer).pressure_angle)

@@ -1,12 +1,10 @@
 """What a sound design is, in a few numbers."""
 
-from collections import Counter
 from dataclasses import dataclass
 
-from cycloid_mj.base import names
 from cycloid_mj.checks.rated import rated
 from cycloid_mj.design import material_limits
-from cycloid_mj.parts import carried, mass_properties, parts
+from cycloid_mj.figures.geometry import mass
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import are_one_part
 from cycloid_mj.reducer.limits import stops
@@ -18,9 +16,6 @@ POSES = 13
 
 SIDES = 90
 """Sides of the polygon around a cam's play: it makes the backlash larger by some 1e-4."""
-
-CHORD_ERROR = 1e-6
-"""Largest distance of a chord from its curve [m]: the mass is right within some 1e-4."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +80,7 @@ def summary(reducer: Reducer) -> Summary:
         discs=design.gear.discs,
         one_part=are_one_part(design.gear.discs, design.output.pins, design.lobes),
         outer_diameter=2.0 * design.housing.outer_radius,
-        mass=sum(masses(reducer).values()),
+        mass=mass(reducer),
         rated_torque=design.rated_torque,
         loaded_teeth=state.loaded_teeth,
         pressure_angle=state.pressure_angle,
@@ -100,12 +95,3 @@ def _backlash(reducer: Reducer) -> float:
     """Play of the output from stop to stop [rad], mean over a turn."""
     ends = [stops(reducer, float(crank), SIDES) for crank in turn_evenly(reducer, POSES)]
     return sum(high - low for low, high in ends) / len(ends)
-
-
-def masses(reducer: Reducer) -> dict[str, float]:
-    """Give the masses of the parts [kg] by their names, every ring pin (or sleeve), spacer and roller counted."""
-    borne = Counter(part for by in (names.SHAFT, names.OUTPUT) for part, _ in carried(reducer, by).values())
-    counts = {names.PIN: reducer.design.ring.teeth, **borne}
-    return {
-        name: mass_properties(solid).mass * counts.get(name, 1) for name, solid in parts(reducer, CHORD_ERROR).items()
-    }

@@ -96,7 +96,7 @@ def _flat(found: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Cel
 
 
 def _mass(reducer: Reducer, _: Options) -> Measured:
-    from cycloid_mj.checks import masses
+    from cycloid_mj.figures.geometry import masses
 
     parts = masses(reducer)
     values = {"mass_kg": sum(parts.values()), **{f"{name}_mass_kg": mass for name, mass in parts.items()}}

@@ -6,8 +6,9 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.result import Quantity, keyed
 from cycloid_mj.base.units import ARCMINUTE, MILLIMETRES
-from cycloid_mj.checks import WALLS, check, masses, soundness, summary
+from cycloid_mj.checks import WALLS, check, soundness, summary
 from cycloid_mj.design import PRESETS
+from cycloid_mj.figures.geometry import masses
 from cycloid_mj.geometry import profile
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics.sheet import PARTS_OF_SHEET, sheet_part

@@ -38,6 +38,9 @@ CASES = {"unloaded": DRAG, "loaded": 1.0}
 
 WAYS = {"forward": 1.0, "reverse": -1.0}
 
+SHAFTS = ("gear", "output")
+"""What the transmission error is told of."""
+
 PER_MESH_PERIOD = 8
 """Crank angles in a mesh period over which the transmission error is solved."""
 
@@ -247,7 +250,7 @@ def _errors(reducer: Reducer, load: float) -> Iterator[Quantity]:
             turns = _turns(reducer, load, case, way)
             mean |= {(shaft, case, way): float(turn.mean()) / ARCSECOND for shaft, turn in turns.items()}
             yield from _widths(turns, case, way)
-    for shaft in ("gear", "output"):
+    for shaft in SHAFTS:
         reversal = mean[shaft, "unloaded", "forward"] - mean[shaft, "unloaded", "reverse"]
         yield Quantity(f"{shaft}_reversal", f"mean of the {shaft}, forward less reverse, unloaded", reversal, "arcsec")
         wound = mean[shaft, "loaded", "forward"] - mean[shaft, "unloaded", "forward"]

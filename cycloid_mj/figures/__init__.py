@@ -1,0 +1,10 @@
+"""The catalogue of figures: every number of a reducer that commands print, minimise or limit, by one key.
+
+A row (`Figure`) has key, name, unit, definition, what it needs, and a function of a `Reducer`; a new figure is a
+function and a row, and every command has it. Rooms above name their functions in `above`.
+"""
+
+from cycloid_mj.figures.catalogue import CHEAP, COMPUTED, FIGURES, figure, figures_of, values
+from cycloid_mj.figures.figure import Figure, Need
+
+__all__ = ["CHEAP", "COMPUTED", "FIGURES", "Figure", "Need", "figure", "figures_of", "values"]

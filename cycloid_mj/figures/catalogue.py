@@ -1,0 +1,85 @@
+"""All figures by key, and what is asked of them by key: one, those that a reducer has, their values."""
+
+from collections.abc import Collection, Iterable, Mapping
+from difflib import get_close_matches
+
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.figures.above import OF_ROOMS_ABOVE
+from cycloid_mj.figures.figure import Figure, Need
+from cycloid_mj.figures.geometry import OF_GEOMETRY
+from cycloid_mj.figures.sampled import OF_SAMPLES
+from cycloid_mj.figures.statics import OF_STATICS
+from cycloid_mj.reducer import Reducer
+
+FIGURES: Mapping[str, Figure] = {
+    one.key: one
+    for need in Need
+    for one in (*OF_GEOMETRY, *OF_STATICS, *OF_SAMPLES, *OF_ROOMS_ABOVE)
+    if one.need == need
+}
+"""Key -> figure, the cheapest first."""
+
+_BY_ANY_NAME: Mapping[str, Figure] = {
+    **{alias: one for one in FIGURES.values() for alias in one.aliases},
+    **FIGURES,
+}
+
+CHEAP = frozenset({Need.GEOMETRY, Need.STATICS})
+"""What takes well under a second."""
+
+COMPUTED = frozenset({*CHEAP, Need.LIFE})
+"""What needs neither finite elements nor a run."""
+
+NEAR = 5
+"""Keys that an error proposes."""
+
+
+def figure(key: str, needs: Collection[Need] = frozenset(Need), reducer: Reducer | None = None) -> Figure:
+    """Look up a figure by its key or one of its aliases.
+
+    Parameters
+    ----------
+    key
+        As a user writes it.
+    needs
+        What can be computed here.
+    reducer
+        What is to have the figure; None: any.
+
+    Raises
+    ------
+    UsageError
+        There is no such figure, the reducer has not got it, or it needs more than can be computed here.
+    """
+    row = _BY_ANY_NAME.get(key)
+    if row is None:
+        raise UsageError(f"there is no figure {key!r:.60}{_near(key, needs, reducer)}")
+    if row.need not in needs:
+        can = " or ".join(need for need in Need if need in needs)
+        raise UsageError(f"the figure {key} needs a {row.need}; here are figures of {can}{_near(key, needs, reducer)}")
+    if reducer is not None and not row.exists(reducer):
+        raise UsageError(f"the design {reducer.design.name!r} has no figure {key}{_near(key, needs, reducer)}")
+    return row
+
+
+def _near(key: str, needs: Collection[Need], reducer: Reducer | None) -> str:
+    """Propose what may have been meant."""
+    there = [
+        name
+        for name, row in _BY_ANY_NAME.items()
+        if row.need in needs and (reducer is None or row.exists(reducer)) and name != key
+    ]
+    near = [name for name in there if key and key in name] or get_close_matches(key, there, n=NEAR, cutoff=0.5)
+    meant = list(dict.fromkeys(_BY_ANY_NAME[name].key for name in near))[:NEAR]
+    proposed = f"did you mean {', '.join(meant)}? " if meant else ""
+    return f"; {proposed}`cycloid-mj figures` lists them"
+
+
+def figures_of(reducer: Reducer, needs: Collection[Need] = CHEAP) -> tuple[Figure, ...]:
+    """List the figures that a reducer has, of some needs."""
+    return tuple(row for row in FIGURES.values() if row.need in needs and row.exists(reducer))
+
+
+def values(reducer: Reducer, keys: Iterable[str]) -> dict[str, float]:
+    """Compute figures by the keys that they are asked for, which may be aliases; errors are those of the figures."""
+    return {key: figure(key).value(reducer) for key in keys}

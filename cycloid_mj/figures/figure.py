@@ -1,0 +1,92 @@
+"""A figure: one number of a reducer, with its key, unit and definition, and what computes it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import StrEnum
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from cycloid_mj.base.result import Quantity
+from cycloid_mj.reducer import Reducer
+
+if TYPE_CHECKING:
+    from cycloid_mj.figures.sampled import Sampled
+
+Compute = Callable[[Reducer], float]
+"""A function of a reducer that computes a number in the figure's unit; NaN where there is none."""
+
+
+class Need(StrEnum):
+    """The most costly thing that a figure is computed from."""
+
+    GEOMETRY = "geometry"
+    """Dimensions and materials: milliseconds."""
+    STATICS = "statics"
+    """The balance of the contacts over a turn of the crank: tenths of a second."""
+    LIFE = "life"
+    """The rating of every part for its life: about a second."""
+    STRESS = "stress"
+    """Finite elements of the parts: minutes."""
+    RUN = "run"
+    """A run in MuJoCo: minutes."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Figure:
+    """One row of the catalogue.
+
+    Attributes
+    ----------
+    key
+        Its name for programs and flags; it ends in the unit.
+    name, unit
+        In words, for a table, and as people write it: ``N m``, ``arcmin``, ``1`` of a mere number.
+    definition
+        What it is, and under what it holds, in one sentence.
+    need
+        What it is computed from.
+    function
+        What computes it; of a room above this one ``module:function``, which is imported with its first use.
+    sampled
+        How many samples of the reducer are balanced for it at a time; None where each is a design of its own.
+    aliases
+        Other keys by which flags, JSON and CSV call it.
+    exists
+        Whether a reducer has it, as pins have sockets.
+    """
+
+    key: str
+    name: str
+    unit: str
+    definition: str
+    need: Need
+    function: Compute | str
+    sampled: "Sampled | None" = None
+    aliases: tuple[str, ...] = ()
+    exists: Callable[[Reducer], bool] = lambda _: True
+
+    def value(self, reducer: Reducer) -> float:
+        """Compute the figure of a sound reducer [`unit`]; errors are those of its function."""
+        return self._imported(reducer)
+
+    def quantity(self, reducer: Reducer) -> Quantity:
+        """Compute the figure with its name and unit."""
+        return Quantity(self.key, self.name, self.value(reducer), self.unit, note=self.definition)
+
+    @property
+    def _imported(self) -> Compute:
+        if not isinstance(self.function, str):
+            return self.function
+        module, _, name = self.function.partition(":")
+        compute: Compute = getattr(import_module(module), name)
+        return compute
+
+    def as_json(self) -> dict[str, str | list[str]]:
+        """Describe the figure for a program."""
+        return {
+            "name": self.name,
+            "unit": self.unit,
+            "definition": self.definition,
+            "need": str(self.need),
+            "aliases": list(self.aliases),
+        }

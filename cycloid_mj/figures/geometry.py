@@ -1,0 +1,100 @@
+"""Figures of dimensions and materials alone: shape of the teeth, size, mass."""
+
+from collections import Counter
+
+from cycloid_mj.base import names
+from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.figures.figure import Compute, Figure, Need
+from cycloid_mj.geometry import profile
+from cycloid_mj.parts import carried, mass_properties, parts
+from cycloid_mj.reducer import Reducer, once
+
+CHORD_ERROR = 1e-6
+"""Largest distance of a chord from its curve [m]: the mass is right within some 1e-4."""
+
+
+@once
+def masses(reducer: Reducer) -> dict[str, float]:
+    """Compute the masses of the parts [kg] by their names, every ring pin (or sleeve), spacer and roller counted."""
+    borne = Counter(part for by in (names.SHAFT, names.OUTPUT) for part, _ in carried(reducer, by).values())
+    counts = {names.PIN: reducer.design.ring.teeth, **borne}
+    return {
+        name: mass_properties(solid).mass * counts.get(name, 1) for name, solid in parts(reducer, CHORD_ERROR).items()
+    }
+
+
+def mass(reducer: Reducer) -> float:
+    """Compute the mass of all parts [kg]."""
+    return sum(masses(reducer).values())
+
+
+def least_convex_radius(reducer: Reducer) -> float:
+    """Compute the radius of the sharpest convex bend of the lobes [mm]."""
+    return MILLIMETRES * (profile.undercut_radius(reducer.gear_profile) - reducer.profile_offset)
+
+
+def short_width(reducer: Reducer) -> float:
+    """Compute the short-width coefficient K1 = c N / E [1]."""
+    ring = reducer.design.ring
+    return ring.teeth * reducer.design.gear.eccentricity / ring.pin_circle_radius
+
+
+def _figure(key: str, name: str, unit: str, definition: str, function: Compute | str, *aliases: str) -> Figure:
+    return Figure(
+        key=key,
+        name=name,
+        unit=unit,
+        definition=definition,
+        need=Need.GEOMETRY,
+        function=function,
+        aliases=aliases,
+    )
+
+
+OF_GEOMETRY = (
+    _figure(
+        "ratio",
+        "turns of the crank in one of the output",
+        "1",
+        "Turns of the crank in one turn of the output, without its sense.",
+        lambda reducer: float(abs(reducer.design.ratio)),
+    ),
+    _figure(
+        "rated_torque_nm",
+        "rated torque",
+        "N m",
+        "Torque of the drive times the ratio: what the design is loaded with where nothing else is said.",
+        lambda reducer: reducer.design.rated_torque,
+        "nominal_torque",
+    ),
+    _figure(
+        "outer_diameter_mm",
+        "outer diameter",
+        "mm",
+        "Outer diameter of the housing.",
+        lambda reducer: 2.0 * MILLIMETRES * reducer.design.housing.outer_radius,
+        "outer_diameter",
+    ),
+    _figure(
+        "mass_kg",
+        "mass of all parts",
+        "kg",
+        "Mass of all parts as drawn, without covers and the rings of bearings.",
+        mass,
+        "mass",
+    ),
+    _figure(
+        "least_convex_radius_mm",
+        "sharpest convex bend of the lobes: its radius",
+        "mm",
+        "Least radius of curvature where the gear's profile is convex, clearance and modification cut away.",
+        least_convex_radius,
+    ),
+    _figure(
+        "short_width",
+        "K1 = c N / E",
+        "1",
+        "Eccentricity times the number of ring teeth over the pin-circle radius.",
+        short_width,
+    ),
+)
