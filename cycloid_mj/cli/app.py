@@ -6,10 +6,12 @@ Exit codes: 0 done; 1 a design, run, log or file that failed, or Ctrl-C, SIGTERM
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from inspect import BoundArguments
 
 from cyclopts import App, CycloptsError, Parameter
 
 from cycloid_mj import __version__
+from cycloid_mj.base.engine import at_most
 from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.interrupt import cause
 from cycloid_mj.base.replacing import one_command
@@ -62,6 +64,8 @@ EXAMPLES = """Start with:
   cycloid-mj design new my            # edit this: my.toml
   cycloid-mj design check my.toml"""
 
+RENAMED = {"--jobs": "--workers"}
+
 COMMANDS: dict[Callable[..., int], str] = {
     simulate.simulate: simulate.EXAMPLES,
     analyze.analyze: analyze.EXAMPLES,
@@ -97,7 +101,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     A mistake of the user's never raises: it is told in one line on stderr.
     """
-    words = sys.argv[1:] if argv is None else list(argv)
+    words = [_renamed(word) for word in (sys.argv[1:] if argv is None else argv)]
     try:
         quiet = "--quiet" in words
         with one_command(), warnings_kept(None if quiet else tell), log_told(quiet):
@@ -105,7 +109,9 @@ def main(argv: Sequence[str] | None = None) -> int:
             if group := _group_alone(app, words):
                 app.help_print(words, console=page.console(stderr=True))
                 raise UsageError(f"{group} needs a command: {', '.join(page.commands(app[group])) or 'none is there'}")
-            code = app(words)
+            command, bound, _ = app.parse_args(words)
+            with at_most(_workers(bound)):
+                code = command(*bound.args, **bound.kwargs)
         sys.stdout.flush()
         return code or 0
     except CycloptsError as error:
@@ -146,6 +152,20 @@ def application() -> App:
         app.command(group.commands(sort_key=place))
     app.register_install_completion_command(help="Make this shell complete commands and flags.")
     return page.flowing(app)
+
+
+def _renamed(word: str) -> str:
+    """Return a word of the command line with the present name of a flag that was called otherwise."""
+    flag, equals, value = word.partition("=")
+    if (name := RENAMED.get(flag)) is None:
+        return word
+    tell(f"warning: {flag} is called {name} now")
+    return f"{name}{equals}{value}"
+
+
+def _workers(bound: BoundArguments) -> int | None:
+    """Return what ``--workers`` says, if the command has that flag."""
+    return next((value.workers for value in bound.arguments.values() if hasattr(value, "workers")), None)
 
 
 def _group_alone(app: App, words: Sequence[str]) -> str:

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from pathlib import Path
 
+from cycloid_mj.base.engine import Engine
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.interrupt import Stopped, cause
 from cycloid_mj.cli.progress import Progress
@@ -15,14 +16,15 @@ from cycloid_mj.cli.simulate import run_into_log
 from cycloid_mj.design import Design
 
 
-def run_all(jobs: Mapping[Design, Path], workers: int, force: bool, quiet: bool) -> None:
-    """Run designs into their logs, `workers` at a time.
+def run_all(jobs: Mapping[Design, Path], force: bool, quiet: bool) -> None:
+    """Run designs into their logs, as many at a time as there are workers.
 
     Raises
     ------
     RunError
         A run went wrong, or Ctrl-C stopped them: every run has then ended, and each log that was begun is readable.
     """
+    workers = min(Engine(kind="threads").local_workers, len(jobs))
     total = sum(design.drive.ramp + design.drive.hold for design in jobs)
     with Progress(total, quiet) as progress, ThreadPoolExecutor(workers) as pool:
         progress.tell(f"{len(jobs)} runs, {workers} at a time")

@@ -79,8 +79,8 @@ TE_EXAMPLES = """Examples:
 
 
 def calibrate(
-    *,
     chosen: Annotated[DesignOptions, FLAT],
+    *,
     loop: LoopFlag,
     fit: FitFlag = "",
     held: HeldFlag = "crank",
@@ -142,8 +142,8 @@ def calibrate(
 
 
 def compare_bench(
-    *,
     chosen: Annotated[DesignOptions, FLAT],
+    *,
     te: TeFlag,
     load_nm: LoadFlag = None,
     out: OutFlag = Path(OUT_TE),

@@ -47,8 +47,8 @@ PlainFlag = Annotated[
 
 
 def build(
-    *,
     chosen: Annotated[DesignOptions, FLAT],
+    *,
     out: OutFlag,
     timestep_us: Annotated[float | None, TIMESTEP.flag("Time step of the model")] = None,
     chord_error_um: ChordFlag = 0.1,

@@ -1,6 +1,5 @@
 """``cycloid-mj compare``: two or more designs, or logs of them, side by side by the same measures."""
 
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -22,12 +21,12 @@ from cycloid_mj.cli.flags import (
     PointFlag,
     QuietFlag,
     SetFlag,
+    SeveralFlag,
     Values,
+    WorkersFlag,
     designed,
     point,
     require_distinct,
-    whole,
-    within,
 )
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.simulate import logs_folder, require_possible
@@ -119,15 +118,7 @@ class Options:
             "the first log's path with -compare for .mcap.",
         ),
     ] = None
-    jobs: Annotated[
-        int | None,
-        Parameter(
-            metavar="N",
-            converter=whole,
-            validator=within(1, 256),
-            help="Runs at a time, from 1 to 256. Default: one for each processor.",
-        ),
-    ] = None
+    workers: WorkersFlag = None
     force: ForceFlag = False
     json: JsonFlag = False
     quiet: QuietFlag = False
@@ -135,7 +126,7 @@ class Options:
     @property
     def for_runs(self) -> bool:
         """Whether one of the options is given that only runs obey."""
-        logs_too = ("q", "out", "force", "json", "quiet")
+        logs_too = ("q", "out", "workers", "force", "json", "quiet")
         return any(getattr(self, each.name) != each.default for each in fields(self) if each.name not in logs_too)
 
     @property
@@ -152,7 +143,7 @@ class Options:
 DEFAULT = Options()
 
 
-def compare(*designs: DesignsOrLogs, options: Annotated[Options, FLAT] = DEFAULT) -> int:
+def compare(*names: DesignsOrLogs, design: SeveralFlag = (), options: Annotated[Options, FLAT] = DEFAULT) -> int:
     """Run designs at no load and under load and put them side by side.
 
     For each load a table: errors of gear speed, path and speed of q,
@@ -183,6 +174,7 @@ def compare(*designs: DesignsOrLogs, options: Annotated[Options, FLAT] = DEFAULT
     10 kHz. With --json, one JSON object instead of the tables.
     """
     q = point(options.q)
+    designs = (*names, *design)
     logs = [name for name in designs if name.endswith(".mcap")]
     if logs and len(logs) < len(designs):
         raise UsageError(f"{logs[0]} is a log, {_first_design(designs)} a design: give designs only, or logs only")
@@ -271,7 +263,7 @@ def _from_runs(
         require_possible(design)
     into = logs_folder(RUNS, options.out, [*(f"{name}.mcap" for name in names.values()), CURVATURE], options.force)
     logs = {design: into / f"{name}.mcap" for design, name in names.items()}
-    run_all(logs, min(options.jobs or os.cpu_count() or 1, len(logs)), options.force, options.quiet)
+    run_all(logs, options.force, options.quiet)
     motions, measured = {}, {}
     for design, log in logs.items():
         motion, trial = _measured(log, q)

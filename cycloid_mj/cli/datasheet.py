@@ -24,8 +24,8 @@ EXAMPLES = """Examples:
 
 
 def datasheet(
-    *,
     chosen: Annotated[PresetOptions, FLAT] = PRESET,
+    *,
     out: OutFlag = RUNS,
     life_h: LifeFlag = 6000.0,
     force: ForceFlag = False,

@@ -1,6 +1,7 @@
 """``cycloid-mj design new``, ``show`` and ``check``."""
 
 import re
+from collections.abc import Callable
 from dataclasses import asdict
 from math import degrees
 from pathlib import Path
@@ -11,7 +12,7 @@ from cyclopts import App, Parameter
 from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.replacing import claim
 from cycloid_mj.base.whole import write_whole
-from cycloid_mj.cli.flags import NAMES, ForceFlag, JsonFlag, SetFlag, designed, whole
+from cycloid_mj.cli.flags import FLAT, NAMES, DesignOptions, ForceFlag, JsonFlag, SetFlag, designed, whole
 from cycloid_mj.cli.terminal import say, say_json
 from cycloid_mj.design import PRESETS, Design, dump, override, reasons
 from cycloid_mj.reducer import Reducer
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     from cycloid_mj.checks import Check, Summary
     from cycloid_mj.life import Rating
 
-DesignName = Annotated[str, Parameter(metavar="NAME|FILE", help=f"Design: {NAMES}, or a TOML file.")]
 NewName = Annotated[
     str, Parameter(metavar="NAME", help="Name of the new design and of its runs; the file is NAME.toml.")
 ]
@@ -56,7 +56,8 @@ def commands(sort_key: int) -> App:
     """Give the commands about design files; `sort_key` is their place in the help."""
     about = "Make a design file, print one, or check one."
     app = App(name="design", help=about, help_epilogue=EXAMPLES, sort_key=sort_key)
-    for place, command in enumerate((new, show, check)):
+    parts: tuple[Callable[..., int], ...] = (new, show, check)
+    for place, command in enumerate(parts):
         app.command(command, sort_key=place)
     return app
 
@@ -129,18 +130,18 @@ def _carried(design: Design) -> list[str]:
     return [*(_lines(summed, _rated(design)) if summed else []), *(f"{_word(item)}  {item}" for item in found)]
 
 
-def show(design: DesignName, /, *, set_: SetFlag = ()) -> int:
+def show(chosen: Annotated[DesignOptions, FLAT]) -> int:
     """Print the complete, commented design file of a preset or of a file, with the changes of --set.
 
     Each value that the paper (Hsieh 2014) does not give is marked as
     assumed. A file may leave keys out: they keep the values of the preset pin.
     """
-    found = designed(design, set_, ())
-    say(dump(found, reasons(design, found)).rstrip("\n"))
+    found = chosen.resolved()
+    say(dump(found, reasons(chosen.design, found)).rstrip("\n"))
     return 0
 
 
-def check(design: DesignName, /, *, set_: SetFlag = (), json: JsonFlag = False) -> int:
+def check(chosen: Annotated[DesignOptions, FLAT], *, json: JsonFlag = False) -> int:
     """Make every check of a design, list them all, and sum the design up.
 
     For each check: the value, its limit and the reason; for a failure also what
@@ -155,14 +156,14 @@ def check(design: DesignName, /, *, set_: SetFlag = (), json: JsonFlag = False) 
     """
     from cycloid_mj.checks import check as checks
 
-    chosen = designed(design, set_, ())
-    found = checks(chosen)
+    design = chosen.resolved()
+    found = checks(design)
     sound = not any(_word(item) == "FAIL" for item in found)
-    summed = _summed(chosen) if sound else None
-    rating = _rated(chosen) if summed else None
+    summed = _summed(design) if sound else None
+    rating = _rated(design) if summed else None
     if json:
         told = _in_file_units(summed, rating) if summed else None
-        say_json({"design": chosen.name, "sound": sound, "checks": [asdict(item) for item in found], "summary": told})
+        say_json({"design": design.name, "sound": sound, "checks": [asdict(item) for item in found], "summary": told})
     else:
         for item in found:
             say(f"{_word(item):4}  {item}")

@@ -75,8 +75,8 @@ CamFlag = Annotated[
 
 
 def export(
-    *,
     chosen: Annotated[DesignOptions, FLAT],
+    *,
     format_: FormatFlag = "stl",
     out: OutFlag = None,
     chord_error_um: ChordFlag = 1.0,

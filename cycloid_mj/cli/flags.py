@@ -3,7 +3,7 @@
 import math
 import operator
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter, Token
@@ -31,7 +31,22 @@ MOST_WORKERS = 4096
 NAMES = ", ".join(PRESETS)
 """The presets, for help."""
 
-DesignFlag = Annotated[str, Parameter(name="--design", metavar="NAME|FILE", help=f"Design: {NAMES}, or a TOML file.")]
+DesignFlag = Annotated[
+    str,
+    Parameter(name="--design", metavar="NAME|FILE", help=f"Design: {NAMES}, or a TOML file. --design may be left out."),
+]
+DesignNames = Annotated[str, Parameter(metavar="NAME|FILE...", help=f"Designs: {NAMES}, or TOML files.")]
+SeveralFlag = Annotated[
+    tuple[str, ...],
+    Parameter(
+        name="--design",
+        metavar="NAME|FILE",
+        consume_multiple=True,
+        help="Designs, as by their names alone. Repeatable.",
+    ),
+]
+"""Of a command that takes several designs, which `DesignNames` gives by position."""
+
 SetFlag = Annotated[
     tuple[str, ...],
     Parameter(
@@ -100,6 +115,17 @@ def within(low: float, high: float) -> Callable[[Any, Any], None]:
             raise ValueError(f"must be from {low:.10g} to {high:.10g}")
 
     return require
+
+
+WorkersFlag = Annotated[
+    int | None,
+    Parameter(
+        metavar="N",
+        converter=whole,
+        validator=within(1, MOST_WORKERS),
+        help="Pieces of work at once on this machine, at most. Default: one a core.",
+    ),
+]
 
 
 @dataclass(frozen=True)
@@ -188,9 +214,10 @@ def designed(name_or_file: str, changes: Sequence[str], values: Values) -> Desig
 
 @dataclass(frozen=True)
 class DesignOptions:
-    """The design that a command works on, with what is changed in it."""
+    """The design that a command works on, by position or by ``--design``, with what is changed in it."""
 
     design: DesignFlag
+    _: KW_ONLY
     set_: SetFlag = ()
 
     def resolved(self, values: Values = ()) -> Design:
@@ -220,15 +247,7 @@ PRESET = PresetOptions()
 class EngineOptions:
     """Where many pieces of work are done."""
 
-    workers: Annotated[
-        int | None,
-        Parameter(
-            metavar="N",
-            converter=whole,
-            validator=within(1, MOST_WORKERS),
-            help="Pieces of work at once on this machine. Default: one a core.",
-        ),
-    ] = None
+    workers: WorkersFlag = None
     scheduler: Annotated[
         str | None,
         Parameter(

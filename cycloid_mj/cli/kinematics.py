@@ -41,8 +41,8 @@ StepFlag = Annotated[
 
 
 def kinematics(
-    *,
     chosen: Annotated[DesignOptions, FLAT],
+    *,
     q: PointFlag = None,
     csv: CsvFlag,
     ramp_s: Annotated[float | None, RAMP.flag("Duration of the linear ramp from rest; 0: full speed at once")] = None,

@@ -14,7 +14,9 @@ from cycloid_mj.cli.flags import (
     FLAT,
     LOAD,
     NAMES,
+    PRESET,
     SPEED,
+    DesignNames,
     DesignOptions,
     DesignValue,
     ForceFlag,
@@ -22,6 +24,7 @@ from cycloid_mj.cli.flags import (
     PresetOptions,
     QuietFlag,
     SetFlag,
+    SeveralFlag,
     Values,
     require_distinct,
     whole,
@@ -332,22 +335,17 @@ def commands(sort_key: int) -> App:
 def _command(name: str, options: type[Options]) -> Callable[..., int]:
     """Make the command of a measure: its design, its own options, and what all measures share."""
 
-    def one(*, chosen: PresetOptions, options: Options, delivered: Delivered) -> int:
+    def one(chosen: PresetOptions = PRESET, *, options: Options, delivered: Delivered) -> int:
         return _measure(name, [chosen.sound(options.values())], options, delivered)
 
     def many(
-        *designs: Annotated[
-            str, Parameter(metavar="DESIGN", help=f"Designs: {NAMES}, or TOML files. Default: pin and nonpin.")
-        ],
-        design: Annotated[
-            tuple[str, ...],
-            Parameter(name="--design", metavar="NAME|FILE", help="A design, as by its name alone. May be repeated."),
-        ] = (),
+        *designs: Annotated[DesignNames, Parameter(help=f"Designs: {NAMES}, or TOML files. Default: pin and nonpin.")],
+        design: SeveralFlag = (),
         set_: SetFlag = (),
         options: Options,
         delivered: Delivered,
     ) -> int:
-        found = [DesignOptions(one, set_).sound(options.values()) for one in (*designs, *design) or BOTH]
+        found = [DesignOptions(one, set_=set_).sound(options.values()) for one in (*designs, *design) or BOTH]
         return _measure(name, found, options, delivered)
 
     command: Any = many if options is Torque else one
@@ -355,7 +353,7 @@ def _command(name: str, options: type[Options]) -> Callable[..., int]:
     flat = {word: Annotated[kind, FLAT] for word, kind in shared.items() if word in command.__annotations__}
     command.__doc__ = options.__doc__
     command.__annotations__ |= flat
-    command.__kwdefaults__ = (command.__kwdefaults__ or {}) | {word: shared[word]() for word in flat}
+    command.__kwdefaults__ = (command.__kwdefaults__ or {}) | {"options": options(), "delivered": Delivered()}
     made: Callable[..., int] = command
     return made
 

@@ -86,8 +86,8 @@ EXAMPLES = """Examples:
 
 
 def optimize(
-    *,
     chosen: Annotated[PresetOptions, FLAT] = PRESET,
+    *,
     vary: VaryFlag = (),
     minimize: MinimizeFlag = (),
     maximize: MaximizeFlag = (),

@@ -44,8 +44,8 @@ PartFlag = Annotated[
 
 
 def profile(
-    *,
     chosen: Annotated[DesignOptions, FLAT],
+    *,
     csv: CsvFlag,
     points: PointsFlag = None,
     part: PartFlag = "gear",

@@ -55,8 +55,8 @@ EXAMPLES = """Examples:
 
 
 def rate(
-    *,
     chosen: Annotated[PresetOptions, FLAT] = PRESET,
+    *,
     load_nm: LoadFlag = None,
     speed_rpm: SpeedFlag = None,
     duty: DutyFlag = None,

@@ -51,8 +51,8 @@ EXAMPLES = """Examples:
 
 
 def reduce(
-    *,
     chosen: Annotated[DesignOptions, FLAT],
+    *,
     out: OutFlag,
     level: LevelFlag = "full",
     timestep_ms: StepFlag = None,

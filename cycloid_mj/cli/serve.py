@@ -20,7 +20,7 @@ BrowserFlag = Annotated[bool, Parameter(name="--no-browser", help="Do not open t
 
 
 def app(
-    *, chosen: Annotated[PresetOptions, FLAT] = PRESET, port: PortFlag = PORT, no_browser: BrowserFlag = False
+    chosen: Annotated[PresetOptions, FLAT] = PRESET, *, port: PortFlag = PORT, no_browser: BrowserFlag = False
 ) -> int:
     """Open a page with a design under sliders: redrawn, checked and solved as they move.
 

@@ -69,8 +69,8 @@ ForceFlag = Annotated[
 
 
 def simulate(
-    *,
     chosen: Annotated[DesignOptions, FLAT],
+    *,
     contact: ContactFlag = "profile",
     solver: SolverFlag = "mujoco",
     out: OutFlag = None,

@@ -31,7 +31,7 @@ LoadFlag = Annotated[
 ]
 
 
-def statics(*, chosen: Annotated[DesignOptions, FLAT], load_nm: LoadFlag = None, json: JsonFlag = False) -> int:
+def statics(chosen: Annotated[DesignOptions, FLAT], *, load_nm: LoadFlag = None, json: JsonFlag = False) -> int:
     """Tell what a data sheet has of a reducer, by statics, in under a second.
 
     Backlash, lost motion, torsional stiffness; transmission error, loaded and

@@ -1,7 +1,6 @@
 """``cycloid-mj stress``: stress of every part by finite elements, under the forces of a run, over one crank turn."""
 
 import math
-import os
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
@@ -15,10 +14,12 @@ from cycloid_mj.base.errors import UsageError, warn
 from cycloid_mj.cli.flags import (
     LOAD,
     NAMES,
+    DesignNames,
     ForceFlag,
     JsonFlag,
     QuietFlag,
     SetFlag,
+    SeveralFlag,
     designed,
     require_distinct,
     within,
@@ -47,15 +48,6 @@ GIGABYTE = 1e9
 SAMPLES = 720
 """Least samples of a run in a crank turn: two for each degree."""
 
-DesignsFlag = Annotated[
-    tuple[str, ...],
-    Parameter(
-        name="--design",
-        metavar="NAME|FILE",
-        consume_multiple=True,
-        help=f"Designs: {NAMES}, or TOML files. With --log, what must have run; may then be left out.",
-    ),
-]
 PartsFlag = Annotated[
     tuple[str, ...],
     Parameter(
@@ -121,8 +113,11 @@ SolidFlag = Annotated[
 
 
 def stress(
-    *,
-    design: DesignsFlag = (),
+    *designs: Annotated[
+        DesignNames,
+        Parameter(help=f"Designs: {NAMES}, or TOML files. With --log, what must have run; may then be left out."),
+    ],
+    design: SeveralFlag = (),
     part: PartsFlag = (),
     log: LogsFlag = (),
     set_: SetFlag = (),
@@ -157,12 +152,13 @@ def stress(
     Without --log, each design is run first: no ramp, and long enough for one
     turn once the load has settled. Needs the extra `fem`: gmsh, scikit-fem.
     """
-    if not design and not log:
+    asked = (*designs, *design)
+    if not asked and not log:
         raise UsageError("stress needs a design or a log, such as: cycloid-mj stress --design pin")
     if log and (set_ or load_nm is not None):
         raise UsageError("logs are read as they are: leave out --set and --load-nm with --log")
-    if log and design and len(log) != len(design):
-        raise UsageError(f"there are {len(design)} designs and {len(log)} logs: give one log for each design")
+    if log and asked and len(log) != len(asked):
+        raise UsageError(f"there are {len(asked)} designs and {len(log)} logs: give one log for each design")
     from cycloid_mj.stress.packages import package
     from cycloid_mj.stress.study import QUICK, StudySettings
 
@@ -174,14 +170,14 @@ def stress(
         map_angle=None if angle_deg is None else math.radians(angle_deg),
     )
     if log:
-        runs = _read(log, design)
+        runs = _read(log, asked)
         planned = _planned([ran for ran, _, _ in runs], part, settings, quiet)
         into = folder(out or f"{log[0].removesuffix('.mcap')}-stress", "the figures", [RESULT], force)
     else:
-        designs = [_loaded(designed(name, set_, ()), load_nm) for name in design]
-        _require_apart(designs)
-        planned = _planned(designs, part, settings, quiet)
-        into, runs = _run(designs, out, force, quiet)
+        loaded = [_loaded(designed(name, set_, ()), load_nm) for name in asked]
+        _require_apart(loaded)
+        planned = _planned(loaded, part, settings, quiet)
+        into, runs = _run(loaded, out, force, quiet)
     studies = _studied(runs, planned, settings, quiet)
     report(studies, into, json)
     return 0
@@ -207,7 +203,7 @@ def _run(designs: Sequence[Design], out: str | None, force: bool, quiet: bool) -
     names = [design.name for design in designs]
     into = logs_folder(RUNS, out, [*(f"{name}.mcap" for name in names), RESULT], force)
     logs = {design: into / f"{design.name}.mcap" for design in designs}
-    run_all(logs, min(os.cpu_count() or 1, len(logs)), force, quiet)
+    run_all(logs, force, quiet)
     return into, [(design, read(path), path) for design, path in logs.items()]
 
 

@@ -94,8 +94,8 @@ OutFlag = Annotated[
 
 
 def sweep(
-    *,
     chosen: Annotated[PresetOptions, FLAT] = PRESET,
+    *,
     vary: VaryFlag = (),
     table: TableFlag = None,
     sample: SampleFlag = None,

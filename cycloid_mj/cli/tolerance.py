@@ -44,8 +44,8 @@ EXAMPLES = """Examples:
 
 
 def tolerance(
-    *,
     chosen: Annotated[PresetOptions, FLAT] = PRESET,
+    *,
     samples: SamplesFlag = 10_000,
     seed: SeedFlag = 0,
     limit: LimitFlag = (),

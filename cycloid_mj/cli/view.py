@@ -13,7 +13,10 @@ EXAMPLES = """Examples:
 
 SLOW = 100.0
 
-WhatName = Annotated[str, Parameter(metavar="DESIGN|RUN.mcap", help=f"Design ({NAMES}, or a TOML file), or a log.")]
+WhatFlag = Annotated[
+    str,
+    Parameter(name="--design", metavar="DESIGN|RUN.mcap", help=f"Design ({NAMES}, or a TOML file), or a log."),
+]
 SlowFlag = Annotated[
     float,
     Parameter(
@@ -22,7 +25,7 @@ SlowFlag = Annotated[
 ]
 
 
-def view(what: WhatName, /, *, set_: SetFlag = (), slow: SlowFlag = SLOW) -> int:
+def view(what: WhatFlag, *, set_: SetFlag = (), slow: SlowFlag = SLOW) -> int:
     """Open MuJoCo's viewer on the model of a design, or replay a log there, over and over.
 
     It needs a display; without one, use `cycloid-mj render` or `cycloid-mj

@@ -1,7 +1,6 @@
 """The runs of designs, each read from a log that fits it, else run into one; a few at a time are in memory."""
 
 import hashlib
-import os
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -86,7 +85,7 @@ class Logs:
                 as_own(path)
             self._read.cache_clear()
             try:
-                run_all(missing, min(os.cpu_count() or 1, len(missing)), force=True, quiet=self._quiet)
+                run_all(missing, force=True, quiet=self._quiet)
             except RunError as error:
                 if isinstance(error.__cause__, KeyboardInterrupt):
                     raise error.__cause__ from None

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import termios
 from collections.abc import Iterator
+from inspect import BoundArguments
 from itertools import pairwise
 from pathlib import Path
 
@@ -88,17 +89,81 @@ def test_group_without_a_command_is_wrong_use_and_prints_its_help(group, capsys)
     assert all(any(f" {name} " in line for line in page) for name in names)
 
 
-def leaves(app: App) -> Iterator[App]:
-    """Yield every command that does something."""
+def leaves(app: App, chain: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], App]]:
+    """Yield every command that does something, after its words."""
+    if not commands(app):
+        yield chain, app
     for name in commands(app):
-        yield from leaves(app[name]) if commands(app[name]) else [app[name]]
+        yield from leaves(app[name], (*chain, name))
+
+
+LEAVES = dict(leaves(application()))
+
+
+WITHOUT_DESIGN = {("validate",), ("doctor",), ("reproduce",), ("design", "new")}
+"""Commands that take neither a design nor a log: what they work on is their own."""
+
+NEEDED = {
+    "reduce": ("--out", "joint"),
+    "calibrate": ("--loop", "loop.csv"),
+    "compare-bench": ("--te", "te.csv"),
+    "build": ("--out", "model"),
+    "export": ("--out", "parts"),
+    "profile": ("--csv", "-"),
+    "kinematics": ("--csv", "-"),
+}
+"""Flags that a command cannot do without."""
+
+
+def flag_names(command: App) -> set[str]:
+    """Return all names of a command's arguments."""
+    return {name for argument in command.assemble_argument_collection() for name in argument.names}
+
+
+DESIGNED = [chain for chain, command in LEAVES.items() if "--design" in flag_names(command)]
+
+
+def test_every_command_takes_a_design_or_a_log_or_needs_neither() -> None:
+    without = {chain for chain, command in LEAVES.items() if not {"--design", "LOG", "LOGS"} & flag_names(command)}
+    assert without == WITHOUT_DESIGN
+
+
+@pytest.mark.parametrize("chain", DESIGNED, ids=" ".join)
+def test_a_design_is_taken_by_position_and_by_its_flag(chain: tuple[str, ...]) -> None:
+    """Both give the command the same designs, and the page of every command that has the flag shows both."""
+    app = application()
+    needed = NEEDED.get(chain[-1], ())
+    (_, by_place, _), (_, by_flag, _) = (
+        app.parse_args([*chain, *words, *needed]) for words in (["nonpin"], ["--design", "nonpin"])
+    )
+    assert designs_of(by_place) == designs_of(by_flag) == ("nonpin",)
+
+
+def designs_of(bound: BoundArguments) -> tuple[str, ...]:
+    """Return the designs that a command was asked for."""
+    given = bound.arguments
+    if "chosen" in given:
+        return (given["chosen"].design,)
+    if "what" in given:
+        return (given["what"],)
+    return (*given.get("names", ()), *given.get("designs", ()), *given.get("design", ()))
+
+
+def test_a_flag_that_was_renamed_still_works_and_tells_its_name(
+    empty: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["compare", "pin", "--jobs=2"]) == 2
+    assert capsys.readouterr().err.splitlines() == [
+        "warning: --jobs is called --workers now",
+        "error: a comparison needs two designs or more, such as: cycloid-mj compare pin nonpin",
+    ]
 
 
 def test_no_whole_number_is_rounded() -> None:
     """cyclopts rounds 1.5 to 2 by itself: every flag for a whole number reads it by `whole`."""
     found = {
         (one.name[-1], argument.name): argument.parameter.converter
-        for one in leaves(application())
+        for one in LEAVES.values()
         for argument in one.assemble_argument_collection()
         if argument.hint in (int, int | None)
     }

@@ -83,7 +83,7 @@ def planned(monkeypatch):
     """Let nothing run; give the designs that would have been run."""
     designs = []
 
-    def run_all(jobs, workers, force, quiet):
+    def run_all(jobs, force, quiet):
         designs.extend(jobs)
         raise RunError("nothing is run here")
 
@@ -288,7 +288,7 @@ def test_logs_in_a_named_folder_are_replaced_only_by_force(here, instant, undraw
 def test_the_first_design_rules_the_settings_and_set_changes_all(here, planned):
     slow = override(PRESETS["pin"], ["name=slow", "drive.speed_rpm=820", "drive.torque_nm=0.5", "load.rise_s=0.002"])
     Path("slow.toml").write_text(dump(slow))
-    argv = ("compare", "slow.toml", "nonpin", "--set", "friction.cam=0.01", "--quiet", "--quick", "--jobs", "1")
+    argv = ("compare", "slow.toml", "nonpin", "--set", "friction.cam=0.01", "--quiet", "--quick", "--workers", "1")
     assert told(*argv)[0] == 1
     assert {design.drive.speed for design in planned} == {slow.drive.speed}
     assert {design.load.rise for design in planned} == {0.002}
@@ -339,7 +339,7 @@ def test_a_run_that_fails_stops_the_others_and_is_told(here, monkeypatch):
             assert failed.wait(30)
 
     monkeypatch.setattr(cycloid_mj.dynamics.run, "blocks", blocks)
-    code, message = rejected("compare", "pin", "nonpin", "--load-nm", "0", "--out", "mine", "--jobs", "3", "--quick")
+    code, message = rejected("compare", "pin", "nonpin", "--load-nm", "0", "--out", "mine", "--workers", "3", "--quick")
     assert code == 1
     assert "jumped a tooth" in message
     assert "mine/nonpin-no-load.mcap" in message
@@ -349,7 +349,7 @@ def test_a_run_that_fails_stops_the_others_and_is_told(here, monkeypatch):
 
 def test_ctrl_c_stops_every_run_and_leaves_readable_logs(here, monkeypatch):
     monkeypatch.setattr("cycloid_mj.cli.batch.wait", interrupting)
-    code, message = rejected("compare", "pin", "nonpin", "--out", "mine", "--timestep-us", "4", "--jobs", "1")
+    code, message = rejected("compare", "pin", "nonpin", "--out", "mine", "--timestep-us", "4", "--workers", "1")
     assert code == 1
     assert "stopped by Ctrl-C" in message
     assert "mine" in message
@@ -385,7 +385,7 @@ def test_a_log_of_a_stopped_run_is_not_compared(compared, tmp_path):
         (("pin", "run.mcap"), ("run.mcap", "pin", "logs only")),
         (("a.mcap", "b.mcap", "--load-nm", "3"), ("logs are read as they are",)),
         (("a.mcap", "b.mcap", "--sweep"), ("logs are read as they are",)),
-        (("pin", "nonpin", "--jobs", "0"), ("--jobs", "from 1 to 256")),
+        (("pin", "nonpin", "--workers", "0"), ("--workers", "from 1 to 4096")),
         (("pin", "nonpin", "--load-nm", "nan"), ("--load-nm", "at least -1000000")),
         (("pin", "nonpin", "--ramp-s", "-1"), ("--ramp-s", "at least 0")),
         (("pin", "nonpin", "--hold-s", "0"), ("--hold-s", "more than 0")),

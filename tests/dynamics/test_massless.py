@@ -130,7 +130,7 @@ def test_without_load_a_run_warns_and_dynamic_figures_are_refused(capsys):
     with pytest.raises(DesignError, match=r'vibration: set ring.pins = "free"'):
         require_pin_bodies(light, "vibration")
     require_pin_bodies(Reducer(PIN), "vibration")
-    for command in (("measure", "vibration", "--design", "pin"), ("compare", "pin", "nonpin", "--jobs", "1")):
+    for command in (("measure", "vibration", "--design", "pin"), ("compare", "pin", "nonpin", "--workers", "1")):
         assert main([*command, "--set", 'ring.pins="massless"']) == 1
         assert "loaded means alone" in capsys.readouterr().err
 

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import partial
@@ -17,6 +18,17 @@ Lost = Callable[[int, str], R]
 
 
 _within_a_piece = ContextVar("within_a_piece", default=False)
+_most_workers = ContextVar("most_workers", default=0)
+
+
+@contextmanager
+def at_most(workers: int | None) -> Iterator[None]:
+    """Limit the workers of every engine inside this block that has no number of its own; None sets no limit."""
+    token = _most_workers.set(workers or 0)
+    try:
+        yield
+    finally:
+        _most_workers.reset(token)
 
 
 def cores() -> int:
@@ -35,7 +47,7 @@ class Engine:
     Attributes
     ----------
     workers
-        Workers on this machine; 0: one for each core that this process may use.
+        Workers on this machine; 0: as many as `at_most` allows, or one for each core that this process may use.
     kind
         Whether they are processes, or threads, for work that releases Python's lock.
     scheduler
@@ -49,7 +61,7 @@ class Engine:
     @property
     def local_workers(self) -> int:
         """How many workers there are on this machine: one for what is itself a piece of work."""
-        return 1 if _within_a_piece.get() else self.workers or cores()
+        return 1 if _within_a_piece.get() else self.workers or _most_workers.get() or cores()
 
     def stream(
         self, work: Callable[[T], R], items: Iterable[T], lost: Lost[R] | None = None
