@@ -8,6 +8,7 @@ from cyclopts.exceptions import (
     CoercionError,
     MissingArgumentError,
     UnknownCommandError,
+    UnknownOptionError,
     UnusedCliTokensError,
     ValidationError,
 )
@@ -27,7 +28,12 @@ def _what(error: CycloptsError) -> str:
     if isinstance(error, UnknownCommandError) and error.app is not None:
         return _unknown_command((error.unused_tokens or [""])[0], error.app)
     if isinstance(error, MissingArgumentError) and argument is not None:
-        return _missing(argument.name, error.unused_tokens or [])
+        place = "" if argument.index is None or not argument.name.startswith("-") else argument.name[2:].upper()
+        return _missing(argument.name, error.unused_tokens or [], place)
+    if isinstance(error, UnknownOptionError):
+        word = error.token.keyword or error.token.value
+        known = [name for each in error.argument_collection for name in each.names]
+        return _unknown_option(word, get_close_matches(word, known, n=1))
     if isinstance(error, UnusedCliTokensError):
         return f"unexpected argument {(error.unused_tokens or [''])[0]!r}"
     if isinstance(error, ValidationError) and argument is not None:
@@ -38,12 +44,16 @@ def _what(error: CycloptsError) -> str:
     return str(error)
 
 
-def _missing(flag: str, unused: Sequence[str]) -> str:
-    """Name the option that a missing one may have been meant by."""
+def _missing(flag: str, unused: Sequence[str], place: str) -> str:
+    """Name the option that a missing one may have been meant by; `place` is its name by position, if it has one."""
     misspelt = get_close_matches(flag, [word.split("=")[0] for word in unused if word.startswith("--")], n=1)
     if misspelt and misspelt[0] != flag:
-        return f"unknown option {misspelt[0]}; did you mean {flag}?"
-    return f"{flag} needs a value"
+        return _unknown_option(misspelt[0], [flag])
+    return f"{place} or {flag} needs a value" if place else f"{flag} needs a value"
+
+
+def _unknown_option(word: str, meant: Sequence[str]) -> str:
+    return f"unknown option {word}; did you mean {meant[0]}?" if meant else f"unknown option {word}"
 
 
 def _unknown_command(word: str, app: App) -> str:

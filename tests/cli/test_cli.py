@@ -861,7 +861,7 @@ def test_a_fault_of_the_program_is_not_taken_for_a_mistake_of_the_user(monkeypat
     def faulty(*words):
         raise ZeroDivisionError
 
-    monkeypatch.setattr("cycloid_mj.cli.design.designed", faulty)
+    monkeypatch.setattr("cycloid_mj.cli.flags.designed", faulty)
     with pytest.raises(ZeroDivisionError):
         main(["design", "show", "pin"])
 

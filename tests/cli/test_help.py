@@ -100,7 +100,7 @@ def leaves(app: App, chain: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, .
 LEAVES = dict(leaves(application()))
 
 
-WITHOUT_DESIGN = {("validate",), ("doctor",), ("reproduce",), ("design", "new")}
+WITHOUT_DESIGN = {("validate",), ("doctor",), ("figures",), ("reproduce",), ("design", "new")}
 """Commands that take neither a design nor a log: what they work on is their own."""
 
 NEEDED = {
